@@ -319,6 +319,34 @@ fn kernels_for_graphics_processors() {
 }
 
 #[test]
+fn rollouts_for_graphics_processors() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let cost = at(folder.path(), "cost.wgsl");
+    let text = "fn cost(q: array<f32, 6>, qd: array<f32, 6>, u: array<f32, 6>, step: u32) -> f32 { return q[0]; }";
+    std::fs::write(&cost, text).expect("writes");
+    let generate = |more: &[&str]| {
+        let arguments = ["generate", "robots/arm6.urdf", "--functions", "step_semi_implicit"];
+        modyn(&[&arguments, more].concat())
+    };
+    let shown = generate(&["--target", "wgsl", "--rollout", "--cost", &cost]);
+    assert_eq!(shown.code, 0, "{}", shown.err);
+    assert!(
+        shown.out.contains("fn arm6_rollout_semi_implicit(@builtin") && shown.out.contains(text)
+    );
+    let shown = generate(&["--target", "cuda", "--rollout"]);
+    assert!(shown.out.contains("arm6_rollout_semi_implicit(const double *__restrict__ start_q"));
+    let refused = generate(&["--target", "c", "--rollout"]);
+    assert_eq!(refused.code, 2);
+    assert!(refused.err.contains("`--rollout` is about"), "{}", refused.err);
+    let refused = generate(&["--target", "wgsl", "--rollout", "--cost", "none.wgsl"]);
+    assert_eq!(refused.code, 2);
+    assert!(refused.err.contains("cannot read none.wgsl"), "{}", refused.err);
+    let refused = modyn(&["generate", "robots/arm6.urdf", "--target", "wgsl", "--rollout"]);
+    assert_eq!(refused.code, 2);
+    assert!(refused.err.contains("step_semi_implicit"), "{}", refused.err);
+}
+
+#[test]
 fn functions_for_casadi() {
     let generate = ["generate", "robots/double_pendulum.urdf", "--target", "casadi"];
     let with = |arguments: &[&str]| modyn(&[&generate[..], arguments].concat());

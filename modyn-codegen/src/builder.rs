@@ -16,8 +16,8 @@ use crate::check::conditioning_warning;
 use crate::description::{Base, Contact, Loop, Mimic, ReadOptions, Rotor};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity};
 use crate::emit::{
-    CSource, CasadiSource, EmitOptions, Emitted, FloatType, GpuLanguage, GpuSource, emit, emit_c,
-    emit_casadi, emit_gpu,
+    CSource, CasadiSource, EmitOptions, Emitted, FloatType, GpuLanguage, GpuSource, RolloutOptions,
+    RolloutSource, emit, emit_c, emit_casadi, emit_gpu, emit_rollouts,
 };
 use crate::options::{Bundle, ModuleChoice, OptionError, Options, Value, option_table};
 use crate::plan::{CasadiPlan, Choices, Constants, Execution, Function, Plan};
@@ -227,13 +227,47 @@ impl Builder {
         &self,
         language: GpuLanguage,
     ) -> Result<(GpuSource, Vec<Diagnostic>), Diagnostics> {
+        let (plan, Inputs { model, options, .. }) = self.threads(language)?;
+        Ok((emit_gpu(&model, &plan, &options, language), options.warnings))
+    }
+
+    /// Returns kernels for graphics processors that integrate motions over many time steps, without writing anything, and
+    /// the warnings. Each function of a time step among the robot's functions (such as `step_semi_implicit`) becomes a
+    /// kernel. The other functions become device functions, which the functions of `rollouts` may call.
+    ///
+    /// # Errors
+    ///
+    /// Returns all errors of the description and the options, also if there is no function of a time step or no control.
+    pub fn generate_rollouts(
+        &self,
+        language: GpuLanguage,
+        rollouts: &RolloutOptions,
+    ) -> Result<(RolloutSource, Vec<Diagnostic>), Diagnostics> {
+        let error = |message: &str, help: &str| {
+            Diagnostics::new(vec![Diagnostic::error(Code::Option, message).with_help(help)])
+        };
+        if rollouts.forces.as_ref().is_some_and(|forces| forces.controls == 0) {
+            let message = "a rollout whose forces are a function of controls has no control";
+            return Err(error(message, "give the number of controls of a step, at least 1"));
+        }
+        let (plan, Inputs { model, options, .. }) = self.threads(language)?;
+        let source = emit_rollouts(&model, &plan, &options, language, rollouts);
+        if source.rollouts.is_empty() {
+            let message = "a rollout needs a function of a time step, and there is none";
+            return Err(error(message, "add `step_semi_implicit` to the option `functions`"));
+        }
+        Ok((source, options.warnings))
+    }
+
+    /// Returns the plan of programs that run in the threads of a graphics processor, and its inputs.
+    fn threads(&self, language: GpuLanguage) -> Result<(Plan, Inputs), Diagnostics> {
         let builder = match language {
             GpuLanguage::Wgsl => self.clone().scalar(FloatType::F32),
             GpuLanguage::Cuda => self.clone(),
         };
-        let Inputs { model, modules, choices, options } = builder.inputs()?;
-        let plan = Plan::new(&model, &modules, &choices, Execution::Threads);
-        Ok((emit_gpu(&model, &plan, &options, language), options.warnings))
+        let inputs = builder.inputs()?;
+        let plan = Plan::new(&inputs.model, &inputs.modules, &inputs.choices, Execution::Threads);
+        Ok((plan, inputs))
     }
 
     /// Returns the C99 text of the functions that `CasADi` loads with `casadi.external`, with their derivatives under the

@@ -33,6 +33,7 @@ pub use check::{MAX_CONDITION_F32, condition_number};
 pub use description::{Base, Contact, Loop, LoopEnd, Mimic, ReadOptions, Rotor};
 pub use emit::{
     CSource, CasadiSource, FloatType, GpuLanguage, GpuSource, MachineCode, MachineTarget,
+    RolloutForces, RolloutOptions, RolloutSource,
 };
 pub use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
 pub use options::{Bundle, ModuleChoice};

@@ -438,6 +438,60 @@ fn single(row: &[String]) -> Option<[String; 4]> {
         .then(|| [row[0].clone(), "f32".into(), "3".into(), row[3].clone()])
 }
 
+/// An estimate of the speed of a kernel on an H200.
+struct H200 {
+    /// The threads that the processor has at a time.
+    threads: usize,
+    /// The time of a state, or of a step of a rollout, if all instructions of a thread run at the full rate.
+    nanoseconds: f64,
+    /// The sum behind the time.
+    sum: String,
+}
+
+/// Estimates the speed of a kernel of the table `cuda`, by NVIDIA's data sheet of the H200.
+fn h200(robot: &str, kernel: &str, scalar: &str) -> H200 {
+    const MULTIPROCESSORS: usize = 132;
+    const REGISTERS: usize = 65_536;
+    const MAX_WARPS: usize = 64;
+    const GIGAHERTZ: f64 = 1.98;
+    // A block has 4 warps of 32 threads; a warp's registers are given out in units of 8 a thread.
+    let (warps_of_block, warp) = (4, 32);
+    let data = Data::load("cuda");
+    let key = [robot, kernel, scalar, "sm_90"];
+    let registers = (data.number(&key, "registers") as usize).next_multiple_of(8);
+    let instructions = data.number(&key, "instructions");
+    let blocks = REGISTERS / (registers * warp * warps_of_block);
+    let threads = MULTIPROCESSORS * warp * (blocks * warps_of_block).min(MAX_WARPS);
+    let lanes = if scalar == "f32" { 128.0 } else { 64.0 };
+    let nanoseconds = instructions / (MULTIPROCESSORS as f64 * lanes * GIGAHERTZ);
+    let sum = format!(
+        "{instructions} instructions / ({MULTIPROCESSORS} * {lanes} * {GIGAHERTZ} GHz) = {nanoseconds:.3} ns a state"
+    );
+    H200 { threads, nanoseconds, sum }
+}
+
+/// The estimates for the kernels of the table `cuda`.
+fn cuda_estimates() -> String {
+    let data = Data::load("cuda");
+    let rows = data.rows.iter().filter(|row| row[data.column("architecture")] == "sm_90");
+    let rows: Vec<Vec<String>> = rows
+        .map(|row| {
+            let estimate = h200(&row[0], &row[1], &row[2]);
+            let time = format!("{:.2}", estimate.nanoseconds);
+            [&row[..3], &[estimate.threads.to_string(), time]].concat()
+        })
+        .collect();
+    let titles = [
+        "robot",
+        "kernel",
+        "scalar",
+        "threads at a time",
+        "estimate, ns a state (of a rollout: a step)",
+    ];
+    table(&titles, rows.iter().map(Vec::as_slice))
+        + "\nEstimated from the table `docs/data/cuda.tsv`.\n"
+}
+
 /// The rows of the firmware's table that its page shows.
 fn firmware_in_short() -> String {
     const SHOWN: [&str; 8] = [
@@ -539,6 +593,8 @@ fn rendered(name: &str) -> String {
         "casadi" => beside_casadi(),
         "robots-in-short" => robots_in_short(),
         "tangents" => beside_tangents(),
+        "cuda-sum" => h200("Panda", "`forward_dynamics`", "f32").sum,
+        "cuda-estimates" => cuda_estimates(),
         "firmware" => firmware_in_short(),
         "f64-by-software" => range(firmware("instructions", single)),
         "shared-flash" => range(per_cent(firmware("flash, with callees", shared))),

@@ -7,7 +7,8 @@ use std::process::Command;
 
 use modyn_codegen::emit::{GpuKernel, GpuSource};
 use modyn_codegen::{
-    Base, Builder, Contact, ContactKind, FloatType, Function, GpuLanguage, LoopEnd,
+    Base, Builder, Contact, ContactKind, FloatType, Function, GpuLanguage, LoopEnd, RolloutForces,
+    RolloutOptions,
 };
 
 fn robot(name: &str) -> Builder {
@@ -116,29 +117,38 @@ fn harness(
     text + "printf(\"%s\\n\", moved > 1000 ? \"done\" : \"nothing moved\");\nreturn 0;\n}\n"
 }
 
-fn compare(name: &str, builder: &Builder, float: FloatType, numbers: (&str, &str)) -> GpuSource {
-    let builder = builder.clone().scalar(float);
+/// Compiles the C text of `builder`, a text of CUDA and a program that includes both, and runs the program.
+fn build(name: &str, builder: &Builder, (kernels, main): (&str, &str)) {
     let folder = folder(name);
     let (c, _) = builder.clone().type_name("Ours").generate_c().expect("good");
-    let planned = builder.plan().expect("good");
-    let (source, _) = builder.type_name("Theirs").generate_gpu(GpuLanguage::Cuda).expect("good");
-    let model = planned.model;
-    let quaternions: Vec<usize> = model.quaternions().map(|(_, at)| at).collect();
-    let real = if float == FloatType::F64 { "double" } else { "float" };
-    let write = |file: &str, text: &str| {
+    let files = [
+        ("ours.h", &*c.header),
+        ("ours.c", &*c.source),
+        ("kernels.cu", kernels),
+        ("shim.h", include_str!("cuda_shim.h")),
+        ("main.cpp", main),
+    ];
+    for (file, text) in files {
         std::fs::write(folder.join(file), text).expect("writes");
-    };
-    write("ours.h", &c.header);
-    write("ours.c", &c.source);
-    write("kernels.cu", &source.text);
-    write("shim.h", include_str!("cuda_shim.h"));
-    write("main.cpp", &harness(&source, &quaternions, real, numbers));
+    }
     run(Command::new("gcc").args(["-std=c99", "-O1", "-c", "ours.c"]).current_dir(&folder));
     let options = ["-std=c++17", "-O1", "-Wall", "-Wno-unused-function", "-Wno-unused-variable"];
     let mut command = Command::new("g++");
     command.args(options).args(["main.cpp", "ours.o", "-lm", "-o", "main"]);
     run(command.current_dir(&folder));
     assert_eq!(run(&mut Command::new(folder.join("main"))), "done\n", "{name}");
+}
+
+fn compare(name: &str, builder: &Builder, float: FloatType, numbers: (&str, &str)) -> GpuSource {
+    let builder = builder.clone().scalar(float);
+    let planned = builder.plan().expect("good");
+    let theirs = builder.clone().type_name("Theirs");
+    let (source, _) = theirs.generate_gpu(GpuLanguage::Cuda).expect("good");
+    let model = planned.model;
+    let quaternions: Vec<usize> = model.quaternions().map(|(_, at)| at).collect();
+    let real = if float == FloatType::F64 { "double" } else { "float" };
+    let main = harness(&source, &quaternions, real, numbers);
+    build(name, &builder, (&source.text, &main));
     source
 }
 
@@ -219,4 +229,136 @@ fn texts_name_their_buffers() {
     let [kernel] = &*wgsl.kernels else { panic!("one kernel") };
     assert_eq!((kernel.result, kernel.arguments.len()), (6, 2));
     assert!(kernel.arguments[1].common && !kernel.arguments[0].common);
+}
+
+/// A program that computes rollouts by the kernel, and by C's functions in a loop. The first quaternion of `q` begins at
+/// `quaternion`, if it is not negative. `forces` and `cost` are statements that compute `tau` and `sum` by C.
+fn rollout_harness(
+    (robot, step, starts): (&str, &str, usize),
+    quaternion: i32,
+    arguments: [&str; 2],
+    (forces, cost): (&str, &str),
+) -> String {
+    let [data, costs] = arguments;
+    format!(
+        "#include <cmath>\n#include <cstdio>\n#include <vector>\n#include \"shim.h\"\nusing namespace std;\n\
+         extern \"C\" {{\n#include \"ours.h\"\n}}\n#include \"kernels.cu\"\n\
+         static unsigned long long seed = 1;\n\
+         static double number() {{\n\
+         seed = seed * 6364136223846793005ULL + 1442695040888963407ULL;\n\
+         return (double)(seed >> 33) / 1073741824.0 - 1.0;\n}}\n\
+         int main() {{\nconst unsigned n = 21, steps = 12, starts = {starts};\nblockDim.x = 8;\n\
+         const int nq = OURS_NQ, nv = OURS_NV, size = nq + nv;\nconst double dt[1] = {{ 0.004 }};\n\
+         vector<double> q(nq * starts), qd(nv * starts), data = {{ 0.7, 0.3, 0.2, -0.4, 0.9 }};\n\
+         vector<double> params = {{ 0.3, -0.8, -9.1 }};\n\
+         for (double &x : q) x = number();\nfor (double &x : qd) x = number();\n\
+         for (unsigned i = 0; i < starts && {quaternion} >= 0; ++i) {{ double s = 0;\n\
+         for (int j = {quaternion}; j < {quaternion} + 4; ++j) s += q[j * starts + i] * q[j * starts + i];\n\
+         for (int j = {quaternion}; j < {quaternion} + 4; ++j) q[j * starts + i] /= sqrt(s); }}\n\
+         vector<double> controls({robot}_CONTROLS * steps * n), out(size * n), costs(n), trajectory(size * steps * n);\n\
+         for (double &x : controls) x = number();\n\
+         for (int recorded = 0; recorded < 2; ++recorded) {{\n\
+         for (unsigned i = 0; i < 24; ++i) {{ blockIdx.x = i / 8; threadIdx.x = i % 8;\n\
+         theirs_{rollout}(q.data(), qd.data(), controls.data(), {data}out.data(), {costs}\
+         recorded ? trajectory.data() : 0, dt[0], steps, starts, n); }}\n\
+         double worst = 0, moved = 0;\n\
+         for (unsigned i = 0; i < n; ++i) {{\n\
+         double s[size], u[{robot}_CONTROLS], tau[nv], sum = 0;\n\
+         for (int j = 0; j < size; ++j) s[j] = j < nq ? q[j * starts + i % starts] : qd[(j - nq) * starts + i % starts];\n\
+         for (unsigned k = 0; k < steps; ++k) {{\n\
+         for (int j = 0; j < {robot}_CONTROLS; ++j) u[j] = controls[(k * {robot}_CONTROLS + j) * n + i];\n\
+         {forces}\n\
+         double next[size];\nours_{step}(s, s + nq, tau, dt, next);\n\
+         for (int j = 0; j < size; ++j) {{ moved = fmax(moved, fabs(next[j] - s[j])); s[j] = next[j]; }}\n\
+         {cost}\n\
+         for (int j = 0; j < size && recorded; ++j)\n\
+         worst = fmax(worst, fabs(trajectory[(k * size + j) * n + i] - s[j]) / fmax(1, fabs(s[j])));\n}}\n\
+         for (int j = 0; j < size; ++j) worst = fmax(worst, fabs(out[j * n + i] - s[j]) / fmax(1, fabs(s[j])));\n\
+         worst = fmax(worst, fabs(costs[i] - sum) / fmax(1, fabs(sum)));\n}}\n\
+         if (!(worst < 1e-11) || !(moved > 1e-3)) {{ printf(\"%g %g\\n\", worst, moved); return 0; }}\n}}\n\
+         printf(\"done\\n\");\nreturn 0;\n}}\n",
+        rollout = step.replacen("step", "rollout", 1),
+    )
+}
+
+/// An arm with run-time gravity, three controls, forces and a cost that call functions of the robot, and each rollout from
+/// its own state.
+#[test]
+#[ignore = "slow: g++ compiles a robot"]
+fn rollouts_are_loops_of_steps() {
+    let functions = [
+        Function::StepSemiImplicit,
+        Function::StepRk4,
+        Function::GravityTorques,
+        Function::LinkPose,
+    ];
+    let builder = robot("arm7").functions(functions).runtime_gravity();
+    let user = "const theirs_real *q, const theirs_real *qd, const theirs_real *u, unsigned int step, \
+                const theirs_real *data, const theirs_real *params";
+    let forces = RolloutForces {
+        text: format!(
+            "static __device__ void forces({user}, theirs_real *tau)\n{{\n    theirs_gravity_torques(q, params, tau);\n    \
+             for (int j = 0; j < 7; ++j) {{ tau[j] += data[0] * u[j % 3] - data[1] * qd[j]; }}\n}}\n"
+        ),
+        controls: 3,
+    };
+    let cost = format!(
+        "static __device__ theirs_real cost({user})\n{{\n    theirs_real pose[12];\n    \
+         theirs_link_pose_hand(q, pose);\n    theirs_real sum = (step + 1) * data[0] * u[2] * u[2] + qd[6] * data[1];\n    \
+         for (int j = 0; j < 3; ++j) {{ sum += (pose[9 + j] - data[2 + j]) * (pose[9 + j] - data[2 + j]); }}\n    \
+         return sum;\n}}\n"
+    );
+    let options = RolloutOptions { cost: Some(cost), forces: Some(forces) };
+    let theirs = builder.clone().type_name("Theirs");
+    let (source, _) = theirs.generate_rollouts(GpuLanguage::Cuda, &options).expect("good");
+    let names: Vec<&str> = source.rollouts.iter().map(|rollout| &*rollout.name).collect();
+    assert_eq!(names, ["theirs_rollout_semi_implicit", "theirs_rollout_rk4"]);
+    let forces = "ours_gravity_torques_with(s, params.data(), tau);\n\
+                  for (int j = 0; j < nv; ++j) tau[j] += 0.7 * u[j % 3] - 0.3 * s[nq + j];";
+    let cost = "double pose[12];\nours_link_pose(s, OURS_LINK_HAND, pose);\n\
+                sum += (k + 1) * 0.7 * u[2] * u[2] + 0.3 * s[nq + 6];\n\
+                for (int j = 0; j < 3; ++j) sum += pow(pose[9 + j] - data[2 + j], 2);";
+    for step in ["step_semi_implicit", "step_rk4"] {
+        let arguments = ["data.data(), params.data(), ", "costs.data(), "];
+        let main = rollout_harness(("ARM", step, 21), -1, arguments, (forces, cost));
+        let main = main.replace("ARM_CONTROLS", "3");
+        // C's functions with run-time parameters have names of their own.
+        let own = format!("ours_{step}(s, s + nq, tau, dt, next)");
+        let with = format!("ours_{step}_with(s, s + nq, tau, dt, params.data(), next)");
+        assert!(main.contains(&own));
+        let main = main.replace(&own, &with);
+        build(&format!("rollout_{step}"), &builder, (&source.text, &main));
+    }
+}
+
+/// A floating quadruped, whose controls are its joint forces; several rollouts start from one state.
+#[test]
+#[ignore = "slow: g++ compiles a robot"]
+fn rollouts_of_a_floating_robot() {
+    let builder = robot("quadruped").functions([Function::StepSemiImplicit]).base(Base::Floating);
+    let theirs = builder.clone().type_name("Theirs");
+    let options = RolloutOptions::default();
+    let (source, _) = theirs.generate_rollouts(GpuLanguage::Cuda, &options).expect("good");
+    let model = builder.plan().expect("good").model;
+    let quaternion = model.quaternions().next().expect("a floating base").1;
+    let quaternion = i32::try_from(quaternion).expect("small");
+    let forces = "for (int j = 0; j < nv; ++j) tau[j] = u[j];";
+    let main =
+        rollout_harness(("LEGS", "step_semi_implicit", 4), quaternion, ["", ""], (forces, ""));
+    let main = main.replace("LEGS_CONTROLS", "nv");
+    build("rollout_floating", &builder, (&source.text, &main));
+}
+
+/// What a rollout lacks is an error with a remedy.
+#[test]
+fn rollouts_need_a_step_and_controls() {
+    let builder = robot("arm6").functions([Function::ForwardDynamics]);
+    let options = RolloutOptions::default();
+    let error = builder.generate_rollouts(GpuLanguage::Wgsl, &options).expect_err("no step");
+    assert!(error.to_string().contains("step_semi_implicit"), "{error}");
+    let forces = Some(RolloutForces { text: String::new(), controls: 0 });
+    let options = RolloutOptions { forces, ..options };
+    let builder = builder.functions([Function::StepSemiImplicit]);
+    let error = builder.generate_rollouts(GpuLanguage::Wgsl, &options).expect_err("no control");
+    assert!(error.to_string().contains("at least 1"), "{error}");
 }

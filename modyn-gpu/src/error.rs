@@ -42,6 +42,15 @@ pub enum GpuError {
         /// The number of arrays that were given.
         given: usize,
     },
+    /// The controls of a rollout are no whole number of steps.
+    Controls {
+        /// The kernel.
+        kernel: String,
+        /// The controls of a step.
+        controls: usize,
+        /// The scalars of a state that the array has.
+        given: usize,
+    },
     /// Two arrays are for different numbers of states.
     States {
         /// The kernel.
@@ -92,6 +101,10 @@ impl fmt::Display for GpuError {
                     expected.join(", ")
                 )
             }
+            Self::Controls { kernel, controls, given } => write!(
+                f,
+                "`{kernel}` takes {controls} controls a step, and {given} are no whole number of steps"
+            ),
             Self::States { kernel, expected, given } => {
                 write!(f, "`{kernel}` was given arrays for {expected} and for {given} states")
             }

@@ -2,7 +2,7 @@
 //!
 //! [`Gpu`] is a graphics processor of the machine, or Mesa's software processor where there is none. [`GpuRobot`] holds
 //! the kernels of a robot, which modyn compiles to WGSL at run time: no build step is needed. Arrays stay on the
-//! processor ([`GpuArray`]) until they are read.
+//! processor ([`GpuArray`]) until they are read. [`Rollout`] computes motions over many time steps in one kernel.
 //!
 //! Scalar `j` of state `i` of `n` states is number `j n + i` of an array. Numbers are in single precision.
 //!
@@ -28,10 +28,13 @@
 
 mod array;
 mod error;
+mod kernel;
 mod processor;
 mod robot;
+mod rollout;
 
 pub use array::GpuArray;
 pub use error::GpuError;
 pub use processor::Gpu;
 pub use robot::GpuRobot;
+pub use rollout::{Rollout, RolloutArguments, RolloutResults};

@@ -1,16 +1,10 @@
 //! The kernels of a robot.
 
-use std::collections::BTreeMap;
-use std::sync::Mutex;
-
 use modyn_codegen::Builder;
 use modyn_codegen::emit::{GpuKernel, GpuLanguage, GpuSource};
-use wgpu::util::DeviceExt;
 
+use crate::kernel::Pipelines;
 use crate::{Gpu, GpuArray, GpuError};
-
-/// The threads of a workgroup in the kernels.
-const WORKGROUP: usize = 64;
 
 /// The kernels of a robot on a processor. A kernel is compiled when it first runs.
 #[derive(Debug)]
@@ -18,7 +12,7 @@ pub struct GpuRobot {
     gpu: Gpu,
     source: GpuSource,
     module: wgpu::ShaderModule,
-    pipelines: Mutex<BTreeMap<usize, wgpu::ComputePipeline>>,
+    pipelines: Pipelines,
 }
 
 impl GpuRobot {
@@ -30,16 +24,8 @@ impl GpuRobot {
     /// If the description or the options are wrong, or the processor refuses the kernels.
     pub fn new(gpu: &Gpu, builder: &Builder) -> Result<Self, GpuError> {
         let (source, _) = builder.generate_gpu(GpuLanguage::Wgsl)?;
-        let device = &gpu.inner.device;
-        let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(&source.prefix),
-            source: wgpu::ShaderSource::Wgsl(source.text.as_str().into()),
-        });
-        if let Some(error) = pollster::block_on(scope.pop()) {
-            return Err(GpuError::Device(error.to_string()));
-        }
-        Ok(Self { gpu: gpu.clone(), source, module, pipelines: Mutex::default() })
+        let module = gpu.module(&source.prefix, &source.text)?;
+        Ok(Self { gpu: gpu.clone(), source, module, pipelines: Pipelines::default() })
     }
 
     /// Returns the text of the kernels, and their arguments and results.
@@ -61,42 +47,11 @@ impl GpuRobot {
         let (index, kernel) = self.find(kernel)?;
         let states = fitting(kernel, arguments)?;
         let result = self.gpu.empty(kernel.result, states)?;
-        let device = &self.gpu.inner.device;
-        let count = u32::try_from(states).map_err(|_| GpuError::TooLarge {
-            bytes: 4 * states as u64,
-            limit: 4 * u64::from(u32::MAX),
-        })?;
-        let count = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: None,
-            contents: &[count.to_le_bytes(), [0; 4], [0; 4], [0; 4]].concat(),
-            usage: wgpu::BufferUsages::UNIFORM,
-        });
+        let count = self.gpu.uniform(&[self.gpu.count(states)?, 0, 0, 0]);
         let pipeline = self.pipeline(index)?;
-        let buffers = arguments.iter().map(|array| &array.buffer).chain([&result.buffer, &count]);
-        let entries: Vec<wgpu::BindGroupEntry<'_>> = (0..)
-            .zip(buffers)
-            .map(|(binding, buffer)| wgpu::BindGroupEntry {
-                binding,
-                resource: buffer.as_entire_binding(),
-            })
-            .collect();
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &pipeline.get_bind_group_layout(0),
-            entries: &entries,
-        });
-        let groups = states.div_ceil(WORKGROUP);
-        let most = device.limits().max_compute_workgroups_per_dimension as usize;
-        let rows = groups.div_ceil(most);
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            pass.set_pipeline(&pipeline);
-            pass.set_bind_group(0, &group, &[]);
-            let columns = groups.div_ceil(rows);
-            pass.dispatch_workgroups(size(columns), size(rows), 1);
-        }
-        self.gpu.inner.queue.submit([encoder.finish()]);
+        let buffers = arguments.iter().map(|array| &array.buffer);
+        let buffers: Vec<&wgpu::Buffer> = buffers.chain([&result.buffer, &count]).collect();
+        self.gpu.launch(&pipeline, &buffers, states);
         Ok(result)
     }
 
@@ -112,60 +67,10 @@ impl GpuRobot {
     }
 
     fn pipeline(&self, index: usize) -> Result<wgpu::ComputePipeline, GpuError> {
-        let mut pipelines =
-            self.pipelines.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        if let Some(pipeline) = pipelines.get(&index) {
-            return Ok(pipeline.clone());
-        }
-        let device = &self.gpu.inner.device;
-        let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-        // A layout derived from the text would lack the buffers of arguments that the kernel does not read.
-        let layout = layout(device, &self.source.kernels[index]);
-        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: None,
-            layout: Some(&layout),
-            module: &self.module,
-            entry_point: Some(&self.source.kernels[index].name),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            cache: None,
-        });
-        if let Some(error) = pollster::block_on(scope.pop()) {
-            return Err(GpuError::Device(error.to_string()));
-        }
-        pipelines.insert(index, pipeline.clone());
-        Ok(pipeline)
+        let kernel = &self.source.kernels[index];
+        let written = kernel.arguments.iter().map(|_| false).chain([true]);
+        self.pipelines.get(&self.gpu, &self.module, (index, &kernel.name), written)
     }
-}
-
-/// Returns the buffers of a kernel: its arguments, the result, and the number of states.
-fn layout(device: &wgpu::Device, kernel: &GpuKernel) -> wgpu::PipelineLayout {
-    let read = wgpu::BufferBindingType::Storage { read_only: true };
-    let written = wgpu::BufferBindingType::Storage { read_only: false };
-    let arguments = kernel.arguments.iter().map(|_| read);
-    let buffers = arguments.chain([written, wgpu::BufferBindingType::Uniform]);
-    let entries: Vec<wgpu::BindGroupLayoutEntry> = (0..)
-        .zip(buffers)
-        .map(|(binding, ty)| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::COMPUTE,
-            ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
-            count: None,
-        })
-        .collect();
-    let group = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: None,
-        entries: &entries,
-    });
-    device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: None,
-        bind_group_layouts: &[Some(&group)],
-        immediate_size: 0,
-    })
-}
-
-/// Returns a number of workgroups within the processor's limits.
-fn size(groups: usize) -> u32 {
-    u32::try_from(groups).unwrap_or(u32::MAX)
 }
 
 /// Returns the number of states of these arguments, if they fit the kernel.

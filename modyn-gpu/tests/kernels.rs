@@ -1,38 +1,17 @@
 //! The kernels give the interpreter's results, on any available processor: in CI, on Mesa's software processor.
 
-use std::path::Path;
+mod common;
 
 use modyn_codegen::{Base, Builder, Function};
 use modyn_gpu::{Gpu, GpuError, GpuRobot};
 use modyn_runtime::Interpreter;
 
+use common::{columns, numbers, robot};
+
 const STATES: usize = 300;
 
 /// A function that computes the interpreter's result for the state with this number.
 type Equation<'a> = dyn FnMut(&mut Interpreter<f64>, usize, &mut [f64]) + 'a;
-
-fn robot(name: &str) -> Builder {
-    Builder::new()
-        .urdf(Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../robots/{name}.urdf")))
-}
-
-/// Returns numbers in [-1, 1).
-fn numbers(count: usize) -> Vec<f64> {
-    let mut state = 1_u64;
-    let mut next = || {
-        state =
-            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 33) as f64 / f64::from(1_u32 << 30) - 1.0
-    };
-    // In single precision, so that both sides start from the same numbers.
-    (0..count).map(|_| f64::from(next() as f32)).collect()
-}
-
-/// Returns states by columns: scalar `j` of state `i` at `j STATES + i`.
-fn columns(states: &[Vec<f64>]) -> Vec<f32> {
-    let scalars = states[0].len();
-    (0..scalars).flat_map(|j| states.iter().map(move |state| state[j] as f32)).collect()
-}
 
 /// Compares a kernel with the interpreter's numbers for each state, relative to the largest number of a state.
 fn compare(found: &[f32], expected: &[Vec<f64>], tolerance: f64, name: &str) {

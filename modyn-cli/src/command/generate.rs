@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_codegen::diagnostics::{Diagnostic, Diagnostics};
-use modyn_codegen::{Builder, GpuLanguage, names};
+use modyn_codegen::{Builder, GpuLanguage, RolloutForces, RolloutOptions, names};
 use modyn_jit::object::{ObjectBuilder, ObjectFormat, ObjectOptions};
 use modyn_jit::{CompileError, InstructionSet};
 
@@ -48,9 +48,47 @@ pub struct Arguments {
     #[arg(long, value_enum)]
     object_format: Option<Format>,
     #[command(flatten)]
+    rollout: Rollout,
+    #[command(flatten)]
     code: CodeOptions,
     #[command(flatten)]
     robot: Robot,
+}
+
+#[derive(Args)]
+#[command(next_help_heading = "Rollouts of `--target cuda` and `--target wgsl`")]
+struct Rollout {
+    /// Instead of kernels of the functions, write a kernel for each time step among them (`step_semi_implicit`), which
+    /// integrates a motion over many steps in each thread; the other functions become device functions
+    #[arg(long)]
+    rollout: bool,
+    /// The text of the function `cost`, which the kernels sum up over the steps
+    #[arg(long, value_name = "FILE", requires = "rollout")]
+    cost: Option<PathBuf>,
+    /// The text of the function `forces`: the joint forces from the state and the controls of a step
+    #[arg(long, value_name = "FILE", requires_all = ["rollout", "controls"])]
+    forces: Option<PathBuf>,
+    /// The number of controls of a step
+    #[arg(long, value_name = "N", requires = "forces")]
+    controls: Option<usize>,
+}
+
+impl Rollout {
+    /// Returns the functions of the user; `None` without rollouts.
+    fn options(&self) -> Result<Option<RolloutOptions>, Failure> {
+        let read = |path: &PathBuf| {
+            std::fs::read_to_string(path).map_err(|error| {
+                let path = sanitize_for_display(&path.display().to_string());
+                Failure::usage(format!("error: cannot read {path}: {error}"))
+            })
+        };
+        let cost = self.cost.as_ref().map(read).transpose()?;
+        let forces = match (&self.forces, self.controls) {
+            (Some(path), Some(controls)) => Some(RolloutForces { text: read(path)?, controls }),
+            _ => None,
+        };
+        Ok(self.rollout.then_some(RolloutOptions { cost, forces }))
+    }
 }
 
 #[derive(Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
@@ -94,6 +132,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let description = arguments.robot.open()?;
     let builder = arguments.builder(&description)?;
     let named = |found: Diagnostics| description.failure(arguments.robot.named(found));
+    if arguments.rollout.rollout && arguments.target.gpu().is_none() {
+        let message = "error: `--rollout` is about `--target cuda` and `--target wgsl`";
+        return Err(Failure::usage(message));
+    }
     if arguments.target == Target::Object {
         return object(arguments, &builder, &description, &named);
     }
@@ -107,6 +149,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     if arguments.target == Target::C {
         return c_source(arguments, &builder, &description, &named);
+    }
+    let rollouts = arguments.rollout.options()?;
+    if let (Some(language), Some(rollouts)) = (arguments.target.gpu(), &rollouts) {
+        let text = || {
+            let source = builder.generate_rollouts(language, rollouts);
+            source.map(|(source, found)| (source.text, found))
+        };
+        return one_file(arguments, text, &description, &named);
     }
     if let Some(language) = arguments.target.gpu() {
         let text = || builder.generate_gpu(language).map(|(source, found)| (source.text, found));

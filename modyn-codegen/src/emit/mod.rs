@@ -8,7 +8,10 @@ mod support;
 
 pub use c::CSource;
 pub use casadi::CasadiSource;
-pub use gpu::{GpuArgument, GpuKernel, GpuLanguage, GpuSource};
+pub use gpu::{
+    GpuArgument, GpuKernel, GpuLanguage, GpuRollout, GpuSource, RolloutBuffer, RolloutForces,
+    RolloutOptions, RolloutSource,
+};
 
 use modyn_runtime::model::{Model, ModuleTree};
 
@@ -179,6 +182,20 @@ pub fn emit_gpu(
 ) -> GpuSource {
     let prefix = options.prefix(model);
     gpu::print(plan, model, &prefix, language, options.scalar)
+}
+
+/// Returns kernels for graphics processors that integrate motions over many time steps, whose names begin with the type's
+/// name in snake case.
+#[must_use]
+pub fn emit_rollouts(
+    model: &Model,
+    plan: &Plan,
+    options: &EmitOptions,
+    language: GpuLanguage,
+    rollouts: &RolloutOptions,
+) -> RolloutSource {
+    let prefix = options.prefix(model);
+    gpu::print_rollout(plan, model, &prefix, (language, options.scalar), rollouts)
 }
 
 /// Returns the C99 text of the functions that `CasADi` loads. `prefix` is the one of their names.

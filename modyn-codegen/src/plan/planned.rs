@@ -3,7 +3,7 @@
 use modyn_runtime::OperationCount;
 
 use super::functions::{Argument, CForm, Function};
-use super::shape::Shape;
+use super::shape::{Record, Shape};
 use crate::program::Program;
 
 /// A function or a bundle of functions, planned for a robot.
@@ -57,6 +57,12 @@ pub enum Kernels {
 }
 
 impl Planned {
+    /// Returns whether the function computes the state after a time step, from `q`, `qd`, `tau` and `dt`.
+    #[must_use]
+    pub fn is_step(&self) -> bool {
+        matches!(self.result, Shape::Record(Record::Each("Step"), _))
+    }
+
     /// Returns the operations of one call on scalars; for a function of one link, those of the most expensive link.
     #[must_use]
     pub fn operations_per_call(&self) -> OperationCount {

@@ -3,16 +3,24 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::{Dialect, GpuArgument, GpuKernel};
+use super::rollout::{Rollout, RolloutBuffer};
+use super::{Dialect, GpuArgument, GpuKernel, Storage};
 use crate::emit::FloatType;
 use crate::emit::c;
 use crate::emit::support::Support;
 
-/// The largest number of threads of a block. From it the compiler knows how many registers a thread may have.
+/// The largest number of threads of a block. From it the compiler knows how many registers a thread may have. Without the
+/// number of blocks, at least 1, ptxas 12.9 gave 32 registers to a kernel with calls.
 const BLOCK: usize = 128;
+
+/// The first statements of a kernel: the index of the thread's state.
+const THREAD: &str = "    const size_t n = count;\n    \
+                      const size_t state = (size_t)blockIdx.x * blockDim.x + threadIdx.x;\n    \
+                      if (state >= n) { return; }\n";
 
 pub(super) struct Cuda {
     pub float: FloatType,
+    pub storage: Storage,
 }
 
 impl Cuda {
@@ -23,6 +31,11 @@ impl Cuda {
         }
     }
 
+    /// Returns the name of the number of states, if functions need it to find their numbers.
+    fn count(&self) -> Option<&'static str> {
+        (self.storage == Storage::Buffers).then_some("n")
+    }
+
     /// Returns the name of a function of the mathematical library in this precision.
     fn library(&self, name: &str) -> String {
         match self.float {
@@ -31,7 +44,7 @@ impl Cuda {
         }
     }
 
-    /// Returns the parameters for the buffers, from the index of the state on.
+    /// Returns the parameters for the arguments and the result, from the index of the state on.
     fn parameters(&self, kernel: &GpuKernel) -> Vec<String> {
         let real = self.real();
         let arguments = kernel.arguments.iter();
@@ -45,6 +58,9 @@ impl Dialect for Cuda {
         let functions = c::support(used, self.float);
         // Tables stay `static const`: their indices are counters of loops that the compiler unrolls.
         let functions = functions.replace("\nstatic ", "\nstatic __device__ ");
+        // The reduction of large angles, inlined for each angle, would be two thirds of a kernel.
+        let rare = "static __device__ __noinline__ ";
+        let functions = functions.replace("MODYN_RARE static ", rare);
         format!(
             "#ifdef __CUDACC_RTC__\n\
              #define NAN __int_as_float(0x7fffffff)\n\
@@ -82,14 +98,17 @@ impl Dialect for Cuda {
     }
 
     fn argument(&self, _: &GpuKernel, argument: &GpuArgument, j: usize) -> String {
-        match argument.common {
+        match argument.common || self.storage == Storage::Own {
             true => format!("{}[{j}]", argument.name),
             false => format!("{}[{j} * n]", argument.name),
         }
     }
 
-    fn store(&self, _: &GpuKernel, j: usize, value: &str) -> String {
-        format!("out[{j} * n] = {value};")
+    fn store(&self, _: &GpuKernel, j: usize, value: &str, _: bool) -> String {
+        match self.storage {
+            Storage::Own => format!("out[{j}] = {value};"),
+            Storage::Buffers => format!("out[{j} * n] = {value};"),
+        }
     }
 
     fn live_value(&self, chunk: usize, i: usize, _: bool) -> String {
@@ -106,7 +125,7 @@ impl Dialect for Cuda {
     ) -> String {
         let real = self.real();
         let mut parameters = self.parameters(kernel);
-        parameters.push("size_t n".into());
+        parameters.extend(self.count().map(|n| format!("size_t {n}")));
         parameters.extend(live_in.iter().map(|k| format!("const {real} *__restrict__ chunk{k}")));
         parameters.push(format!("{real} *__restrict__ chunk{own}"));
         format!(
@@ -118,7 +137,7 @@ impl Dialect for Cuda {
 
     fn call(&self, kernel: &GpuKernel, own: usize, live_in: &[usize], values: &[usize]) -> String {
         let buffers = kernel.arguments.iter().map(|argument| argument.name.clone());
-        let buffers = buffers.chain(["out".into(), "n".into()]);
+        let buffers = buffers.chain(["out".into()]).chain(self.count().map(String::from));
         let chunks = live_in.iter().chain([&own]).map(|k| format!("chunk{k}"));
         let arguments: Vec<String> = buffers.chain(chunks).collect();
         format!(
@@ -131,17 +150,75 @@ impl Dialect for Cuda {
     }
 
     fn kernel(&self, kernel: &GpuKernel, docs: &str, body: &str) -> String {
+        let parameters = self.parameters(kernel).join(", ");
+        if self.storage == Storage::Own {
+            let name = &kernel.name;
+            return format!(
+                "{docs}static __device__ __forceinline__ void {name}({parameters})\n{{\n{body}}}\n\n"
+            );
+        }
         let mut head = String::new();
         for argument in kernel.arguments.iter().filter(|argument| !argument.common) {
             let _ = writeln!(head, "    {} += state;", argument.name);
         }
         format!(
-            "{docs}extern \"C\" __global__ void __launch_bounds__({BLOCK}) {}({}, unsigned int count)\n{{\n    \
-             const size_t n = count;\n    \
-             const size_t state = (size_t)blockIdx.x * blockDim.x + threadIdx.x;\n    \
-             if (state >= n) {{ return; }}\n{head}    out += state;\n{body}}}\n\n",
+            "{docs}extern \"C\" __global__ void __launch_bounds__({BLOCK}, 1) {}({parameters}, unsigned int count)\n{{\n\
+             {THREAD}{head}    out += state;\n{body}}}\n\n",
             kernel.name,
-            self.parameters(kernel).join(", ")
         )
+    }
+
+    fn rollout_head(&self, rollout: &Rollout<'_>) -> String {
+        format!(
+            "// The scalar of all functions, for those of the user.\ntypedef {} {}_real;\n\n",
+            self.real(),
+            rollout.prefix
+        )
+    }
+
+    fn rollout_kernel(&self, rollout: &Rollout<'_>, body: &str) -> String {
+        let real = self.real();
+        let buffers = rollout.buffers.iter().map(|buffer| {
+            let constant = if buffer.is_result() { "" } else { "const " };
+            format!("{constant}{real} *__restrict__ {}", buffer.name())
+        });
+        let time = format!("{real} time_step");
+        let numbers = [&*time, "unsigned int steps", "unsigned int starts", "unsigned int count"];
+        let parameters: Vec<String> = buffers.chain(numbers.map(String::from)).collect();
+        format!(
+            "{}extern \"C\" __global__ void __launch_bounds__({BLOCK}, 1) {}({})\n{{\n{THREAD}    \
+             const size_t start = state % starts;\n    const {real} dt[1] = {{ time_step }};\n{body}}}\n\n",
+            rollout.docs,
+            rollout.name,
+            parameters.join(", ")
+        )
+    }
+
+    fn buffer(&self, buffer: RolloutBuffer) -> String {
+        buffer.name().into()
+    }
+
+    fn array(&self, name: &str, values: &[String]) -> String {
+        format!("{} {name}[{}] = {{ {} }};", self.real(), values.len(), values.join(", "))
+    }
+
+    fn zero(&self, name: &str) -> String {
+        format!("{} {name} = 0;", self.real())
+    }
+
+    fn call_into(&self, name: &str, len: usize, function: &str, arguments: &[String]) -> String {
+        format!("{} {name}[{len}]; {function}({}, {name});", self.real(), arguments.join(", "))
+    }
+
+    fn step_loop(&self) -> &'static str {
+        "for (unsigned int step = 0; step < steps; ++step) {"
+    }
+
+    fn is_recorded(&self) -> &'static str {
+        "trajectory"
+    }
+
+    fn shared_buffers(&self) -> &'static [RolloutBuffer] {
+        &[RolloutBuffer::Data, RolloutBuffer::Parameters]
     }
 }

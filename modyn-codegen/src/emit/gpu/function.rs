@@ -62,7 +62,7 @@ impl Body<'_> {
             let _ = writeln!(
                 text,
                 "    {}",
-                self.dialect.store(&self.kernel.description, result, &value)
+                self.dialect.store(&self.kernel.description, result, &value, self.inner)
             );
         }
     }

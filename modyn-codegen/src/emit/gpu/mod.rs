@@ -5,10 +5,17 @@
 //!
 //! `function.rs` prints the statements, whose syntax both languages share. A [`Dialect`] has the other syntax: the
 //! kernel's head, and the functions that are not operators.
+//!
+//! A [`rollout`] is another text of the same programs: functions on a thread's own arrays, and kernels that call a time
+//! step in a loop.
 
 mod cuda;
 mod function;
+mod rollout;
 mod wgsl;
+
+use rollout::Rollout;
+pub use rollout::{GpuRollout, RolloutBuffer, RolloutForces, RolloutOptions, RolloutSource};
 
 use std::collections::BTreeSet;
 
@@ -115,8 +122,9 @@ trait Dialect {
     /// Returns scalar `j` of an argument of this thread's state.
     fn argument(&self, kernel: &GpuKernel, argument: &GpuArgument, j: usize) -> String;
 
-    /// Returns the statement that stores scalar `j` of the result of this thread's state.
-    fn store(&self, kernel: &GpuKernel, j: usize, value: &str) -> String;
+    /// Returns the statement that stores scalar `j` of the result of this thread's state, in a chunk (`inner`) or in the
+    /// kernel.
+    fn store(&self, kernel: &GpuKernel, j: usize, value: &str, inner: bool) -> String;
 
     /// Returns entry `i` of the values that an earlier chunk passes on, in a chunk (`inner`) or in the kernel.
     fn live_value(&self, chunk: usize, i: usize, inner: bool) -> String;
@@ -135,9 +143,63 @@ trait Dialect {
     /// Returns the statements by which the kernel calls a chunk.
     fn call(&self, kernel: &GpuKernel, own: usize, live_in: &[usize], values: &[usize]) -> String;
 
-    /// Returns the kernel with this body.
+    /// Returns the kernel with this body; a function on a thread's own arrays, if [`Storage::Own`].
     fn kernel(&self, kernel: &GpuKernel, docs: &str, body: &str) -> String;
+
+    /// Returns the text before the functions of a rollout: definitions that all its kernels share.
+    fn rollout_head(&self, rollout: &Rollout<'_>) -> String;
+
+    /// Returns the kernel of a rollout with this body, after the definitions of `n`, `state`, `starts`, `start` and
+    /// `steps`, and of `dt` as an array.
+    fn rollout_kernel(&self, rollout: &Rollout<'_>, body: &str) -> String;
+
+    /// Returns the name of a buffer of a rollout.
+    fn buffer(&self, buffer: RolloutBuffer) -> String;
+
+    /// Returns the definition of a variable array with these values.
+    fn array(&self, name: &str, values: &[String]) -> String;
+
+    /// Returns the definition of a variable that is zero.
+    fn zero(&self, name: &str) -> String;
+
+    /// Returns the statement that defines an array of length `len` as the result of a call.
+    fn call_into(&self, name: &str, len: usize, function: &str, arguments: &[String]) -> String;
+
+    /// Returns the first line of the loop over the steps.
+    fn step_loop(&self) -> &'static str;
+
+    /// Returns the condition under which the states of all steps are stored.
+    fn is_recorded(&self) -> &'static str;
+
+    /// Returns the buffers that the user's functions receive as their last arguments.
+    fn shared_buffers(&self) -> &'static [RolloutBuffer];
 }
+
+/// The place of a program's arguments and results.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Storage {
+    /// In the buffers of a kernel, for all states.
+    Buffers,
+    /// In arrays that a thread has for its own, which compilers keep in registers. Run-time parameters stay in their
+    /// buffer.
+    Own,
+}
+
+/// Returns the syntax of a language.
+fn dialect(
+    language: GpuLanguage,
+    float: FloatType,
+    storage: Storage,
+    prefix: &str,
+) -> Box<dyn Dialect> {
+    match language {
+        GpuLanguage::Cuda => Box::new(cuda::Cuda { float, storage }),
+        GpuLanguage::Wgsl => Box::new(wgsl::Wgsl { storage, prefix: prefix.into() }),
+    }
+}
+
+/// Prints a rollout: a kernel for each time step among the functions of a plan.
+pub(super) use rollout::print as print_rollout;
 
 /// Returns the text of all kernels of a plan; all names start with `prefix`.
 pub(super) fn print(
@@ -147,24 +209,25 @@ pub(super) fn print(
     language: GpuLanguage,
     float: FloatType,
 ) -> GpuSource {
-    let dialect: Box<dyn Dialect> = match language {
-        GpuLanguage::Cuda => Box::new(cuda::Cuda { float }),
-        GpuLanguage::Wgsl => Box::new(wgsl::Wgsl),
-    };
+    let dialect = dialect(language, float, Storage::Buffers, prefix);
     let kernels = kernels(plan, model, prefix);
     let (mut used, mut text) = (BTreeSet::new(), String::new());
     for kernel in &kernels {
         text += &function::print(&*dialect, kernel, &mut used);
     }
+    let text = head(model) + &dialect.preamble(&used) + &text;
+    let kernels = kernels.into_iter().map(|kernel| kernel.description).collect();
+    GpuSource { language, prefix: prefix.into(), text, kernels }
+}
+
+/// Returns the first lines of a text.
+fn head(model: &Model) -> String {
     let [x, y, z] = model.gravity();
-    let head = format!(
+    format!(
         "// Dynamics of a robot, compiled by modyn: a kernel a function, a thread a state. SI units, radians;\n\
          // gravity ({x:?}, {y:?}, {z:?}) m/s^2 in world axes. Scalar j of state i of n states is number j n + i of its\n\
          // buffer. Vectors are in the order of the description's joints, depth first; matrices are arrays of columns.\n\n"
-    );
-    let text = head + &dialect.preamble(&used) + &text;
-    let kernels = kernels.into_iter().map(|kernel| kernel.description).collect();
-    GpuSource { language, prefix: prefix.into(), text, kernels }
+    )
 }
 
 /// Returns the kernels of all functions.

@@ -10,7 +10,8 @@ use std::fmt::Write as _;
 
 use modyn_runtime::{ELEMENTARY_F32, FRAC_1_PI_BITS, PI_BITS, SIN_COS_F32};
 
-use super::{Dialect, GpuArgument, GpuKernel};
+use super::rollout::{Rollout, RolloutBuffer};
+use super::{Dialect, GpuArgument, GpuKernel, Storage};
 use crate::emit::FloatType;
 use crate::emit::c;
 use crate::emit::support::Support;
@@ -25,7 +26,22 @@ const LIMIT: f64 = 8.0;
 /// The words of 1 / pi that the reduction of angles of single precision reads.
 const LIMBS: usize = 10;
 
-pub(super) struct Wgsl;
+pub(super) struct Wgsl {
+    pub storage: Storage,
+    pub prefix: String,
+}
+
+/// Returns a number.
+#[allow(clippy::cast_possible_truncation)]
+fn number(value: f64) -> String {
+    let single = value as f32;
+    match single {
+        _ if single.is_nan() => "bitcast<f32>(modyn_nan_bits)".into(),
+        _ if single.is_finite() => c::literal(value, FloatType::F32),
+        _ if single > 0.0 => "bitcast<f32>(modyn_infinity_bits)".into(),
+        _ => "(-bitcast<f32>(modyn_infinity_bits))".into(),
+    }
+}
 
 impl Support {
     fn wgsl(self) -> &'static str {
@@ -41,7 +57,7 @@ impl Support {
 /// Returns the value of a polynomial in `variable`, the highest coefficient first.
 fn polynomial(variable: &str, coefficients: &[f64]) -> String {
     let (first, rest) = coefficients.split_first().expect("a coefficient");
-    let literal = |value: &f64| Wgsl.literal(*value);
+    let literal = |value: &f64| number(*value);
     rest.iter().fold(literal(first), |sum, c| format!("fma({variable}, {sum}, {})", literal(c)))
 }
 
@@ -52,7 +68,7 @@ fn series(terms: &[(f64, f64)]) -> Vec<f64> {
 
 /// Returns the words of the templates with their values, from the runtime's constants.
 fn words() -> Vec<(&'static str, String)> {
-    let literal = |value: f64| Wgsl.literal(value);
+    let literal = number;
     let reduced = |x: String, part: &f64| format!("fma(n, {}, {x})", literal(*part));
     let halves = FRAC_1_PI_BITS.iter().flat_map(|word| [word >> 32, word & 0xffff_ffff]);
     let limbs: Vec<String> = halves.take(LIMBS).map(|half| format!("{half:#010x}u")).collect();
@@ -100,15 +116,8 @@ impl Dialect for Wgsl {
         text
     }
 
-    #[allow(clippy::cast_possible_truncation)]
     fn literal(&self, value: f64) -> String {
-        let single = value as f32;
-        match single {
-            _ if single.is_nan() => "bitcast<f32>(modyn_nan_bits)".into(),
-            _ if single.is_finite() => c::literal(value, FloatType::F32),
-            _ if single > 0.0 => "bitcast<f32>(modyn_infinity_bits)".into(),
-            _ => "(-bitcast<f32>(modyn_infinity_bits))".into(),
-        }
+        number(value)
     }
 
     fn define(&self, name: &str, value: &str) -> String {
@@ -139,14 +148,22 @@ impl Dialect for Wgsl {
 
     fn argument(&self, kernel: &GpuKernel, argument: &GpuArgument, j: usize) -> String {
         let buffer = format!("{}_{}", kernel.name, argument.name);
-        match argument.common {
-            true => format!("{buffer}[{j}u]"),
-            false => format!("{buffer}[{j}u * n + state]"),
+        match (argument.common, self.storage) {
+            (true, Storage::Own) => {
+                format!("{}[{j}u]", self.buffer(RolloutBuffer::Parameters))
+            }
+            (false, Storage::Own) => format!("{}[{j}u]", argument.name),
+            (true, Storage::Buffers) => format!("{buffer}[{j}u]"),
+            (false, Storage::Buffers) => format!("{buffer}[{j}u * n + state]"),
         }
     }
 
-    fn store(&self, kernel: &GpuKernel, j: usize, value: &str) -> String {
-        format!("{}_out[{j}u * n + state] = {value};", kernel.name)
+    fn store(&self, kernel: &GpuKernel, j: usize, value: &str, inner: bool) -> String {
+        match (self.storage, inner) {
+            (Storage::Own, true) => format!("(*out)[{j}u] = {value};"),
+            (Storage::Own, false) => format!("out[{j}u] = {value};"),
+            (Storage::Buffers, _) => format!("{}_out[{j}u * n + state] = {value};", kernel.name),
+        }
     }
 
     fn live_value(&self, chunk: usize, i: usize, inner: bool) -> String {
@@ -164,8 +181,15 @@ impl Dialect for Wgsl {
         let chunks = live_in.iter().chain([&own]);
         let chunks =
             chunks.map(|&k| format!(", chunk{k}: ptr<function, array<f32, {}>>", values[k].max(1)));
+        let of_state = match self.storage {
+            Storage::Buffers => "n: u32, state: u32".into(),
+            Storage::Own => {
+                let out = format!("out: ptr<function, array<f32, {}>>", kernel.result);
+                parameters(kernel).into_iter().chain([out]).collect::<Vec<String>>().join(", ")
+            }
+        };
         format!(
-            "fn {}_chunk{own}(n: u32, state: u32{}) {{\n{body}}}\n\n",
+            "fn {}_chunk{own}({of_state}{}) {{\n{body}}}\n\n",
             kernel.name,
             chunks.collect::<String>()
         )
@@ -173,14 +197,29 @@ impl Dialect for Wgsl {
 
     fn call(&self, kernel: &GpuKernel, own: usize, live_in: &[usize], values: &[usize]) -> String {
         let chunks: String = live_in.iter().chain([&own]).map(|k| format!(", &chunk{k}")).collect();
+        let of_state = match self.storage {
+            Storage::Buffers => "n, state".into(),
+            Storage::Own => {
+                let own = kernel.arguments.iter().filter(|argument| !argument.common);
+                let names = own.map(|argument| argument.name.as_str()).chain(["&out"]);
+                names.collect::<Vec<&str>>().join(", ")
+            }
+        };
         format!(
-            "    var chunk{own}: array<f32, {}>;\n    {}_chunk{own}(n, state{chunks});\n",
+            "    var chunk{own}: array<f32, {}>;\n    {}_chunk{own}({of_state}{chunks});\n",
             values[own].max(1),
             kernel.name
         )
     }
 
     fn kernel(&self, kernel: &GpuKernel, docs: &str, body: &str) -> String {
+        if self.storage == Storage::Own {
+            let (name, parameters) = (&kernel.name, parameters(kernel).join(", "));
+            let result = format!("array<f32, {}>", kernel.result);
+            return format!(
+                "{docs}fn {name}({parameters}) -> {result} {{\n    var out: {result};\n{body}    return out;\n}}\n\n"
+            );
+        }
         let (name, mut buffers) = (&kernel.name, String::new());
         let count = kernel.arguments.len();
         for (i, argument) in kernel.arguments.iter().enumerate() {
@@ -193,11 +232,90 @@ impl Dialect for Wgsl {
         format!(
             "{docs}{buffers}@group(0) @binding({count}) var<storage, read_write> {name}_out: array<f32>;\n\
              @group(0) @binding({}) var<uniform> {name}_count: vec4<u32>;\n\n\
-             @compute @workgroup_size({WORKGROUP})\n\
-             fn {name}(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {{\n    \
-             let n = {name}_count.x;\n    let state = id.y * groups.x * {WORKGROUP}u + id.x;\n    \
-             if (state >= n) {{ return; }}\n{body}}}\n\n",
-            count + 1
+             {}{body}}}\n\n",
+            count + 1,
+            head(name, &format!("{name}_count.x")),
         )
     }
+
+    fn rollout_head(&self, rollout: &Rollout<'_>) -> String {
+        let prefix = &rollout.prefix;
+        let mut text = format!(
+            "struct {prefix}_size {{ count: u32, steps: u32, starts: u32, recorded: u32, dt: f32 }}\n"
+        );
+        for (i, buffer) in rollout.buffers.iter().enumerate() {
+            let access = if buffer.is_result() { "read_write" } else { "read" };
+            let name = self.buffer(*buffer);
+            let _ = writeln!(
+                text,
+                "@group(0) @binding({i}) var<storage, {access}> {name}: array<f32>;"
+            );
+        }
+        let count = rollout.buffers.len();
+        let _ = writeln!(
+            text,
+            "@group(0) @binding({count}) var<uniform> {prefix}_sizes: {prefix}_size;\n"
+        );
+        text
+    }
+
+    fn rollout_kernel(&self, rollout: &Rollout<'_>, body: &str) -> String {
+        let sizes = format!("{}_sizes", rollout.prefix);
+        format!(
+            "{}{}    let steps = {sizes}.steps;\n    \
+             let starts = {sizes}.starts;\n    let start = state % starts;\n    \
+             let recorded = {sizes}.recorded != 0u;\n    let dt = array<f32, 1>({sizes}.dt);\n{body}}}\n\n",
+            rollout.docs,
+            head(rollout.name, &format!("{sizes}.count")),
+        )
+    }
+
+    /// The numbers of the user's functions have a name without a prefix.
+    fn buffer(&self, buffer: RolloutBuffer) -> String {
+        match buffer {
+            RolloutBuffer::Data => buffer.name().into(),
+            _ => format!("{}_{}", self.prefix, buffer.name()),
+        }
+    }
+
+    fn array(&self, name: &str, values: &[String]) -> String {
+        format!("var {name} = array<f32, {}>({});", values.len(), values.join(", "))
+    }
+
+    fn zero(&self, name: &str) -> String {
+        format!("var {name} = 0.0f;")
+    }
+
+    fn call_into(&self, name: &str, _: usize, function: &str, arguments: &[String]) -> String {
+        format!("let {name} = {function}({});", arguments.join(", "))
+    }
+
+    fn step_loop(&self) -> &'static str {
+        "for (var step = 0u; step < steps; step++) {"
+    }
+
+    fn is_recorded(&self) -> &'static str {
+        "recorded"
+    }
+
+    /// A function of WGSL names the buffers by itself.
+    fn shared_buffers(&self) -> &'static [RolloutBuffer] {
+        &[]
+    }
+}
+
+/// Returns the parameters of a function on a thread's own arrays.
+fn parameters(kernel: &GpuKernel) -> Vec<String> {
+    let own = kernel.arguments.iter().filter(|argument| !argument.common);
+    own.map(|argument| format!("{}: array<f32, {}>", argument.name, argument.len)).collect()
+}
+
+/// Returns the first lines of a kernel, for a number of states.
+fn head(name: &str, count: &str) -> String {
+    format!(
+        "@compute @workgroup_size({WORKGROUP})\n\
+         fn {name}(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {{\n    \
+         let n = {count};\n    let state = id.y * groups.x * {WORKGROUP}u + id.x;\n    \
+         if (state >= n) {{ return; }}\n"
+    )
 }

@@ -1,0 +1,261 @@
+//! Prints rollouts: a thread integrates the motion of one state over many steps, and keeps the state in registers.
+//!
+//! The programs become functions on a thread's own arrays ([`Storage::Own`]). A kernel for each time step among them
+//! calls it in a loop, together with the user's functions.
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+
+use modyn_runtime::model::Model;
+
+use super::{Dialect, GpuKernel, GpuLanguage, Storage, dialect, function, head, kernels};
+use crate::emit::FloatType;
+use crate::plan::Plan;
+
+/// The functions of the user in rollouts, as texts in the language of the kernels.
+///
+/// The texts may call the device function of each function of the robot (`arm_link_pose_hand`), which takes and returns
+/// arrays, and define functions of their own. See the guide `docs/gpu.md` for the signatures.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct RolloutOptions {
+    /// The text of the function `cost`, whose sum over the steps is a result.
+    pub cost: Option<String>,
+    /// The joint forces as a function of the state and of controls; without it the controls are the joint forces.
+    pub forces: Option<RolloutForces>,
+}
+
+/// The user's function `forces` in rollouts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RolloutForces {
+    /// The text of the function.
+    pub text: String,
+    /// The number of controls of a step.
+    pub controls: usize,
+}
+
+/// A buffer of a rollout's kernel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum RolloutBuffer {
+    /// The coordinates of the initial states.
+    StartQ,
+    /// The velocities of the initial states.
+    StartQd,
+    /// The controls: control `j` of step `k` of rollout `i` of `n` is number `(k controls + j) n + i`.
+    Controls,
+    /// Numbers for the user's functions, common to all rollouts.
+    Data,
+    /// The run-time parameters, common to all rollouts.
+    Parameters,
+    /// The final states: the coordinates, then the velocities.
+    Out,
+    /// The cost of each rollout.
+    Costs,
+    /// The state after each step, if it is stored: scalar `j` of step `k` of rollout `i` of `n`, each with `s` scalars, is
+    /// number `(k s + j) n + i`.
+    Trajectory,
+}
+
+impl RolloutBuffer {
+    /// Returns the name in the text.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::StartQ => "start_q",
+            Self::StartQd => "start_qd",
+            Self::Controls => "controls",
+            Self::Data => "data",
+            Self::Parameters => "params",
+            Self::Out => "out",
+            Self::Costs => "costs",
+            Self::Trajectory => "trajectory",
+        }
+    }
+
+    /// Returns whether the kernel writes the buffer.
+    #[must_use]
+    pub fn is_result(self) -> bool {
+        matches!(self, Self::Out | Self::Costs | Self::Trajectory)
+    }
+}
+
+/// The text of a robot's rollouts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct RolloutSource {
+    /// The language.
+    pub language: GpuLanguage,
+    /// The prefix of all names.
+    pub prefix: String,
+    /// The text of one file.
+    pub text: String,
+    /// The kernels, one for each time step, in the order of the text.
+    pub rollouts: Vec<GpuRollout>,
+    /// The number of coordinates.
+    pub nq: usize,
+    /// The number of degrees of freedom.
+    pub nv: usize,
+    /// The number of controls of a step.
+    pub controls: usize,
+    /// The number of run-time parameters.
+    pub parameters: usize,
+    /// The buffers of each kernel. In WGSL their bindings in group 0 are counted in this order, and after them comes a
+    /// uniform: the numbers of rollouts, steps and initial states, whether the trajectory is stored (`u32` each), and the
+    /// time step (`f32`). Rollout `i` starts from initial state `i` modulo their number.
+    pub buffers: Vec<RolloutBuffer>,
+}
+
+/// A kernel of rollouts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct GpuRollout {
+    /// The name of the entry point.
+    pub name: String,
+    /// The name of the function of a time step.
+    pub step: &'static str,
+    /// The number of statements of a time step, without those of the user's functions.
+    pub statements: usize,
+}
+
+/// A rollout, as dialects print it.
+pub(super) struct Rollout<'a> {
+    /// The prefix of all names.
+    pub prefix: &'a str,
+    /// The name of the kernel.
+    pub name: &'a str,
+    /// The documentation.
+    pub docs: &'a str,
+    /// The buffers.
+    pub buffers: &'a [RolloutBuffer],
+}
+
+/// Returns the text of the rollouts of a plan.
+pub(in crate::emit) fn print(
+    plan: &Plan,
+    model: &Model,
+    prefix: &str,
+    (language, float): (GpuLanguage, FloatType),
+    options: &RolloutOptions,
+) -> RolloutSource {
+    let dialect = dialect(language, float, Storage::Own, prefix);
+    let (mut used, mut functions) = (BTreeSet::new(), String::new());
+    let kernels = kernels(plan, model, prefix);
+    for kernel in &kernels {
+        functions += &function::print(&*dialect, kernel, &mut used);
+    }
+    let sizes = &plan.sizes;
+    let controls = options.forces.as_ref().map_or(sizes.nv, |forces| forces.controls);
+    let parameters = plan.functions.iter().map(|planned| planned.parameters).max().unwrap_or(0);
+    let has_functions = options.cost.is_some() || options.forces.is_some();
+    let optional = [
+        (RolloutBuffer::StartQ, true),
+        (RolloutBuffer::StartQd, true),
+        (RolloutBuffer::Controls, true),
+        (RolloutBuffer::Data, has_functions),
+        (RolloutBuffer::Parameters, parameters > 0),
+        (RolloutBuffer::Out, true),
+        (RolloutBuffer::Costs, options.cost.is_some()),
+        (RolloutBuffer::Trajectory, true),
+    ];
+    let buffers: Vec<RolloutBuffer> =
+        optional.into_iter().filter_map(|(buffer, has)| has.then_some(buffer)).collect();
+    let shared = dialect.shared_buffers().iter().filter(|buffer| buffers.contains(buffer));
+    let shared: Vec<String> = shared.map(|buffer| dialect.buffer(*buffer)).collect();
+    let (mut rollouts, mut loops) = (Vec::new(), String::new());
+    let steps: Vec<&str> =
+        plan.functions.iter().filter(|planned| planned.is_step()).map(|step| step.name).collect();
+    for kernel in kernels.iter().filter(|kernel| steps.contains(&kernel.description.function)) {
+        let step = &kernel.description;
+        let name = format!("{prefix}_{}", step.function.replacen("step", "rollout", 1));
+        let body = body(&*dialect, step, (sizes.nq, sizes.nv, controls), options, &shared);
+        let rollout = Rollout { prefix, name: &name, docs: &docs(options), buffers: &buffers };
+        loops += &dialect.rollout_kernel(&rollout, &body);
+        rollouts.push(GpuRollout { name, step: step.function, statements: step.statements });
+    }
+    let shared_text = Rollout { prefix, name: "", docs: "", buffers: &buffers };
+    let mut text = head(model) + &dialect.preamble(&used) + &dialect.rollout_head(&shared_text);
+    text += &functions;
+    for user in options.forces.iter().map(|forces| &forces.text).chain(&options.cost) {
+        let _ = write!(text, "{}\n\n", user.trim_end());
+    }
+    text += &loops;
+    let (prefix, nq, nv) = (prefix.into(), sizes.nq, sizes.nv);
+    RolloutSource { language, prefix, text, rollouts, nq, nv, controls, parameters, buffers }
+}
+
+/// Returns the documentation of a kernel.
+fn docs(options: &RolloutOptions) -> String {
+    let mut text = String::from(
+        "// Integrates the motion of one state in each thread, over many steps. Rollout i starts from initial state i modulo\n\
+         // `starts`. Number j of step k of n rollouts is number (k size + j) n + i of `controls` and of `trajectory`. `out`\n\
+         // and the sets of `trajectory` are the coordinates, then the velocities, after a step.\n",
+    );
+    if options.cost.is_some() {
+        text += "// `costs` are the sums of `cost` over the steps.\n";
+    }
+    text
+}
+
+/// Returns the body of a rollout's kernel. `shared` are the buffers that functions receive.
+fn body(
+    dialect: &dyn Dialect,
+    step: &GpuKernel,
+    (nq, nv, controls): (usize, usize, usize),
+    options: &RolloutOptions,
+    shared: &[String],
+) -> String {
+    let mut text = String::new();
+    let numbers = |buffer: RolloutBuffer, len: usize, place: &dyn Fn(usize) -> String| {
+        let buffer = dialect.buffer(buffer);
+        (0..len).map(|j| format!("{buffer}[{}]", place(j))).collect::<Vec<String>>()
+    };
+    let in_step = |size: usize| move |j: usize| format!("(step * {size} + {j}) * n + state");
+    let arguments = |own: &[&str]| {
+        own.iter().map(|name| String::from(*name)).chain(shared.iter().cloned()).collect::<Vec<_>>()
+    };
+    let start = |j: usize| format!("{j} * starts + start");
+    let states = [("q", RolloutBuffer::StartQ, nq), ("qd", RolloutBuffer::StartQd, nv)];
+    for (name, buffer, len) in states {
+        let _ = writeln!(text, "    {}", dialect.array(name, &numbers(buffer, len, &start)));
+    }
+    if options.cost.is_some() {
+        let _ = writeln!(text, "    {}", dialect.zero("sum"));
+    }
+    let _ = writeln!(text, "    {}", dialect.step_loop());
+    let mut line = |line: String| {
+        let _ = writeln!(text, "        {line}");
+    };
+    line(dialect.array("u", &numbers(RolloutBuffer::Controls, controls, &in_step(controls))));
+    let forces = if options.forces.is_some() { "tau" } else { "u" };
+    if options.forces.is_some() {
+        line(dialect.call_into("tau", nv, "forces", &arguments(&["q", "qd", "u", "step"])));
+    }
+    let parameters = dialect.buffer(RolloutBuffer::Parameters);
+    let passed = step.arguments.iter().any(|argument| argument.common);
+    let passed = shared.iter().filter(|name| passed && **name == parameters).cloned();
+    let of_step: Vec<String> =
+        ["q", "qd", forces, "dt"].map(String::from).into_iter().chain(passed).collect();
+    line(dialect.call_into("next", nq + nv, &step.name, &of_step));
+    let state = |j: usize| if j < nq { format!("q[{j}]") } else { format!("qd[{}]", j - nq) };
+    for j in 0..nq + nv {
+        line(format!("{} = next[{j}];", state(j)));
+    }
+    if options.cost.is_some() {
+        line(format!("sum += cost({});", arguments(&["q", "qd", "u", "step"]).join(", ")));
+    }
+    line(format!("if ({}) {{", dialect.is_recorded()));
+    let places = numbers(RolloutBuffer::Trajectory, nq + nv, &in_step(nq + nv));
+    for (j, place) in places.iter().enumerate() {
+        line(format!("    {place} = next[{j}];"));
+    }
+    line("}".into());
+    text += "    }\n";
+    let places = numbers(RolloutBuffer::Out, nq + nv, &|j| format!("{j} * n + state"));
+    for (j, place) in places.iter().enumerate() {
+        let _ = writeln!(text, "    {place} = {};", state(j));
+    }
+    if options.cost.is_some() {
+        let _ = writeln!(text, "    {}[state] = sum;", dialect.buffer(RolloutBuffer::Costs));
+    }
+    text
+}
