@@ -372,7 +372,7 @@ functions! {
          of `LOOP_CONSTRAINT_NAMES`, at the second frame's origin in the first frame's axes. Contacts follow, in\n\
          the order of `CONTACT_NAMES`, at the frame's origin in world axes. Redundant rows get the multipliers of\n\
          smallest norm.",
-        |t, s| t.constrained_forward_dynamics(&s.layout),
+        |t, s| t.constrained_forward_dynamics(&s.for_derivatives),
         |m| {
             1200.0 * m.depths
                 + 70.0 * m.squares
@@ -384,7 +384,8 @@ functions! {
         },
     )
         .by_default()
-        .of_constraints();
+        .of_constraints()
+        .packed(Packing::Contacts);
     /// Displacements and velocities that violate the constraints.
     ConstraintResidual "constraint_residual" = Row::one(
         &[Q, QD, SETTINGS],

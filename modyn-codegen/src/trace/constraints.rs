@@ -5,6 +5,7 @@
 //! it is active, else 0.
 
 use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::equations::factorization::{Factorizable, MergedUduLayout};
 use modyn_runtime::equations::{ConstraintWorkspace, Workspace, constraints};
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::spatial::{Twist, Wrench};
@@ -21,21 +22,30 @@ impl Tracer<'_> {
         let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
         let groups = [nq, nv, nv, contacts, settings_count(self.model)];
         self.trace_groups(groups, |model, [q, qd, tau, active, settings]| {
-            let count = model.constraints.len();
-            let (mut qdd, mut wrenches) = (self.vector(), vec![Wrench::zero(); count]);
-            let mut residuals = vec![Twist::zero(); count];
-            let memory = &mut ConstraintWorkspace::new(model, layout);
-            let rank = constraints::constrained_forward_dynamics(
-                model,
-                layout,
-                (&q, &qd, &tau),
-                (&active, &settings_of(&settings)),
-                (&mut Workspace::new(model), memory),
-                (&mut qdd, &mut wrenches, &mut residuals),
-            );
-            let wrenches = wrenches.iter().flat_map(Wrench::components);
-            let residuals = residuals.iter().flat_map(Twist::components);
-            qdd.into_iter().chain(wrenches).chain(residuals).chain([rank]).collect()
+            let Some(limbs) = self.limbs else {
+                let sizes = (nv, model.constraints.len());
+                let inputs = [q, qd, tau, active, settings];
+                let [qdd, wrenches, residuals, rank] = accelerations(model, layout, inputs, sizes);
+                return [qdd, wrenches, residuals, rank].concat();
+            };
+            let contacts = limbs.contacts(self.model);
+            let merged =
+                contacts.add_to(limbs.merged(self.model, model.gravity), limbs, self.model);
+            let partition = limbs.partition(layout.partition());
+            let layout = &MergedUduLayout::by_modules(&merged, partition);
+            let (settings, targets) = settings.split_at(ConstraintSettings::<Expr>::COUNT);
+            let targets = contacts.numbers(targets, ContactTarget::<Expr>::COUNT);
+            let inputs = [
+                limbs.coordinates(&q),
+                limbs.vector(&qd),
+                limbs.vector(&tau),
+                contacts.numbers(&active, 1),
+                [settings, &targets].concat(),
+            ];
+            let sizes = (merged.nv(), contacts.count());
+            let [qdd, wrenches, residuals, rank] = accelerations(&merged, layout, inputs, sizes);
+            let [wrenches, residuals] = [wrenches, residuals].map(|x| contacts.unpack(&x, 6));
+            [limbs.unpack_vector(&qdd, nv), wrenches, residuals, rank].concat()
         })
     }
 
@@ -216,6 +226,30 @@ impl Tracer<'_> {
             [inverse, inertia, vec![rank]].concat()
         })
     }
+}
+
+/// Returns the accelerations, the wrenches, the residuals and the rank of constrained forward dynamics; `nv` and `count` are
+/// the length of qd and the number of constraints.
+fn accelerations<T: Factorizable<Expr>>(
+    tree: &T,
+    layout: &T::Layout,
+    [q, qd, tau, active, settings]: [Vec<Expr>; 5],
+    (nv, count): (usize, usize),
+) -> [Vec<Expr>; 4] {
+    let (mut qdd, mut wrenches) = (vec![Expr::zero(); nv], vec![Wrench::zero(); count]);
+    let mut residuals = vec![Twist::zero(); count];
+    let memory = &mut ConstraintWorkspace::new(tree, layout);
+    let rank = constraints::constrained_forward_dynamics(
+        tree,
+        layout,
+        (&q, &qd, &tau),
+        (&active, &settings_of(&settings)),
+        (&mut Workspace::new(tree), memory),
+        (&mut qdd, &mut wrenches, &mut residuals),
+    );
+    let wrenches = wrenches.iter().flat_map(Wrench::components).collect();
+    let residuals = residuals.iter().flat_map(Twist::components).collect();
+    [qdd, wrenches, residuals, vec![rank]]
 }
 
 /// Returns the number of scalars of the settings.

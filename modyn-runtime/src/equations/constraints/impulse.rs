@@ -51,7 +51,7 @@ pub fn contact_impulse<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
     }
     memory.factorize(model, layout, (active, settings), |_| {});
     memory.force.fill(S::zero());
-    memory.solve(0);
+    memory.solve(model, 0);
     memory.respond(layout, 0, after);
     for (after, &before) in after.iter_mut().zip(qd) {
         *after = before + *after;

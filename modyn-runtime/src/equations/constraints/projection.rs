@@ -29,7 +29,7 @@ pub fn project_constraints<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
     memory.factorize(model, layout, (active, settings), |_| {});
     memory.force.fill(S::zero());
     for (side, step) in [dq, dqd].into_iter().enumerate() {
-        memory.solve(side);
+        memory.solve(model, side);
         memory.respond(layout, side, step);
     }
     memory.factorization.rank()
