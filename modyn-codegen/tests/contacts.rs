@@ -939,7 +939,8 @@ fn contacts_of_equal_limbs_in_lanes_give_the_same() {
         let layout = UduLayout::new(&mechanism, &ModuleTree::chains(&model));
         let packed = Tracer::new(&mechanism).packed(&limbs);
         let dynamics = optimize(packed.constrained_forward_dynamics(&layout));
-        println!("{}: {:?}", model.name(), dynamics.count());
+        let impulse = optimize(packed.contact_impulse(&layout));
+        let projection = optimize(packed.project_constraints(&layout));
         for active in masks(&model, &mut random, 12) {
             let state = state(&model, &mut random);
             for settings in [exact(&model), general(&model, &mut random, 0.01)] {
@@ -957,6 +958,20 @@ fn contacts_of_equal_limbs_in_lanes_give_the_same() {
                 let inputs =
                     [&*state.q, &state.qd, &state.tau, &switches(&active), &numbers(&settings)];
                 assert_near(&dynamics.evaluate(&inputs.concat()), &expected, 1e-8);
+
+                let motion = (&*state.q, &*state.qd);
+                let (mut qd, mut impulses) = (vec![0.0; model.nv()], vec![Wrench::zero(); count]);
+                let into = (&mut *qd, &mut *impulses);
+                let rank = interpreter.contact_impulse(motion, &active, &settings, into);
+                let expected = [qd, components(&impulses), vec![rank.expect("fits")]].concat();
+                let inputs = [&*state.q, &state.qd, &switches(&active), &numbers(&settings)];
+                assert_near(&impulse.evaluate(&inputs.concat()), &expected, 1e-8);
+
+                let (mut dq, mut dqd) = (vec![0.0; model.nv()], vec![0.0; model.nv()]);
+                let into = (&mut *dq, &mut *dqd);
+                let rank = interpreter.project_constraints(motion, &active, &settings, into);
+                let expected = [dq, dqd, vec![rank.expect("fits")]].concat();
+                assert_near(&projection.evaluate(&inputs.concat()), &expected, 1e-8);
             }
         }
     }
@@ -973,7 +988,9 @@ fn operation_counts_are_as_frozen() {
     let limbs = LimbPacking::find(&mechanism, &LIMB_LIMITS).expect("four legs");
     let found = [
         ("constrained_forward_dynamics", tracer.constrained_forward_dynamics(&layout)),
-        ("legs in lanes", tracer.packed(&limbs).constrained_forward_dynamics(&layout)),
+        ("dynamics in lanes", tracer.packed(&limbs).constrained_forward_dynamics(&layout)),
+        ("impulses in lanes", tracer.packed(&limbs).contact_impulse(&layout)),
+        ("projection in lanes", tracer.packed(&limbs).project_constraints(&layout)),
         (
             "constrained_forward_dynamics_derivatives",
             tracer.constrained_forward_dynamics_derivatives(&layout),
@@ -989,7 +1006,9 @@ fn operation_counts_are_as_frozen() {
     .map(|(name, graph)| (name, optimize(graph).count().total()));
     let frozen = [
         ("constrained_forward_dynamics", 9739),
-        ("legs in lanes", 5820),
+        ("dynamics in lanes", 5820),
+        ("impulses in lanes", 5079),
+        ("projection in lanes", 6127),
         ("constrained_forward_dynamics_derivatives", 71675),
         ("contact_impulse", 7669),
         ("constrained_inverse_dynamics", 2537),
