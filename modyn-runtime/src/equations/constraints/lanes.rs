@@ -36,9 +36,10 @@ impl RowLanes {
         let mut rows = Vec::new();
         for &(constraint, lane) in &constraints {
             let count = tree.mechanism().constraints[constraint].rows.len();
-            for row in starts[constraint]..starts[constraint] + count {
-                lanes[row][lane] = Some(rows.len());
-                rows.push((row, lane));
+            let start = starts[constraint];
+            for (k, lanes) in lanes[start..start + count].iter_mut().enumerate() {
+                lanes[lane] = Some(rows.len());
+                rows.push((start + k, lane));
             }
         }
         Self { rows, lanes, constraints }
