@@ -2,7 +2,8 @@
 //! and J from other functions; random masks on random trees; graphs against the interpreter.
 
 use modyn_codegen::passes::optimize;
-use modyn_codegen::trace::Tracer;
+use modyn_codegen::plan::LIMB_LIMITS;
+use modyn_codegen::trace::{LimbPacking, Tracer};
 use modyn_codegen::{Base, Contact, ContactKind, LoopEnd, ReadOptions, read};
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::mechanism::Mechanism;
@@ -12,6 +13,7 @@ use modyn_runtime::{ConstrainedDerivatives, ConstraintSettings, ContactTarget, I
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3 as V3};
 
 const QUADRUPED: &str = include_str!("../../robots/quadruped.urdf");
+const HUMANOID: &str = include_str!("../../robots/humanoid.urdf");
 
 struct Random(u64);
 
@@ -895,6 +897,86 @@ fn compiled_derivatives_are_the_interpreters() {
     });
 }
 
+/// Robots with equal limbs: contacts on all limbs, on some, on the trunk, and of several kinds on one limb.
+fn with_equal_limbs() -> Vec<Model> {
+    let at = [[0.02, -0.01, 0.03], [0.3, -0.2, 0.5]];
+    let some = [
+        ("hind_left_thigh", ContactKind::Point),
+        ("hind_right_foot", ContactKind::Surface),
+        ("front_left_foot", ContactKind::Point),
+        ("front_left_foot", ContactKind::Point),
+    ];
+    let three = [
+        ("front_right_foot", ContactKind::Point),
+        ("trunk", ContactKind::Point),
+        ("front_left_foot", ContactKind::Point),
+    ];
+    let soles = [
+        ("left_ankle_roll_link", ContactKind::Surface),
+        ("right_ankle_roll_link", ContactKind::Surface),
+        ("left_hand", ContactKind::Point),
+    ];
+    let contacts = |all: &[(&str, ContactKind)]| {
+        let each = all.iter().enumerate();
+        each.map(|(k, (link, kind))| contact(&format!("c{k}"), *kind, link, at)).collect::<Vec<_>>()
+    };
+    vec![
+        quadruped(),
+        model_of(QUADRUPED, Base::Floating, contacts(&some)),
+        model_of(QUADRUPED, Base::Floating, contacts(&three)),
+        model_of(HUMANOID, Base::Floating, contacts(&soles)),
+        model_of(HUMANOID, Base::Fixed, contacts(&soles)),
+    ]
+}
+
+#[test]
+fn contacts_of_equal_limbs_in_lanes_give_the_same() {
+    let mut random = Random(18);
+    for model in with_equal_limbs() {
+        let mechanism = Mechanism::new(&model);
+        let limbs = LimbPacking::find(&mechanism, &LIMB_LIMITS).expect("equal limbs");
+        assert!(limbs.merges_contacts(&mechanism));
+        let layout = UduLayout::new(&mechanism, &ModuleTree::chains(&model));
+        let packed = Tracer::new(&mechanism).packed(&limbs);
+        let dynamics = optimize(packed.constrained_forward_dynamics(&layout));
+        let impulse = optimize(packed.contact_impulse(&layout));
+        let projection = optimize(packed.project_constraints(&layout));
+        for active in masks(&model, &mut random, 12) {
+            let state = state(&model, &mut random);
+            for settings in [exact(&model), general(&model, &mut random, 0.01)] {
+                let mut interpreter = Interpreter::new(model.clone());
+                let count = model.constraints();
+                let (mut qdd, mut wrenches) = (vec![0.0; model.nv()], vec![Wrench::zero(); count]);
+                let mut residuals = vec![Twist::zero(); count];
+                let motion = (&*state.q, &*state.qd, &*state.tau);
+                let into = (&mut *qdd, &mut *wrenches, &mut *residuals);
+                let rank =
+                    interpreter.constrained_forward_dynamics(motion, &active, &settings, into);
+                let residuals = residuals.iter().flat_map(Twist::components).collect();
+                let rank = vec![rank.expect("fits")];
+                let expected = [qdd, components(&wrenches), residuals, rank].concat();
+                let inputs =
+                    [&*state.q, &state.qd, &state.tau, &switches(&active), &numbers(&settings)];
+                assert_near(&dynamics.evaluate(&inputs.concat()), &expected, 1e-8);
+
+                let motion = (&*state.q, &*state.qd);
+                let (mut qd, mut impulses) = (vec![0.0; model.nv()], vec![Wrench::zero(); count]);
+                let into = (&mut *qd, &mut *impulses);
+                let rank = interpreter.contact_impulse(motion, &active, &settings, into);
+                let expected = [qd, components(&impulses), vec![rank.expect("fits")]].concat();
+                let inputs = [&*state.q, &state.qd, &switches(&active), &numbers(&settings)];
+                assert_near(&impulse.evaluate(&inputs.concat()), &expected, 1e-8);
+
+                let (mut dq, mut dqd) = (vec![0.0; model.nv()], vec![0.0; model.nv()]);
+                let into = (&mut *dq, &mut *dqd);
+                let rank = interpreter.project_constraints(motion, &active, &settings, into);
+                let expected = [dq, dqd, vec![rank.expect("fits")]].concat();
+                assert_near(&projection.evaluate(&inputs.concat()), &expected, 1e-8);
+            }
+        }
+    }
+}
+
 /// Operations of the floating quadruped with four point feet, eliminated by legs. A count that falls is to be entered;
 /// one that rises is a regression.
 #[test]
@@ -903,8 +985,12 @@ fn operation_counts_are_as_frozen() {
     let mechanism = Mechanism::new(&model);
     let (tracer, layout) =
         (Tracer::new(&mechanism), UduLayout::new(&mechanism, &ModuleTree::chains(&model)));
+    let limbs = LimbPacking::find(&mechanism, &LIMB_LIMITS).expect("four legs");
     let found = [
         ("constrained_forward_dynamics", tracer.constrained_forward_dynamics(&layout)),
+        ("dynamics in lanes", tracer.packed(&limbs).constrained_forward_dynamics(&layout)),
+        ("impulses in lanes", tracer.packed(&limbs).contact_impulse(&layout)),
+        ("projection in lanes", tracer.packed(&limbs).project_constraints(&layout)),
         (
             "constrained_forward_dynamics_derivatives",
             tracer.constrained_forward_dynamics_derivatives(&layout),
@@ -920,6 +1006,9 @@ fn operation_counts_are_as_frozen() {
     .map(|(name, graph)| (name, optimize(graph).count().total()));
     let frozen = [
         ("constrained_forward_dynamics", 9739),
+        ("dynamics in lanes", 5820),
+        ("impulses in lanes", 5079),
+        ("projection in lanes", 6127),
         ("constrained_forward_dynamics_derivatives", 71675),
         ("contact_impulse", 7669),
         ("constrained_inverse_dynamics", 2537),

@@ -372,7 +372,7 @@ functions! {
          of `LOOP_CONSTRAINT_NAMES`, at the second frame's origin in the first frame's axes. Contacts follow, in\n\
          the order of `CONTACT_NAMES`, at the frame's origin in world axes. Redundant rows get the multipliers of\n\
          smallest norm.",
-        |t, s| t.constrained_forward_dynamics(&s.layout),
+        |t, s| t.constrained_forward_dynamics(&s.for_derivatives),
         |m| {
             1200.0 * m.depths
                 + 70.0 * m.squares
@@ -384,7 +384,8 @@ functions! {
         },
     )
         .by_default()
-        .of_constraints();
+        .of_constraints()
+        .packed(Packing::Contacts);
     /// Displacements and velocities that violate the constraints.
     ConstraintResidual "constraint_residual" = Row::one(
         &[Q, QD, SETTINGS],
@@ -405,7 +406,7 @@ functions! {
         "Returns the smallest step (in the metric of the mass matrix) that closes the loops at `q` and moves the\n\
          active contacts to their targets to first order, the smallest change of `qd` that keeps them there, and\n\
          the number of independent constraint rows. The settings `alpha` and `beta` have no effect.",
-        |t, s| t.project_constraints(&s.layout),
+        |t, s| t.project_constraints(&s.for_derivatives),
         |m| {
             140.0 * m.squares
                 + 850.0 * m.reach
@@ -415,7 +416,8 @@ functions! {
         },
     )
         .by_default()
-        .of_constraints();
+        .of_constraints()
+        .packed(Packing::Contacts);
     /// Derivatives of forward dynamics with contacts.
     ConstrainedForwardDynamicsDerivatives "constrained_forward_dynamics_derivatives" = Row::one(
         &[Q, QD, TAU, CONTACTS, SETTINGS],
@@ -445,7 +447,7 @@ functions! {
          their targets at the same instant, the impulse of each constraint, and the number of independent\n\
          constraint rows. Along its normal, a contact leaves with `restitution` times the speed before the\n\
          impact. The settings `alpha` and `beta` have no effect.",
-        |t, s| t.contact_impulse(&s.layout),
+        |t, s| t.contact_impulse(&s.for_derivatives),
         |m| {
             140.0 * m.squares
                 + 850.0 * m.reach
@@ -454,7 +456,8 @@ functions! {
                 + 50.0 * m.constraint_rows.powi(3)
         },
     )
-        .of_constraints();
+        .of_constraints()
+        .packed(Packing::Contacts);
     /// Joint forces and contact wrenches of accelerations.
     ConstrainedInverseDynamics "constrained_inverse_dynamics" = Row::one(
         &[Q, QD, QDD, CONTACTS, SETTINGS],

@@ -132,6 +132,7 @@ fn candidates(
             return partitions.map(|p| tracer.forward_dynamics(&by(p))).collect();
         }
         Packing::Limbs => {}
+        Packing::Contacts if !limbs.merges_contacts(tracer.model()) => return Vec::new(),
         Packing::OnRootPath | Packing::Derivatives if !limbs.share_root_path(tracer.model()) => {
             return Vec::new();
         }
@@ -139,7 +140,7 @@ fn candidates(
         Packing::Derivatives if !(tracing.has_vectors() || tracing.independent) => {
             return Vec::new();
         }
-        Packing::OnRootPath | Packing::Derivatives => {}
+        Packing::OnRootPath | Packing::Derivatives | Packing::Contacts => {}
         Packing::Never | Packing::Columns => return Vec::new(),
     }
     vec![trace(tracer, tracing)]

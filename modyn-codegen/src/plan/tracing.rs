@@ -48,7 +48,7 @@ pub struct Tracing<'a> {
     pub elimination: Elimination,
     /// The layout of the factorization that users receive.
     pub layout: UduLayout,
-    /// The layout of the factorization that derivatives use.
+    /// The layout of the factorization that derivatives and constrained dynamics use.
     pub for_derivatives: UduLayout,
     /// The way equal limbs and columns are computed.
     pub(super) strategy: Strategy,

@@ -5,6 +5,7 @@
 //! it is active, else 0.
 
 use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::equations::factorization::{Factorizable, MergedUduLayout};
 use modyn_runtime::equations::{ConstraintWorkspace, Workspace, constraints};
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::spatial::{Twist, Wrench};
@@ -18,24 +19,41 @@ impl Tracer<'_> {
     /// Inputs: `q`, `qd`, `tau`, active contacts and settings. The mass matrix is factorized with `layout`.
     #[must_use]
     pub fn constrained_forward_dynamics(&self, layout: &UduLayout) -> Graph {
+        self.solution(layout, Unknowns::Accelerations)
+    }
+
+    /// Traces the equations of `unknowns`, with the contacts of merged limbs merged. Results are joint vectors, then six numbers
+    /// for each constraint, then the rank.
+    fn solution(&self, layout: &UduLayout, unknowns: Unknowns) -> Graph {
         let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
-        let groups = [nq, nv, nv, contacts, settings_count(self.model)];
+        let forces = if unknowns == Unknowns::Accelerations { nv } else { 0 };
+        let groups = [nq, nv, forces, contacts, settings_count(self.model)];
         self.trace_groups(groups, |model, [q, qd, tau, active, settings]| {
-            let count = model.constraints.len();
-            let (mut qdd, mut wrenches) = (self.vector(), vec![Wrench::zero(); count]);
-            let mut residuals = vec![Twist::zero(); count];
-            let memory = &mut ConstraintWorkspace::new(model, layout);
-            let rank = constraints::constrained_forward_dynamics(
-                model,
-                layout,
-                (&q, &qd, &tau),
-                (&active, &settings_of(&settings)),
-                (&mut Workspace::new(model), memory),
-                (&mut qdd, &mut wrenches, &mut residuals),
-            );
-            let wrenches = wrenches.iter().flat_map(Wrench::components);
-            let residuals = residuals.iter().flat_map(Twist::components);
-            qdd.into_iter().chain(wrenches).chain(residuals).chain([rank]).collect()
+            let Some(limbs) = self.limbs else {
+                let sizes = (nv, model.constraints.len());
+                let inputs = [q, qd, tau, active, settings];
+                let [vectors, sixes, rank] = unknowns.solve(model, layout, inputs, sizes);
+                return [vectors, sixes, rank].concat();
+            };
+            let contacts = limbs.contacts(self.model);
+            let merged =
+                contacts.add_to(limbs.merged(self.model, model.gravity), limbs, self.model);
+            let partition = limbs.partition(layout.partition());
+            let layout = &MergedUduLayout::by_modules(&merged, partition);
+            let (settings, targets) = settings.split_at(ConstraintSettings::<Expr>::COUNT);
+            let targets = contacts.numbers(targets, ContactTarget::<Expr>::COUNT);
+            let inputs = [
+                limbs.coordinates(&q),
+                limbs.vector(&qd),
+                if forces == 0 { Vec::new() } else { limbs.vector(&tau) },
+                contacts.numbers(&active, 1),
+                [settings, &targets].concat(),
+            ];
+            let (n, count) = (merged.nv(), contacts.count());
+            let [vectors, sixes, rank] = unknowns.solve(&merged, layout, inputs, (n, count));
+            let vectors = vectors.chunks(n.max(1)).flat_map(|x| limbs.unpack_vector(x, nv));
+            let sixes = sixes.chunks((6 * count).max(1)).flat_map(|x| contacts.unpack(x, 6));
+            vectors.chain(sixes).chain(rank).collect()
         })
     }
 
@@ -60,21 +78,7 @@ impl Tracer<'_> {
     /// contacts and settings.
     #[must_use]
     pub fn project_constraints(&self, layout: &UduLayout) -> Graph {
-        let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
-        let groups = [nq, nv, contacts, settings_count(self.model)];
-        self.trace_groups(groups, |model, [q, qd, active, settings]| {
-            let (mut dq, mut dqd) = (self.vector(), self.vector());
-            let memory = &mut ConstraintWorkspace::new(model, layout);
-            let rank = constraints::project_constraints(
-                model,
-                layout,
-                (&q, &qd),
-                (&active, &settings_of(&settings)),
-                (&mut Workspace::new(model), memory),
-                (&mut dq, &mut dqd),
-            );
-            [dq, dqd, vec![rank]].concat()
-        })
+        self.solution(layout, Unknowns::Steps)
     }
 }
 
@@ -83,23 +87,7 @@ impl Tracer<'_> {
     /// Inputs: `q`, `qd`, active contacts and settings.
     #[must_use]
     pub fn contact_impulse(&self, layout: &UduLayout) -> Graph {
-        let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
-        let groups = [nq, nv, contacts, settings_count(self.model)];
-        self.trace_groups(groups, |model, [q, qd, active, settings]| {
-            let (mut after, mut impulses) =
-                (self.vector(), vec![Wrench::zero(); model.constraints.len()]);
-            let memory = &mut ConstraintWorkspace::new(model, layout);
-            let rank = constraints::contact_impulse(
-                model,
-                layout,
-                (&q, &qd),
-                (&active, &settings_of(&settings)),
-                (&mut Workspace::new(model), memory),
-                (&mut after, &mut impulses),
-            );
-            let impulses = impulses.iter().flat_map(Wrench::components);
-            after.into_iter().chain(impulses).chain([rank]).collect()
-        })
+        self.solution(layout, Unknowns::Velocities)
     }
 
     /// Returns the graph of the accelerations, the wrenches, the derivatives of the accelerations with respect
@@ -215,6 +203,63 @@ impl Tracer<'_> {
             );
             [inverse, inertia, vec![rank]].concat()
         })
+    }
+}
+
+/// The unknowns of equations with the factors of J M^-1 J^T.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Unknowns {
+    /// Accelerations, wrenches and residuals.
+    Accelerations,
+    /// Velocities after an impact, and impulses.
+    Velocities,
+    /// Steps of the coordinates and of the velocities.
+    Steps,
+}
+
+impl Unknowns {
+    /// Returns the joint vectors, then six numbers for each constraint, then the rank; `nv` and `count` are the length of qd
+    /// and the number of constraints.
+    fn solve<T: Factorizable<Expr>>(
+        self,
+        tree: &T,
+        layout: &T::Layout,
+        [q, qd, tau, active, settings]: [Vec<Expr>; 5],
+        (nv, count): (usize, usize),
+    ) -> [Vec<Expr>; 3] {
+        let vector = || vec![Expr::zero(); nv];
+        let memory = &mut ConstraintWorkspace::new(tree, layout);
+        let workspaces = (&mut Workspace::new(tree), memory);
+        let settings = &settings_of(&settings);
+        let settings = (&*active, settings);
+        match self {
+            Self::Accelerations => {
+                let (mut qdd, mut wrenches) = (vector(), vec![Wrench::zero(); count]);
+                let mut residuals = vec![Twist::zero(); count];
+                let results = (&mut *qdd, &mut *wrenches, &mut *residuals);
+                let state = (&*q, &*qd, &*tau);
+                let solve = constraints::constrained_forward_dynamics;
+                let rank = solve(tree, layout, state, settings, workspaces, results);
+                let wrenches = wrenches.iter().flat_map(Wrench::components);
+                let residuals = residuals.iter().flat_map(Twist::components);
+                [qdd, wrenches.chain(residuals).collect(), vec![rank]]
+            }
+            Self::Velocities => {
+                let (mut after, mut impulses) = (vector(), vec![Wrench::zero(); count]);
+                let results = (&mut *after, &mut *impulses);
+                let solve = constraints::contact_impulse;
+                let rank = solve(tree, layout, (&q, &qd), settings, workspaces, results);
+                let impulses = impulses.iter().flat_map(Wrench::components);
+                [after, impulses.collect(), vec![rank]]
+            }
+            Self::Steps => {
+                let (mut dq, mut dqd) = (vector(), vector());
+                let results = (&mut *dq, &mut *dqd);
+                let solve = constraints::project_constraints;
+                let rank = solve(tree, layout, (&q, &qd), settings, workspaces, results);
+                [[dq, dqd].concat(), Vec::new(), vec![rank]]
+            }
+        }
     }
 }
 

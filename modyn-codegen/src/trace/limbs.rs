@@ -8,6 +8,7 @@
 //! Chains on different bodies can be merged, too (legs and arms). Each lane then has its own parent. Shorter chains are
 //! extended by joints that move nothing.
 
+mod contacts;
 mod groups;
 mod merged;
 mod unpack;

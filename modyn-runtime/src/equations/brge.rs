@@ -9,7 +9,7 @@ use super::Workspace;
 use super::dynamics::mass_matrix;
 use super::factorization::factorize_tree;
 use crate::Scalar;
-use crate::mechanism::Mechanism;
+use crate::mechanism::BodyTree;
 
 pub use super::factorization::{
     UduLayout, condition_number, diagonal, diagonal_inverse, factorize_matrix, inverse,
@@ -17,21 +17,23 @@ pub use super::factorization::{
 };
 
 /// Fills `factors` with the U D U^T factorization of the mass matrix at `q`: D, the factors of its
-/// blocks, and U, stored as `layout` says.
-pub fn factorize<S: Scalar>(
-    model: &Mechanism<S>,
+/// blocks, and U, stored as `layout` says. Limbs of `tree` may be merged; their parents must be on one path to the
+/// root.
+pub fn factorize<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
     layout: &UduLayout,
     q: &[S],
     workspace: &mut Workspace<S>,
     factors: &mut [S],
 ) {
+    let model = tree.mechanism();
     if model.has_mimics() {
         workspace.reserve(layout.pivots(), model.nv * model.nv, 0);
         let mut matrix = core::mem::take(&mut workspace.matrix);
-        mass_matrix(model, q, workspace, &mut matrix);
+        mass_matrix(tree, q, workspace, &mut matrix);
         factorize_matrix(layout, &mut matrix, &mut workspace.pivots, factors);
         workspace.matrix = matrix;
     } else {
-        factorize_tree(model, layout, q, workspace, factors);
+        factorize_tree(tree, layout, q, workspace, factors);
     }
 }

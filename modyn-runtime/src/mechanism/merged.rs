@@ -3,8 +3,8 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use super::Mechanism;
 use super::tree::{BodyTree, LimbRoot, TreeAccess};
+use super::{ConstrainedFrames, Mechanism};
 use crate::LaneScalar;
 
 /// A mechanism whose numbers may be packs of lanes. Equal limbs (legs, arms, fingers) are merged into one limb
@@ -51,13 +51,15 @@ pub struct MergedMechanism<S> {
     /// For each body, the limbs whose representative it is the first body of.
     roots: Vec<Option<LimbRoot>>,
     column_lanes: usize,
+    /// For each contact of the robot, its index among the merged contacts, and its lane.
+    contact_lanes: Vec<(usize, usize)>,
 }
 
 impl<S: LaneScalar> MergedMechanism<S> {
     /// Returns `mechanism` with limbs merged. For each body, `roots` has the limbs whose representative it is the
     /// first body of.
     ///
-    /// Links, frames, coordinates and loops of the description have no meaning for merged limbs and are left
+    /// Links, frames, coordinates and constraints of the description have no meaning for merged limbs and are left
     /// empty.
     #[must_use]
     pub fn new(mut mechanism: Mechanism<S>, roots: Vec<Option<LimbRoot>>) -> Self {
@@ -65,7 +67,7 @@ impl<S: LaneScalar> MergedMechanism<S> {
         mechanism.frames.clear();
         mechanism.coordinates.clear();
         mechanism.constraints.clear();
-        Self { mechanism, roots, column_lanes: 1 }
+        Self { mechanism, roots, column_lanes: 1, contact_lanes: Vec::new() }
     }
 
     /// Returns `mechanism` with its limbs unmerged. Derivatives are computed `column_lanes` columns at a time;
@@ -73,6 +75,20 @@ impl<S: LaneScalar> MergedMechanism<S> {
     #[must_use]
     pub fn with_column_lanes(mechanism: Mechanism<S>, column_lanes: usize) -> Self {
         Self { column_lanes, ..Self::new(mechanism, Vec::new()) }
+    }
+
+    /// Returns the mechanism with contacts. Contacts on the bodies of a merged limb are merged as the bodies are. For
+    /// each contact of the robot, `lanes` has its index in `contacts` and its lane.
+    ///
+    /// The limbs that carry contacts must have one parent: a contact's kinematic path is that of the representative.
+    #[must_use]
+    pub fn with_contacts(
+        mut self,
+        contacts: Vec<ConstrainedFrames<S>>,
+        lanes: Vec<(usize, usize)>,
+    ) -> Self {
+        (self.mechanism.constraints, self.contact_lanes) = (contacts, lanes);
+        self
     }
 
     /// Returns the length of qd.
@@ -95,6 +111,10 @@ impl<S: LaneScalar> TreeAccess<S> for MergedMechanism<S> {
 
     fn column_lanes(&self) -> usize {
         self.column_lanes
+    }
+
+    fn constraint_lanes(&self) -> Vec<(usize, usize)> {
+        self.contact_lanes.clone()
     }
 
     fn pack(&self, each: &[S]) -> S {

@@ -33,6 +33,12 @@ pub trait TreeAccess<S: Scalar> {
         None
     }
 
+    /// Returns for each constraint of the robot its index among the constraints of [`mechanism`](Self::mechanism),
+    /// and its lane.
+    fn constraint_lanes(&self) -> Vec<(usize, usize)> {
+        (0..self.mechanism().constraints.len()).map(|constraint| (constraint, 0)).collect()
+    }
+
     /// Returns the number of derivative columns that are computed at a time.
     fn column_lanes(&self) -> usize {
         1

@@ -64,6 +64,8 @@ pub enum Packing {
     Limbs,
     /// Equal limbs, with each of several partitions into modules.
     ByModules,
+    /// Equal limbs, each group on one body, with their contacts; no loops.
+    Contacts,
     /// Equal limbs whose parents are on one path to the root. Their composites are transformed together.
     OnRootPath,
     /// Second derivatives: several columns.

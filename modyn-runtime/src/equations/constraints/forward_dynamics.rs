@@ -5,9 +5,9 @@ use super::{ConstraintWorkspace, Settings};
 use crate::Scalar;
 use crate::constraint_settings::ContactTarget;
 use crate::equations::Workspace;
-use crate::equations::brge::{self, UduLayout};
+use crate::equations::brge;
 use crate::equations::dynamics::bias_in_free_fall;
-use crate::mechanism::Mechanism;
+use crate::equations::factorization::limb_coupling::{Factorizable, LimbAccess};
 use crate::spatial::{Twist, Wrench};
 
 /// Computes the joint accelerations `qdd` under the joint forces `tau`, with all constraints satisfied. Returns
@@ -20,20 +20,24 @@ use crate::spatial::{Twist, Wrench};
 /// The acceleration of a floating base's origin is computed relative to free fall, as in
 /// [`forward_dynamics`](crate::equations::dynamics::forward_dynamics).
 ///
+/// Limbs of `tree` may be merged, each group on one body, and their contacts with them. A merged contact then stands for
+/// a contact of each limb, in the settings and in the results.
+///
 /// Featherstone 2008, "Rigid Body Dynamics Algorithms", chapter 8.
-pub fn constrained_forward_dynamics<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
-    model: &Mechanism<S>,
-    layout: &UduLayout,
+pub fn constrained_forward_dynamics<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
+    tree: &T,
+    layout: &T::Layout,
     (q, qd, tau): (&[S], &[S], &[S]),
     (active, settings): Settings<'_, S, C>,
     (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
     (qdd, wrenches, residuals): (&mut [S], &mut [Wrench<S>], &mut [Twist<S>]),
 ) -> S {
-    bias_in_free_fall(model, (q, qd), workspace, qdd);
+    let model = tree.mechanism();
+    bias_in_free_fall(tree, (q, qd), workspace, qdd);
     for (qdd, &tau) in qdd.iter_mut().zip(tau) {
         *qdd = tau - *qdd;
     }
-    brge::factorize(model, layout, q, workspace, &mut memory.factors);
+    brge::factorize(tree, layout.layout(), q, workspace, &mut memory.factors);
     memory.set_force(layout, qdd);
     memory.set_fall(model, qd, workspace);
     let contacts = settings.contacts.as_ref();
@@ -47,10 +51,10 @@ pub fn constrained_forward_dynamics<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
         let stiffness = beta * beta * component(motion.displacement);
         [-component(motion.bias_acceleration) - (damping + stiffness), S::zero()]
     });
-    memory.factorize(model, layout, (active, settings), |memory| {
+    memory.factorize(tree, layout, (active, settings), |memory| {
         memory.subtract_accelerations(model, layout)
     });
-    memory.solve(0);
+    memory.solve(tree, 0);
     memory.respond(layout, 0, qdd);
     for (qdd, &fall) in qdd.iter_mut().zip(&memory.fall) {
         *qdd = *qdd + fall;

@@ -5,8 +5,8 @@ use super::{ConstraintWorkspace, Settings};
 use crate::Scalar;
 use crate::constraint_settings::ContactTarget;
 use crate::equations::Workspace;
-use crate::equations::brge::{self, UduLayout};
-use crate::mechanism::Mechanism;
+use crate::equations::brge;
+use crate::equations::factorization::limb_coupling::{Factorizable, LimbAccess};
 use crate::spatial::{Matrix3, Wrench};
 
 /// Computes the velocities `after` an impact that satisfies the constraints at once, and the impulse on each
@@ -16,18 +16,21 @@ use crate::spatial::{Matrix3, Wrench};
 /// Along the normal of its target, a contact's frame leaves with `restitution` times its speed before the
 /// impact. In all other directions its velocity is that of the target.
 ///
+/// Limbs of `tree` may be merged, as in [`constrained_forward_dynamics`](super::constrained_forward_dynamics).
+///
 /// ```text
 /// M (qd+ - qd) = J^T lambda,  J qd+ = -e n n^T J qd
 /// ```
-pub fn contact_impulse<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
-    model: &Mechanism<S>,
-    layout: &UduLayout,
+pub fn contact_impulse<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
+    tree: &T,
+    layout: &T::Layout,
     (q, qd): (&[S], &[S]),
     (active, settings): Settings<'_, S, C>,
     (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
     (after, impulses): (&mut [S], &mut [Wrench<S>]),
 ) -> S {
-    brge::factorize(model, layout, q, workspace, &mut memory.factors);
+    let model = tree.mechanism();
+    brge::factorize(tree, layout.layout(), q, workspace, &mut memory.factors);
     let contacts = settings.contacts.as_ref();
     constraint_rows(model, (q, qd), contacts, workspace, memory, |_, component, motion| {
         [-component(motion.velocity), S::zero()]
@@ -49,9 +52,9 @@ pub fn contact_impulse<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
         let rebound = target.restitution * rebound;
         stops.iter_mut().zip(normal.0).for_each(|(stop, n)| *stop = *stop + rebound * n);
     }
-    memory.factorize(model, layout, (active, settings), |_| {});
+    memory.factorize(tree, layout, (active, settings), |_| {});
     memory.force.fill(S::zero());
-    memory.solve(0);
+    memory.solve(tree, 0);
     memory.respond(layout, 0, after);
     for (after, &before) in after.iter_mut().zip(qd) {
         *after = before + *after;

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `relative_motion` | the motion of a loop constraint's second frame relative to its first |
 //! | `contact` | the motion of a contact's frame relative to its target |
+//! | `lanes` | the rows of merged contacts |
 //! | `rows` | the Jacobian rows in units of length, and the mobility of each constraint |
 //! | `factorization` | the pseudo-inverse of J M^-1 J^T, and its rank |
 //! | `forward_dynamics` | accelerations and constraint wrenches |
@@ -46,6 +47,7 @@ mod forward_dynamics;
 mod impulse;
 mod inverse_dynamics;
 mod jacobian;
+mod lanes;
 mod operational_inertia;
 mod projection;
 mod relative_motion;
@@ -60,8 +62,8 @@ pub use {
 use alloc::{vec, vec::Vec};
 
 use super::Workspace;
-use super::brge::UduLayout;
 use super::dynamics::newton_euler::{free_fall, is_base};
+use super::factorization::limb_coupling::{FactorLayout, Factorizable, Limb, LimbAccess};
 use super::factorization::{solve_lower_factor, solve_upper_factor};
 use crate::Scalar;
 use crate::constraint_settings::{ConstraintSettings, ContactTarget};
@@ -71,6 +73,7 @@ use contact::ContactFrame;
 use derivatives::DerivativeWorkspace;
 use factorization::RankFactorization;
 use inverse_dynamics::Carried;
+use lanes::RowLanes;
 
 /// For each contact whether it is active (1 or 0), and the settings of all constraints.
 pub type Settings<'a, S, C> = (&'a [S], &'a ConstraintSettings<S, C>);
@@ -84,6 +87,8 @@ struct Support {
     entries: Vec<usize>,
     /// For each entry of qd whether it is one of these.
     has: Vec<bool>,
+    /// The merged limb that carries the constraint; `None` without merged limbs and on the trunk.
+    limb: Option<Limb>,
 }
 
 /// Memory for the intermediate results of constrained dynamics.
@@ -110,8 +115,14 @@ pub struct ConstraintWorkspace<S> {
     rest: Vec<S>,
     /// For each constraint, the trace of J M^-1 J^T over all six directions.
     mobilities: Vec<S>,
-    /// The factorization of J M^-1 J^T, constrained rows only.
+    /// The constrained rows of the robot among those of merged limbs.
+    lanes: RowLanes,
+    /// The factorization of J M^-1 J^T, the robot's constrained rows only.
     factorization: RankFactorization<S>,
+    /// For each constraint of the robot, its mobility.
+    scales: Vec<S>,
+    /// For each constrained row of the robot, its multiplier, and the part of the right-hand side that is not met.
+    solution: [Vec<S>; 2],
     /// Two right-hand sides, an entry for each constrained row; `solve` replaces them by multipliers.
     right_hand_sides: [Vec<S>; 2],
     /// For each constrained row, the part of the right-hand side that is not met.
@@ -125,15 +136,21 @@ pub struct ConstraintWorkspace<S> {
 }
 
 impl<S: Scalar> ConstraintWorkspace<S> {
-    /// Returns memory for `model`, whose mass matrix is factorized with `layout`.
+    /// Returns memory for `tree`, whose mass matrix is factorized with `limbs`.
     #[must_use]
-    pub fn new(model: &Mechanism<S>, layout: &UduLayout) -> Self {
+    pub fn new<T: Factorizable<S>>(tree: &T, limbs: &T::Layout) -> Self {
+        let (model, layout) = (tree.mechanism(), limbs.layout());
         let constraints = || model.constraints.iter();
         let rows = constraints().map(|constraint| constraint.rows.len()).sum();
         let free: usize = constraints().map(|constraint| constraint.free.len()).sum();
         let moving: Vec<Vec<bool>> = constraints().map(|c| moving_entries(model, c)).collect();
         let moves = |moving: &Vec<bool>| moving.iter().filter(|&&moves| moves).count();
-        let blocks = constraints().zip(&moving).map(|(c, moving)| (c.rows.len(), moves(moving)));
+        let supports: Vec<Support> =
+            moving.iter().map(|moving| Support::new(limbs, moving)).collect();
+        let of_limbs = supports.iter().map(|support| support.limb.map_or(1, Limb::count));
+        let lanes = RowLanes::new(tree, of_limbs);
+        let blocks = lanes.constraints().iter();
+        let blocks = blocks.map(|&(c, _)| (model.constraints[c].rows.len(), moves(&moving[c])));
         let owner = |rows: fn(&ConstrainedFrames<S>) -> usize| {
             constraints().enumerate().flat_map(move |(i, c)| core::iter::repeat_n(i, rows(c)))
         };
@@ -150,7 +167,10 @@ impl<S: Scalar> ConstraintWorkspace<S> {
             rest: numbers(model.nv),
             mobilities: numbers(model.constraints.len()),
             factorization: RankFactorization::new(blocks),
-            supports: moving.iter().map(|moving| Support::new(layout, moving)).collect(),
+            supports,
+            scales: numbers(lanes.constraints().len()),
+            solution: [numbers(lanes.count()), numbers(lanes.count())],
+            lanes,
             right_hand_sides: [numbers(rows), numbers(rows)],
             residuals: numbers(rows),
             carried: Carried::new(model, rows),
@@ -161,17 +181,17 @@ impl<S: Scalar> ConstraintWorkspace<S> {
 
     /// Factorizes J M^-1 J^T of the current rows, lets `complete` change the right-hand sides, and sets those
     /// of inactive contacts to zero.
-    fn factorize<C: AsRef<[ContactTarget<S>]>>(
+    fn factorize<T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
         &mut self,
-        model: &Mechanism<S>,
-        layout: &UduLayout,
+        tree: &T,
+        limbs: &T::Layout,
         (active, settings): Settings<'_, S, C>,
         complete: impl FnOnce(&mut Self),
     ) {
-        self.fill(model, layout, (active, settings));
-        self.factorize_filled(settings);
+        self.fill(tree, limbs, (active, settings));
+        self.factorize_filled(tree, settings);
         complete(self);
-        let loops = model.constraints.len() - active.len();
+        let loops = tree.mechanism().constraints.len() - active.len();
         for side in &mut self.right_hand_sides {
             for (b, &constraint) in side.iter_mut().zip(&self.owner) {
                 if let Some(contact) = constraint.checked_sub(loops) {
@@ -182,18 +202,25 @@ impl<S: Scalar> ConstraintWorkspace<S> {
     }
 
     /// Computes J M^-1 J^T of the current rows.
-    fn fill<C: AsRef<[ContactTarget<S>]>>(
+    fn fill<T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
         &mut self,
-        model: &Mechanism<S>,
-        layout: &UduLayout,
+        tree: &T,
+        limbs: &T::Layout,
         (active, settings): Settings<'_, S, C>,
     ) {
-        rows::mobilities(model, layout, (active, settings.contacts.as_ref()), self);
+        rows::mobilities(tree, limbs, (active, settings.contacts.as_ref()), self);
     }
 
-    fn factorize_filled<C>(&mut self, settings: &ConstraintSettings<S, C>) {
+    fn factorize_filled<T: Factorizable<S>, C>(
+        &mut self,
+        tree: &T,
+        settings: &ConstraintSettings<S, C>,
+    ) {
+        for (scale, &(constraint, lane)) in self.scales.iter_mut().zip(self.lanes.constraints()) {
+            *scale = tree.extract_lane(self.mobilities[constraint], lane);
+        }
         let (tolerance, rounding) = (settings.tolerance, settings.rounding);
-        self.factorization.factorize(&self.mobilities, tolerance, rounding);
+        self.factorization.factorize(&self.scales, tolerance, rounding);
     }
 
     /// The factor of a constrained row's units: the characteristic length of a rotation, else 1.
@@ -224,15 +251,19 @@ impl<S: Scalar> ConstraintWorkspace<S> {
     }
 
     /// Replaces right-hand side `side` by its multipliers.
-    fn solve(&mut self, side: usize) {
-        let Self { factorization, right_hand_sides, residuals, .. } = self;
-        factorization.solve(&mut right_hand_sides[side], residuals);
+    fn solve<T: Factorizable<S>>(&mut self, tree: &T, side: usize) {
+        let Self { factorization, right_hand_sides, residuals, solution, lanes, .. } = self;
+        let [multipliers, missed] = solution;
+        lanes.unpack(tree, &right_hand_sides[side], multipliers);
+        factorization.solve(multipliers, missed);
+        lanes.pack(tree, multipliers, &mut right_hand_sides[side]);
+        lanes.pack(tree, missed, residuals);
     }
 
     /// Sets `force` to W^-1 times this joint force.
-    fn set_force(&mut self, layout: &UduLayout, force: &[S]) {
+    fn set_force<L: FactorLayout<S>>(&mut self, limbs: &L, force: &[S]) {
         self.force.copy_from_slice(force);
-        solve_upper_factor(layout, &self.factors, 0..layout.blocks().len(), &mut self.force);
+        solve_upper_factor(limbs, &self.factors, &mut self.force);
     }
 
     /// Sets `fall` to the acceleration of floating bases in free fall. Expects the bases' angular velocities.
@@ -247,9 +278,9 @@ impl<S: Scalar> ConstraintWorkspace<S> {
 
     /// Subtracts J M^-1 f of the joint force f, and for loop constraints the accelerations by free fall, from
     /// the first right-hand side. Expects W^-1 J^T. (The accelerations of contacts are relative to free fall.)
-    fn subtract_accelerations(&mut self, model: &Mechanism<S>, layout: &UduLayout) {
+    fn subtract_accelerations<L: FactorLayout<S>>(&mut self, model: &Mechanism<S>, limbs: &L) {
         let Self { right_hand_sides: [b, _], jacobian, reduced, supports, owner, .. } = self;
-        let reciprocals = &self.factors[layout.reciprocals()];
+        let reciprocals = &self.factors[limbs.layout().reciprocals()];
         let n = self.force.len().max(1);
         for (k, (b, &c)) in b.iter_mut().zip(&*owner).enumerate() {
             let (row, rates) = (&reduced[k * n..][..n], &jacobian[k * n..][..n]);
@@ -263,12 +294,23 @@ impl<S: Scalar> ConstraintWorkspace<S> {
 
     /// Computes the joints' response M^-1 (f + J^T lambda) to the joint force f and the multipliers lambda of
     /// right-hand side `side`.
-    fn respond(&self, layout: &UduLayout, side: usize, response: &mut [S]) {
+    fn respond<L: FactorLayout<S>>(&self, limbs: &L, side: usize, response: &mut [S]) {
         response.copy_from_slice(&self.force);
-        let rows = self.reduced.chunks(response.len().max(1)).zip(&self.owner);
-        for (&multiplier, (row, &constraint)) in self.right_hand_sides[side].iter().zip(rows) {
-            for &k in &self.supports[constraint].entries {
-                response[k] = response[k] + row[k] * multiplier;
+        let (layout, n) = (limbs.layout(), response.len().max(1));
+        let mut first = 0;
+        for owned in self.owner[..self.rows].chunk_by(|a, b| a == b) {
+            let rows = first..first + owned.len();
+            first = rows.end;
+            let support = &self.supports[owned[0]];
+            for &k in &support.entries {
+                let shares = rows
+                    .clone()
+                    .map(|row| self.reduced[row * n + k] * self.right_hand_sides[side][row]);
+                let Some(share) = shares.reduce(|sum, x| sum + x) else { continue };
+                // All limbs move the trunk.
+                let limb = support.limb.filter(|_| limbs.limb_of_dof(k).is_none());
+                let share = limb.map_or(share, |limb| limbs.sum_limbs(share, limb.count()));
+                response[k] = response[k] + share;
             }
         }
         for (x, &reciprocal) in response.iter_mut().zip(&self.factors[layout.reciprocals()]) {
@@ -314,8 +356,8 @@ impl<S: Scalar> ConstraintWorkspace<S> {
 
 impl Support {
     /// Returns the support of rows that these entries of qd move.
-    fn new(layout: &UduLayout, moving: &[bool]) -> Self {
-        let mut has = moving.to_vec();
+    fn new<S: Scalar, L: FactorLayout<S>>(limbs: &L, moving: &[bool]) -> Self {
+        let (layout, mut has) = (limbs.layout(), moving.to_vec());
         let mut modules = Vec::new();
         for (m, block) in layout.blocks().iter().enumerate().rev() {
             if has[block.dofs.clone()].contains(&true) {
@@ -324,8 +366,9 @@ impl Support {
                 layout.rows(m).for_each(|(dof, _)| has[dof] = true);
             }
         }
-        let entries = (0..has.len()).filter(|&k| has[k]).collect();
-        Self { modules, entries, has }
+        let entries: Vec<usize> = (0..has.len()).filter(|&k| has[k]).collect();
+        let limb = entries.iter().find_map(|&k| limbs.limb_of_dof(k));
+        Self { modules, entries, has, limb }
     }
 }
 

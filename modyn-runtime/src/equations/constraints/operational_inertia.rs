@@ -38,7 +38,7 @@ pub fn operational_inertia<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
             *entry = memory.factorization.entry(i, j) * (length(i) * length(j)).recip();
         }
     }
-    memory.factorize_filled(settings);
+    memory.factorize_filled(model, settings);
     memory.factorization.inverse(inertia);
     for (j, column) in inertia.chunks_mut(rows.max(1)).enumerate() {
         for (i, entry) in column.iter_mut().enumerate() {

@@ -5,31 +5,34 @@ use super::{ConstraintWorkspace, Settings};
 use crate::Scalar;
 use crate::constraint_settings::ContactTarget;
 use crate::equations::Workspace;
-use crate::equations::brge::{self, UduLayout};
-use crate::mechanism::Mechanism;
+use crate::equations::brge;
+use crate::equations::factorization::limb_coupling::{Factorizable, LimbAccess};
 
 /// Computes the step `dq` of the coordinates and the step `dqd` of the velocities that satisfy the constraints.
 /// Returns the number of independent rows.
 ///
 /// `dq` satisfies the constraints to first order. Both steps are -M^-1 J^T (J M^-1 J^T)^+ times the violation
 /// (displacements for `dq`, velocities for `dqd`): the smallest steps in the metric of the mass matrix.
-pub fn project_constraints<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
-    model: &Mechanism<S>,
-    layout: &UduLayout,
+///
+/// Limbs of `tree` may be merged, as in [`constrained_forward_dynamics`](super::constrained_forward_dynamics).
+pub fn project_constraints<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
+    tree: &T,
+    layout: &T::Layout,
     (q, qd): (&[S], &[S]),
     (active, settings): Settings<'_, S, C>,
     (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
     (dq, dqd): (&mut [S], &mut [S]),
 ) -> S {
-    brge::factorize(model, layout, q, workspace, &mut memory.factors);
+    let model = tree.mechanism();
+    brge::factorize(tree, layout.layout(), q, workspace, &mut memory.factors);
     let contacts = settings.contacts.as_ref();
     constraint_rows(model, (q, qd), contacts, workspace, memory, |_, component, motion| {
         [-component(motion.displacement), -component(motion.velocity)]
     });
-    memory.factorize(model, layout, (active, settings), |_| {});
+    memory.factorize(tree, layout, (active, settings), |_| {});
     memory.force.fill(S::zero());
     for (side, step) in [dq, dqd].into_iter().enumerate() {
-        memory.solve(side);
+        memory.solve(tree, side);
         memory.respond(layout, side, step);
     }
     memory.factorization.rank()

@@ -17,8 +17,8 @@ use super::relative_motion::{RelativeMotion, relative_columns};
 use crate::Scalar;
 use crate::constraint_settings::ContactTarget;
 use crate::equations::Workspace;
-use crate::equations::brge::UduLayout;
-use crate::equations::factorization::solve_upper_factor;
+use crate::equations::factorization::limb_coupling::{Factorizable, LimbAccess};
+use crate::equations::factorization::solve_upper_within;
 use crate::mechanism::{ConstrainedFrames, ConstraintRow, Mechanism};
 use crate::spatial::Twist;
 
@@ -111,51 +111,76 @@ pub(super) fn constraint_rows<S: Scalar>(
     }
 }
 
-/// Computes W^-1 J^T of all rows, the matrix J M^-1 J^T of the constrained rows, in which the rows of inactive
+/// Computes W^-1 J^T of all rows, the matrix J M^-1 J^T of the robot's constrained rows, in which the rows of inactive
 /// contacts are zero, and the mobility of each constraint. Expects the rows and the factors of the mass matrix.
-pub(super) fn mobilities<S: Scalar>(
-    model: &Mechanism<S>,
-    layout: &UduLayout,
+///
+/// Where limbs are merged, the rows of one limb are multiplied in lanes. Those of two limbs have the trunk's entries in
+/// common.
+pub(super) fn mobilities<S: Scalar, T: Factorizable<S>>(
+    tree: &T,
+    limbs: &T::Layout,
     (active, contacts): (&[S], &[ContactTarget<S>]),
     memory: &mut ConstraintWorkspace<S>,
 ) {
+    let model = tree.mechanism();
     let n = model.nv.max(1);
     let ConstraintWorkspace { jacobian, reduced, factorization, mobilities, factors, .. } = memory;
-    let (owner, supports) = (&memory.owner, &memory.supports);
-    reduced.copy_from_slice(jacobian);
-    for (row, &c) in reduced.chunks_mut(n).zip(owner) {
-        solve_upper_factor(layout, factors, supports[c].modules.iter().copied(), row);
-    }
-    let reciprocals = &factors[layout.reciprocals()];
-    let entry = |i: usize, j: usize| {
-        let (a, b) = (&reduced[i * n..][..n], &reduced[j * n..][..n]);
-        let shared = supports[owner[i]].entries.iter().filter(|&&k| supports[owner[j]].has[k]);
-        let products = shared.map(|&k| a[k] * (b[k] * reciprocals[k]));
-        products.reduce(|sum, x| sum + x).unwrap_or(S::zero())
-    };
+    let (owner, supports, lanes) = (&memory.owner, &memory.supports, &memory.lanes);
     let loops = model.constraints.len() - active.len();
     let contact = |row: usize| owner[row].checked_sub(loops);
-    factorization.fill(|i, j| {
-        let mut sum = entry(i, j);
+    reduced.copy_from_slice(jacobian);
+    for (row, &c) in reduced.chunks_mut(n).zip(owner) {
+        solve_upper_within(limbs, factors, supports[c].modules.iter().copied(), row);
+    }
+    let reduced = &*reduced;
+    let reciprocals = &factors[limbs.layout().reciprocals()];
+    let common = |i: usize, j: usize| {
+        let shared = supports[owner[i]].entries.iter().copied();
+        shared.filter(move |&k| supports[owner[j]].has[k])
+    };
+    // The entries of rows of one limb, or of a limb and the trunk.
+    let entry = |i: usize, j: usize| {
+        sum(common(i, j).map(|k| reduced[i * n + k] * (reduced[j * n + k] * reciprocals[k])))
+    };
+    let within = |i: usize, j: usize| {
+        let sum = entry(i, j);
         match [contact(i), contact(j)] {
-            [None, None] => {}
-            [Some(a), None] | [None, Some(a)] => sum = sum * active[a],
+            [None, None] => sum,
+            [Some(a), None] | [None, Some(a)] => sum * active[a],
             [Some(a), Some(b)] if a == b => {
-                if i == j {
-                    sum = sum + contacts[a].compliance;
-                }
-                sum = sum * active[a];
+                let compliant = if i == j { sum + contacts[a].compliance } else { sum };
+                compliant * active[a]
             }
-            [Some(a), Some(b)] => sum = sum * (active[a] * active[b]),
+            [Some(a), Some(b)] => sum * (active[a] * active[b]),
         }
-        sum
+    };
+    // The entries of the row of an inactive contact are zero.
+    let masked = |i: usize, k: usize| {
+        contact(i).map_or(reduced[i * n + k], |contact| reduced[i * n + k] * active[contact])
+    };
+    factorization.fill(|i, j| {
+        let ((i, a), (j, b)) = (lanes.place(i), lanes.place(j));
+        match [i, j].map(|row| supports[owner[row]].limb) {
+            [Some(one), Some(other)] if (one, a) != (other, b) => {
+                let trunk = common(i, j).filter(|&k| limbs.limb_of_dof(k).is_none());
+                sum(trunk.map(|k| {
+                    let scaled = masked(j, k) * reciprocals[k];
+                    tree.extract_lane(masked(i, k), a) * tree.extract_lane(scaled, b)
+                }))
+            }
+            [None, Some(_)] => tree.extract_lane(within(i, j), b),
+            _ => tree.extract_lane(within(i, j), a),
+        }
     });
     let (mut row, mut free) = (0, memory.rows);
     for (mobility, constraint) in mobilities.iter_mut().zip(&model.constraints) {
         let (rows, free_rows) =
             (row..row + constraint.rows.len(), free..free + constraint.free.len());
         (row, free) = (rows.end, free_rows.end);
-        let diagonal = rows.chain(free_rows).map(|k| entry(k, k));
-        *mobility = diagonal.reduce(|sum, x| sum + x).unwrap_or(S::zero());
+        *mobility = sum(rows.chain(free_rows).map(|k| entry(k, k)));
     }
+}
+
+fn sum<S: Scalar>(terms: impl Iterator<Item = S>) -> S {
+    terms.reduce(|sum, x| sum + x).unwrap_or(S::zero())
 }

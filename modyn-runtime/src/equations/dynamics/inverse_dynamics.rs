@@ -37,15 +37,15 @@ pub fn recursive_newton_euler<S: Scalar, T: BodyTree<S>>(
 
 /// Computes the joint forces at zero joint accelerations with floating bases in free fall; see
 /// [`free_fall`](super::newton_euler::free_fall). Leaves the bodies' accelerations in the workspace.
-pub(in crate::equations) fn bias_in_free_fall<S: Scalar>(
-    model: &Mechanism<S>,
+pub(in crate::equations) fn bias_in_free_fall<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
     (q, qd): (&[S], &[S]),
     workspace: &mut Workspace<S>,
     tau: &mut [S],
 ) {
-    workspace.move_to(model, q);
-    link_wrenches(model, qd, Accelerations::FreeFall, workspace);
-    joint_torques(model, (qd, None), workspace, tau);
+    workspace.move_to(tree.mechanism(), q);
+    link_wrenches(tree, qd, Accelerations::FreeFall, workspace);
+    joint_torques(tree, (qd, None), workspace, tau);
 }
 
 /// Computes the wrench that each body needs for its own motion.

@@ -26,6 +26,13 @@ pub struct Limb {
     count: usize,
 }
 
+impl Limb {
+    /// Returns the number of limbs that are merged.
+    pub(in crate::equations) fn count(self) -> usize {
+        self.count
+    }
+}
+
 /// Returns the merged limb of each degree of freedom; `None` on the trunk.
 fn of_dofs<S: LaneScalar>(tree: &MergedMechanism<S>) -> Vec<Option<Limb>> {
     let model = tree.mechanism();

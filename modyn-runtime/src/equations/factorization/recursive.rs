@@ -14,7 +14,7 @@ use super::matrix::store_v;
 use super::partition::{ModuleBlock, factor};
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::mechanism::{BodyTree, Mechanism};
+use crate::mechanism::{BodyTree, Mechanism, RootwardAccumulator};
 use crate::spatial::{ArticulatedInertia, Wrench};
 
 /// Sets each composite inertia to the body's own inertia.
@@ -158,19 +158,20 @@ fn propagate_to_parent<S: Scalar, T: BodyTree<S>>(
 }
 
 /// Fills `factors` with D, the factors of its blocks, and U at `q`, by recursion over the tree.
-pub(in crate::equations) fn factorize_tree<S: Scalar>(
-    model: &Mechanism<S>,
+pub(in crate::equations) fn factorize_tree<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
     layout: &UduLayout,
     q: &[S],
     workspace: &mut Workspace<S>,
     factors: &mut [S],
 ) {
+    let model = tree.mechanism();
     workspace.reserve(layout.pivots(), 0, 0);
     workspace.move_to(model, q);
     start(model, workspace);
     for (m, block) in layout.blocks().iter().enumerate().rev() {
         let first = block.bodies.start;
-        pivot(model, block, workspace);
+        pivot(tree, block, workspace);
         factors[layout.d(m)].copy_from_slice(&workspace.pivots[layout.d(m)]);
         split(block, workspace);
         store_v(layout, m, &workspace.pivots, factors);
@@ -181,18 +182,20 @@ pub(in crate::equations) fn factorize_tree<S: Scalar>(
             continue;
         }
         reduce_columns(model, block, workspace);
-        eliminate(model, block, workspace);
+        eliminate(tree, block, workspace);
         // (46): the columns of Psi I_hat^-1, transformed towards the root; each joint takes its component.
         finish_gains(model, block, workspace);
         for (j, d) in block.dofs.clone().enumerate() {
             let mut wrench =
                 Wrench::from_components(core::array::from_fn(|row| workspace.gains[row][d]));
-            let mut at = first;
+            let (mut at, mut path) = (first, RootwardAccumulator::new(tree));
             for (other, row) in layout.rows(m).rev() {
                 while at != model.dofs[other].body {
                     let body = &model.bodies[at];
-                    wrench = body.wrench_to_parent(&workspace.motions[at], wrench);
+                    let carried = body.wrench_to_parent(&workspace.motions[at], wrench);
                     let Some(parent) = body.parent else { break };
+                    let carried = path.accumulate(at, parent, carried.components());
+                    wrench = Wrench::from_components(carried);
                     at = parent;
                 }
                 let component = model.dofs[other].component;

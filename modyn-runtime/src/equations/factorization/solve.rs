@@ -49,17 +49,8 @@ fn solve_for<S: Scalar, L: FactorLayout<S>>(
     let u = &factors[layout.u()];
     let others =
         |m: usize| own.is_some() && limbs.limb_of_module(m).is_some_and(|limb| own != Some(limb));
-    for (m, block) in layout.blocks().iter().enumerate().rev().filter(|(m, _)| !others(*m)) {
-        for (dof, row) in layout.rows(m) {
-            let over = if own.is_none() { limbs.summed_limbs(m, dof) } else { 1 };
-            let shares = block.dofs.clone().enumerate().map(|(j, i)| u[row + j] * x[i]);
-            x[dof] = if over == 1 {
-                shares.fold(x[dof], |x, share| x - share)
-            } else {
-                let sum = shares.fold(S::zero(), |sum, x| sum + x);
-                x[dof] - limbs.sum_limbs(sum, over)
-            };
-        }
+    for m in (0..layout.blocks().len()).rev().filter(|&m| !others(m)) {
+        subtract_module(limbs, u, m, own.is_none(), x);
     }
     for (m, block) in layout.blocks().iter().enumerate().filter(|(m, _)| !others(*m)) {
         solve_block(layout, factors, m, &mut x[block.dofs.clone()]);
@@ -71,23 +62,56 @@ fn solve_for<S: Scalar, L: FactorLayout<S>>(
     }
 }
 
-/// Replaces x by W^-1 x, with M = W Delta W^T and the unit upper triangular W = U V: the first half of
-/// [`solve`]. Expects that x is zero outside of these modules, and that they include each module that U couples
-/// to one of them.
-pub(in crate::equations) fn solve_upper_factor<S: Scalar>(
-    layout: &UduLayout,
+/// Subtracts U's column of module `m` times the module's entries of `x`. If `summed`, `x` has a lane for each limb,
+/// and the limbs' shares are summed where they reach the trunk.
+fn subtract_module<S: Scalar, L: FactorLayout<S>>(
+    limbs: &L,
+    u: &[S],
+    m: usize,
+    summed: bool,
+    x: &mut [S],
+) {
+    let layout = limbs.layout();
+    for (dof, row) in layout.rows(m) {
+        let over = if summed { limbs.summed_limbs(m, dof) } else { 1 };
+        let dofs = layout.blocks()[m].dofs.clone();
+        let shares = dofs.enumerate().map(|(j, i)| u[row + j] * x[i]);
+        x[dof] = if over == 1 {
+            shares.fold(x[dof], |x, share| x - share)
+        } else {
+            let sum = shares.fold(S::zero(), |sum, x| sum + x);
+            x[dof] - limbs.sum_limbs(sum, over)
+        };
+    }
+}
+
+/// Replaces the joint vector x by W^-1 x, with M = W Delta W^T and the unit upper triangular W = U V: the first half
+/// of [`solve`].
+pub(in crate::equations) fn solve_upper_factor<S: Scalar, L: FactorLayout<S>>(
+    limbs: &L,
+    factors: &[S],
+    x: &mut [S],
+) {
+    let layout = limbs.layout();
+    for m in (0..layout.blocks().len()).rev() {
+        subtract_module(limbs, &factors[layout.u()], m, true, x);
+        solve_upper(layout.v(m, factors), &mut x[layout.blocks()[m].dofs.clone()]);
+    }
+}
+
+/// Replaces x, which is zero outside of these modules, by W^-1 x. Expects that the modules include each module that U
+/// couples to one of them. Where limbs are merged, x stands for a vector of each limb, which is zero on the other
+/// limbs.
+pub(in crate::equations) fn solve_upper_within<S: Scalar, L: FactorLayout<S>>(
+    limbs: &L,
     factors: &[S],
     modules: impl DoubleEndedIterator<Item = usize>,
     x: &mut [S],
 ) {
-    let u = &factors[layout.u()];
+    let layout = limbs.layout();
     for m in modules.rev() {
-        let dofs = layout.blocks()[m].dofs.clone();
-        for (dof, row) in layout.rows(m) {
-            x[dof] =
-                dofs.clone().enumerate().fold(x[dof], |x_dof, (j, i)| x_dof - u[row + j] * x[i]);
-        }
-        solve_upper(layout.v(m, factors), &mut x[dofs]);
+        subtract_module(limbs, &factors[layout.u()], m, false, x);
+        solve_upper(layout.v(m, factors), &mut x[layout.blocks()[m].dofs.clone()]);
     }
 }
 
