@@ -6,7 +6,6 @@ use modyn::batch::{SimdLevel, force_level};
 use modyn_runtime::Scalar;
 
 /// Locks the SIMD level, which belongs to the process, so that one test at a time changes it.
-#[must_use]
 pub fn alone() -> MutexGuard<'static, ()> {
     static ONE: Mutex<()> = Mutex::new(());
     ONE.lock().unwrap_or_else(PoisonError::into_inner)
@@ -57,7 +56,6 @@ fn is_there(level: SimdLevel) -> bool {
 }
 
 /// Returns numbers in -1..1.
-#[must_use]
 pub fn numbers() -> impl FnMut() -> f64 {
     let mut state = 7u64;
     move || {
