@@ -148,11 +148,6 @@ fn values_with_an_error_are_refused_at_their_place() {
         ("control: (mass_matrix, brge, mass_matrix)", 29, "the field `mass_matrix`; name it once"),
         ("control: (jacobian(a), jacobian(a))", 23, "the field `jacobian_a`; name it once"),
         ("control: (jacobian(\"a.1\"), jacobian(a_1))", 27, "have the same name in snake case"),
-        (
-            "control: batch(contact_impulse)",
-            15,
-            "has no form for many states, since it has the argument `contacts`",
-        ),
         ("control: batch(mass_matrix, forward_dynamics_external)", 28, "the argument `forces`"),
         ("control: batch(brge)", 15, "`brge` has no form for many states in a bundle"),
         ("type: (mass_matrix)", 0, "bundle `type`: its name is a keyword; `type_` is not one"),
@@ -267,6 +262,24 @@ fn types_of_the_robot_are_in_the_text() {
         "struct DogUduFactorization<",
         "pub brge: DogUduFactorization<T>,",
         "contacts: DogContacts, settings: &",
+    ] {
+        assert!(text.contains(part), "{part}");
+    }
+}
+
+/// In a batch of a bundle, each state has its set of contacts, and all share the settings.
+#[test]
+fn batches_of_bundles_with_contacts() {
+    let builder = robot("quadruped").base(Base::Floating).functions([]);
+    let contacts = Value::parse("foot: point(\"front_left_foot\")").expect("a value");
+    let builder = builder.set("contacts", &contacts).expect("good").type_name("Dog");
+    let text = with(builder, "feet: batch(contact_impulse, gravity_torques)");
+    let text = text.generate().expect("good").text;
+    syn::parse_file(&text).expect("Rust");
+    for part in [
+        "contacts: [&[bool]; 1], settings: &__modyn::ConstraintSettings<f64, ",
+        "contacts: &[DogContacts], settings: &__modyn::ConstraintSettings<f64, ",
+        "__modyn::batch::run_parallel_flagged(",
     ] {
         assert!(text.contains(part), "{part}");
     }

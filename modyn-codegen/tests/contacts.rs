@@ -3,11 +3,14 @@
 
 use modyn_codegen::passes::optimize;
 use modyn_codegen::plan::LIMB_LIMITS;
+use modyn_codegen::program::{Program, Target};
 use modyn_codegen::trace::{LimbPacking, Tracer};
 use modyn_codegen::{Base, Contact, ContactKind, LoopEnd, ReadOptions, read};
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::mechanism::Mechanism;
-use modyn_runtime::model::{Model, ModelErrorKind, ModuleTree};
+use modyn_runtime::model::{
+    LoopConstraint, LoopConstraintEnd, LoopConstraintKind, Model, ModelErrorKind, ModuleTree,
+};
 use modyn_runtime::spatial::{Pose, Twist, Vector3, Wrench};
 use modyn_runtime::{ConstrainedDerivatives, ConstraintSettings, ContactTarget, Interpreter};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3 as V3};
@@ -883,9 +886,76 @@ fn derivatives_are_those_of_differences() {
     assert!(checked > 8, "{checked}");
 }
 
+/// Random trees with two loops of each pair of types, between frames that do not coincide, and contacts.
+fn for_all_loops(seed: u64, mut check: impl FnMut(&Model, &State, &[bool], &Settings)) {
+    let mut random = Random(seed);
+    let axis = [0.6, 0.0, -0.8];
+    let kinds = [
+        LoopConstraintKind::Point,
+        LoopConstraintKind::Revolute(axis),
+        LoopConstraintKind::Prismatic(axis),
+        LoopConstraintKind::Rigid,
+    ];
+    for (k, first) in kinds.into_iter().enumerate() {
+        let second = kinds[(k + k / 2 + 1) % 4];
+        let base = if k % 2 == 0 { Base::Floating } else { Base::Fixed };
+        let model = random_tree(&mut random, 13, 1, base);
+        let mut end = |link: &str| LoopConstraintEnd {
+            frame: model.frame_index(link).expect("a link"),
+            pose: Pose {
+                rotation: rows(&rotation(random.three(3.0))),
+                translation: random.three(0.3),
+            },
+        };
+        let loops = [(first, ["13", "0"]), (second, ["9", "12"])];
+        let loops = loops.into_iter().enumerate().map(|(i, (kind, ends))| LoopConstraint {
+            name: format!("loop{i}"),
+            kind,
+            ends: ends.map(&mut end),
+        });
+        let loops = loops.collect();
+        let model = model.clone().with_loop_constraints(loops).expect("good");
+        for active in masks(&model, &mut random, 1) {
+            let state = state(&model, &mut random);
+            let mut settings = general(&model, &mut random, 0.0);
+            (settings.alpha, settings.beta) = (2.0, 3.0);
+            check(&model, &state, &active, &settings);
+        }
+    }
+}
+
+/// The programs of batches, which have one text for all sets, with a random set for each state.
+#[test]
+fn programs_of_batches_are_the_interpreters() {
+    let mut random = Random(31);
+    for k in 0..6 {
+        let base = if k % 3 == 2 { Base::Fixed } else { Base::Floating };
+        let model = random_tree(&mut random, 6 + k, 1 + k % 2, base);
+        let mechanism = Mechanism::new(&model);
+        let layout = UduLayout::new(&mechanism, &ModuleTree::chains(&model));
+        let graph = optimize(Tracer::new(&mechanism).constrained_forward_dynamics(&layout));
+        let settings = general(&model, &mut random, 0.01);
+        let mut program = None;
+        for active in masks(&model, &mut random, 4) {
+            let state = state(&model, &mut random);
+            let inputs =
+                [&*state.q, &state.qd, &state.tau, &switches(&active), &numbers(&settings)];
+            let inputs = inputs.concat();
+            let program =
+                program.get_or_insert_with(|| Program::new(&graph, inputs.len(), Target::Batch));
+            let expected = interpreted(&model, &state, &active, &settings);
+            let found = program.evaluate(&inputs);
+            let (qdd, wrenches) = (expected.qdd, expected.wrenches.concat());
+            assert_near(&found[..qdd.len()], &qdd, 1e-7);
+            assert_near(&found[qdd.len()..][..wrenches.len()], &wrenches, 1e-7);
+            assert_near(&found[found.len() - 1..], &[expected.rank], 1e-12);
+        }
+    }
+}
+
 #[test]
 fn compiled_derivatives_are_the_interpreters() {
-    for_all(17, |model, state, active, settings| {
+    let check = |model: &Model, state: &State, active: &[bool], settings: &Settings| {
         let mechanism = Mechanism::new(model);
         let layout = UduLayout::new(&mechanism, &ModuleTree::chains(model));
         let graph =
@@ -894,7 +964,9 @@ fn compiled_derivatives_are_the_interpreters() {
         let inputs = [&*state.q, &state.qd, &state.tau, &switches(active), &numbers(settings)];
         let found = graph.evaluate(&inputs.concat());
         assert_near(&found, &derivatives(model, state, active, settings), 1e-7);
-    });
+    };
+    for_all(17, check);
+    for_all_loops(22, check);
 }
 
 /// Robots with equal limbs: contacts on all limbs, on some, on the trunk, and of several kinds on one limb.

@@ -146,17 +146,11 @@ impl Robot {
             return Ok(&**function);
         }
         let function = Function::ALL[index];
-        if !function.fits(self.model.constraints(), self.model.contacts().len()) {
-            let (name, others) = (
-                function.name(),
-                match function.is_of_constraints() && self.model.constraints() == 0 {
-                    true => {
-                        "robots with closed loops or contacts (the options `loops` and `contacts`)"
-                    }
-                    false => "robots without closed loops",
-                },
-            );
-            return Err(PyValueError::new_err(format!("only {others} have the function `{name}`")));
+        if !function.fits(self.model.constraints()) {
+            return Err(PyValueError::new_err(format!(
+                "only robots with closed loops or contacts (the options `loops` and `contacts`) have the function `{}`",
+                function.name()
+            )));
         }
         self.compiled(py, self.builder.clone().functions([function]), slot)
     }

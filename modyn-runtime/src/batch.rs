@@ -1,7 +1,8 @@
 //! Batches: many states at a time in the lanes of vector instructions, on the best that the processor has.
 //!
 //! Generated robots have batch functions (`forward_dynamics_batch`, ...), which call this module. States are a
-//! structure of arrays: for each coordinate a slice with its values, one for each state.
+//! structure of arrays: for each coordinate a slice with its values, one for each state. The members of a set, which are
+//! active or not in each state, are slices of `bool` (flags).
 //!
 //! Unsafe code: [`Inputs`] and [`Outputs`] read and write without bounds checks. Only `Blocks` creates them, from
 //! slices that hold all states of its range. Their `at` is in that range, and `at + LANES` does not exceed its
@@ -17,25 +18,27 @@ use core::ops::Range;
 pub use crate::lanes::force_level;
 use crate::lanes::{BatchTask, MAX_LANES};
 pub use crate::lanes::{Chunk, Float, Lanes, SimdLevel, level};
+use crate::scalar::Scalar;
 #[doc(hidden)]
 pub use crate::scalar::{Pack, SimdBackend, SimdTask};
 
-/// The computation for one state: `O` outputs from `I` inputs, on any vectors.
+/// The computation for one state: `O` outputs from `I` inputs and `B` flags, on any vectors.
 ///
 /// `run` and everything that it calls must be `#[inline(always)]`.
-pub trait Kernel<F: Float, const I: usize, const O: usize>: Sync {
+pub trait Kernel<F: Float, const I: usize, const O: usize, const B: usize = 0>: Sync {
     /// Computes as many states as there are lanes.
-    fn run<L: Lanes<Lane = F>>(&self, inputs: Inputs<'_, L, I>, outputs: Outputs<'_, L, O>);
+    fn run<L: Lanes<Lane = F>>(&self, inputs: Inputs<'_, L, I, B>, outputs: Outputs<'_, L, O>);
 }
 
 /// The inputs of as many states as there are lanes.
 #[derive(Clone, Copy)]
-pub struct Inputs<'a, L: Lanes, const I: usize> {
+pub struct Inputs<'a, L: Lanes, const I: usize, const B: usize = 0> {
     columns: &'a [*const L::Lane; I],
+    flags: &'a [*const bool; B],
     at: usize,
 }
 
-impl<L: Lanes, const I: usize> Inputs<'_, L, I> {
+impl<L: Lanes, const I: usize, const B: usize> Inputs<'_, L, I, B> {
     /// Returns input `J` of each state.
     #[inline(always)]
     #[must_use]
@@ -43,6 +46,27 @@ impl<L: Lanes, const I: usize> Inputs<'_, L, I> {
         const { assert!(J < I, "there are not so many inputs") }
         // SAFETY: see the header.
         unsafe { L::load(self.columns[J].add(self.at)) }
+    }
+
+    /// Returns flag `J` of each state as a number: 1 if it is set, else 0.
+    #[inline(always)]
+    #[must_use]
+    pub fn flag<const J: usize>(&self) -> L {
+        const {
+            assert!(J < B, "there are not so many flags");
+            assert!(L::LANES <= MAX_LANES, "a vector has too many lanes");
+        }
+        let mut numbers = [L::Lane::zero(); MAX_LANES];
+        let mut lane = 0;
+        while lane < L::LANES {
+            // SAFETY: see the header.
+            if unsafe { *self.flags[J].add(self.at + lane) } {
+                numbers[lane] = L::Lane::one();
+            }
+            lane += 1;
+        }
+        // SAFETY: the array has at least as many numbers as there are lanes.
+        unsafe { L::load(numbers.as_ptr()) }
     }
 }
 
@@ -63,16 +87,18 @@ impl<L: Lanes, const O: usize> Outputs<'_, L, O> {
 }
 
 /// The starts of the slices of all inputs and outputs.
-struct Columns<'a, F, const I: usize, const O: usize> {
+struct Columns<'a, F, const I: usize, const O: usize, const B: usize> {
     inputs: [*const F; I],
+    flags: [*const bool; B],
     outputs: [*mut F; O],
-    borrowed: PhantomData<(&'a [F], &'a mut [F])>,
+    borrowed: PhantomData<(&'a [F], &'a [bool], &'a mut [F])>,
 }
 
-impl<'a, F, const I: usize, const O: usize> Columns<'a, F, I, O> {
-    fn new(inputs: &[&'a [F]; I], outputs: &'a mut [&mut [F]; O]) -> Self {
+impl<'a, F, const I: usize, const O: usize, const B: usize> Columns<'a, F, I, O, B> {
+    fn new(inputs: &[&'a [F]; I], flags: &[&'a [bool]; B], outputs: &'a mut [&mut [F]; O]) -> Self {
         Self {
             inputs: inputs.each_ref().map(|column| column.as_ptr()),
+            flags: flags.each_ref().map(|column| column.as_ptr()),
             outputs: outputs.each_mut().map(|column| column.as_mut_ptr()),
             borrowed: PhantomData,
         }
@@ -80,24 +106,27 @@ impl<'a, F, const I: usize, const O: usize> Columns<'a, F, I, O> {
 }
 
 // SAFETY: see the header.
-unsafe impl<F: Float, const I: usize, const O: usize> Sync for Columns<'_, F, I, O> {}
+unsafe impl<F: Float, const I: usize, const O: usize, const B: usize> Sync
+    for Columns<'_, F, I, O, B>
+{
+}
 
 /// A range of states, computed block by block.
-struct Blocks<'a, F: Float, K, const I: usize, const O: usize> {
+struct Blocks<'a, F: Float, K, const I: usize, const O: usize, const B: usize> {
     kernel: &'a K,
-    columns: &'a Columns<'a, F, I, O>,
+    columns: &'a Columns<'a, F, I, O, B>,
     /// At least as many states as any vector has lanes.
     states: Range<usize>,
 }
 
-impl<F: Float, K: Kernel<F, I, O>, const I: usize, const O: usize> BatchTask<F>
-    for Blocks<'_, F, K, I, O>
+impl<F: Float, K: Kernel<F, I, O, B>, const I: usize, const O: usize, const B: usize> BatchTask<F>
+    for Blocks<'_, F, K, I, O, B>
 {
     #[inline(always)]
     fn run<L: Lanes<Lane = F>>(self) {
         let Self { kernel, columns, states: Range { start: mut at, end } } = self;
         loop {
-            let inputs = Inputs { columns: &columns.inputs, at };
+            let inputs = Inputs { columns: &columns.inputs, flags: &columns.flags, at };
             kernel.run::<L>(inputs, Outputs { columns: &columns.outputs, at });
             // The last block may overlap the previous one; the states in both get the same results.
             let last = end - L::LANES;
@@ -109,31 +138,36 @@ impl<F: Float, K: Kernel<F, I, O>, const I: usize, const O: usize> BatchTask<F>
     }
 }
 
-/// Computes `outputs` from `inputs`. All slices must hold `states` numbers, which [`states`] checks.
-fn compute<F: Float, K: Kernel<F, I, O>, const I: usize, const O: usize>(
+/// Computes `outputs` from `inputs` and `flags`. All slices must hold `states` entries, which [`states`] checks.
+fn compute<F: Float, K: Kernel<F, I, O, B>, const I: usize, const O: usize, const B: usize>(
     kernel: &K,
-    inputs: [&[F]; I],
+    (inputs, flags): ([&[F]; I], [&[bool]; B]),
     mut outputs: [&mut [F]; O],
     states: usize,
 ) {
     if states < MAX_LANES {
-        return padded(kernel, inputs, outputs, states);
+        return padded(kernel, (inputs, flags), outputs, states);
     }
-    let columns = &Columns::new(&inputs, &mut outputs);
+    let columns = &Columns::new(&inputs, &flags, &mut outputs);
     F::dispatch(Blocks { kernel, columns, states: 0..states });
 }
 
 /// Computes fewer states than lanes; copies of the last state fill the lanes.
 #[cold]
-fn padded<F: Float, K: Kernel<F, I, O>, const I: usize, const O: usize>(
+fn padded<F: Float, K: Kernel<F, I, O, B>, const I: usize, const O: usize, const B: usize>(
     kernel: &K,
-    inputs: [&[F]; I],
+    (inputs, flags): ([&[F]; I], [&[bool]; B]),
     outputs: [&mut [F]; O],
     states: usize,
 ) {
     let Some(last) = states.checked_sub(1) else { return };
-    let mut tile = Tile::<F, I, O>::new();
+    let mut tile = Tile::<F, I, O, B>::new();
     for (padded, column) in tile.inputs.iter_mut().zip(inputs) {
+        for (state, x) in padded.iter_mut().enumerate() {
+            *x = column[state.min(last)];
+        }
+    }
+    for (padded, column) in tile.flags.iter_mut().zip(flags) {
         for (state, x) in padded.iter_mut().enumerate() {
             *x = column[state.min(last)];
         }
@@ -145,20 +179,26 @@ fn padded<F: Float, K: Kernel<F, I, O>, const I: usize, const O: usize>(
 }
 
 /// As many states as the widest vectors have lanes.
-struct Tile<F, const I: usize, const O: usize> {
+struct Tile<F, const I: usize, const O: usize, const B: usize> {
     inputs: [[F; MAX_LANES]; I],
+    flags: [[bool; MAX_LANES]; B],
     outputs: [[F; MAX_LANES]; O],
 }
 
-impl<F: Float, const I: usize, const O: usize> Tile<F, I, O> {
+impl<F: Float, const I: usize, const O: usize, const B: usize> Tile<F, I, O, B> {
     fn new() -> Self {
-        Self { inputs: [[F::zero(); MAX_LANES]; I], outputs: [[F::zero(); MAX_LANES]; O] }
+        Self {
+            inputs: [[F::zero(); MAX_LANES]; I],
+            flags: [[false; MAX_LANES]; B],
+            outputs: [[F::zero(); MAX_LANES]; O],
+        }
     }
 
-    fn compute<K: Kernel<F, I, O>>(&mut self, kernel: &K) {
+    fn compute<K: Kernel<F, I, O, B>>(&mut self, kernel: &K) {
         let inputs = self.inputs.each_ref().map(|column| &column[..]);
+        let flags = self.flags.each_ref().map(|column| &column[..]);
         let mut outputs = self.outputs.each_mut().map(|column| &mut column[..]);
-        let columns = &Columns::new(&inputs, &mut outputs);
+        let columns = &Columns::new(&inputs, &flags, &mut outputs);
         F::dispatch(Blocks { kernel, columns, states: 0..MAX_LANES });
     }
 }
@@ -175,10 +215,11 @@ pub struct Argument {
 /// Returns the number of states. Errors if a slice holds another number of states than the first slice.
 fn states<F>(
     arguments: &'static [Argument],
-    inputs: &[&[F]],
+    (inputs, flags): (&[&[F]], &[&[bool]]),
     outputs: &[&mut [F]],
 ) -> Result<usize, BatchError> {
-    let lengths = || inputs.iter().map(|c| c.len()).chain(outputs.iter().map(|c| c.len()));
+    let inputs = || inputs.iter().map(|c| c.len()).chain(flags.iter().map(|c| c.len()));
+    let lengths = || inputs().chain(outputs.iter().map(|c| c.len()));
     let expected = lengths().next().unwrap_or(0);
     match lengths().enumerate().find(|&(_, length)| length != expected) {
         None => Ok(expected),
@@ -194,7 +235,18 @@ pub fn run<F: Float, const I: usize, const O: usize>(
     inputs: [&[F]; I],
     outputs: [&mut [F]; O],
 ) -> Result<(), BatchError> {
-    let states = states(arguments, &inputs, &outputs)?;
+    run_flagged(kernel, arguments, (inputs, []), outputs)
+}
+
+/// Computes all states of a function with flags, which are the last of the inputs.
+#[doc(hidden)]
+pub fn run_flagged<F: Float, const I: usize, const O: usize, const B: usize>(
+    kernel: &impl Kernel<F, I, O, B>,
+    arguments: &'static [Argument],
+    inputs: ([&[F]; I], [&[bool]; B]),
+    outputs: [&mut [F]; O],
+) -> Result<(), BatchError> {
+    let states = states(arguments, (&inputs.0, &inputs.1), &outputs)?;
     compute(kernel, inputs, outputs, states);
     Ok(())
 }
@@ -207,18 +259,30 @@ pub fn run_parallel<F: Float, const I: usize, const O: usize>(
     kernel: &impl Kernel<F, I, O>,
     arguments: &'static [Argument],
     inputs: [&[F]; I],
+    outputs: [&mut [F]; O],
+) -> Result<(), BatchError> {
+    run_parallel_flagged(kernel, arguments, (inputs, []), outputs)
+}
+
+/// Computes all states of a function with flags on all cores.
+#[cfg(feature = "rayon")]
+#[doc(hidden)]
+pub fn run_parallel_flagged<F: Float, const I: usize, const O: usize, const B: usize>(
+    kernel: &impl Kernel<F, I, O, B>,
+    arguments: &'static [Argument],
+    inputs: ([&[F]; I], [&[bool]; B]),
     mut outputs: [&mut [F]; O],
 ) -> Result<(), BatchError> {
     use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
     /// A multiple of the number of lanes, so that only the last range overlaps.
     const STATES_PER_TASK: usize = 16 * MAX_LANES;
-    let states = states(arguments, &inputs, &outputs)?;
+    let states = states(arguments, (&inputs.0, &inputs.1), &outputs)?;
     if states < 2 * STATES_PER_TASK {
         compute(kernel, inputs, outputs, states);
         return Ok(());
     }
-    let columns = &Columns::new(&inputs, &mut outputs);
+    let columns = &Columns::new(&inputs.0, &inputs.1, &mut outputs);
     let ranges = states / STATES_PER_TASK;
     (0..ranges).into_par_iter().for_each(|i| {
         let end = if i + 1 == ranges { states } else { (i + 1) * STATES_PER_TASK };
@@ -237,9 +301,55 @@ pub fn run_each<F: Float, R, const A: usize, const I: usize, const O: usize, con
     results: &mut [R],
     parts: impl Fn(&mut R) -> [&mut [F]; P],
 ) -> Result<(), BatchError> {
-    let states = states_each(arguments, inputs, results.len())?;
+    let states = states_each(arguments, inputs, None, results.len())?;
+    each(kernel, arguments, (inputs, |_| []), results, parts, states);
+    Ok(())
+}
+
+/// Computes all states of a function with flags: those of a state are `flags` of its entry of `sets`, which are the last
+/// of the inputs.
+#[doc(hidden)]
+pub fn run_each_flagged<
+    F: Float,
+    C,
+    R,
+    const A: usize,
+    const I: usize,
+    const O: usize,
+    const B: usize,
+    const P: usize,
+>(
+    kernel: &impl Kernel<F, I, O, B>,
+    arguments: &'static [Argument],
+    (inputs, sets, flags): ([&[F]; A], &[C], impl Fn(&C) -> [bool; B]),
+    results: &mut [R],
+    parts: impl Fn(&mut R) -> [&mut [F]; P],
+) -> Result<(), BatchError> {
+    let states = states_each(arguments, inputs, Some(sets.len()), results.len())?;
+    let flags = |state: usize| sets.get(state).map_or([false; B], &flags);
+    each(kernel, arguments, (inputs, flags), results, parts, states);
+    Ok(())
+}
+
+/// Computes this number of states, each stored contiguously; `flags` returns the flags of a state.
+fn each<
+    F: Float,
+    R,
+    const A: usize,
+    const I: usize,
+    const O: usize,
+    const B: usize,
+    const P: usize,
+>(
+    kernel: &impl Kernel<F, I, O, B>,
+    arguments: &'static [Argument],
+    (inputs, flags): ([&[F]; A], impl Fn(usize) -> [bool; B]),
+    results: &mut [R],
+    parts: impl Fn(&mut R) -> [&mut [F]; P],
+    states: usize,
+) {
     let mut at = 0;
-    let mut tile = Tile::<F, I, O>::new();
+    let mut tile = Tile::<F, I, O, B>::new();
     while at < states {
         let count = (states - at).min(MAX_LANES);
         let mut first = 0;
@@ -248,6 +358,12 @@ pub fn run_each<F: Float, R, const A: usize, const I: usize, const O: usize, con
             let columns = &mut tile.inputs[first..first + numbers];
             transpose(&flat[at * numbers..(at + count) * numbers], columns);
             first += numbers;
+        }
+        for lane in 0..MAX_LANES {
+            let of_state = flags(at + lane.min(count - 1));
+            for (column, flag) in tile.flags.iter_mut().zip(of_state) {
+                column[lane] = flag;
+            }
         }
         tile.compute(kernel);
         for (state, result) in results[at..at + count].iter_mut().enumerate() {
@@ -261,21 +377,22 @@ pub fn run_each<F: Float, R, const A: usize, const I: usize, const O: usize, con
         }
         at += count;
     }
-    Ok(())
 }
 
 /// Returns the number of states. Errors if an argument holds another number of states than the first argument. An
-/// argument without entries fits any number.
+/// argument without entries fits any number. `sets` is the number of sets of flags, the argument after `inputs`.
 fn states_each<F, const A: usize>(
     arguments: &'static [Argument],
     inputs: [&[F]; A],
+    sets: Option<usize>,
     results: usize,
 ) -> Result<usize, BatchError> {
     let inputs = inputs.iter().zip(arguments).map(|(flat, a)| flat.len().checked_div(a.numbers));
-    let result = arguments.len() - 1;
-    let results = (arguments[result].numbers > 0).then_some(results);
+    let whole = |place: usize, states| (place, (arguments[place].numbers > 0).then_some(states));
+    let sets = sets.map(|sets| whole(A, sets));
     let mut expected = None;
-    for (place, states) in inputs.enumerate().chain([(result, results)]) {
+    let last = whole(arguments.len() - 1, results);
+    for (place, states) in inputs.enumerate().chain(sets).chain([last]) {
         let Some(states) = states else { continue };
         let expected = *expected.get_or_insert(states);
         if states != expected {

@@ -260,7 +260,8 @@ pub struct OperationalInertia<R, T> {
 pub struct ConstrainedForwardDynamicsDerivatives<V, W, M, D, T> {
     /// The accelerations, rad/s^2 or m/s^2.
     pub qdd: V,
-    /// The wrench on each contact's link, in world axes, N m and N.
+    /// The wrench on each constraint's link, N m and N, in the axes of [`ConstrainedForwardDynamics::wrenches`]. Its
+    /// derivatives are those of its components.
     pub wrenches: W,
     /// d qdd / d q, in tangent space.
     pub dq: M,

@@ -3,7 +3,7 @@
 #![cfg(feature = "std")]
 
 use modyn_runtime::batch::{Argument, Float, Inputs, Kernel, Lanes, Outputs, SimdLevel};
-use modyn_runtime::batch::{force_level, run, run_each};
+use modyn_runtime::batch::{force_level, run, run_each, run_each_flagged, run_flagged};
 
 /// The sum and the product of two numbers.
 struct Both;
@@ -16,6 +16,22 @@ impl<F: Float> Kernel<F, 2, 2> for Both {
         outputs.set::<1>(a * b);
     }
 }
+
+/// A number times one flag, plus another flag.
+struct Flagged;
+
+impl<F: Float> Kernel<F, 1, 1, 2> for Flagged {
+    #[inline(always)]
+    fn run<L: Lanes<Lane = F>>(&self, inputs: Inputs<'_, L, 1, 2>, outputs: Outputs<'_, L, 1>) {
+        outputs.set::<0>(inputs.get::<0>() * inputs.flag::<0>() + inputs.flag::<1>());
+    }
+}
+
+const FLAGGED: &[Argument] = &[
+    Argument { name: "x", numbers: 1, coordinates: &["a"] },
+    Argument { name: "flags", numbers: 2, coordinates: &["on", "more"] },
+    Argument { name: "out", numbers: 1, coordinates: &["a"] },
+];
 
 const ARGUMENTS: &[Argument] = &[
     Argument { name: "x", numbers: 2, coordinates: &["a", "b"] },
@@ -48,6 +64,20 @@ fn every_length<F: Float + PartialEq + std::fmt::Debug>() {
         })
         .expect("as many of each");
         assert!((0..states).all(|i| each[i] == [expected(i)[1], expected(i)[0]]));
+        let sets: Box<[[bool; 2]]> = (0..states).map(|i| [i % 3 == 0, i % 5 < 2]).collect();
+        let flags: [Box<[bool]>; 2] = [0, 1].map(|k| sets.iter().map(|set| set[k]).collect());
+        let expected = |i: usize| {
+            let one = |flag| if flag { F::one() } else { F::zero() };
+            a[i] * one(sets[i][0]) + one(sets[i][1])
+        };
+        let [mut out, mut same] = outputs();
+        let inputs = ([&*a], [&*flags[0], &*flags[1]]);
+        run_flagged(&Flagged, FLAGGED, inputs, [&mut out]).expect("as many of each");
+        assert!((0..states).all(|i| out[i] == expected(i)), "{states} states");
+        let inputs = ([&*a], &*sets, |set: &[bool; 2]| *set);
+        run_each_flagged(&Flagged, FLAGGED, inputs, &mut same, |x| [std::slice::from_mut(x)])
+            .expect("as many of each");
+        assert_eq!(out, same);
         #[cfg(feature = "rayon")]
         {
             let [mut first, mut second] = outputs();
@@ -77,6 +107,10 @@ fn slices_of_other_lengths_are_refused() {
     let error = run(&Both, ARGUMENTS, [&a, &b], [&mut x, &mut y]).expect_err("one is short");
     assert_eq!((error.states, error.expected), (19, 20));
     assert!(run(&Both, ARGUMENTS, [&b, &b], [&mut x, &mut y]).is_err());
+    let (on, more) = ([true; 20], [false; 18]);
+    let error = run_flagged(&Flagged, FLAGGED, ([&a], [&on, &more]), [&mut x]);
+    let said = error.expect_err("a flag is short").to_string();
+    assert_eq!(said, "`flags[1]` (more) holds 18 states, `x[0]` holds 20");
     let mut each = [[0.0; 2]; 9];
     let error = run_each(&Both, ARGUMENTS, [&a], &mut each, |x| [x]).expect_err("one is missing");
     assert_eq!((error.argument, error.states, error.expected), ("out", 9, 10));

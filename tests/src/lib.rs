@@ -14,6 +14,7 @@ pub mod dual;
 pub mod fleet;
 pub mod floating;
 pub mod golden;
+pub mod lanes;
 pub mod naive;
 pub mod plain;
 pub mod quantities;

@@ -25,7 +25,7 @@ modyn::modyn!(
 modyn::modyn!(
     Standing = "../../robots/quadruped.urdf",
     base = floating,
-    functions = [default, constraint_jacobian],
+    functions = [default, constraint_jacobian, constrained_forward_dynamics_batch],
     contacts = ["fl": point("front_left_foot"), "hr": point("hind_right_foot")],
 );
 
@@ -109,6 +109,30 @@ fn calls_of_all_functions_allocate_nothing() {
         black_box(next.semi_implicit_euler(0.01, |state| state.qd));
     });
     assert_eq!((allocated.calls, allocated.peak), (0, 0));
+}
+
+/// Batches of states with sets of contacts allocate nothing, with any number of states.
+#[test]
+fn batches_with_contacts_allocate_nothing() {
+    const V: usize = Standing::NV;
+    const STATES: usize = 37;
+    let settings = ConstraintSettings::<f64, [ContactTarget<f64>; 2]>::DEFAULT;
+    let (q, v) = black_box(([Standing::NEUTRAL; STATES], [[0.3; V]; STATES]));
+    let sets: [StandingContacts; STATES] =
+        std::array::from_fn(|k| StandingContacts { fl: k % 2 == 0, hr: k % 3 == 0 });
+    let empty = Standing::constrained_forward_dynamics(&q[0], &v[0], &v[0], sets[1], &settings);
+    let mut found = [empty; STATES];
+    for states in [1, 7, STATES] {
+        let ((), allocated) = measure(|| {
+            let (q, v, sets) = (&q[..states], &v[..states], &sets[..states]);
+            let found = &mut found[..states];
+            let called =
+                Standing::constrained_forward_dynamics_each(q, v, v, sets, &settings, found);
+            called.expect("one number of states");
+        });
+        assert_eq!((allocated.calls, allocated.peak), (0, 0));
+        assert_eq!(black_box(&found[0]).rank, 6.0);
+    }
 }
 
 /// Steps on the ground allocate nothing, with feet on the ground or a knee at its limit.

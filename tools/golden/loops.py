@@ -83,8 +83,8 @@ class Closed:
             v = random.uniform(-1.5, 1.5, model.nv)
             return q, v - numpy.linalg.pinv(jacobian, rcond=1e-9) @ (jacobian @ v), len(strengths)
 
-    def accelerations(self, q, v, tau):
-        """Pinocchio's, without stabilisation; checked against a dense minimum-norm solution."""
+    def solved(self, q, v, tau):
+        """Pinocchio's accelerations without stabilisation, and what its derivatives need."""
         model, data = self.model, self.model.createData()
         constraints, contents = pinocchio.StdVec_RigidConstraintModel(), pinocchio.StdVec_RigidConstraintData()
         constraints.extend(self.constraints)
@@ -92,6 +92,39 @@ class Closed:
         pinocchio.initConstraintDynamics(model, data, constraints, contents)
         settings = pinocchio.ProximalSettings(1e-14, 1e-10, 100)
         found = pinocchio.constraintDynamics(model, data, q, v, tau, constraints, contents, settings).copy()
+        return found, (data, constraints, contents, settings)
+
+    def derivatives(self, q, v, tau):
+        """Of the accelerations by q, v and tau. Pinocchio's are right for CONTACT_6D alone: with loops of CONTACT_3D
+        those by q and v differ from differences along closed motions by more than their size."""
+        _, (data, constraints, contents, settings) = self.solved(q, v, tau)
+        pinocchio.computeConstraintDynamicsDerivatives(self.model, data, constraints, contents, settings)
+        return data.ddq_dq.copy(), data.ddq_dv.copy(), data.ddq_dtau.copy()
+
+    def along(self, q, v, tau, random):
+        """A direction in which the loop stays closed, dq and dv, and the change of the accelerations along it, by
+        differences of fourth order. Derivatives in other directions depend on the axes of the constraint."""
+        still = numpy.zeros(self.model.nv)
+
+        def projected(vector, at):
+            jacobian = self.rows(at, still, still)[1]
+            return vector - numpy.linalg.pinv(jacobian, rcond=1e-9) @ (jacobian @ vector)
+
+        moving, faster = projected(random.uniform(-1, 1, self.model.nv), q), random.uniform(-1, 1, self.model.nv)
+
+        def at(step):
+            there = self.closed(pinocchio.integrate(self.model, q, step * moving))
+            velocity = projected(v + step * faster, there)
+            return pinocchio.difference(self.model, q, there), velocity, self.solved(there, velocity, tau)[0]
+
+        step = 5e-4
+        near = [at(k * step) for k in (1, -1, 2, -2)]
+        return [(8 * (near[0][k] - near[1][k]) - (near[2][k] - near[3][k])) / (12 * step) for k in range(3)]
+
+    def accelerations(self, q, v, tau):
+        """Pinocchio's, without stabilisation; checked against a dense minimum-norm solution."""
+        model = self.model
+        found, _ = self.solved(q, v, tau)
         free = pinocchio.aba(model, model.createData(), q, v, tau)
         still = numpy.zeros(model.nv)
         jacobian, bias = self.rows(q, v, still)[1:]

@@ -33,6 +33,8 @@ STATES, CLOSED_STATES = 2, 4
 SHORT = 9
 #: Of the checks below.
 AGREEMENT = 1e-8
+#: Of derivatives along motions of closed loops and differences of fourth order, whose step is 5e-4.
+DIFFERENCES = 1e-6
 
 
 def plain(value):
@@ -118,14 +120,22 @@ def loop(name):
     """The file of a mechanism with a loop, checked by the dense solution."""
     made = urdf.parse((GOLDEN / f"{name}.urdf").read_text())
     closed = loops.Closed(made)
-    random = numpy.random.default_rng(11)
+    random, directions = numpy.random.default_rng(11), numpy.random.default_rng(12)
     states, worst = [], 0.0
     for _ in range(CLOSED_STATES):
         q, v, rank = closed.closed_state(random, 1.0)
         tau = random.uniform(-5, 5, closed.model.nv)
         qdd, difference = closed.accelerations(q, v, tau)
+        dq, dv, dqdd = closed.along(q, v, tau, directions)
+        state = {"q": q, "v": v, "tau": tau, "qdd": qdd, "rank": rank, "along_q": dq, "along_v": dv, "along_qdd": dqdd}
+        if all(rigid for rigid, _ in closed.frames):
+            by = closed.derivatives(q, v, tau)
+            state.update(zip(("dqdd_dq", "dqdd_dv", "dqdd_dtau"), by))
+            along = relative(by[0] @ dq + by[1] @ dv, dqdd)
+            if along > DIFFERENCES:
+                sys.exit(f"{name}: Pinocchio's derivatives differ from differences by {along:e}")
         worst = max(worst, difference)
-        states.append(plain({"q": q, "v": v, "tau": tau, "qdd": qdd, "rank": rank}))
+        states.append(plain(state))
     if worst > AGREEMENT:
         sys.exit(f"{name}: Pinocchio differs from the dense solution by {worst:e}")
     print(f"{name}: within {worst:.0e} of the dense solution")

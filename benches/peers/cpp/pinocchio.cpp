@@ -30,7 +30,17 @@ void append_matrix(Numbers &out, const MatrixXd &x, const std::vector<int> &orde
         for (int row : order) out.push_back(x(row, column));
 }
 
-// The contacts as Pinocchio's constraints.
+// The accelerations, and their derivatives by q, qd and tau.
+Numbers with_derivatives(const pinocchio::Data &data, const MatrixXd &by_tau, const std::vector<int> &order) {
+    Numbers out;
+    append(out, data.ddq, order);
+    append_matrix(out, data.ddq_dq, order);
+    append_matrix(out, data.ddq_dv, order);
+    append_matrix(out, by_tau, order);
+    return out;
+}
+
+// The contacts as Pinocchio's constraints; functions without contacts have none.
 struct Constraints {
     PINOCCHIO_STD_VECTOR_WITH_EIGEN_ALLOCATOR(pinocchio::RigidConstraintModel) models;
     PINOCCHIO_STD_VECTOR_WITH_EIGEN_ALLOCATOR(pinocchio::RigidConstraintData) data;
@@ -44,6 +54,15 @@ struct Constraints {
             data.emplace_back(models.back());
         }
         pinocchio::initConstraintDynamics(model, of, models, data);
+    }
+
+    void solve(const pinocchio::Model &model, pinocchio::Data &of, const VectorXd &q, const VectorXd &qd,
+               const VectorXd &tau) {
+        pinocchio::constraintDynamics(model, of, q, qd, tau, models, data, settings);
+    }
+
+    void differentiate(const pinocchio::Model &model, pinocchio::Data &of) {
+        pinocchio::computeConstraintDynamicsDerivatives(model, of, models, data, settings);
     }
 };
 
@@ -62,6 +81,9 @@ int main(int count, char **arguments) {
         tau.push_back(placed(state.tau, order.v));
         qdd.push_back(placed(state.qdd, order.v));
     }
+    const bool constrained = job.quantity.rfind("constrained_", 0) == 0;
+    const auto held = constrained ? read_contacts(job.argument(count, arguments, 5)) : std::vector<Contact>();
+    Constraints contacts(model, data, held);
     if (job.quantity == "forward_dynamics")
         run(
             job, [&](int i) { pinocchio::aba(model, data, q[i], qd[i], tau[i]); },
@@ -92,45 +114,23 @@ int main(int count, char **arguments) {
         run(
             job,
             [&](int i) { pinocchio::computeABADerivatives(model, data, q[i], qd[i], tau[i]); },
+            [&](int) { return with_derivatives(data, data.Minv, order.v); });
+    else if (job.quantity == "constrained_forward_dynamics")
+        run(
+            job, [&](int i) { contacts.solve(model, data, q[i], qd[i], tau[i]); },
             [&](int) {
                 Numbers out;
                 append(out, data.ddq, order.v);
-                append_matrix(out, data.ddq_dq, order.v);
-                append_matrix(out, data.ddq_dv, order.v);
-                append_matrix(out, data.Minv, order.v);
                 return out;
             });
-    else if (job.quantity == "constrained_forward_dynamics") {
-        Constraints contacts(model, data, read_contacts(job.argument(count, arguments, 5)));
+    else if (job.quantity == "constrained_forward_dynamics_derivatives")
         run(
             job,
             [&](int i) {
-                pinocchio::constraintDynamics(model, data, q[i], qd[i], tau[i], contacts.models, contacts.data,
-                                              contacts.settings);
+                contacts.solve(model, data, q[i], qd[i], tau[i]);
+                contacts.differentiate(model, data);
             },
-            [&](int) {
-                Numbers out;
-                append(out, data.ddq, order.v);
-                return out;
-            });
-    } else if (job.quantity == "constrained_forward_dynamics_derivatives") {
-        Constraints contacts(model, data, read_contacts(job.argument(count, arguments, 5)));
-        run(
-            job,
-            [&](int i) {
-                pinocchio::constraintDynamics(model, data, q[i], qd[i], tau[i], contacts.models, contacts.data,
-                                              contacts.settings);
-                pinocchio::computeConstraintDynamicsDerivatives(model, data, contacts.models, contacts.data,
-                                                                contacts.settings);
-            },
-            [&](int) {
-                Numbers out;
-                append(out, data.ddq, order.v);
-                append_matrix(out, data.ddq_dq, order.v);
-                append_matrix(out, data.ddq_dv, order.v);
-                append_matrix(out, data.ddq_dtau, order.v);
-                return out;
-            });
-    } else
+            [&](int) { return with_derivatives(data, data.ddq_dtau, order.v); });
+    else
         throw std::runtime_error("no quantity " + job.quantity);
 }

@@ -7,7 +7,7 @@ use super::value::{OptionError, Value, ValueKind};
 use crate::diagnostics::{Code, Diagnostic, suggest};
 use crate::intern::intern;
 use crate::names;
-use crate::plan::{self, Function};
+use crate::plan::{self, BatchForm, Function};
 
 /// A bundle: several functions that one call computes, with their common work done once.
 ///
@@ -243,7 +243,8 @@ impl Member {
                 "`brge` has no form for many states in a bundle, since its factors are private";
             return found(message.into(), "take the function `brge_batch`, or leave out `batch`");
         }
-        let other = row.arguments.iter().find(|argument| argument.kind.is_of_one_state());
+        let other =
+            row.arguments.iter().find(|argument| argument.kind.batch_form() == BatchForm::None);
         let argument = other.filter(|_| batch)?.name;
         let message =
             format!("`{name}` has no form for many states, since it has the argument `{argument}`");
@@ -253,16 +254,10 @@ impl Member {
     /// Returns the member of a robot's bundle, or the error and its remedy.
     fn of(&self, model: &Model) -> Result<plan::Member, (String, String)> {
         let name = self.function.name();
-        if !self.function.fits(model.constraints(), model.contacts().len()) {
-            let (others, help) = match self.function.is_of_constraints() && model.constraints() == 0
-            {
-                true => (
-                    "robots with closed loops or contacts",
-                    "leave it out, or give the robot `contacts` or `loops`",
-                ),
-                false => ("robots without closed loops", "leave it out"),
-            };
-            return Err((format!("only {others} have the function `{name}`"), help.into()));
+        if !self.function.fits(model.constraints()) {
+            let message =
+                format!("only robots with closed loops or contacts have the function `{name}`");
+            return Err((message, "leave it out, or give the robot `contacts` or `loops`".into()));
         }
         let frames = || model.frames().iter().map(|frame| frame.name.as_str());
         let link = self.link.as_ref().map(|link| {

@@ -16,7 +16,7 @@ use arguments::{
 };
 
 pub(crate) use arguments::ARGUMENTS;
-pub use arguments::{Argument, ArgumentKind};
+pub use arguments::{Argument, ArgumentKind, BatchForm};
 pub(super) use arguments::{FACTORS, RHS};
 pub use row::{CForm, Packing, Row, Trace};
 
@@ -424,8 +424,8 @@ functions! {
         shapes::constrained_derivatives,
         "Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and their derivatives with\n\
          respect to `q` (in tangent space), `qd` and `tau`, each an array of columns. The derivatives of wrenches\n\
-         are arrays for each constraint, in world axes. The rank is assumed constant; redundant rows get the\n\
-         derivatives of smallest norm. Robots with loops do not have this function.",
+         are arrays for each constraint, in the axes of the wrenches. The rank is assumed constant; redundant\n\
+         rows get the derivatives of smallest norm.",
         |t, s| t.constrained_forward_dynamics_derivatives(&s.layout),
         |m| {
             1400.0 * m.depths
@@ -437,8 +437,7 @@ functions! {
                 + 500.0 * m.constraint_rows.powi(2) * m.nv
         },
     )
-        .of_constraints()
-        .without_loops();
+        .of_constraints();
     /// The velocities after an impact.
     ContactImpulse "contact_impulse" = Row::one(
         &[Q, QD, CONTACTS, SETTINGS],
@@ -552,7 +551,7 @@ functions! {
         &[Q],
         shapes::momenta,
         "Returns the centroidal momentum matrix, an array of columns. Its product with `qd` is the momentum about\n\
-         the centre of mass, in world axes.",
+         the centre of mass, in world axes. Rotors have energy, but no momentum: their axes are not described.",
         |t, _| t.centroidal_momentum_matrix(),
         |m| 4000.0 * m.links,
     )
@@ -561,7 +560,8 @@ functions! {
     CentroidalMomentum "centroidal_momentum" = Row::one(
         &[Q, QD],
         shapes::momentum,
-        "Returns the momentum of the moving links about their centre of mass, in world axes.",
+        "Returns the momentum of the moving links about their centre of mass, in world axes. Rotors have energy, but no\n\
+         momentum: their axes are not described.",
         |t, _| t.centroidal_momentum(),
         |m| 3200.0 * m.links,
     )
@@ -813,6 +813,36 @@ functions! {
     /// `forward_dynamics_hessian` of many states at a time.
     ForwardDynamicsHessianBatch "forward_dynamics_hessian_batch" =
         Row::many(ForwardDynamicsHessian, Function::ForwardDynamicsHessian);
+    /// `constrained_forward_dynamics` of many states at a time.
+    ConstrainedForwardDynamicsBatch "constrained_forward_dynamics_batch" =
+        Row::many(ConstrainedForwardDynamics, Function::ConstrainedForwardDynamics);
+    /// `constrained_forward_dynamics_derivatives` of many states at a time.
+    ConstrainedForwardDynamicsDerivativesBatch "constrained_forward_dynamics_derivatives_batch" =
+        Row::many(
+            ConstrainedForwardDynamicsDerivatives,
+            Function::ConstrainedForwardDynamicsDerivatives,
+        );
+    /// `contact_impulse` of many states at a time.
+    ContactImpulseBatch "contact_impulse_batch" =
+        Row::many(ContactImpulse, Function::ContactImpulse);
+    /// `constrained_inverse_dynamics` of many states at a time.
+    ConstrainedInverseDynamicsBatch "constrained_inverse_dynamics_batch" =
+        Row::many(ConstrainedInverseDynamics, Function::ConstrainedInverseDynamics);
+    /// `constraint_residual` of many states at a time.
+    ConstraintResidualBatch "constraint_residual_batch" =
+        Row::many(ConstraintResidual, Function::ConstraintResidual);
+    /// `project_constraints` of many states at a time.
+    ProjectConstraintsBatch "project_constraints_batch" =
+        Row::many(ProjectConstraints, Function::ProjectConstraints);
+    /// `constraint_jacobian` of many states at a time.
+    ConstraintJacobianBatch "constraint_jacobian_batch" =
+        Row::many(ConstraintJacobian, Function::ConstraintJacobian);
+    /// `constraint_bias_acceleration` of many states at a time.
+    ConstraintBiasAccelerationBatch "constraint_bias_acceleration_batch" =
+        Row::many(ConstraintBiasAcceleration, Function::ConstraintBiasAcceleration);
+    /// `operational_inertia` of many states at a time.
+    OperationalInertiaBatch "operational_inertia_batch" =
+        Row::many(OperationalInertia, Function::OperationalInertia);
 }
 
 #[cfg(test)]

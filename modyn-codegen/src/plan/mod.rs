@@ -34,7 +34,7 @@ pub use constants::{BaseParameterTable, Constants};
 pub use factorization::FactorFunction;
 pub use frames::{Frames, LinkCode};
 pub(crate) use functions::ARGUMENTS;
-pub use functions::{Argument, ArgumentKind, CForm, Function, Packing, Row, Trace};
+pub use functions::{Argument, ArgumentKind, BatchForm, CForm, Function, Packing, Row, Trace};
 pub use measures::Measures;
 pub use packing::{COLUMN_LANES, LIMB_LIMITS};
 pub use planned::{Kernels, Planned};
@@ -95,7 +95,7 @@ impl Plan {
             let row = function.row();
             choices.functions.contains(function)
                 && (batches || row.batch_of.is_none())
-                && function.fits(sizes.constraints, sizes.contacts)
+                && function.fits(sizes.constraints)
         };
         let selected: Vec<Function> = Function::ALL.iter().copied().filter(selected).collect();
         let mut graphs = ScalarGraphs::new(&selected);

@@ -5,6 +5,8 @@
 mod mechanisms;
 mod reference;
 
+use std::cell::Cell;
+
 use mechanisms::{Mechanism, Random, all, lengths, rotated};
 use modyn_codegen::passes::optimize;
 use modyn_codegen::program::{Program, Target};
@@ -16,7 +18,7 @@ use modyn_runtime::model::{
     ModuleTree,
 };
 use modyn_runtime::spatial::{Pose, Twist, Wrench};
-use modyn_runtime::{ConstraintSettings, Interpreter, Scalar};
+use modyn_runtime::{ConstrainedDerivatives, ConstraintSettings, Interpreter, Scalar};
 use nalgebra::{Matrix3, Vector3};
 use reference::{Reference, Solution};
 
@@ -321,6 +323,99 @@ fn projection_assembles_mechanisms_in_general_position() {
             assert!(rank == mechanism.rank || name == "flat", "{name} {k}: {rank}");
         }
     });
+}
+
+/// Returns the derivatives of the accelerations with respect to q and qd, by columns.
+fn derivatives(model: &Model, [q, qd, tau]: &[Vec<f64>; 3]) -> [Vec<f64>; 2] {
+    let (n, loops) = (model.nv(), model.loop_constraints().len());
+    let (mut qdd, mut wrenches) = (vec![0.0; n], vec![Wrench::zero(); loops]);
+    let mut matrices = [0; 3].map(|_| vec![0.0; n * n]);
+    let mut changes = [0; 3].map(|_| vec![Wrench::zero(); n * loops]);
+    let [dqdd_dq, dqdd_dqd, dqdd_dtau] = &mut matrices;
+    let [dwrenches_dq, dwrenches_dqd, dwrenches_dtau] = &mut changes;
+    let outputs = ConstrainedDerivatives {
+        qdd: &mut qdd,
+        wrenches: &mut wrenches,
+        dqdd_dq,
+        dqdd_dqd,
+        dqdd_dtau,
+        dwrenches_dq,
+        dwrenches_dqd,
+        dwrenches_dtau,
+    };
+    let mut interpreter = Interpreter::new(model.clone());
+    let derive = Interpreter::constrained_forward_dynamics_derivatives;
+    let settings = <f64 as Precision>::settings();
+    derive(&mut interpreter, (q, qd, tau), &[], &settings, outputs).expect("fits");
+    let [dq, dqd, _] = matrices;
+    [dq, dqd]
+}
+
+/// Redundant rows remain consistent only while the loops are closed: along such a motion the accelerations change as the
+/// derivatives say.
+#[test]
+fn derivatives_along_motions_of_closed_mechanisms() {
+    let checked = Cell::new(0);
+    for_all(|mechanism, random| {
+        // The rank of a singular mechanism changes as it moves.
+        if !mechanism.closes || mechanism.name == "flat" {
+            return;
+        }
+        let name = mechanism.name;
+        let lengths = lengths(&mechanism.model);
+        let [q, qd, tau] = state(mechanism, random);
+        let n = q.len();
+        let (along, faster) = (qd.clone(), random.vector(n, 1.0));
+        for (r, size) in
+            [(Matrix3::identity(), 1.0), (random.rotation(), 1.0), (random.rotation(), 50.0)]
+        {
+            let model = rotated(&mechanism.model, &r, size);
+            // The state at time s of a motion with closed loops.
+            let at = |s: f64| {
+                let moved = |x: &[f64], by: &[f64]| -> Vec<f64> {
+                    x.iter().zip(by).map(|(x, by)| x + s * by).collect()
+                };
+                let there = [moved(&q, &along), moved(&qd, &faster), tau.clone()];
+                let [mut q, mut qd, tau] = scaled(&there, size, &lengths);
+                project(&model, &mut q, &mut vec![0.0; n], 6);
+                project(&model, &mut q.clone(), &mut qd, 2);
+                let state = [q, qd, tau];
+                let found = interpreted::<f64>(&model, &state);
+                (state, found)
+            };
+            let (here, solution) = at(0.0);
+            assert_eq!(solution.rank, mechanism.rank, "{name}");
+            let step = 1e-3;
+            let near = [1.0, -1.0, 2.0, -2.0].map(|k| at(k * step));
+            assert!(near.iter().all(|(_, found)| found.rank == mechanism.rank), "{name}");
+            let slope = |of: &dyn Fn(usize) -> f64| {
+                (8.0 * (of(0) - of(1)) - (of(2) - of(3))) / (12.0 * step)
+            };
+            let rates: [Vec<f64>; 2] = [0, 1].map(|variable: usize| {
+                (0..n).map(|i| slope(&|k| near[k].0[variable][i])).collect()
+            });
+            let matrices = derivatives(&model, &here);
+            let expected: Vec<f64> = (0..n).map(|i| slope(&|k| near[k].1.qdd[i])).collect();
+            let found: Vec<f64> = (0..n)
+                .map(|i| {
+                    let of = |(matrix, rates): (&Vec<f64>, &Vec<f64>)| -> f64 {
+                        (0..n).map(|k| matrix[k * n + i] * rates[k]).sum()
+                    };
+                    matrices.iter().zip(&rates).map(of).sum()
+                })
+                .collect();
+            let scale =
+                expected.iter().chain(&solution.qdd).fold(1.0_f64, |most, x| most.max(x.abs()));
+            for (a, b) in found.iter().zip(&expected) {
+                assert!(
+                    (a - b).abs() < 1e-6 * scale,
+                    "{name} (size {size}): {a} instead of {b}, of {scale}"
+                );
+            }
+            checked.set(checked.get() + 1);
+        }
+    });
+    assert!(checked.get() >= 24, "{}", checked.get());
 }
 
 #[test]

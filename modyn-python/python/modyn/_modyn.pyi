@@ -533,8 +533,8 @@ class Robot:
     ) -> ConstrainedForwardDynamicsDerivatives:
         """Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and their derivatives
         with respect to `q` (in tangent space), `qd` and `tau`. The derivatives of wrenches are arrays for
-        each constraint, in world axes. The rank is assumed constant; redundant rows get the derivatives of
-        smallest norm. Robots with loops do not have this function.
+        each constraint, in the axes of the wrenches. The rank is assumed constant; redundant rows get the
+        derivatives of smallest norm.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `contacts`: (contacts,), 1 for each active
         contact, else 0; by default all are; `settings`: `ConstraintSettings`, by default with the ground at
@@ -638,7 +638,7 @@ class Robot:
         self, q: ArrayLike, *, out: Array | None = None
     ) -> Array:
         """Returns the centroidal momentum matrix. Its product with `qd` is the momentum about the centre of
-        mass, in world axes.
+        mass, in world axes. Rotors have energy, but no momentum: their axes are not described.
 
         Arguments: `q`: (nq,).
         Result: (6, nv), angular before linear components. Several states have one more axis, the first.
@@ -646,7 +646,8 @@ class Robot:
     def centroidal_momentum(
         self, q: ArrayLike, qd: ArrayLike, *, out: Array | None = None
     ) -> Array:
-        """Returns the momentum of the moving links about their centre of mass, in world axes.
+        """Returns the momentum of the moving links about their centre of mass, in world axes. Rotors have
+        energy, but no momentum: their axes are not described.
 
         Arguments: `q`: (nq,); `qd`: (nv,).
         Result: (6,), angular before linear components. Several states have one more axis, the first.

@@ -321,13 +321,14 @@ macro_rules! robot_functions {
                     if CenterOfMassJacobian, else "`{Self}` has no function `center_of_mass_jacobian`";
 
                 /// Returns the centroidal momentum matrix, an array of columns: its product with `qd` is the momentum about
-                /// the centre of mass, in world axes.
+                /// the centre of mass, in world axes. Rotors have energy, but no momentum: their axes are not described.
                 centroidal_momentum_matrix / centroidal_momentum_matrix_with(
                     q: &Self::Q<T>
                 ) -> Self::PerVelocity<Momentum<T>>,
                     if CentroidalMomentumMatrix, else "`{Self}` has no function `centroidal_momentum_matrix`";
 
-                /// Returns the momentum about the centre of mass, in world axes.
+                /// Returns the momentum about the centre of mass, in world axes. Rotors have energy, but no momentum: their
+                /// axes are not described.
                 centroidal_momentum / centroidal_momentum_with(
                     q: &Self::Q<T>,
                     qd: &Self::V<T>
@@ -473,6 +474,18 @@ macro_rules! robot_functions {
 
             // Other functions of closed loops and contacts.
             constraints_on_request {
+                /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and their
+                /// derivatives with respect to `q` (in tangent space), `qd` and `tau`. The rank is assumed
+                /// constant; redundant rows get the derivatives of smallest norm.
+                constrained_forward_dynamics_derivatives / constrained_forward_dynamics_derivatives_with(
+                    q: &Self::Q<T>,
+                    qd: &Self::V<T>,
+                    tau: &Self::V<T>,
+                    contacts: Self::Contacts,
+                    settings: &Settings<Self, T>
+                ) -> ConstrainedDerivatives<Self, T>,
+                    if ConstrainedForwardDynamicsDerivatives, else "`{Self}` has no function `constrained_forward_dynamics_derivatives`";
+
                 /// Returns the velocities after an impact that closes the loops and stops the active contacts
                 /// relative to their targets at the same instant, the impulse of each constraint, and the number of
                 /// independent constraint rows. Along its normal, a contact leaves with `restitution` times the
@@ -523,21 +536,6 @@ macro_rules! robot_functions {
                     settings: &Settings<Self, T>
                 ) -> OperationalInertia<Self::PerConstraintRow<Self::PerConstraintRow<T>>, T>,
                     if OperationalInertia, else "`{Self}` has no function `operational_inertia`";
-            }
-
-            // Functions of contacts, for robots without closed loops.
-            contacts_on_request {
-                /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and their
-                /// derivatives with respect to `q` (in tangent space), `qd` and `tau`. The rank is assumed
-                /// constant; redundant rows get the derivatives of smallest norm.
-                constrained_forward_dynamics_derivatives / constrained_forward_dynamics_derivatives_with(
-                    q: &Self::Q<T>,
-                    qd: &Self::V<T>,
-                    tau: &Self::V<T>,
-                    contacts: Self::Contacts,
-                    settings: &Settings<Self, T>
-                ) -> ConstrainedDerivatives<Self, T>,
-                    if ConstrainedForwardDynamicsDerivatives, else "`{Self}` has no function `constrained_forward_dynamics_derivatives`";
             }
         }
     };

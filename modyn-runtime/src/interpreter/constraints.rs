@@ -279,12 +279,12 @@ impl<S: Scalar> Interpreter<S> {
     /// to q (in tangent space), qd and tau. Returns the number of independent constraint rows, an integer.
     ///
     /// Matrices are nv x nv, by columns. Derivatives of wrenches have a wrench for each entry of the variable,
-    /// constraint by constraint, in world axes. The rank is assumed constant; redundant rows get the
+    /// constraint by constraint, in the axes of the wrenches. The rank is assumed constant; redundant rows get the
     /// derivatives of smallest norm. The first call allocates memory.
     ///
     /// # Errors
     ///
-    /// If a slice does not have the model's length, or the model has loop constraints (`loop_constraints`).
+    /// If a slice does not have the model's length.
     pub fn constrained_forward_dynamics_derivatives(
         &mut self,
         (q, qd, tau): (&[S], &[S], &[S]),
@@ -296,7 +296,6 @@ impl<S: Scalar> Interpreter<S> {
         check("q", q, self.model.nq())?;
         check("qd", qd, n)?;
         check("tau", tau, n)?;
-        check("loop_constraints", self.model.loop_constraints(), 0)?;
         check("qdd", outputs.qdd, n)?;
         check("wrenches", outputs.wrenches, count)?;
         check("dqdd_dq", outputs.dqdd_dq, n * n)?;

@@ -47,7 +47,7 @@ impl<S: Scalar> Interpreter<S> {
     }
 
     /// Computes the centroidal momentum matrix A into `columns` (nv), world axes: A qd is the momentum about the
-    /// centre of mass (Orin, Goswami and Lee 2013).
+    /// centre of mass (Orin, Goswami and Lee 2013). Rotors have energy, but no momentum: their axes are not described.
     ///
     /// # Errors
     ///
@@ -63,7 +63,8 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Returns the momentum about the centre of mass in world axes, kg m^2/s and kg m/s.
+    /// Returns the momentum about the centre of mass in world axes, kg m^2/s and kg m/s. Rotors have energy, but no
+    /// momentum: their axes are not described.
     ///
     /// # Errors
     ///

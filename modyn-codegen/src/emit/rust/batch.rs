@@ -1,5 +1,8 @@
 //! Functions of many states at a time: a kernel for the runtime's batches, and the public functions that run it.
 //!
+//! Each state has its own numbers and its own set of active contacts; all states share the settings of constraints and the
+//! run-time parameters, which a kernel holds.
+//!
 //! A kernel has a text of its own, which is inlined into the runtime's functions for each vector instruction set. The
 //! functions of one state are not affected.
 
@@ -10,7 +13,8 @@ use super::function::function;
 use super::parameter::Parameter;
 use super::quantity::Quantity;
 use super::shape::Shape;
-use crate::plan::{self, ArgumentKind, Function, Kernels, Record};
+use crate::intern::intern;
+use crate::plan::{self, ArgumentKind, BatchForm, Function, Kernels, Record};
 
 impl Robot<'_> {
     /// Prints everything for the batches of a quantity.
@@ -27,14 +31,34 @@ impl Robot<'_> {
     fn kernel(&self, text: &mut String, quantity: &Quantity<'_>) {
         let float = self.options.scalar.name();
         let runtime = quantity.runtime_parameter().map_or(0, |p| p.shape.len());
-        let (inputs, outputs) = (count(&quantity.parameters), quantity.shape.len());
-        let mut body = String::new();
-        let mut first = 0;
-        for Parameter { name, shape, .. } in &quantity.parameters {
-            let loads = (first..first + shape.len()).map(|i| format!("inputs.get::<{i}>()"));
-            let loads: Vec<String> = loads.collect();
-            let _ = writeln!(body, "    let {name} = {};", shape.value(&loads));
-            first += shape.len();
+        let (inputs, outputs) = (count(quantity, BatchForm::Numbers), quantity.shape.len());
+        let flags = match count(quantity, BatchForm::Sets) {
+            0 => String::new(),
+            flags => format!(", {flags}"),
+        };
+        let (mut body, mut fields) = (String::new(), format!("[{float}; {runtime}]"));
+        let (mut first, mut shared) = (0, 0);
+        for parameter in &quantity.parameters {
+            let Parameter { name, shape, .. } = parameter;
+            let all = |each: &dyn Fn(usize) -> String| {
+                shape.value(&(0..shape.len()).map(each).collect::<Vec<_>>())
+            };
+            let value = match parameter.batch_form() {
+                BatchForm::Sets => all(&|i| format!("inputs.flag::<{i}>()")),
+                BatchForm::Shared => {
+                    shared += 1;
+                    let _ = write!(fields, ", {}", shape.type_of(float));
+                    let numbers = all(&|i| parameter.entry(i));
+                    let splat = all(&|i| format!("T::splat({})", parameter.entry(i)));
+                    format!("{{ let {numbers} = self.{shared}; {splat} }}")
+                }
+                BatchForm::Numbers | BatchForm::None => {
+                    let start = first;
+                    first += shape.len();
+                    all(&|i| format!("inputs.get::<{}>()", start + i))
+                }
+            };
+            let _ = writeln!(body, "    let {name} = {value};");
         }
         let mut arguments: Vec<String> =
             quantity.parameters.iter().map(|p| format!("&{}", p.name)).collect();
@@ -48,11 +72,11 @@ impl Robot<'_> {
         let kernel = kernel_name(quantity);
         let _ = writeln!(
             text,
-            "struct {kernel}([{float}; {runtime}]);\n\
-             impl __modyn::batch::Kernel<{float}, {inputs}, {outputs}> for {kernel} {{\n\
+            "struct {kernel}({fields});\n\
+             impl __modyn::batch::Kernel<{float}, {inputs}, {outputs}{flags}> for {kernel} {{\n\
              #[inline(always)]\n\
              fn run<T: __modyn::batch::Lanes<Lane = {float}>>(\n    &self,\n    \
-             inputs: __modyn::batch::Inputs<'_, T, {inputs}>,\n    \
+             inputs: __modyn::batch::Inputs<'_, T, {inputs}{flags}>,\n    \
              outputs: __modyn::batch::Outputs<'_, T, {outputs}>,\n) {{\n{body}}}\n}}\n"
         );
     }
@@ -63,7 +87,11 @@ impl Robot<'_> {
         let (robot, float) = (self.name, self.options.scalar.name());
         let (name, result) = (name(quantity), result_name(quantity));
         let outputs = outputs(quantity);
-        let all = || quantity.parameters.iter().chain(&outputs);
+        let of = |form| move |p: &&Parameter| p.batch_form() == form;
+        let own = || quantity.parameters.iter().filter(of(BatchForm::Numbers));
+        let sets = || quantity.parameters.iter().filter(of(BatchForm::Sets));
+        let shared = || quantity.parameters.iter().filter(of(BatchForm::Shared));
+        let all = || own().chain(sets()).chain(&outputs);
         let mut table: Vec<String> = all().map(|p| self.argument(p)).collect();
         if matches!(quantity.shape, Shape::Struct { .. }) {
             // In the form over slices of states, the result is one argument.
@@ -81,28 +109,53 @@ impl Robot<'_> {
         let columns = |p: &Parameter, reference: &str| {
             format!("{}: {}", p.name, p.shape.type_of(&format!("{reference}[{float}]")))
         };
-        let mut by_columns: Vec<String> =
-            quantity.parameters.iter().map(|p| columns(p, "&")).collect();
+        let input = |p: &Parameter| match p.batch_form() {
+            BatchForm::Sets => format!("{}: {}", p.name, p.shape.type_of("&[bool]")),
+            BatchForm::Shared => p.typed(float),
+            BatchForm::Numbers | BatchForm::None => columns(p, "&"),
+        };
+        let mut by_columns: Vec<String> = quantity.parameters.iter().map(input).collect();
         by_columns.extend(outputs.iter().map(|p| columns(p, "&mut ")));
         let numbered = |p: &Parameter| numbered(p, quantity);
         let unpacked: Vec<String> = all()
             .map(|p| format!("    let {} = {};\n", p.shape.value(&numbered(p)), p.name))
             .collect();
-        let inputs: Vec<String> = quantity.parameters.iter().flat_map(numbered).collect();
-        let results: Vec<String> = outputs.iter().flat_map(numbered).collect();
-        let split = (unpacked.concat(), inputs.join(", "), results.join(", "));
+        let list = |names: Vec<String>| format!("[{}]", names.join(", "));
+        let inputs = list(own().flat_map(numbered).collect());
+        let flags = list(sets().flat_map(numbered).collect());
+        let results = list(outputs.iter().flat_map(numbered).collect());
+        // A function without sets of contacts has no flags.
+        let has_sets = sets().next().is_some();
+        let (inputs, flagged) = match has_sets {
+            true => (format!("({inputs}, {flags})"), "_flagged"),
+            false => (inputs, ""),
+        };
+        let split = (unpacked.concat(), inputs, results);
 
-        let mut by_states: Vec<String> = quantity
-            .parameters
-            .iter()
-            .map(|p| format!("{}: &[{}]", p.name, p.shape.type_of(float)))
-            .collect();
+        let of_state = |p: &Parameter| match p.batch_form() {
+            BatchForm::Sets => format!("{}: &[{}]", p.name, self.contacts_type()),
+            BatchForm::Shared => p.typed(float),
+            BatchForm::Numbers | BatchForm::None => {
+                format!("{}: &[{}]", p.name, p.shape.type_of(float))
+            }
+        };
+        let mut by_states: Vec<String> = quantity.parameters.iter().map(of_state).collect();
         by_states.push(format!("{result}: &mut [{}]", quantity.shape.type_of(float)));
         let flat = |p: &Parameter| match p.shape {
             Shape::Scalar => p.name.into(),
             _ => format!("{}.as_flattened()", p.name),
         };
-        let flat: Vec<String> = quantity.parameters.iter().map(flat).collect();
+        let mut flat = list(own().map(flat).collect());
+        if has_sets {
+            let of_set = |p: &Parameter| match p.shape.len() {
+                0 => format!("{}, |()| []", p.name),
+                _ => format!("{}, |set| set.to_array()", p.name),
+            };
+            flat = format!("({flat}, {})", sets().map(of_set).collect::<Vec<_>>().join(", "));
+        }
+        let for_all: String =
+            shared().map(|p| format!("\n/// All states share `{}`.", p.name)).collect();
+        let held: String = shared().map(|p| format!(", *{}", p.name)).collect();
         let slices = slices_of_result(&quantity.shape);
 
         let dynamic = quantity.runtime_parameter().is_some();
@@ -118,11 +171,14 @@ impl Robot<'_> {
                 "DEFAULT" => format!("{robot}Params::DEFAULT.numbers"),
                 _ => "[]".into(),
             };
-            let kernel =
-                format!("&{}({numbers}), Self::{}", kernel_name(quantity), table_name(quantity));
+            let kernel = format!(
+                "&{}({numbers}{held}), Self::{}",
+                kernel_name(quantity),
+                table_name(quantity)
+            );
             let form = |suffix: &str, arguments: &[String], docs: &str, body: &str| {
                 format!(
-                    "/// {summary}\n///\n/// {docs}\n///\n/// # Errors\n///\n\
+                    "/// {summary}\n///\n/// {docs}{for_all}\n///\n/// # Errors\n///\n\
                      /// If the arguments hold different numbers of states.\n\
                      pub fn {name}_{suffix}{with}({first}{}) -> ::core::result::Result<(), __modyn::BatchError> {{\n{body}}}\n",
                     arguments.join(", ")
@@ -133,14 +189,16 @@ impl Robot<'_> {
                 "batch",
                 &by_columns,
                 "Computes many states: each slice holds one entry for each state. Results are written to the last arguments.",
-                &format!("{unpacked}    __modyn::batch::run({kernel}, [{inputs}], [{outputs}])\n"),
+                &format!(
+                    "{unpacked}    __modyn::batch::run{flagged}({kernel}, {inputs}, {outputs})\n"
+                ),
             );
             let parallel = form(
                 "batch_par",
                 &by_columns,
                 "Computes many states on all cores: each slice holds one entry for each state. Results are written to the\n/// last arguments.",
                 &format!(
-                    "{unpacked}    __modyn::batch::run_parallel({kernel}, [{inputs}], [{outputs}])\n"
+                    "{unpacked}    __modyn::batch::run_parallel{flagged}({kernel}, {inputs}, {outputs})\n"
                 ),
             );
             let _ = writeln!(text, "__modyn::__with_rayon! {{\n{parallel}}}");
@@ -149,8 +207,7 @@ impl Robot<'_> {
                 &by_states,
                 "Computes many states: each element of a slice is a state. Results are written to the last argument.",
                 &format!(
-                    "    __modyn::batch::run_each({kernel}, [{}], {result}, {slices})\n",
-                    flat.join(", ")
+                    "    __modyn::batch::run_each{flagged}({kernel}, {flat}, {result}, {slices})\n"
                 ),
             );
         }
@@ -163,7 +220,8 @@ impl Robot<'_> {
             (Some(ArgumentKind::Coordinates), _) => "&Self::COORDINATE_NAMES".into(),
             // They belong to pivot blocks and couplings, which have no names.
             (Some(ArgumentKind::Factors), _) => format!("&[\"\"; {}]", shape.len()),
-            (_, Shape::Array(..)) => "&Self::VELOCITY_NAMES".into(),
+            (Some(ArgumentKind::Contacts), _) if !shape.is_empty() => "&Self::CONTACT_NAMES".into(),
+            (_, shape) if ends_in(shape, self.model.nv()) => "&Self::VELOCITY_NAMES".into(),
             _ => "&[]".to_string(),
         };
         format!(
@@ -188,6 +246,9 @@ fn outputs(quantity: &Quantity<'_>) -> Vec<Parameter> {
     match &quantity.shape {
         Shape::Struct { fields, .. } => {
             let field = |(name, field): &(&'static str, Shape)| {
+                // A new state has the names of the state.
+                let taken = quantity.parameters.iter().any(|argument| argument.name == *name);
+                let name = if taken { intern(&format!("new_{name}")) } else { *name };
                 let parameter = Parameter::new(name, field.clone());
                 match quantity.result {
                     plan::Shape::Record(Record::Factorization, _) => {
@@ -210,9 +271,10 @@ fn table_name(quantity: &Quantity<'_>) -> String {
     format!("{}_ARGUMENTS", name(quantity).to_uppercase())
 }
 
-/// Returns the number of entries of a state.
-fn count(parameters: &[Parameter]) -> usize {
-    parameters.iter().map(|p| p.shape.len()).sum()
+/// Returns the number of entries of the arguments of this form.
+fn count(quantity: &Quantity<'_>, form: BatchForm) -> usize {
+    let of_form = quantity.parameters.iter().filter(|p| p.batch_form() == form);
+    of_form.map(|p| p.shape.len()).sum()
 }
 
 /// Returns the names of a parameter's slices. The names of links, which fields of the robot's own results have, may end
@@ -227,6 +289,7 @@ fn slices_of_result(shape: &Shape) -> String {
     let mut lets = Vec::new();
     let slices = match shape {
         Shape::Struct { .. } => slices("x", shape, &mut lets),
+        _ if has_structures(shape) => slices("(*x)", shape, &mut lets),
         _ => vec![slice_of("x", shape)],
     };
     match lets.is_empty() {
@@ -254,6 +317,15 @@ fn slices(value: &str, shape: &Shape, lets: &mut Vec<String>) -> Vec<String> {
         }
         Shape::Scalar => vec![slice_of(&format!("&mut {value}"), shape)],
         Shape::Array(..) => vec![slice_of(value, shape)],
+    }
+}
+
+/// Returns whether a value is an array of `n` numbers, or an array of such arrays.
+fn ends_in(shape: &Shape, n: usize) -> bool {
+    match shape {
+        Shape::Array(of, own) if matches!(**of, Shape::Scalar) => *own == n,
+        Shape::Array(of, _) => ends_in(of, n),
+        Shape::Scalar | Shape::Struct { .. } => false,
     }
 }
 

@@ -1,7 +1,7 @@
 //! The parameters of private functions.
 
 use super::shape::Shape;
-use crate::plan::ArgumentKind;
+use crate::plan::{ArgumentKind, BatchForm};
 
 /// A parameter, passed by reference.
 #[derive(Clone, Debug)]
@@ -22,6 +22,11 @@ impl Parameter {
     /// Returns the parameter as an argument of this kind.
     pub(super) fn of_kind(self, kind: ArgumentKind) -> Self {
         Self { kind: Some(kind), ..self }
+    }
+
+    /// Returns the form in functions of many states.
+    pub(super) fn batch_form(&self) -> BatchForm {
+        self.kind.map_or(BatchForm::Numbers, ArgumentKind::batch_form)
     }
 
     /// Returns whether the parameter is the set of active contacts, for which public functions have a type.

@@ -35,11 +35,34 @@ pub enum ArgumentKind {
     Factors,
 }
 
+/// The form of an argument in functions of many states.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BatchForm {
+    /// Numbers for each state.
+    Numbers,
+    /// A set for each state, whose members are in it or not.
+    Sets,
+    /// Numbers that all states share.
+    Shared,
+    /// None: functions with such an argument have no form for many states.
+    None,
+}
+
 impl ArgumentKind {
-    /// Returns whether functions with such an argument have no form for many states.
+    /// Returns the form in functions of many states.
     #[must_use]
-    pub const fn is_of_one_state(self) -> bool {
-        matches!(self, Self::Wrenches | Self::Contacts | Self::Settings)
+    pub const fn batch_form(self) -> BatchForm {
+        match self {
+            Self::Coordinates
+            | Self::Velocities
+            | Self::State
+            | Self::Time
+            | Self::RandomNumbers
+            | Self::Factors => BatchForm::Numbers,
+            Self::Contacts => BatchForm::Sets,
+            Self::Settings => BatchForm::Shared,
+            Self::Wrenches => BatchForm::None,
+        }
     }
 }
 

@@ -44,12 +44,10 @@ impl Function {
         self.row().of_constraints
     }
 
-    /// Returns whether a robot with this number of constraints and this number of contacts among them can have the
-    /// function.
+    /// Returns whether a robot with this number of constraints, closed loops and contacts, can have the function.
     #[must_use]
-    pub const fn fits(self, constraints: usize, contacts: usize) -> bool {
-        let row = self.row();
-        (constraints > 0 || !row.of_constraints) && (constraints == contacts || !row.without_loops)
+    pub const fn fits(self, constraints: usize) -> bool {
+        constraints > 0 || !self.row().of_constraints
     }
 
     /// Returns whether the function has random numbers in place of a state.

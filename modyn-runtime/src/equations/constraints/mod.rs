@@ -8,7 +8,10 @@
 //! | `rows` | the Jacobian rows in units of length, and the mobility of each constraint |
 //! | `factorization` | the pseudo-inverse of J M^-1 J^T, and its rank |
 //! | `forward_dynamics` | accelerations and constraint wrenches |
-//! | `derivatives` | derivatives of forward dynamics with contacts |
+//! | `derivatives` | derivatives of forward dynamics |
+//! | `derivative_terms` | the sums that constraints add their parts of the derivatives to |
+//! | `path` | the joints that move a point, and the derivatives of its motion |
+//! | `loop_derivatives` | the part of loop constraints in the derivatives |
 //! | `impulse` | velocities after an impact, and the impulses |
 //! | `inverse_dynamics` | joint forces of accelerations, and the contact wrenches that carry a floating base |
 //! | `jacobian` | the Jacobian and the bias acceleration |
@@ -41,6 +44,7 @@
 //! linear^2 + (l angular)^2. Neither sum depends on the orientation of the mechanism.
 
 mod contact;
+mod derivative_terms;
 mod derivatives;
 mod factorization;
 mod forward_dynamics;
@@ -48,7 +52,9 @@ mod impulse;
 mod inverse_dynamics;
 mod jacobian;
 mod lanes;
+mod loop_derivatives;
 mod operational_inertia;
+mod path;
 mod projection;
 mod relative_motion;
 mod residual;
@@ -70,7 +76,7 @@ use crate::constraint_settings::{ConstraintSettings, ContactTarget};
 use crate::mechanism::{ConstrainedFrames, Mechanism};
 use crate::spatial::{Twist, Vector3, Wrench};
 use contact::ContactFrame;
-use derivatives::DerivativeWorkspace;
+use derivative_terms::DerivativeWorkspace;
 use factorization::RankFactorization;
 use inverse_dynamics::Carried;
 use lanes::RowLanes;
