@@ -35,6 +35,9 @@ pub use emit::{
     CSource, CasadiSource, FloatType, GpuLanguage, GpuSource, MachineCode, MachineTarget,
 };
 pub use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
+pub use modyn_runtime::{
+    Interpreter, Scalar, UserArgument, UserArgumentKind, UserDerivatives, UserError, UserFunction,
+};
 pub use options::{Bundle, ModuleChoice};
 pub use plan::Function;
 #[cfg(feature = "mjcf")]

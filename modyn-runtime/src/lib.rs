@@ -48,6 +48,8 @@ pub mod spatial;
 #[cfg(feature = "std")]
 #[doc(hidden)]
 pub mod steps;
+#[cfg(feature = "alloc")]
+mod user_function;
 
 /// nalgebra, in the version of the types of [`Nalgebra`].
 #[cfg(feature = "nalgebra")]
@@ -88,3 +90,5 @@ pub use scalar::LaneScalar;
 pub use scalar::{FRAC_1_PI_BITS, PI_BITS};
 pub use scalar::{Portable, SIN_COS_F32, SIN_COS_F64, Scalar, SinCosNumbers};
 pub use spatial::{Momentum, Pose, Twist, Vector3, Wrench};
+#[cfg(feature = "alloc")]
+pub use user_function::{UserArgument, UserArgumentKind, UserDerivatives, UserError, UserFunction};

@@ -23,6 +23,10 @@ pub enum ArgumentKind {
     State,
     /// A time, s.
     Time,
+    /// A number.
+    Number,
+    /// This many numbers.
+    Numbers(usize),
     /// A wrench on each link.
     Wrenches,
     /// The set of active contacts.
@@ -55,7 +59,8 @@ impl Argument {
             ArgumentKind::Coordinates => shapes::coordinates(sizes),
             ArgumentKind::Velocities | ArgumentKind::RandomNumbers => shapes::velocities(sizes),
             ArgumentKind::State => shapes::state(sizes),
-            ArgumentKind::Time => Shape::Scalar,
+            ArgumentKind::Time | ArgumentKind::Number => Shape::Scalar,
+            ArgumentKind::Numbers(count) => Shape::vector(count),
             ArgumentKind::Wrenches => shapes::wrenches(sizes),
             ArgumentKind::Contacts => shapes::contacts(sizes),
             ArgumentKind::Settings => shapes::settings(sizes),
