@@ -5,7 +5,10 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use modyn_codegen::{Base, Contact, ContactKind, LoopEnd};
-use modyn_codegen::{Builder, Bundle, FloatType, Function};
+use modyn_codegen::{
+    Builder, Bundle, FloatType, Function, Interpreter, Scalar, UserArgument, UserError,
+    UserFunction,
+};
 
 fn robot(name: &str) -> Builder {
     let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots");
@@ -158,7 +161,7 @@ fn harness(functions: &[Declared], real: &str) -> String {
 }
 
 /// The functions that return one number.
-const SCALARS: [&str; 2] = ["kinetic_energy", "potential_energy"];
+const SCALARS: [&str; 3] = ["kinetic_energy", "potential_energy", "reach"];
 
 /// Compares generated C with self-contained generated Rust.
 fn compare(name: &str, builder: &Builder, float: FloatType) {
@@ -207,9 +210,37 @@ fn with_bundle(builder: Builder, link: &str) -> Builder {
     builder.bundles([bundle])
 }
 
+/// A cost of reaching a target, with derivatives.
+struct Reach;
+
+impl UserFunction<3> for Reach {
+    fn docs(&self) -> String {
+        "Returns the squared distance of the wrist to `target`, times `weight`.".into()
+    }
+
+    fn arguments(&self) -> [UserArgument; 3] {
+        [
+            UserArgument::Q,
+            UserArgument::numbers("target", 3),
+            UserArgument::number("weight").variable(),
+        ]
+    }
+
+    fn evaluate<S: Scalar>(
+        &self,
+        robot: &mut Interpreter<S>,
+        [q, target, weight]: [&[S]; 3],
+    ) -> Result<Vec<S>, UserError> {
+        let link = robot.model().frame_index("wrist_3_link").ok_or("there is no wrist")?;
+        let pose = robot.link_pose(q, link)?;
+        let squares = pose.translation.iter().zip(target).map(|(&x, &t)| (x - t) * (x - t));
+        Ok(vec![weight[0] * squares.fold(S::zero(), |sum, square| sum + square)])
+    }
+}
+
 #[test]
 fn an_arm_computes_the_bits_of_rust() {
-    let arm = with_bundle(robot("ur5"), "wrist_3_link");
+    let arm = with_bundle(robot("ur5"), "wrist_3_link").function("reach", Reach);
     compare("ur5", &arm, FloatType::F64);
 }
 

@@ -236,11 +236,7 @@ impl NamedFunction {
         self.arguments.iter().map(input).collect()
     }
 
-    fn form(
-        &self,
-        form: UserForm,
-        graphs: &UserGraphs<'_>,
-    ) -> Result<TracedForm, UserPlanError> {
+    fn form(&self, form: UserForm, graphs: &UserGraphs<'_>) -> Result<TracedForm, UserPlanError> {
         let too_long = || UserPlanError::TooLong(form);
         let graph = match form {
             UserForm::Value => graphs.value.clone(),
