@@ -152,6 +152,7 @@ fn the_runtimes_table_has_each_function() {
 #[test]
 fn the_interpreter_has_each_function() {
     let files = [
+        "constraint_hessians",
         "constraints",
         "coordinates",
         "derivatives",

@@ -61,9 +61,9 @@ pub use ::num_dual;
 pub use equations::Forces;
 #[cfg(feature = "alloc")]
 pub use interpreter::{
-    ConstrainedDerivatives, DecompositionError, ForwardDerivatives, FrameError, HessianOutputs,
-    InertialError, Interpreter, ModuleMismatch, ShapeError, StepHessianOutputs, StepOutputs,
-    UduFactorization, UpdateError,
+    ConstrainedDerivatives, ConstrainedHessianOutputs, DecompositionError, ForwardDerivatives,
+    FrameError, HessianOutputs, InertialError, Interpreter, ModuleMismatch, ShapeError,
+    StepHessianOutputs, StepOutputs, UduFactorization, UpdateError,
 };
 
 #[cfg(feature = "nalgebra")]
@@ -76,12 +76,13 @@ pub use float::{ELEMENTARY_F32, ELEMENTARY_F64, ElementaryNumbers};
 pub use inertial::{Inertial, InertialDefect};
 pub use parameters::ParameterError;
 pub use results::{
-    ConstrainedForwardDynamics, ConstrainedForwardDynamicsDerivatives, ConstrainedInverseDynamics,
-    ConstraintProjection, ConstraintResidual, ContactImpulse, DifferenceDerivatives,
-    ForwardDynamicsDerivatives, ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp,
-    GeneralizedForces, IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian,
-    InverseDynamicsJvp, InverseDynamicsVjp, JointLimits, KinematicModule, OperationCount,
-    OperationalInertia, Step, StepDerivatives, StepHessian,
+    ConstrainedForwardDynamics, ConstrainedForwardDynamicsDerivatives,
+    ConstrainedForwardDynamicsHessian, ConstrainedInverseDynamics, ConstraintProjection,
+    ConstraintResidual, ContactImpulse, DifferenceDerivatives, ForwardDynamicsDerivatives,
+    ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp, GeneralizedForces,
+    IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian, InverseDynamicsJvp,
+    InverseDynamicsVjp, JointLimits, KinematicModule, OperationCount, OperationalInertia, Step,
+    StepDerivatives, StepHessian,
 };
 pub use robot::{Array, Factorization, NotGenerated, Robot};
 #[cfg(feature = "alloc")]

@@ -15,7 +15,7 @@ use super::wrapped::wrapped;
 use crate::graph::{Expr, Graph};
 use crate::intern::intern;
 use crate::names;
-use crate::trace::{Parameters, Tracer, UserGraphs, UserInput, UserTraceError};
+use crate::trace::{Parameters, TangentGraphs, TangentInput, Tracer, UserTraceError};
 
 /// The largest number of operations of a form of a user's function. Their text has about 20 MB.
 pub const MAX_USER_OPERATIONS: usize = 400_000;
@@ -227,8 +227,8 @@ impl NamedFunction {
         })
     }
 
-    fn inputs(&self, sizes: &Sizes) -> Vec<UserInput> {
-        let input = |argument: &UserArgument| UserInput {
+    fn inputs(&self, sizes: &Sizes) -> Vec<TangentInput> {
+        let input = |argument: &UserArgument| TangentInput {
             len: self::argument(argument).shape(sizes).len(),
             is_coordinates: argument.kind() == UserArgumentKind::Coordinates,
             varies: argument.is_variable(),
@@ -236,7 +236,11 @@ impl NamedFunction {
         self.arguments.iter().map(input).collect()
     }
 
-    fn form(&self, form: UserForm, graphs: &UserGraphs<'_>) -> Result<TracedForm, UserPlanError> {
+    fn form(
+        &self,
+        form: UserForm,
+        graphs: &TangentGraphs<'_>,
+    ) -> Result<TracedForm, UserPlanError> {
         let too_long = || UserPlanError::TooLong(form);
         let graph = match form {
             UserForm::Value => graphs.value.clone(),

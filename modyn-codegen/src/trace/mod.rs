@@ -2,6 +2,7 @@
 //! this folder, by groups of quantities.
 
 mod composition;
+mod constraint_hessians;
 mod constraints;
 mod coordinates;
 mod derivatives;
@@ -16,6 +17,7 @@ mod products;
 mod regressor;
 mod step_hessians;
 mod steps;
+mod tangent;
 mod user;
 
 use modyn_runtime::Scalar;
@@ -26,7 +28,8 @@ use crate::graph::{Expr, ForeignExpr, Graph};
 pub use entries::EntryDerivatives;
 pub use limbs::{LimbLimits, LimbPacking};
 pub use parameters::Parameters;
-pub use user::{UserGraphs, UserInput, UserTraceError};
+pub use tangent::{TangentGraphs, TangentInput};
+pub use user::UserTraceError;
 
 /// A robot on expressions, whose equations can be traced.
 ///

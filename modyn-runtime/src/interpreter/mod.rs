@@ -1,5 +1,6 @@
 //! The interpreter: the equations run on numbers, for any model at run time.
 
+mod constraint_hessians;
 mod constraints;
 mod coordinates;
 mod derivatives;
@@ -26,6 +27,7 @@ use crate::model::{Model, ModuleTree};
 use crate::spatial::{Pose, Vector3};
 use inertias::Inertias;
 
+pub use constraint_hessians::ConstrainedHessianOutputs;
 pub use constraints::ConstrainedDerivatives;
 pub use derivatives::ForwardDerivatives;
 pub use errors::{DecompositionError, FrameError, ModuleMismatch, ShapeError, UpdateError};

@@ -29,6 +29,8 @@ pub enum ArgumentKind {
     Numbers(usize),
     /// A wrench on each link.
     Wrenches,
+    /// A wrench for each constraint.
+    ConstraintWrenches,
     /// The set of active contacts.
     Contacts,
     /// The settings of constraints.
@@ -43,7 +45,7 @@ impl ArgumentKind {
     /// Returns whether functions with such an argument have no form for many states.
     #[must_use]
     pub const fn is_of_one_state(self) -> bool {
-        matches!(self, Self::Wrenches | Self::Contacts | Self::Settings)
+        matches!(self, Self::Wrenches | Self::ConstraintWrenches | Self::Contacts | Self::Settings)
     }
 }
 
@@ -62,6 +64,7 @@ impl Argument {
             ArgumentKind::Time | ArgumentKind::Number => Shape::Scalar,
             ArgumentKind::Numbers(count) => Shape::vector(count),
             ArgumentKind::Wrenches => shapes::wrenches(sizes),
+            ArgumentKind::ConstraintWrenches => shapes::constraint_wrenches(sizes),
             ArgumentKind::Contacts => shapes::contacts(sizes),
             ArgumentKind::Settings => shapes::settings(sizes),
             ArgumentKind::Factors => Shape::vector(sizes.factors),
@@ -78,6 +81,8 @@ pub(super) const DQD: Argument = Argument::new("dqd", ArgumentKind::Velocities);
 pub(super) const DQDD: Argument = Argument::new("dqdd", ArgumentKind::Velocities);
 pub(super) const DTAU: Argument = Argument::new("dtau", ArgumentKind::Velocities);
 pub(super) const COTANGENT: Argument = Argument::new("cotangent", ArgumentKind::Velocities);
+pub(super) const WRENCH_COTANGENT: Argument =
+    Argument::new("wrench_cotangent", ArgumentKind::ConstraintWrenches);
 pub(super) const DT: Argument = Argument::new("dt", ArgumentKind::Time);
 pub(super) const COSTATE: Argument = Argument::new("costate", ArgumentKind::State);
 pub(super) const V: Argument = Argument::new("v", ArgumentKind::Velocities);
@@ -90,8 +95,25 @@ pub(super) const UNIFORMS: Argument = Argument::new("uniforms", ArgumentKind::Ra
 
 /// The arguments of functions of the table, in the order that they have in every function.
 pub(crate) const ARGUMENTS: &[Argument] = &[
-    Q, QD, QDD, TAU, DQ, DQD, DQDD, DTAU, COTANGENT, DT, COSTATE, V, FROM, TO, FORCES, CONTACTS,
-    SETTINGS, UNIFORMS,
+    Q,
+    QD,
+    QDD,
+    TAU,
+    DQ,
+    DQD,
+    DQDD,
+    DTAU,
+    COTANGENT,
+    WRENCH_COTANGENT,
+    DT,
+    COSTATE,
+    V,
+    FROM,
+    TO,
+    FORCES,
+    CONTACTS,
+    SETTINGS,
+    UNIFORMS,
 ];
 
 /// The factors of the mass matrix, an argument of the functions of the factors.

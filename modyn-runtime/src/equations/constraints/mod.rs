@@ -39,6 +39,7 @@
 //! rows contradict each other, the accelerations minimize the sum of the squared residuals,
 //! linear^2 + (l angular)^2. Neither sum depends on the orientation of the mechanism.
 
+mod adjoint;
 mod contact;
 mod derivatives;
 mod factorization;
@@ -53,7 +54,7 @@ mod residual;
 mod rows;
 
 pub use {
-    derivatives::*, forward_dynamics::*, impulse::*, inverse_dynamics::*, jacobian::*,
+    adjoint::*, derivatives::*, forward_dynamics::*, impulse::*, inverse_dynamics::*, jacobian::*,
     operational_inertia::*, projection::*, residual::*,
 };
 
