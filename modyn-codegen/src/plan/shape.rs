@@ -309,7 +309,7 @@ pub(super) mod shapes {
     pub fn constraint_wrenches(s: &Sizes) -> Shape { Shape::wrench().array(s.constraints) }
 
     pub fn constrained_hessian(s: &Sizes) -> Shape {
-        let first = vec![("qdd", velocities(s)), ("wrenches", constraint_wrenches(s))];
+        let first = [("qdd", velocities(s)), ("wrenches", constraint_wrenches(s))];
         let vectors = ["dq", "dqd", "dtau"].map(|name| (name, velocities(s)));
         let matrices = ["dq_dq", "dq_dqd", "dqd_dqd", "dq_dtau"].map(|name| (name, square(s)));
         let fields = [&first[..], &vectors, &matrices, &[("rank", Shape::Scalar)]].concat();
