@@ -9,8 +9,8 @@ mod syntax;
 #[cfg(test)]
 mod tests;
 
-use modyn_runtime::OperationCount;
 use modyn_runtime::model::{Friction, Model, ModuleTree};
+use modyn_runtime::{OperationCount, UserFunction};
 
 use crate::check::conditioning_warning;
 use crate::description::{Base, Contact, Loop, Mimic, ReadOptions, Rotor};
@@ -19,8 +19,10 @@ use crate::emit::{
     CSource, CasadiSource, EmitOptions, Emitted, FloatType, GpuLanguage, GpuSource, RolloutOptions,
     RolloutSource, emit, emit_c, emit_casadi, emit_gpu, emit_rollouts,
 };
-use crate::options::{Bundle, ModuleChoice, OptionError, Options, Value, option_table};
-use crate::plan::{CasadiPlan, Choices, Constants, Execution, Function, Plan};
+use crate::options::{Bundle, ModuleChoice, OptionError, Options, Value, option_table, user};
+use crate::plan::{
+    CasadiPlan, Choices, Constants, Execution, Function, NamedFunction, Plan, TracedFunction,
+};
 use crate::read::{Format, Reading};
 use crate::size::too_large;
 use checks::{moving_frames, without_casadi_form, without_hessian};
@@ -156,6 +158,74 @@ impl Builder {
     pub fn set(mut self, option: &str, value: &Value) -> Result<Self, OptionError> {
         self.options.set(option, value)?;
         Ok(self)
+    }
+
+    /// Adds a function of the user's own, such as a cost: it is compiled with its derivatives. It is a function `name` of the
+    /// generated type, over the function's arguments. Its derivatives are functions whose names begin with `name`:
+    ///
+    /// - `.._jvp`: the value, and its change along changes `dq`, ... of the variables
+    /// - `.._gradient`: the value, and the gradient with respect to each variable, of a function of one result
+    /// - `.._vjp`: the value, and the gradients of `cotangent`^T value, of a function of several results
+    /// - `.._jacobian`: the value, and its derivatives with respect to each variable by columns, of a function of several
+    ///   results
+    /// - `.._hessian`: the value, and the gradients and the Hessian of `cotangent`^T value (of the value, if that is one
+    ///   number): a block `dq_dqd` has a row for each entry of the variable `q` and a column for each entry of `qd`
+    ///
+    /// Derivatives with respect to coordinates are in tangent space. A result is a type of the robot's own.
+    ///
+    /// ```no_run
+    /// use modyn_codegen::{Builder, Scalar, UserArgument, UserError, UserFunction};
+    /// use modyn_codegen::Interpreter;
+    ///
+    /// /// The squared distance from a link to a target.
+    /// struct Reach;
+    ///
+    /// impl UserFunction<2> for Reach {
+    ///     fn docs(&self) -> String {
+    ///         "Returns the squared distance (m^2) from the hand to `target` (m, world axes).".into()
+    ///     }
+    ///
+    ///     fn arguments(&self) -> [UserArgument; 2] {
+    ///         [UserArgument::Q, UserArgument::numbers("target", 3)]
+    ///     }
+    ///
+    ///     fn evaluate<S: Scalar>(
+    ///         &self,
+    ///         robot: &mut Interpreter<S>,
+    ///         [q, target]: [&[S]; 2],
+    ///     ) -> Result<Vec<S>, UserError> {
+    ///         let hand = robot.model().frame_index("hand").ok_or("there is no link `hand`")?;
+    ///         let pose = robot.link_pose(q, hand)?;
+    ///         let squares = pose.translation.iter().zip(target).map(|(&x, &t)| (x - t) * (x - t));
+    ///         Ok(vec![squares.fold(S::zero(), |sum, square| sum + square)])
+    ///     }
+    /// }
+    ///
+    /// fn main() -> Result<(), modyn_codegen::diagnostics::Diagnostics> {
+    ///     Builder::new().urdf("robots/arm.urdf").function("reach_cost", Reach).compile()?;
+    ///     Ok(())
+    /// }
+    /// ```
+    #[must_use]
+    pub fn function<const N: usize>(
+        mut self,
+        name: impl Into<String>,
+        function: impl UserFunction<N> + Send + Sync + 'static,
+    ) -> Self {
+        self.options.user_functions.push(NamedFunction::new(name.into(), function, false));
+        self
+    }
+
+    /// Adds a function of the user's own, as [`function`](Self::function), with forms for many states of its value and its
+    /// derivatives.
+    #[must_use]
+    pub fn function_batch<const N: usize>(
+        mut self,
+        name: impl Into<String>,
+        function: impl UserFunction<N> + Send + Sync + 'static,
+    ) -> Self {
+        self.options.user_functions.push(NamedFunction::new(name.into(), function, true));
+        self
     }
 
     /// The options about reading, for [`read`](crate::read()) alone.
@@ -344,14 +414,16 @@ impl Builder {
         if code.scalar == FloatType::F32 {
             warnings.extend(conditioning_warning(&model));
         }
-        let choices = Choices {
+        let mut choices = Choices {
             functions: functions.to_vec(),
             bundles: bundles.unwrap_or_default(),
+            user_functions: Vec::new(),
             share: code.share,
             runtime_gravity: code.runtime_gravity,
             runtime_inertia: runtime_inertia.unwrap_or_default(),
             payload: payload.unwrap_or_default(),
         };
+        choices.user_functions = self.traced_functions(&model, &choices)?;
         let defaults = EmitOptions::default();
         let options = EmitOptions {
             type_name: code.type_name.clone(),
@@ -363,5 +435,21 @@ impl Builder {
             warnings,
         };
         Ok(Inputs { model, modules, choices, options })
+    }
+
+    /// Returns the user's functions of a robot.
+    fn traced_functions(
+        &self,
+        model: &Model,
+        choices: &Choices,
+    ) -> Result<Vec<TracedFunction>, Diagnostics> {
+        let (mut traced, mut errors) = (Vec::new(), Vec::new());
+        for function in &self.options.user_functions {
+            match function.of(model, choices.parameters(model)) {
+                Ok(one) => traced.push(one),
+                Err(reason) => errors.push(user::plan_error(function, &reason)),
+            }
+        }
+        if errors.is_empty() { Ok(traced) } else { Err(Diagnostics::new(errors)) }
     }
 }

@@ -36,6 +36,9 @@ pub use emit::{
     RolloutForces, RolloutOptions, RolloutSource,
 };
 pub use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
+pub use modyn_runtime::{
+    Interpreter, Scalar, UserArgument, UserArgumentKind, UserDerivatives, UserError, UserFunction,
+};
 pub use options::{Bundle, ModuleChoice};
 pub use plan::Function;
 #[cfg(feature = "mjcf")]

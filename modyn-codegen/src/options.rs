@@ -4,16 +4,19 @@
 //! A new option is a row in `option_table!`; one about reading has a field in [`ReadOptions`], too.
 
 mod bundle;
+mod own_names;
 mod types;
+pub(crate) mod user;
 mod value;
 
 pub use bundle::Bundle;
+pub(crate) use own_names::shared_names;
 pub use types::{Field, ModuleChoice, OptionValue};
 pub use value::{OptionError, Value, ValueKind};
 
 use crate::FloatType;
 use crate::description::ReadOptions;
-use crate::plan::Function;
+use crate::plan::{Function, NamedFunction};
 
 /// The part of modyn that an option is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -267,6 +270,8 @@ option_table!(table);
 pub(crate) struct Options {
     pub read: ReadOptions,
     pub code: CodeOptions,
+    /// The user's functions, which the builder alone has.
+    pub user_functions: Vec<NamedFunction>,
 }
 
 impl Options {
@@ -280,8 +285,12 @@ impl Options {
 
     /// The calls of `Builder` that set the options which differ from their defaults.
     pub fn calls(&self) -> impl Iterator<Item = String> {
-        OPTIONS.iter().filter_map(|row| {
+        let of_the_table = OPTIONS.iter().filter_map(|row| {
             (row.arguments)(self).map(|arguments| format!("{}({arguments})", row.method))
-        })
+        });
+        of_the_table.chain(self.user_functions.iter().map(|function| {
+            let batch = if function.batch { "_batch" } else { "" };
+            format!("function{batch}({:?}, function)", function.name)
+        }))
     }
 }

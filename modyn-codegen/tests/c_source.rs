@@ -5,7 +5,10 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use modyn_codegen::{Base, Contact, ContactKind, LoopEnd};
-use modyn_codegen::{Builder, Bundle, FloatType, Function};
+use modyn_codegen::{
+    Builder, Bundle, FloatType, Function, Interpreter, Scalar, UserArgument, UserError,
+    UserFunction,
+};
 
 fn robot(name: &str) -> Builder {
     let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots");
@@ -158,7 +161,7 @@ fn harness(functions: &[Declared], real: &str) -> String {
 }
 
 /// The functions that return one number.
-const SCALARS: [&str; 2] = ["kinetic_energy", "potential_energy"];
+const SCALARS: [&str; 3] = ["kinetic_energy", "potential_energy", "reach"];
 
 /// Compares generated C with self-contained generated Rust.
 fn compare(name: &str, builder: &Builder, float: FloatType) {
@@ -207,9 +210,37 @@ fn with_bundle(builder: Builder, link: &str) -> Builder {
     builder.bundles([bundle])
 }
 
+/// A cost of reaching a target, with derivatives.
+struct Reach;
+
+impl UserFunction<3> for Reach {
+    fn docs(&self) -> String {
+        "Returns the squared distance of the wrist to `target`, times `weight`.".into()
+    }
+
+    fn arguments(&self) -> [UserArgument; 3] {
+        [
+            UserArgument::Q,
+            UserArgument::numbers("target", 3),
+            UserArgument::number("weight").variable(),
+        ]
+    }
+
+    fn evaluate<S: Scalar>(
+        &self,
+        robot: &mut Interpreter<S>,
+        [q, target, weight]: [&[S]; 3],
+    ) -> Result<Vec<S>, UserError> {
+        let link = robot.model().frame_index("wrist_3_link").ok_or("there is no wrist")?;
+        let pose = robot.link_pose(q, link)?;
+        let squares = pose.translation.iter().zip(target).map(|(&x, &t)| (x - t) * (x - t));
+        Ok(vec![weight[0] * squares.fold(S::zero(), |sum, square| sum + square)])
+    }
+}
+
 #[test]
 fn an_arm_computes_the_bits_of_rust() {
-    let arm = with_bundle(robot("ur5"), "wrist_3_link");
+    let arm = with_bundle(robot("ur5"), "wrist_3_link").function("reach", Reach);
     compare("ur5", &arm, FloatType::F64);
 }
 
@@ -337,6 +368,21 @@ fn contacts_compute_the_bits_of_rust() {
     let declared = "const double contacts[2], const double settings[52], double out[43]";
     assert!(found.header.contains(declared), "{}", found.header);
     compare("contacts", &builder, FloatType::F64);
+}
+
+/// Second derivatives have an argument of wrenches.
+#[test]
+fn second_derivatives_with_a_contact_compute_the_bits_of_rust() {
+    let end = LoopEnd { link: "lower".into(), xyz: [0.1, 0.2, -0.3], rpy: [0.1, 0.2, 0.3] };
+    let contact = Contact { name: "toe".into(), kind: ContactKind::Point, end };
+    let functions = Function::DEFAULT.iter().filter(|function| !function.is_of_constraints());
+    let functions = functions.copied().chain([Function::ConstrainedForwardDynamicsHessian]);
+    let builder = robot("double_pendulum").functions(functions).contacts([contact]);
+    let (found, _) = builder.generate_c().expect("good");
+    let declared =
+        "const double cotangent[2], const double wrench_cotangent[6], const double contacts[1]";
+    assert!(found.header.contains(declared), "{}", found.header);
+    compare("second_derivatives", &builder, FloatType::F64);
 }
 
 #[test]

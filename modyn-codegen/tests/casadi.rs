@@ -166,6 +166,7 @@ fn compare(model: &Model, gravity: bool, inertias: &[usize], payload: &[usize]) 
     let choices = Choices {
         functions: FUNCTIONS.to_vec(),
         bundles: Vec::new(),
+        user_functions: Vec::new(),
         share: false,
         runtime_gravity: gravity,
         runtime_inertia: inertias.to_vec(),
@@ -222,6 +223,7 @@ fn quaternions_have_any_length() {
     let choices = Choices {
         functions: [Function::ForwardDynamics].to_vec(),
         bundles: Vec::new(),
+        user_functions: Vec::new(),
         share: false,
         runtime_gravity: false,
         runtime_inertia: Vec::new(),
@@ -250,6 +252,7 @@ fn patterns_have_the_zeros_of_the_structure() {
     let choices = Choices {
         functions: [Function::ForwardDynamics, Function::MassMatrix].to_vec(),
         bundles: Vec::new(),
+        user_functions: Vec::new(),
         share: false,
         runtime_gravity: false,
         runtime_inertia: Vec::new(),

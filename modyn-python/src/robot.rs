@@ -146,11 +146,13 @@ impl Robot {
             return Ok(&**function);
         }
         let function = Function::ALL[index];
-        if !function.fits(self.model.constraints()) {
-            return Err(PyValueError::new_err(format!(
-                "only robots with closed loops or contacts (the options `loops` and `contacts`) have the function `{}`",
-                function.name()
-            )));
+        let (constraints, contacts) = (self.model.constraints(), self.model.contacts().len());
+        if let Some(robots) = function.which_robots(constraints, contacts) {
+            let name = function.name();
+            let options =
+                if constraints == 0 { " (the options `loops` and `contacts`)" } else { "" };
+            let message = format!("only {robots}{options} have the function `{name}`");
+            return Err(PyValueError::new_err(message));
         }
         self.compiled(py, self.builder.clone().functions([function]), slot)
     }

@@ -49,6 +49,8 @@ pub mod spatial;
 #[cfg(feature = "std")]
 #[doc(hidden)]
 pub mod steps;
+#[cfg(feature = "alloc")]
+mod user_function;
 
 /// nalgebra, in the version of the types of [`Nalgebra`].
 #[cfg(feature = "nalgebra")]
@@ -60,9 +62,9 @@ pub use ::num_dual;
 pub use equations::Forces;
 #[cfg(feature = "alloc")]
 pub use interpreter::{
-    ConstrainedDerivatives, DecompositionError, ForwardDerivatives, FrameError, HessianOutputs,
-    InertialError, Interpreter, ModuleMismatch, ShapeError, StepHessianOutputs, StepOutputs,
-    UduFactorization, UpdateError,
+    ConstrainedDerivatives, ConstrainedHessianOutputs, DecompositionError, ForwardDerivatives,
+    FrameError, HessianOutputs, InertialError, Interpreter, ModuleMismatch, ShapeError,
+    StepHessianOutputs, StepOutputs, UduFactorization, UpdateError,
 };
 
 #[cfg(feature = "nalgebra")]
@@ -76,11 +78,12 @@ pub use float::{ELEMENTARY_F32, ELEMENTARY_F64, ElementaryNumbers};
 pub use inertial::{Inertial, InertialDefect};
 pub use parameters::ParameterError;
 pub use results::{
-    ConstrainedForwardDynamics, ConstrainedForwardDynamicsDerivatives, ConstrainedInverseDynamics,
-    ConstraintProjection, ConstraintResidual, ContactImpulse, DifferenceDerivatives,
-    ForwardDynamicsDerivatives, ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp,
-    GeneralizedForces, IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian,
-    InverseDynamicsJvp, InverseDynamicsVjp, OperationalInertia, Step, StepDerivatives, StepHessian,
+    ConstrainedForwardDynamics, ConstrainedForwardDynamicsDerivatives,
+    ConstrainedForwardDynamicsHessian, ConstrainedInverseDynamics, ConstraintProjection,
+    ConstraintResidual, ContactImpulse, DifferenceDerivatives, ForwardDynamicsDerivatives,
+    ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp, GeneralizedForces,
+    IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian, InverseDynamicsJvp,
+    InverseDynamicsVjp, OperationalInertia, Step, StepDerivatives, StepHessian,
 };
 pub use robot::{Array, Factorization, NotGenerated, Robot};
 #[cfg(feature = "alloc")]
@@ -89,3 +92,5 @@ pub use scalar::LaneScalar;
 pub use scalar::{FRAC_1_PI_BITS, PI_BITS};
 pub use scalar::{Portable, SIN_COS_F32, SIN_COS_F64, Scalar, SinCosNumbers};
 pub use spatial::{Momentum, Pose, Twist, Vector3, Wrench};
+#[cfg(feature = "alloc")]
+pub use user_function::{UserArgument, UserArgumentKind, UserDerivatives, UserError, UserFunction};

@@ -279,6 +279,35 @@ pub struct ConstrainedForwardDynamicsDerivatives<V, W, M, D, T> {
     pub rank: T,
 }
 
+/// The accelerations and the wrenches of a robot with contacts, and the derivatives of their weighted sum: first derivatives,
+/// then the blocks of the Hessian.
+///
+/// Matrices are arrays of columns. The block of two variables has a row for each entry of the first and a column for each
+/// entry of the second.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConstrainedForwardDynamicsHessian<V, W, M, T> {
+    /// The accelerations, rad/s^2 or m/s^2.
+    pub qdd: V,
+    /// The wrench on each contact's link, in world axes, N m and N.
+    pub wrenches: W,
+    /// The gradient with respect to q, in tangent space.
+    pub dq: V,
+    /// The gradient with respect to qd.
+    pub dqd: V,
+    /// The gradient with respect to tau.
+    pub dtau: V,
+    /// The second derivatives with respect to q and q, in tangent space: symmetric.
+    pub dq_dq: M,
+    /// The second derivatives with respect to q and qd.
+    pub dq_dqd: M,
+    /// The second derivatives with respect to qd and qd: symmetric.
+    pub dqd_dqd: M,
+    /// The second derivatives with respect to q and tau.
+    pub dq_dtau: M,
+    /// The number of independent constraint rows, an integer.
+    pub rank: T,
+}
+
 /// A step that satisfies the constraints, and the change of the velocities that keeps them satisfied.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstraintProjection<V, T> {

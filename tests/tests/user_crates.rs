@@ -112,6 +112,14 @@ fn by_a_build_script() {
     assert!(output.contains("odd.urdf:4:54: warning[axis-length]: joint `pivot`"), "{output}");
 }
 
+/// The example has a function of its own, a cost, with derivatives.
+#[test]
+fn the_example_with_a_build_script() {
+    let folder = root().join("examples/build-script");
+    pin(&folder);
+    succeeds(&folder, "test");
+}
+
 /// The robots' machine code is in a static library, which this crate's tests link through the crate of the robots.
 #[test]
 #[ignore = "slow: the compiler and its back end, unoptimised"]

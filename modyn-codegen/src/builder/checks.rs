@@ -10,7 +10,7 @@ use crate::description::{Base, Mimic};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity, Subject, suggest};
 use crate::emit::FloatType;
 use crate::names;
-use crate::options::{Bundle, ModuleChoice};
+use crate::options::{Bundle, ModuleChoice, shared_names, user};
 use crate::plan::Function;
 
 impl Builder {
@@ -93,7 +93,11 @@ impl Builder {
             );
         }
         errors.extend(read.gravity.and_then(gravity_error));
-        errors.extend(Bundle::errors(&self.options.code.bundles));
+        let (bundles, functions) = (&self.options.code.bundles, &self.options.user_functions);
+        errors.extend(bundles.iter().flat_map(Bundle::errors));
+        errors.extend(functions.iter().flat_map(user::errors));
+        let names = bundles.iter().map(Bundle::names).chain(functions.iter().map(user::names_of));
+        errors.extend(shared_names(&names.collect::<Vec<_>>()));
         errors
     }
 
@@ -110,6 +114,11 @@ impl Builder {
                 !code.bundles.is_empty(),
                 "`CasADi` has no bundles",
                 "select the functions of the bundle by `functions`",
+            ),
+            (
+                !self.options.user_functions.is_empty(),
+                "`CasADi` has no functions of users",
+                "write the function in CasADi, of the functions that modyn generates",
             ),
         ];
         let refused = refused.into_iter().filter(|(refused, ..)| *refused);

@@ -2,6 +2,7 @@
 
 use modyn_runtime::model::Model;
 
+use super::own_names::{OwnNames, name_defect};
 use super::types::{OptionValue, pair};
 use super::value::{OptionError, Value, ValueKind};
 use crate::diagnostics::{Code, Diagnostic, suggest};
@@ -42,23 +43,6 @@ struct Defect {
     message: String,
     help: String,
 }
-
-/// Names of functions and other items that generated code has besides those of functions.
-const RESERVED: &[&str] = &[
-    "check_configuration",
-    "contacts",
-    "default_parameters",
-    "joint",
-    "link",
-    "neutral",
-    "params",
-    "placements",
-    "udu_factorization",
-];
-
-/// The first words after the name of a bundle that make a name of the bundle's own functions.
-const FORMS: &[&str] =
-    &["batch", "each", "lanes", "of", "on", "placed", "scalar", "vectorized", "with"];
 
 impl Bundle {
     /// Returns a bundle without functions. The name, in snake case, is that of the generated function; that of the
@@ -127,44 +111,19 @@ impl Bundle {
 
     /// Returns the error of the bundle's name.
     fn name_defect(&self) -> Option<Defect> {
-        let name = &self.name;
-        let defect = |message: String, help: String| Some(Defect { member: None, message, help });
-        let snake = names::snake(name);
-        if names::KEYWORDS.contains(&name.as_str()) {
-            return defect("its name is a keyword".into(), format!("`{snake}` is not one"));
-        }
-        if snake != *name {
-            return defect("its name is not in snake case".into(), format!("`{snake}` is"));
-        }
-        let help = || "give the bundle another name".to_string();
-        if RESERVED.contains(&name.as_str()) {
-            return defect(format!("generated code has another `{name}`"), help());
-        }
-        let begins = |function: &&Function| {
-            let rest = name.strip_prefix(function.name());
-            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('_'))
-        };
-        let function = Function::ALL.iter().find(begins)?;
-        defect(format!("its name begins with that of the function `{}`", function.name()), help())
+        let (message, help) = name_defect(&self.name, "bundle")?;
+        Some(Defect { member: None, message, help })
     }
 
-    /// Returns the errors of all bundles that no robot is needed to find.
-    pub(crate) fn errors(bundles: &[Self]) -> Vec<Diagnostic> {
-        let mut errors = Vec::new();
-        for (i, bundle) in bundles.iter().enumerate() {
-            let defects = bundle.defects().into_iter();
-            errors.extend(defects.map(|Defect { message, help, .. }| bundle.error(message, help)));
-            let others = bundles.iter().enumerate().filter(|(k, _)| *k != i);
-            for (k, other) in others {
-                let same_type = || names::type_name(&bundle.name) == names::type_name(&other.name);
-                let twice = k < i && same_type();
-                if twice || is_form(&bundle.name, &other.name) {
-                    let message = format!("its name belongs to bundle `{}`", other.name);
-                    errors.push(bundle.error(message, "give one of them another name".into()));
-                }
-            }
-        }
-        errors
+    /// Returns the errors of a bundle that no robot is needed to find.
+    pub(crate) fn errors(&self) -> Vec<Diagnostic> {
+        let defects = self.defects().into_iter();
+        defects.map(|Defect { message, help, .. }| self.error(message, help)).collect()
+    }
+
+    /// Returns the bundle's name.
+    pub(crate) fn names(&self) -> OwnNames {
+        OwnNames { owner: format!("bundle `{}`", self.name), names: vec![self.name.clone()] }
     }
 
     fn error(&self, message: String, help: String) -> Diagnostic {
@@ -189,16 +148,6 @@ impl Bundle {
         let bundle = plan::Bundle { name, members, batch: self.batch };
         if errors.is_empty() { Ok(bundle) } else { Err(errors) }
     }
-}
-
-/// Returns whether `name` is that of a form of the bundle `other`.
-fn is_form(name: &str, other: &str) -> bool {
-    let Some(rest) = name.strip_prefix(other).and_then(|rest| rest.strip_prefix('_')) else {
-        return false;
-    };
-    let first = rest.split('_').next().unwrap_or_default();
-    let numbered = first.trim_end_matches(|c: char| c.is_ascii_digit());
-    FORMS.contains(&first) || ["", "chunk", "routine"].contains(&numbered)
 }
 
 impl Member {
@@ -254,10 +203,13 @@ impl Member {
     /// Returns the member of a robot's bundle, or the error and its remedy.
     fn of(&self, model: &Model) -> Result<plan::Member, (String, String)> {
         let name = self.function.name();
-        if !self.function.fits(model.constraints()) {
-            let message =
-                format!("only robots with closed loops or contacts have the function `{name}`");
-            return Err((message, "leave it out, or give the robot `contacts` or `loops`".into()));
+        let (constraints, contacts) = (model.constraints(), model.contacts().len());
+        if let Some(robots) = self.function.which_robots(constraints, contacts) {
+            let help = match constraints {
+                0 => "leave it out, or give the robot `contacts` or `loops`",
+                _ => "leave it out",
+            };
+            return Err((format!("only {robots} have the function `{name}`"), help.into()));
         }
         let frames = || model.frames().iter().map(|frame| frame.name.as_str());
         let link = self.link.as_ref().map(|link| {

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::{jvp, vjp};
-use crate::graph::Graph;
+use crate::graph::{Graph, Node};
 
 /// Returns the graph of the derivatives of the outputs of `graph` with respect to the inputs `wrt`: a matrix with a row for
 /// each output, by columns.
@@ -11,9 +11,22 @@ use crate::graph::Graph;
 /// Forward mode gives a column at a time, reverse mode a row at a time. The mode with fewer operations is taken.
 #[must_use]
 pub fn jacobian(graph: &Graph, inputs: usize, wrt: Range<usize>) -> Graph {
-    let (rows, columns) = (graph.outputs.len(), wrt.len());
-    let by_columns = at_unit_vectors(&jvp(graph, inputs, wrt.clone()), inputs, columns);
-    let mut by_rows = at_unit_vectors(&vjp(graph, inputs, wrt), inputs, rows);
+    let size = (graph.outputs.len(), wrt.len());
+    matrix(&jvp(graph, inputs, wrt.clone()), &vjp(graph, inputs, wrt), inputs, size)
+}
+
+/// Returns the graph of a matrix by columns. `times_vector` is the graph of its product with a vector, and
+/// `vector_times` that of the product of a vector and the matrix; the vector is further inputs, after the `inputs` inputs
+/// of the matrix. One of the two graphs gives the matrix at unit vectors: that with fewer operations.
+#[must_use]
+pub fn matrix(
+    times_vector: &Graph,
+    vector_times: &Graph,
+    inputs: usize,
+    (rows, columns): (usize, usize),
+) -> Graph {
+    let by_columns = at_unit_vectors(times_vector, inputs, columns);
+    let mut by_rows = at_unit_vectors(vector_times, inputs, rows);
     by_rows.outputs =
         (0..rows * columns).map(|k| by_rows.outputs[k % rows * columns + k / rows]).collect();
     let operations = |graph: &Graph| graph.count().total();
@@ -26,16 +39,39 @@ pub fn jacobian(graph: &Graph, inputs: usize, wrt: Range<usize>) -> Graph {
 #[must_use]
 pub fn hessian(gradient: &Graph, inputs: usize, max_operations: usize) -> Option<Graph> {
     let size = gradient.outputs.len();
-    let mut change = jvp(gradient, inputs, 0..size);
-    let changes = std::mem::take(&mut change.outputs);
+    let alone: Vec<Range<usize>> = (0..size).map(|entry| entry..entry + 1).collect();
+    symmetric_matrix(jvp(gradient, inputs, 0..size), inputs, &alone, max_operations)
+}
+
+/// Returns the graph of a matrix by columns, the symmetric part of the matrix whose product with a vector is the graph
+/// `times_vector`; the vector is further inputs, after the `inputs` inputs of the matrix. Entries (i, j) and (j, i) are
+/// equal, unless i is in the group `groups[j]`: the lower half is computed, and the groups as a whole. Returns `None` if it
+/// takes more than `max_operations`, as soon as some columns do.
+#[must_use]
+pub fn symmetric_matrix(
+    mut times_vector: Graph,
+    inputs: usize,
+    groups: &[Range<usize>],
+    max_operations: usize,
+) -> Option<Graph> {
+    let size = groups.len();
+    let products = std::mem::take(&mut times_vector.outputs);
     let mut all = Graph::default();
     let given = all.inputs(0..inputs);
     let mut matrix = vec![0; size * size];
-    for column in 0..size {
-        change.outputs = changes[column..].to_vec();
+    for (column, group) in groups.iter().enumerate() {
+        times_vector.outputs = products[group.start..].to_vec();
         let unit = all.unit_vector(size, column);
-        let ids = all.compose(&change, &[&*given, &unit].concat());
-        for (row, id) in (column..).zip(ids) {
+        let ids = all.compose(&times_vector, &[&*given, &unit].concat());
+        for (row, id) in (group.start..).zip(ids) {
+            // The entries above the diagonal, which earlier columns of the group have computed below it.
+            let id = if row < column {
+                let sum = all.make(Node::Add(matrix[row * size + column], id));
+                let half = all.constant(0.5);
+                all.make(Node::Mul(half, sum))
+            } else {
+                id
+            };
             matrix[column * size + row] = id;
             matrix[row * size + column] = id;
         }

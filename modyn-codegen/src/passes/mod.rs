@@ -9,7 +9,7 @@ mod jacobian;
 use crate::graph::Graph;
 pub use balance::balance;
 pub use differentiate::{jvp, vjp};
-pub use jacobian::{hessian, jacobian};
+pub use jacobian::{hessian, jacobian, matrix, symmetric_matrix};
 
 /// A rewrite that keeps the outputs.
 type Pass = fn(&Graph) -> Graph;

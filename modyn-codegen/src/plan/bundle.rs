@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use super::functions::{ARGUMENTS, Argument, CForm, Function, Row, Trace};
 use super::shape::{Record, Shape, Sizes};
 use super::tracing::Tracing;
+use super::wrapped::wrapped;
 use crate::graph::{Graph, Id};
 use crate::intern::intern;
 use crate::names;
@@ -33,8 +34,15 @@ pub struct Member {
     pub link: Option<usize>,
     /// The field of the result.
     pub field: &'static str,
-    /// The documentation of the field.
+    /// The function in words.
     pub docs: &'static str,
+}
+
+impl Member {
+    /// Returns the documentation of the field.
+    pub(super) fn field_docs(&self) -> &'static str {
+        intern(&format!("The result of {}.", self.docs))
+    }
 }
 
 impl Bundle {
@@ -75,7 +83,7 @@ impl Bundle {
             _ => format!("{} and {last}", others.join(", ")),
         };
         let text = format!("Returns the results of {list}, with their common work done once.");
-        intern(&lines(&text))
+        intern(&wrapped(&text))
     }
 }
 
@@ -194,21 +202,4 @@ impl<'a> Graphs<'a> {
         union.outputs = outputs;
         union
     }
-}
-
-/// Returns a text in lines of at most 110 characters.
-fn lines(text: &str) -> String {
-    let (mut result, mut length) = (String::new(), 0);
-    for word in text.split(' ') {
-        if length > 0 && length + 1 + word.len() > 110 {
-            result.push('\n');
-            length = 0;
-        } else if length > 0 {
-            result.push(' ');
-            length += 1;
-        }
-        result += word;
-        length += word.len();
-    }
-    result
 }

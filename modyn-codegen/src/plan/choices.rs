@@ -4,6 +4,7 @@ use modyn_runtime::model::Model;
 
 use super::bundle::Bundle;
 use super::functions::Function;
+use super::user::TracedFunction;
 use crate::trace::Parameters;
 
 /// The choices of a user that a plan depends on.
@@ -13,6 +14,8 @@ pub struct Choices {
     pub functions: Vec<Function>,
     /// The bundles of functions.
     pub bundles: Vec<Bundle>,
+    /// The user's functions.
+    pub user_functions: Vec<TracedFunction>,
     /// Whether equal limbs share one routine.
     pub share: bool,
     /// Whether gravity is an argument.
@@ -33,12 +36,15 @@ impl Choices {
         for bundle in &mut self.bundles {
             bundle.batch = false;
         }
+        for function in &mut self.user_functions {
+            function.batch = false;
+        }
         self.share = false;
         self
     }
 
     /// Returns the run-time parameters of a model.
-    pub(super) fn parameters(&self, model: &Model) -> Parameters {
+    pub(crate) fn parameters(&self, model: &Model) -> Parameters {
         Parameters::new(model, self.runtime_gravity, &self.runtime_inertia, &self.payload)
     }
 }

@@ -12,7 +12,7 @@ use modyn_runtime::equations::kinematics::Axes;
 use super::shape::shapes;
 use arguments::{
     CONTACTS, COSTATE, COTANGENT, DQ, DQD, DQDD, DT, DTAU, FORCES, FROM, Q, QD, QDD, SETTINGS, TAU,
-    TO, UNIFORMS, V,
+    TO, UNIFORMS, V, WRENCH_COTANGENT,
 };
 
 pub(crate) use arguments::ARGUMENTS;
@@ -438,6 +438,30 @@ functions! {
         },
     )
         .of_constraints();
+    /// The contracted Hessian of forward dynamics with contacts.
+    ConstrainedForwardDynamicsHessian "constrained_forward_dynamics_hessian" = Row::one(
+        &[Q, QD, TAU, COTANGENT, WRENCH_COTANGENT, CONTACTS, SETTINGS],
+        shapes::constrained_hessian,
+        "Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and the gradients and the\n\
+         Hessian of their sum with the weights `cotangent` and `wrench_cotangent` (of the components in world axes)\n\
+         with respect to `q` (in tangent space), `qd` and `tau`. The blocks of the Hessian are arrays of columns; the\n\
+         blocks of `qd` and `tau` and of `tau` and `tau` are zero. The rows of the active contacts must be\n\
+         independent: redundant contacts have compliance. Robots with loops do not have this function.",
+        |t, s| t.constrained_forward_dynamics_hessian(&s.layout),
+        |m| {
+            1400.0 * m.depths
+                + 800.0 * m.squares
+                + 90.0 * m.nv.powi(3)
+                + 9000.0 * m.reach
+                + 5000.0 * m.row_reach
+                + 120.0 * m.constraint_rows * m.entries
+                + 500.0 * m.constraint_rows.powi(2) * m.nv
+                + 18_000.0 * m.depths
+                + 300.0 * m.entries
+        },
+    )
+        .of_constraints()
+        .without_loops();
     /// The velocities after an impact.
     ContactImpulse "contact_impulse" = Row::one(
         &[Q, QD, CONTACTS, SETTINGS],

@@ -22,6 +22,8 @@ mod programs;
 mod shape;
 mod strategy;
 mod tracing;
+mod user;
+mod wrapped;
 
 use modyn_runtime::OperationCount;
 use modyn_runtime::equations::brge::UduLayout;
@@ -41,6 +43,9 @@ pub use planned::{Kernels, Planned};
 pub use shape::{Elements, Record, Shape, Sizes};
 pub use strategy::Execution;
 pub use tracing::Tracing;
+pub use user::{
+    MAX_USER_OPERATIONS, NamedFunction, TracedForm, TracedFunction, UserForm, UserPlanError,
+};
 
 use crate::passes::optimize;
 use crate::program::{Program, Target};
@@ -53,7 +58,7 @@ use tracing::TracedRobot;
 pub struct Plan {
     /// The choices of the user.
     pub choices: Choices,
-    /// The functions of one state, in the order of [`Function::ALL`]; then the bundles.
+    /// The functions of one state, in the order of [`Function::ALL`]; then the bundles and the user's functions.
     pub functions: Vec<Planned>,
     /// The functions of many states, in this order.
     pub batches: Vec<Planned>,
@@ -95,7 +100,7 @@ impl Plan {
             let row = function.row();
             choices.functions.contains(function)
                 && (batches || row.batch_of.is_none())
-                && function.fits(sizes.constraints)
+                && function.fits(sizes.constraints, sizes.contacts)
         };
         let selected: Vec<Function> = Function::ALL.iter().copied().filter(selected).collect();
         let mut graphs = ScalarGraphs::new(&selected);
@@ -107,6 +112,13 @@ impl Plan {
             let (one, of_many) = Planned::bundle(bundle, &tracing, batch);
             functions.push(one);
             many.extend(of_many);
+        }
+        for user in &choices.user_functions {
+            for form in &user.forms {
+                let (one, of_many) = Planned::user(user, form, &tracing, batches && user.batch);
+                functions.push(one);
+                many.extend(of_many);
+            }
         }
         let bundled = choices.bundles.iter().flat_map(|bundle| &bundle.members);
         let mut all = selected.iter().copied().chain(bundled.map(|member| member.function));

@@ -8,11 +8,11 @@ use crate::program::Program;
 
 /// A function or a bundle of functions, planned for a robot.
 pub struct Planned {
-    /// The function; `None` for a bundle.
+    /// The function; `None` for a bundle and a user's function.
     pub function: Option<Function>,
     /// The name.
     pub name: &'static str,
-    /// The name of the function or bundle of one state, if this is its form for many states.
+    /// The name of the function of one state, if this is its form for many states.
     pub batch_of: Option<&'static str>,
     /// The documentation, in lines.
     pub docs: &'static str,

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::bundle::{Bundle, Graphs};
+use super::bundle::{Bundle, Graphs, Member};
 use super::frames::Frames;
 use super::functions::{Argument, CForm, Function, Trace};
 use super::packing;
@@ -10,6 +10,7 @@ use super::planned::{Kernels, Planned};
 use super::shape::{Shape, Sizes};
 use super::strategy::Strategy;
 use super::tracing::Tracing;
+use super::user::{TracedForm, TracedFunction};
 use crate::graph::Graph;
 use crate::intern::intern;
 use crate::passes::optimize;
@@ -125,24 +126,58 @@ impl Planned {
             name: bundle.name,
             batch_of: None,
             docs: bundle.docs(),
-            fields: bundle.members.iter().map(|member| member.docs).collect(),
+            fields: bundle.members.iter().map(Member::field_docs).collect(),
             c_form: bundle.c_form(),
             arguments,
             parameters,
             result: bundle.result(sizes),
             kernels: tracing.strategy.kernels(&graph, packed, scalars),
         };
-        let many = batch.then(|| Self {
-            name: intern(&format!("{}_batch", bundle.name)),
-            batch_of: Some(bundle.name),
-            fields: one.fields.clone(),
-            arguments: one.arguments.clone(),
-            result: one.result.clone(),
-            c_form: CForm::None,
-            kernels: Kernels::One(Program::new(&graph, scalars, Target::Batch)),
-            ..one
-        });
+        let many = batch.then(|| one.of_many_states(&graph, scalars));
         (one, many)
+    }
+
+    /// Returns a form of a user's function, and the form for many states if `batch`.
+    pub(super) fn user(
+        function: &TracedFunction,
+        form: &TracedForm,
+        tracing: &Tracing<'_>,
+        batch: bool,
+    ) -> (Self, Option<Self>) {
+        let arguments = shapes_of(&form.arguments, &tracing.sizes);
+        let parameters = tracing.parameters(function.depends_on_parameters);
+        let scalars = count(&arguments, parameters);
+        let graph = packing::balanced(optimize(form.graph.clone()));
+        let one = Self {
+            function: None,
+            name: form.name,
+            batch_of: None,
+            docs: form.docs,
+            fields: form.fields.clone(),
+            c_form: CForm::SourceAndExport,
+            arguments,
+            parameters,
+            result: form.result.clone(),
+            kernels: tracing.strategy.kernels(&graph, None, scalars),
+        };
+        let many = batch.then(|| one.of_many_states(&graph, scalars));
+        (one, many)
+    }
+
+    /// Returns the form for many states of a function that is none of the table; `graph` has `scalars` inputs.
+    fn of_many_states(&self, graph: &Graph, scalars: usize) -> Self {
+        Self {
+            function: None,
+            name: intern(&format!("{}_batch", self.name)),
+            batch_of: Some(self.name),
+            docs: self.docs,
+            fields: self.fields.clone(),
+            c_form: CForm::None,
+            arguments: self.arguments.clone(),
+            parameters: self.parameters,
+            result: self.result.clone(),
+            kernels: Kernels::One(Program::new(graph, scalars, Target::Batch)),
+        }
     }
 }
 

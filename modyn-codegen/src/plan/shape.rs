@@ -356,6 +356,16 @@ pub(super) mod shapes {
         named_fields("ConstrainedForwardDynamicsDerivatives", fields)
     }
 
+    pub fn constraint_wrenches(s: &Sizes) -> Shape { Shape::wrench().array(s.constraints) }
+
+    pub fn constrained_hessian(s: &Sizes) -> Shape {
+        let first = [("qdd", velocities(s)), ("wrenches", constraint_wrenches(s))];
+        let vectors = ["dq", "dqd", "dtau"].map(|name| (name, velocities(s)));
+        let matrices = ["dq_dq", "dq_dqd", "dqd_dqd", "dq_dtau"].map(|name| (name, square(s)));
+        let fields = [&first[..], &vectors, &matrices, &[("rank", Shape::Scalar)]].concat();
+        named_fields("ConstrainedForwardDynamicsHessian", fields)
+    }
+
     pub fn contact_impulse(s: &Sizes) -> Shape {
         let impulses = Shape::wrench().array(s.constraints);
         let fields = vec![("qd", velocities(s)), ("impulses", impulses), ("rank", Shape::Scalar)];

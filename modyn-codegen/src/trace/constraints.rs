@@ -264,11 +264,11 @@ impl Unknowns {
 }
 
 /// Returns the number of scalars of the settings.
-fn settings_count(model: &Mechanism<f64>) -> usize {
+pub(super) fn settings_count(model: &Mechanism<f64>) -> usize {
     ConstraintSettings::<Expr>::COUNT + ContactTarget::<Expr>::COUNT * model.contacts()
 }
 
-fn settings_of(numbers: &[Expr]) -> ConstraintSettings<Expr, Vec<ContactTarget<Expr>>> {
+pub(super) fn settings_of(numbers: &[Expr]) -> ConstraintSettings<Expr, Vec<ContactTarget<Expr>>> {
     let (settings, targets) = numbers.split_first_chunk().expect("the settings are counted");
     let (targets, _) = targets.as_chunks();
     let contacts = targets.iter().map(|target| ContactTarget::from_numbers(*target)).collect();

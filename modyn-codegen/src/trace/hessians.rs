@@ -164,7 +164,7 @@ pub(super) struct ForwardHessian {
 
 impl Tracer<'_> {
     /// Returns, for each entry of qd, the entries of the same rotation or pose; the entry alone for all other joints.
-    fn groups(&self) -> Vec<Range<usize>> {
+    pub(super) fn groups(&self) -> Vec<Range<usize>> {
         let mut groups: Vec<Range<usize>> = (0..self.model.nv).map(|v| v..v + 1).collect();
         for block in &self.model.coordinates {
             let group = block.v..block.v + block.velocities();

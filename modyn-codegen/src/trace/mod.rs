@@ -2,6 +2,7 @@
 //! this folder, by groups of quantities.
 
 mod composition;
+mod constraint_hessians;
 mod constraints;
 mod coordinates;
 mod derivatives;
@@ -16,15 +17,19 @@ mod products;
 mod regressor;
 mod step_hessians;
 mod steps;
+mod tangent;
+mod user;
 
 use modyn_runtime::Scalar;
 use modyn_runtime::mechanism::{BodyFrame, Mechanism, MergedMechanism};
 
-use crate::graph::{Expr, Graph};
+use crate::graph::{Expr, ForeignExpr, Graph};
 
 pub use entries::EntryDerivatives;
 pub use limbs::{LimbLimits, LimbPacking};
 pub use parameters::Parameters;
+pub use tangent::{TangentGraphs, TangentInput};
+pub use user::UserTraceError;
 
 /// A robot on expressions, whose equations can be traced.
 ///
@@ -112,18 +117,34 @@ impl<'a> Tracer<'a> {
         lengths: [usize; G],
         equations: impl FnOnce(&Mechanism<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
     ) -> Graph {
-        Graph::trace(|| {
-            let mut model = self.model.cast();
-            let mut next = 0;
-            let groups = lengths.map(|length| {
-                let start = next;
-                next += length;
-                (start..next).map(Expr::input).collect()
-            });
-            model.frames.extend(self.link.map(|link| link.enter(&mut next)));
-            self.parameters.enter(next, &mut model);
-            equations(&model, groups)
-        })
+        Graph::trace(|| self.on_inputs(lengths, equations))
+    }
+
+    /// Traces equations that are not modyn's own over groups of inputs of these lengths.
+    fn try_trace_groups<const G: usize>(
+        &self,
+        lengths: [usize; G],
+        equations: impl FnOnce(&Mechanism<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
+    ) -> Result<Graph, ForeignExpr> {
+        Graph::try_trace(|| self.on_inputs(lengths, equations))
+    }
+
+    /// Runs equations on groups of inputs of these lengths, within a trace.
+    fn on_inputs<const G: usize>(
+        &self,
+        lengths: [usize; G],
+        equations: impl FnOnce(&Mechanism<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
+    ) -> Vec<Expr> {
+        let mut model = self.model.cast();
+        let mut next = 0;
+        let groups = lengths.map(|length| {
+            let start = next;
+            next += length;
+            (start..next).map(Expr::input).collect()
+        });
+        model.frames.extend(self.link.map(|link| link.enter(&mut next)));
+        self.parameters.enter(next, &mut model);
+        equations(&model, groups)
     }
 
     /// Traces equations whose inputs are coordinates, then joint vectors.

@@ -127,7 +127,12 @@ impl Tracer<'_> {
 
     /// Returns the gradient with respect to displacements of `q`, in tangent space, from that with respect to the
     /// coordinates.
-    fn in_tangent_space(&self, all: &mut Composition, q: &[Id], gradient: &[Id]) -> Vec<Id> {
+    pub(super) fn in_tangent_space(
+        &self,
+        all: &mut Composition,
+        q: &[Id],
+        gradient: &[Id],
+    ) -> Vec<Id> {
         let rates = vjp(&self.velocity_to_qdot(), self.inputs(1), self.vector_inputs(0));
         // The rates are linear in the velocities, which therefore have no effect here.
         let rest = vec![0; self.inputs(1) - self.model.nq];

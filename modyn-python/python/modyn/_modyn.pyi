@@ -544,6 +544,23 @@ class Robot:
         (constraints, 6, nv), `wrenches_dtau` (constraints, 6, nv), `rank` a number, moments before forces.
         Several states have one more axis, the first.
         """
+    def constrained_forward_dynamics_hessian(
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, cotangent: ArrayLike, wrench_cotangent: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedForwardDynamicsHessian | None = None
+    ) -> ConstrainedForwardDynamicsHessian:
+        """Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and the gradients and
+        the Hessian of their sum with the weights `cotangent` and `wrench_cotangent` (of the components in
+        world axes) with respect to `q` (in tangent space), `qd` and `tau`. The blocks of `qd` and `tau` and
+        of `tau` and `tau` are zero. The rows of the active contacts must be independent: redundant contacts
+        have compliance. Robots with loops do not have this function.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `cotangent`: (nv,); `wrench_cotangent`:
+        (constraints, 6), moments before forces; `contacts`: (contacts,), 1 for each active contact, else 0;
+        by default all are; `settings`: `ConstraintSettings`, by default with the ground at z = 0 under all
+        contacts.
+        Result: `ConstrainedForwardDynamicsHessian`: `qdd` (nv,), `wrenches` (constraints, 6), `dq` (nv,),
+        `dqd` (nv,), `dtau` (nv,), `dq_dq` (nv, nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv), `dq_dtau` (nv,
+        nv), `rank` a number, moments before forces. Several states have one more axis, the first.
+        """
     def contact_impulse(
         self, q: ArrayLike, qd: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ContactImpulse | None = None
     ) -> ContactImpulse:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 __all__ = [
     "ConstrainedForwardDynamics",
     "ConstrainedForwardDynamicsDerivatives",
+    "ConstrainedForwardDynamicsHessian",
     "ConstrainedInverseDynamics",
     "ConstraintProjection",
     "ConstraintResidual",
@@ -66,6 +67,31 @@ class ConstrainedForwardDynamicsDerivatives(NamedTuple):
     wrenches_dtau: NDArray[Any]
     """(constraints, 6, nv)"""
     rank: NDArray[Any]
+    """a number"""
+
+
+class ConstrainedForwardDynamicsHessian(NamedTuple):
+    """The result of `constrained_forward_dynamics_hessian`."""
+
+    qdd: NDArray[np.float64]
+    """(nv,)"""
+    wrenches: NDArray[np.float64]
+    """(constraints, 6)"""
+    dq: NDArray[np.float64]
+    """(nv,)"""
+    dqd: NDArray[np.float64]
+    """(nv,)"""
+    dtau: NDArray[np.float64]
+    """(nv,)"""
+    dq_dq: NDArray[np.float64]
+    """(nv, nv)"""
+    dq_dqd: NDArray[np.float64]
+    """(nv, nv)"""
+    dqd_dqd: NDArray[np.float64]
+    """(nv, nv)"""
+    dq_dtau: NDArray[np.float64]
+    """(nv, nv)"""
+    rank: NDArray[np.float64]
     """a number"""
 
 

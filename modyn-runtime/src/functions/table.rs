@@ -537,6 +537,24 @@ macro_rules! robot_functions {
                 ) -> OperationalInertia<Self::PerConstraintRow<Self::PerConstraintRow<T>>, T>,
                     if OperationalInertia, else "`{Self}` has no function `operational_inertia`";
             }
+
+            // Functions of contacts, for robots without closed loops.
+            contacts_on_request {
+                /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and the gradients and
+                /// the Hessian of their sum with the weights `cotangent` and `wrench_cotangent` (of the components in
+                /// world axes) with respect to `q` (in tangent space), `qd` and `tau`. The rows of the active contacts
+                /// must be independent: redundant contacts have compliance.
+                constrained_forward_dynamics_hessian / constrained_forward_dynamics_hessian_with(
+                    q: &Self::Q<T>,
+                    qd: &Self::V<T>,
+                    tau: &Self::V<T>,
+                    cotangent: &Self::V<T>,
+                    wrench_cotangent: &Self::PerConstraint<Wrench<T>>,
+                    contacts: Self::Contacts,
+                    settings: &Settings<Self, T>
+                ) -> ConstrainedHessian<Self, T>,
+                    if ConstrainedForwardDynamicsHessian, else "`{Self}` has no function `constrained_forward_dynamics_hessian`";
+            }
         }
     };
 }

@@ -49,8 +49,28 @@ pub struct StepHessianOutputs<'a, S> {
     pub dtau_dtau: &'a mut [S],
 }
 
-/// The derivatives of a function with respect to q, qd and the third variable, nv x nv matrices by columns.
-type Matrices<S> = [Vec<Tangent<S>>; 3];
+/// The gradients of a weighted sum with respect to q, qd and the third variable.
+pub(super) type Gradients<S> = [Vec<Tangent<S>>; 3];
+
+/// Adds to the gradients those of the sum of a function's results with these weights; `matrices` are the derivatives of the
+/// function with respect to each variable, by columns.
+pub(super) fn add_weighted<S: Scalar>(
+    matrices: &[Vec<Tangent<S>>; 3],
+    weights: &[S],
+    gradients: &mut Gradients<S>,
+) {
+    for (matrix, gradient) in matrices.iter().zip(gradients) {
+        for (column, entry) in matrix.chunks(weights.len().max(1)).zip(gradient) {
+            let products = column.iter().zip(weights);
+            *entry = products.fold(*entry, |sum, (&x, &w)| sum + x * Tangent::constant(w));
+        }
+    }
+}
+
+/// Returns memory for nv x nv matrices.
+pub(super) fn matrices<S: Scalar>(n: usize) -> [Vec<Tangent<S>>; 3] {
+    core::array::from_fn(|_| vec![Tangent::zero(); n * n])
+}
 
 impl<S: Scalar> Interpreter<S> {
     /// Computes the joint forces tau of the accelerations `qdd`, and the gradients and the Hessian of `cotangent`^T tau
@@ -71,14 +91,16 @@ impl<S: Scalar> Interpreter<S> {
         let HessianOutputs { value, gradients, hessian } = outputs;
         self.check_hessian(&hessian)?;
         self.inverse_dynamics_vjp((q, qd, qdd), cotangent, value, gradients)?;
+        let mut found = matrices(self.model.nv());
         let derive =
-            |model: &Mechanism<_>, (q, qd, qdd): (&[_], &[_], &[_]), by: &mut Matrices<S>| {
-                let [dq, dqd, dqdd] = by;
+            |model: &Mechanism<_>, (q, qd, qdd): (&[_], &[_], &[_]), by: &mut Gradients<S>| {
+                let [dq, dqd, dqdd] = &mut found;
                 let workspace = &mut Workspace::new(model);
                 derivatives::inverse_dynamics_derivatives(model, (q, qd, qdd), workspace, dq, dqd);
                 mass_matrix(model, q, workspace, dqdd);
+                add_weighted(&found, cotangent, by);
             };
-        self.differentiate((q, qd, qdd), cotangent, derive, hessian);
+        self.differentiate((q, qd, qdd), derive, hessian);
         Ok(())
     }
 
@@ -101,14 +123,16 @@ impl<S: Scalar> Interpreter<S> {
         self.check_hessian(&hessian)?;
         self.forward_dynamics_vjp((q, qd, tau), cotangent, value, gradients)?;
         let layout = UduLayout::new(&self.mechanism, &ModuleTree::links(&self.model));
-        let derive = |model: &Mechanism<_>, state: (&[_], &[_], &[_]), by: &mut Matrices<S>| {
-            let [dqdd_dq, dqdd_dqd, dqdd_dtau] = by;
+        let mut found = matrices(self.model.nv());
+        let derive = |model: &Mechanism<_>, state: (&[_], &[_], &[_]), by: &mut Gradients<S>| {
+            let [dqdd_dq, dqdd_dqd, dqdd_dtau] = &mut found;
             let qdd = &mut vec![Tangent::zero(); model.nv];
             let outputs = ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau };
             let workspace = &mut Workspace::new(model);
             derivatives::forward_dynamics_derivatives(model, &layout, state, workspace, outputs);
+            add_weighted(&found, cotangent, by);
         };
-        self.differentiate((q, qd, tau), cotangent, derive, hessian);
+        self.differentiate((q, qd, tau), derive, hessian);
         Ok(())
     }
 
@@ -192,48 +216,44 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Differentiates the weighted derivatives of a function along each displacement of q and qd.
-    fn differentiate(
+    /// Differentiates gradients along each displacement of q and qd. `derive` adds the gradients to zeros.
+    pub(super) fn differentiate(
         &self,
         (q, qd, last): (&[S], &[S], &[S]),
-        weights: &[S],
-        derive: impl Fn(
+        mut derive: impl FnMut(
             &Mechanism<Tangent<S>>,
             (&[Tangent<S>], &[Tangent<S>], &[Tangent<S>]),
-            &mut Matrices<S>,
+            &mut Gradients<S>,
         ),
         [dq_dq, dq_dqd, dqd_dqd, dq_dlast]: [&mut [S]; 4],
     ) {
         let n = self.model.nv();
         let model = self.mechanism.map(Tangent::constant);
-        let mut by: Matrices<S> = core::array::from_fn(|_| vec![Tangent::zero(); n * n]);
+        let mut by: Gradients<S> = core::array::from_fn(|_| vec![Tangent::zero(); n]);
         let constant =
             |x: &[S]| -> Vec<Tangent<S>> { x.iter().map(|&x| Tangent::constant(x)).collect() };
         let (still_q, still_qd, last) = (constant(q), constant(qd), constant(last));
         let mut rates = vec![S::zero(); q.len()];
         let mut unit = vec![S::zero(); n];
-        // The derivative of entry i of a weighted gradient.
-        let change = |columns: &[Tangent<S>], i: usize| {
-            let column = columns[i * n..][..n].iter().zip(weights);
-            column.fold(S::zero(), |sum, (entry, &weight)| sum + entry.dx * weight)
-        };
         for j in 0..n {
             unit.fill(S::zero());
             unit[j] = S::one();
             velocity_to_qdot(&self.mechanism, (q, &unit), &mut rates);
             let moved: Vec<_> = q.iter().zip(&rates).map(|(&x, &dx)| Tangent { x, dx }).collect();
+            by.iter_mut().for_each(|gradient| gradient.fill(Tangent::zero()));
             derive(&model, (&moved, &still_qd, &last), &mut by);
             let [by_q, by_qd, by_last] = &by;
             for i in 0..n {
-                dq_dq[j * n + i] = change(by_q, i);
-                dq_dqd[i * n + j] = change(by_qd, i);
-                dq_dlast[i * n + j] = change(by_last, i);
+                dq_dq[j * n + i] = by_q[i].dx;
+                dq_dqd[i * n + j] = by_qd[i].dx;
+                dq_dlast[i * n + j] = by_last[i].dx;
             }
             let faster: Vec<_> = qd.iter().zip(&unit).map(|(&x, &dx)| Tangent { x, dx }).collect();
+            by.iter_mut().for_each(|gradient| gradient.fill(Tangent::zero()));
             derive(&model, (&still_q, &faster, &last), &mut by);
             let [_, by_qd, _] = &by;
             for i in 0..n {
-                dqd_dqd[j * n + i] = change(by_qd, i);
+                dqd_dqd[j * n + i] = by_qd[i].dx;
             }
         }
         // Displacements of one rotation or pose do not commute: the second derivative along a displacement is the
@@ -247,7 +267,7 @@ impl<S: Scalar> Interpreter<S> {
         }
     }
 
-    fn check_hessian(&self, [a, b, c, d]: &[&mut [S]; 4]) -> Result<(), ShapeError> {
+    pub(super) fn check_hessian(&self, [a, b, c, d]: &[&mut [S]; 4]) -> Result<(), ShapeError> {
         let n = self.model.nv();
         let blocks = [a, b, c, d];
         blocks.iter().try_for_each(|block| check("hessian", block, n * n))

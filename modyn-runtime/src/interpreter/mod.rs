@@ -1,5 +1,6 @@
 //! The interpreter: the equations run on numbers, for any model at run time.
 
+mod constraint_hessians;
 mod constraints;
 mod coordinates;
 mod derivatives;
@@ -26,6 +27,7 @@ use crate::model::{Model, ModuleTree};
 use crate::spatial::{Pose, Vector3};
 use inertias::Inertias;
 
+pub use constraint_hessians::ConstrainedHessianOutputs;
 pub use constraints::ConstrainedDerivatives;
 pub use derivatives::ForwardDerivatives;
 pub use errors::{DecompositionError, FrameError, ModuleMismatch, ShapeError, UpdateError};
@@ -112,6 +114,18 @@ impl<S: Scalar> Interpreter<S> {
 
     fn from_parts(model: Model, modules: ModuleTree) -> Self {
         let mechanism = Mechanism::new(&model).cast();
+        Self::from_mechanism(model, modules, mechanism)
+    }
+
+    /// Returns the interpreter of `model`, whose mechanism may have other inertias and another gravity.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn with_mechanism(model: Model, mechanism: Mechanism<S>) -> Self {
+        let modules = ModuleTree::chains(&model);
+        Self::from_mechanism(model, modules, mechanism)
+    }
+
+    fn from_mechanism(model: Model, modules: ModuleTree, mechanism: Mechanism<S>) -> Self {
         let elimination = Elimination::new(&mechanism, &ModuleTree::links(&model));
         let mut workspace = Workspace::new(&mechanism);
         elimination.reserve(&mechanism, &mut workspace);

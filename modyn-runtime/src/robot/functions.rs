@@ -24,6 +24,7 @@ macro_rules! declare_function {
         $name:ident / $with:ident($($argument:ident: $of:ty),*) -> $result:ty, if $function:ident
     ) => {
         $(#[$documentation])*
+        #[allow(clippy::too_many_arguments)]
         fn $with<T: Scalar>(params: &Self::Params<T>, $($argument: $of),*) -> $result
         where
             Self: crate::functions::$function,
@@ -32,6 +33,7 @@ macro_rules! declare_function {
         }
 
         #[doc = concat!("Calls [`", stringify!($with), "`](Self::", stringify!($with), ") with the default parameters.")]
+        #[allow(clippy::too_many_arguments)]
         fn $name<T: Scalar>($($argument: $of),*) -> $result
         where
             Self: crate::functions::$function,

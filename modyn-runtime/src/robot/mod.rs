@@ -10,11 +10,12 @@ use crate::constants::{JointLimits, KinematicModule};
 use crate::constraint_settings::{ConstraintSettings, ContactSet, ContactTarget};
 use crate::functions::robot_functions;
 use crate::results::{
-    ConstrainedForwardDynamics, ConstrainedForwardDynamicsDerivatives, ConstrainedInverseDynamics,
-    ConstraintProjection, ConstraintResidual, ContactImpulse, DifferenceDerivatives,
-    ForwardDynamicsDerivatives, ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp,
-    GeneralizedForces, IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian,
-    InverseDynamicsJvp, InverseDynamicsVjp, OperationalInertia, Step, StepDerivatives, StepHessian,
+    ConstrainedForwardDynamics, ConstrainedForwardDynamicsDerivatives,
+    ConstrainedForwardDynamicsHessian, ConstrainedInverseDynamics, ConstraintProjection,
+    ConstraintResidual, ContactImpulse, DifferenceDerivatives, ForwardDynamicsDerivatives,
+    ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp, GeneralizedForces,
+    IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian, InverseDynamicsJvp,
+    InverseDynamicsVjp, OperationalInertia, Step, StepDerivatives, StepHessian,
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 use functions::{declare_function, declare_functions, missing};
@@ -38,6 +39,14 @@ pub(crate) type ConstrainedDerivatives<R, T> = ConstrainedForwardDynamicsDerivat
     <R as Robot>::PerConstraint<Wrench<T>>,
     <R as Robot>::M<T>,
     <R as Robot>::PerConstraint<<R as Robot>::PerVelocity<Wrench<T>>>,
+    T,
+>;
+
+/// The second derivatives of constrained forward dynamics for robot `R`.
+pub(crate) type ConstrainedHessian<R, T> = ConstrainedForwardDynamicsHessian<
+    <R as Robot>::V<T>,
+    <R as Robot>::PerConstraint<Wrench<T>>,
+    <R as Robot>::M<T>,
     T,
 >;
 

@@ -218,6 +218,7 @@ impl Robot<'_> {
     fn argument(&self, Parameter { name, shape, kind, .. }: &Parameter) -> String {
         let coordinates = match (kind, shape) {
             (Some(ArgumentKind::Coordinates), _) => "&Self::COORDINATE_NAMES".into(),
+            (Some(ArgumentKind::Numbers(_)), _) => "&[]".into(),
             // They belong to pivot blocks and couplings, which have no names.
             (Some(ArgumentKind::Factors), _) => format!("&[\"\"; {}]", shape.len()),
             (Some(ArgumentKind::Contacts), _) if !shape.is_empty() => "&Self::CONTACT_NAMES".into(),

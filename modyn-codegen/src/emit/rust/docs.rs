@@ -237,6 +237,11 @@ fn options(lines: &mut String, robot: &Robot<'_>) {
         let batch = if bundle.batch { ", also for many states" } else { "" };
         let _ = writeln!(lines, "- bundle `{}`{batch}: {}", bundle.name, members.join(", "));
     }
+    for function in &choices.user_functions {
+        let batch = if function.batch { ", also for many states" } else { "" };
+        let arguments = function.arguments.join(", ");
+        let _ = writeln!(lines, "- function `{}({arguments})` of the user{batch}", function.name);
+    }
     for (option, links) in
         [("runtime_inertia", &choices.runtime_inertia), ("payload", &choices.payload)]
     {

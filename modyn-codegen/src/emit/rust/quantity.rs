@@ -6,10 +6,10 @@ use crate::plan::{self, Argument, CForm, Function, Kernels, Planned};
 
 /// A planned function with its Rust types.
 pub(super) struct Quantity<'a> {
-    /// The function; `None` for a bundle.
+    /// The function; `None` for a bundle and a user's function.
     pub function: Option<Function>,
     pub name: &'static str,
-    /// The name of the function or bundle of one state, if this is its form for many states.
+    /// The name of the function of one state, if this is its form for many states.
     pub batch_of: Option<&'static str>,
     pub parameters: Vec<Parameter>,
     /// The layout of the result.

@@ -57,7 +57,7 @@ impl Robot<'_> {
             let Shape::Struct { path: kind, fields, .. } = &quantity.shape else { continue };
             let field = |((name, shape), docs): (&(&str, Shape), &&str)| {
                 let kind = path(shape.type_of("T"));
-                format!("    /// The result of {docs}.\n    pub {name}: {kind},\n")
+                format!("    /// {docs}\n    pub {name}: {kind},\n")
             };
             let fields: String = fields.iter().zip(quantity.fields).map(field).collect();
             let _ = writeln!(

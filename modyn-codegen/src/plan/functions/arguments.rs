@@ -23,8 +23,14 @@ pub enum ArgumentKind {
     State,
     /// A time, s.
     Time,
+    /// A number.
+    Number,
+    /// This many numbers.
+    Numbers(usize),
     /// A wrench on each link.
     Wrenches,
+    /// A wrench for each constraint.
+    ConstraintWrenches,
     /// The set of active contacts.
     Contacts,
     /// The settings of constraints.
@@ -57,11 +63,13 @@ impl ArgumentKind {
             | Self::Velocities
             | Self::State
             | Self::Time
+            | Self::Number
+            | Self::Numbers(_)
             | Self::RandomNumbers
             | Self::Factors => BatchForm::Numbers,
             Self::Contacts => BatchForm::Sets,
             Self::Settings => BatchForm::Shared,
-            Self::Wrenches => BatchForm::None,
+            Self::Wrenches | Self::ConstraintWrenches => BatchForm::None,
         }
     }
 }
@@ -78,8 +86,10 @@ impl Argument {
             ArgumentKind::Coordinates => shapes::coordinates(sizes),
             ArgumentKind::Velocities | ArgumentKind::RandomNumbers => shapes::velocities(sizes),
             ArgumentKind::State => shapes::state(sizes),
-            ArgumentKind::Time => Shape::Scalar,
+            ArgumentKind::Time | ArgumentKind::Number => Shape::Scalar,
+            ArgumentKind::Numbers(count) => Shape::vector(count),
             ArgumentKind::Wrenches => shapes::wrenches(sizes),
+            ArgumentKind::ConstraintWrenches => shapes::constraint_wrenches(sizes),
             ArgumentKind::Contacts => shapes::contacts(sizes),
             ArgumentKind::Settings => shapes::settings(sizes),
             ArgumentKind::Factors => Shape::vector(sizes.factors),
@@ -96,6 +106,8 @@ pub(super) const DQD: Argument = Argument::new("dqd", ArgumentKind::Velocities);
 pub(super) const DQDD: Argument = Argument::new("dqdd", ArgumentKind::Velocities);
 pub(super) const DTAU: Argument = Argument::new("dtau", ArgumentKind::Velocities);
 pub(super) const COTANGENT: Argument = Argument::new("cotangent", ArgumentKind::Velocities);
+pub(super) const WRENCH_COTANGENT: Argument =
+    Argument::new("wrench_cotangent", ArgumentKind::ConstraintWrenches);
 pub(super) const DT: Argument = Argument::new("dt", ArgumentKind::Time);
 pub(super) const COSTATE: Argument = Argument::new("costate", ArgumentKind::State);
 pub(super) const V: Argument = Argument::new("v", ArgumentKind::Velocities);
@@ -108,8 +120,25 @@ pub(super) const UNIFORMS: Argument = Argument::new("uniforms", ArgumentKind::Ra
 
 /// The arguments of functions of the table, in the order that they have in every function.
 pub(crate) const ARGUMENTS: &[Argument] = &[
-    Q, QD, QDD, TAU, DQ, DQD, DQDD, DTAU, COTANGENT, DT, COSTATE, V, FROM, TO, FORCES, CONTACTS,
-    SETTINGS, UNIFORMS,
+    Q,
+    QD,
+    QDD,
+    TAU,
+    DQ,
+    DQD,
+    DQDD,
+    DTAU,
+    COTANGENT,
+    WRENCH_COTANGENT,
+    DT,
+    COSTATE,
+    V,
+    FROM,
+    TO,
+    FORCES,
+    CONTACTS,
+    SETTINGS,
+    UNIFORMS,
 ];
 
 /// The factors of the mass matrix, an argument of the functions of the factors.

@@ -43,6 +43,7 @@
 //! rows contradict each other, the accelerations minimize the sum of the squared residuals,
 //! linear^2 + (l angular)^2. Neither sum depends on the orientation of the mechanism.
 
+mod adjoint;
 mod contact;
 mod derivative_terms;
 mod derivatives;
@@ -61,7 +62,7 @@ mod residual;
 mod rows;
 
 pub use {
-    derivatives::*, forward_dynamics::*, impulse::*, inverse_dynamics::*, jacobian::*,
+    adjoint::*, derivatives::*, forward_dynamics::*, impulse::*, inverse_dynamics::*, jacobian::*,
     operational_inertia::*, projection::*, residual::*,
 };
 

@@ -1,0 +1,92 @@
+//! Names that users give to functions of generated code: those of bundles, and of functions of their own.
+
+use crate::diagnostics::{Code, Diagnostic};
+use crate::names;
+use crate::plan::Function;
+
+/// Names of functions and other items that generated code has besides those of functions.
+const RESERVED: &[&str] = &[
+    "check_configuration",
+    "contacts",
+    "default_parameters",
+    "joint",
+    "link",
+    "neutral",
+    "params",
+    "placements",
+    "udu_factorization",
+];
+
+/// The first words after the name of a function that make a name of the function's own functions.
+const FORMS: &[&str] =
+    &["batch", "each", "lanes", "of", "on", "placed", "scalar", "vectorized", "with"];
+
+/// The names of a bundle or of a user's function.
+pub(crate) struct OwnNames {
+    /// The bundle or function in words.
+    pub owner: String,
+    /// The names, its own first.
+    pub names: Vec<String>,
+}
+
+impl OwnNames {
+    fn error(&self, message: &str, help: &str) -> Diagnostic {
+        let message = format!("{}: {message}", self.owner);
+        Diagnostic::error(Code::Option, message).with_help(help)
+    }
+}
+
+/// Returns the error of a name and its remedy, if generated code cannot have the name. `what` has the name.
+pub(super) fn name_defect(name: &str, what: &str) -> Option<(String, String)> {
+    let snake = names::snake(name);
+    if names::KEYWORDS.contains(&name) {
+        return Some(("its name is a keyword".into(), format!("`{snake}` is not one")));
+    }
+    if snake != *name {
+        return Some(("its name is not in snake case".into(), format!("`{snake}` is")));
+    }
+    let help = || format!("give the {what} another name");
+    if RESERVED.contains(&name) {
+        return Some((format!("generated code has another `{name}`"), help()));
+    }
+    let begins = |function: &&Function| {
+        let rest = name.strip_prefix(function.name());
+        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('_'))
+    };
+    let function = Function::ALL.iter().find(begins)?;
+    Some((format!("its name begins with that of the function `{}`", function.name()), help()))
+}
+
+/// Returns the errors of names that belong to several of these.
+pub(crate) fn shared_names(all: &[OwnNames]) -> Vec<Diagnostic> {
+    let mut errors = Vec::new();
+    for (i, own) in all.iter().enumerate() {
+        for (k, other) in all.iter().enumerate().filter(|(k, _)| *k != i) {
+            let taken = own.names.iter().find(|name| {
+                other.names.iter().any(|taken| {
+                    let same_type = || names::type_name(name) == names::type_name(taken);
+                    k < i && same_type() || is_form(name, taken)
+                })
+            });
+            if let Some(name) = taken {
+                let name = match own.names.first() == Some(name) {
+                    true => "its name".into(),
+                    false => format!("`{name}`"),
+                };
+                let message = format!("{name} belongs to {}", other.owner);
+                errors.push(own.error(&message, "give one of them another name"));
+            }
+        }
+    }
+    errors
+}
+
+/// Returns whether `name` is that of a form of the function `other`.
+fn is_form(name: &str, other: &str) -> bool {
+    let Some(rest) = name.strip_prefix(other).and_then(|rest| rest.strip_prefix('_')) else {
+        return false;
+    };
+    let first = rest.split('_').next().unwrap_or_default();
+    let numbered = first.trim_end_matches(|c: char| c.is_ascii_digit());
+    FORMS.contains(&first) || ["", "chunk", "routine"].contains(&numbered)
+}

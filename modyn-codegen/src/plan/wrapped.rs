@@ -1,0 +1,18 @@
+//! Texts in lines, for documentation.
+
+/// Returns a text in lines of at most 110 characters.
+pub(super) fn wrapped(text: &str) -> String {
+    let (mut result, mut length) = (String::new(), 0);
+    for word in text.split(' ') {
+        if length > 0 && length + 1 + word.len() > 110 {
+            result.push('\n');
+            length = 0;
+        } else if length > 0 {
+            result.push(' ');
+            length += 1;
+        }
+        result += word;
+        length += word.len();
+    }
+    result
+}

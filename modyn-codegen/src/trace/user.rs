@@ -1,0 +1,54 @@
+//! The graphs of users' functions.
+
+use modyn_runtime::model::Model;
+use modyn_runtime::{Interpreter, UserError};
+
+use super::Tracer;
+use super::tangent::{TangentGraphs, TangentInput};
+use crate::graph::{Expr, ForeignExpr};
+use crate::passes::optimize;
+
+/// The reason why a user's function cannot be traced.
+#[derive(Debug)]
+pub enum UserTraceError {
+    /// It returned an error.
+    Own(UserError),
+    /// It used an expression of another trace.
+    Foreign(ForeignExpr),
+}
+
+impl Tracer<'_> {
+    /// Traces a user's function of `model`. `evaluate` has the robot and the numbers of each argument.
+    ///
+    /// # Errors
+    ///
+    /// Errors of the function, and if it used an expression of another trace.
+    pub fn user_function(
+        &self,
+        model: &Model,
+        inputs: Vec<TangentInput>,
+        evaluate: impl FnOnce(&mut Interpreter<Expr>, &[&[Expr]]) -> Result<Vec<Expr>, UserError>,
+    ) -> Result<TangentGraphs<'_>, UserTraceError> {
+        let arguments = inputs.iter().map(|input| input.len).sum();
+        let mut error = None;
+        let graph = self.try_trace_groups([arguments], |mechanism, [numbers]| {
+            let mut rest = &numbers[..];
+            let mut next = |input: &TangentInput| {
+                let (own, others) = rest.split_at(input.len);
+                rest = others;
+                own
+            };
+            let groups: Vec<&[Expr]> = inputs.iter().map(&mut next).collect();
+            let mut robot = Interpreter::with_mechanism(model.clone(), mechanism.clone());
+            evaluate(&mut robot, &groups).unwrap_or_else(|own| {
+                error = Some(own);
+                Vec::new()
+            })
+        });
+        match (error, graph) {
+            (Some(own), _) => Err(UserTraceError::Own(own)),
+            (None, Err(foreign)) => Err(UserTraceError::Foreign(foreign)),
+            (None, Ok(graph)) => Ok(TangentGraphs::new(self, inputs, optimize(graph))),
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! The adjoint of the equations of forward dynamics with contacts.
+
+use super::rows::constraint_rows;
+use super::{ConstraintWorkspace, Settings};
+use crate::Scalar;
+use crate::constraint_settings::ContactTarget;
+use crate::equations::Workspace;
+use crate::equations::brge::{self, UduLayout};
+use crate::mechanism::Mechanism;
+use crate::spatial::{Twist, Wrench};
+
+/// Computes the accelerations a and the wrenches b that solve the adjoint of the equations of
+/// [`constrained_forward_dynamics`](super::constrained_forward_dynamics),
+///
+/// ```text
+/// I a + J^T b = x,  -J a + E b = y
+/// ```
+///
+/// where E is the compliance of the contacts, x is a weight for each joint acceleration, and y one for each component of
+/// each contact's wrench, in world axes. With K, L and A of the [derivatives](super::ConstrainedDerivatives),
+/// a = K x - L y and b = L^T x + A^+ y. The derivative of x^T qdd + y^T lambda is that of -a^T (I qdd + h - tau - J^T lambda)
+/// - b^T (J qdd - gamma) at constant a, b, qdd and lambda.
+///
+/// The wrenches b are zero for inactive contacts. The model must not have loop constraints.
+pub fn constraint_adjoint<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
+    model: &Mechanism<S>,
+    layout: &UduLayout,
+    q: &[S],
+    (active, settings): Settings<'_, S, C>,
+    (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
+    (x, y): (&[S], &[Wrench<S>]),
+    (a, b): (&mut [S], &mut [Wrench<S>]),
+) {
+    brge::factorize(model, layout, q, workspace, &mut memory.factors);
+    memory.set_force(layout, x);
+    memory.fall.fill(S::zero());
+    let rest = core::mem::take(&mut memory.rest);
+    let contacts = settings.contacts.as_ref();
+    let zeros = |_, _: &dyn Fn(Twist<S>) -> S, _: &_| [S::zero(), S::zero()];
+    constraint_rows(model, (q, &rest), contacts, workspace, memory, zeros);
+    memory.rest = rest;
+    memory.factorize(model, layout, (active, settings), |memory| {
+        let mut sides = memory.right_hand_sides[0].iter_mut();
+        for ((constraint, frame), weights) in model.constraints.iter().zip(&memory.frames).zip(y) {
+            let (angular, linear) = (frame.to_root(weights.moment), frame.to_root(weights.force));
+            let weights = Twist { angular, linear };
+            for (row, side) in constraint.rows.iter().zip(&mut sides) {
+                *side = -row.scaled_component(weights, constraint.length);
+            }
+        }
+        memory.subtract_accelerations(model, layout);
+    });
+    memory.solve(model, 0);
+    memory.respond(layout, 0, a);
+    memory.wrenches(model, 0, b);
+    for wrench in b {
+        *wrench = Wrench { moment: -wrench.moment, force: -wrench.force };
+    }
+}

@@ -1,0 +1,124 @@
+//! The contracted Hessian of forward dynamics with contacts: its first derivatives on numbers with a derivative.
+
+use alloc::{vec, vec::Vec};
+
+use super::Interpreter;
+use super::errors::{ShapeError, check};
+use super::hessians::{Gradients, add_weighted, matrices};
+use crate::Scalar;
+use crate::constraint_settings::{ConstraintSettings, ContactTarget};
+use crate::equations::brge::UduLayout;
+use crate::equations::constraints::{self, ConstrainedDerivatives};
+use crate::equations::{ConstraintWorkspace, Workspace};
+use crate::mechanism::Mechanism;
+use crate::model::ModuleTree;
+use crate::scalar::Tangent;
+use crate::spatial::{Twist, Wrench};
+
+/// The results of [`Interpreter::constrained_forward_dynamics_hessian`].
+#[derive(Debug)]
+pub struct ConstrainedHessianOutputs<'a, S> {
+    /// The joint accelerations: nv entries.
+    pub qdd: &'a mut [S],
+    /// The wrench of each contact, in world axes.
+    pub wrenches: &'a mut [Wrench<S>],
+    /// The gradients with respect to q (in the tangent space), qd and tau: nv entries each.
+    pub gradients: [&'a mut [S]; 3],
+    /// The second derivatives with respect to q and q, q and qd, qd and qd, q and tau: nv x nv matrices by columns. The
+    /// second of the two variables has the columns.
+    pub hessian: [&'a mut [S]; 4],
+}
+
+impl<S: Scalar> Interpreter<S> {
+    /// Computes the accelerations qdd and the wrenches of
+    /// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics), and the gradients and the Hessian of their sum
+    /// with weights, with respect to q (in the tangent space), qd and tau. Returns the number of independent constraint rows,
+    /// an integer. The weights are `cotangent` for the accelerations, and `wrench_cotangent` for the components of the
+    /// wrenches in world axes. The blocks of qd and tau, and of tau and tau, are zero.
+    ///
+    /// The rows of the active contacts must be independent: redundant contacts have compliance. (Where rows contradict each
+    /// other, the residual changes with the state, and the Hessian lacks that part.) Takes more than 2 nv times as long as the
+    /// first derivatives, and allocates memory at each call.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length, or the model has loop constraints (`loop_constraints`).
+    pub fn constrained_forward_dynamics_hessian(
+        &mut self,
+        (q, qd, tau): (&[S], &[S], &[S]),
+        (cotangent, wrench_cotangent): (&[S], &[Wrench<S>]),
+        active: &[bool],
+        settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
+        outputs: ConstrainedHessianOutputs<'_, S>,
+    ) -> Result<S, ShapeError> {
+        let ConstrainedHessianOutputs { qdd, wrenches, gradients, hessian } = outputs;
+        let (n, count) = (self.model.nv(), self.model.constraints());
+        check("loop_constraints", self.model.loop_constraints(), 0)?;
+        check("cotangent", cotangent, n)?;
+        check("wrench_cotangent", wrench_cotangent, count)?;
+        for gradient in &gradients {
+            check("gradients", gradient, n)?;
+        }
+        self.check_hessian(&hessian)?;
+        let residuals = &mut vec![Twist::zero(); count];
+        let value = (&mut *qdd, &mut *wrenches, &mut **residuals);
+        let rank = self.constrained_forward_dynamics((q, qd, tau), active, settings, value)?;
+
+        let mechanism = self.mechanism.map(Tangent::constant);
+        let layout = UduLayout::new(&mechanism, &ModuleTree::links(&self.model));
+        let mut memory = ConstraintWorkspace::new(&mechanism, &layout);
+        let workspace = &mut Workspace::new(&mechanism);
+        let targets = settings.contacts.as_ref().iter();
+        let targets = targets
+            .map(|target| ContactTarget::from_numbers(target.numbers().map(Tangent::constant)));
+        let contacts: Vec<ContactTarget<Tangent<S>>> = targets.collect();
+        let settings =
+            ConstraintSettings::from_numbers(settings.numbers().map(Tangent::constant), contacts);
+        let active: Vec<Tangent<S>> =
+            self.active.iter().map(|&active| Tangent::constant(active)).collect();
+        let mut found = matrices(n);
+        let mut changes: [Vec<Wrench<Tangent<S>>>; 3] =
+            core::array::from_fn(|_| vec![Wrench::zero(); n * count]);
+        let (mut qdd, mut wrenches) = (vec![Tangent::zero(); n], vec![Wrench::zero(); count]);
+        let mut derive = |model: &Mechanism<_>,
+                          state: (&[_], &[_], &[_]),
+                          by: &mut Gradients<S>| {
+            let ([dqdd_dq, dqdd_dqd, dqdd_dtau], [dwrenches_dq, dwrenches_dqd, dwrenches_dtau]) =
+                (&mut found, &mut changes);
+            let outputs = ConstrainedDerivatives {
+                qdd: &mut qdd,
+                wrenches: &mut wrenches,
+                dqdd_dq,
+                dqdd_dqd,
+                dqdd_dtau,
+                dwrenches_dq,
+                dwrenches_dqd,
+                dwrenches_dtau,
+            };
+            let rooms = (&mut *workspace, &mut memory);
+            let given = (&*active, &settings);
+            constraints::constrained_forward_dynamics_derivatives(
+                model, &layout, state, given, rooms, outputs,
+            );
+            add_weighted(&found, cotangent, by);
+            for (changes, gradient) in changes.iter().zip(by) {
+                for (own, weights) in changes.chunks(n.max(1)).zip(wrench_cotangent) {
+                    for (change, entry) in own.iter().zip(&mut *gradient) {
+                        let products = change.components().into_iter().zip(weights.components());
+                        *entry =
+                            products.fold(*entry, |sum, (x, w)| sum + x * Tangent::constant(w));
+                    }
+                }
+            }
+        };
+        let constant =
+            |x: &[S]| -> Vec<Tangent<S>> { x.iter().map(|&x| Tangent::constant(x)).collect() };
+        let mut by: Gradients<S> = core::array::from_fn(|_| vec![Tangent::zero(); n]);
+        derive(&mechanism, (&constant(q), &constant(qd), &constant(tau)), &mut by);
+        for (gradient, found) in gradients.into_iter().zip(&by) {
+            gradient.iter_mut().zip(found).for_each(|(entry, found)| *entry = found.x);
+        }
+        self.differentiate((q, qd, tau), derive, hessian);
+        Ok(rank)
+    }
+}
