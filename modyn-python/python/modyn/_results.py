@@ -73,25 +73,25 @@ class ConstrainedForwardDynamicsDerivatives(NamedTuple):
 class ConstrainedForwardDynamicsHessian(NamedTuple):
     """The result of `constrained_forward_dynamics_hessian`."""
 
-    qdd: NDArray[np.float64]
+    qdd: NDArray[Any]
     """(nv,)"""
-    wrenches: NDArray[np.float64]
+    wrenches: NDArray[Any]
     """(constraints, 6)"""
-    dq: NDArray[np.float64]
+    dq: NDArray[Any]
     """(nv,)"""
-    dqd: NDArray[np.float64]
+    dqd: NDArray[Any]
     """(nv,)"""
-    dtau: NDArray[np.float64]
+    dtau: NDArray[Any]
     """(nv,)"""
-    dq_dq: NDArray[np.float64]
+    dq_dq: NDArray[Any]
     """(nv, nv)"""
-    dq_dqd: NDArray[np.float64]
+    dq_dqd: NDArray[Any]
     """(nv, nv)"""
-    dqd_dqd: NDArray[np.float64]
+    dqd_dqd: NDArray[Any]
     """(nv, nv)"""
-    dq_dtau: NDArray[np.float64]
+    dq_dtau: NDArray[Any]
     """(nv, nv)"""
-    rank: NDArray[np.float64]
+    rank: NDArray[Any]
     """a number"""
 
 
