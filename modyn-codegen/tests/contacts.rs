@@ -806,18 +806,8 @@ fn derivatives(model: &Model, state: &State, active: &[bool], settings: &Setting
     let (mut qdd, mut wrenches) = (vec![0.0; nv], vec![Wrench::zero(); count]);
     let mut matrices = [0; 3].map(|_| vec![0.0; nv * nv]);
     let mut changes = [0; 3].map(|_| vec![Wrench::zero(); nv * count]);
-    let ([dqdd_dq, dqdd_dqd, dqdd_dtau], [dwrenches_dq, dwrenches_dqd, dwrenches_dtau]) =
-        (&mut matrices, &mut changes);
-    let outputs = ConstrainedDerivatives {
-        qdd: &mut qdd,
-        wrenches: &mut wrenches,
-        dqdd_dq,
-        dqdd_dqd,
-        dqdd_dtau,
-        dwrenches_dq,
-        dwrenches_dqd,
-        dwrenches_dtau,
-    };
+    let outputs =
+        ConstrainedDerivatives::new((&mut qdd, &mut wrenches), &mut matrices, &mut changes);
     let motion = (&*state.q, &*state.qd, &*state.tau);
     let rank =
         interpreter.constrained_forward_dynamics_derivatives(motion, active, settings, outputs);

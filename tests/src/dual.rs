@@ -164,3 +164,31 @@ fn axis<S: Scalar>([x, y, z, w]: [S; 4], k: usize) -> [S; 3] {
         _ => [two * (x * z + w * y), two * (y * z - w * x), one - two * (x * x + y * y)],
     }
 }
+
+/// Returns the blocks (q, q), (q, qd), (qd, qd) and (q, x) of the Hessian by (q, qd, x), by columns; x are accelerations or
+/// joint forces, and all have `n` entries. `entry` returns the second derivative along two of all entries.
+///
+/// # Panics
+///
+/// If the blocks (qd, x) and (x, x) are not zero within `tolerance`.
+pub fn hessian_blocks(
+    n: usize,
+    mut entry: impl FnMut(usize, usize) -> f64,
+    tolerance: f64,
+) -> Vec<f64> {
+    let mut block = |rows: usize, columns: usize| -> Vec<f64> {
+        let entries = (0..n * n).map(|k| (rows * n + k % n, columns * n + k / n));
+        // Displacements of one rotation do not commute.
+        let symmetric = |(a, b)| match (rows, columns) {
+            (0, 0) => 0.5 * (entry(a, b) + entry(b, a)),
+            _ => entry(a, b),
+        };
+        entries.map(symmetric).collect()
+    };
+    let blocks = [block(0, 0), block(0, 1), block(1, 1), block(0, 2)];
+    let size = blocks.concat().iter().fold(1.0, |size: f64, x| size.max(x.abs()));
+    for rest in [block(1, 2), block(2, 2)] {
+        assert!(rest.iter().all(|x| x.abs() <= tolerance * size), "{rest:?}");
+    }
+    blocks.concat()
+}

@@ -13,7 +13,7 @@ use modyn_runtime::{
     Wrench,
 };
 use modyn_tests::close::assert_close;
-use modyn_tests::dual::{Tangent, along, along_velocity, constant};
+use modyn_tests::dual::{Tangent, along, along_velocity, constant, hessian_blocks};
 use modyn_tests::floating::floated;
 use modyn_tests::golden;
 use modyn_tests::random::{self, Random, State};
@@ -205,22 +205,8 @@ fn expected(model: &Model, point: &Point) -> Vec<f64> {
         contacts.collect::<Vec<_>>(),
     );
     let mut interpreter = Interpreter::new(model.clone());
-    let mut entry = |a, b| second(&mut interpreter, point, &settings, [a, b]);
-    let mut block = |rows: usize, columns: usize| -> Vec<f64> {
-        let entries = (0..n * n).map(|k| (rows * n + k % n, columns * n + k / n));
-        // Displacements of one rotation do not commute.
-        let symmetric = |(a, b)| match (rows, columns) {
-            (0, 0) => 0.5 * (entry(a, b) + entry(b, a)),
-            _ => entry(a, b),
-        };
-        entries.map(symmetric).collect()
-    };
-    let blocks = [block(0, 0), block(0, 1), block(1, 1), block(0, 2)];
-    let size = blocks.concat().iter().fold(1.0, |size: f64, x| size.max(x.abs()));
-    for rest in [block(1, 2), block(2, 2)] {
-        assert!(rest.iter().all(|x| x.abs() <= 1e-8 * size), "{rest:?}");
-    }
-    blocks.concat()
+    let entry = |a, b| second(&mut interpreter, point, &settings, [a, b]);
+    hessian_blocks(n, entry, 1e-8)
 }
 
 /// Compares the compiler and the interpreter with num-dual's numbers. Returns the rank.

@@ -34,18 +34,8 @@ fn derivatives(
     let (mut qdd, mut wrenches) = (vec![0.0; n], vec![Wrench::zero(); count]);
     let mut matrices = [0; 3].map(|_| vec![0.0; n * n]);
     let mut changes = [0; 3].map(|_| vec![Wrench::zero(); n * count]);
-    let ([dqdd_dq, dqdd_dqd, dqdd_dtau], [dwrenches_dq, dwrenches_dqd, dwrenches_dtau]) =
-        (&mut matrices, &mut changes);
-    let outputs = ConstrainedDerivatives {
-        qdd: &mut qdd,
-        wrenches: &mut wrenches,
-        dqdd_dq,
-        dqdd_dqd,
-        dqdd_dtau,
-        dwrenches_dq,
-        dwrenches_dqd,
-        dwrenches_dtau,
-    };
+    let outputs =
+        ConstrainedDerivatives::new((&mut qdd, &mut wrenches), &mut matrices, &mut changes);
     let mut interpreter = Interpreter::new(model.clone());
     let rank = interpreter.constrained_forward_dynamics_derivatives(
         (q, qd, tau),

@@ -103,18 +103,11 @@ impl Tracer<'_> {
             let mut matrices: [Vec<Expr>; 3] = std::array::from_fn(|_| vec![Expr::zero(); nv * nv]);
             let mut changes: [Vec<Wrench<Expr>>; 3] =
                 std::array::from_fn(|_| vec![Wrench::zero(); nv * count]);
-            let ([dqdd_dq, dqdd_dqd, dqdd_dtau], [dwrenches_dq, dwrenches_dqd, dwrenches_dtau]) =
-                (&mut matrices, &mut changes);
-            let outputs = constraints::ConstrainedDerivatives {
-                qdd: &mut qdd,
-                wrenches: &mut wrenches,
-                dqdd_dq,
-                dqdd_dqd,
-                dqdd_dtau,
-                dwrenches_dq,
-                dwrenches_dqd,
-                dwrenches_dtau,
-            };
+            let outputs = constraints::ConstrainedDerivatives::new(
+                (&mut qdd, &mut wrenches),
+                &mut matrices,
+                &mut changes,
+            );
             let memory = &mut ConstraintWorkspace::new(model, layout);
             let rank = constraints::constrained_forward_dynamics_derivatives(
                 model,

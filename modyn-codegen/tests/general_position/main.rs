@@ -331,18 +331,8 @@ fn derivatives(model: &Model, [q, qd, tau]: &[Vec<f64>; 3]) -> [Vec<f64>; 2] {
     let (mut qdd, mut wrenches) = (vec![0.0; n], vec![Wrench::zero(); loops]);
     let mut matrices = [0; 3].map(|_| vec![0.0; n * n]);
     let mut changes = [0; 3].map(|_| vec![Wrench::zero(); n * loops]);
-    let [dqdd_dq, dqdd_dqd, dqdd_dtau] = &mut matrices;
-    let [dwrenches_dq, dwrenches_dqd, dwrenches_dtau] = &mut changes;
-    let outputs = ConstrainedDerivatives {
-        qdd: &mut qdd,
-        wrenches: &mut wrenches,
-        dqdd_dq,
-        dqdd_dqd,
-        dqdd_dtau,
-        dwrenches_dq,
-        dwrenches_dqd,
-        dwrenches_dtau,
-    };
+    let outputs =
+        ConstrainedDerivatives::new((&mut qdd, &mut wrenches), &mut matrices, &mut changes);
     let mut interpreter = Interpreter::new(model.clone());
     let derive = Interpreter::constrained_forward_dynamics_derivatives;
     let settings = <f64 as Precision>::settings();

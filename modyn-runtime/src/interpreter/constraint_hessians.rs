@@ -83,18 +83,8 @@ impl<S: Scalar> Interpreter<S> {
         let mut derive = |model: &Mechanism<_>,
                           state: (&[_], &[_], &[_]),
                           by: &mut Gradients<S>| {
-            let ([dqdd_dq, dqdd_dqd, dqdd_dtau], [dwrenches_dq, dwrenches_dqd, dwrenches_dtau]) =
-                (&mut found, &mut changes);
-            let outputs = ConstrainedDerivatives {
-                qdd: &mut qdd,
-                wrenches: &mut wrenches,
-                dqdd_dq,
-                dqdd_dqd,
-                dqdd_dtau,
-                dwrenches_dq,
-                dwrenches_dqd,
-                dwrenches_dtau,
-            };
+            let outputs =
+                ConstrainedDerivatives::new((&mut qdd, &mut wrenches), &mut found, &mut changes);
             let rooms = (&mut *workspace, &mut memory);
             let given = (&*active, &settings);
             constraints::constrained_forward_dynamics_derivatives(

@@ -15,6 +15,8 @@
 //! Inverse dynamics has a derivative in closed form. So have the accelerations of contacts and loop constraints (`path`,
 //! `loop_derivatives`), since a displacement along a degree of freedom moves all bodies that it carries rigidly.
 
+use alloc::vec::Vec;
+
 use super::contact::ContactFrame;
 use super::derivative_terms::{
     DerivativeWorkspace, Stabilization, add_force, add_to_rows, clear_rows,
@@ -50,6 +52,28 @@ pub struct ConstrainedDerivatives<'a, S> {
     pub dwrenches_dqd: &'a mut [Wrench<S>],
     /// The derivatives of the wrenches with respect to tau.
     pub dwrenches_dtau: &'a mut [Wrench<S>],
+}
+
+impl<'a, S> ConstrainedDerivatives<'a, S> {
+    /// Returns results that are written to these vectors: the accelerations and wrenches, and the derivatives of both with
+    /// respect to q, qd and tau.
+    #[must_use]
+    pub fn new(
+        (qdd, wrenches): (&'a mut [S], &'a mut [Wrench<S>]),
+        [dqdd_dq, dqdd_dqd, dqdd_dtau]: &'a mut [Vec<S>; 3],
+        [dwrenches_dq, dwrenches_dqd, dwrenches_dtau]: &'a mut [Vec<Wrench<S>>; 3],
+    ) -> Self {
+        Self {
+            qdd,
+            wrenches,
+            dqdd_dq,
+            dqdd_dqd,
+            dqdd_dtau,
+            dwrenches_dq,
+            dwrenches_dqd,
+            dwrenches_dtau,
+        }
+    }
 }
 
 /// Computes the accelerations and the wrenches of
