@@ -9,6 +9,7 @@ mod selection;
 
 use modyn_runtime::equations::kinematics::Axes;
 
+use super::measures::Measures;
 use super::shape::shapes;
 use arguments::{
     CONTACTS, COSTATE, COTANGENT, DQ, DQD, DQDD, DT, DTAU, FORCES, FROM, Q, QD, QDD, SETTINGS, TAU,
@@ -19,6 +20,17 @@ pub(crate) use arguments::ARGUMENTS;
 pub use arguments::{Argument, ArgumentKind, BatchForm};
 pub(super) use arguments::{FACTORS, RHS};
 pub use row::{CForm, Packing, Row, Trace};
+
+/// Returns the estimated length of the derivatives of constrained forward dynamics.
+fn constrained_derivatives(m: &Measures) -> f64 {
+    1400.0 * m.depths
+        + 800.0 * m.squares
+        + 90.0 * m.nv.powi(3)
+        + 9000.0 * m.reach
+        + 5000.0 * m.row_reach
+        + 120.0 * m.constraint_rows * m.entries
+        + 500.0 * m.constraint_rows.powi(2) * m.nv
+}
 
 macro_rules! functions {
     ($($(#[$docs:meta])* $variant:ident $name:literal = $row:expr;)*) => {
@@ -427,15 +439,7 @@ functions! {
          are arrays for each constraint, in the axes of the wrenches. The rank is assumed constant; redundant\n\
          rows get the derivatives of smallest norm.",
         |t, s| t.constrained_forward_dynamics_derivatives(&s.layout),
-        |m| {
-            1400.0 * m.depths
-                + 800.0 * m.squares
-                + 90.0 * m.nv.powi(3)
-                + 9000.0 * m.reach
-                + 5000.0 * m.row_reach
-                + 120.0 * m.constraint_rows * m.entries
-                + 500.0 * m.constraint_rows.powi(2) * m.nv
-        },
+        constrained_derivatives,
     )
         .of_constraints();
     /// The contracted Hessian of forward dynamics with contacts.
@@ -448,17 +452,7 @@ functions! {
          blocks of `qd` and `tau` and of `tau` and `tau` are zero. The rows of the active contacts must be\n\
          independent: redundant contacts have compliance. Robots with loops do not have this function.",
         |t, s| t.constrained_forward_dynamics_hessian(&s.layout),
-        |m| {
-            1400.0 * m.depths
-                + 800.0 * m.squares
-                + 90.0 * m.nv.powi(3)
-                + 9000.0 * m.reach
-                + 5000.0 * m.row_reach
-                + 120.0 * m.constraint_rows * m.entries
-                + 500.0 * m.constraint_rows.powi(2) * m.nv
-                + 18_000.0 * m.depths
-                + 300.0 * m.entries
-        },
+        |m| constrained_derivatives(m) + 18_000.0 * m.depths + 300.0 * m.entries,
     )
         .of_constraints()
         .without_loops();
