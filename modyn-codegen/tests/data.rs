@@ -179,7 +179,7 @@ fn operations_are_the_compilers() {
     assert_eq!(expected, found, "operations have changed, first {differing:?}");
 }
 
-/// A gradient costs little more than its function, whatever the number of joints.
+/// The gradient of forward dynamics takes at most 2.5 times the operations of forward dynamics, for each robot.
 #[test]
 fn gradients_cost_at_most_two_and_a_half_functions() {
     let data = Data::load("operations");

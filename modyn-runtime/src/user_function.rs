@@ -51,7 +51,7 @@ use crate::scalar::Scalar;
 /// # Ok::<(), UserError>(())
 /// ```
 pub trait UserFunction<const N: usize> {
-    /// Returns the documentation of the generated function: what it returns, with units and frames.
+    /// Returns the text that documents the generated function. The text says what the function returns, with units and frames.
     fn docs(&self) -> String;
 
     /// Returns the arguments in their order.

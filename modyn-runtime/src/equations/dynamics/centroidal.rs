@@ -1,9 +1,8 @@
 //! Centroidal momentum: the momentum of the moving links about their centre of mass, in world axes
 //! (Orin, Goswami and Lee 2013, "Centroidal dynamics of a humanoid robot").
 //!
-//! Rotors have no part in it. An armature I adds I qd^2 / 2 to the kinetic energy, whatever the motion of the link that
-//! carries the motor: the axis of the rotor is not described. The momentum that this energy conserves while no external
-//! force acts is that of the links.
+//! The momentum of rotors is not included. The armature I of a joint adds I qd^2 / 2 to the kinetic energy, but the description
+//! has no axis for the rotor. The momentum that the dynamics conserve without external forces is that of the links.
 //!
 //! Base inertias suffice for the momentum. Together with the static inertia they give the centre of
 //! mass.
