@@ -53,13 +53,13 @@ class Joint:
         axis = numbers(element.find("axis") if element is not None else None, "xyz", [1, 0, 0])
         self.axis = axis / np.linalg.norm(axis)
         inertial = link.find("inertial")
-        turn, self.center = origin(inertial)
+        rotation, self.center = origin(inertial)
         self.mass = float(inertial.find("mass").get("value")) if inertial is not None else 0.0
         self.inertia = np.zeros((3, 3))
         if inertial is not None:
             at = inertial.find("inertia")
             xx, xy, xz, yy, yz, zz = (float(at.get(n)) for n in ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"])
-            self.inertia = turn @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ turn.T
+            self.inertia = rotation @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ rotation.T
 
     def motion(self, q):
         """Returns the rotation and the displacement of the joint."""
@@ -119,13 +119,13 @@ class Robot:
         """Returns the rotation and the position of each link in the world."""
         poses = []
         for joint, at in zip(self.joints, self.q):
-            turn, moved = joint.motion(q[at])
+            rotation, position = joint.motion(q[at])
             placed, offset = joint.placement
-            turn, moved = placed @ turn, offset + placed @ moved
+            rotation, position = placed @ rotation, offset + placed @ position
             if joint.parent >= 0:
                 r, p = poses[joint.parent]
-                turn, moved = r @ turn, p + r @ moved
-            poses.append((turn, moved))
+                rotation, position = r @ rotation, p + r @ position
+            poses.append((rotation, position))
         return poses
 
     def link_pose(self, q, link):
@@ -140,9 +140,9 @@ class Robot:
             if joint.parent >= 0:
                 w0, alpha0, a0 = motions[joint.parent]
                 p0 = poses[joint.parent][1]
-            turn, slide = r @ (angular @ qd[at]), r @ (linear @ qd[at])
-            w, arm = w0 + turn, p - p0
-            alpha = alpha0 + ca.cross(w0, turn) + r @ (angular @ qdd[at])
+            spin, slide = r @ (angular @ qd[at]), r @ (linear @ qd[at])
+            w, arm = w0 + spin, p - p0
+            alpha = alpha0 + ca.cross(w0, spin) + r @ (angular @ qdd[at])
             speed = ca.cross(w0, arm) + slide
             a = a0 + ca.cross(alpha0, arm) + ca.cross(w0, speed) + ca.cross(w, slide) + r @ (linear @ qdd[at])
             motions.append((w, alpha, a))
@@ -164,9 +164,9 @@ class Robot:
         """Returns the accelerations; spatial vectors are angular, then linear, in the links' axes."""
         bodies = []
         for joint, at, k in zip(self.joints, self.q, self.v):
-            turn, moved = joint.motion(q[at])
+            rotation, position = joint.motion(q[at])
             placed, offset = joint.placement
-            e, r = (placed @ turn).T, offset + placed @ moved
+            e, r = (placed @ rotation).T, offset + placed @ position
             transform = ca.blockcat([[e, ca.DM(3, 3)], [-e @ cross(r), e]])
             s = ca.sparsify(ca.DM(np.vstack(joint.subspace())))
             velocity = s @ qd[k]

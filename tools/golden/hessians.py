@@ -57,7 +57,7 @@ class Body:
     def __init__(self, joint, links):
         origin, child = joint.find("origin"), links[joint.find("child").get("link")]
         self.kind, self.parent = joint.get("type"), joint.find("parent").get("link")
-        self.turn, self.at = rotation(numbers(origin, "rpy")), numbers(origin, "xyz")
+        self.orientation, self.at = rotation(numbers(origin, "rpy")), numbers(origin, "xyz")
         axis = joint.find("axis")
         self.axis = None if axis is None else numbers(axis, "xyz") / numpy.linalg.norm(numbers(axis, "xyz"))
         inertial = child.find("inertial")
@@ -65,8 +65,8 @@ class Body:
         entry = {key: float(value) for key, value in inertial.find("inertia").items()}
         tensor = numpy.array([[entry["ixx"], entry["ixy"], entry["ixz"]], [entry["ixy"], entry["iyy"], entry["iyz"]],
                               [entry["ixz"], entry["iyz"], entry["izz"]]])
-        turn = rotation(numbers(inertial.find("origin"), "rpy"))
-        self.tensor, self.name = turn @ tensor @ turn.T, child.get("name")
+        orientation = rotation(numbers(inertial.find("origin"), "rpy"))
+        self.tensor, self.name = orientation @ tensor @ orientation.T, child.get("name")
 
     def place(self, q, d):
         """The rotation and the translation of the joint at coordinates that are displaced by d."""
@@ -103,10 +103,10 @@ def inverse_dynamics(bodies, q, d, v, a):
         count = span.stop - span.start + (1 if body.kind in ("spherical", "floating") else 0)
         own, offset = body.place(q[coordinate:coordinate + count], d[span])
         coordinate += count
-        turn, place = body.turn @ own, body.at + body.turn @ offset
+        orientation, place = body.orientation @ own, body.at + body.orientation @ offset
         w, u, dw, du = found[body.parent]
-        w, u = turn.T @ w, turn.T @ (u + casadi.cross(w, place))
-        dw, du = turn.T @ dw, turn.T @ (du + casadi.cross(dw, place))
+        w, u = orientation.T @ w, orientation.T @ (u + casadi.cross(w, place))
+        dw, du = orientation.T @ dw, orientation.T @ (du + casadi.cross(dw, place))
         (jw, ju), (aw, au) = body.motion(v[span]), body.motion(a[span])
         w, u = w + jw, u + ju
         dw, du = dw + aw + casadi.cross(w, jw), du + au + casadi.cross(w, ju) + casadi.cross(u, jw)
@@ -116,14 +116,14 @@ def inverse_dynamics(bodies, q, d, v, a):
         acceleration += casadi.cross(w, casadi.cross(w, body.centre))
         force = body.mass * acceleration
         moment = body.tensor @ dw + casadi.cross(w, body.tensor @ w) + casadi.cross(body.centre, force)
-        wrenches[body.name] = [moment, force, turn, place]
+        wrenches[body.name] = [moment, force, orientation, place]
     tau = {}
     for body in reversed(bodies):
-        moment, force, turn, place = wrenches[body.name]
+        moment, force, orientation, place = wrenches[body.name]
         tau[body.name] = body.force(moment, force)
         if body.parent in wrenches:
-            force = turn @ force
-            wrenches[body.parent][0] += turn @ moment + casadi.cross(place, force)
+            force = orientation @ force
+            wrenches[body.parent][0] += orientation @ moment + casadi.cross(place, force)
             wrenches[body.parent][1] += force
     return casadi.vertcat(*(tau[body.name] for body in bodies))
 

@@ -117,14 +117,14 @@ impl Hessian {
 }
 
 /// A state in which the pose and the linear velocity of each free base are constants.
-pub(super) struct Still {
+pub(super) struct NeutralBases {
     q: Vec<Id>,
     qd: Vec<Id>,
     /// For each entry of qd, whether q and qd are constant there.
     constant: Vec<[bool; 2]>,
 }
 
-impl Still {
+impl NeutralBases {
     /// Returns whether an entry of q or qd is a variable.
     fn varies(&self, (variable, entry): Entry) -> bool {
         !self.constant[entry][variable]
@@ -136,10 +136,10 @@ pub(super) struct Motion {
     q: Vec<Id>,
     qd: Vec<Id>,
     parameters: Vec<Id>,
-    still: Still,
+    neutral: NeutralBases,
     /// The factors of the mass matrix.
     factors: Vec<Id>,
-    /// The accelerations relative to free fall, at the still state.
+    /// The accelerations relative to free fall, with the bases neutral.
     relative: Vec<Id>,
     /// The accelerations.
     pub(super) qdd: Vec<Id>,
@@ -255,18 +255,18 @@ impl Tracer<'_> {
         layout: &UduLayout,
         [q, qd, tau, parameters]: [&[Id]; 4],
     ) -> Motion {
-        let still = self.still(all, q, qd);
-        let factors = all.add(&self.brge(layout), &[&still.q, parameters]);
-        let bias = all.add(&self.bias_forces(), &[&still.q, &still.qd, parameters]);
+        let neutral = self.with_neutral_bases(all, q, qd);
+        let factors = all.add(&self.brge(layout), &[&neutral.q, parameters]);
+        let bias = all.add(&self.bias_forces(), &[&neutral.q, &neutral.qd, parameters]);
         let (solve, unmet) = (self.solve(layout), all.difference(tau, &bias));
         let relative = all.add(&solve, &[&factors, &unmet]);
         let free_fall = self.free_fall();
         let qdd = all.add(&free_fall, &[q, qd, parameters]);
-        let still_fall = all.add(&free_fall, &[&still.q, &still.qd, parameters]);
-        let qdd = all.difference(&qdd, &still_fall);
+        let neutral_fall = all.add(&free_fall, &[&neutral.q, &neutral.qd, parameters]);
+        let qdd = all.difference(&qdd, &neutral_fall);
         let qdd = all.sums(&relative, &qdd);
         let [q, qd, parameters] = [q, qd, parameters].map(<[Id]>::to_vec);
-        Motion { q, qd, parameters, still, factors, relative, qdd }
+        Motion { q, qd, parameters, neutral, factors, relative, qdd }
     }
 
     /// Computes the gradients and the Hessian of the accelerations' sum with these weights.
@@ -278,7 +278,7 @@ impl Tracer<'_> {
         weights: &[Id],
     ) -> ForwardHessian {
         let nv = self.model.nv;
-        let Motion { q, qd, parameters, still, factors, relative, .. } = motion;
+        let Motion { q, qd, parameters, neutral, factors, relative, .. } = motion;
         let by_tau = all.add(&self.solve(layout), &[factors, weights]);
         let gradient = self.gradient(&self.free_fall(), 1);
         let point = [&q[..], qd, weights, parameters].concat();
@@ -287,14 +287,15 @@ impl Tracer<'_> {
         self.second_derivatives_of_free_fall(all, &mut fall);
 
         let gradient = self.gradient(&optimize(self.inverse_dynamics()), 2);
-        let point = [&still.q[..], &still.qd, relative, &by_tau, parameters].concat();
+        let point = [&neutral.q[..], &neutral.qd, relative, &by_tau, parameters].concat();
         let gradients = all.add(&gradient, &[&point]);
         let zero = all.constant(0.0);
         let varying = gradients[..2 * nv].iter().enumerate();
-        let varying = varying.map(|(k, &x)| if still.varies((k / nv, k % nv)) { x } else { zero });
+        let varying =
+            varying.map(|(k, &x)| if neutral.varies((k / nv, k % nv)) { x } else { zero });
         let gradients = all.difference(&of_fall, &varying.collect::<Vec<_>>());
         let mut phi = Hessian::new(self, gradient, 2, point);
-        self.second_derivatives(all, &mut phi, |entry| still.varies(entry));
+        self.second_derivatives(all, &mut phi, |entry| neutral.varies(entry));
 
         // B = W U^-1 with W = Phi_{q qdd} U^-T D^-1.
         let u = all.add(&self.u_inverse(layout), &[factors]);
@@ -304,10 +305,10 @@ impl Tracer<'_> {
         let w = self.multiply(all, &w, &d);
         let b = self.multiply(all, &w, &u);
         let derivatives = self.inverse_dynamics_derivatives();
-        let derivatives = all.add(&derivatives, &[&still.q, &still.qd, relative, parameters]);
+        let derivatives = all.add(&derivatives, &[&neutral.q, &neutral.qd, relative, parameters]);
         let [(by_q, u_by_q), (by_qd, u_by_qd)] = [Q, QD].map(|variable| {
             let columns = derivatives[variable * nv * nv..][..nv * nv].iter().enumerate();
-            let varies = |k: usize| still.varies((variable, k / nv));
+            let varies = |k: usize| neutral.varies((variable, k / nv));
             let columns = columns.map(|(k, &entry)| if varies(k) { entry } else { zero });
             let columns = self.multiply(all, &u, &columns.collect::<Vec<_>>());
             (self.multiply(all, &w, &columns), columns)
@@ -375,20 +376,23 @@ impl Tracer<'_> {
     }
 
     /// Returns the state with each free base in the neutral pose and without linear velocity.
-    fn still(&self, all: &mut Composition, q: &[Id], qd: &[Id]) -> Still {
-        let mut still =
-            Still { q: q.to_vec(), qd: qd.to_vec(), constant: vec![[false; 2]; self.model.nv] };
+    fn with_neutral_bases(&self, all: &mut Composition, q: &[Id], qd: &[Id]) -> NeutralBases {
+        let mut neutral = NeutralBases {
+            q: q.to_vec(),
+            qd: qd.to_vec(),
+            constant: vec![[false; 2]; self.model.nv],
+        };
         let [zero, one] = [0.0, 1.0].map(|x| all.constant(x));
         for base in free_bases(self.model) {
             // Three coordinates of the position, four of the quaternion; linear velocities come before angular ones.
             let (at, v) = (self.model.bodies[base].q, self.model.dofs_of(base)[0].v);
-            still.q[at..at + 6].fill(zero);
-            still.q[at + 6] = one;
-            still.qd[v..v + 3].fill(zero);
-            still.constant[v..v + 3].fill([true, true]);
-            still.constant[v + 3..v + 6].fill([true, false]);
+            neutral.q[at..at + 6].fill(zero);
+            neutral.q[at + 6] = one;
+            neutral.qd[v..v + 3].fill(zero);
+            neutral.constant[v..v + 3].fill([true, true]);
+            neutral.constant[v + 3..v + 6].fill([true, false]);
         }
-        still
+        neutral
     }
 
     /// Returns the graph of the accelerations of free fall: g - omega x v for each free base, zero for all other entries.

@@ -111,7 +111,7 @@ impl Family {
 
         // CasADi gives the results to derivatives as well, which do not depend on them.
         let given = [&inputs[..], &empty("out_", &outputs)].concat();
-        let (gradient, seeds) = (like("adj_", inputs), like("adj_", &outputs));
+        let (gradient, seeds) = (renamed("adj_", inputs), renamed("adj_", &outputs));
         let of_adjoint = [&given[..], &seeds].concat();
         // The second derivatives of all nonzeros of the gradient are a matrix, as the derivatives of the results are.
         let second = hessian.map(|hessian| {
@@ -121,8 +121,8 @@ impl Family {
             Member { prefix: "jac_adj1_", inputs, outputs, graph }
         });
         let (jacobian, blocks) = matrix_blocks(jacobian, "jac_", &outputs, inputs);
-        let changes = [&given[..], &like("fwd_", inputs)].concat();
-        let changed = like("fwd_", &outputs);
+        let changes = [&given[..], &renamed("fwd_", inputs)].concat();
+        let changed = renamed("fwd_", &outputs);
         let first = [
             Member { prefix: "", inputs: inputs.clone(), outputs, graph: value },
             Member { prefix: "jac_", inputs: given, outputs: blocks, graph: jacobian },
@@ -139,7 +139,7 @@ impl Family {
 }
 
 /// Returns the matrices, with names that begin with `prefix`.
-fn like(prefix: &str, matrices: &[CasadiMatrix]) -> Vec<CasadiMatrix> {
+fn renamed(prefix: &str, matrices: &[CasadiMatrix]) -> Vec<CasadiMatrix> {
     matrices.iter().map(|matrix| matrix.renamed(format!("{prefix}{}", matrix.name))).collect()
 }
 
