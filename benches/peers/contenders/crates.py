@@ -9,6 +9,7 @@ from measure import Program
 CRATES = {
     "phyz": ["forward_dynamics", "inverse_dynamics", "mass_matrix"],
     "dynamics-rs": ["forward_dynamics", "inverse_dynamics"],
+    "dynibo": ["forward_dynamics", "inverse_dynamics", "mass_matrix"],
 }
 WHY_NOT = {
     "Rust crate featherstone 0.1":

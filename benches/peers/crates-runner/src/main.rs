@@ -2,6 +2,7 @@
 //! MODEL`.
 
 mod dynamics_rs;
+mod dynibo;
 #[path = "../../modyn-runner/src/measure.rs"]
 mod measure;
 mod phyz;
@@ -20,6 +21,7 @@ fn main() {
     match name {
         "phyz" => phyz::measure(&job, model),
         "dynamics-rs" => dynamics_rs::measure(&job, model),
+        "dynibo" => dynibo::measure(&job, model),
         _ => panic!("no crate `{name}`"),
     }
 }
