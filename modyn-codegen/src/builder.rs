@@ -431,6 +431,7 @@ impl Builder {
             crate_path: code.crate_path.clone().unwrap_or(defaults.crate_path),
             scalar: code.scalar,
             self_contained: code.self_contained,
+            embed_model: code.embed_model,
             c_prefix: code.c_functions.clone(),
             warnings,
         };

@@ -200,7 +200,7 @@ fn write(
 
 /// Refuses options that only Rust has.
 fn refuse_rust_options(arguments: &Arguments, target: &str) -> Result<(), Failure> {
-    let of_rust = ["c_functions", "visibility", "crate", "self_contained"];
+    let of_rust = ["c_functions", "visibility", "crate", "self_contained", "embed_model"];
     let given = of_rust.into_iter().find(|name| arguments.code.has(name));
     if let Some(option) = given.or(arguments.c_header.as_ref().map(|_| "c_header")) {
         let option = option.replace('_', "-");

@@ -175,6 +175,15 @@ trait Dialect {
     fn shared_buffers(&self) -> &'static [RolloutBuffer];
 }
 
+impl GpuSource {
+    /// Returns the name of a kernel without the robot's: that of the function, and for a function of a link the link's.
+    #[must_use]
+    pub fn own_name<'k>(&self, kernel: &'k GpuKernel) -> &'k str {
+        let name = kernel.name.strip_prefix(&self.prefix);
+        name.and_then(|name| name.strip_prefix('_')).unwrap_or(&kernel.name)
+    }
+}
+
 /// The place of a program's arguments and results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Storage {
