@@ -212,8 +212,12 @@ impl Dialect for Cuda {
         format!("{} {name}[{len}]; {function}({}, {name});", self.real(), arguments.join(", "))
     }
 
-    fn step_loop(&self) -> &'static str {
-        "for (unsigned int step = 0; step < steps; ++step) {"
+    fn counting(&self, counter: &str, end: &str) -> String {
+        format!("for (unsigned int {counter} = 0; {counter} < {end}; ++{counter}) {{")
+    }
+
+    fn shared_array(&self, _: RolloutBuffer, _: usize) -> Option<String> {
+        None
     }
 
     fn is_recorded(&self) -> &'static str {
