@@ -9,7 +9,6 @@ use modyn_runtime::Interpreter;
 modyn::modyn! {
     pub(crate) JointZoo = "../../robots/joint_zoo.urdf",
     functions = [potential_energy],
-    base = floating,
     gravity = [0.5, -1.5, -9.0],
     friction = smooth(0.02),
     embed_model = true,
@@ -49,7 +48,7 @@ fn check<R: EmbeddedModel>(expected: &Builder) {
 
 #[test]
 fn types_have_their_models() {
-    let zoo = read("joint_zoo").base(Base::Floating).gravity([0.5, -1.5, -9.0]);
+    let zoo = read("joint_zoo").gravity([0.5, -1.5, -9.0]);
     check::<JointZoo>(&zoo.friction(Friction::Smooth(0.02)));
     check::<MimicGripper>(&read("mimic_gripper").mimic(Mimic::Follow));
     check::<FiveBar>(&read("five_bar"));
