@@ -405,6 +405,30 @@ fn rollouts_that_hold_contacts() {
     build("rollout_constrained", &builder, (&source.text, &main.replace(done, both)));
 }
 
+/// Closed loops alone: no function of the user.
+#[test]
+#[ignore = "slow: g++ compiles a robot"]
+fn rollouts_that_close_loops() {
+    let functions = [Function::ConstrainedForwardDynamics, Function::Integrate];
+    let builder = robot("five_bar").functions(functions);
+    let theirs = builder.clone().type_name("Theirs");
+    let options = RolloutOptions::default();
+    let (source, _) = theirs.generate_rollouts(GpuLanguage::Cuda, &options).expect("good");
+    assert_eq!((&*source.rollouts[0].name, source.settings), ("theirs_rollout_constrained", 4));
+    let step = "static const double settings[4] = { 20, 15, 1e-10, 1e-10 };\n\
+        static void ours_step_constrained(const double *q, const double *qd, const double *tau, const double *dt, double *next)\n{\n\
+        const int nq = OURS_NQ, nv = OURS_NV;\ndouble r[nv + 13], moved[nv];\n\
+        ours_constrained_forward_dynamics(q, qd, tau, settings, r);\n\
+        for (int j = 0; j < nv; ++j) { next[nq + j] = qd[j] + dt[0] * r[j]; moved[j] = dt[0] * next[nq + j]; }\n\
+        ours_integrate(q, moved, next);\n}\n";
+    let forces = "for (int j = 0; j < nv; ++j) tau[j] = u[j];";
+    let arguments = ["settings, ", ""];
+    let main = rollout_harness(("BARS", "step_constrained", 21), -1, arguments, (forces, ""));
+    let main = main.replace("BARS_CONTROLS", "nv");
+    let main = main.replace("int main() {\n", &format!("{step}int main() {{\n"));
+    build("rollout_loops", &builder, (&source.text, &main));
+}
+
 /// A rollout of contacts without contacts or their functions is an error with a remedy.
 #[test]
 fn contacts_of_rollouts_need_their_functions() {

@@ -1,4 +1,5 @@
 //! Rollouts: motions over many time steps, a thread for each.
+#![allow(clippy::too_many_arguments)]
 
 use modyn_codegen::{FloatType, Function, RolloutForces, RolloutOptions};
 use modyn_gpu::{Gpu, Rollout, RolloutArguments};
