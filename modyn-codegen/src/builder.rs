@@ -322,6 +322,13 @@ impl Builder {
         }
         let (plan, Inputs { model, options, .. }) = self.threads(language)?;
         let source = emit_rollouts(&model, &plan, &options, language, rollouts);
+        if rollouts.contacts.is_some() && source.settings == 0 {
+            let message =
+                "a rollout holds contacts by constrained forward dynamics, and there is none";
+            let help = "give the robot contacts by the option `contacts`, and add `constrained_forward_dynamics` and \
+                        `integrate` to the option `functions`";
+            return Err(error(message, help));
+        }
         if source.rollouts.is_empty() {
             let message = "a rollout needs a function of a time step, and there is none";
             return Err(error(message, "add `step_semi_implicit` to the option `functions`"));
@@ -431,6 +438,7 @@ impl Builder {
             crate_path: code.crate_path.clone().unwrap_or(defaults.crate_path),
             scalar: code.scalar,
             self_contained: code.self_contained,
+            embed_model: code.embed_model,
             c_prefix: code.c_functions.clone(),
             warnings,
         };

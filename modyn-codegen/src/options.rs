@@ -170,6 +170,12 @@ macro_rules! option_table {
                 "share" share()
                     share: bool, field => *field = true,
                     "true | false", "`false`", "true";
+                /// Gives the type its description: the trait `EmbeddedModel`, whose function `model` returns what was read. An
+                /// interpreter, a graphics processor or a compiler at run time then takes the type instead of a file. Needs
+                /// the feature `alloc` of `modyn`, which is on by default.
+                "embed_model" embed_model()
+                    embed_model: bool, field => *field = true,
+                    "true | false", "`false`", "true";
                 /// The path of the crate `modyn` where the text goes.
                 "crate" crate_(path: impl Into<String>)
                     crate_path: Option<String>, field => *field = Some(path.into()),

@@ -308,7 +308,7 @@ fn rollouts_are_loops_of_steps() {
          for (int j = 0; j < 3; ++j) {{ sum += (pose[9 + j] - data[2 + j]) * (pose[9 + j] - data[2 + j]); }}\n    \
          return sum;\n}}\n"
     );
-    let options = RolloutOptions { cost: Some(cost), forces: Some(forces) };
+    let options = RolloutOptions { cost: Some(cost), forces: Some(forces), contacts: None };
     let theirs = builder.clone().type_name("Theirs");
     let (source, _) = theirs.generate_rollouts(GpuLanguage::Cuda, &options).expect("good");
     let names: Vec<&str> = source.rollouts.iter().map(|rollout| &*rollout.name).collect();
@@ -347,6 +347,95 @@ fn rollouts_of_a_floating_robot() {
         rollout_harness(("LEGS", "step_semi_implicit", 4), quaternion, ["", ""], (forces, ""));
     let main = main.replace("LEGS_CONTROLS", "nv");
     build("rollout_floating", &builder, (&source.text, &main));
+}
+
+/// Feet of a quadruped on tilted and moving ground: a foot is proposed by its height or by the number of the step, and
+/// released where it would pull.
+#[test]
+#[ignore = "slow: g++ compiles a robot"]
+fn rollouts_that_hold_contacts() {
+    let point = |name: &str, link: &str, xyz: [f64; 3]| Contact {
+        name: name.into(),
+        kind: ContactKind::Point,
+        end: LoopEnd { link: link.into(), xyz, rpy: [0.0; 3] },
+    };
+    let contacts = [
+        point("left", "front_left_foot", [0.0, 0.01, -0.02]),
+        point("right", "hind_right_foot", [0.03, -0.01, 0.02]),
+    ];
+    let functions = [Function::ConstrainedForwardDynamics, Function::Integrate, Function::LinkPose];
+    let builder = robot("quadruped").functions(functions).base(Base::Floating).contacts(contacts);
+    let theirs = builder.clone().type_name("Theirs");
+    let proposed = "static __device__ void contacts(const theirs_real *q, const theirs_real *qd, const theirs_real *u, \
+                    unsigned int step, const theirs_real *data, theirs_real *active)\n{\n    theirs_real pose[12];\n    \
+                    theirs_link_pose_front_left_foot(q, pose);\n    active[0] = pose[11] < data[1] ? 1 : 0;\n    \
+                    active[1] = step % 3 != 0 ? 1 : 0;\n}\n";
+    let options = RolloutOptions { contacts: Some(proposed.into()), ..RolloutOptions::default() };
+    let (source, _) = theirs.generate_rollouts(GpuLanguage::Cuda, &options).expect("good");
+    let [rollout] = &*source.rollouts else { panic!("one kernel") };
+    assert_eq!((&*rollout.name, source.settings), ("theirs_rollout_constrained", 52));
+    let model = builder.plan().expect("good").model;
+    let quaternion = model.quaternions().next().expect("a floating base").1;
+    let quaternion = i32::try_from(quaternion).expect("small");
+    let step = "static vector<double> settings;\nstatic unsigned current, held, released;\n\
+        static void ours_step_constrained(const double *q, const double *qd, const double *tau, const double *dt, double *next)\n{\n\
+        const int nq = OURS_NQ, nv = OURS_NV;\ndouble pose[12], r[nv + 25], moved[nv];\n\
+        ours_link_pose(q, OURS_LINK_FRONT_LEFT_FOOT, pose);\n\
+        double active[2] = { pose[11] < 0.3 ? 1.0 : 0.0, current % 3 != 0 ? 1.0 : 0.0 };\n\
+        for (int sweep = 0; sweep < 2; ++sweep) {\n\
+        ours_constrained_forward_dynamics(q, qd, tau, active, settings.data(), r);\n\
+        for (int c = 0; c < 2; ++c) { const double *f = r + nv + 6 * c + 3, *ground = settings.data() + 4 + 24 * c;\n\
+        held += active[c] > 0;\n\
+        if (f[0] * ground[2] + f[1] * ground[5] + f[2] * ground[8] < 0) { released += active[c] > 0; active[c] = 0; } }\n}\n\
+        for (int j = 0; j < nv; ++j) { next[nq + j] = qd[j] + dt[0] * r[j]; moved[j] = dt[0] * next[nq + j]; }\n\
+        ours_integrate(q, moved, next);\n}\n";
+    let fill = "settings = { 10, 8, 1e-10, 1e-10 };\n\
+        for (int c = 0; c < 2; ++c) { const double a = 0.3 - 0.5 * c, s = sin(a), k = cos(a);\n\
+        const double target[24] = { 1, 0, 0, 0, k, -s, 0, s, k, 0.1, 0.2, -0.1, 0.1, 0, 0.2, 0.1, -0.2, 0.3, 0.5, 20, 15, 1e-3, 0, 1 };\n\
+        settings.insert(settings.end(), target, target + 24); }\n";
+    let forces = "for (int j = 0; j < nv; ++j) tau[j] = u[j];\ncurrent = k;";
+    let arguments = ["settings.data(), data.data(), ", ""];
+    let main =
+        rollout_harness(("LEGS", "step_constrained", 21), quaternion, arguments, (forces, ""));
+    let main = main.replace("LEGS_CONTROLS", "nv");
+    let main = main.replace("int main() {\n", &format!("{step}int main() {{\n{fill}"));
+    let done = "printf(\"done\\n\");";
+    assert!(main.contains(done) && main.contains(fill));
+    let both = "printf(released > 20 && held > 5 * released / 4 ? \"done\\n\" : \"%u of %u\\n\", released, held);";
+    build("rollout_constrained", &builder, (&source.text, &main.replace(done, both)));
+}
+
+/// Closed loops alone: no function of the user.
+#[test]
+#[ignore = "slow: g++ compiles a robot"]
+fn rollouts_that_close_loops() {
+    let functions = [Function::ConstrainedForwardDynamics, Function::Integrate];
+    let builder = robot("five_bar").functions(functions);
+    let theirs = builder.clone().type_name("Theirs");
+    let options = RolloutOptions::default();
+    let (source, _) = theirs.generate_rollouts(GpuLanguage::Cuda, &options).expect("good");
+    assert_eq!((&*source.rollouts[0].name, source.settings), ("theirs_rollout_constrained", 4));
+    let step = "static const double settings[4] = { 20, 15, 1e-10, 1e-10 };\n\
+        static void ours_step_constrained(const double *q, const double *qd, const double *tau, const double *dt, double *next)\n{\n\
+        const int nq = OURS_NQ, nv = OURS_NV;\ndouble r[nv + 13], moved[nv];\n\
+        ours_constrained_forward_dynamics(q, qd, tau, settings, r);\n\
+        for (int j = 0; j < nv; ++j) { next[nq + j] = qd[j] + dt[0] * r[j]; moved[j] = dt[0] * next[nq + j]; }\n\
+        ours_integrate(q, moved, next);\n}\n";
+    let forces = "for (int j = 0; j < nv; ++j) tau[j] = u[j];";
+    let arguments = ["settings, ", ""];
+    let main = rollout_harness(("BARS", "step_constrained", 21), -1, arguments, (forces, ""));
+    let main = main.replace("BARS_CONTROLS", "nv");
+    let main = main.replace("int main() {\n", &format!("{step}int main() {{\n"));
+    build("rollout_loops", &builder, (&source.text, &main));
+}
+
+/// A rollout of contacts without contacts or their functions is an error with a remedy.
+#[test]
+fn contacts_of_rollouts_need_their_functions() {
+    let builder = robot("arm6").functions([Function::StepSemiImplicit]);
+    let options = RolloutOptions { contacts: Some(String::new()), ..RolloutOptions::default() };
+    let error = builder.generate_rollouts(GpuLanguage::Wgsl, &options).expect_err("no contacts");
+    assert!(error.to_string().contains("`constrained_forward_dynamics` and"), "{error}");
 }
 
 /// What a rollout lacks is an error with a remedy.

@@ -124,7 +124,11 @@ fn arm() -> Task {
     Task {
         name: "arm",
         builder: robot("arm7").functions(functions),
-        options: RolloutOptions { cost: Some(ARM_COST.into()), forces: Some(forces) },
+        options: RolloutOptions {
+            cost: Some(ARM_COST.into()),
+            forces: Some(forces),
+            contacts: None,
+        },
         controls: q.clone(),
         q,
         qd: vec![0.0; 7],
@@ -149,7 +153,11 @@ fn quadruped() -> Task {
     Task {
         name: "quadruped",
         builder: builder.functions([Function::StepSemiImplicit]).bundles([feet]),
-        options: RolloutOptions { cost: Some(QUADRUPED_COST.into()), forces: Some(forces) },
+        options: RolloutOptions {
+            cost: Some(QUADRUPED_COST.into()),
+            forces: Some(forces),
+            contacts: None,
+        },
         q: [&trunk[..], &crouch].concat(),
         qd: vec![0.0; 18],
         controls: crouch,

@@ -1,7 +1,8 @@
 //! Numbers for many states on the graphics processor.
 
-use std::sync::mpsc;
+use std::sync::{Arc, mpsc};
 
+use modyn_runtime::Array;
 use wgpu::util::DeviceExt;
 
 use crate::{Gpu, GpuError};
@@ -58,6 +59,23 @@ impl GpuArray {
         let (numbers, _) = bytes.as_chunks::<4>();
         Ok(numbers.iter().map(|number| f32::from_le_bytes(*number)).collect())
     }
+
+    /// Waits until the numbers are computed, and returns an array for each state, as the functions of generated robots have
+    /// it: accelerations of an arm as `Vec<[f64; 7]>`. A result of several parts is one array of their numbers in order, a
+    /// matrix its columns.
+    ///
+    /// # Errors
+    ///
+    /// If an array has another length than a state has scalars, or the processor failed.
+    pub fn read_states<T: Copy + From<f32>, A: Array<T>>(&self) -> Result<Vec<A>, GpuError> {
+        if A::LEN != self.scalars {
+            return Err(GpuError::Width { scalars: self.scalars, asked: A::LEN });
+        }
+        let numbers = self.read()?;
+        let states = self.states;
+        let of_state = |state: usize| A::from_fn(|j| T::from(numbers[j * states + state]));
+        Ok((0..states).map(of_state).collect())
+    }
 }
 
 impl Gpu {
@@ -78,6 +96,37 @@ impl Gpu {
             usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
         });
         Ok(GpuArray { gpu: self.clone(), buffer, scalars: numbers.len() / states, states })
+    }
+
+    /// Copies states to the processor, each an array as the functions of generated robots take it: coordinates of an arm as
+    /// `&[[f64; 7]]`. The numbers are rounded to single precision.
+    ///
+    /// # Errors
+    ///
+    /// If there are no states, or too many for the processor.
+    pub fn upload_states<T: Copy + Into<f64>, A: Array<T>>(
+        &self,
+        states: &[A],
+    ) -> Result<GpuArray, GpuError> {
+        let columns = (0..A::LEN).flat_map(|j| {
+            states.iter().map(move |state| {
+                let number: f64 = state.as_ref()[j].into();
+                number as f32
+            })
+        });
+        self.upload(&columns.collect::<Vec<f32>>(), states.len())
+    }
+
+    /// Checks that these arguments of a kernel are in the memory of this processor.
+    pub(crate) fn check_owner<'a>(
+        &self,
+        kernel: &str,
+        mut arguments: impl Iterator<Item = &'a GpuArray>,
+    ) -> Result<(), GpuError> {
+        match arguments.all(|array| Arc::ptr_eq(&array.gpu.inner, &self.inner)) {
+            true => Ok(()),
+            false => Err(GpuError::OtherProcessor { kernel: kernel.into() }),
+        }
     }
 
     /// Returns memory for a result.

@@ -42,6 +42,11 @@ pub enum GpuError {
         /// The number of arrays that were given.
         given: usize,
     },
+    /// An array was uploaded to another [`Gpu`](crate::Gpu) than the kernel's.
+    OtherProcessor {
+        /// The kernel.
+        kernel: String,
+    },
     /// The controls of a rollout are no whole number of steps.
     Controls {
         /// The kernel.
@@ -66,6 +71,13 @@ pub enum GpuError {
         numbers: usize,
         /// The number of states.
         states: usize,
+    },
+    /// The states were asked for as arrays of another length.
+    Width {
+        /// The scalars of a state.
+        scalars: usize,
+        /// The length that was asked for.
+        asked: usize,
     },
     /// An array is longer than the processor allows.
     TooLarge {
@@ -101,6 +113,10 @@ impl fmt::Display for GpuError {
                     expected.join(", ")
                 )
             }
+            Self::OtherProcessor { kernel } => write!(
+                f,
+                "`{kernel}` was given an array of another processor; clones of one `Gpu` share their arrays"
+            ),
             Self::Controls { kernel, controls, given } => write!(
                 f,
                 "`{kernel}` takes {controls} controls a step, and {given} are no whole number of steps"
@@ -110,6 +126,9 @@ impl fmt::Display for GpuError {
             }
             Self::Length { numbers, states } => {
                 write!(f, "{numbers} numbers are no array for {states} states")
+            }
+            Self::Width { scalars, asked } => {
+                write!(f, "a state has {scalars} numbers, and arrays of {asked} were asked for")
             }
             Self::TooLarge { bytes, limit } => {
                 write!(

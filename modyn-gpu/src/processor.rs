@@ -15,6 +15,7 @@ pub(crate) struct Inner {
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
     name: String,
+    is_software: bool,
     limit: u64,
 }
 
@@ -39,14 +40,31 @@ impl Gpu {
         let (device, queue) = opened.map_err(|error| GpuError::NoDevice(error.to_string()))?;
         // WGSL counts the numbers of a buffer in 32 bits.
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size).min(1 << 34);
-        let name = adapter.get_info().name;
-        Ok(Self { inner: Arc::new(Inner { device, queue, name, limit }) })
+        let wgpu::AdapterInfo { name, device_type, .. } = adapter.get_info();
+        let is_software = device_type == wgpu::DeviceType::Cpu;
+        Ok(Self { inner: Arc::new(Inner { device, queue, name, is_software, limit }) })
     }
 
     /// Returns the name of the processor, as its driver gives it.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.inner.name
+    }
+
+    /// Returns whether the processor is software that runs on the CPU.
+    #[must_use]
+    pub fn is_software(&self) -> bool {
+        self.inner.is_software
+    }
+
+    /// Waits until all kernels that were started have ended.
+    ///
+    /// # Errors
+    ///
+    /// If the processor failed.
+    pub fn wait(&self) -> Result<(), GpuError> {
+        let waited = self.inner.device.poll(wgpu::PollType::wait_indefinitely());
+        waited.map(drop).map_err(|error| GpuError::Device(error.to_string()))
     }
 
     /// Returns the size of this many numbers in bytes, if the processor has memory for them.

@@ -45,6 +45,7 @@ impl GpuRobot {
     /// If there is no such kernel, or the arguments do not fit.
     pub fn run(&self, kernel: &str, arguments: &[&GpuArray]) -> Result<GpuArray, GpuError> {
         let (index, kernel) = self.find(kernel)?;
+        self.gpu.check_owner(&kernel.name, arguments.iter().copied())?;
         let states = fitting(kernel, arguments)?;
         let result = self.gpu.empty(kernel.result, states)?;
         let count = self.gpu.uniform(&[self.gpu.count(states)?, 0, 0, 0]);
@@ -57,13 +58,13 @@ impl GpuRobot {
 
     /// Returns the kernel of that name, and its index.
     fn find(&self, name: &str) -> Result<(usize, &GpuKernel), GpuError> {
-        let prefix = format!("{}_", self.source.prefix);
-        let own = |kernel: &GpuKernel| kernel.name.trim_start_matches(&prefix).to_string();
-        let mut kernels = self.source.kernels.iter().enumerate();
-        kernels.find(|(_, kernel)| own(kernel) == name).ok_or_else(|| GpuError::NoKernel {
+        let source = &self.source;
+        let own_names = || source.kernels.iter().map(|kernel| source.own_name(kernel));
+        let index = own_names().position(|own| own == name).ok_or_else(|| GpuError::NoKernel {
             name: name.into(),
-            kernels: self.source.kernels.iter().map(own).collect(),
-        })
+            kernels: own_names().map(String::from).collect(),
+        })?;
+        Ok((index, &source.kernels[index]))
     }
 
     fn pipeline(&self, index: usize) -> Result<wgpu::ComputePipeline, GpuError> {

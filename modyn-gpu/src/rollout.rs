@@ -2,6 +2,7 @@
 
 use modyn_codegen::emit::{RolloutBuffer, RolloutSource};
 use modyn_codegen::{Builder, Function, GpuLanguage, RolloutOptions};
+use modyn_runtime::{ConstraintSettings, ContactTarget};
 
 use crate::kernel::Pipelines;
 use crate::{Gpu, GpuArray, GpuError};
@@ -42,12 +43,15 @@ pub struct Rollout {
     pipelines: Pipelines,
     /// A number in place of arguments that were left out, and one in place of results.
     absent: [GpuArray; 2],
+    /// The default settings, if there are settings.
+    settings: Option<GpuArray>,
 }
 
 /// The arguments of rollouts. `n` rollouts of `steps` steps run at a time.
 #[derive(Clone, Copy, Debug)]
 pub struct RolloutArguments<'a> {
-    /// The function of a time step.
+    /// The function of a time step; [`Function::ConstrainedForwardDynamics`] for steps that close the loops and hold
+    /// contacts.
     pub step: Function,
     /// The coordinates of the initial states. Rollout `i` starts from state `i` modulo the number of initial states.
     pub q: &'a GpuArray,
@@ -58,6 +62,9 @@ pub struct RolloutArguments<'a> {
     pub controls: &'a GpuArray,
     /// The duration of a step, s.
     pub dt: f32,
+    /// The settings of closed loops and contacts, in the order of `ConstraintSettings` (its `numbers`, then those of each
+    /// contact's target): one state. `None` for the default.
+    pub settings: Option<&'a GpuArray>,
     /// Numbers for the user's functions: one state.
     pub data: Option<&'a GpuArray>,
     /// The run-time parameters: one state.
@@ -71,7 +78,17 @@ impl<'a> RolloutArguments<'a> {
     #[must_use]
     pub fn new(q: &'a GpuArray, qd: &'a GpuArray, controls: &'a GpuArray, dt: f32) -> Self {
         let step = Function::StepSemiImplicit;
-        Self { step, q, qd, controls, dt, data: None, parameters: None, trajectory: false }
+        Self {
+            step,
+            q,
+            qd,
+            controls,
+            dt,
+            settings: None,
+            data: None,
+            parameters: None,
+            trajectory: false,
+        }
     }
 }
 
@@ -99,7 +116,15 @@ impl Rollout {
         let (source, _) = builder.generate_rollouts(GpuLanguage::Wgsl, options)?;
         let module = gpu.module(&source.prefix, &source.text)?;
         let absent = [gpu.empty(1, 1)?, gpu.empty(1, 1)?];
-        Ok(Self { gpu: gpu.clone(), source, module, pipelines: Pipelines::default(), absent })
+        let settings = (source.settings > 0).then(|| gpu.upload(&settings(source.settings), 1));
+        Ok(Self {
+            gpu: gpu.clone(),
+            settings: settings.transpose()?,
+            source,
+            module,
+            pipelines: Pipelines::default(),
+            absent,
+        })
     }
 
     /// Returns the text of the kernels with their sizes.
@@ -128,6 +153,7 @@ impl Rollout {
             RolloutBuffer::StartQ => Some(arguments.q),
             RolloutBuffer::StartQd => Some(arguments.qd),
             RolloutBuffer::Controls => Some(arguments.controls),
+            RolloutBuffer::Settings => arguments.settings.or(self.settings.as_ref()),
             RolloutBuffer::Data => arguments.data.or(Some(unread)),
             RolloutBuffer::Parameters => arguments.parameters,
             RolloutBuffer::Out => Some(&state),
@@ -162,6 +188,9 @@ impl Rollout {
             kernels: source.rollouts.iter().map(|rollout| rollout.step.into()).collect(),
         })?;
         let kernel = || source.rollouts[index].name.clone();
+        let all = [Some(arguments.q), Some(arguments.qd), Some(arguments.controls)];
+        let others = [arguments.settings, arguments.data, arguments.parameters];
+        self.gpu.check_owner(&kernel(), all.into_iter().chain(others).flatten())?;
         let shape = |argument: &str, scalars: usize, array: &GpuArray| GpuError::Shape {
             kernel: kernel(),
             argument: argument.into(),
@@ -188,7 +217,9 @@ impl Rollout {
             });
         }
         let has = |buffer| source.buffers.contains(&buffer);
+        let settings = arguments.settings.or(self.settings.as_ref());
         for (name, is_needed, scalars, array) in [
+            ("settings", has(RolloutBuffer::Settings), Some(source.settings), settings),
             ("data", has(RolloutBuffer::Data), None, arguments.data),
             (
                 "parameters",
@@ -222,4 +253,11 @@ impl Rollout {
         let name = &self.source.rollouts[index].name;
         self.pipelines.get(&self.gpu, &self.module, (index, name), written)
     }
+}
+
+/// Returns the default settings of closed loops and contacts as this many numbers.
+fn settings(count: usize) -> Vec<f32> {
+    let contacts = ContactTarget::<f32>::GROUND.numbers().into_iter().cycle();
+    let all = ConstraintSettings::<f32, [ContactTarget<f32>; 0]>::DEFAULT.numbers();
+    all.into_iter().chain(contacts).take(count).collect()
 }

@@ -143,8 +143,22 @@ fn arguments_that_do_not_fit_are_refused() {
     let short = gpu.upload(&[0.0; 10], 2).expect("room");
     let error = kernels.run("gravity_torques", &[&short]).expect_err("six numbers").to_string();
     assert_eq!(error, "`arm6_gravity_torques` takes 6 numbers a state as `q`, not 5");
+    let other = Gpu::new().expect("a processor").upload(&[0.0; 12], 2).expect("room");
+    let error = kernels.run("gravity_torques", &[&other]).expect_err("another processor");
+    assert!(matches!(error, GpuError::OtherProcessor { .. }), "{error}");
     assert!(matches!(gpu.upload(&[0.0; 5], 2), Err(GpuError::Length { .. })));
     assert!(matches!(gpu.upload(&[], 0), Err(GpuError::Length { .. })));
+}
+
+/// A robot named as the beginning of its functions.
+#[test]
+fn names_of_kernels_begin_with_that_of_the_robot_once() {
+    let gpu = Gpu::new().expect("a processor");
+    let builder = robot("arm6").type_name("Gravity").functions([Function::GravityTorques]);
+    let kernels = GpuRobot::new(&gpu, &builder).expect("kernels");
+    assert_eq!(kernels.source().kernels[0].name, "gravity_gravity_torques");
+    let q = gpu.upload(&[0.5; 12], 2).expect("room");
+    assert_eq!(kernels.run("gravity_torques", &[&q]).expect("it runs").scalars(), 6);
 }
 
 /// A pendulum's torque is the sine of its angle, for every finite angle.

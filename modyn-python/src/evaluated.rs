@@ -2,19 +2,16 @@
 
 use modyn_codegen::plan::{Frames, Kernels, LinkCode, Plan, Planned, Shape};
 use modyn_codegen::program::Program;
-use modyn_codegen::trace::Parameters;
-use modyn_runtime::Inertial;
 use modyn_runtime::model::Model;
 
 use crate::change::Change;
 use crate::number::Number;
+use crate::parameters::ParameterNumbers;
 
 /// A function whose programs are evaluated.
 pub struct Evaluated<S> {
     programs: Programs<S>,
-    parameters: Parameters,
-    /// The numbers of the parameters, if the function depends on them.
-    numbers: Vec<S>,
+    parameters: ParameterNumbers<S>,
 }
 
 enum Programs<S> {
@@ -40,12 +37,8 @@ impl<S: Number> Evaluated<S> {
             Kernels::ByLink(programs) => Programs::ByLink(programs, links()),
             Kernels::Poses { bodies, placed, .. } => Programs::Poses(bodies, placed, links()),
         };
-        let numbers = match planned.parameters {
-            0 => Vec::new(),
-            _ => plan.parameters.described(gravity),
-        };
-        let numbers = numbers.into_iter().map(S::from_f64).collect();
-        Self { programs, parameters: plan.parameters.clone(), numbers }
+        let parameters = ParameterNumbers::new(plan, gravity, planned.parameters > 0);
+        Self { programs, parameters }
     }
 
     /// Applies a change of the robot's run-time parameters, a valid one.
@@ -54,34 +47,13 @@ impl<S: Number> Evaluated<S> {
     ///
     /// If the robot does not have the parameter.
     pub fn apply(&mut self, change: &Change, model: &Model) -> Result<(), String> {
-        let frame = |link: &str| model.frame_index(link).unwrap_or(usize::MAX);
-        let (place, new) = match change {
-            Change::Gravity(gravity) => (self.parameters.gravity.then_some(0), gravity.to_vec()),
-            Change::Inertia(link, inertial) => {
-                let mut own = self.parameters.inertias.iter();
-                let place = own.position(|(other, _)| *other == frame(link));
-                (place.map(|k| self.parameters.inertial(k)), numbers(inertial))
-            }
-            Change::Payload(link, inertial) => {
-                let mut payloads = self.parameters.payloads.iter();
-                let place = payloads.position(|other| *other == frame(link));
-                let first = self.parameters.inertias.len();
-                (place.map(|k| self.parameters.inertial(first + k)), numbers(inertial))
-            }
-        };
-        let place = place.ok_or_else(|| change.missing())?;
-        if let Some(numbers) = self.numbers.get_mut(place..place + new.len()) {
-            for (number, new) in numbers.iter_mut().zip(new) {
-                *number = S::from_f64(new);
-            }
-        }
-        Ok(())
+        self.parameters.apply(change, model)
     }
 
     /// Computes the result of one state; `link` is that of a function of one link.
     pub fn one(&self, link: usize, arguments: &[&[S]], result: &mut [S]) {
         let mut numbers = arguments.concat();
-        numbers.extend_from_slice(&self.numbers);
+        numbers.extend_from_slice(self.parameters.as_slice());
         let numbers = match &self.programs {
             Programs::One(program) => program.evaluate(&numbers),
             Programs::ByLink(programs, links) => {
@@ -104,10 +76,6 @@ impl<S: Number> Evaluated<S> {
         };
         result.copy_from_slice(&numbers);
     }
-}
-
-fn numbers(Inertial { mass, center_of_mass, inertia }: &Inertial) -> Vec<f64> {
-    [*mass].into_iter().chain(*center_of_mass).chain(*inertia).collect()
 }
 
 /// Returns the program and the placement of each link.

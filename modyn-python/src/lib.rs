@@ -14,11 +14,14 @@ mod errors;
 mod evaluated;
 mod factorization;
 mod function;
+#[cfg_attr(not(feature = "gpu"), path = "without_gpu.rs")]
+mod gpu;
 mod layout;
 mod memory;
 mod methods;
 mod number;
 mod options;
+mod parameters;
 mod pictures;
 mod robot;
 
@@ -120,6 +123,9 @@ mod _modyn {
     };
     #[pymodule_export]
     use super::factorization::Factorization;
+    #[cfg(feature = "gpu")]
+    #[pymodule_export]
+    use super::gpu::{GpuArray, GpuRobot, GpuRollout};
     #[pymodule_export]
     use super::robot::Robot;
     #[pymodule_export]

@@ -17,7 +17,11 @@ use crate::arrays::Given;
 use crate::change::Change;
 use crate::errors::{description_error, warn_of_description, warn_of_machine_code};
 use crate::function::{self, RobotFunction};
+#[cfg(feature = "gpu")]
+use crate::number::Number;
 use crate::options;
+#[cfg(feature = "gpu")]
+use crate::parameters::ParameterNumbers;
 
 /// A robot: a description (URDF or MJCF) whose functions are compiled to machine code, each at its first use.
 ///
@@ -125,7 +129,11 @@ impl Robot {
     }
 
     /// Returns the index of a link, given by its name or index.
-    fn link(&self, link: &Bound<'_, PyAny>) -> PyResult<usize> {
+    ///
+    /// # Errors
+    ///
+    /// `ValueError` if there is no such link, `TypeError` if it is neither.
+    pub fn link(&self, link: &Bound<'_, PyAny>) -> PyResult<usize> {
         if let Ok(name) = link.cast::<PyString>() {
             return self.link_named(name.to_str()?);
         }
@@ -146,15 +154,21 @@ impl Robot {
             return Ok(&**function);
         }
         let function = Function::ALL[index];
-        let (constraints, contacts) = (self.model.constraints(), self.model.contacts().len());
-        if let Some(robots) = function.which_robots(constraints, contacts) {
-            let name = function.name();
-            let options =
-                if constraints == 0 { " (the options `loops` and `contacts`)" } else { "" };
-            let message = format!("only {robots}{options} have the function `{name}`");
-            return Err(PyValueError::new_err(message));
-        }
+        self.check_has(function)?;
         self.compiled(py, self.builder.clone().functions([function]), slot)
+    }
+
+    /// Checks that the robot has a function.
+    ///
+    /// # Errors
+    ///
+    /// `ValueError`, which names the robots that have it.
+    pub fn check_has(&self, function: Function) -> PyResult<()> {
+        let (constraints, contacts) = (self.model.constraints(), self.model.contacts().len());
+        let Some(robots) = function.which_robots(constraints, contacts) else { return Ok(()) };
+        let options = if constraints == 0 { " (the options `loops` and `contacts`)" } else { "" };
+        let message = format!("only {robots}{options} have the function `{}`", function.name());
+        Err(PyValueError::new_err(message))
     }
 
     /// Compiles the function of a builder. Python's lock is held, so that no process is forked meanwhile.
@@ -205,6 +219,35 @@ impl Robot {
             change.set(&mut interpreter).map_err(PyValueError::new_err)?;
         }
         Ok(interpreter)
+    }
+
+    /// Returns these parameters, which are the description's, with the robot's changes.
+    ///
+    /// # Errors
+    ///
+    /// If a change is of another parameter.
+    #[cfg(feature = "gpu")]
+    pub fn changed<S: Number>(
+        &self,
+        parameters: &ParameterNumbers<S>,
+    ) -> PyResult<ParameterNumbers<S>> {
+        let mut changed = parameters.clone();
+        for change in &*self.changes.lock().unwrap_or_else(PoisonError::into_inner) {
+            changed.apply(change, &self.model).map_err(PyValueError::new_err)?;
+        }
+        Ok(changed)
+    }
+
+    /// Returns the builder of the robot, without functions.
+    #[cfg(feature = "gpu")]
+    pub fn builder(&self) -> &Builder {
+        &self.builder
+    }
+
+    /// Returns the bundles.
+    #[cfg(feature = "gpu")]
+    pub fn bundles(&self) -> impl Iterator<Item = &Bundle> {
+        self.bundles.iter().map(|(_, bundle, _)| bundle)
     }
 
     /// Returns the robot.

@@ -301,9 +301,7 @@ pub fn run_each<F: Float, R, const A: usize, const I: usize, const O: usize, con
     results: &mut [R],
     parts: impl Fn(&mut R) -> [&mut [F]; P],
 ) -> Result<(), BatchError> {
-    let states = states_each(arguments, inputs, None, results.len())?;
-    each(kernel, arguments, (inputs, |_| []), results, parts, states);
-    Ok(())
+    each(kernel, arguments, (inputs, None, |_| []), results, parts)
 }
 
 /// Computes all states of a function with flags: those of a state are `flags` of its entry of `sets`, which are the last
@@ -325,13 +323,11 @@ pub fn run_each_flagged<
     results: &mut [R],
     parts: impl Fn(&mut R) -> [&mut [F]; P],
 ) -> Result<(), BatchError> {
-    let states = states_each(arguments, inputs, Some(sets.len()), results.len())?;
-    let flags = |state: usize| sets.get(state).map_or([false; B], &flags);
-    each(kernel, arguments, (inputs, flags), results, parts, states);
-    Ok(())
+    let of_state = |state: usize| sets.get(state).map_or([false; B], &flags);
+    each(kernel, arguments, (inputs, Some(sets.len()), of_state), results, parts)
 }
 
-/// Computes this number of states, each stored contiguously; `flags` returns the flags of a state.
+/// Computes all states, each stored contiguously; `flags` returns the flags of a state, `sets` is their number.
 fn each<
     F: Float,
     R,
@@ -343,11 +339,11 @@ fn each<
 >(
     kernel: &impl Kernel<F, I, O, B>,
     arguments: &'static [Argument],
-    (inputs, flags): ([&[F]; A], impl Fn(usize) -> [bool; B]),
+    (inputs, sets, flags): ([&[F]; A], Option<usize>, impl Fn(usize) -> [bool; B]),
     results: &mut [R],
     parts: impl Fn(&mut R) -> [&mut [F]; P],
-    states: usize,
-) {
+) -> Result<(), BatchError> {
+    let states = states_each(arguments, inputs, sets, results.len())?;
     let mut at = 0;
     let mut tile = Tile::<F, I, O, B>::new();
     while at < states {
@@ -377,6 +373,7 @@ fn each<
         }
         at += count;
     }
+    Ok(())
 }
 
 /// Returns the number of states. Errors if an argument holds another number of states than the first argument. An

@@ -85,6 +85,8 @@ pub use results::{
     IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian, InverseDynamicsJvp,
     InverseDynamicsVjp, OperationalInertia, Step, StepDerivatives, StepHessian,
 };
+#[cfg(feature = "alloc")]
+pub use robot::EmbeddedModel;
 pub use robot::{Array, Factorization, NotGenerated, Robot};
 #[cfg(feature = "alloc")]
 pub use scalar::LaneScalar;

@@ -68,6 +68,10 @@ struct Rollout {
     /// The text of the function `forces`: the joint forces from the state and the controls of a step
     #[arg(long, value_name = "FILE", requires_all = ["rollout", "controls"])]
     forces: Option<PathBuf>,
+    /// The text of the function `contacts`, which proposes the active contacts of a step; with it and the functions
+    /// `constrained_forward_dynamics` and `integrate` there is a kernel of steps that hold them
+    #[arg(long, value_name = "FILE", requires = "rollout")]
+    active_contacts: Option<PathBuf>,
     /// The number of controls of a step
     #[arg(long, value_name = "N", requires = "forces")]
     controls: Option<usize>,
@@ -87,7 +91,8 @@ impl Rollout {
             (Some(path), Some(controls)) => Some(RolloutForces { text: read(path)?, controls }),
             _ => None,
         };
-        Ok(self.rollout.then_some(RolloutOptions { cost, forces }))
+        let contacts = self.active_contacts.as_ref().map(read).transpose()?;
+        Ok(self.rollout.then_some(RolloutOptions { cost, forces, contacts }))
     }
 }
 
@@ -200,7 +205,7 @@ fn write(
 
 /// Refuses options that only Rust has.
 fn refuse_rust_options(arguments: &Arguments, target: &str) -> Result<(), Failure> {
-    let of_rust = ["c_functions", "visibility", "crate", "self_contained"];
+    let of_rust = ["c_functions", "visibility", "crate", "self_contained", "embed_model"];
     let given = of_rust.into_iter().find(|name| arguments.code.has(name));
     if let Some(option) = given.or(arguments.c_header.as_ref().map(|_| "c_header")) {
         let option = option.replace('_', "-");

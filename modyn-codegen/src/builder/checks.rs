@@ -62,6 +62,13 @@ impl Builder {
                 "remove `crate` or `self_contained`".into(),
             );
         }
+        if self.options.code.self_contained && self.options.code.embed_model {
+            error(
+                Code::Option,
+                "a self-contained file has no description, which needs the crate `modyn`".into(),
+                "remove `embed_model` or `self_contained`".into(),
+            );
+        }
         if matches!(self.source, Source::Model(_)) && !self.options.read.loops.is_empty() {
             error(
                 Code::Option,

@@ -24,11 +24,17 @@ impl Builder {
     ///
     /// # Errors
     ///
-    /// Returns all errors of the description and the options. The options `self_contained` and `c_functions` are refused:
-    /// the Rust text needs the crate `modyn`, and the object's functions are C functions already.
+    /// Returns all errors of the description and the options. The options `self_contained`, `embed_model` and
+    /// `c_functions` are refused: the Rust text needs the crate `modyn` and has functions alone, and the object's functions
+    /// are C functions already.
     pub fn plan_object(&self) -> Result<ObjectPlanning, Diagnostics> {
         let code = &self.options.code;
         let refused = [
+            (
+                code.embed_model,
+                "embed_model",
+                "the Rust text beside an object file has no description",
+            ),
             (
                 code.self_contained,
                 "self_contained",

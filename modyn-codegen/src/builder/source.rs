@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use modyn_runtime::EmbeddedModel;
 use modyn_runtime::model::Model;
 
 use super::Builder;
@@ -80,6 +81,14 @@ impl Builder {
     pub fn model(mut self, model: Model) -> Self {
         self.source = Source::Model(Box::new(model));
         self
+    }
+
+    /// Sets the robot of a generated type, which has its description by the option
+    /// [`embed_model`](Self::embed_model). It keeps its own gravity unless [`gravity`](Self::gravity) is called. Its options
+    /// about code are not taken over.
+    #[must_use]
+    pub fn robot<R: EmbeddedModel>(self) -> Self {
+        self.model(R::model())
     }
 
     /// Sets the errors of a description that could not be read; `generate` returns them with the errors of the options.

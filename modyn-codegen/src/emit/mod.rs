@@ -62,6 +62,8 @@ pub struct EmitOptions {
     pub scalar: FloatType,
     /// Whether the text carries the parts of the runtime that it needs, and depends on `core` only.
     pub self_contained: bool,
+    /// Whether the type has the robot's description.
+    pub embed_model: bool,
     /// The prefix of functions for C; `None` for no such functions.
     pub c_prefix: Option<String>,
     /// The warnings about the description, for the documentation.
@@ -76,6 +78,7 @@ impl Default for EmitOptions {
             crate_path: "::modyn".into(),
             scalar: FloatType::default(),
             self_contained: false,
+            embed_model: false,
             c_prefix: None,
             warnings: Vec::new(),
         }

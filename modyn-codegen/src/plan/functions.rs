@@ -315,9 +315,7 @@ functions! {
     )
         .packed(Packing::Columns);
     /// The state after a semi-implicit Euler step.
-    StepSemiImplicit "step_semi_implicit" = Row::one(
-        &[Q, QD, TAU, DT],
-        shapes::step,
+    StepSemiImplicit "step_semi_implicit" = Row::step(
         "Returns the state after the time `dt` (s) under the joint forces `tau`, by the semi-implicit Euler method: the\n\
          new velocities are `qd` + `dt` qdd, and move the coordinates.",
         |t, s| t.step_semi_implicit(&s.elimination),
@@ -346,18 +344,14 @@ functions! {
     )
         .packed(Packing::Columns);
     /// The state after a Runge-Kutta step.
-    StepRk4 "step_rk4" = Row::one(
-        &[Q, QD, TAU, DT],
-        shapes::step,
+    StepRk4 "step_rk4" = Row::step(
         "Returns the state after the time `dt` (s) under the constant joint forces `tau`, by a Runge-Kutta method of\n\
          fourth order. Rotations follow exponential maps, so quaternions keep length 1.",
         |t, s| t.step_rk4(&s.elimination),
         |m| 56_000.0 * m.carried + 3200.0 * m.links,
     );
     /// The state after a step of the implicit midpoint rule.
-    StepImplicitMidpoint "step_implicit_midpoint" = Row::one(
-        &[Q, QD, TAU, DT],
-        shapes::step,
+    StepImplicitMidpoint "step_implicit_midpoint" = Row::step(
         "Returns the state after the time `dt` (s) under the constant joint forces `tau`, by the implicit midpoint rule: of\n\
          second order, symmetric, and stable under stiff damping. Three iterations of simplified Newton solve its\n\
          equations. Rotations follow exponential maps, so quaternions keep length 1.",

@@ -3,7 +3,7 @@
 use modyn_runtime::OperationCount;
 
 use super::functions::{Argument, CForm, Function};
-use super::shape::{Record, Shape};
+use super::shape::Shape;
 use crate::program::Program;
 
 /// A function or a bundle of functions, planned for a robot.
@@ -60,7 +60,7 @@ impl Planned {
     /// Returns whether the function computes the state after a time step, from `q`, `qd`, `tau` and `dt`.
     #[must_use]
     pub fn is_step(&self) -> bool {
-        matches!(self.result, Shape::Record(Record::Each("Step"), _))
+        self.function.is_some_and(|function| function.row().is_step)
     }
 
     /// Returns the operations of one call on scalars; for a function of one link, those of the most expensive link.

@@ -1,4 +1,5 @@
-//! Robots and numbers of the tests.
+//! Robots and numbers of the tests. No test uses all of them.
+#![allow(dead_code)]
 
 use std::path::Path;
 

@@ -18,7 +18,7 @@ from ._errors import DescriptionError, DescriptionWarning, Diagnostic, MachineCo
 from ._modyn import Factorization, Robot, functions, load, loads, set_threads
 from ._results import *  # noqa: F403
 from ._show import Animation, show
-from ._types import BaseParameters, ConstraintSettings, ContactTarget, Joint, JointLimits
+from ._types import BaseParameters, ConstraintSettings, ContactTarget, Joint, JointLimits, RolloutResults
 
 __version__ = "0.1.0"
 
@@ -35,6 +35,7 @@ __all__ = [
     "JointLimits",
     "MachineCodeWarning",
     "Robot",
+    "RolloutResults",
     "conventions",
     "functions",
     "load",

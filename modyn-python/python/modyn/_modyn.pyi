@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from typing_extensions import TypedDict, Unpack
 
 from ._results import *
-from ._types import BaseParameters, ConstraintSettings, Joint, JointLimits
+from ._types import BaseParameters, ConstraintSettings, Joint, JointLimits, RolloutResults
 
 # `float64`, or `float32` with the option `scalar="f32"`.
 Array: TypeAlias = NDArray[Any]
@@ -119,6 +119,74 @@ class Factorization:
         """Returns the solution x, (nv,), of M x = `rhs` with the mass matrix M; `rhs` is (nv,)."""
 
 @final
+class GpuArray:
+    """Numbers for n states on a graphics processor, in single precision: arguments and results of kernels."""
+
+    def numpy(self) -> Any:
+        """Waits until the numbers are computed, and returns a copy of them: an array of `float32`, or a named tuple of
+        arrays as the robot's function returns. The first axis is that of the states."""
+    def __len__(self) -> int:
+        """The number of states."""
+
+@final
+class GpuRobot:
+    """The kernels of a robot on a graphics processor, a thread for each state, in single precision. Each is compiled at
+    its first use. `Robot.gpu` makes them."""
+
+    @property
+    def processor(self) -> str:
+        """The name of the processor, as its driver gives it."""
+    def upload(self, array: ArrayLike) -> GpuArray:
+        """Copies an array of n states to the processor, which rounds the numbers to single precision. The first axis is
+        that of the states."""
+    def run(self, function: str, *arguments: ArrayLike | GpuArray, link: str | int | None = None) -> GpuArray:
+        """Runs the kernel of a function, such as `"forward_dynamics"`, on all states of its arguments: arrays on the
+        processor or of NumPy. A function of a link takes its name or index, too. The result stays on the processor; the
+        call does not wait for it."""
+    def rollout(
+        self,
+        functions: Sequence[str] | None = None,
+        *,
+        cost: str | None = None,
+        forces: str | None = None,
+        controls: int | None = None,
+        contacts: str | None = None,
+    ) -> GpuRollout:
+        """Returns kernels that integrate motions over many time steps.
+
+        The time steps among `functions` become kernels, by default `step_semi_implicit`. `cost` and `forces` are functions
+        of yours in WGSL, which may call the functions of the robot (`robot_link_pose_hand`) and read the array `data`;
+        docs/gpu.md has their signatures. `controls` is the number of controls of a step that `forces` takes. `contacts`
+        proposes the active contacts of a step; then `functions` has `constrained_forward_dynamics` and `integrate`.
+        """
+
+@final
+class GpuRollout:
+    """Kernels that integrate motions over many time steps. `GpuRobot.rollout` makes them."""
+
+    def run(
+        self,
+        q: ArrayLike | GpuArray,
+        qd: ArrayLike | GpuArray,
+        controls: ArrayLike | GpuArray,
+        dt: float,
+        *,
+        step: str = "step_semi_implicit",
+        settings: ConstraintSettings | ArrayLike | GpuArray | None = None,
+        data: ArrayLike | GpuArray | None = None,
+        trajectory: bool = False,
+    ) -> RolloutResults:
+        """Runs n rollouts from the states `q`, (nq,) or (k, nq), and `qd`, (nv,) or (k, nv), under the `controls`,
+        (n, steps, controls), with steps of `dt` s. Rollout i starts from state i modulo k. The arrays may be on the
+        processor.
+
+        `step` is a time step among the functions; `"constrained_forward_dynamics"` for steps that close loops and hold
+        contacts, whose `settings` are those of the function. `data` are numbers for your functions. Returns
+        `RolloutResults`, whose arrays stay on the processor: `state` (n, nq + nv) after the last step, `cost` (n,) or
+        `None`, and with `trajectory=True` `trajectory` (n, steps, nq + nv). The call does not wait for them.
+        """
+
+@final
 class Robot:
     """A robot: a description (URDF or MJCF) whose functions are compiled to machine code, each at its first use.
 
@@ -199,6 +267,9 @@ class Robot:
     ) -> None:
         """Sets the payload of a link, in the link's frame: an inertia that is added to the link's, with the units of
         `set_inertia`. The default is a point mass at the link's origin. Needs the option `payload`."""
+    def gpu(self) -> GpuRobot:
+        """Returns the robot's kernels on the machine's graphics processor, in single precision; on a software processor
+        where there is no other. `RuntimeError` if there is none, or the package was built without the feature `gpu`."""
     def bundle(self, name: str, *arguments: ArrayLike, out: Any = None, **named: ArrayLike) -> Any:
         """Calls a bundle by its name, with the arguments of all its functions by position or name."""
     def brge(self, q: ArrayLike) -> Factorization:

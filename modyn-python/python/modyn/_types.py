@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections import namedtuple
 from dataclasses import dataclass, field
 from functools import cache
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
+
+if TYPE_CHECKING:
+    from ._modyn import GpuArray
 
 
 class JointLimits(NamedTuple):
@@ -99,6 +102,17 @@ class Joint(NamedTuple):
     """the joint's entries of `q`"""
     v: slice
     """the joint's entries of `qd`"""
+
+
+class RolloutResults(NamedTuple):
+    """The results of n rollouts of `GpuRollout`: arrays on the graphics processor, whose `numpy` copies them."""
+
+    state: GpuArray
+    """the states after the last step, (n, nq + nv): the coordinates, then the velocities"""
+    cost: GpuArray | None
+    """the sum of your function `cost` over the steps, (n,)"""
+    trajectory: GpuArray | None
+    """the states after each step, (n, steps, nq + nv)"""
 
 
 @cache

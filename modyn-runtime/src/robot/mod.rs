@@ -1,6 +1,8 @@
 //! The trait of all generated robots, for code that is written for any robot.
 
 mod array;
+#[cfg(feature = "alloc")]
+mod embedded_model;
 mod factorization;
 mod functions;
 
@@ -20,6 +22,8 @@ use crate::results::{
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 use functions::{declare_function, declare_functions, missing};
 
+#[cfg(feature = "alloc")]
+pub use embedded_model::EmbeddedModel;
 pub use {
     array::Array,
     factorization::{Factorization, NotGenerated},

@@ -1,6 +1,6 @@
 /* The angle from the x axis to (x, y), to 3 units in the last place; conventions for zeros and infinities as in
    IEEE 754. */
-static REAL modyn_atan2(REAL y, REAL x)
+FUNCTION REAL modyn_atan2(REAL y, REAL x)
 {
     static const REAL series[ATAN_TERMS] = { ATAN_SERIES };
     const REAL width = ABS(x);

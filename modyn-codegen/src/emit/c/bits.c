@@ -4,7 +4,7 @@ typedef union {
     BITS bits;
 } modyn_number;
 
-static BITS modyn_bits(REAL x)
+FUNCTION BITS modyn_bits(REAL x)
 {
     modyn_number both;
     both.number = x;

@@ -1,4 +1,4 @@
-static REAL modyn_from_bits(BITS bits)
+FUNCTION REAL modyn_from_bits(BITS bits)
 {
     modyn_number both;
     both.bits = bits;

@@ -1,5 +1,5 @@
 /* The natural logarithm, to 2 units in the last place. */
-static REAL modyn_ln(REAL x)
+FUNCTION REAL modyn_ln(REAL x)
 {
     static const REAL series[LN_TERMS] = { LN_SERIES };
     const BITS one = 1U;

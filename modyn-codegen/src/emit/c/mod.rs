@@ -17,7 +17,7 @@ use super::{FloatType, MachineCode, coordinates_in_c};
 use crate::names;
 use crate::plan::{Argument, Frames, Function, Kernels, LinkCode, Plan, Shape};
 use crate::program::Program;
-pub(super) use support::text as support;
+pub(super) use support::{Qualifiers, text as support};
 
 /// The generated source file and header.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -116,7 +116,7 @@ impl Printer {
 
     /// Returns the text of the support functions that the printed functions call.
     pub(super) fn support(&self) -> String {
-        support(&self.support, self.float)
+        support(&self.support, self.float, &Qualifiers::C)
     }
 
     fn print(mut self, plan: &Plan, model: &Model, file: &str) -> CSource {

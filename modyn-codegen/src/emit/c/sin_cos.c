@@ -7,7 +7,7 @@ typedef struct {
 } modyn_reduced;
 
 /* The upper 64 bits of a product. */
-static unsigned long long modyn_high(unsigned long long a, unsigned long long b)
+FUNCTION unsigned long long modyn_high(unsigned long long a, unsigned long long b)
 {
     const unsigned long long mask = 0xffffffffULL;
     const unsigned long long low = (a & mask) * (b & mask);
@@ -17,7 +17,7 @@ static unsigned long long modyn_high(unsigned long long a, unsigned long long b)
 }
 
 /* 64 bits of 1 / pi, from bit 64 i after start on. */
-static unsigned long long modyn_limb(unsigned int start, unsigned int i)
+FUNCTION unsigned long long modyn_limb(unsigned int start, unsigned int i)
 {
     /* 1 / pi in binary, after 64 zeros. */
     static const unsigned long long words[LIMBS] = {
@@ -33,7 +33,7 @@ static unsigned long long modyn_limb(unsigned int start, unsigned int i)
 
 /* Reduces m 2^e (m below 2^53, -62 < e < 972) modulo pi after Payne and Hanek 1983, "Radian reduction for
    trigonometric functions". */
-static modyn_reduced modyn_reduce(unsigned long long m, int e)
+FUNCTION modyn_reduced modyn_reduce(unsigned long long m, int e)
 {
     const unsigned int start = (unsigned int)(e + 63);
     const unsigned long long first = modyn_limb(start, 0U);
@@ -68,7 +68,7 @@ static modyn_reduced modyn_reduce(unsigned long long m, int e)
 }
 
 /* Minus x where the lowest bit is set. */
-static REAL modyn_flip_sign(REAL x, BITS by)
+FUNCTION REAL modyn_flip_sign(REAL x, BITS by)
 {
     return modyn_from_bits(modyn_bits(x) ^ (by << SIGN));
 }
@@ -81,7 +81,7 @@ static REAL modyn_flip_sign(REAL x, BITS by)
 #endif
 
 /* The angle in [-pi/2, pi/2] that differs from x by a multiple of pi, where the fast reduction is not exact. */
-MODYN_RARE static REAL modyn_far(REAL x, BITS *turns)
+RARE_FUNCTION REAL modyn_far(REAL x, BITS *turns)
 {
     const BITS bits = modyn_bits(x);
     const BITS one = 1U;
@@ -100,7 +100,7 @@ MODYN_RARE static REAL modyn_far(REAL x, BITS *turns)
 }
 
 /* Sine and cosine of x in rad; absolute error at most ERROR. */
-static void modyn_sin_cos(REAL x, REAL *sine, REAL *cosine)
+FUNCTION void modyn_sin_cos(REAL x, REAL *sine, REAL *cosine)
 {
     static const REAL sines[SINES] = { SINE_COEFFICIENTS };
     static const REAL cosines[COSINES] = { COSINE_COEFFICIENTS };

@@ -30,9 +30,26 @@ impl Support {
     }
 }
 
+/// The words before the type of a function.
+pub(in crate::emit) struct Qualifiers {
+    /// Those of a function that is called for each angle.
+    pub function: &'static str,
+    /// Those of a function whose calls are rare.
+    pub rare_function: &'static str,
+}
+
+impl Qualifiers {
+    /// Those of C99.
+    pub const C: Self = Self { function: "static", rare_function: "MODYN_RARE static" };
+}
+
 /// Returns the text of these functions and of those that they call. In the templates, words in capitals depend on the
-/// precision, and `R(..)` is a literal.
-pub(in crate::emit) fn text(used: &BTreeSet<Support>, float: FloatType) -> String {
+/// precision and the language, and `R(..)` is a literal.
+pub(in crate::emit) fn text(
+    used: &BTreeSet<Support>,
+    float: FloatType,
+    qualifiers: &Qualifiers,
+) -> String {
     let mut text = String::new();
     if used.iter().any(|support| support.reads_bits()) {
         text += "/* Numbers are as long as their bits. */\n\
@@ -43,7 +60,9 @@ pub(in crate::emit) fn text(used: &BTreeSet<Support>, float: FloatType) -> Strin
         text += include_str!("from_bits.c");
     }
     text.extend(used.iter().map(|support| support.c()));
-    let words = substitutions(float);
+    let mut words = substitutions(float);
+    words.insert("FUNCTION", qualifiers.function.into());
+    words.insert("RARE_FUNCTION", qualifiers.rare_function.into());
     let text = substitute(&text, |word| words.get(word).cloned());
     literals(&text, float)
 }

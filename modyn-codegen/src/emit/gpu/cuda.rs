@@ -13,6 +13,13 @@ use crate::emit::support::Support;
 /// number of blocks, at least 1, ptxas 12.9 gave 32 registers to a kernel with calls.
 const BLOCK: usize = 128;
 
+/// The words before the type of a support function. (Their tables stay `static const`: the indices are counters of loops
+/// that the compiler unrolls.) The reduction of large angles, inlined for each angle, would be two thirds of a kernel.
+const QUALIFIERS: c::Qualifiers = c::Qualifiers {
+    function: "static __device__",
+    rare_function: "static __device__ __noinline__",
+};
+
 /// The first statements of a kernel: the index of the thread's state.
 const THREAD: &str = "    const size_t n = count;\n    \
                       const size_t state = (size_t)blockIdx.x * blockDim.x + threadIdx.x;\n    \
@@ -55,12 +62,7 @@ impl Cuda {
 
 impl Dialect for Cuda {
     fn preamble(&self, used: &BTreeSet<Support>) -> String {
-        let functions = c::support(used, self.float);
-        // Tables stay `static const`: their indices are counters of loops that the compiler unrolls.
-        let functions = functions.replace("\nstatic ", "\nstatic __device__ ");
-        // The reduction of large angles, inlined for each angle, would be two thirds of a kernel.
-        let rare = "static __device__ __noinline__ ";
-        let functions = functions.replace("MODYN_RARE static ", rare);
+        let functions = c::support(used, self.float, &QUALIFIERS);
         format!(
             "#ifdef __CUDACC_RTC__\n\
              #define NAN __int_as_float(0x7fffffff)\n\
@@ -210,8 +212,12 @@ impl Dialect for Cuda {
         format!("{} {name}[{len}]; {function}({}, {name});", self.real(), arguments.join(", "))
     }
 
-    fn step_loop(&self) -> &'static str {
-        "for (unsigned int step = 0; step < steps; ++step) {"
+    fn counting(&self, counter: &str, end: &str) -> String {
+        format!("for (unsigned int {counter} = 0; {counter} < {end}; ++{counter}) {{")
+    }
+
+    fn shared_array(&self, _: RolloutBuffer, _: usize) -> Option<String> {
+        None
     }
 
     fn is_recorded(&self) -> &'static str {

@@ -9,6 +9,7 @@
 //! A [`rollout`] is another text of the same programs: functions on a thread's own arrays, and kernels that call a time
 //! step in a loop.
 
+mod constrained;
 mod cuda;
 mod function;
 mod rollout;
@@ -165,14 +166,27 @@ trait Dialect {
     /// Returns the statement that defines an array of length `len` as the result of a call.
     fn call_into(&self, name: &str, len: usize, function: &str, arguments: &[String]) -> String;
 
-    /// Returns the first line of the loop over the steps.
-    fn step_loop(&self) -> &'static str;
+    /// Returns the first line of a loop that counts from zero to less than `end`.
+    fn counting(&self, counter: &str, end: &str) -> String;
+
+    /// Returns the statement that makes the first `len` numbers of a buffer, whose states share them, an array of the
+    /// buffer's name; `None` if the buffer is one.
+    fn shared_array(&self, buffer: RolloutBuffer, len: usize) -> Option<String>;
 
     /// Returns the condition under which the states of all steps are stored.
     fn is_recorded(&self) -> &'static str;
 
     /// Returns the buffers that the user's functions receive as their last arguments.
     fn shared_buffers(&self) -> &'static [RolloutBuffer];
+}
+
+impl GpuSource {
+    /// Returns the name of a kernel without the robot's: that of the function, and for a function of a link the link's.
+    #[must_use]
+    pub fn own_name<'k>(&self, kernel: &'k GpuKernel) -> &'k str {
+        let name = kernel.name.strip_prefix(&self.prefix);
+        name.and_then(|name| name.strip_prefix('_')).unwrap_or(&kernel.name)
+    }
 }
 
 /// The place of a program's arguments and results.

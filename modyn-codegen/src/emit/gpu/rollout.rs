@@ -8,9 +8,10 @@ use std::fmt::Write as _;
 
 use modyn_runtime::model::Model;
 
-use super::{Dialect, GpuKernel, GpuLanguage, Storage, dialect, function, head, kernels};
+use super::constrained::ConstrainedStep;
+use super::{Dialect, GpuKernel, GpuLanguage, Kernel, Storage, dialect, function, head, kernels};
 use crate::emit::FloatType;
-use crate::plan::Plan;
+use crate::plan::{Function, Plan};
 
 /// The functions of the user in rollouts, as texts in the language of the kernels.
 ///
@@ -22,6 +23,10 @@ pub struct RolloutOptions {
     pub cost: Option<String>,
     /// The joint forces as a function of the state and of controls; without it the controls are the joint forces.
     pub forces: Option<RolloutForces>,
+    /// The text of the function `contacts`: the contacts that may be active in a step. With it, and with
+    /// `constrained_forward_dynamics` and `integrate` among the robot's functions, there is a kernel of steps that hold
+    /// these contacts.
+    pub contacts: Option<String>,
 }
 
 /// The user's function `forces` in rollouts.
@@ -43,6 +48,8 @@ pub enum RolloutBuffer {
     StartQd,
     /// The controls: control `j` of step `k` of rollout `i` of `n` is number `(k controls + j) n + i`.
     Controls,
+    /// The settings of closed loops and contacts, common to all rollouts.
+    Settings,
     /// Numbers for the user's functions, common to all rollouts.
     Data,
     /// The run-time parameters, common to all rollouts.
@@ -64,6 +71,7 @@ impl RolloutBuffer {
             Self::StartQ => "start_q",
             Self::StartQd => "start_qd",
             Self::Controls => "controls",
+            Self::Settings => "settings",
             Self::Data => "data",
             Self::Parameters => "params",
             Self::Out => "out",
@@ -99,6 +107,9 @@ pub struct RolloutSource {
     pub controls: usize,
     /// The number of run-time parameters.
     pub parameters: usize,
+    /// The number of settings of closed loops and contacts, in the order of `ConstraintSettings`; zero without steps that
+    /// hold them.
+    pub settings: usize,
     /// The buffers of each kernel. In WGSL their bindings in group 0 are counted in this order, and after them comes a
     /// uniform: the numbers of rollouts, steps and initial states, whether the trajectory is stored (`u32` each), and the
     /// time step (`f32`). Rollout `i` starts from initial state `i` modulo their number.
@@ -111,7 +122,8 @@ pub struct RolloutSource {
 pub struct GpuRollout {
     /// The name of the entry point.
     pub name: String,
-    /// The name of the function of a time step.
+    /// The name of the function of a time step; `constrained_forward_dynamics` for a semi-implicit Euler step that closes the
+    /// loops and holds contacts.
     pub step: &'static str,
     /// The number of statements of a time step, without those of the user's functions.
     pub statements: usize,
@@ -146,11 +158,15 @@ pub(in crate::emit) fn print(
     let sizes = &plan.sizes;
     let controls = options.forces.as_ref().map_or(sizes.nv, |forces| forces.controls);
     let parameters = plan.functions.iter().map(|planned| planned.parameters).max().unwrap_or(0);
-    let has_functions = options.cost.is_some() || options.forces.is_some();
+    let has_functions =
+        options.cost.is_some() || options.forces.is_some() || options.contacts.is_some();
+    let constrained = constrained_step(&kernels, plan, options);
+    let settings = constrained.as_ref().map_or(0, ConstrainedStep::settings);
     let optional = [
         (RolloutBuffer::StartQ, true),
         (RolloutBuffer::StartQd, true),
         (RolloutBuffer::Controls, true),
+        (RolloutBuffer::Settings, settings > 0),
         (RolloutBuffer::Data, has_functions),
         (RolloutBuffer::Parameters, parameters > 0),
         (RolloutBuffer::Out, true),
@@ -162,25 +178,89 @@ pub(in crate::emit) fn print(
     let shared = dialect.shared_buffers().iter().filter(|buffer| buffers.contains(buffer));
     let shared: Vec<String> = shared.map(|buffer| dialect.buffer(*buffer)).collect();
     let (mut rollouts, mut loops) = (Vec::new(), String::new());
-    let steps: Vec<&str> =
+    let steps_of_table: Vec<&str> =
         plan.functions.iter().filter(|planned| planned.is_step()).map(|step| step.name).collect();
-    for kernel in kernels.iter().filter(|kernel| steps.contains(&kernel.description.function)) {
-        let step = &kernel.description;
-        let name = format!("{prefix}_{}", step.function.replacen("step", "rollout", 1));
-        let body = body(&*dialect, step, (sizes.nq, sizes.nv, controls), options, &shared);
+    let steps = kernels.iter().map(|kernel| &kernel.description);
+    let steps = steps.filter(|kernel| steps_of_table.contains(&kernel.function)).map(Step::Free);
+    for step in steps.chain(constrained.map(Step::Constrained)) {
+        let name = format!("{prefix}_{}", step.rollout());
+        let body = body(&*dialect, &step, (sizes.nq, sizes.nv, controls), options, &shared);
         let rollout = Rollout { prefix, name: &name, docs: &docs(options), buffers: &buffers };
         loops += &dialect.rollout_kernel(&rollout, &body);
-        rollouts.push(GpuRollout { name, step: step.function, statements: step.statements });
+        rollouts.push(GpuRollout { name, step: step.function(), statements: step.statements() });
     }
     let shared_text = Rollout { prefix, name: "", docs: "", buffers: &buffers };
     let mut text = head(model) + &dialect.preamble(&used) + &dialect.rollout_head(&shared_text);
     text += &functions;
-    for user in options.forces.iter().map(|forces| &forces.text).chain(&options.cost) {
+    let texts = options.forces.iter().map(|forces| &forces.text);
+    for user in texts.chain(&options.contacts).chain(&options.cost) {
         let _ = write!(text, "{}\n\n", user.trim_end());
     }
     text += &loops;
     let (prefix, nq, nv) = (prefix.into(), sizes.nq, sizes.nv);
-    RolloutSource { language, prefix, text, rollouts, nq, nv, controls, parameters, buffers }
+    RolloutSource {
+        language,
+        prefix,
+        text,
+        rollouts,
+        nq,
+        nv,
+        controls,
+        parameters,
+        settings,
+        buffers,
+    }
+}
+
+/// The way a kernel computes the state after a time step.
+enum Step<'a> {
+    /// By a function of the table.
+    Free(&'a GpuKernel),
+    /// By a semi-implicit Euler step with constrained accelerations.
+    Constrained(ConstrainedStep<'a>),
+}
+
+impl Step<'_> {
+    /// Returns the name of the kernel without the robot's.
+    fn rollout(&self) -> String {
+        match self {
+            Self::Free(step) => step.function.replacen("step", "rollout", 1),
+            Self::Constrained(_) => "rollout_constrained".into(),
+        }
+    }
+
+    fn function(&self) -> &'static str {
+        match self {
+            Self::Free(step) => step.function,
+            Self::Constrained(step) => step.dynamics.function,
+        }
+    }
+
+    fn statements(&self) -> usize {
+        match self {
+            Self::Free(step) => step.statements,
+            Self::Constrained(step) => step.dynamics.statements + step.integrate.statements,
+        }
+    }
+}
+
+/// Returns the step that closes the loops and holds contacts, if the robot has its functions, and the user proposes the active
+/// contacts where there are some.
+fn constrained_step<'a>(
+    kernels: &'a [Kernel<'_>],
+    plan: &Plan,
+    options: &RolloutOptions,
+) -> Option<ConstrainedStep<'a>> {
+    let of = |function: Function| {
+        let mut all = kernels.iter().map(|kernel| &kernel.description);
+        all.find(|kernel| kernel.function == function.name())
+    };
+    let (dynamics, integrate) =
+        (of(Function::ConstrainedForwardDynamics)?, of(Function::Integrate)?);
+    let contacts = plan.sizes.contacts;
+    let loops = plan.sizes.constraints - contacts;
+    let step = ConstrainedStep { dynamics, integrate, loops, contacts };
+    (options.contacts.is_some() == (contacts > 0)).then_some(step)
 }
 
 /// Returns the documentation of a kernel.
@@ -199,7 +279,7 @@ fn docs(options: &RolloutOptions) -> String {
 /// Returns the body of a rollout's kernel. `shared` are the buffers that functions receive.
 fn body(
     dialect: &dyn Dialect,
-    step: &GpuKernel,
+    step: &Step<'_>,
     (nq, nv, controls): (usize, usize, usize),
     options: &RolloutOptions,
     shared: &[String],
@@ -221,7 +301,11 @@ fn body(
     if options.cost.is_some() {
         let _ = writeln!(text, "    {}", dialect.zero("sum"));
     }
-    let _ = writeln!(text, "    {}", dialect.step_loop());
+    if let Step::Constrained(step) = step {
+        let settings = dialect.shared_array(RolloutBuffer::Settings, step.settings());
+        text.extend(settings.map(|line| format!("    {line}\n")));
+    }
+    let _ = writeln!(text, "    {}", dialect.counting("step", "steps"));
     let mut line = |line: String| {
         let _ = writeln!(text, "        {line}");
     };
@@ -231,14 +315,23 @@ fn body(
         line(dialect.call_into("tau", nv, "forces", &arguments(&["q", "qd", "u", "step"])));
     }
     let parameters = dialect.buffer(RolloutBuffer::Parameters);
-    let passed = step.arguments.iter().any(|argument| argument.common);
-    let passed = shared.iter().filter(|name| passed && **name == parameters).cloned();
-    let of_step: Vec<String> =
-        ["q", "qd", forces, "dt"].map(String::from).into_iter().chain(passed).collect();
-    line(dialect.call_into("next", nq + nv, &step.name, &of_step));
+    let passed = |function: &GpuKernel| {
+        let is_passed = function.arguments.iter().any(|argument| argument.common);
+        let passed = shared.iter().filter(|name| is_passed && **name == parameters);
+        passed.cloned().collect::<Vec<String>>()
+    };
     let state = |j: usize| if j < nq { format!("q[{j}]") } else { format!("qd[{}]", j - nq) };
-    for j in 0..nq + nv {
-        line(format!("{} = next[{j}];", state(j)));
+    match step {
+        Step::Free(step) => {
+            let of_step = ["q", "qd", forces, "dt"].map(String::from).into_iter();
+            let of_step: Vec<String> = of_step.chain(passed(step)).collect();
+            line(dialect.call_into("next", nq + nv, &step.name, &of_step));
+            (0..nq + nv).for_each(|j| line(format!("{} = next[{j}];", state(j))));
+        }
+        Step::Constrained(step) => {
+            let (user, passed) = (arguments(&["q", "qd", "u", "step"]), passed(step.dynamics));
+            step.lines(dialect, (nq, nv), forces, (&user, &passed)).into_iter().for_each(&mut line);
+        }
     }
     if options.cost.is_some() {
         line(format!("sum += cost({});", arguments(&["q", "qd", "u", "step"]).join(", ")));
@@ -246,7 +339,7 @@ fn body(
     line(format!("if ({}) {{", dialect.is_recorded()));
     let places = numbers(RolloutBuffer::Trajectory, nq + nv, &in_step(nq + nv));
     for (j, place) in places.iter().enumerate() {
-        line(format!("    {place} = next[{j}];"));
+        line(format!("    {place} = {};", state(j)));
     }
     line("}".into());
     text += "    }\n";

@@ -290,8 +290,14 @@ impl Dialect for Wgsl {
         format!("let {name} = {function}({});", arguments.join(", "))
     }
 
-    fn step_loop(&self) -> &'static str {
-        "for (var step = 0u; step < steps; step++) {"
+    fn counting(&self, counter: &str, end: &str) -> String {
+        format!("for (var {counter} = 0u; {counter} < {end}; {counter}++) {{")
+    }
+
+    fn shared_array(&self, buffer: RolloutBuffer, len: usize) -> Option<String> {
+        let place = self.buffer(buffer);
+        let numbers: Vec<String> = (0..len).map(|j| format!("{place}[{j}u]")).collect();
+        Some(format!("let {} = array<f32, {len}>({});", buffer.name(), numbers.join(", ")))
     }
 
     fn is_recorded(&self) -> &'static str {

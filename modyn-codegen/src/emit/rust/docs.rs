@@ -259,6 +259,9 @@ fn options(lines: &mut String, robot: &Robot<'_>) {
     if options.self_contained {
         lines.push_str("- `self_contained = true`\n");
     }
+    if options.embed_model {
+        lines.push_str("- `embed_model = true`\n");
+    }
     if let Some(prefix) = &options.c_prefix {
         let _ = writeln!(lines, "- `c_functions = {prefix}`");
     }

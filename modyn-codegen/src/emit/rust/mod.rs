@@ -12,6 +12,7 @@ mod contacts;
 mod dispatch;
 mod docs;
 mod embedded;
+mod embedded_model;
 mod factorization;
 mod frames;
 mod function;
@@ -59,6 +60,9 @@ pub(super) fn print(
         robot.robot_trait(&mut text, &quantities);
         let generated = plan.functions.iter().chain(&plan.batches).filter_map(|p| p.function);
         robot.availability(&mut text, &generated.collect::<Vec<_>>());
+    }
+    if options.embed_model {
+        robot.embedded_model(&mut text);
     }
     if robot.factorizes() {
         robot.factorization(&mut text);

@@ -1,8 +1,9 @@
 //! A row of the table of functions: the properties of a function.
 
 use super::Function;
-use super::arguments::Argument;
+use super::arguments::{Argument, DT, Q, QD, TAU};
 use crate::graph::Graph;
+use crate::plan::shape::shapes;
 use crate::plan::{Measures, Shape, Sizes, Tracing};
 use crate::trace::Tracer;
 
@@ -25,6 +26,9 @@ pub struct Row {
     pub of_constraints: bool,
     /// Whether only robots without closed loops have the function.
     pub without_loops: bool,
+    /// Whether the function computes the state after a time step, from `q`, `qd`, `tau` and `dt` in this order. Rollouts
+    /// call it in a loop.
+    pub is_step: bool,
     /// Whether its argument is random numbers in place of a state. In Rust that is a source of numbers.
     pub of_random_numbers: bool,
     /// Whether the function depends on run-time parameters of the robot (gravity, inertias, payloads).
@@ -111,6 +115,7 @@ impl Row {
             default: false,
             of_constraints: false,
             without_loops: false,
+            is_step: false,
             of_random_numbers: false,
             depends_on_parameters: true,
             hot: false,
@@ -180,6 +185,16 @@ impl Row {
     /// Returns the row of a function that only robots without closed loops have.
     pub(super) const fn without_loops(self) -> Self {
         Self { without_loops: true, ..self }
+    }
+
+    /// Returns the row of a time step, from the arguments `q`, `qd`, `tau` and `dt`.
+    pub(super) const fn step(
+        docs: &'static str,
+        trace: fn(&Tracer<'_>, &Tracing<'_>) -> Graph,
+        bytes: fn(&Measures) -> f64,
+    ) -> Self {
+        let row = Self::one(&[Q, QD, TAU, DT], shapes::step, docs, trace, bytes);
+        Self { is_step: true, ..row }
     }
 
     /// Returns the row of a function of random numbers, which has a source of them as its argument in Rust.

@@ -1,0 +1,106 @@
+//! The description of a robot as a function of its type, for the option `embed_model`.
+//!
+//! The text is an expression that makes the model. The runtime's types print themselves (`Debug`) as Rust writes their
+//! values, with names that the function imports; texts and infinite limits are the exceptions.
+
+use std::fmt::Write as _;
+
+use modyn_runtime::model::{Limits, Link};
+
+use super::Robot;
+
+/// The names in the values of a model.
+const IMPORTS: &str = "\
+use ::core::convert::Into as _;
+    use ::core::option::Option::{None, Some};
+    use __modyn::joint::JointType;
+    use __modyn::model::{
+        Contact, ContactKind, Frame, Friction, Joint, JointDynamics, Limits, Link, LoopConstraint,
+        LoopConstraintEnd, LoopConstraintKind, Mimic, Model,
+    };
+    use __modyn::{Inertial, Pose};";
+
+impl Robot<'_> {
+    /// Prints the implementation of `EmbeddedModel`.
+    pub(super) fn embedded_model(&self, text: &mut String) {
+        let model = self.model;
+        let links = list(model.links().iter().map(link));
+        let frames = list(model.frames().iter().map(|frame| {
+            format!(
+                "Frame {{ name: {:?}.into(), link: {:?}, pose: {:?}, inertial: {:?} }}",
+                frame.name, frame.link, frame.pose, frame.inertial
+            )
+        }));
+        let loops = list(model.loop_constraints().iter().map(|constraint| {
+            format!(
+                "LoopConstraint {{ name: {:?}.into(), kind: LoopConstraintKind::{:?}, ends: {:?} }}",
+                constraint.name, constraint.kind, constraint.ends
+            )
+        }));
+        let contacts = list(model.contacts().iter().map(|contact| {
+            format!(
+                "Contact {{ name: {:?}.into(), kind: ContactKind::{:?}, end: {:?} }}",
+                contact.name, contact.kind, contact.end
+            )
+        }));
+        let _ = writeln!(
+            text,
+            "impl __modyn::EmbeddedModel for {} {{\nfn model() -> __modyn::model::Model {{\n    {IMPORTS}\n    \
+             let links: [Link; {}] = {links};\n    let frames: [Frame; {}] = {frames};\n    \
+             let loops: [LoopConstraint; {}] = {loops};\n    let contacts: [Contact; {}] = {contacts};\n    \
+             let model = Model::new({:?}, {:?}, links.into(), frames.into());\n    \
+             let model = model.and_then(|model| model.with_friction(Friction::{:?}));\n    \
+             let model = model.and_then(|model| model.with_loop_constraints(loops.into()));\n    \
+             model\n        .and_then(|model| model.with_contacts(contacts.into()))\n        \
+             .expect(\"the model was valid when this was compiled\")\n}}\n}}\n",
+            self.name,
+            model.links().len(),
+            model.frames().len(),
+            model.loop_constraints().len(),
+            model.contacts().len(),
+            model.name(),
+            model.gravity(),
+            model.friction(),
+        );
+    }
+}
+
+/// Returns an array of these values, a line each.
+fn list(values: impl Iterator<Item = String>) -> String {
+    let lines: String = values.map(|value| format!("\n        {value},")).collect();
+    if lines.is_empty() { "[]".into() } else { format!("[{lines}\n    ]") }
+}
+
+fn link(link: &Link) -> String {
+    let Link { name, parent, joint, inertial } = link;
+    let limits = match &joint.limits {
+        None => "None".into(),
+        Some(Limits { lower, upper, velocity, effort }) => {
+            let [lower, upper, velocity, effort] = [lower, upper, velocity, effort].map(limit);
+            format!(
+                "Some(Limits {{ lower: {lower}, upper: {upper}, velocity: {velocity}, effort: {effort} }})"
+            )
+        }
+    };
+    format!(
+        "Link {{ name: {name:?}.into(), parent: {parent:?}, joint: Joint {{ name: {:?}.into(), \
+         joint_type: JointType::{:?}, axis: {:?}, second_axis: {:?}, origin: {:?}, limits: {limits}, mimic: {:?}, \
+         dynamics: {:?} }}, inertial: {inertial:?} }}",
+        joint.name,
+        joint.joint_type,
+        joint.axis,
+        joint.second_axis,
+        joint.origin,
+        joint.mimic,
+        joint.dynamics,
+    )
+}
+
+/// Returns a limit, which may be infinite.
+fn limit(limit: &Option<f64>) -> String {
+    match limit {
+        Some(x) if *x == f64::INFINITY => "Some(f64::INFINITY)".into(),
+        Some(x) if *x == f64::NEG_INFINITY => "Some(f64::NEG_INFINITY)".into(),
+        other => format!("{other:?}"),
+    }
+}

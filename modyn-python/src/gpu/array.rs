@@ -1,0 +1,141 @@
+//! Arrays on a graphics processor, to and from NumPy.
+
+use modyn_gpu::Gpu;
+use numpy::PyReadonlyArrayDyn;
+use numpy::prelude::*;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use super::exception;
+use crate::arrays::{Given, Output, tuple};
+use crate::layout::{Layout, Leaf};
+
+/// Numbers for n states on a graphics processor, in single precision: arguments and results of kernels.
+#[pyclass(frozen, module = "modyn")]
+pub struct GpuArray {
+    pub(super) array: modyn_gpu::GpuArray,
+    layout: Layout,
+}
+
+impl GpuArray {
+    /// Returns an array whose states have this layout.
+    pub(super) fn new(array: modyn_gpu::GpuArray, layout: Layout) -> Self {
+        Self { array, layout }
+    }
+}
+
+#[pymethods]
+impl GpuArray {
+    /// Waits until the numbers are computed, and returns a copy of them: an array of `float32`, or a named tuple of arrays
+    /// as the robot's function returns. The first axis is that of the states.
+    fn numpy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let (scalars, states) = (self.array.scalars(), self.array.states());
+        let columns = py.detach(|| self.array.read()).map_err(|error| exception(py, error))?;
+        let layout = (&self.layout, scalars);
+        let mut output = Output::<f32>::new(py, "numpy", layout, Some(states), None)?;
+        for (i, state) in output.as_mut_slice().chunks_exact_mut(scalars).enumerate() {
+            for (j, number) in state.iter_mut().enumerate() {
+                *number = columns[j * states + i];
+            }
+        }
+        output.finish()
+    }
+
+    /// The number of states.
+    fn __len__(&self) -> usize {
+        self.array.states()
+    }
+
+    fn __repr__(&self) -> String {
+        let (scalars, states) = (self.array.scalars(), self.array.states());
+        format!("<modyn.GpuArray of {states} states, {scalars} numbers each>")
+    }
+}
+
+/// Returns the layout of states that are arrays of these lengths.
+pub(super) fn layout(shape: &[usize]) -> Layout {
+    let stride = |axis: usize| shape[axis + 1..].iter().product();
+    let axes = shape.iter().enumerate().map(|(axis, n)| (*n, stride(axis))).collect();
+    Layout::Array(Leaf { offset: 0, axes })
+}
+
+/// Copies numbers to the processor, those of one state after another.
+pub(super) fn upload(
+    py: Python<'_>,
+    gpu: &Gpu,
+    numbers: &[f32],
+    states: usize,
+) -> PyResult<modyn_gpu::GpuArray> {
+    let scalars = numbers.len() / states.max(1);
+    let uploaded = py.detach(|| {
+        let columns = (0..scalars).flat_map(|j| (0..states).map(move |i| i * scalars + j));
+        gpu.upload(&columns.map(|place| numbers[place]).collect::<Vec<f32>>(), states)
+    });
+    uploaded.map_err(|error| exception(py, error))
+}
+
+/// Returns the array of n states of any shape, and the shape of a state.
+pub(super) fn any(
+    py: Python<'_>,
+    gpu: &Gpu,
+    object: &Bound<'_, PyAny>,
+) -> PyResult<(modyn_gpu::GpuArray, Vec<usize>)> {
+    let array = py.import("numpy")?.call_method1("ascontiguousarray", (object, "float32"))?;
+    let array: PyReadonlyArrayDyn<'_, f32> = array.extract()?;
+    let [states, shape @ ..] = array.shape() else {
+        let found = tuple(array.shape());
+        return Err(PyValueError::new_err(format!(
+            "an array of n states has an axis: not {found}"
+        )));
+    };
+    Ok((upload(py, gpu, array.as_slice()?, *states)?, shape.to_vec()))
+}
+
+/// An argument of a kernel: on the processor, or yet to be copied.
+pub(super) enum Argument<'py> {
+    OnProcessor(modyn_gpu::GpuArray),
+    Given(Given<'py, f32>),
+}
+
+impl<'py> Argument<'py> {
+    /// Returns the argument `name` of `function`, whose states have this shape.
+    ///
+    /// # Errors
+    ///
+    /// `TypeError` if these are not real numbers, `ValueError` for another shape.
+    pub fn read(
+        function: &str,
+        name: &str,
+        shape: &[usize],
+        object: &Bound<'py, PyAny>,
+    ) -> PyResult<Self> {
+        match object.cast::<GpuArray>() {
+            Ok(array) => Ok(Self::OnProcessor(array.get().array.clone())),
+            Err(_) => Ok(Self::Given(Given::read_for_scalar(function, name, shape, object)?)),
+        }
+    }
+
+    /// Returns the number of states; `None` for one state without an axis of states.
+    pub fn states(&self) -> Option<usize> {
+        match self {
+            Self::OnProcessor(array) => Some(array.states()),
+            Self::Given(given) => given.states,
+        }
+    }
+
+    /// Returns the array on the processor; one state is repeated this often.
+    pub fn uploaded(
+        self,
+        py: Python<'_>,
+        gpu: &Gpu,
+        repeated: usize,
+    ) -> PyResult<modyn_gpu::GpuArray> {
+        match self {
+            Self::OnProcessor(array) => Ok(array),
+            Self::Given(given) => match given.states {
+                Some(states) => upload(py, gpu, given.as_slice(), states),
+                None => upload(py, gpu, &given.as_slice().repeat(repeated), repeated),
+            },
+        }
+    }
+}

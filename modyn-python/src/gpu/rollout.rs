@@ -1,0 +1,167 @@
+//! Rollouts: motions over many time steps, a thread for each.
+#![allow(clippy::too_many_arguments)]
+
+use modyn_codegen::{FloatType, Function, RolloutForces, RolloutOptions};
+use modyn_gpu::{Gpu, Rollout, RolloutArguments};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use super::array::{Argument, any, layout, upload};
+use super::{GpuArray, exception, function_named};
+use crate::arrays::tuple;
+use crate::errors::description_error;
+use crate::parameters::ParameterNumbers;
+use crate::robot::Robot;
+
+/// Kernels that integrate motions over many time steps. `GpuRobot.rollout` makes them.
+#[pyclass(frozen, module = "modyn")]
+pub struct GpuRollout {
+    gpu: Gpu,
+    robot: Py<Robot>,
+    rollout: Rollout,
+    parameters: ParameterNumbers<f32>,
+}
+
+impl GpuRollout {
+    /// Compiles the rollouts of these functions, with functions of the user.
+    ///
+    /// # Errors
+    ///
+    /// `DescriptionError` if there is no time step or no control, `RuntimeError` with the place if the processor refuses a
+    /// function of the user.
+    pub(super) fn new(
+        py: Python<'_>,
+        (gpu, robot): (&Gpu, Py<Robot>),
+        functions: &[Function],
+        (cost, contacts): (Option<String>, Option<String>),
+        (forces, controls): (Option<String>, Option<usize>),
+    ) -> PyResult<Self> {
+        let forces = match (forces, controls) {
+            (Some(text), Some(controls)) => Some(RolloutForces { text, controls }),
+            (None, None) => None,
+            (Some(_), None) => {
+                let message = "`forces` needs `controls`, the number of controls of a step";
+                return Err(PyValueError::new_err(message));
+            }
+            (None, Some(_)) => {
+                let message = "without `forces` the controls are the joint forces, and `controls` is not given";
+                return Err(PyValueError::new_err(message));
+            }
+        };
+        let own = robot.get();
+        let builder = own.builder().clone().scalar(FloatType::F32);
+        let builder = builder.functions(functions.iter().copied()).bundles(own.bundles().cloned());
+        let planning = builder.plan().map_err(|errors| description_error(py, &errors))?;
+        let options = RolloutOptions { cost, forces, contacts };
+        let rollout = py.detach(|| Rollout::new(gpu, &builder, &options));
+        let rollout = rollout.map_err(|error| exception(py, error))?;
+        let has_parameters = rollout.source().parameters > 0;
+        let (plan, gravity) = (&planning.plan, planning.model.gravity());
+        let parameters = ParameterNumbers::new(plan, gravity, has_parameters);
+        Ok(Self { gpu: gpu.clone(), robot, rollout, parameters })
+    }
+
+    /// Returns the controls: (n, steps, controls), or an array on the processor.
+    fn controls(
+        &self,
+        py: Python<'_>,
+        controls: &Bound<'_, PyAny>,
+    ) -> PyResult<modyn_gpu::GpuArray> {
+        if let Ok(array) = controls.cast::<GpuArray>() {
+            return Ok(array.get().array.clone());
+        }
+        let (array, shape) = any(py, &self.gpu, controls)?;
+        let count = self.rollout.source().controls;
+        match *shape {
+            [_, found] if found == count => Ok(array),
+            _ => {
+                let found = tuple(&[&[array.states()], &*shape].concat());
+                let message = format!(
+                    "`controls` of `run` has the shape {found}; expected (n, steps, {count}) for n rollouts"
+                );
+                Err(PyValueError::new_err(message))
+            }
+        }
+    }
+}
+
+#[pymethods]
+impl GpuRollout {
+    /// Runs n rollouts from the states `q`, (nq,) or (k, nq), and `qd`, (nv,) or (k, nv), under the `controls`, (n, steps,
+    /// controls), with steps of `dt` s. Rollout i starts from state i modulo k. The arrays may be on the processor.
+    ///
+    /// `step` is a time step among the functions; `"constrained_forward_dynamics"` for steps that close loops and hold
+    /// contacts, whose `settings` are those of the function. `data` are numbers for your functions. Returns
+    /// `RolloutResults`, whose arrays stay on the processor: `state` (n, nq + nv) after the last step, `cost` (n,) or `None`,
+    /// and with `trajectory=True` `trajectory` (n, steps, nq + nv). The call does not wait for them.
+    #[pyo3(signature = (q, qd, controls, dt, *, step="step_semi_implicit", settings=None, data=None, trajectory=false))]
+    fn run<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        controls: &Bound<'py, PyAny>,
+        dt: f32,
+        step: &str,
+        settings: Option<&Bound<'py, PyAny>>,
+        data: Option<&Bound<'py, PyAny>>,
+        trajectory: bool,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let source = self.rollout.source();
+        let step = function_named(step)?;
+        let [q, qd] = [("q", source.nq, q), ("qd", source.nv, qd)].map(|(name, n, object)| {
+            Argument::read("run", name, &[n], object)?.uploaded(py, &self.gpu, 1)
+        });
+        let (q, qd, controls) = (q?, qd?, self.controls(py, controls)?);
+        let common = |name, shape: &[usize], object: Option<&Bound<'py, PyAny>>| {
+            let read = |object| Argument::read("run", name, shape, object);
+            let uploaded = |object| read(object)?.uploaded(py, &self.gpu, 1);
+            object.map(uploaded).transpose()
+        };
+        let settings = common("settings", &[source.settings], settings)?;
+        let data = data.map(|data| any_numbers(py, &self.gpu, data)).transpose()?;
+        let parameters = match source.parameters {
+            0 => None,
+            _ => {
+                let numbers = self.robot.get().changed(&self.parameters)?;
+                Some(upload(py, &self.gpu, numbers.as_slice(), 1)?)
+            }
+        };
+        let arguments = RolloutArguments {
+            step,
+            settings: settings.as_ref(),
+            data: data.as_ref(),
+            parameters: parameters.as_ref(),
+            trajectory,
+            ..RolloutArguments::new(&q, &qd, &controls, dt)
+        };
+        let results = py.detach(|| self.rollout.run(&arguments));
+        let results = results.map_err(|error| exception(py, error))?;
+        let size = source.nq + source.nv;
+        let state = GpuArray::new(results.state, layout(&[size]));
+        let cost = results.cost.map(|cost| GpuArray::new(cost, layout(&[])));
+        let steps = controls.scalars() / source.controls;
+        let trajectory = results.trajectory.map(|all| GpuArray::new(all, layout(&[steps, size])));
+        let class = py.import("modyn._types")?.getattr("RolloutResults")?;
+        class.call1((state, cost, trajectory))
+    }
+
+    fn __repr__(&self) -> String {
+        let steps: Vec<&str> =
+            self.rollout.source().rollouts.iter().map(|rollout| rollout.step).collect();
+        format!("<modyn.GpuRollout of {}>", steps.join(", "))
+    }
+}
+
+/// Returns numbers that all rollouts share, (count,).
+fn any_numbers(
+    py: Python<'_>,
+    gpu: &Gpu,
+    numbers: &Bound<'_, PyAny>,
+) -> PyResult<modyn_gpu::GpuArray> {
+    if let Ok(array) = numbers.cast::<GpuArray>() {
+        return Ok(array.get().array.clone());
+    }
+    let one = py.import("numpy")?.call_method1("reshape", (numbers, (1, -1)))?;
+    Ok(any(py, gpu, &one)?.0)
+}
