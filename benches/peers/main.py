@@ -29,6 +29,15 @@ def options():
     return arguments
 
 
+def command(arguments):
+    """The command that measures the same again, without where its files go."""
+    words = ["benches/peers/run"]
+    for name, value in vars(arguments).items():
+        if name != "output" and value not in (None, False):
+            words += [f"--{name}"] if value is True else [f"--{name}", str(value)]
+    return " ".join(words)
+
+
 def chosen(names, all_names, what):
     names = names.split(",") if names else list(all_names)
     unknown = set(names) - set(all_names)
@@ -62,8 +71,9 @@ def main():
         results += measurer.all(programs)
     missing.update(toolbox.missing)
 
-    report = dict(machine=environment.machine(), versions=toolbox.versions, quick=arguments.quick, copies=copies,
-                  robots=names, quantities=QUANTITIES, results=results, missing=missing)
+    report = dict(command=command(arguments), machine=environment.machine(), versions=toolbox.versions,
+                  quick=arguments.quick, copies=copies, robots=names, quantities=QUANTITIES, results=results,
+                  missing=missing)
     output = environment.folder(arguments.output)
     (output / "results.json").write_text(json.dumps(report, indent=1))
     (output / "table.md").write_text(table.markdown(report))

@@ -46,7 +46,7 @@ REFERENCE = "modyn native"
 def head(report, commit, date):
     """The first lines of a data file."""
     versions = ", ".join(f"{name} {version}" for name, version in report["versions"].items())
-    return ["# command: benches/peers/run --install --copies 10", f"# date: {date}", f"# commit: {commit}",
+    return [f"# command: {report['command']}", f"# date: {date}", f"# commit: {commit}",
             f"# note: {report['machine']}; best of {report['copies']} copies; {versions}"]
 
 

@@ -2,7 +2,7 @@
 //! and J from other functions; random masks on random trees; graphs against the interpreter.
 
 use modyn_codegen::passes::optimize;
-use modyn_codegen::plan::LIMB_LIMITS;
+use modyn_codegen::plan::{COLUMN_LANES, LIMB_LIMITS};
 use modyn_codegen::program::{Program, Target};
 use modyn_codegen::trace::{LimbPacking, Tracer};
 use modyn_codegen::{Base, Contact, ContactKind, LoopEnd, ReadOptions, read};
@@ -264,12 +264,13 @@ fn dense(model: &Model, state: &State, active: &[bool], settings: &Settings) -> 
             ContactKind::Surface => 0,
         };
         let moving = [target.velocity.angular.0, target.velocity.linear.0].concat();
-        let apart = [angular.as_slice(), linear.as_slice()].concat();
+        let displacement = [angular.as_slice(), linear.as_slice()].concat();
         for k in first..6 {
             let row = found.jacobian.row(k);
             let velocity = (row * &qd)[0] - moving[k];
-            let wanted =
-                -found.bias[k] - 2.0 * target.alpha * velocity - target.beta.powi(2) * apart[k];
+            let wanted = -found.bias[k]
+                - 2.0 * target.alpha * velocity
+                - target.beta.powi(2) * displacement[k];
             let length = if k < 3 { model.contact_length(c) } else { 1.0 };
             all.push((c, k, row * length, wanted * length, length));
         }
@@ -438,13 +439,13 @@ fn what_gets_compiled_is_what_the_interpreter_computes() {
             assert_same(&Solution { qdd: found[..nv].into(), wrenches, rank }, &expected, 1e-8);
 
             let twists = || vec![Twist::zero(); count];
-            let (mut apart, mut parting) = (twists(), twists());
-            let into = (&mut *apart, &mut *parting);
+            let (mut displacements, mut velocities) = (twists(), twists());
+            let into = (&mut *displacements, &mut *velocities);
             interpreter.constraint_residual((&state.q, &state.qd), &settings, into).expect("fits");
             let found = residual.evaluate(&[&*state.q, &state.qd, &numbers].concat());
-            let expected = apart.iter().chain(&parting).flat_map(Twist::components);
+            let expected = displacements.iter().chain(&velocities).flat_map(Twist::components);
             expected.zip(&found).for_each(|(a, b)| assert!((a - b).abs() < 1e-10));
-            for (c, (own, contact)) in apart.iter().zip(model.contacts()).enumerate() {
+            for (c, (own, contact)) in displacements.iter().zip(model.contacts()).enumerate() {
                 let frame = frame(&mut interpreter, &state, c);
                 let [a, l] = displacement(&frame, &settings.contacts[c], contact.kind);
                 let expected = [a.as_slice(), l.as_slice()].concat();
@@ -502,11 +503,11 @@ fn steps_put_active_contacts_on_their_targets_and_stop_them() {
         .project_constraints((&q, &qd), &active, &settings, (&mut dq, &mut dqd))
         .expect("fits");
     qd.iter_mut().zip(&dqd).for_each(|(v, d)| *v += d);
-    let (mut apart, mut parting) = (vec![Twist::zero(); 4], vec![Twist::zero(); 4]);
-    let into = (&mut *apart, &mut *parting);
+    let (mut displacements, mut velocities) = (vec![Twist::zero(); 4], vec![Twist::zero(); 4]);
+    let into = (&mut *displacements, &mut *velocities);
     interpreter.constraint_residual((&q, &qd), &settings, into).expect("fits");
     for (c, active) in active.into_iter().enumerate() {
-        let linear = [apart[c].linear.0, parting[c].linear.0].concat();
+        let linear = [displacements[c].linear.0, velocities[c].linear.0].concat();
         let most = linear.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         assert_eq!(most < 1e-12, active, "{c}: {most}");
     }
@@ -948,12 +949,14 @@ fn compiled_derivatives_are_the_interpreters() {
     let check = |model: &Model, state: &State, active: &[bool], settings: &Settings| {
         let mechanism = Mechanism::new(model);
         let layout = UduLayout::new(&mechanism, &ModuleTree::chains(model));
-        let graph =
-            optimize(Tracer::new(&mechanism).constrained_forward_dynamics_derivatives(&layout));
-        println!("{}: {:?}", model.name(), graph.count());
         let inputs = [&*state.q, &state.qd, &state.tau, &switches(active), &numbers(settings)];
-        let found = graph.evaluate(&inputs.concat());
-        assert_near(&found, &derivatives(model, state, active, settings), 1e-7);
+        let expected = derivatives(model, state, active, settings);
+        let tracer = Tracer::new(&mechanism);
+        for tracer in [&tracer, &tracer.column_lanes(COLUMN_LANES)] {
+            let graph = optimize(tracer.constrained_forward_dynamics_derivatives(&layout));
+            println!("{}: {:?}", model.name(), graph.count());
+            assert_near(&graph.evaluate(&inputs.concat()), &expected, 1e-7);
+        }
     };
     for_all(17, check);
     for_all_loops(22, check);
@@ -1060,6 +1063,10 @@ fn operation_counts_are_as_frozen() {
             "constrained_forward_dynamics_derivatives",
             tracer.constrained_forward_dynamics_derivatives(&layout),
         ),
+        (
+            "constrained_forward_dynamics_derivatives in lanes",
+            tracer.column_lanes(COLUMN_LANES).constrained_forward_dynamics_derivatives(&layout),
+        ),
         ("contact_impulse", tracer.contact_impulse(&layout)),
         ("constrained_inverse_dynamics", tracer.constrained_inverse_dynamics(&layout)),
         ("operational_inertia", tracer.operational_inertia(&layout)),
@@ -1070,18 +1077,19 @@ fn operation_counts_are_as_frozen() {
     ]
     .map(|(name, graph)| (name, optimize(graph).count().total()));
     let frozen = [
-        ("constrained_forward_dynamics", 9739),
-        ("constrained_forward_dynamics in lanes", 5820),
-        ("contact_impulse in lanes", 5079),
-        ("project_constraints in lanes", 6127),
-        ("constrained_forward_dynamics_derivatives", 71675),
-        ("contact_impulse", 7669),
-        ("constrained_inverse_dynamics", 2537),
-        ("operational_inertia", 11509),
+        ("constrained_forward_dynamics", 9149),
+        ("constrained_forward_dynamics in lanes", 4801),
+        ("contact_impulse in lanes", 4096),
+        ("project_constraints in lanes", 5072),
+        ("constrained_forward_dynamics_derivatives", 70602),
+        ("constrained_forward_dynamics_derivatives in lanes", 31654),
+        ("contact_impulse", 7115),
+        ("constrained_inverse_dynamics", 2111),
+        ("operational_inertia", 10871),
         ("constraint_jacobian", 400),
         ("constraint_bias_acceleration", 432),
         ("constraint_residual", 540),
-        ("project_constraints", 9017),
+        ("project_constraints", 8391),
     ];
     assert_eq!(found, frozen);
 

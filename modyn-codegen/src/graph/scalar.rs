@@ -204,6 +204,12 @@ impl Scalar for Expr {
     fn select_nonnegative(self, then: Self, otherwise: Self) -> Self {
         Self::make([self, then, otherwise], |[a, b, c]| Node::Select(a, b, c))
     }
+
+    fn is_constant_zero(self) -> bool {
+        TRACED.with_borrow(|trace| {
+            self.trace == trace.number && trace.graph.value(self.id) == Some(0.0)
+        })
+    }
 }
 
 impl LaneScalar for Expr {

@@ -435,7 +435,8 @@ functions! {
         |t, s| t.constrained_forward_dynamics_derivatives(&s.layout),
         constrained_derivatives,
     )
-        .of_constraints();
+        .of_constraints()
+        .packed(Packing::ConstrainedColumns);
     /// The contracted Hessian of forward dynamics with contacts.
     ConstrainedForwardDynamicsHessian "constrained_forward_dynamics_hessian" = Row::one(
         &[Q, QD, TAU, COTANGENT, WRENCH_COTANGENT, CONTACTS, SETTINGS],

@@ -24,6 +24,9 @@ pub const COLUMN_LANES: usize = 4;
 /// The largest number of operations on scalars for which derivatives are also compiled with columns in lanes.
 const MAX_COLUMNS: usize = 20_000;
 
+/// The same for derivatives under constraints, of which most operations solve for columns.
+const MAX_CONSTRAINED_COLUMNS: usize = 100_000;
+
 /// The number of operations of functions that are compiled for several instruction sets without packing. Shorter
 /// functions take no longer than the dispatch; longer functions cost more compile time than they gain.
 const DISPATCHED: std::ops::Range<usize> = 100..5000;
@@ -66,8 +69,12 @@ pub(super) fn packed(function: Function, tracing: &Tracing<'_>, scalar: &Graph) 
         let tracer = tracing.tracer.packed(limbs);
         candidates(row.packing, trace, tracing, (limbs, &tracer))
     });
+    let most = match row.packing {
+        Packing::ConstrainedColumns => MAX_CONSTRAINED_COLUMNS,
+        _ => MAX_COLUMNS,
+    };
     let has_columns =
-        row.packing.has_columns() && tracing.has_vectors() && operations(scalar) <= MAX_COLUMNS;
+        row.packing.has_columns() && tracing.has_vectors() && operations(scalar) <= most;
     let columns = has_columns.then(|| trace(&tracing.tracer.column_lanes(COLUMN_LANES), tracing));
     profitable(by_limbs.chain(columns), row.hot, tracing, scalar)
 }
@@ -141,7 +148,7 @@ fn candidates(
             return Vec::new();
         }
         Packing::OnRootPath | Packing::Derivatives | Packing::Contacts => {}
-        Packing::Never | Packing::Columns => return Vec::new(),
+        Packing::Never | Packing::Columns | Packing::ConstrainedColumns => return Vec::new(),
     }
     vec![trace(tracer, tracing)]
 }

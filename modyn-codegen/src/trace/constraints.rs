@@ -108,6 +108,8 @@ impl Tracer<'_> {
                 &mut matrices,
                 &mut changes,
             );
+            let model = &self.with_column_lanes(model);
+            let layout = &MergedUduLayout::new(model, layout.clone());
             let memory = &mut ConstraintWorkspace::new(model, layout);
             let rank = constraints::constrained_forward_dynamics_derivatives(
                 model,

@@ -73,8 +73,11 @@ impl<S: LaneScalar> MergedMechanism<S> {
     /// Returns `mechanism` with its limbs unmerged. Derivatives are computed `column_lanes` columns at a time;
     /// these columns belong to consecutive joints.
     #[must_use]
-    pub fn with_column_lanes(mechanism: Mechanism<S>, column_lanes: usize) -> Self {
-        Self { column_lanes, ..Self::new(mechanism, Vec::new()) }
+    pub fn with_column_lanes(mut mechanism: Mechanism<S>, column_lanes: usize) -> Self {
+        let constraints = core::mem::take(&mut mechanism.constraints);
+        let lanes = (0..constraints.len()).map(|constraint| (constraint, 0)).collect();
+        let merged = Self::new(mechanism, Vec::new()).with_contacts(constraints, lanes);
+        Self { column_lanes, ..merged }
     }
 
     /// Returns the mechanism with contacts. Contacts on the bodies of a merged limb are merged as the bodies are. For

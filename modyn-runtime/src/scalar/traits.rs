@@ -89,6 +89,14 @@ pub trait Scalar:
     #[must_use]
     fn select_nonnegative(self, then: Self, otherwise: Self) -> Self;
 
+    /// Returns whether the number is the constant zero of an expression: then it is zero for all inputs. Numbers are not
+    /// expressions, and not even their zeros are constants.
+    #[doc(hidden)]
+    #[inline]
+    fn is_constant_zero(self) -> bool {
+        false
+    }
+
     /// Does `work` on vectors if the scalar has vector types.
     #[doc(hidden)]
     #[inline]

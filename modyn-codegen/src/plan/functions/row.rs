@@ -76,13 +76,15 @@ pub enum Packing {
     Columns,
     /// Derivatives: equal limbs whose parents are on one path to the root, or several columns.
     Derivatives,
+    /// Derivatives under constraints: several columns.
+    ConstrainedColumns,
 }
 
 impl Packing {
     /// Returns whether columns can share lanes.
     #[must_use]
     pub const fn has_columns(self) -> bool {
-        matches!(self, Self::Derivatives | Self::Columns)
+        matches!(self, Self::Derivatives | Self::Columns | Self::ConstrainedColumns)
     }
 }
 

@@ -18,17 +18,16 @@ pub(super) struct DerivativeWorkspace<S> {
     pub(super) accelerations: [Vec<S>; 2],
     /// A^+, by columns.
     pub(super) inverse: Vec<S>,
-    /// Z, by rows.
-    pub(super) response: Vec<S>,
-    /// L^T, by rows.
-    pub(super) gain: Vec<S>,
     /// The paths of a constraint's two frames; contacts have the second.
     pub(super) paths: [Path<S>; 2],
     /// The accelerations of the bodies of a loop, relative to the closest common ancestor of its frames.
     pub(super) fields: Vec<Field<S>>,
     /// The Jacobian of a contact.
     pub(super) columns: Vec<Twist<S>>,
+    /// lambda.
     pub(super) multipliers: Vec<S>,
+    /// Of the columns that are solved for: the joints' part, the right-hand side and d lambda.
+    pub(super) solution: (Vec<S>, Vec<S>, Vec<S>),
 }
 
 impl<S: Scalar> DerivativeWorkspace<S> {
@@ -41,12 +40,11 @@ impl<S: Scalar> DerivativeWorkspace<S> {
             forces: both(n * n),
             accelerations: both(rows * n),
             inverse: numbers(rows * rows),
-            response: numbers(rows * n),
-            gain: numbers(rows * n),
             paths: [Path::new(), Path::new()],
             fields: vec![Field::zero(); model.bodies.len()],
             columns: vec![Twist::zero(); n],
             multipliers: numbers(rows),
+            solution: (numbers(n), numbers(rows), numbers(rows)),
         }
     }
 }

@@ -9,6 +9,10 @@
 //! d qdd = -K F - L c,  d lambda = L^T F - A^+ c,  d qdd / d tau = K,  d lambda / d tau = -L^T
 //! ```
 //!
+//! Only A^+ is computed as a matrix: d lambda = A^+ (Z F - c) and d qdd = -M^-1 (F - J^T d lambda), column by column. For
+//! the derivatives with respect to tau, F is minus the identity and c is zero. With M = W Delta W^T and the rows Y of
+//! J W^-T, Z F is Y Delta^-1 W^-1 F, and d qdd is -W^-T Delta^-1 (W^-1 F - Y^T d lambda).
+//!
 //! (Featherstone 2008, ch. 8; Carpentier, Budhiraja and Mansard 2021, "Proximal and sparse resolution of constrained
 //! dynamic equations".)
 //!
@@ -21,14 +25,16 @@ use super::contact::ContactFrame;
 use super::derivative_terms::{
     DerivativeWorkspace, Stabilization, add_force, add_to_rows, clear_rows,
 };
+use super::lanes::packed;
 use super::loop_derivatives::of_loop;
 use super::path::PathBody;
 use super::{ConstraintWorkspace, Settings, constrained_forward_dynamics};
 use crate::Scalar;
 use crate::constraint_settings::ContactTarget;
 use crate::equations::Workspace;
-use crate::equations::brge::{self, UduLayout};
 use crate::equations::derivatives::inverse_dynamics_derivatives;
+use crate::equations::factorization::limb_coupling::{Factorizable, LimbAccess};
+use crate::equations::factorization::{solve_lower_factor, solve_upper_factor};
 use crate::mechanism::{ConstrainedFrames, Mechanism};
 use crate::spatial::{Matrix3, Pose, Twist, Vector3, Wrench};
 
@@ -83,22 +89,29 @@ impl<'a, S> ConstrainedDerivatives<'a, S> {
 /// Wrenches and their derivatives are in the axes of [`constrained_forward_dynamics`](super::constrained_forward_dynamics):
 /// a derivative is that of the components. The rank is assumed constant; redundant rows get the derivatives of smallest
 /// norm.
-pub fn constrained_forward_dynamics_derivatives<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
-    model: &Mechanism<S>,
-    layout: &UduLayout,
+///
+/// The columns of the derivatives are computed [`column_lanes`](crate::mechanism::TreeAccess::column_lanes) at a time.
+pub fn constrained_forward_dynamics_derivatives<
+    S: Scalar,
+    T: Factorizable<S>,
+    C: AsRef<[ContactTarget<S>]>,
+>(
+    tree: &T,
+    layout: &T::Layout,
     state: (&[S], &[S], &[S]),
     (active, settings): Settings<'_, S, C>,
     (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
     outputs: ConstrainedDerivatives<'_, S>,
 ) -> S {
-    let (rows, n) = (memory.rows, model.nv.max(1));
+    let model = tree.mechanism();
+    let n = model.nv.max(1);
     let taken = memory.derivatives.take();
-    let mut own = taken.unwrap_or_else(|| DerivativeWorkspace::new(model, rows));
+    let mut own = taken.unwrap_or_else(|| DerivativeWorkspace::new(model, memory.rows));
     let ConstrainedDerivatives { qdd, wrenches, .. } = outputs;
     let (q, qd, _) = state;
     let results = (&mut *qdd, wrenches, &mut *own.residuals);
     let rank = constrained_forward_dynamics(
-        model,
+        tree,
         layout,
         state,
         (active, settings),
@@ -107,7 +120,7 @@ pub fn constrained_forward_dynamics_derivatives<S: Scalar, C: AsRef<[ContactTarg
     );
     own.multipliers.copy_from_slice(&memory.right_hand_sides[0]);
     let [dq, dqd] = &mut own.forces;
-    inverse_dynamics_derivatives(model, (q, qd, qdd), workspace, dq, dqd);
+    inverse_dynamics_derivatives(tree, (q, qd, qdd), workspace, dq, dqd);
     let mut row = 0;
     let mut targets = settings.contacts.as_ref().iter();
     for constraint in &model.constraints {
@@ -122,85 +135,85 @@ pub fn constrained_forward_dynamics_derivatives<S: Scalar, C: AsRef<[ContactTarg
         }
         row += constraint.rows.len();
     }
-    invert(layout, memory, &mut own);
+    memory.factorization.inverse(tree, &mut own.inverse);
 
-    let mut multipliers = core::mem::take(&mut own.multipliers);
-    let DerivativeWorkspace { forces, accelerations, inverse, response, gain, .. } = &own;
+    let DerivativeWorkspace { forces, accelerations, inverse, solution, .. } = &mut own;
+    let ([f_q, f_qd], [c_q, c_qd]) = (forces, accelerations);
     let ConstrainedDerivatives { dqdd_dq, dqdd_dqd, dqdd_dtau, .. } = outputs;
     let ConstrainedDerivatives { dwrenches_dq, dwrenches_dqd, dwrenches_dtau, .. } = outputs;
-    brge::inverse(layout, &memory.factors, dqdd_dtau);
+    let solver = Columns { tree, layout, memory, inverse };
+    let by_q = (|i, j| f_q[j * n + i], |r, j| c_q[r * n + j]);
+    let by_qd = (|i, j| f_qd[j * n + i], |r, j| c_qd[r * n + j]);
+    solver.solve(by_q, solution, (dqdd_dq, dwrenches_dq));
+    solver.solve(by_qd, solution, (dqdd_dqd, dwrenches_dqd));
+    let minus_one = |i, j| if i == j { -S::one() } else { S::zero() };
+    solver.solve((minus_one, |_, _| S::zero()), solution, (&mut *dqdd_dtau, dwrenches_dtau));
+    // The matrix is symmetric: the entries above its diagonal suffice.
     for j in 0..model.nv {
-        for i in 0..=j {
-            let products = (0..rows).map(|r| response[r * n + i] * gain[r * n + j]);
-            let shared = products.fold(dqdd_dtau[j * n + i], |sum, x| sum - x);
-            (dqdd_dtau[j * n + i], dqdd_dtau[i * n + j]) = (shared, shared);
-        }
+        (0..j).for_each(|i| dqdd_dtau[i * n + j] = dqdd_dtau[j * n + i]);
     }
-    let variables = [(dqdd_dq, dwrenches_dq), (dqdd_dqd, dwrenches_dqd)];
-    for ((force, acceleration), (dqdd, dwrenches)) in
-        forces.iter().zip(accelerations).zip(variables)
-    {
-        for (j, column) in dqdd.chunks_mut(n).enumerate() {
-            let force = &force[j * n..][..model.nv];
-            let change = |r: usize| acceleration[r * n + j];
-            for (i, entry) in column.iter_mut().enumerate() {
-                let moved = sum((0..model.nv).map(|k| dqdd_dtau[k * n + i] * force[k]));
-                let pushed = sum((0..rows).map(|r| gain[r * n + i] * change(r)));
-                *entry = -(moved + pushed);
-            }
-            for (r, multiplier) in multipliers.iter_mut().enumerate() {
-                let moved = sum((0..model.nv).map(|k| gain[r * n + k] * force[k]));
-                *multiplier = moved - sum((0..rows).map(|s| inverse[s * rows + r] * change(s)));
-            }
-            wrenches_of(model, memory, &multipliers, (j, dwrenches));
-        }
-    }
-    for j in 0..model.nv {
-        (0..rows).for_each(|r| multipliers[r] = -gain[r * n + j]);
-        wrenches_of(model, memory, &multipliers, (j, dwrenches_dtau));
-    }
-    own.multipliers = multipliers;
     memory.derivatives = Some(own);
     rank
 }
 
-fn sum<S: Scalar>(products: impl Iterator<Item = S>) -> S {
-    products.reduce(|sum, x| sum + x).unwrap_or(S::zero())
+/// A factorized robot, which solves for columns of derivatives.
+struct Columns<'a, S: Scalar, T: Factorizable<S>> {
+    tree: &'a T,
+    layout: &'a T::Layout,
+    memory: &'a ConstraintWorkspace<S>,
+    /// A^+, by columns.
+    inverse: &'a [S],
 }
 
-/// Writes the wrenches of these multipliers to column `j` of each constraint.
-fn wrenches_of<S: Scalar>(
-    model: &Mechanism<S>,
-    memory: &ConstraintWorkspace<S>,
-    multipliers: &[S],
-    (j, wrenches): (usize, &mut [Wrench<S>]),
-) {
-    memory.by_constraint(model, multipliers, |c, constraint, sum| {
-        let moment = sum.angular.scale(constraint.length);
-        wrenches[c * model.nv + j] = Wrench { moment, force: sum.linear };
-    });
-}
-
-/// Computes A^+, Z and L^T.
-fn invert<S: Scalar>(
-    layout: &UduLayout,
-    memory: &mut ConstraintWorkspace<S>,
-    own: &mut DerivativeWorkspace<S>,
-) {
-    let rows = memory.rows;
-    let n = memory.force.len().max(1);
-    memory.factorization.inverse(&mut own.inverse);
-    memory.force.fill(S::zero());
-    for (r, row) in own.response.chunks_mut(n).enumerate().take(rows) {
-        memory.right_hand_sides[1].fill(S::zero());
-        memory.right_hand_sides[1][r] = S::one();
-        memory.respond(layout, 1, row);
-    }
-    for (r, row) in own.gain.chunks_mut(n).enumerate().take(rows) {
-        for (i, entry) in row.iter_mut().enumerate() {
-            *entry = sum((0..rows).map(|s| own.inverse[s * rows + r] * own.response[s * n + i]));
+impl<S: Scalar, T: Factorizable<S>> Columns<'_, S, T> {
+    /// Computes d qdd and the wrenches of d lambda from the entries of F and c, a row and a column each.
+    fn solve(
+        &self,
+        (f, c): (impl Fn(usize, usize) -> S, impl Fn(usize, usize) -> S),
+        (x, change, multipliers): &mut (Vec<S>, Vec<S>, Vec<S>),
+        (dqdd, dwrenches): (&mut [S], &mut [Wrench<S>]),
+    ) {
+        let Self { tree, layout, memory, inverse } = *self;
+        let (model, factors) = (tree.mechanism(), &memory.factors);
+        let (n, rows, count) = (model.nv, memory.rows, tree.column_lanes());
+        let reciprocals = &factors[layout.layout().reciprocals()];
+        let row = |r: usize| {
+            let (row, support) = (&memory.reduced[r * n..][..n], &memory.supports[memory.owner[r]]);
+            support.entries.iter().map(|&k| (k, row[k]))
+        };
+        for first in (0..n).step_by(count) {
+            let columns = first..n.min(first + count);
+            let pack = |entry: &dyn Fn(usize) -> S| packed(tree, columns.clone(), entry);
+            (0..n).for_each(|i| x[i] = pack(&|j| f(i, j)));
+            solve_upper_factor(layout, factors, x);
+            for (r, change) in change.iter_mut().enumerate() {
+                let response = sum(row(r).map(|(k, y)| y * (x[k] * reciprocals[k])));
+                *change = response - pack(&|j| c(r, j));
+            }
+            for (r, multiplier) in multipliers.iter_mut().enumerate() {
+                let products = inverse[r * rows..][..rows].iter().zip(&*change);
+                *multiplier = sum(products.map(|(&a, &b)| a * b));
+                row(r).for_each(|(k, y)| x[k] = x[k] - y * *multiplier);
+            }
+            x.iter_mut().zip(reciprocals).for_each(|(x, &reciprocal)| *x = -(*x * reciprocal));
+            solve_lower_factor(layout.layout(), factors, x);
+            for (lane, j) in columns.clone().enumerate() {
+                (0..n).for_each(|i| dqdd[j * n + i] = tree.extract_lane(x[i], lane));
+            }
+            memory.by_constraint(model, multipliers, |index, constraint, sum| {
+                let moment = sum.angular.scale(constraint.length);
+                for (lane, j) in columns.clone().enumerate() {
+                    let lanes_of = |v: Vector3<S>| Vector3(v.0.map(|x| tree.extract_lane(x, lane)));
+                    dwrenches[index * n + j] =
+                        Wrench { moment: lanes_of(moment), force: lanes_of(sum.linear) };
+                }
+            });
         }
     }
+}
+
+fn sum<S: Scalar>(products: impl Iterator<Item = S>) -> S {
+    products.reduce(|sum, x| sum + x).unwrap_or(S::zero())
 }
 
 /// Adds a contact's part to F, and sets the contact's rows of c, which begin at `row`.

@@ -5,6 +5,7 @@
 //! merged limbs both are the same rows.
 
 use alloc::{vec, vec::Vec};
+use core::ops::Range;
 
 use crate::Scalar;
 use crate::mechanism::BodyTree;
@@ -71,10 +72,19 @@ impl RowLanes {
     pub(super) fn pack<S: Scalar, T: BodyTree<S>>(&self, tree: &T, rows: &[S], packs: &mut [S]) {
         let number = |row: &Option<usize>| row.map_or(S::zero(), |row| rows[row]);
         for (pack, lanes) in packs.iter_mut().zip(&self.lanes) {
-            *pack = match &**lanes {
-                [one] => number(one),
-                lanes => tree.pack(&lanes.iter().map(number).collect::<Vec<_>>()),
-            };
+            *pack = packed(tree, 0..lanes.len(), |lane| number(&lanes[lane]));
         }
     }
+}
+
+/// Returns the pack of a number for each of these indices; the number itself, without memory, for one index.
+pub(super) fn packed<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
+    indices: Range<usize>,
+    number: impl Fn(usize) -> S,
+) -> S {
+    if indices.len() == 1 {
+        return number(indices.start);
+    }
+    tree.pack(&indices.map(number).collect::<Vec<_>>())
 }

@@ -39,7 +39,7 @@ pub fn operational_inertia<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
         }
     }
     memory.factorize_filled(model, settings);
-    memory.factorization.inverse(inertia);
+    memory.factorization.inverse(model, inertia);
     for (j, column) in inertia.chunks_mut(rows.max(1)).enumerate() {
         for (i, entry) in column.iter_mut().enumerate() {
             *entry = *entry * (memory.row_length(model, i) * memory.row_length(model, j));

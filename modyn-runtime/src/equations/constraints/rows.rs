@@ -13,6 +13,7 @@
 
 use super::ConstraintWorkspace;
 use super::contact::ContactFrame;
+use super::lanes::packed;
 use super::relative_motion::{RelativeMotion, relative_columns};
 use crate::Scalar;
 use crate::constraint_settings::ContactTarget;
@@ -114,8 +115,8 @@ pub(super) fn constraint_rows<S: Scalar>(
 /// Computes W^-1 J^T of all rows, the matrix J M^-1 J^T of the robot's constrained rows, in which the rows of inactive
 /// contacts are zero, and the mobility of each constraint. Expects the rows and the factors of the mass matrix.
 ///
-/// Where limbs are merged, the rows of one limb are multiplied in lanes. Those of two limbs have the trunk's entries in
-/// common.
+/// Where limbs are merged, the rows of one limb are multiplied in lanes, and so are those of two limbs of one merged limb,
+/// which have the trunk's entries in common.
 pub(super) fn mobilities<S: Scalar, T: Factorizable<S>>(
     tree: &T,
     limbs: &T::Layout,
@@ -158,16 +159,30 @@ pub(super) fn mobilities<S: Scalar, T: Factorizable<S>>(
     let masked = |i: usize, k: usize| {
         contact(i).map_or(reduced[i * n + k], |contact| reduced[i * n + k] * active[contact])
     };
+    let trunk = |i, j| common(i, j).filter(|&k| limbs.limb_of_dof(k).is_none());
+    // The entries of the rows of each limb and of the limb `shift` lanes after it, in the lanes of the first.
+    let shifted = |i: usize, j: usize, (count, shift): (usize, usize)| {
+        let shift =
+            |x: S| packed(tree, 0..count, |lane| tree.extract_lane(x, (lane + shift) % count));
+        sum(trunk(i, j).map(|k| masked(i, k) * shift(masked(j, k) * reciprocals[k])))
+    };
     factorization.fill(|i, j| {
         let ((i, a), (j, b)) = (lanes.place(i), lanes.place(j));
         match [i, j].map(|row| supports[owner[row]].limb) {
-            [Some(one), Some(other)] if (one, a) != (other, b) => {
-                let trunk = common(i, j).filter(|&k| limbs.limb_of_dof(k).is_none());
-                sum(trunk.map(|k| {
-                    let scaled = masked(j, k) * reciprocals[k];
-                    tree.extract_lane(masked(i, k), a) * tree.extract_lane(scaled, b)
-                }))
+            [Some(limb), Some(other)] if limb == other && a != b => {
+                let count = limb.count();
+                let [forth, back] = [(b + count - a) % count, (a + count - b) % count];
+                // One of the two ways around, so that equal sums are one.
+                if (forth, i) <= (back, j) {
+                    tree.extract_lane(shifted(i, j, (count, forth)), a)
+                } else {
+                    tree.extract_lane(shifted(j, i, (count, back)), b)
+                }
             }
+            [Some(limb), Some(other)] if limb != other => sum(trunk(i, j).map(|k| {
+                let scaled = masked(j, k) * reciprocals[k];
+                tree.extract_lane(masked(i, k), a) * tree.extract_lane(scaled, b)
+            })),
             [None, Some(_)] => tree.extract_lane(within(i, j), b),
             _ => tree.extract_lane(within(i, j), a),
         }
