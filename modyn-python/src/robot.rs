@@ -146,12 +146,10 @@ impl Robot {
             return Ok(&**function);
         }
         let function = Function::ALL[index];
-        let (constraints, contacts) = (self.model.constraints(), self.model.contacts().len());
-        if let Some(robots) = function.which_robots(constraints, contacts) {
-            let name = function.name();
-            let options =
-                if constraints == 0 { " (the options `loops` and `contacts`)" } else { "" };
-            let message = format!("only {robots}{options} have the function `{name}`");
+        if !function.fits(self.model.constraints()) {
+            let robots =
+                "robots with closed loops or contacts (the options `loops` and `contacts`)";
+            let message = format!("only {robots} have the function `{}`", function.name());
             return Err(PyValueError::new_err(message));
         }
         self.compiled(py, self.builder.clone().functions([function]), slot)

@@ -23,8 +23,6 @@ pub struct Row {
     pub default: bool,
     /// Whether only robots with closed loops or contacts have the function.
     pub of_constraints: bool,
-    /// Whether only robots without closed loops have the function.
-    pub without_loops: bool,
     /// Whether its argument is random numbers in place of a state. In Rust that is a source of numbers.
     pub of_random_numbers: bool,
     /// Whether the function depends on run-time parameters of the robot (gravity, inertias, payloads).
@@ -110,7 +108,6 @@ impl Row {
             docs,
             default: false,
             of_constraints: false,
-            without_loops: false,
             of_random_numbers: false,
             depends_on_parameters: true,
             hot: false,
@@ -175,11 +172,6 @@ impl Row {
     /// Returns the row of a function that only robots with closed loops or contacts have.
     pub(super) const fn of_constraints(self) -> Self {
         Self { of_constraints: true, ..self }
-    }
-
-    /// Returns the row of a function that only robots without closed loops have.
-    pub(super) const fn without_loops(self) -> Self {
-        Self { without_loops: true, ..self }
     }
 
     /// Returns the row of a function of random numbers, which has a source of them as its argument in Rust.
