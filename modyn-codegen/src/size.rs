@@ -15,7 +15,7 @@ pub fn estimate(
     functions: &[Function],
 ) -> (f64, Vec<(Function, f64)>) {
     let measures = Measures::new(model, modules);
-    let selected = functions.iter().filter(|f| f.fits(model.constraints(), model.contacts().len()));
+    let selected = functions.iter().filter(|f| f.fits(model.constraints()));
     let mut sizes: Vec<_> = selected.map(|&f| (f, (f.row().bytes)(&measures))).collect();
     sizes.sort_by(|(_, a), (_, b)| b.total_cmp(a));
     // Enums, names and tables have a line or two for each joint and link. The functions that are not there have one each.

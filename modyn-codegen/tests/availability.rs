@@ -78,7 +78,7 @@ fn missing_functions_have_the_arguments_of_those_that_are_there() {
             assert!(hidden.keys().all(|name| !there.contains_key(name)), "{hidden:?}");
             for function in Function::ALL {
                 let line = format!("impl __modyn::functions::{function:?} for Robot {{}}");
-                let has = function.fits(usize::from(robot == "four_bar"), 0);
+                let has = function.fits(usize::from(robot == "four_bar"));
                 assert_eq!(
                     (all.contains(&line), none.contains(&line)),
                     (has, false),

@@ -136,12 +136,11 @@ fn the_runtimes_table_has_each_function() {
             true => format!("{name} / {name}_with"),
             false => name.into(),
         };
-        let group = match (row.of_constraints, row.without_loops, row.default) {
-            (false, _, true) => "by_default",
-            (false, _, false) => "on_request",
-            (true, false, true) => "constraints_by_default",
-            (true, false, false) => "constraints_on_request",
-            (true, true, _) => "contacts_on_request",
+        let group = match (row.of_constraints, row.default) {
+            (false, true) => "by_default",
+            (false, false) => "on_request",
+            (true, true) => "constraints_by_default",
+            (true, false) => "constraints_on_request",
         };
         assert_eq!(rows.get(&*names), Some(&group), "{names}: {rows:#?}");
     }

@@ -6,7 +6,7 @@ use modyn_codegen::program::Program;
 use crate::code_size::CodeSize;
 use crate::error::CompileError;
 use crate::function::{CompiledFunction, CompiledKernels, Kernel};
-use crate::generate::{MAX_ARRAYS, generate};
+use crate::generate::{MAX_ARRAYS, generate, keeps_bases};
 use crate::helper::{Helper, Linkage};
 use crate::instruction_set::InstructionSet;
 use crate::lower::lower;
@@ -23,6 +23,8 @@ pub(crate) struct KernelCode {
     pub end: usize,
     /// The offset after its last instruction.
     pub last: usize,
+    /// Whether it keeps r14 and r15 for its caller.
+    pub keeps_bases: bool,
 }
 
 /// The code of all functions during compilation.
@@ -128,7 +130,8 @@ impl<S: Real> Assembly<S> {
         let entry = self.code.len();
         self.code.extend_from_slice(&generated.code);
         let (end, last) = (entry + generated.end, entry + generated.size.bytes);
-        self.kernels.push(KernelCode { start: entry, end, last });
+        let keeps_bases = keeps_bases(arrays.len());
+        self.kernels.push(KernelCode { start: entry, end, last, keeps_bases });
         let calls = generated.calls.into_iter().map(|(at, helper)| (entry + at, helper));
         self.calls.extend(calls);
         let lanes = if batch { self.instruction_set.vector(true) / size_of::<S>() } else { 1 };

@@ -2,7 +2,8 @@
 //!
 //! A function has two arguments: a pointer to a table of pointers to its arguments (rdi), and a pointer to its results
 //! (rsi). It follows System V's calling convention on every system. Registers in its body: rax points into the stack
-//! frame, rbx to the constants, rcx to the results, and one register each to the arguments; rbp is the frame pointer, as
+//! frame, rbx to the constants, rcx to the results, and one register each to the arguments (r14 and r15, which belong to
+//! the caller, to the seventh and the eighth); rbp is the frame pointer, as
 //! profilers know it: it points to the caller's; r11 is free.
 //!
 //! The frame, upwards from rsp, which is a multiple of 64: the two pointers, memory for all vector registers during
@@ -27,11 +28,11 @@ use crate::values::{Definition, Operation, Step, Value, Values};
 use data::{pool, stores};
 use far_angles::SlowPath;
 
-pub(crate) use frame::MAX_ARRAYS;
-#[cfg(feature = "object")]
-pub(crate) use frame::PROLOGUE;
 #[cfg(feature = "object")]
 pub(crate) use frame::allocate;
+#[cfg(feature = "object")]
+pub(crate) use frame::{KEEP_BASES, PROLOGUE};
+pub(crate) use frame::{MAX_ARRAYS, keeps_bases};
 
 /// A function: instructions, then constants. It can start at any multiple of 64.
 pub(crate) struct Generated {

@@ -5,7 +5,7 @@
 //!
 //! Unsafe code: a call of a function that `generate` has made. It is sound because
 //! - the bytes at the entry are a complete function for System V's calling convention: it restores the registers that
-//!   belong to its caller (rbx, rbp, rsp) and returns; the pages live as long as the value that calls;
+//!   belong to its caller (rbx, rbp, rsp, r14, r15) and returns; the pages live as long as the value that calls;
 //! - the processor has the instructions: the instruction set that the code is made for is one that
 //!   `InstructionSet::detect` has found;
 //! - it reads numbers `0..length` of each array of arguments and writes numbers `0..length` of the results, which

@@ -66,6 +66,8 @@ const BUNDLES: &[(&str, &[Function])] = &[
             Function::InverseDynamicsHessian,
         ],
     ),
+    // Seven arrays of arguments.
+    ("displaced", &[Function::ForwardDynamicsJvp, Function::StepRk4]),
     (
         "changes",
         &[
@@ -248,9 +250,9 @@ fn wrong_bundles_name_the_error() {
     assert_eq!(error.to_string(), "`contrl` was not compiled; compiled were: mass_matrix, control");
     let error = compiled.bundle("control").expect("compiled").one(&[], &mut []).expect_err("one");
     assert!(matches!(error, CallError::Arguments { function: "control", found: 0, .. }), "{error}");
-    let many =
-        Bundle::new("many").function(Function::ForwardDynamicsJvp).function(Function::Difference);
+    let many = [Function::ForwardDynamicsJvp, Function::Difference, Function::StepRk4];
+    let many = many.into_iter().fold(Bundle::new("many"), Bundle::function);
     let error = Compiled::<f64>::build(&builder.bundles([many]), Options::default());
     let error = error.expect_err("too many arguments");
-    assert!(matches!(error, CompileError::Arguments { function: "many", arrays: 8 }), "{error}");
+    assert!(matches!(error, CompileError::Arguments { function: "many", arrays: 9 }), "{error}");
 }

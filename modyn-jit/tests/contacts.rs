@@ -7,7 +7,7 @@ use common::{instruction_sets, random};
 use modyn_codegen::{Base, Builder, Contact, ContactKind, Function, LoopEnd};
 use modyn_jit::{Compiled, Options};
 use modyn_runtime::spatial::{Pose, Twist, Vector3, Wrench};
-use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter};
+use modyn_runtime::{ConstrainedHessianOutputs, ConstraintSettings, ContactTarget, Interpreter};
 
 const FUNCTIONS: [Function; 3] =
     [Function::ConstrainedForwardDynamics, Function::ContactImpulse, Function::ConstraintResidual];
@@ -136,6 +136,67 @@ fn contacts_on_the_ground_and_on_moving_frames() {
                 near(function, found, wanted);
             }
         }
+    }
+}
+
+/// The Hessian has seven arrays of arguments: two of them are in registers that belong to the caller.
+#[test]
+fn hessians_of_an_arm_on_a_moving_frame() {
+    let path = format!("{}/../robots/arm6.urdf", env!("CARGO_MANIFEST_DIR"));
+    let function = Function::ConstrainedForwardDynamicsHessian;
+    let builder = Builder::new().urdf(path).functions([function]);
+    let planning = builder
+        .contacts([contact("tip", ContactKind::Point, "tool", [0.1, 0.02, -0.03])])
+        .runtime_gravity()
+        .plan()
+        .expect("good");
+    let model = &planning.model;
+    let target = ContactTarget { compliance: 0.02, ..ContactTarget::<f64>::GROUND };
+    let ConstraintSettings { alpha, beta, tolerance, rounding, .. } =
+        ConstraintSettings::<f64>::DEFAULT;
+    let settings = ConstraintSettings { alpha, beta, tolerance, rounding, contacts: vec![target] };
+    let state = random::state(3, model);
+    let (cotangent, weights) = (random::state(4, model).qd, [0.3, -0.2, 0.5, 1.1, -0.7, 0.4]);
+    let n = model.nv();
+    let mut wrenches = [Wrench::zero()];
+    let mut vectors = [0; 4].map(|_| vec![0.0; n]);
+    let mut matrices = [0; 4].map(|_| vec![0.0; n * n]);
+    let [qdd, dq, dqd, dtau] = vectors.each_mut().map(Vec::as_mut_slice);
+    let outputs = ConstrainedHessianOutputs {
+        qdd,
+        wrenches: &mut wrenches,
+        gradients: [dq, dqd, dtau],
+        hessian: matrices.each_mut().map(Vec::as_mut_slice),
+    };
+    let rank = Interpreter::new(model.clone())
+        .constrained_forward_dynamics_hessian(
+            (&state.q, &state.qd, &state.tau),
+            (&cotangent, &[Wrench::from_components(weights)]),
+            &[true],
+            &settings,
+            outputs,
+        )
+        .expect("fits");
+    let [qdd, gradients @ ..] = vectors;
+    let wrench = wrenches[0].components().to_vec();
+    let expected = [qdd, wrench, gradients.concat(), matrices.concat(), vec![rank]].concat();
+
+    let settings = numbers(&settings);
+    for instruction_set in instruction_sets() {
+        let mut options = Options::default();
+        (options.instruction_set, options.batches) = (Some(instruction_set), true);
+        let compiled = Compiled::<f64>::from_plan(&planning, options).expect("code");
+        let call = compiled.function(function).expect("compiled");
+        let given: [&[f64]; 7] =
+            [&state.q, &state.qd, &state.tau, &cotangent, &weights, &[1.0], &settings];
+        let mut found = vec![f64::NAN; expected.len()];
+        call.one(&given, &mut found).expect("fits");
+        near(function, &found, &expected);
+        let states = 5;
+        let repeated = given.map(|numbers| numbers.repeat(states));
+        let mut found = vec![f64::NAN; states * expected.len()];
+        call.many(&repeated.each_ref().map(Vec::as_slice), &mut found).expect("fits");
+        found.chunks(expected.len()).for_each(|found| near(function, found, &expected));
     }
 }
 

@@ -164,10 +164,11 @@ impl Robot {
     ///
     /// `ValueError`, which names the robots that have it.
     pub fn check_has(&self, function: Function) -> PyResult<()> {
-        let (constraints, contacts) = (self.model.constraints(), self.model.contacts().len());
-        let Some(robots) = function.which_robots(constraints, contacts) else { return Ok(()) };
-        let options = if constraints == 0 { " (the options `loops` and `contacts`)" } else { "" };
-        let message = format!("only {robots}{options} have the function `{}`", function.name());
+        if function.fits(self.model.constraints()) {
+            return Ok(());
+        }
+        let robots = "robots with closed loops or contacts (the options `loops` and `contacts`)";
+        let message = format!("only {robots} have the function `{}`", function.name());
         Err(PyValueError::new_err(message))
     }
 

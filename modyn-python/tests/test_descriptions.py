@@ -318,10 +318,6 @@ def test_loops_and_contacts():
 def test_functions_that_a_robot_does_not_have(panda):
     with pytest.raises(ValueError, match="only robots with closed loops or contacts"):
         panda.constraint_jacobian(np.zeros(7))
-    loop = modyn.load(ROBOTS / "four_bar.urdf", friction="none")
-    zero = np.zeros(loop.nv)
-    with pytest.raises(ValueError, match="only robots without closed loops"):
-        loop.constrained_forward_dynamics_hessian(zero, zero, zero, zero, np.zeros((1, 6)))
 
 
 def test_pictures(panda):

@@ -114,15 +114,6 @@ macro_rules! constraints_on_request {
     };
 }
 
-macro_rules! contacts_on_request {
-    ($($name:ident $function:ident $message:literal;)*) => {
-        traits! {
-            "a robot has this function if it has contacts (option `contacts`) and no closed loops, and its option `functions` names it":
-            $($name $function $message;)*
-        }
-    };
-}
-
 macro_rules! batches {
     ($($name:ident $function:ident $message:literal;)*) => {
         selected! { $($name $function $message;)* }

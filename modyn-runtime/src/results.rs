@@ -279,8 +279,8 @@ pub struct ConstrainedForwardDynamicsDerivatives<V, W, M, D, T> {
     pub rank: T,
 }
 
-/// The accelerations and the wrenches of a robot with contacts, and the derivatives of their weighted sum: first derivatives,
-/// then the blocks of the Hessian.
+/// The accelerations and the wrenches of a robot with closed loops or contacts, and the derivatives of their weighted sum: first
+/// derivatives, then the blocks of the Hessian.
 ///
 /// Matrices are arrays of columns. The block of two variables has a row for each entry of the first and a column for each
 /// entry of the second.
@@ -288,7 +288,8 @@ pub struct ConstrainedForwardDynamicsDerivatives<V, W, M, D, T> {
 pub struct ConstrainedForwardDynamicsHessian<V, W, M, T> {
     /// The accelerations, rad/s^2 or m/s^2.
     pub qdd: V,
-    /// The wrench on each contact's link, in world axes, N m and N.
+    /// The wrench on each loop constraint's second link, in the first frame's axes, and on each contact's link, in world axes, N m
+    /// and N.
     pub wrenches: W,
     /// The gradient with respect to q, in tangent space.
     pub dq: V,

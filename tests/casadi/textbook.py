@@ -224,6 +224,40 @@ class Robot:
             rates.append(v)
         return ca.vertcat(*rates)
 
+    def integrate(self, q, v):
+        """Returns the coordinates after unit time at the constant velocities v: exponential maps of SO(3) and SE(3)."""
+        after = []
+        for joint, at, k in zip(self.joints, self.q, self.v):
+            x, d = q[at], v[k]
+            if joint.kind not in ("floating", "spherical"):
+                after.append(x + d)
+                continue
+            rotation = d[-3:]
+            angle = ca.norm_2(rotation)
+            if joint.kind == "floating":
+                k1, k2 = (1 - ca.cos(angle)) / angle**2, (angle - ca.sin(angle)) / angle**3
+                w = cross(rotation)
+                after.append(x[:3] + joint.motion(x)[0] @ (d[:3] + k1 * (w @ d[:3]) + k2 * (w @ (w @ d[:3]))))
+                x = x[3:]
+            x = x / ca.norm_2(x)
+            u, c = ca.sin(angle / 2) / angle * rotation, ca.cos(angle / 2)
+            after.append(ca.vertcat(x[3] * u + c * x[:3] + ca.cross(x[:3], u), x[3] * c - ca.dot(x[:3], u)))
+        return ca.vertcat(*after)
+
+    def implicit_midpoint(self):
+        """Returns the step of the implicit midpoint rule, whose equations CasADi's root finder solves."""
+        names = {"q": self.nq, "qd": self.nv, "tau": self.nv, "dt": 1, "a": self.nv}
+        q, qd, tau, dt, a = (ca.SX.sym(name, size) for name, size in names.items())
+        middle = qd + dt / 2 * a
+        unmet = self.inverse_dynamics(self.integrate(q, dt / 2 * middle), middle, a) - tau
+        given = ca.vertcat(q, qd, tau, dt)
+        solver = ca.rootfinder("midpoint", "newton", {"x": a, "p": given, "g": unmet}, {"abstol": 1e-13})
+        after = ca.Function("after", [a, given], [self.integrate(q, dt * middle), qd + dt * a])
+        given = [ca.MX.sym(name, names[name]) for name in ("q", "qd", "tau", "dt")]
+        found = solver(np.zeros(self.nv), ca.vertcat(*given))
+        step = after(found, ca.vertcat(*given))
+        return ca.Function("step", given, list(step), ["q", "qd", "tau", "dt"], ["q_next", "qd_next"])
+
     def random(self, generator):
         """Returns coordinates with quaternions of other lengths than 1, velocities and forces or accelerations."""
         return [generator.uniform(-1.5, 1.5, size) for size in (self.nq, self.nv, self.nv)]

@@ -203,12 +203,9 @@ impl Member {
     /// Returns the member of a robot's bundle, or the error and its remedy.
     fn of(&self, model: &Model) -> Result<plan::Member, (String, String)> {
         let name = self.function.name();
-        let (constraints, contacts) = (model.constraints(), model.contacts().len());
-        if let Some(robots) = self.function.which_robots(constraints, contacts) {
-            let help = match constraints {
-                0 => "leave it out, or give the robot `contacts` or `loops`",
-                _ => "leave it out",
-            };
+        if !self.function.fits(model.constraints()) {
+            let robots = "robots with closed loops or contacts";
+            let help = "leave it out, or give the robot `contacts` or `loops`";
             return Err((format!("only {robots} have the function `{name}`"), help.into()));
         }
         let frames = || model.frames().iter().map(|frame| frame.name.as_str());

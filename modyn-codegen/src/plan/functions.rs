@@ -437,20 +437,19 @@ functions! {
     )
         .of_constraints()
         .packed(Packing::ConstrainedColumns);
-    /// The contracted Hessian of forward dynamics with contacts.
+    /// The contracted Hessian of forward dynamics with constraints.
     ConstrainedForwardDynamicsHessian "constrained_forward_dynamics_hessian" = Row::one(
         &[Q, QD, TAU, COTANGENT, WRENCH_COTANGENT, CONTACTS, SETTINGS],
         shapes::constrained_hessian,
         "Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and the gradients and the\n\
-         Hessian of their sum with the weights `cotangent` and `wrench_cotangent` (of the components in world axes)\n\
+         Hessian of their sum with the weights `cotangent` and `wrench_cotangent` (of the components of the wrenches)\n\
          with respect to `q` (in tangent space), `qd` and `tau`. The blocks of the Hessian are arrays of columns; the\n\
-         blocks of `qd` and `tau` and of `tau` and `tau` are zero. The rows of the active contacts must be\n\
-         independent: redundant contacts have compliance. Robots with loops do not have this function.",
+         blocks of `qd` and `tau` and of `tau` and `tau` are zero. The rank is assumed constant. Weights of wrenches\n\
+         need independent rows, or compliance.",
         |t, s| t.constrained_forward_dynamics_hessian(&s.layout),
         |m| constrained_derivatives(m) + 18_000.0 * m.depths + 300.0 * m.entries,
     )
-        .of_constraints()
-        .without_loops();
+        .of_constraints();
     /// The velocities after an impact.
     ContactImpulse "contact_impulse" = Row::one(
         &[Q, QD, CONTACTS, SETTINGS],

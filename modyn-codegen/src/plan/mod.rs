@@ -100,7 +100,7 @@ impl Plan {
             let row = function.row();
             choices.functions.contains(function)
                 && (batches || row.batch_of.is_none())
-                && function.fits(sizes.constraints, sizes.contacts)
+                && function.fits(sizes.constraints)
         };
         let selected: Vec<Function> = Function::ALL.iter().copied().filter(selected).collect();
         let mut graphs = ScalarGraphs::new(&selected);

@@ -1,4 +1,4 @@
-//! The graph of the contracted Hessian of forward dynamics with contacts.
+//! The graph of the contracted Hessian of forward dynamics with loop constraints and contacts.
 //!
 //! The accelerations qdd and the wrenches l solve N(q, qd, tau, qdd, l) = 0: the equations of motion, and those of the
 //! constrained accelerations. N is linear in qdd and l. With the solution z = (a, b) of the adjoint equations for the weights,
@@ -11,13 +11,19 @@
 //! ```
 //!
 //! So neither the factorizations nor the selections of independent rows are differentiated.
+//!
+//! Where rows depend on others, l and b have the smallest norms. Then N_y Y = -N_x still holds, and N_y^T z = w for weights w of
+//! the accelerations alone: these two are all that the Hessian follows from, so it is exact. Weights of wrenches are not in the
+//! range of N_y^T then.
 
-use modyn_runtime::Scalar;
+use std::ops::Range;
+
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::kinematics::{self, Axes};
 use modyn_runtime::equations::{ConstraintWorkspace, Workspace, constraints, dynamics};
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::spatial::{Twist, Wrench};
+use modyn_runtime::{ContactTarget, Scalar};
 
 use super::Tracer;
 use super::composition::Composition;
@@ -30,14 +36,15 @@ use crate::passes::optimize;
 const WRENCH: usize = 6;
 
 impl Tracer<'_> {
-    /// Returns the graph of the accelerations, a wrench for each contact, the gradients of their weighted sum by `q` (in tangent
+    /// Returns the graph of the accelerations, a wrench for each constraint, the gradients of their weighted sum by `q` (in tangent
     /// space), `qd` and `tau`, the blocks (q, q), (q, qd), (qd, qd) and (q, tau) of its Hessian, by columns, and the rank.
     /// Inputs: `q`, `qd`, `tau`, the weights of the accelerations and of the wrenches, active contacts and settings. The mass
     /// matrix is factorized with `layout`.
     #[must_use]
     pub fn constrained_forward_dynamics_hessian(&self, layout: &UduLayout) -> Graph {
         let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
-        let count = WRENCH * contacts;
+        let constraints = self.model.constraints.len();
+        let count = WRENCH * constraints;
         let mut all = Composition::new();
         let lengths = [nq, nv, nv, nv, count, contacts, settings_count(self.model)];
         let [q, qd, tau, x, y, active, settings] = lengths.map(|length| all.inputs(length));
@@ -71,8 +78,8 @@ impl Tracer<'_> {
             let mut y = Vec::with_capacity(nv * ny);
             for j in 0..nv {
                 y.extend(&accelerations[(variable * nv + j) * nv..][..nv]);
-                for contact in 0..contacts {
-                    let first = (variable * contacts + contact) * nv + j;
+                for constraint in 0..constraints {
+                    let first = (variable * constraints + constraint) * nv + j;
                     y.extend(&changes[first * WRENCH..][..WRENCH]);
                 }
             }
@@ -94,10 +101,11 @@ impl Tracer<'_> {
     /// Returns the graph of the accelerations and the wrenches that solve the adjoint equations. Inputs: `q`, active contacts,
     /// settings, and the weights of the accelerations and of the wrenches.
     fn constraint_adjoint(&self, layout: &UduLayout) -> Graph {
-        let (nv, contacts) = (self.model.nv, self.model.contacts());
-        let lengths = [self.model.nq, contacts, settings_count(self.model), nv, WRENCH * contacts];
+        let (nv, constraints) = (self.model.nv, self.model.constraints.len());
+        let (contacts, settings) = (self.model.contacts(), settings_count(self.model));
+        let lengths = [self.model.nq, contacts, settings, nv, WRENCH * constraints];
         self.trace_groups(lengths, |model, [q, active, settings, x, y]| {
-            let (mut a, mut b) = (self.vector(), vec![Wrench::zero(); contacts]);
+            let (mut a, mut b) = (self.vector(), vec![Wrench::zero(); constraints]);
             constraints::constraint_adjoint(
                 model,
                 layout,
@@ -113,7 +121,7 @@ impl Tracer<'_> {
 
     /// Returns the arguments of Phi: `q`, `qd`, the accelerations and the wrenches, which vary, and a, b and the settings.
     fn phi_inputs(&self) -> Vec<TangentInput> {
-        let (nv, count) = (self.model.nv, WRENCH * self.model.contacts());
+        let (nv, count) = (self.model.nv, WRENCH * self.model.constraints.len());
         let input = |len, varies| TangentInput { len, is_coordinates: false, varies };
         vec![
             TangentInput { len: self.model.nq, is_coordinates: true, varies: true },
@@ -126,41 +134,102 @@ impl Tracer<'_> {
         ]
     }
 
-    /// Returns the graph of Phi = a^T (ID(q, qd, qdd) - J^T l) + b^T c. c is the acceleration of the contacts' frames with
-    /// their stabilization: (J qdd - gamma) without compliance, which has no effect on the derivatives by q and qd.
+    /// Returns the graph of Phi = a^T (ID(q, qd, qdd) - J^T l) + b^T c. c is the relative acceleration of the constraints' frames
+    /// with their stabilization: (J qdd - gamma) without compliance, which has no effect on the derivatives by q and qd.
     fn phi(&self, layout: &UduLayout) -> Graph {
-        let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
-        let count = WRENCH * contacts;
+        let (nq, nv, constraints) = (self.model.nq, self.model.nv, self.model.constraints.len());
+        let count = WRENCH * constraints;
         let lengths = [nq, nv, nv, count, nv, count, settings_count(self.model)];
         self.trace_groups(lengths, |model, [q, qd, qdd, l, a, b, settings]| {
-            let workspace = &mut Workspace::new(model);
+            let rooms = &mut (Workspace::new(model), ConstraintWorkspace::new(model, layout));
             let mut tau = self.vector();
-            let motion = (&*q, &*qd, Some(&*qdd));
-            dynamics::inverse_dynamics(model, motion, None, workspace, &mut tau);
+            let motion = (&*q, &*qd, &*qdd);
+            dynamics::inverse_dynamics(model, (&q, &qd, Some(&qdd)), None, &mut rooms.0, &mut tau);
+            let settings = settings_of(&settings);
+            let targets = &*settings.contacts;
+            let moved = relative_velocities(model, targets, (&q, &a), rooms);
+            let accelerations = relative_accelerations(model, targets, motion, rooms);
+            let [displacements, velocities] = residuals(model, targets, (&q, &qd), rooms);
             let mut phi = dot(&a, &tau);
-            let ends = model.constraints.iter().map(|constraint| constraint.ends[1]);
-            let frames = Mechanism { frames: ends.collect(), ..model.clone() };
-            let targets = settings_of(&settings).contacts;
-            let twists = || vec![Twist::zero(); contacts];
-            let (mut displacements, mut velocities) = (twists(), twists());
-            let memory = &mut ConstraintWorkspace::new(model, layout);
-            let results = (&mut *displacements, &mut *velocities);
-            let rooms = (&mut *workspace, memory);
-            constraints::constraint_residual(model, (&q, &qd), &targets, rooms, results);
-            for (k, target) in targets.iter().enumerate() {
+            for k in 0..constraints {
+                let (alpha, beta) = match k.checked_sub(contacts(model).start) {
+                    None => (settings.alpha, settings.beta),
+                    Some(contact) => (targets[contact].alpha, targets[contact].beta),
+                };
+                let c = accelerations[k]
+                    + velocities[k].scale(alpha + alpha)
+                    + displacements[k].scale(beta * beta);
                 let [l, b] = [&l, &b].map(|wrenches| &wrenches[WRENCH * k..][..WRENCH]);
-                let state = (&*q, &*a);
-                let moved = kinematics::link_velocity(&frames, k, state, Axes::World, workspace);
-                phi = phi - dot(l, &moved.components());
-                let (motion, axes) = ((&*q, &*qd, &*qdd), Axes::World);
-                let mut c = kinematics::link_acceleration(&frames, k, motion, axes, workspace);
-                c = c + velocities[k].scale(target.alpha + target.alpha);
-                c = c + displacements[k].scale(target.beta * target.beta);
-                phi = phi + dot(b, &c.components());
+                phi = phi - dot(l, &moved[k].components()) + dot(b, &c.components());
             }
             vec![phi]
         })
     }
+}
+
+/// Memory for equations with constraints.
+type Rooms = (Workspace<Expr>, ConstraintWorkspace<Expr>);
+
+/// Returns the displacements and the velocities of all constraints relative to their targets.
+fn residuals(
+    model: &Mechanism<Expr>,
+    targets: &[ContactTarget<Expr>],
+    state: (&[Expr], &[Expr]),
+    (workspace, memory): &mut Rooms,
+) -> [Vec<Twist<Expr>>; 2] {
+    let mut results = [(); 2].map(|()| vec![Twist::zero(); model.constraints.len()]);
+    let [displacements, velocities] = &mut results;
+    let into = (&mut **displacements, &mut **velocities);
+    constraints::constraint_residual(model, state, targets, (workspace, memory), into);
+    results
+}
+
+/// Returns J v: for each constraint the velocity of its second frame relative to its first, or to the world, at the
+/// velocities v.
+fn relative_velocities(
+    model: &Mechanism<Expr>,
+    targets: &[ContactTarget<Expr>],
+    state: (&[Expr], &[Expr]),
+    rooms: &mut Rooms,
+) -> Vec<Twist<Expr>> {
+    let [_, mut velocities] = residuals(model, targets, state, rooms);
+    let frames = with_second_frames(model);
+    for k in contacts(model) {
+        velocities[k] = kinematics::link_velocity(&frames, k, state, Axes::World, &mut rooms.0);
+    }
+    velocities
+}
+
+/// Returns the relative acceleration of each constraint's frames.
+fn relative_accelerations(
+    model: &Mechanism<Expr>,
+    targets: &[ContactTarget<Expr>],
+    (q, qd, qdd): (&[Expr], &[Expr], &[Expr]),
+    rooms: &mut Rooms,
+) -> Vec<Twist<Expr>> {
+    let mut accelerations = relative_velocities(model, targets, (q, qdd), rooms);
+    let mut biases = vec![Twist::zero(); accelerations.len()];
+    constraints::constraint_bias_acceleration(model, (q, qd), &mut rooms.0, &mut biases);
+    for (acceleration, &bias) in accelerations.iter_mut().zip(&biases) {
+        *acceleration = *acceleration + bias;
+    }
+    let (frames, motion) = (with_second_frames(model), (q, qd, qdd));
+    for k in contacts(model) {
+        let found = kinematics::link_acceleration(&frames, k, motion, Axes::World, &mut rooms.0);
+        accelerations[k] = found;
+    }
+    accelerations
+}
+
+/// Returns the mechanism with the second frame of each constraint in place of its frames.
+fn with_second_frames(model: &Mechanism<Expr>) -> Mechanism<Expr> {
+    let ends = model.constraints.iter().map(|constraint| constraint.ends[1]);
+    Mechanism { frames: ends.collect(), ..model.clone() }
+}
+
+/// Returns the constraints that are contacts.
+fn contacts(model: &Mechanism<Expr>) -> Range<usize> {
+    model.constraints.len() - model.contacts()..model.constraints.len()
 }
 
 fn dot(a: &[Expr], b: &[Expr]) -> Expr {

@@ -8,8 +8,8 @@ use crate::instruction_set::InstructionSet;
 /// The largest number of arrays of arguments.
 pub(crate) const MAX_ARRAYS: usize = BASES.len();
 
-/// The registers that point to the arguments.
-pub(super) const BASES: [u8; 6] = [7, 6, 2, 8, 9, 10];
+/// The registers that point to the arguments; the last two belong to the caller.
+pub(super) const BASES: [u8; 8] = [7, 6, 2, 8, 9, 10, 14, 15];
 pub(super) const RAX: u8 = 0;
 pub(super) const RCX: u8 = 1;
 pub(super) const RDX: u8 = 2;
@@ -22,8 +22,16 @@ pub(super) const R11: u8 = 11;
 /// debuggers (`object/unwind.rs`) follow them.
 pub(crate) const PROLOGUE: [&[u8]; 3] = [&[0x55], &[0x48, 0x89, 0xe5], &[0x53]];
 
+/// The instructions after [`PROLOGUE`] of a function that [uses the last bases](keeps_bases): push r14; push r15.
+pub(crate) const KEEP_BASES: [&[u8]; 2] = [&[0x41, 0x56], &[0x41, 0x57]];
+
 /// The range of displacements of one byte, on both sides.
 pub(super) const SHORT: i32 = 128;
+
+/// Returns whether a function with this number of arrays of arguments keeps r14 and r15 for its caller.
+pub(crate) const fn keeps_bases(arrays: usize) -> bool {
+    arrays > BASES.len() - KEEP_BASES.len()
+}
 
 impl Generator<'_> {
     /// Returns the offset from rax.
@@ -36,13 +44,19 @@ impl Generator<'_> {
         if self.instruction_set != InstructionSet::Sse2 {
             self.encoder.bytes(&[0xc5, 0xf8, 0x77]);
         }
-        // lea rsp, [rbp - 8]; pop rbx; pop rbp; ret
-        for bytes in [&[0x48, 0x8d, 0x65, 0xf8][..], &[0x5b], &[0x5d], &[0xc3]] {
+        let keeps_bases = keeps_bases(self.arrays);
+        // lea rsp, [rbp - 8]; pop rbx; pop rbp; ret. With r14 and r15: lea rsp, [rbp - 24]; pop r15; pop r14; pop rbx; ...
+        let restore: &[&[u8]] = match keeps_bases {
+            false => &[&[0x48, 0x8d, 0x65, 0xf8]],
+            true => &[&[0x48, 0x8d, 0x65, 0xe8], &[0x41, 0x5f], &[0x41, 0x5e]],
+        };
+        for bytes in restore.iter().chain(&[&[0x5b][..], &[0x5d], &[0xc3]]) {
             self.encoder.bytes(bytes);
         }
         let end = self.encoder.code.len();
         let mut entry = Encoder::default();
-        for bytes in PROLOGUE {
+        let kept = if keeps_bases { &KEEP_BASES[..] } else { &[] };
+        for bytes in PROLOGUE.iter().chain(kept) {
             entry.bytes(bytes);
         }
         // and rsp, -64

@@ -17,7 +17,7 @@ use Operand::{Code, Memory, Register};
 /// The place of the pointer to the results in the frame.
 const RESULTS: i32 = 8 * MAX_ARRAYS as i32;
 /// The place of the poses of bodies.
-const BODIES: i32 = 64;
+const BODIES: i32 = (RESULTS + 8 + 15) / 16 * 16;
 
 /// The source of a pointer in the table.
 #[derive(Clone, Copy, Debug)]

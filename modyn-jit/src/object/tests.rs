@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use iced_x86::{Code, Decoder, DecoderOptions, FlowControl};
-use modyn_codegen::{Builder, Function};
+use modyn_codegen::{Builder, Bundle, Function};
 use modyn_runtime::{Scalar, steps};
 use object::{Object as _, ObjectSection, ObjectSymbol};
 
@@ -287,8 +287,12 @@ fn all_formats_can_be_read() {
 /// code has stored them.
 #[test]
 fn unwind_codes_describe_the_code() {
-    let planning =
-        plan("arm6", &[Function::ForwardDynamics, Function::LinkPoses, Function::Jacobian]);
+    let functions = [Function::ForwardDynamics, Function::LinkPoses, Function::Jacobian];
+    // A function with few arrays of arguments, and one with seven.
+    let members = [Function::ForwardDynamicsJvp, Function::StepRk4];
+    let bundle = members.into_iter().fold(Bundle::new("displaced"), Bundle::function);
+    let builder = Builder::new().model(robot("arm6")).functions(functions).bundles([bundle]);
+    let planning = builder.plan().expect("good");
     for instruction_set in InstructionSet::ALL {
         let text =
             text::<f64>(&planning.plan, &planning.model, instruction_set, Convention::Windows);
@@ -332,6 +336,9 @@ fn unwind_codes_describe_the_code() {
                 .map(|c| [c[0], c[1]])
                 .collect();
             let general = ["RAX", "RCX", "RDX", "RBX", "RSP", "RBP", "RSI", "RDI"];
+            let general = |number: usize| {
+                general.get(number).map_or_else(|| format!("R{number}"), |&name| name.into())
+            };
             let (mut k, mut after) = (0, u8::MAX);
             while k < codes.len() {
                 let [offset, code] = codes[k];
@@ -342,14 +349,14 @@ fn unwind_codes_describe_the_code() {
                 let mut used = 1;
                 match operation {
                     0 => {
-                        found.insert(general[operand].into(), rsp);
+                        found.insert(general(operand), rsp);
                         rsp += 8;
                     }
                     1 => (rsp, used) = (rsp + 8 * more, 2),
                     2 => rsp += 8 * operand as i64 + 8,
                     3 => rsp = base,
                     4 => {
-                        found.insert(general[operand].into(), base + 8 * more);
+                        found.insert(general(operand), base + 8 * more);
                         used = 2;
                     }
                     8 => {

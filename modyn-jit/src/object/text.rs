@@ -54,7 +54,7 @@ pub(super) fn text<S: Real>(
                 start: kernel.start,
                 end: kernel.end,
                 last: kernel.last,
-                kind: FrameKind::Program,
+                kind: FrameKind::Program { keeps_bases: kernel.keeps_bases },
             })
             .collect(),
         a: Assembler::new(code),

@@ -3,7 +3,7 @@
 //! are none: tools follow rbp there, which every function with a frame keeps as the frame pointer.
 
 use super::convention::{KEPT, KEPT_VECTORS};
-use crate::generate::PROLOGUE;
+use crate::generate::{KEEP_BASES, PROLOGUE};
 
 /// A function with a frame, by offsets in the code.
 #[derive(Clone, Copy, Debug)]
@@ -19,8 +19,8 @@ pub(super) struct Frame {
 /// The registers that a function keeps for its caller.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum FrameKind {
-    /// A program: [`PROLOGUE`], so rbp and rbx.
-    Program,
+    /// A program: [`PROLOGUE`], so rbp and rbx, and after [`KEEP_BASES`] r14 and r15.
+    Program { keeps_bases: bool },
     /// A helper: none, and it does not move rsp.
     Leaf,
     /// An entry: rbp; on Windows also the registers of `entry.rs`, after this number of bytes.
@@ -32,12 +32,17 @@ const PUSHED: u8 = PROLOGUE[0].len() as u8;
 const SET: u8 = PUSHED + PROLOGUE[1].len() as u8;
 /// The bytes of a program's prologue.
 const SAVED: u8 = SET + PROLOGUE[2].len() as u8;
+/// The bytes of a program's prologue with r14, and with r14 and r15.
+const SAVED_14: u8 = SAVED + KEEP_BASES[0].len() as u8;
+const SAVED_15: u8 = SAVED_14 + KEEP_BASES[1].len() as u8;
 
 /// The numbers of registers in DWARF.
 mod dwarf {
     pub const RBX: u8 = 3;
     pub const RBP: u8 = 6;
     pub const RSP: u8 = 7;
+    pub const R14: u8 = 14;
+    pub const R15: u8 = 15;
     pub const RETURN: u8 = 16;
 }
 
@@ -91,12 +96,20 @@ fn instructions(frame: &Frame) -> Vec<u8> {
     };
     let end = frame.end - frame.start;
     match frame.kind {
-        FrameKind::Program => {
+        FrameKind::Program { keeps_bases } => {
             advance(&mut code, SAVED.into());
             code.extend([OFFSET | dwarf::RBX, 3]);
-            // After `pop rbx`, which `pop rbp` and `ret` follow.
+            if keeps_bases {
+                advance(&mut code, SAVED_15.into());
+                code.extend([OFFSET | dwarf::R14, 4, OFFSET | dwarf::R15, 5]);
+            }
+            // After `pop rbx`, which `pop rbp` and `ret` follow. Registers that were popped before have their places still.
             advance(&mut code, end - 2);
-            code.extend([REMEMBER, RESTORE | dwarf::RBX, ADVANCE | 1]);
+            code.extend([REMEMBER, RESTORE | dwarf::RBX]);
+            if keeps_bases {
+                code.extend([RESTORE | dwarf::R14, RESTORE | dwarf::R15]);
+            }
+            code.push(ADVANCE | 1);
         }
         FrameKind::Entry { .. } | FrameKind::Leaf => {
             advance(&mut code, end - 1);
@@ -122,6 +135,8 @@ mod windows {
     pub const RBP: u8 = 5;
     pub const RSI: u8 = 6;
     pub const RDI: u8 = 7;
+    pub const R14: u8 = 14;
+    pub const R15: u8 = 15;
 }
 
 // The operations of unwind codes.
@@ -138,7 +153,8 @@ const SAVE_VECTOR: u8 = 8;
 /// the memory of these registers before it set rbp, which gives the same places.
 pub(super) fn unwind_information(frame: &Frame) -> Option<Vec<u8>> {
     let (prologue, below) = match frame.kind {
-        FrameKind::Program => (usize::from(SAVED), 16),
+        FrameKind::Program { keeps_bases: false } => (usize::from(SAVED), 16),
+        FrameKind::Program { keeps_bases: true } => (usize::from(SAVED_15), 32),
         FrameKind::Entry { prologue } => (prologue, KEPT),
         FrameKind::Leaf => return None,
     };
@@ -150,7 +166,13 @@ pub(super) fn unwind_information(frame: &Frame) -> Option<Vec<u8>> {
         codes.extend(more.map(|more| (more as u16).to_le_bytes()));
     };
     match frame.kind {
-        FrameKind::Program => code(prologue, SAVE, windows::RBX, Some((below - 8) / 8)),
+        FrameKind::Program { keeps_bases } => {
+            if keeps_bases {
+                code(SAVED_15, SAVE, windows::R15, Some((below - 24) / 8));
+                code(SAVED_14, SAVE, windows::R14, Some((below - 16) / 8));
+            }
+            code(SAVED, SAVE, windows::RBX, Some((below - 8) / 8));
+        }
         FrameKind::Leaf => {}
         FrameKind::Entry { .. } => {
             for register in KEPT_VECTORS.rev() {

@@ -100,7 +100,8 @@ impl Emulator {
         self.general = std::array::from_fn(|i| 0xabcd_0000 + i as u64);
         (self.general[7], self.general[6], self.general[4]) = (TABLE, RESULTS, top);
         self.write(top, &RETURN.to_le_bytes());
-        let kept = (self.general[3], self.general[5], top + 8);
+        let kept = |general: &[u64; 16]| [3, 5, 12, 13, 14, 15].map(|number| general[number]);
+        let before = kept(&self.general);
         let mut at = CODE;
         while at != RETURN {
             let offset = (at - CODE) as usize;
@@ -110,8 +111,8 @@ impl Emulator {
             self.count += 1;
         }
         assert_eq!(
-            (self.general[3], self.general[5], self.general[4]),
-            kept,
+            (kept(&self.general), self.general[4]),
+            (before, top + 8),
             "registers that the callee must preserve"
         );
         let found = self.read(RESULTS, results * size);

@@ -486,6 +486,21 @@ macro_rules! robot_functions {
                 ) -> ConstrainedDerivatives<Self, T>,
                     if ConstrainedForwardDynamicsDerivatives, else "`{Self}` has no function `constrained_forward_dynamics_derivatives`";
 
+                /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and the gradients and
+                /// the Hessian of their sum with the weights `cotangent` and `wrench_cotangent` (of the components of
+                /// the wrenches) with respect to `q` (in tangent space), `qd` and `tau`. The rank is assumed constant.
+                /// Weights of wrenches need independent rows, or compliance.
+                constrained_forward_dynamics_hessian / constrained_forward_dynamics_hessian_with(
+                    q: &Self::Q<T>,
+                    qd: &Self::V<T>,
+                    tau: &Self::V<T>,
+                    cotangent: &Self::V<T>,
+                    wrench_cotangent: &Self::PerConstraint<Wrench<T>>,
+                    contacts: Self::Contacts,
+                    settings: &Settings<Self, T>
+                ) -> ConstrainedHessian<Self, T>,
+                    if ConstrainedForwardDynamicsHessian, else "`{Self}` has no function `constrained_forward_dynamics_hessian`";
+
                 /// Returns the velocities after an impact that closes the loops and stops the active contacts
                 /// relative to their targets at the same instant, the impulse of each constraint, and the number of
                 /// independent constraint rows. Along its normal, a contact leaves with `restitution` times the
@@ -536,24 +551,6 @@ macro_rules! robot_functions {
                     settings: &Settings<Self, T>
                 ) -> OperationalInertia<Self::PerConstraintRow<Self::PerConstraintRow<T>>, T>,
                     if OperationalInertia, else "`{Self}` has no function `operational_inertia`";
-            }
-
-            // Functions of contacts, for robots without closed loops.
-            contacts_on_request {
-                /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and the gradients and
-                /// the Hessian of their sum with the weights `cotangent` and `wrench_cotangent` (of the components in
-                /// world axes) with respect to `q` (in tangent space), `qd` and `tau`. The rows of the active contacts
-                /// must be independent: redundant contacts have compliance.
-                constrained_forward_dynamics_hessian / constrained_forward_dynamics_hessian_with(
-                    q: &Self::Q<T>,
-                    qd: &Self::V<T>,
-                    tau: &Self::V<T>,
-                    cotangent: &Self::V<T>,
-                    wrench_cotangent: &Self::PerConstraint<Wrench<T>>,
-                    contacts: Self::Contacts,
-                    settings: &Settings<Self, T>
-                ) -> ConstrainedHessian<Self, T>,
-                    if ConstrainedForwardDynamicsHessian, else "`{Self}` has no function `constrained_forward_dynamics_hessian`";
             }
         }
     };

@@ -1,4 +1,4 @@
-//! The contracted Hessian of forward dynamics with contacts: its first derivatives on numbers with a derivative.
+//! The contracted Hessian of forward dynamics with loop constraints and contacts: its first derivatives on numbers with a derivative.
 
 use alloc::{vec, vec::Vec};
 
@@ -20,7 +20,8 @@ use crate::spatial::{Twist, Wrench};
 pub struct ConstrainedHessianOutputs<'a, S> {
     /// The joint accelerations: nv entries.
     pub qdd: &'a mut [S],
-    /// The wrench of each contact, in world axes.
+    /// The wrench of each constraint, in the axes of
+    /// [`constrained_forward_dynamics`](Interpreter::constrained_forward_dynamics).
     pub wrenches: &'a mut [Wrench<S>],
     /// The gradients with respect to q (in the tangent space), qd and tau: nv entries each.
     pub gradients: [&'a mut [S]; 3],
@@ -34,15 +35,17 @@ impl<S: Scalar> Interpreter<S> {
     /// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics), and the gradients and the Hessian of their sum
     /// with weights, with respect to q (in the tangent space), qd and tau. Returns the number of independent constraint rows,
     /// an integer. The weights are `cotangent` for the accelerations, and `wrench_cotangent` for the components of the
-    /// wrenches in world axes. The blocks of qd and tau, and of tau and tau, are zero.
+    /// wrenches: in the first frame's axes for loop constraints, in world axes for contacts. The blocks of qd and tau, and of
+    /// tau and tau, are zero.
     ///
-    /// The rows of the active contacts must be independent: redundant contacts have compliance. (Where rows contradict each
-    /// other, the residual changes with the state, and the Hessian lacks that part.) Takes more than 2 nv times as long as the
-    /// first derivatives, and allocates memory at each call.
+    /// The rank is assumed constant, and rows not to contradict each other at this state and near it to first order. Rows may
+    /// depend on others, as those of a hinge of a planar loop or of four feet on one body, where `wrench_cotangent` is zero:
+    /// the accelerations do not depend on how such rows share the load. Weights of wrenches need independent rows, or compliance.
+    /// Takes more than 2 nv times as long as the first derivatives, and allocates memory at each call.
     ///
     /// # Errors
     ///
-    /// If a slice does not have the model's length, or the model has loop constraints (`loop_constraints`).
+    /// If a slice does not have the model's length.
     pub fn constrained_forward_dynamics_hessian(
         &mut self,
         (q, qd, tau): (&[S], &[S], &[S]),
@@ -53,7 +56,6 @@ impl<S: Scalar> Interpreter<S> {
     ) -> Result<S, ShapeError> {
         let ConstrainedHessianOutputs { qdd, wrenches, gradients, hessian } = outputs;
         let (n, count) = (self.model.nv(), self.model.constraints());
-        check("loop_constraints", self.model.loop_constraints(), 0)?;
         check("cotangent", cotangent, n)?;
         check("wrench_cotangent", wrench_cotangent, count)?;
         for gradient in &gradients {

@@ -21,6 +21,7 @@ pub(super) const FUNCTIONS: &[Function] = &[
     Function::InverseDynamicsExternalWorld,
     Function::StepSemiImplicit,
     Function::StepRk4,
+    Function::StepImplicitMidpoint,
     Function::CenterOfMass,
     Function::CenterOfMassJacobian,
     Function::CentroidalMomentumMatrix,
@@ -73,6 +74,7 @@ mod tests {
         }
         let names = |function| results(function, &sizes).into_iter().map(|(name, _)| name);
         assert!(names(Function::StepRk4).eq(["q_next", "qd_next"]));
+        assert!(names(Function::StepImplicitMidpoint).eq(["q_next", "qd_next"]));
         assert!(names(Function::LinkPose).eq(["rotation", "translation"]));
         assert!(names(Function::ForwardDynamics).eq(["qdd"]));
     }

@@ -24,8 +24,6 @@ pub struct Row {
     pub default: bool,
     /// Whether only robots with closed loops or contacts have the function.
     pub of_constraints: bool,
-    /// Whether only robots without closed loops have the function.
-    pub without_loops: bool,
     /// Whether the function computes the state after a time step, from `q`, `qd`, `tau` and `dt` in this order. Rollouts
     /// call it in a loop.
     pub is_step: bool,
@@ -116,7 +114,6 @@ impl Row {
             docs,
             default: false,
             of_constraints: false,
-            without_loops: false,
             is_step: false,
             of_random_numbers: false,
             depends_on_parameters: true,
@@ -182,11 +179,6 @@ impl Row {
     /// Returns the row of a function that only robots with closed loops or contacts have.
     pub(super) const fn of_constraints(self) -> Self {
         Self { of_constraints: true, ..self }
-    }
-
-    /// Returns the row of a function that only robots without closed loops have.
-    pub(super) const fn without_loops(self) -> Self {
-        Self { without_loops: true, ..self }
     }
 
     /// Returns the row of a time step, from the arguments `q`, `qd`, `tau` and `dt`.

@@ -44,24 +44,10 @@ impl Function {
         self.row().of_constraints
     }
 
-    /// Returns whether a robot with this number of constraints, closed loops and contacts, of which `contacts` are contacts,
-    /// can have the function.
+    /// Returns whether a robot with this number of constraints, closed loops and contacts, can have the function.
     #[must_use]
-    pub const fn fits(self, constraints: usize, contacts: usize) -> bool {
-        self.which_robots(constraints, contacts).is_none()
-    }
-
-    /// Returns which robots have the function if such a robot does not [fit](Self::fits).
-    #[must_use]
-    pub const fn which_robots(self, constraints: usize, contacts: usize) -> Option<&'static str> {
-        let row = self.row();
-        if row.of_constraints && constraints == 0 {
-            Some("robots with closed loops or contacts")
-        } else if row.without_loops && constraints > contacts {
-            Some("robots without closed loops")
-        } else {
-            None
-        }
+    pub const fn fits(self, constraints: usize) -> bool {
+        !self.row().of_constraints || constraints > 0
     }
 
     /// Returns whether the function has random numbers in place of a state.

@@ -1,4 +1,4 @@
-//! The adjoint of the equations of forward dynamics with contacts.
+//! The adjoint of the equations of forward dynamics with loop constraints and contacts.
 
 use super::rows::constraint_rows;
 use super::{ConstraintWorkspace, Settings};
@@ -17,11 +17,12 @@ use crate::spatial::{Twist, Wrench};
 /// ```
 ///
 /// where E is the compliance of the contacts, x is a weight for each joint acceleration, and y one for each component of
-/// each contact's wrench, in world axes. With K, L and A of the [derivatives](super::ConstrainedDerivatives),
+/// each constraint's wrench, in the axes of that function. With K, L and A of the [derivatives](super::ConstrainedDerivatives),
 /// a = K x - L y and b = L^T x + A^+ y. The derivative of x^T qdd + y^T lambda is that of -a^T (I qdd + h - tau - J^T lambda)
 /// - b^T (J qdd - gamma) at constant a, b, qdd and lambda.
 ///
-/// The wrenches b are zero for inactive contacts. The model must not have loop constraints.
+/// Where rows depend on others, b has the smallest norm, and y counts along the rows' range alone. The wrenches b are zero for
+/// inactive contacts.
 pub fn constraint_adjoint<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
     model: &Mechanism<S>,
     layout: &UduLayout,
@@ -41,8 +42,11 @@ pub fn constraint_adjoint<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
     memory.rest = rest;
     memory.factorize(model, layout, (active, settings), |memory| {
         let mut sides = memory.right_hand_sides[0].iter_mut();
-        for ((constraint, frame), weights) in model.constraints.iter().zip(&memory.frames).zip(y) {
-            let (angular, linear) = (frame.to_root(weights.moment), frame.to_root(weights.force));
+        let mut frames = memory.frames.iter();
+        for (constraint, weights) in model.constraints.iter().zip(y) {
+            let frame = constraint.contact.then(|| frames.next()).flatten();
+            let in_axes = |v| frame.map_or(v, |frame| frame.to_root(v));
+            let (angular, linear) = (in_axes(weights.moment), in_axes(weights.force));
             let weights = Twist { angular, linear };
             for (row, side) in constraint.rows.iter().zip(&mut sides) {
                 *side = -row.scaled_component(weights, constraint.length);
