@@ -7,6 +7,18 @@ use super::functions::Function;
 use super::user::TracedFunction;
 use crate::trace::Parameters;
 
+/// The form of the code of recursions over the bodies: forward and inverse dynamics.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CodeForm {
+    /// Loops where straight-line code would be too long for the instruction cache of a processor.
+    #[default]
+    Auto,
+    /// Straight-line code: the fewest operations.
+    Fast,
+    /// Loops over the bodies with tables of constants: the shortest code.
+    Small,
+}
+
 /// The choices of a user that a plan depends on.
 #[derive(Clone, Debug)]
 pub struct Choices {
@@ -18,6 +30,8 @@ pub struct Choices {
     pub user_functions: Vec<TracedFunction>,
     /// Whether equal limbs share one routine.
     pub share: bool,
+    /// The form of the code of recursions.
+    pub code: CodeForm,
     /// Whether gravity is an argument.
     pub runtime_gravity: bool,
     /// The links whose own inertia is an argument, as indices into the model's frames.
@@ -27,7 +41,7 @@ pub struct Choices {
 }
 
 impl Choices {
-    /// Returns the choices with functions of one state in place of those of many, and without shared routines.
+    /// Returns the choices with functions of one state in place of those of many, without shared routines and loops.
     #[must_use]
     pub fn of_one_state(mut self) -> Self {
         for function in &mut self.functions {
@@ -40,6 +54,7 @@ impl Choices {
             function.batch = false;
         }
         self.share = false;
+        self.code = CodeForm::Fast;
         self
     }
 

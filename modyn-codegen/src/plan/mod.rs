@@ -14,6 +14,7 @@ mod constants;
 mod factorization;
 mod frames;
 mod functions;
+mod looped;
 mod measures;
 mod packing;
 pub mod partition;
@@ -31,7 +32,7 @@ use modyn_runtime::model::{Model, ModuleTree};
 
 pub use bundle::{Bundle, Member};
 pub use casadi::{CasadiFunction, CasadiMatrix, CasadiPlan};
-pub use choices::Choices;
+pub use choices::{Choices, CodeForm};
 pub use constants::{BaseParameterTable, Constants};
 pub use factorization::FactorFunction;
 pub use frames::{Frames, LinkCode};
@@ -94,7 +95,8 @@ impl Plan {
         let batches = execution == Execution::Vectors;
         let robot = TracedRobot::new(model, choices.parameters(model));
         let limbs = packing::limbs(&robot, strategy);
-        let tracing = Tracing::new(&robot, (model, modules), strategy, limbs);
+        let code = execution.code_form(choices.code);
+        let tracing = Tracing::new(&robot, (model, modules), (strategy, code), limbs);
         let sizes = tracing.sizes;
         let selected = |function: &Function| {
             let row = function.row();

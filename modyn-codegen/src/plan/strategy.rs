@@ -1,5 +1,7 @@
 //! The execution of programs: as the back end supports it, and for equal limbs and columns of one state.
 
+use super::choices::CodeForm;
+
 /// The way that a back end runs programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Execution {
@@ -20,6 +22,11 @@ impl Execution {
             Self::Scalar => Strategy::Scalar,
             Self::Vectors => Strategy::Vectors,
         }
+    }
+
+    /// Returns the form of the code of recursions: graphics processors run straight-line code alone.
+    pub(super) fn code_form(self, chosen: CodeForm) -> CodeForm {
+        if self == Self::Threads { CodeForm::Fast } else { chosen }
     }
 }
 
