@@ -1,10 +1,10 @@
 //! The choice between straight-line code and loops over the bodies.
 
-use super::choices::CodeForm;
 use super::functions::Function;
+use super::strategy::CodeForm;
 use super::tracing::Tracing;
 use crate::graph::Graph;
-use crate::passes::optimize;
+use crate::passes::{balance, optimize};
 use crate::program::Recursion;
 
 /// The largest number of operations of straight-line code that stays in the instruction cache of a processor between two
@@ -32,5 +32,6 @@ pub(super) fn recursion(
     for kind in &mut graphs.kinds {
         kind.graph = optimize(std::mem::take(&mut kind.graph));
     }
-    Recursion::new(&graphs, [tracing.sizes.nq, tracing.sizes.nv])
+    // The bodies of a chain wait for each other: a sweep takes as long as its critical path.
+    Recursion::new(&graphs, [tracing.sizes.nq, tracing.sizes.nv], balance)
 }

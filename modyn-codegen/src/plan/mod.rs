@@ -32,7 +32,7 @@ use modyn_runtime::model::{Model, ModuleTree};
 
 pub use bundle::{Bundle, Member};
 pub use casadi::{CasadiFunction, CasadiMatrix, CasadiPlan};
-pub use choices::{Choices, CodeForm};
+pub use choices::Choices;
 pub use constants::{BaseParameterTable, Constants};
 pub use factorization::FactorFunction;
 pub use frames::{Frames, LinkCode};
@@ -42,7 +42,7 @@ pub use measures::Measures;
 pub use packing::{COLUMN_LANES, LIMB_LIMITS};
 pub use planned::{Kernels, Planned};
 pub use shape::{Elements, Record, Shape, Sizes};
-pub use strategy::Execution;
+pub use strategy::{CodeForm, Execution};
 pub use tracing::Tracing;
 pub use user::{
     MAX_USER_OPERATIONS, NamedFunction, TracedForm, TracedFunction, UserForm, UserPlanError,

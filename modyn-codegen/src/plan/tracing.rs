@@ -6,11 +6,10 @@ use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 
-use super::choices::CodeForm;
 use super::frames::Frames;
 use super::partition::{self, ChosenPartition};
 use super::shape::Sizes;
-use super::strategy::Strategy;
+use super::strategy::{CodeForm, Strategy};
 use crate::trace::{LimbPacking, Parameters, Tracer};
 
 /// A robot in the forms that tracers read.

@@ -16,6 +16,7 @@ use modyn_runtime::OperationCount;
 pub use modyn_runtime::equations::dynamics::Sweep;
 
 use super::{Operand, Program, Target};
+use crate::graph::Graph;
 use crate::trace::BodyGraphs;
 use cut::{Kind, Number};
 use order::runs;
@@ -102,9 +103,13 @@ pub struct Places {
 
 impl Recursion {
     /// Returns the recursion with these graphs, for joint vectors of these lengths; `None` if the robot has too many joints
-    /// for the tables of places.
+    /// for the tables of places. `pass` rewrites the graph of each sweep.
     #[must_use]
-    pub fn new(graphs: &BodyGraphs, [nq, nv]: [usize; 2]) -> Option<Self> {
+    pub fn new(
+        graphs: &BodyGraphs,
+        [nq, nv]: [usize; 2],
+        pass: fn(&Graph) -> Graph,
+    ) -> Option<Self> {
         let sweeps: Vec<Sweep> = graphs.sweeps.iter().map(|(sweep, _)| *sweep).collect();
         let context = (graphs.sweeps, graphs.parameters);
         let received = graphs.kinds.iter().flat_map(|kind| cut::received(kind, context));
@@ -118,7 +123,7 @@ impl Recursion {
             let slot =
                 |number: &Number| slots.of(number).expect("a number of a record has a place");
             let step = |(sweep, direction): (usize, &Sweep)| {
-                kind.step((sweep, *direction), slot, is_shared)
+                kind.step((sweep, *direction), slot, (pass, is_shared))
             };
             sweeps.iter().enumerate().map(step).collect()
         });

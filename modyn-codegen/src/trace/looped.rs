@@ -7,6 +7,7 @@ use modyn_runtime::Scalar;
 use modyn_runtime::equations::dynamics::{BodyRecursion, Sweep, is_base};
 use modyn_runtime::joint::ElementaryJoint;
 use modyn_runtime::mechanism::{Body, Dof, Mechanism};
+use modyn_runtime::spatial::AxisRotation;
 
 use super::Tracer;
 use super::merge::{merged_body, optional};
@@ -68,11 +69,13 @@ impl Tracer<'_> {
         if model.bodies.is_empty() || model.has_mimics() || !is_described {
             return None;
         }
-        let mut keys: Vec<(ElementaryJoint, bool)> = Vec::new();
+        let mut keys: Vec<(ElementaryJoint, bool, bool)> = Vec::new();
         let mut members: Vec<Vec<usize>> = Vec::new();
         let mut bodies = Vec::with_capacity(model.bodies.len());
         for (i, body) in model.bodies.iter().enumerate() {
-            let key = (body.elementary_joint, is_base(model, i));
+            // The azimuth is that of roots and of branches. In a kind without it, its products are folded.
+            let has_azimuth = body.placement.azimuth != AxisRotation::Quarters(0);
+            let key = (body.elementary_joint, is_base(model, i), has_azimuth);
             let kind = keys.iter().position(|other| *other == key).unwrap_or_else(|| {
                 keys.push(key);
                 members.push(Vec::new());

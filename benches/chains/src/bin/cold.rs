@@ -32,12 +32,12 @@ macro_rules! robots {
             );
             println!("|{}", "---|".repeat(7));
             $(
-                let states = states(|next| $Fast::random(next));
+                let at = states(|next| $Fast::random(next));
                 let form = |Form { operations, warm, cold }: Form| {
                     format!("{operations} | {warm:.0} | {cold:.0}")
                 };
-                let fast = form(measured($fast, &states, $Fast::forward_dynamics));
-                let small = form(measured($small, &states, $Small::forward_dynamics));
+                let fast = form(measured($fast, &at, $Fast::forward_dynamics));
+                let small = form(measured($small, &at, $Small::forward_dynamics));
                 println!("| {} | {fast} | {small} |", $robot);
             )*
         }

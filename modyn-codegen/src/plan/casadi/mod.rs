@@ -12,10 +12,10 @@ use modyn_runtime::model::{Model, ModuleTree};
 
 pub use matrix::CasadiMatrix;
 
-use super::choices::{Choices, CodeForm};
+use super::choices::Choices;
 use super::functions::{Function, Trace};
 use super::packing;
-use super::strategy::Strategy;
+use super::strategy::{CodeForm, Strategy};
 use super::tracing::{TracedRobot, Tracing};
 use crate::names;
 use crate::passes::optimize;

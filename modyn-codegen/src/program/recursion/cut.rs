@@ -124,12 +124,12 @@ impl Kind {
         Self { parts, kept }
     }
 
-    /// Returns the program of a sweep in this direction; `slot` is the place of a number in the record.
+    /// Returns the program of a sweep in this direction, after `pass`; `slot` is the place of a number in the record.
     pub fn step(
         &self,
         (sweep, direction): (usize, Sweep),
         slot: impl Fn(&Number) -> usize,
-        is_shared: bool,
+        (pass, is_shared): (fn(&Graph) -> Graph, bool),
     ) -> Step {
         let Part { graph, constants, reads, writes } = &self.parts[sweep];
         let inward = direction == Sweep::Inward;
@@ -145,7 +145,7 @@ impl Kind {
             _ => Write::Own(slot(number)),
         };
         Step {
-            program: Program::new(graph, constants + reads.len(), Target::Scalar),
+            program: Program::new(&pass(graph), constants + reads.len(), Target::Scalar),
             reads: reads.iter().map(read).collect(),
             writes: writes.iter().map(write).collect(),
             is_shared,
