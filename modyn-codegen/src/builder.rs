@@ -21,7 +21,8 @@ use crate::emit::{
 };
 use crate::options::{Bundle, ModuleChoice, OptionError, Options, Value, option_table, user};
 use crate::plan::{
-    CasadiPlan, Choices, Constants, Execution, Function, NamedFunction, Plan, TracedFunction,
+    CasadiPlan, Choices, CodeForm, Constants, Execution, Function, NamedFunction, Plan,
+    TracedFunction,
 };
 use crate::read::{Format, Reading};
 use crate::size::too_large;
@@ -426,6 +427,7 @@ impl Builder {
             bundles: bundles.unwrap_or_default(),
             user_functions: Vec::new(),
             share: code.share,
+            code: code.code,
             runtime_gravity: code.runtime_gravity,
             runtime_inertia: runtime_inertia.unwrap_or_default(),
             payload: payload.unwrap_or_default(),

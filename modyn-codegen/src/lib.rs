@@ -40,7 +40,7 @@ pub use modyn_runtime::{
     Interpreter, Scalar, UserArgument, UserArgumentKind, UserDerivatives, UserError, UserFunction,
 };
 pub use options::{Bundle, ModuleChoice};
-pub use plan::Function;
+pub use plan::{CodeForm, Function};
 #[cfg(feature = "mjcf")]
 pub use read::read_mjcf;
 pub use read::{Format, Reading, read, read_urdf};

@@ -16,7 +16,7 @@ pub use value::{OptionError, Value, ValueKind};
 
 use crate::FloatType;
 use crate::description::ReadOptions;
-use crate::plan::{Function, NamedFunction};
+use crate::plan::{CodeForm, Function, NamedFunction};
 
 /// The part of modyn that an option is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -176,6 +176,14 @@ macro_rules! option_table {
                 "embed_model" embed_model()
                     embed_model: bool, field => *field = true,
                     "true | false", "`false`", "true";
+                /// The form of the code of forward and inverse dynamics. `fast` is straight-line code, whose length grows with
+                /// the robot. `small` is a loop over the bodies with a table of constants: a few kB for any robot, quick in the
+                /// first call, and quicker than straight-line code for long chains. `auto` takes loops where straight-line
+                /// code would not stay in a processor's instruction cache. Robots with mimic joints, a `payload` or a
+                /// `runtime_inertia` have straight-line code.
+                "code" code(form: CodeForm)
+                    code: CodeForm, field => *field = form,
+                    "auto | fast | small", "`auto`", "small";
                 /// The path of the crate `modyn` where the text goes.
                 "crate" crate_(path: impl Into<String>)
                     crate_path: Option<String>, field => *field = Some(path.into()),

@@ -6,7 +6,7 @@ use std::process::Command;
 
 use modyn_codegen::{Base, Contact, ContactKind, LoopEnd};
 use modyn_codegen::{
-    Builder, Bundle, FloatType, Function, Interpreter, Scalar, UserArgument, UserError,
+    Builder, Bundle, CodeForm, FloatType, Function, Interpreter, Scalar, UserArgument, UserError,
     UserFunction,
 };
 
@@ -390,6 +390,69 @@ fn second_derivatives_with_a_contact_compute_the_bits_of_rust() {
 fn shared_limbs_compute_the_bits_of_rust() {
     compare("quadruped", &robot("quadruped").share().functions(LIMBS), FloatType::F64);
 }
+
+/// Functions of one state that are short, besides forward and inverse dynamics.
+const SHORT: [Function; 11] = [
+    Function::ForwardDynamics,
+    Function::InverseDynamics,
+    Function::GravityTorques,
+    Function::KineticEnergy,
+    Function::PotentialEnergy,
+    Function::CenterOfMass,
+    Function::CentroidalMomentum,
+    Function::Integrate,
+    Function::Difference,
+    Function::VelocityToQdot,
+    Function::Normalize,
+];
+
+#[test]
+fn loops_over_bodies_compute_the_bits_of_rust() {
+    let small = |name: &str| robot(name).functions(SHORT).code(CodeForm::Small);
+    compare("looped_zoo", &small("joint_zoo"), FloatType::F64);
+    compare("looped_floating", &small("quadruped").base(Base::Floating), FloatType::F32);
+    compare("looped_gravity", &small("arm6").runtime_gravity(), FloatType::F64);
+}
+
+/// Returns a chain of joints in general position.
+fn chain(joints: usize) -> Builder {
+    let mut text = String::from("<robot name='chain'><link name='0'/>");
+    for i in 1..=joints {
+        let x = (0.7 * i as f64).sin();
+        let _ = write!(
+            text,
+            "<joint name='{i}' type='continuous'><origin xyz='0.1 {x} 0.3' rpy='0.3 {x} -0.4'/>\
+             <axis xyz='0.6 0.48 0.64'/><parent link='{}'/><child link='{i}'/></joint>\
+             <link name='{i}'><inertial><origin xyz='{x} 0.1 0.2'/><mass value='{}'/>\
+             <inertia ixx='1' iyy='1.1' izz='1.2' ixy='0.1' ixz='0' iyz='0.05'/></inertial></link>",
+            i - 1,
+            2.0 + x,
+        );
+    }
+    Builder::new().urdf_text(text + "</robot>", "chain.urdf").functions([Function::ForwardDynamics])
+}
+
+/// The instructions of loops take as many bytes for 112 joints as for 14.
+#[test]
+fn the_instructions_of_loops_do_not_grow_with_the_robot() {
+    let bytes = |joints: usize, code: CodeForm| -> usize {
+        let name = format!("chain{joints}_{code:?}");
+        let (folder, _) = compiled(&name, &chain(joints).code(code));
+        let mut command = Command::new("gcc");
+        command.args(["-std=c99", "-O2", "-c", "ours.c", "-o", "ours.o"]).current_dir(&folder);
+        run(&mut command);
+        let sizes = run(Command::new("size").args(["-A", "ours.o"]).current_dir(&folder));
+        let lines = sizes.lines().filter(|line| line.starts_with(".text"));
+        let sizes = lines.filter_map(|line| line.split_whitespace().nth(1)?.parse::<usize>().ok());
+        sizes.sum()
+    };
+    let [short, long] = [14, 112].map(|joints| bytes(joints, CodeForm::Small));
+    assert!(short.abs_diff(long) < 64 && long < MAX_LOOP, "{short} {long}");
+    assert!(bytes(14, CodeForm::Fast) > 5 * short);
+}
+
+/// The largest number of bytes of forward dynamics of a chain in loops, with its own sine and cosine, by gcc.
+const MAX_LOOP: usize = 9000;
 
 /// On each body, the links after the eighth share a function; each has a row of a table.
 /// Returns three bodies with 11, 1 and 11 links.

@@ -6,7 +6,7 @@ use std::path::Path;
 use modyn_codegen::passes::optimize;
 use modyn_codegen::plan::{CasadiFunction, CasadiMatrix, CasadiPlan, Choices};
 use modyn_codegen::trace::{EntryDerivatives, Tracer};
-use modyn_codegen::{Base, Builder, FloatType, Function, ReadOptions, read_urdf};
+use modyn_codegen::{Base, Builder, CodeForm, FloatType, Function, ReadOptions, read_urdf};
 use modyn_runtime::Interpreter;
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::dynamics::Elimination;
@@ -168,6 +168,7 @@ fn compare(model: &Model, gravity: bool, inertias: &[usize], payload: &[usize]) 
         bundles: Vec::new(),
         user_functions: Vec::new(),
         share: false,
+        code: CodeForm::default(),
         runtime_gravity: gravity,
         runtime_inertia: inertias.to_vec(),
         payload: payload.to_vec(),
@@ -225,6 +226,7 @@ fn quaternions_have_any_length() {
         bundles: Vec::new(),
         user_functions: Vec::new(),
         share: false,
+        code: CodeForm::default(),
         runtime_gravity: false,
         runtime_inertia: Vec::new(),
         payload: Vec::new(),
@@ -254,6 +256,7 @@ fn patterns_have_the_zeros_of_the_structure() {
         bundles: Vec::new(),
         user_functions: Vec::new(),
         share: false,
+        code: CodeForm::default(),
         runtime_gravity: false,
         runtime_inertia: Vec::new(),
         payload: Vec::new(),

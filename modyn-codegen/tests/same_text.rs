@@ -14,7 +14,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use modyn_codegen::Base;
-use modyn_codegen::{Builder, FloatType, Function, Generated};
+use modyn_codegen::{Builder, CodeForm, FloatType, Function, Generated};
 use rayon::prelude::*;
 
 /// Robots that take minutes.
@@ -34,6 +34,8 @@ const OPTIONS: &[Options] = &[
     ("all self_contained share f32", |b| all(b).self_contained().share().scalar(FloatType::F32)),
     ("all gravity c", |b| all(b).runtime_gravity().c_functions("robot")),
     ("all parameters", |b| with_inertia(all(b).runtime_gravity())),
+    ("small", small),
+    ("small floating gravity", |b| small(b).base(Base::Floating).runtime_gravity()),
     ("long", long),
     ("long floating", |b| long(b).base(Base::Floating)),
     ("floating self_contained parameters c", |b| {
@@ -52,6 +54,12 @@ const LONG: &[Function] = &[
 
 fn all(builder: Builder) -> Builder {
     builder.functions(Function::ALL.iter().copied().filter(|function| !LONG.contains(function)))
+}
+
+/// Loops over bodies.
+fn small(builder: Builder) -> Builder {
+    let functions = [Function::ForwardDynamics, Function::InverseDynamics];
+    builder.functions(functions).code(CodeForm::Small)
 }
 
 fn long(builder: Builder) -> Builder {

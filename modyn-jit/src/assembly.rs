@@ -77,6 +77,7 @@ impl<S: Real> Assembly<S> {
             Kernels::Dispatched { scalar, simd } => {
                 CompiledKernels::One(kernel(scalar, Some(simd), &arrays))
             }
+            Kernels::Looped(_) => unreachable!("plans for machine code have no loops"),
             Kernels::ByLink(programs) => {
                 let own = plan.frames.links_with_own_program().count();
                 let arrays = |k: usize| if k < own { &arrays } else { &placed };

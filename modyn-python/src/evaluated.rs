@@ -34,6 +34,7 @@ impl<S: Number> Evaluated<S> {
             Kernels::One(program) | Kernels::Dispatched { scalar: program, .. } => {
                 Programs::One(program)
             }
+            Kernels::Looped(_) => unreachable!("plans of one state have no loops"),
             Kernels::ByLink(programs) => Programs::ByLink(programs, links()),
             Kernels::Poses { bodies, placed, .. } => Programs::Poses(bodies, placed, links()),
         };

@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyList, PyString, PyTuple};
 
 /// The options about code that have no meaning for machine code.
-const OF_TEXT: &[&str] = &["functions", "share", "embed_model", "crate"];
+const OF_TEXT: &[&str] = &["functions", "share", "embed_model", "code", "crate"];
 
 /// Returns the options that `load` takes.
 pub fn rows() -> impl Iterator<Item = &'static OptionRow> {

@@ -6,7 +6,7 @@ use super::value::{OptionError, Value, ValueKind};
 use crate::FloatType;
 use crate::description::{Base, Contact, Loop, LoopEnd, Mimic, Rotor};
 use crate::diagnostics::Severity;
-use crate::plan::Function;
+use crate::plan::{CodeForm, Function};
 
 /// The kinematic modules to compile with.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -127,6 +127,7 @@ macro_rules! choices {
 
 choices! {
     Base: "fixed" Fixed, "floating" Floating;
+    CodeForm: "auto" Auto, "fast" Fast, "small" Small;
     FloatType: "f64" F64, "f32" F32;
     Mimic: "follow" Follow, "independent" Independent, "refuse" Refuse;
     Severity: "error" Error, "warn" Warning;

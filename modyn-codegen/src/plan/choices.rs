@@ -4,6 +4,7 @@ use modyn_runtime::model::Model;
 
 use super::bundle::Bundle;
 use super::functions::Function;
+use super::strategy::CodeForm;
 use super::user::TracedFunction;
 use crate::trace::Parameters;
 
@@ -18,6 +19,8 @@ pub struct Choices {
     pub user_functions: Vec<TracedFunction>,
     /// Whether equal limbs share one routine.
     pub share: bool,
+    /// The form of the code of recursions.
+    pub code: CodeForm,
     /// Whether gravity is an argument.
     pub runtime_gravity: bool,
     /// The links whose own inertia is an argument, as indices into the model's frames.
@@ -27,7 +30,7 @@ pub struct Choices {
 }
 
 impl Choices {
-    /// Returns the choices with functions of one state in place of those of many, and without shared routines.
+    /// Returns the choices with functions of one state in place of those of many, without shared routines and loops.
     #[must_use]
     pub fn of_one_state(mut self) -> Self {
         for function in &mut self.functions {
@@ -40,6 +43,7 @@ impl Choices {
             function.batch = false;
         }
         self.share = false;
+        self.code = CodeForm::Fast;
         self
     }
 

@@ -7,6 +7,7 @@ mod arguments;
 mod row;
 mod selection;
 
+use modyn_runtime::equations::dynamics::{forward_dynamics_of_bodies, inverse_dynamics_of_bodies};
 use modyn_runtime::equations::kinematics::Axes;
 
 use super::measures::Measures;
@@ -86,6 +87,7 @@ functions! {
         .result_named("qdd")
         .by_default()
         .packed(Packing::ByModules)
+        .recursion(forward_dynamics_of_bodies)
         .hot();
     /// Joint forces of joint accelerations.
     InverseDynamics "inverse_dynamics" = Row::one(
@@ -99,6 +101,7 @@ functions! {
         .result_named("tau")
         .by_default()
         .packed(Packing::Limbs)
+        .recursion(inverse_dynamics_of_bodies)
         .hot();
     /// Coriolis, centrifugal and gravity forces.
     BiasForces "bias_forces" = Row::one(

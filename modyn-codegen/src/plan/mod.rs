@@ -14,6 +14,7 @@ mod constants;
 mod factorization;
 mod frames;
 mod functions;
+mod looped;
 mod measures;
 mod packing;
 pub mod partition;
@@ -41,7 +42,7 @@ pub use measures::Measures;
 pub use packing::{COLUMN_LANES, LIMB_LIMITS};
 pub use planned::{Kernels, Planned};
 pub use shape::{Elements, Record, Shape, Sizes};
-pub use strategy::Execution;
+pub use strategy::{CodeForm, Execution};
 pub use tracing::Tracing;
 pub use user::{
     MAX_USER_OPERATIONS, NamedFunction, TracedForm, TracedFunction, UserForm, UserPlanError,
@@ -94,7 +95,8 @@ impl Plan {
         let batches = execution == Execution::Vectors;
         let robot = TracedRobot::new(model, choices.parameters(model));
         let limbs = packing::limbs(&robot, strategy);
-        let tracing = Tracing::new(&robot, (model, modules), strategy, limbs);
+        let code = execution.code_form(choices.code);
+        let tracing = Tracing::new(&robot, (model, modules), (strategy, code), limbs);
         let sizes = tracing.sizes;
         let selected = |function: &Function| {
             let row = function.row();

@@ -4,7 +4,7 @@ use modyn_runtime::OperationCount;
 
 use super::functions::{Argument, CForm, Function};
 use super::shape::Shape;
-use crate::program::Program;
+use crate::program::{Program, Recursion};
 
 /// A function or a bundle of functions, planned for a robot.
 pub struct Planned {
@@ -34,6 +34,8 @@ pub struct Planned {
 pub enum Kernels {
     /// One program.
     One(Program),
+    /// Loops over the bodies.
+    Looped(Recursion),
     /// A program on scalars and a program on vectors; the processor's features decide at run time.
     Dispatched {
         /// The program on scalars.
@@ -70,6 +72,7 @@ impl Planned {
             Kernels::One(program) | Kernels::Dispatched { scalar: program, .. } => {
                 program.operations_per_call()
             }
+            Kernels::Looped(recursion) => recursion.operations_per_call(),
             Kernels::ByLink(all) => {
                 let counts = all.iter().map(Program::operations_per_call);
                 counts.max_by_key(OperationCount::total).unwrap_or_default()
@@ -86,6 +89,7 @@ impl Planned {
     pub fn static_operations(&self) -> OperationCount {
         match &self.kernels {
             Kernels::One(program) => program.static_operations(),
+            Kernels::Looped(recursion) => recursion.static_operations(),
             Kernels::Dispatched { scalar, simd } => {
                 scalar.static_operations() + simd.static_operations()
             }

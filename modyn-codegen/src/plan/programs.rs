@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::bundle::{Bundle, Graphs, Member};
 use super::frames::Frames;
 use super::functions::{Argument, CForm, Function, Trace};
+use super::looped;
 use super::packing;
 use super::planned::{Kernels, Planned};
 use super::shape::{Shape, Sizes};
@@ -90,7 +91,10 @@ impl Planned {
                     Kernels::One(Program::new(&graph, scalars, Target::Batch))
                 } else {
                     let packed = packing::packed(function, tracing, &graph);
-                    strategy.kernels(&graph, packed, scalars)
+                    match looped::recursion(function, tracing, (&graph, packed.as_ref())) {
+                        Some(recursion) => Kernels::Looped(recursion),
+                        None => strategy.kernels(&graph, packed, scalars),
+                    }
                 }
             }
         };

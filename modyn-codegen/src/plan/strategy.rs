@@ -21,6 +21,23 @@ impl Execution {
             Self::Vectors => Strategy::Vectors,
         }
     }
+
+    /// Returns the form of the code of recursions: graphics processors run straight-line code alone.
+    pub(super) fn code_form(self, chosen: CodeForm) -> CodeForm {
+        if self == Self::Threads { CodeForm::Fast } else { chosen }
+    }
+}
+
+/// The form of the code of recursions over the bodies: forward and inverse dynamics.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CodeForm {
+    /// Loops where straight-line code would be too long for the instruction cache of a processor.
+    #[default]
+    Auto,
+    /// Straight-line code: the fewest operations.
+    Fast,
+    /// Loops over the bodies with tables of constants: the shortest code.
+    Small,
 }
 
 /// The way equal limbs and columns of one state are computed.

@@ -9,7 +9,7 @@ use modyn_runtime::model::{Model, ModuleTree};
 use super::frames::Frames;
 use super::partition::{self, ChosenPartition};
 use super::shape::Sizes;
-use super::strategy::Strategy;
+use super::strategy::{CodeForm, Strategy};
 use crate::trace::{LimbPacking, Parameters, Tracer};
 
 /// A robot in the forms that tracers read.
@@ -52,6 +52,8 @@ pub struct Tracing<'a> {
     pub for_derivatives: UduLayout,
     /// The way equal limbs and columns are computed.
     pub(super) strategy: Strategy,
+    /// The form of the code of recursions.
+    pub(super) code: CodeForm,
     /// The candidates for packing limbs.
     pub(super) limbs: Vec<LimbPacking>,
     /// The partitions of forward dynamics to try with packed limbs.
@@ -65,7 +67,7 @@ impl<'a> Tracing<'a> {
     pub(super) fn new(
         robot: &'a TracedRobot,
         (model, modules): (&Model, &ModuleTree),
-        strategy: Strategy,
+        (strategy, code): (Strategy, CodeForm),
         limbs: Vec<LimbPacking>,
     ) -> Self {
         let TracedRobot { mechanism, frames, parameters } = robot;
@@ -94,6 +96,7 @@ impl<'a> Tracing<'a> {
             layout,
             for_derivatives: UduLayout::new(mechanism, &partition::whole_chains(model)),
             strategy,
+            code,
             independent: limbs.first().is_some_and(|limbs| limbs.independent(mechanism)),
             limbs,
             partitions,

@@ -11,12 +11,15 @@
 //! An operand is a constant, an argument or a result of a statement. It has a sign, and scalars are broadcast to as
 //! many lanes as the operation has. A printer therefore needs no expression trees. Machine code can be made from a
 //! program directly: it is one basic block with known last uses ([`Statement::last_use`]).
+//!
+//! A [`Recursion`] is the short form of code: loops over bodies, each of which runs a program.
 
 mod count;
 mod evaluate;
 mod lower;
 mod outline;
 mod places;
+mod recursion;
 mod repeat;
 mod validate;
 
@@ -24,6 +27,7 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 
 pub(crate) use places::argument_of;
+pub use recursion::{Places, Read, Recursion, Run, Step, Sweep, Write};
 pub use validate::InvalidProgram;
 
 /// The kind of numbers that a program runs on.

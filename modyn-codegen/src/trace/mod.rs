@@ -12,6 +12,8 @@ mod factorization;
 mod hessians;
 mod kinematics;
 mod limbs;
+mod looped;
+mod merge;
 mod parameters;
 mod products;
 mod regressor;
@@ -27,6 +29,7 @@ use crate::graph::{Expr, ForeignExpr, Graph};
 
 pub use entries::EntryDerivatives;
 pub use limbs::{LimbLimits, LimbPacking};
+pub use looped::{BodyGraphs, BodyKind, LoopedBody};
 pub use parameters::Parameters;
 pub use tangent::{TangentGraphs, TangentInput};
 pub use user::UserTraceError;

@@ -77,7 +77,7 @@ fn robots() {
             let (scalar, simd) = match &planned.kernels {
                 Kernels::One(program) => (program, program),
                 Kernels::Dispatched { scalar, simd } => (scalar, simd),
-                Kernels::ByLink(_) | Kernels::Poses { .. } => continue,
+                Kernels::Looped(_) | Kernels::ByLink(_) | Kernels::Poses { .. } => continue,
             };
             let arrays: Vec<usize> =
                 planned.arguments.iter().map(|(_, shape)| shape.len()).collect();

@@ -70,7 +70,7 @@ pub fn program(planning: &Planning, function: Function, vectors: bool) -> Option
     match &planned.kernels {
         Kernels::One(program) => Some(program),
         Kernels::Dispatched { scalar, simd } => Some(if vectors { simd } else { scalar }),
-        Kernels::ByLink(_) | Kernels::Poses { .. } => None,
+        Kernels::Looped(_) | Kernels::ByLink(_) | Kernels::Poses { .. } => None,
     }
 }
 

@@ -5,6 +5,7 @@
 //! (`-ffp-contract=off`) the results equal those of the scalar Rust functions, bit for bit.
 
 mod function;
+mod recursion;
 mod support;
 
 use std::collections::BTreeSet;
@@ -16,7 +17,7 @@ use super::support::Support;
 use super::{FloatType, MachineCode, coordinates_in_c};
 use crate::names;
 use crate::plan::{Argument, Frames, Function, Kernels, LinkCode, Plan, Shape};
-use crate::program::Program;
+use crate::program::{Program, Recursion};
 pub(super) use support::{Qualifiers, text as support};
 
 /// The generated source file and header.
@@ -49,15 +50,31 @@ struct Item<'a> {
     with_parameters: bool,
 }
 
+impl Item<'_> {
+    /// Returns the name of the function that computes: with run-time parameters, others call it.
+    fn own_name(&self) -> String {
+        format!("{}{}", self.name, if self.with_parameters { "_with" } else { "" })
+    }
+}
+
 /// The programs of a function.
 #[derive(Clone, Copy)]
 enum Programs<'a> {
     /// One program.
     One(&'a Program),
+    /// Loops over bodies.
+    Looped(&'a Recursion),
     /// The programs of a function of one link: see [`Kernels::ByLink`].
     ByLink(&'a [Program]),
     /// The programs of the poses of all links: see [`Kernels::Poses`].
     Poses { bodies: &'a Program, placed: &'a Program },
+}
+
+impl Programs<'_> {
+    /// Returns whether they are one function in C.
+    fn are_one(&self) -> bool {
+        matches!(self, Self::One(_) | Self::Looped(_))
+    }
 }
 
 pub(super) struct Printer {
@@ -123,7 +140,7 @@ impl Printer {
         let (upper, prefix) = (self.prefix.to_uppercase(), self.prefix.clone());
         self.constants(plan, model, &upper);
         let items = items(plan, &prefix);
-        if items.iter().any(|item| !matches!(item.programs, Programs::One(_))) {
+        if items.iter().any(|item| !item.programs.are_one()) {
             self.placements(&plan.frames);
         }
         for item in items {
@@ -231,10 +248,10 @@ impl Printer {
         let Item { name, arguments, result, .. } = item;
         let placement = Array { name: "placement".into(), len: Frames::PLACEMENT };
         match item.programs {
-            Programs::One(program) if item.with_parameters => {
-                self.function("", &format!("{name}_with"), arguments, result.len(), program);
+            Programs::One(program) => {
+                self.function("", &item.own_name(), arguments, result.len(), program);
             }
-            Programs::One(program) => self.function("", name, arguments, result.len(), program),
+            Programs::Looped(recursion) => self.recursion(&item.own_name(), arguments, recursion),
             Programs::ByLink(programs) => {
                 let (own, shared) = programs.split_at(frames.links_with_own_program().count());
                 for (link, program) in frames.links_with_own_program().zip(own) {
@@ -261,7 +278,9 @@ impl Printer {
     fn calls(&self, item: &Item<'_>, names: &str, frames: &Frames) -> String {
         let (name, table) = (&item.name, format!("{}_placements", self.prefix));
         match item.programs {
-            Programs::One(_) => format!("    {name}_with({names}, out);\n"),
+            Programs::One(_) | Programs::Looped(_) => {
+                format!("    {}({names}, out);\n", item.own_name())
+            }
             Programs::ByLink(_) => {
                 let case = |(i, code): (usize, &LinkCode)| match code {
                     LinkCode::Own => {
@@ -343,7 +362,7 @@ impl Printer {
             let names =
                 names.map(|(i, a)| if i < count { a.name.clone() } else { defaults.clone() });
             let names = names.collect::<Vec<_>>().join(", ");
-            if matches!(item.programs, Programs::One(_)) && count == arguments.len() {
+            if item.programs.are_one() && count == arguments.len() {
                 continue;
             }
             let body = self.calls(item, &names, frames);
@@ -385,6 +404,7 @@ fn items<'a>(plan: &'a Plan, prefix: &str) -> Vec<Item<'a>> {
             Kernels::One(program) | Kernels::Dispatched { scalar: program, .. } => {
                 Programs::One(program)
             }
+            Kernels::Looped(recursion) => Programs::Looped(recursion),
             Kernels::ByLink(programs) => Programs::ByLink(programs),
             Kernels::Poses { bodies, placed, .. } => Programs::Poses { bodies, placed },
         };

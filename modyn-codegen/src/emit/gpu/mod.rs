@@ -270,6 +270,7 @@ fn kernels<'a>(plan: &'a Plan, model: &Model, prefix: &str) -> Vec<Kernel<'a>> {
                     kernels.push(kernel(planned, named, &programs[place], known));
                 }
             }
+            Kernels::Looped(_) => unreachable!("plans for threads have no loops"),
             Kernels::Poses { .. } => unreachable!("threads share no poses"),
         }
     }

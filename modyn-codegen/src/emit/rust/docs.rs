@@ -11,7 +11,7 @@ use super::{MachineCode, Robot};
 use crate::diagnostics::sanitize_for_display;
 use crate::diagnostics::{Diagnostic, Diagnostics};
 use crate::names;
-use crate::plan::{ARGUMENTS, Argument, ArgumentKind, Function};
+use crate::plan::{ARGUMENTS, Argument, ArgumentKind, CodeForm, Function};
 
 /// Returns `name`, with any characters, as code in a doc comment.
 pub(super) fn code(name: &str) -> String {
@@ -255,6 +255,9 @@ fn options(lines: &mut String, robot: &Robot<'_>) {
     }
     if choices.share {
         lines.push_str("- `share = true`\n");
+    }
+    if choices.code != CodeForm::default() {
+        let _ = writeln!(lines, "- `code = {}`", format!("{:?}", choices.code).to_lowercase());
     }
     if options.self_contained {
         lines.push_str("- `self_contained = true`\n");

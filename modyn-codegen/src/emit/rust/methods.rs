@@ -29,7 +29,10 @@ impl Robot<'_> {
         }
         let arguments = arguments.join(", ");
         match quantity.kernels {
-            Kernels::One(_) | Kernels::Dispatched { .. } | Kernels::Poses { .. } => {
+            Kernels::One(_)
+            | Kernels::Looped(_)
+            | Kernels::Dispatched { .. }
+            | Kernels::Poses { .. } => {
                 format!("{name}({arguments})")
             }
             Kernels::ByLink(_) if self.code.is_some() => format!("{name}({arguments}, link)"),

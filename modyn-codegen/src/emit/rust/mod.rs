@@ -24,6 +24,7 @@ mod missing;
 mod parameter;
 mod parameters;
 mod quantity;
+mod recursion;
 mod robot_trait;
 mod shape;
 mod types;
@@ -38,6 +39,7 @@ use crate::plan::{Constants, Kernels, Plan, Planned};
 use crate::program::Program;
 use function::function;
 use quantity::Quantity;
+use recursion::looped;
 
 /// Returns the items of a robot, and the header of its functions for C if the options request them.
 #[must_use]
@@ -171,6 +173,9 @@ impl Robot<'_> {
         };
         match quantity.kernels {
             Kernels::One(program) => *text += &function(name, program),
+            Kernels::Looped(recursion) => {
+                *text += &looped(name, &parameters, recursion, self.options.scalar);
+            }
             Kernels::Dispatched { scalar, simd } => {
                 self.dispatched(text, quantity, &parameters, (scalar, simd));
             }

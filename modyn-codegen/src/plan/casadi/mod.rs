@@ -15,7 +15,7 @@ pub use matrix::CasadiMatrix;
 use super::choices::Choices;
 use super::functions::{Function, Trace};
 use super::packing;
-use super::strategy::Strategy;
+use super::strategy::{CodeForm, Strategy};
 use super::tracing::{TracedRobot, Tracing};
 use crate::names;
 use crate::passes::optimize;
@@ -55,7 +55,8 @@ impl CasadiPlan {
     #[must_use]
     pub fn new(model: &Model, modules: &ModuleTree, choices: &Choices, prefix: &str) -> Self {
         let robot = TracedRobot::new(model, choices.parameters(model));
-        let tracing = Tracing::new(&robot, (model, modules), Strategy::Scalar, Vec::new());
+        let form = (Strategy::Scalar, CodeForm::Fast);
+        let tracing = Tracing::new(&robot, (model, modules), form, Vec::new());
         let tracer = &tracing.tracer;
         let links: Vec<&str> = model.frames().iter().map(|frame| frame.name.as_str()).collect();
         let links = names::fields(&links, &[]);

@@ -1,8 +1,10 @@
 //! A row of the table of functions: the properties of a function.
 
+use modyn_runtime::equations::dynamics::BodyRecursion;
+
 use super::Function;
 use super::arguments::{Argument, DT, Q, QD, TAU};
-use crate::graph::Graph;
+use crate::graph::{Expr, Graph};
 use crate::plan::shape::shapes;
 use crate::plan::{Measures, Shape, Sizes, Tracing};
 use crate::trace::Tracer;
@@ -44,6 +46,8 @@ pub struct Row {
     pub bytes: fn(&Measures) -> f64,
     /// Other graphs of a function of one link, which share more with those of other functions of a bundle.
     pub in_bundles: Option<fn(&Tracer<'_>) -> Graph>,
+    /// The equations of one body, if they can run in loops over the bodies.
+    pub recursion: Option<fn() -> BodyRecursion<Expr>>,
 }
 
 /// The forms of a function that C can call.
@@ -123,6 +127,7 @@ impl Row {
             c_form: CForm::SourceAndExport,
             bytes,
             in_bundles: None,
+            recursion: None,
         }
     }
 
@@ -209,6 +214,11 @@ impl Row {
     /// Returns the row of a function with this graph as another one in bundles.
     pub(super) const fn in_bundles(self, trace: fn(&Tracer<'_>) -> Graph) -> Self {
         Self { in_bundles: Some(trace), ..self }
+    }
+
+    /// Returns the row of a function that can run in loops over the bodies.
+    pub(super) const fn recursion(self, recursion: fn() -> BodyRecursion<Expr>) -> Self {
+        Self { recursion: Some(recursion), ..self }
     }
 
     /// Returns the row of a function compiled for several instruction sets.

@@ -116,56 +116,77 @@ fn recursion<S: Scalar, T: BodyTree<S>>(
 ) {
     let model = tree.mechanism();
     start(model, workspace);
+    for block in partition.blocks.iter().rev() {
+        eliminate_module(tree, block, (qd, tau), workspace);
+    }
+    for block in &partition.blocks {
+        accelerate(tree, block, workspace, qdd);
+    }
+    for i in (0..model.bodies.len()).filter(|&i| is_base(model, i)) {
+        add_free_fall(model, i, qd, workspace, qdd);
+    }
+}
+
+/// Adds the acceleration of free fall to those of floating base `i`, which are relative to it until then.
+pub(super) fn add_free_fall<S: Scalar>(
+    model: &Mechanism<S>,
+    i: usize,
+    qd: &[S],
+    workspace: &Workspace<S>,
+    qdd: &mut [S],
+) {
+    let fall = free_fall(model, i, qd, workspace);
+    for (dof, fall) in model.dofs_of(i).iter().zip(fall.0) {
+        dof.add(fall, qdd);
+    }
+}
+
+/// Eliminates the joints of a module, steps (i) and (ii) of (60): computes phi_hat = U^-1 phi and phi_tilde =
+/// D^-1 phi_hat, and adds the module's inertia and wrench to its parent.
+pub(super) fn eliminate_module<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
+    block: &ModuleBlock,
+    (qd, tau): (&[S], &[S]),
+    workspace: &mut Workspace<S>,
+) {
+    let model = tree.mechanism();
     // The joint force without damping and friction.
     let torque = |d: usize| {
         let dof = &model.dofs[d];
         model.dissipation(dof, qd).map_or(tau[dof.v], |dissipation| tau[dof.v] - dissipation)
     };
-    for block in partition.blocks.iter().rev() {
-        // phi_hat = U^-1 phi and phi_tilde = D^-1 phi_hat, steps (i) and (ii) of (60).
-        let first = block.bodies.start;
-        for i in block.bodies.clone().rev() {
-            let wrench = workspace.wrenches[i];
-            for d in model.bodies[i].dofs.clone() {
-                let force = wrench.components()[model.dofs[d].component];
-                workspace.torques[d] = torque(d) - force;
-            }
-            if i > first {
-                let carried = model.bodies[i].wrench_to_parent(&workspace.motions[i], wrench);
-                workspace.wrenches[i - 1] += carried;
-            }
+    let first = block.bodies.start;
+    for i in block.bodies.clone().rev() {
+        let wrench = workspace.wrenches[i];
+        for d in model.bodies[i].dofs.clone() {
+            let force = wrench.components()[model.dofs[d].component];
+            workspace.torques[d] = torque(d) - force;
         }
-        pivot(tree, block, workspace);
-        split(block, workspace);
-        let torques = &mut workspace.torques[block.dofs.clone()];
-        solve_upper(factor(block, &workspace.pivots), torques);
-        if model.bodies[first].parent.is_some() {
-            reduce_columns(model, block, workspace);
-            eliminate(tree, block, workspace);
-            let left = remaining_wrench(model, block, workspace, torque);
-            let motion = &workspace.motions[first];
-            tree.wrench_to_parents(first, motion, left, |parent, carried| {
-                workspace.wrenches[parent] += carried;
-            });
-        }
-        for d in block.dofs.clone() {
-            workspace.torques[d] = workspace.torques[d] * workspace.reciprocals[d];
+        if i > first {
+            let carried = model.bodies[i].wrench_to_parent(&workspace.motions[i], wrench);
+            workspace.wrenches[i - 1] += carried;
         }
     }
-    for block in &partition.blocks {
-        accelerate(tree, block, workspace, qdd);
+    pivot(tree, block, workspace);
+    split(block, workspace);
+    let torques = &mut workspace.torques[block.dofs.clone()];
+    solve_upper(factor(block, &workspace.pivots), torques);
+    if model.bodies[first].parent.is_some() {
+        reduce_columns(model, block, workspace);
+        eliminate(tree, block, workspace);
+        let left = remaining_wrench(model, block, workspace, torque);
+        let motion = &workspace.motions[first];
+        tree.wrench_to_parents(first, motion, left, |parent, carried| {
+            workspace.wrenches[parent] += carried;
+        });
     }
-    // So far the accelerations of floating bases are relative to free fall.
-    for i in (0..model.bodies.len()).filter(|&i| is_base(model, i)) {
-        let fall = free_fall(model, i, qd, workspace);
-        for (dof, fall) in model.dofs_of(i).iter().zip(fall.0) {
-            dof.add(fall, qdd);
-        }
+    for d in block.dofs.clone() {
+        workspace.torques[d] = workspace.torques[d] * workspace.reciprocals[d];
     }
 }
 
 /// Computes qdd = U^-T phi_tilde, step (iii) of (60).
-fn accelerate<S: Scalar, T: BodyTree<S>>(
+pub(super) fn accelerate<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     block: &ModuleBlock,
     workspace: &mut Workspace<S>,

@@ -66,22 +66,33 @@ fn joint_torques<S: Scalar, T: BodyTree<S>>(
     workspace: &mut Workspace<S>,
     tau: &mut [S],
 ) {
-    let model = tree.mechanism();
     tau.fill(S::zero());
-    for i in (0..model.bodies.len()).rev() {
-        let wrench = workspace.wrenches[i];
-        for dof in model.dofs_of(i) {
-            let mut force = wrench.components()[dof.component];
-            if let (Some(armature), Some(qdd)) = (dof.armature, qdd) {
-                force = force + armature * dof.rate(qdd);
-            }
-            if let Some(dissipation) = model.dissipation(dof, qd) {
-                force = force + dissipation;
-            }
-            dof.add(force, tau);
-        }
-        tree.wrench_to_parents(i, &workspace.motions[i], wrench, |parent, carried| {
-            workspace.wrenches[parent] += carried;
-        });
+    for i in (0..tree.mechanism().bodies.len()).rev() {
+        joint_torque(tree, i, (qd, qdd), workspace, tau);
     }
+}
+
+/// Adds the forces of body `i`'s joint to `tau`, and the body's wrench to that of its parent.
+pub(super) fn joint_torque<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
+    i: usize,
+    (qd, qdd): (&[S], Option<&[S]>),
+    workspace: &mut Workspace<S>,
+    tau: &mut [S],
+) {
+    let model = tree.mechanism();
+    let wrench = workspace.wrenches[i];
+    for dof in model.dofs_of(i) {
+        let mut force = wrench.components()[dof.component];
+        if let (Some(armature), Some(qdd)) = (dof.armature, qdd) {
+            force = force + armature * dof.rate(qdd);
+        }
+        if let Some(dissipation) = model.dissipation(dof, qd) {
+            force = force + dissipation;
+        }
+        dof.add(force, tau);
+    }
+    tree.wrench_to_parents(i, &workspace.motions[i], wrench, |parent, carried| {
+        workspace.wrenches[parent] += carried;
+    });
 }

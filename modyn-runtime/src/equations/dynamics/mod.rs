@@ -8,8 +8,9 @@ mod inverse_dynamics;
 mod kinetic_energy;
 mod mass_matrix;
 pub(super) mod newton_euler;
+mod one_body;
 
 pub use {
     centroidal::*, external::*, forward_dynamics::*, gravity::*, inverse_dynamics::*,
-    kinetic_energy::*, mass_matrix::*, newton_euler::*,
+    kinetic_energy::*, mass_matrix::*, newton_euler::*, one_body::*,
 };

@@ -33,33 +33,44 @@ pub(in crate::equations) fn link_wrenches<S: Scalar, T: BodyTree<S>>(
     accelerations: Accelerations<'_, S>,
     workspace: &mut Workspace<S>,
 ) {
-    let model = tree.mechanism();
-    for (i, body) in model.bodies.iter().enumerate() {
-        let carried = parent_motion(tree, i, workspace);
-        let own = match accelerations {
-            Accelerations::Given(qdd) | Accelerations::AgainstFall(qdd) => {
-                Some(model.rates(i, qdd))
-            }
-            _ => None,
-        };
-        let mut field =
-            workspace.motions[i].accelerate(carried, &model.rates(i, qd), own.as_deref());
-        if is_base(model, i) {
-            match (accelerations, &own) {
-                (Accelerations::FreeFall, _) => field.a = Vector3::zero(),
-                (Accelerations::AgainstFall(_), Some(own)) => {
-                    field.a = Vector3([own[0], own[1], own[2]]);
-                }
-                _ => {}
-            }
-        }
-        workspace.fields[i] = field;
-        workspace.wrenches[i] = field.wrench(&body.base_inertia);
+    for i in 0..tree.mechanism().bodies.len() {
+        link_wrench(tree, i, qd, accelerations, workspace);
     }
 }
 
+/// Fills body `i`'s entries of `workspace.fields` and `workspace.wrenches`.
+///
+/// Expects the joint's transform, and the motion of the parent.
+pub(super) fn link_wrench<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
+    i: usize,
+    qd: &[S],
+    accelerations: Accelerations<'_, S>,
+    workspace: &mut Workspace<S>,
+) {
+    let model = tree.mechanism();
+    let carried = parent_motion(tree, i, workspace);
+    let own = match accelerations {
+        Accelerations::Given(qdd) | Accelerations::AgainstFall(qdd) => Some(model.rates(i, qdd)),
+        _ => None,
+    };
+    let mut field = workspace.motions[i].accelerate(carried, &model.rates(i, qd), own.as_deref());
+    if is_base(model, i) {
+        match (accelerations, &own) {
+            (Accelerations::FreeFall, _) => field.a = Vector3::zero(),
+            (Accelerations::AgainstFall(_), Some(own)) => {
+                field.a = Vector3([own[0], own[1], own[2]]);
+            }
+            _ => {}
+        }
+    }
+    workspace.fields[i] = field;
+    workspace.wrenches[i] = field.wrench(&model.bodies[i].base_inertia);
+}
+
 /// Returns whether body `i` is a base that floats in the world. (A base with rotors does not fall freely.)
-pub(in crate::equations) fn is_base<S: Scalar>(model: &Mechanism<S>, i: usize) -> bool {
+#[must_use]
+pub fn is_base<S: Scalar>(model: &Mechanism<S>, i: usize) -> bool {
     let body = &model.bodies[i];
     let floats = body.parent.is_none() && body.elementary_joint == ElementaryJoint::Floating;
     floats && model.dofs_of(i).iter().all(|dof| dof.armature.is_none())

@@ -1,0 +1,105 @@
+//! Several bodies as one body, whose numbers stand for those of each: lanes of limbs, or columns of a table.
+
+use std::ops::Range;
+
+use modyn_runtime::joint::JointOffset;
+use modyn_runtime::mechanism::{Body, Dof};
+use modyn_runtime::spatial::{AxisRotation, DhTransform, Pose, Vector3};
+
+use crate::graph::Expr;
+
+/// Returns the expression of a number, from its values in all bodies.
+pub(super) type Merge<'a> = &'a dyn Fn(&[f64]) -> Expr;
+
+/// Returns the merged numbers of the items; `each` lists the numbers of an item.
+fn numbers<'a, T>(
+    items: &[&T],
+    each: fn(&T, &mut dyn FnMut(f64)),
+    merge: Merge<'a>,
+) -> impl Iterator<Item = Expr> + use<'a, T> {
+    let lists: Vec<Vec<f64>> = items
+        .iter()
+        .map(|item| {
+            let mut list = Vec::new();
+            each(item, &mut |x| list.push(x));
+            list
+        })
+        .collect();
+    (0..lists[0].len()).map(move |n| merge(&lists.iter().map(|list| list[n]).collect::<Vec<f64>>()))
+}
+
+/// Returns a number that some degrees of freedom lack, which count as zero; `None` if all lack it.
+pub(super) fn optional(
+    dofs: &[&Dof<f64>],
+    of: impl Fn(&Dof<f64>) -> Option<f64>,
+    merge: Merge<'_>,
+) -> Option<Expr> {
+    let has = dofs.iter().any(|dof| of(dof).is_some());
+    has.then(|| merge(&dofs.iter().map(|dof| of(dof).unwrap_or(0.0)).collect::<Vec<f64>>()))
+}
+
+/// Returns bodies with the same elementary joint as one body, with these degrees of freedom and this entry of q.
+pub(super) fn merged_body(
+    each: &[&Body<f64>],
+    (dofs, q): (Range<usize>, usize),
+    merge: Merge<'_>,
+) -> Body<Expr> {
+    let first = each[0];
+    let rotations = |of: fn(&Body<f64>) -> AxisRotation<f64>| {
+        merged_rotation(&each.iter().map(|body| of(body)).collect::<Vec<_>>(), merge)
+    };
+    let mut translations =
+        numbers(each, |b, f| b.placement.translation.0.into_iter().for_each(f), merge);
+    let mut inertias = numbers(each, |b, f| _ = b.inertia.map(f), merge);
+    let mut base_inertias = numbers(each, |b, f| _ = b.base_inertia.map(f), merge);
+    let next = "as many for each body";
+    Body {
+        parent: None,
+        elementary_joint: first.elementary_joint,
+        q,
+        mimic: None,
+        dofs,
+        offset: merged_offset(&each.iter().map(|body| body.offset).collect::<Vec<_>>(), merge),
+        placement: DhTransform {
+            azimuth: rotations(|body| body.placement.azimuth),
+            translation: Vector3(
+                first.placement.translation.0.map(|_| translations.next().expect(next)),
+            ),
+            tilt: rotations(|body| body.placement.tilt),
+        },
+        link: Pose::identity(),
+        inertia: first.inertia.map(|_| inertias.next().expect(next)),
+        base_inertia: first.base_inertia.map(|_| base_inertias.next().expect(next)),
+    }
+}
+
+/// Returns rotations as one rotation; free of operations if all are the same quarter turn.
+fn merged_rotation(rotations: &[AxisRotation<f64>], merge: Merge<'_>) -> AxisRotation<Expr> {
+    if let (AxisRotation::Quarters(n), true) =
+        (rotations[0], rotations.iter().all(|rotation| *rotation == rotations[0]))
+    {
+        return AxisRotation::Quarters(n);
+    }
+    let direction = |rotation: &AxisRotation<f64>| match *rotation {
+        AxisRotation::Angle { cos, sin } => (cos, sin),
+        AxisRotation::Quarters(n) => {
+            [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)][usize::from(n % 4)]
+        }
+    };
+    let (cos, sin): (Vec<f64>, Vec<f64>) = rotations.iter().map(direction).unzip();
+    AxisRotation::Angle { cos: merge(&cos), sin: merge(&sin) }
+}
+
+/// Returns offsets as one offset.
+fn merged_offset(offsets: &[JointOffset<f64>], merge: Merge<'_>) -> JointOffset<Expr> {
+    if let (JointOffset::Quarters(n), true) =
+        (offsets[0], offsets.iter().all(|offset| *offset == offsets[0]))
+    {
+        return JointOffset::Quarters(n);
+    }
+    let angle = |offset: &JointOffset<f64>| match *offset {
+        JointOffset::Angle(angle) => angle,
+        JointOffset::Quarters(n) => f64::from(n) * std::f64::consts::FRAC_PI_2,
+    };
+    JointOffset::Angle(merge(&offsets.iter().map(angle).collect::<Vec<f64>>()))
+}

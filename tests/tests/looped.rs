@@ -1,0 +1,167 @@
+//! Code in loops over bodies: the values of straight-line code and of the interpreter, and an amount of code that does not
+//! depend on the number of bodies.
+
+use modyn_codegen::plan::{Choices, Execution, Kernels, Plan};
+use modyn_codegen::program::Recursion;
+use modyn_codegen::{CodeForm, Function};
+use modyn_runtime::Interpreter;
+use modyn_runtime::joint::JointType;
+use modyn_runtime::model::{Model, ModuleTree};
+use modyn_tests::close::assert_close;
+use modyn_tests::floating::floated;
+use modyn_tests::random::{self, Random, State};
+
+const FUNCTIONS: [Function; 2] = [Function::ForwardDynamics, Function::InverseDynamics];
+
+/// Returns the plan of forward and inverse dynamics.
+fn plan(model: &Model, code: CodeForm, runtime_gravity: bool) -> Plan {
+    let choices = Choices {
+        functions: FUNCTIONS.into(),
+        bundles: Vec::new(),
+        user_functions: Vec::new(),
+        share: false,
+        code,
+        runtime_gravity,
+        runtime_inertia: Vec::new(),
+        payload: Vec::new(),
+    };
+    Plan::new(model, &ModuleTree::links(model), &choices, Execution::Scalar)
+}
+
+/// Returns the loops of both functions; `None` if they are straight-line code.
+fn looped(plan: &Plan) -> Option<[&Recursion; 2]> {
+    let recursion = |function| {
+        let mut all = plan.functions.iter();
+        match &all.find(|planned| planned.function == Some(function))?.kernels {
+            Kernels::Looped(recursion) => Some(recursion),
+            _ => None,
+        }
+    };
+    let [forward, inverse] = FUNCTIONS.map(recursion);
+    assert_eq!(forward.is_some(), inverse.is_some());
+    Some([forward?, inverse?])
+}
+
+/// Compares loops with the interpreter, at a state.
+fn compare(what: &str, model: &Model, state: &State) {
+    let State { q, qd, qdd, tau } = state;
+    for runtime_gravity in [false, true] {
+        let plan = plan(model, CodeForm::Small, runtime_gravity);
+        let [forward, inverse] = looped(&plan).expect("loops");
+        let gravity = plan.parameters.described(model.gravity());
+        let mut interpreter = Interpreter::new(model.clone());
+        let mut expected = vec![0.0; model.nv()];
+        interpreter.forward_dynamics(q, qd, tau, &mut expected).expect("lengths");
+        let found = forward.evaluate::<f64>(&[q, qd, tau, &*gravity].concat());
+        assert_close(&format!("{what}: accelerations"), &found, &expected, 1e-9);
+        interpreter.inverse_dynamics(q, qd, qdd, &mut expected).expect("lengths");
+        let found = inverse.evaluate::<f64>(&[q, qd, qdd, &*gravity].concat());
+        assert_close(&format!("{what}: forces"), &found, &expected, 1e-11);
+    }
+}
+
+#[test]
+fn loops_have_the_values_of_the_interpreter() {
+    let (mut compared, mut straight) = (0, 0);
+    for seed in 0..60 {
+        let links = 1 + usize::try_from(seed).expect("small") % 14;
+        let model = random::mixed_zoo(seed, links);
+        let floating = floated(&model, Random::new(seed).inertial());
+        for (what, model) in [("on the ground", &model), ("floating", &floating)] {
+            if model.links().iter().any(|link| link.joint.mimic.is_some()) {
+                assert!(looped(&plan(model, CodeForm::Small, false)).is_none());
+                straight += 1;
+                continue;
+            }
+            compare(&format!("{seed}, {what}"), model, &random::state(seed, model));
+            compared += 1;
+        }
+    }
+    assert!(compared > 40 && straight > 5, "{compared} {straight}");
+}
+
+/// Returns a serial chain of revolute joints in general position.
+fn chain(links: usize) -> Model {
+    let model = random::chain(7, links);
+    let revolute = model.links().iter().cloned().map(|mut link| {
+        link.joint.joint_type = JointType::Revolute;
+        link
+    });
+    let frames = model.frames().to_vec();
+    Model::new("chain", model.gravity(), revolute.collect(), frames).expect("a robot")
+}
+
+/// The operations in the text for a chain of any length: of forward and inverse dynamics. Enter a count that falls; a count
+/// that rises is a regression.
+const FROZEN: [usize; 2] = [539, 197];
+
+#[test]
+fn the_amount_of_code_does_not_depend_on_the_number_of_bodies() {
+    for links in [14, 28, 112] {
+        let plan = plan(&chain(links), CodeForm::Small, false);
+        let loops = looped(&plan).expect("loops");
+        let counted = loops.map(|recursion| recursion.static_operations().total());
+        assert_eq!(counted, FROZEN, "{links}");
+        let per_call = loops.map(|recursion| recursion.operations_per_call().total());
+        assert_eq!(per_call, FROZEN.map(|count| count * links), "{links}");
+    }
+}
+
+#[test]
+fn long_chains_are_loops_unless_speed_is_chosen() {
+    let is_looped = |links, code| looped(&plan(&chain(links), code, false)).is_some();
+    assert!(is_looped(7, CodeForm::Small) && !is_looped(7, CodeForm::Auto));
+    assert!(is_looped(112, CodeForm::Auto) && !is_looped(112, CodeForm::Fast));
+}
+
+macro_rules! robots {
+    ($($Robot:ident = $file:literal $(, $key:ident = $choice:tt)*;)*) => {$(
+        modyn::modyn! {
+            $Robot = $file,
+            functions = [forward_dynamics, inverse_dynamics, random]
+            $(, $key = $choice)*
+        }
+    )*};
+}
+
+robots! {
+    Arm = "../../robots/arm7.urdf", friction = coulomb, code = small;
+    StraightArm = "../../robots/arm7.urdf", friction = coulomb, code = fast;
+    Moon = "../../robots/arm7.urdf", friction = none, runtime_gravity = true, code = small;
+    StraightMoon = "../../robots/arm7.urdf", friction = none, runtime_gravity = true, code = fast;
+    Zoo = "../../robots/joint_zoo.urdf", friction = viscous, code = small;
+    StraightZoo = "../../robots/joint_zoo.urdf", friction = viscous, code = fast;
+    Flying = "../../robots/quadruped.urdf", base = floating, code = small;
+    StraightFlying = "../../robots/quadruped.urdf", base = floating, code = fast;
+    Single = "../../robots/quadruped.urdf", base = floating, scalar = f32, code = small;
+    StraightSingle = "../../robots/quadruped.urdf", base = floating, scalar = f32, code = fast;
+}
+
+/// Compares a compiled robot with loops with the same robot in straight-line code.
+macro_rules! compared {
+    ($Looped:ident, $Straight:ident, $T:ty, $tolerance:expr) => {{
+        let mut random = Random::new(5);
+        for _ in 0..20 {
+            let q = $Looped::random(|| random.between(0.0, 1.0) as $T);
+            let [qd, tau]: [[$T; $Looped::NV]; 2] =
+                std::array::from_fn(|_| std::array::from_fn(|_| random.between(-2.0, 2.0) as $T));
+            let numbers = |x: [$T; $Looped::NV]| x.map(f64::from);
+            let what = stringify!($Looped);
+            let found = numbers($Looped::forward_dynamics(&q, &qd, &tau));
+            let expected = numbers($Straight::forward_dynamics(&q, &qd, &tau));
+            assert_close(what, &found, &expected, $tolerance);
+            let found = numbers($Looped::inverse_dynamics(&q, &qd, &tau));
+            let expected = numbers($Straight::inverse_dynamics(&q, &qd, &tau));
+            assert_close(what, &found, &expected, $tolerance);
+        }
+    }};
+}
+
+#[test]
+fn compiled_loops_have_the_values_of_straight_line_code() {
+    compared!(Arm, StraightArm, f64, 1e-11);
+    compared!(Moon, StraightMoon, f64, 1e-11);
+    compared!(Zoo, StraightZoo, f64, 1e-11);
+    compared!(Flying, StraightFlying, f64, 1e-11);
+    compared!(Single, StraightSingle, f32, 2e-3);
+}
