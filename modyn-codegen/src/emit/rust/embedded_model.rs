@@ -11,8 +11,7 @@ use super::Robot;
 
 /// The names in the values of a model.
 const IMPORTS: &str = "\
-use ::core::convert::Into as _;
-    use ::core::option::Option::{None, Some};
+use ::core::option::Option::{None, Some};
     use __modyn::joint::JointType;
     use __modyn::model::{
         Contact, ContactKind, Frame, Friction, Joint, JointDynamics, Limits, Link, LoopConstraint,
