@@ -397,12 +397,6 @@ impl Builder {
             let functions: Vec<Function> = functions.iter().copied().chain(bundled).collect();
             errors.extend(too_large(model, modules, &functions));
         }
-        let bundles = reading.as_ref().map(|reading| {
-            let of = |bundle: &Bundle| {
-                bundle.of(&reading.model).map_err(|found| errors.extend(found)).ok()
-            };
-            code.bundles.iter().filter_map(of).collect()
-        });
         let inertias = [
             ("runtime_inertia", Code::RuntimeInertia, &code.runtime_inertia),
             ("payload", Code::Payload, &code.payload),
@@ -413,6 +407,27 @@ impl Builder {
                 frames.map_err(|found| errors.extend(found)).ok()
             })
         });
+        let mut choices = Choices {
+            functions: functions.to_vec(),
+            bundles: Vec::new(),
+            user_functions: Vec::new(),
+            share: code.share,
+            code: code.code,
+            runtime_gravity: code.runtime_gravity,
+            runtime_inertia: runtime_inertia.unwrap_or_default(),
+            payload: payload.unwrap_or_default(),
+        };
+        if let Some(Reading { model, .. }) = &reading {
+            // Options with errors may be those of the functions.
+            let traced = errors.is_empty().then(|| self.traced_functions(model, &choices));
+            let traced =
+                traced.and_then(|traced| traced.map_err(|found| errors.extend(found)).ok());
+            let of = |bundle: &Bundle| {
+                bundle.of(model, traced.as_deref()).map_err(|found| errors.extend(found)).ok()
+            };
+            choices.bundles = code.bundles.iter().filter_map(of).collect();
+            choices.user_functions = traced.unwrap_or_default();
+        }
         let (Some(Reading { model, mut warnings }), Some(modules), true) =
             (reading, modules, errors.is_empty())
         else {
@@ -422,17 +437,6 @@ impl Builder {
         if code.scalar == FloatType::F32 {
             warnings.extend(conditioning_warning(&model));
         }
-        let mut choices = Choices {
-            functions: functions.to_vec(),
-            bundles: bundles.unwrap_or_default(),
-            user_functions: Vec::new(),
-            share: code.share,
-            code: code.code,
-            runtime_gravity: code.runtime_gravity,
-            runtime_inertia: runtime_inertia.unwrap_or_default(),
-            payload: payload.unwrap_or_default(),
-        };
-        choices.user_functions = self.traced_functions(&model, &choices)?;
         let defaults = EmitOptions::default();
         let options = EmitOptions {
             type_name: code.type_name.clone(),

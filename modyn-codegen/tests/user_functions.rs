@@ -279,3 +279,63 @@ fn counts_are_as_frozen() {
         "\nA count that falls is to be entered; one that rises is a regression."
     );
 }
+
+#[test]
+fn bundles_share_the_work_of_functions() {
+    let builder = robot("arm7").type_name("Arm").function("reach", REACH);
+    let knot = Bundle::new("knot")
+        .own_function("reach_gradient")
+        .function(Function::StepSemiImplicitDerivatives)
+        .own_function("reach_hessian")
+        .batch();
+    let hand = Bundle::new("hand").of_link(Function::LinkPose, "hand").own_function("reach");
+    let builder = builder.functions([Function::StepSemiImplicitDerivatives, Function::LinkPose]);
+    let builder = builder.bundles([knot, hand]);
+    let generated = builder.generate().expect("good");
+    for line in [
+        "pub fn knot(q: &[f64; 7], qd: &[f64; 7], tau: &[f64; 7], dt: f64, target: &[f64; 3]) -> ArmKnot<f64> {",
+        "pub struct ArmKnot<T = f64> {",
+        "    pub reach_gradient: ArmReachGradient<T>,",
+        "    pub reach_hessian: ArmReachHessian<T>,",
+        "pub fn knot_batch(",
+        "/// - bundle `knot`, also for many states: `reach_gradient`, `step_semi_implicit_derivatives`, `reach_hessian`",
+    ] {
+        assert!(generated.text.contains(line), "{line}");
+    }
+    let operations = |name: &str| {
+        let found = generated.operations.iter().find(|(other, _)| *other == name);
+        found.expect(name).1.total()
+    };
+    let members = ["reach_gradient", "reach_hessian", "step_semi_implicit_derivatives"];
+    assert_eq!((operations("knot"), members.map(operations)), (8874, [669, 4413, 4510]));
+    let members = ["link_pose", "reach"];
+    assert_eq!((operations("hand"), members.map(operations)), (398, [134, 302]));
+}
+
+#[test]
+fn bundles_with_an_error_are_refused() {
+    let bundled = |builder: Builder, name: &str| {
+        let knot = Bundle::new("knot").function(Function::ForwardDynamicsHessian);
+        refused(builder.bundles([knot.own_function(name)]))
+    };
+    let found = bundled(robot("arm7").function("reach", REACH), "reach_gradiant");
+    assert!(
+        found.contains("bundle `knot`: there is no function `reach_gradiant` of yours"),
+        "{found}"
+    );
+    assert!(found.contains("did you mean `reach_gradient`?"), "{found}");
+    let found = bundled(robot("arm7"), "cost");
+    assert!(found.contains("add it with `Builder::function`"), "{found}");
+    // The weights of three results, and of seven accelerations.
+    let arguments = vec![UserArgument::Q, UserArgument::QD];
+    let three = Other { arguments, results: |_| vec![1.0; 3] };
+    let found = bundled(robot("arm7").function("three", three), "three_vjp");
+    let message = "`forward_dynamics_hessian` and `three_vjp` have different arguments `cotangent`";
+    assert!(found.contains(message), "{found}");
+    // A link that is not there is found beside an error of the function.
+    let knot = Bundle::new("knot").of_link(Function::LinkPose, "hnd").own_function("reach");
+    let found =
+        refused(robot("arm7").function("reach", Reach { link: "hnd", ..REACH }).bundles([knot]));
+    assert!(found.contains("bundle `knot`: link `hnd` does not exist"), "{found}");
+    assert!(found.contains("function `reach`: there is no link `hnd`"), "{found}");
+}

@@ -4,7 +4,8 @@ mod common;
 
 use common::{instruction_sets, random};
 use modyn_codegen::{
-    Builder, Interpreter, Scalar, UserArgument, UserDerivatives, UserError, UserFunction,
+    Builder, Bundle, Function, Interpreter, Scalar, UserArgument, UserDerivatives, UserError,
+    UserFunction,
 };
 use modyn_jit::{Compiled, Options};
 
@@ -41,9 +42,11 @@ fn machine_code_gives_the_numbers_of_the_function() {
     for seed in 0..4 {
         let model = random::general_zoo(seed, 4);
         let n = model.nv();
-        let planning = Builder::new().model(model.clone()).functions([]);
-        let planning = planning.function("terms", Terms).plan().expect("good");
-        let random::State { q, qd, .. } = random::state(seed, &model);
+        let knot = Bundle::new("knot").own_function("terms_jacobian").own_function("terms");
+        let knot = knot.function(Function::ForwardDynamics);
+        let planning = Builder::new().model(model.clone()).functions([Function::ForwardDynamics]);
+        let planning = planning.bundles([knot]).function("terms", Terms).plan().expect("good");
+        let random::State { q, qd, tau, .. } = random::state(seed, &model);
         let target = [0.3, -0.4, 0.5];
         let mut robot = Interpreter::<f64>::new(model);
         let mut random = random::Random::new(seed);
@@ -66,7 +69,8 @@ fn machine_code_gives_the_numbers_of_the_function() {
             let mut options = Options::default();
             (options.instruction_set, options.batches) = (Some(instruction_set), true);
             let compiled = Compiled::<f64>::from_plan(&planning, options).expect("code");
-            assert!(compiled.bundles().eq(["terms", "terms_jvp", "terms_vjp", "terms_jacobian"]));
+            let names = ["knot", "terms", "terms_jvp", "terms_vjp", "terms_jacobian"];
+            assert!(compiled.bundles().eq(names));
             let call = compiled.bundle("terms").expect("compiled");
             let mut found = vec![f64::NAN; 2];
             call.one(&[&q, &qd, &target], &mut found).expect("fits");
@@ -90,6 +94,19 @@ fn machine_code_gives_the_numbers_of_the_function() {
             let mut many = vec![f64::NAN; 4 * states];
             call.many(&repeated.each_ref().map(Vec::as_slice), &mut many).expect("fits");
             many.chunks(4).for_each(|state| close(state, &found, 1e-12));
+            // A bundle has the numbers of its functions.
+            let jacobian = compiled.bundle("terms_jacobian").expect("compiled");
+            let mut expected = vec![f64::NAN; jacobian.result().len()];
+            jacobian.one(&[&q, &qd, &target], &mut expected).expect("fits");
+            expected.extend(&value);
+            let dynamics = compiled.function(Function::ForwardDynamics).expect("compiled");
+            let mut qdd = vec![f64::NAN; n];
+            dynamics.one(&[&q, &qd, &tau], &mut qdd).expect("fits");
+            expected.extend(qdd);
+            let knot = compiled.bundle("knot").expect("compiled");
+            let mut found = vec![f64::NAN; expected.len()];
+            knot.one(&[&q, &qd, &tau, &target], &mut found).expect("fits");
+            close(&found, &expected, 1e-9);
         }
     }
 }

@@ -380,10 +380,10 @@ impl Robot {
     }
 
     /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and the gradients and
-    /// the Hessian of their sum with the weights `cotangent` and `wrench_cotangent` (of the components in
-    /// world axes) with respect to `q` (in tangent space), `qd` and `tau`. The blocks of `qd` and `tau` and
-    /// of `tau` and `tau` are zero. The rows of the active contacts must be independent: redundant contacts
-    /// have compliance. Robots with loops do not have this function.
+    /// the Hessian of their sum with the weights `cotangent` and `wrench_cotangent` (of the components of
+    /// the wrenches) with respect to `q` (in tangent space), `qd` and `tau`. The blocks of `qd` and `tau`
+    /// and of `tau` and `tau` are zero. The rank is assumed constant. Weights of wrenches need independent
+    /// rows, or compliance.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `cotangent`: (nv,); `wrench_cotangent`:
     /// (constraints, 6), moments before forces; `contacts`: (contacts,), 1 for each active contact, else 0;

@@ -8,7 +8,7 @@ use super::value::{OptionError, Value, ValueKind};
 use crate::diagnostics::{Code, Diagnostic, suggest};
 use crate::intern::intern;
 use crate::names;
-use crate::plan::{self, BatchForm, Function};
+use crate::plan::{self, Argument, BatchForm, Function, MemberFunction, Sizes, TracedFunction};
 
 /// A bundle: several functions that one call computes, with their common work done once.
 ///
@@ -30,10 +30,11 @@ pub struct Bundle {
 
 /// A function in a bundle.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Member {
-    function: Function,
-    /// The name of the link of a function of one link.
-    link: Option<String>,
+enum Member {
+    /// A function of the table, and the name of the link of a function of one link.
+    Table(Function, Option<String>),
+    /// A user's function or one of its derivatives, by name.
+    User(String),
 }
 
 /// An error of a bundle, and its remedy.
@@ -55,7 +56,7 @@ impl Bundle {
     /// Adds a function. Its field of the result has the function's name.
     #[must_use]
     pub fn function(mut self, function: Function) -> Self {
-        self.members.push(Member { function, link: None });
+        self.members.push(Member::Table(function, None));
         self
     }
 
@@ -63,7 +64,15 @@ impl Bundle {
     /// link: `jacobian_hand`.
     #[must_use]
     pub fn of_link(mut self, function: Function, link: impl Into<String>) -> Self {
-        self.members.push(Member { function, link: Some(link.into()) });
+        self.members.push(Member::Table(function, Some(link.into())));
+        self
+    }
+
+    /// Adds a function of the user's own that [`Builder::function`](crate::Builder::function) compiles, or a derivative of it,
+    /// by name: `reach_cost`, `reach_cost_gradient`. Its field of the result has this name.
+    #[must_use]
+    pub fn own_function(mut self, name: impl Into<String>) -> Self {
+        self.members.push(Member::User(name.into()));
         self
     }
 
@@ -74,9 +83,12 @@ impl Bundle {
         self
     }
 
-    /// Returns the functions without those of one link.
+    /// Returns the functions of the table without those of one link.
     pub(crate) fn functions(&self) -> impl Iterator<Item = Function> {
-        self.members.iter().map(|member| member.function).filter(|f| !f.row().is_by_link())
+        self.members.iter().filter_map(|member| match member {
+            Member::Table(function, None) => Some(*function),
+            _ => None,
+        })
     }
 
     /// Returns the errors that no robot is needed to find.
@@ -131,19 +143,33 @@ impl Bundle {
         Diagnostic::error(Code::Option, message).with_help(help)
     }
 
-    /// Returns the bundle of a robot.
+    /// Returns the bundle of a robot with these functions of the user; `None` if these are not known because of errors.
     ///
     /// # Errors
     ///
-    /// If a link does not exist, or the robot cannot have a function.
-    pub(crate) fn of(&self, model: &Model) -> Result<plan::Bundle, Vec<Diagnostic>> {
+    /// If a link or a function of the user does not exist, the robot cannot have a function, or two functions have different
+    /// arguments of one name.
+    pub(crate) fn of(
+        &self,
+        model: &Model,
+        user_functions: Option<&[TracedFunction]>,
+    ) -> Result<plan::Bundle, Vec<Diagnostic>> {
         let (mut members, mut errors) = (Vec::new(), Vec::new());
         for member in &self.members {
-            match member.of(model) {
+            let found = match member {
+                Member::Table(function, link) => member.of_table(*function, link.as_ref(), model),
+                Member::User(name) => match user_functions {
+                    Some(functions) => member.of_user(name, functions),
+                    None => continue,
+                },
+            };
+            match found {
                 Ok(member) => members.push(member),
                 Err((message, help)) => errors.push(self.error(message, help)),
             }
         }
+        let conflict = conflict(&members, &Sizes::new(model, 0));
+        errors.extend(conflict.map(|(message, help)| self.error(message, help)));
         let name = intern(&self.name);
         let bundle = plan::Bundle { name, members, batch: self.batch };
         if errors.is_empty() { Ok(bundle) } else { Err(errors) }
@@ -153,16 +179,19 @@ impl Bundle {
 impl Member {
     /// Returns the name of the field.
     fn field(&self) -> String {
-        let function = self.function.name();
-        match &self.link {
-            None => function.into(),
-            Some(link) => format!("{function}_{}", names::snake(link)),
+        match self {
+            Self::Table(function, None) => function.name().into(),
+            Self::Table(function, Some(link)) => {
+                format!("{}_{}", function.name(), names::snake(link))
+            }
+            Self::User(name) => name.clone(),
         }
     }
 
     /// Returns the error and its remedy that no robot is needed to find, in a bundle for many states if `batch`.
     fn defect(&self, batch: bool) -> Option<(String, String)> {
-        let (row, name) = (self.function.row(), self.function.name());
+        let Self::Table(function, link) = self else { return None };
+        let (row, name) = (function.row(), function.name());
         let found = |message: String, help: &str| Some((message, help.to_string()));
         if let Some(one) = row.batch_of {
             let message = format!("`{name}` is a function of many states");
@@ -176,7 +205,7 @@ impl Member {
             let message = format!("`{name}` has no state as argument");
             return found(message, "call it by itself");
         }
-        match (&self.link, row.is_by_link()) {
+        match (link, row.is_by_link()) {
             (None, true) => {
                 let help = format!("name the link: `{name}(\"link\")`");
                 return Some((format!("`{name}` is a function of one link"), help));
@@ -187,7 +216,7 @@ impl Member {
             }
             _ => {}
         }
-        if batch && self.function == Function::Brge {
+        if batch && *function == Function::Brge {
             let message =
                 "`brge` has no form for many states in a bundle, since its factors are private";
             return found(message.into(), "take the function `brge_batch`, or leave out `batch`");
@@ -200,16 +229,21 @@ impl Member {
         found(message, "leave it out, or leave out `batch`")
     }
 
-    /// Returns the member of a robot's bundle, or the error and its remedy.
-    fn of(&self, model: &Model) -> Result<plan::Member, (String, String)> {
-        let name = self.function.name();
-        if !self.function.fits(model.constraints()) {
+    /// Returns the member of a robot's bundle for a function of the table, or the error and its remedy.
+    fn of_table(
+        &self,
+        function: Function,
+        link: Option<&String>,
+        model: &Model,
+    ) -> Result<plan::Member, (String, String)> {
+        let name = function.name();
+        if !function.fits(model.constraints()) {
             let robots = "robots with closed loops or contacts";
             let help = "leave it out, or give the robot `contacts` or `loops`";
             return Err((format!("only {robots} have the function `{name}`"), help.into()));
         }
         let frames = || model.frames().iter().map(|frame| frame.name.as_str());
-        let link = self.link.as_ref().map(|link| {
+        let found = link.map(|link| {
             frames().position(|other| other == link).ok_or_else(|| {
                 let help = suggest(link, frames()).map_or_else(
                     || "name a link of the description".into(),
@@ -220,18 +254,40 @@ impl Member {
         });
         // Names of descriptions have any characters; these end no comment of any language.
         let plain = |c: char| if c.is_ascii_alphanumeric() || "_-. ".contains(c) { c } else { '_' };
-        let docs = match &self.link {
+        let docs = match link {
             None => format!("`{name}`"),
             Some(link) => {
                 format!("`{name}` of link `{}`", link.chars().map(plain).collect::<String>())
             }
         };
         Ok(plan::Member {
-            function: self.function,
-            link: link.transpose()?,
+            function: MemberFunction::Table { function, link: found.transpose()? },
             field: intern(&self.field()),
             docs: intern(&docs),
         })
+    }
+
+    /// Returns the member of a robot's bundle for a user's function, or the error and its remedy.
+    fn of_user(
+        &self,
+        name: &str,
+        functions: &[TracedFunction],
+    ) -> Result<plan::Member, (String, String)> {
+        let forms =
+            || functions.iter().flat_map(|own| own.forms.iter().map(move |form| (own, form)));
+        let Some((own, form)) = forms().find(|(_, form)| form.name == name) else {
+            let help = match suggest(name, forms().map(|(_, form)| form.name)) {
+                Some(meant) => format!("did you mean `{meant}`?"),
+                None => "add it with `Builder::function`".into(),
+            };
+            return Err((format!("there is no function `{name}` of yours"), help));
+        };
+        let function = MemberFunction::User {
+            form: Box::new(form.clone()),
+            depends_on_parameters: own.depends_on_parameters,
+        };
+        let docs = intern(&format!("`{name}`"));
+        Ok(plan::Member { function, field: intern(&self.field()), docs })
     }
 }
 
@@ -266,7 +322,7 @@ impl OptionValue for Bundle {
             };
             let function = Function::from_name(name)
                 .ok_or_else(|| OptionError::new(item.at, unknown(name)))?;
-            Ok(Member { function, link })
+            Ok(Member::Table(function, link))
         };
         let members = items.iter().map(member).collect::<Result<Vec<_>, OptionError>>()?;
         let bundle = Self { name, members, batch };
@@ -281,14 +337,33 @@ impl OptionValue for Bundle {
 
     fn rust(&self) -> String {
         let mut text = format!("Bundle::new({:?})", self.name);
-        for Member { function, link } in &self.members {
-            text += &match link {
-                None => format!(".function(Function::{function:?})"),
-                Some(link) => format!(".of_link(Function::{function:?}, {link:?})"),
+        for member in &self.members {
+            text += &match member {
+                Member::Table(function, None) => format!(".function(Function::{function:?})"),
+                Member::Table(function, Some(link)) => {
+                    format!(".of_link(Function::{function:?}, {link:?})")
+                }
+                Member::User(name) => format!(".own_function({name:?})"),
             };
         }
         if self.batch { text + ".batch()" } else { text }
     }
+}
+
+/// Returns the error, and its remedy, of two functions with different arguments of one name.
+fn conflict(members: &[plan::Member], sizes: &Sizes) -> Option<(String, String)> {
+    members.iter().enumerate().find_map(|(i, member)| {
+        members[..i].iter().find_map(|other| {
+            let [own, others] = [member, other].map(|member| member.function.arguments());
+            let differs = |a: &&Argument| {
+                others.iter().any(|b| a.name == b.name && a.shape(sizes) != b.shape(sizes))
+            };
+            let name = own.iter().find(differs)?.name;
+            let message =
+                format!("{} and {} have different arguments `{name}`", other.docs, member.docs);
+            Some((message, "put them in two bundles".into()))
+        })
+    })
 }
 
 /// Returns the message that no function of a bundle has this name.

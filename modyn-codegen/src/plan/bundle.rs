@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use super::functions::{ARGUMENTS, Argument, CForm, Function, Row, Trace};
 use super::shape::{Record, Shape, Sizes};
 use super::tracing::Tracing;
+use super::user::TracedForm;
 use super::wrapped::wrapped;
 use crate::graph::{Graph, Id};
 use crate::intern::intern;
@@ -26,16 +27,66 @@ pub struct Bundle {
 }
 
 /// A function in a bundle.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Member {
     /// The function, one of a single state.
-    pub function: Function,
-    /// The link of a function of one link, as an index into the model's frames.
-    pub link: Option<usize>,
+    pub function: MemberFunction,
     /// The field of the result.
     pub field: &'static str,
     /// The function in words.
     pub docs: &'static str,
+}
+
+/// The function of a member.
+#[derive(Clone, Debug)]
+pub enum MemberFunction {
+    /// A function of the table.
+    Table {
+        /// The function.
+        function: Function,
+        /// The link of a function of one link, as an index into the model's frames.
+        link: Option<usize>,
+    },
+    /// A form of a user's function.
+    User {
+        /// The form.
+        form: Box<TracedForm>,
+        /// Whether it depends on run-time parameters.
+        depends_on_parameters: bool,
+    },
+}
+
+impl MemberFunction {
+    /// Returns the function of the table; `None` for a user's.
+    #[must_use]
+    pub const fn of_table(&self) -> Option<Function> {
+        match self {
+            Self::Table { function, .. } => Some(*function),
+            Self::User { .. } => None,
+        }
+    }
+
+    /// Returns the arguments.
+    pub(crate) fn arguments(&self) -> &[Argument] {
+        match self {
+            Self::Table { function, .. } => function.row().arguments,
+            Self::User { form, .. } => &form.arguments,
+        }
+    }
+
+    fn result(&self, sizes: &Sizes) -> Shape {
+        match self {
+            Self::Table { function, .. } => (function.row().result)(sizes),
+            Self::User { form, .. } => form.result.clone(),
+        }
+    }
+
+    fn depends_on_parameters(&self) -> bool {
+        match self {
+            Self::Table { function, .. } => function.depends_on_parameters(),
+            Self::User { depends_on_parameters, .. } => *depends_on_parameters,
+        }
+    }
 }
 
 impl Member {
@@ -46,24 +97,35 @@ impl Member {
 }
 
 impl Bundle {
-    /// Returns the arguments of all members, each once.
+    /// Returns the arguments of all members, each once: those of the table, then others of users' functions.
     pub(super) fn arguments(&self) -> Vec<Argument> {
-        let of_a_member = |argument: &&Argument| {
-            self.any(|row| row.arguments.iter().any(|own| own.name == argument.name))
-        };
-        ARGUMENTS.iter().filter(of_a_member).copied().collect()
+        let own = || self.members.iter().flat_map(|member| member.function.arguments());
+        let of_a_member = |argument: &&Argument| own().any(|own| own.name == argument.name);
+        let mut all: Vec<Argument> = ARGUMENTS.iter().filter(of_a_member).copied().collect();
+        for argument in own() {
+            if all.iter().all(|other| other.name != argument.name) {
+                all.push(*argument);
+            }
+        }
+        all
     }
 
     /// Returns the layout of the result: a field for each member.
     pub(super) fn result(&self, sizes: &Sizes) -> Shape {
-        let field = |member: &Member| (member.field, (member.function.row().result)(sizes));
+        let field = |member: &Member| (member.field, member.function.result(sizes));
         let name = intern(&names::type_name(self.name));
         Shape::Record(Record::Own(name), self.members.iter().map(field).collect())
     }
 
-    /// Returns whether a member has this property.
+    /// Returns whether a member of the table has this property.
     pub(super) fn any(&self, property: impl Fn(&Row) -> bool) -> bool {
-        self.members.iter().any(|member| property(&member.function.row()))
+        let mut of_table = self.members.iter().filter_map(|member| member.function.of_table());
+        of_table.any(|function| property(&function.row()))
+    }
+
+    /// Returns whether a member depends on run-time parameters.
+    pub(super) fn depends_on_parameters(&self) -> bool {
+        self.members.iter().any(|member| member.function.depends_on_parameters())
     }
 
     /// Returns the forms that C can call: those of all members.
@@ -111,9 +173,12 @@ impl<'a> Graphs<'a> {
             arguments += length;
         }
         let graphs = |member: &Member| {
-            let row = member.function.row();
+            let (row, link) = match &member.function {
+                MemberFunction::Table { function, link } => (function.row(), *link),
+                MemberFunction::User { form, .. } => return vec![form.graph.clone()],
+            };
             let of_link = |trace: fn(&Tracer<'_>) -> Graph| {
-                tracing.frames.of_link(member.link.expect("a function of one link has it"), trace)
+                tracing.frames.of_link(link.expect("a function of one link has it"), trace)
             };
             match row.trace {
                 Trace::One(trace) => vec![trace(&tracing.tracer, tracing)],
@@ -174,7 +239,7 @@ impl<'a> Graphs<'a> {
             .bundle
             .members
             .iter()
-            .map(|member| match member.function.row() {
+            .map(|member| match member.function.of_table()?.row() {
                 row @ Row { trace: Trace::One(trace), .. } => packed(&row, trace),
                 _ => None,
             })
@@ -192,7 +257,7 @@ impl<'a> Graphs<'a> {
         let inputs = union.inputs(0..self.count);
         let mut outputs = Vec::new();
         for (member, graph) in self.bundle.members.iter().zip(members) {
-            let own = member.function.row().arguments.iter().flat_map(|argument| {
+            let own = member.function.arguments().iter().flat_map(|argument| {
                 let (first, length) = self.inputs[argument.name];
                 &inputs[first..first + length]
             });

@@ -30,7 +30,7 @@ use modyn_runtime::OperationCount;
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::model::{Model, ModuleTree};
 
-pub use bundle::{Bundle, Member};
+pub use bundle::{Bundle, Member, MemberFunction};
 pub use casadi::{CasadiFunction, CasadiMatrix, CasadiPlan};
 pub use choices::Choices;
 pub use constants::{BaseParameterTable, Constants};
@@ -123,7 +123,8 @@ impl Plan {
             }
         }
         let bundled = choices.bundles.iter().flat_map(|bundle| &bundle.members);
-        let mut all = selected.iter().copied().chain(bundled.map(|member| member.function));
+        let bundled = bundled.filter_map(|member| member.function.of_table());
+        let mut all = selected.iter().copied().chain(bundled);
         let factorizes = all.any(|f| matches!(f, Function::Brge | Function::BrgeBatch));
         let factorization = match factorizes {
             true => factorization::plan(&tracing.tracer, &tracing.layout, &sizes),

@@ -120,7 +120,7 @@ impl Planned {
     ) -> (Self, Option<Self>) {
         let sizes = &tracing.sizes;
         let arguments = shapes_of(&bundle.arguments(), sizes);
-        let parameters = tracing.parameters(bundle.any(|row| row.depends_on_parameters));
+        let parameters = tracing.parameters(bundle.depends_on_parameters());
         let scalars = count(&arguments, parameters);
         let graphs = Graphs::new(bundle, tracing, parameters);
         let graph = packing::balanced(optimize(graphs.scalar()));

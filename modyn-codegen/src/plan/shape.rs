@@ -199,7 +199,7 @@ pub struct Sizes {
 
 impl Sizes {
     /// Returns the sizes of a model whose mass matrix has this number of factors.
-    pub(super) fn new(model: &Model, factors: usize) -> Self {
+    pub(crate) fn new(model: &Model, factors: usize) -> Self {
         Self {
             nq: model.nq(),
             nv: model.nv(),
