@@ -1,17 +1,33 @@
 //! The machine code of all functions of a robot, one after another.
 
+use modyn_codegen::Planning;
 use modyn_codegen::plan::{Frames, Kernels, LinkCode, Plan, Planned, Shape};
 use modyn_codegen::program::Program;
 
 use crate::code_size::CodeSize;
 use crate::error::CompileError;
 use crate::function::{CompiledFunction, CompiledKernels, Kernel};
-use crate::generate::{MAX_ARRAYS, generate};
+use crate::generate::{MAX_ARRAYS, PADDING, generate};
 use crate::helper::{Helper, Linkage};
 use crate::instruction_set::InstructionSet;
 use crate::lower::lower;
 use crate::machine::Code;
 use crate::real::Real;
+
+/// Returns the counts of the code of each function and bundle for one state, by name. The processor need not have the
+/// instruction set.
+///
+/// # Errors
+///
+/// If a function has too many arguments.
+pub fn code_sizes<S: Real>(
+    planning: &Planning,
+    instruction_set: InstructionSet,
+) -> Result<Vec<(&'static str, CodeSize)>, CompileError> {
+    let mut assembly = Assembly::<S>::new(instruction_set, false, Linkage::Relative);
+    let functions = assembly.functions(&planning.plan)?;
+    Ok(functions.iter().map(|function| (function.name, function.size)).collect())
+}
 
 /// The part of the code that one program takes, by offsets. Object files alone read them.
 #[derive(Clone, Copy, Debug)]
@@ -124,7 +140,7 @@ impl<S: Real> Assembly<S> {
         let values = lower::<S>(program, arrays, self.instruction_set, batch);
         let generated =
             generate(&values, self.instruction_set, size_of::<S>(), arrays.len(), &self.linkage);
-        self.code.resize(self.code.len().next_multiple_of(64), 0xcc);
+        self.code.resize(self.code.len().next_multiple_of(64), PADDING);
         let entry = self.code.len();
         self.code.extend_from_slice(&generated.code);
         let (end, last) = (entry + generated.end, entry + generated.size.bytes);
