@@ -8,7 +8,7 @@ use crate::code_size::CodeSize;
 use crate::error::CompileError;
 use crate::function::{CompiledFunction, CompiledKernels, Kernel};
 use crate::generate::{MAX_ARRAYS, PADDING, generate};
-use crate::helper::{Helper, Linkage};
+use crate::helper::{Helper, Helpers, Linkage};
 use crate::instruction_set::InstructionSet;
 use crate::lower::lower;
 use crate::machine::Code;
@@ -24,7 +24,8 @@ pub fn code_sizes<S: Real>(
     planning: &Planning,
     instruction_set: InstructionSet,
 ) -> Result<Vec<(&'static str, CodeSize)>, CompileError> {
-    let mut assembly = Assembly::<S>::new(instruction_set, false, Linkage::Relative);
+    let linkage = Linkage::Addresses(Helpers::new::<S>());
+    let mut assembly = Assembly::<S>::new(instruction_set, false, linkage);
     let functions = assembly.functions(&planning.plan)?;
     Ok(functions.iter().map(|function| (function.name, function.size)).collect())
 }
@@ -117,8 +118,8 @@ impl<S: Real> Assembly<S> {
         }
     }
 
-    /// Compiles a program. The code for one state has vectors if the program has some and the instruction set has
-    /// registers for four numbers; the code for batches is the scalar program with a state in each lane.
+    /// Compiles a program. The code for one state has vectors if the program has some and they are profitable; the code for
+    /// batches is the scalar program with a state in each lane.
     fn kernel(
         &mut self,
         scalar: &Program,
@@ -127,7 +128,7 @@ impl<S: Real> Assembly<S> {
         size: &mut CodeSize,
     ) -> Kernel {
         let single = match simd {
-            Some(simd) if self.instruction_set.vector(false) >= 4 * size_of::<S>() => simd,
+            Some(simd) if self.instruction_set.packs(size_of::<S>()) => simd,
             _ => scalar,
         };
         let (single, bytes) = self.append(single, arrays, false);

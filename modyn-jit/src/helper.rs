@@ -33,6 +33,7 @@ pub(crate) enum Linkage {
     /// At their addresses in this process.
     Addresses(Helpers),
     /// By their distances, which are filled in when all code has its place.
+    #[cfg_attr(not(feature = "object"), allow(dead_code))]
     Relative,
 }
 

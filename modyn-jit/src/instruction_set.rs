@@ -103,6 +103,12 @@ impl InstructionSet {
         }
     }
 
+    /// Returns whether code for one state uses the vectors of programs, for numbers of this size: registers have four
+    /// numbers, or there are enough registers for two a vector.
+    pub(crate) fn packs(self, size: usize) -> bool {
+        self.vector(false) >= 4 * size || self == Self::Neon
+    }
+
     /// Returns the size of a vector in bytes: for one state, or for many.
     pub(crate) fn vector(self, batch: bool) -> usize {
         match self {

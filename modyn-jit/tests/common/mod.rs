@@ -68,9 +68,9 @@ pub fn sets_of_x86_64() -> impl Iterator<Item = InstructionSet> {
     InstructionSet::ALL.into_iter().filter(|set| set.architecture() == "x86_64")
 }
 
-/// Returns whether code for one state uses vectors: the processor's hold at least four numbers.
+/// Returns whether code for one state uses vectors.
 pub fn has_vectors<F>(instruction_set: InstructionSet) -> bool {
-    size_of::<F>() == 4 || matches!(instruction_set, InstructionSet::Avx2 | InstructionSet::Avx512)
+    instruction_set.fuses() || size_of::<F>() == 4
 }
 
 /// Returns the programs that an instruction set runs for one state; `None` for functions of a link.

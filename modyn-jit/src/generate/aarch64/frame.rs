@@ -70,7 +70,11 @@ impl Generator<'_, Encoder> {
         self.encoder.constant(3, lanes.into());
         match self.linkage {
             Linkage::Addresses(helpers) => {
-                self.encoder.constant(SCRATCH, helpers.address(helper));
+                // All parts, so that the length of code does not depend on addresses.
+                for part in 0..4 {
+                    let word = part_of_constant(SCRATCH, helpers.address(helper), part);
+                    self.encoder.word(word);
+                }
                 self.encoder.two(op::CALL_REGISTER, [0, SCRATCH]);
             }
             Linkage::Relative => {
