@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use modyn_codegen::{Builder, Function};
-use modyn_jit::{CodeSize, Compiled, InstructionSet, Options};
+use modyn_jit::{CodeSize, InstructionSet, code_sizes};
 
 const FUNCTIONS: [Function; 5] = [
     Function::ForwardDynamics,
@@ -20,25 +20,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let start = Instant::now();
         let planning = builder.plan()?;
         println!("{file}: {} ms from the text to the programs", start.elapsed().as_millis());
-        for instruction_set in InstructionSet::ALL
-            .into_iter()
-            .filter(|&instruction_set| Some(instruction_set) <= InstructionSet::detect())
-        {
-            let mut options = Options::default();
-            options.instruction_set = Some(instruction_set);
+        for instruction_set in InstructionSet::ALL {
             let start = Instant::now();
-            let robot = Compiled::<f64>::from_plan(&planning, options)?;
+            let sizes = code_sizes::<f64>(&planning, instruction_set)?;
             println!(
                 "  {instruction_set:?}: {} us from the programs to code",
                 start.elapsed().as_micros()
             );
-            for function in robot.functions() {
-                let CodeSize { bytes, constants, instructions, spills, loads, copies, .. } =
-                    robot.function(function)?.size();
+            for (name, size) in sizes {
+                let CodeSize { bytes, constants, instructions, spills, loads, copies, .. } = size;
                 println!(
                     "    {:30} {instructions:6} instructions, {spills:5} spills, {loads:5} loads, {copies:5} \
                      copies, {bytes:7} bytes, {constants:6} of constants",
-                    function.name()
+                    name
                 );
             }
         }

@@ -1,17 +1,34 @@
 //! The machine code of all functions of a robot, one after another.
 
+use modyn_codegen::Planning;
 use modyn_codegen::plan::{Frames, Kernels, LinkCode, Plan, Planned, Shape};
 use modyn_codegen::program::Program;
 
 use crate::code_size::CodeSize;
 use crate::error::CompileError;
 use crate::function::{CompiledFunction, CompiledKernels, Kernel};
-use crate::generate::{MAX_ARRAYS, generate, keeps_bases};
-use crate::helper::{Helper, Linkage};
+use crate::generate::{MAX_ARRAYS, PADDING, generate};
+use crate::helper::{Helper, Helpers, Linkage};
 use crate::instruction_set::InstructionSet;
 use crate::lower::lower;
 use crate::machine::Code;
 use crate::real::Real;
+
+/// Returns the counts of the code of each function and bundle for one state, by name. The processor need not have the
+/// instruction set.
+///
+/// # Errors
+///
+/// If a function has too many arguments.
+pub fn code_sizes<S: Real>(
+    planning: &Planning,
+    instruction_set: InstructionSet,
+) -> Result<Vec<(&'static str, CodeSize)>, CompileError> {
+    let linkage = Linkage::Addresses(Helpers::new::<S>());
+    let mut assembly = Assembly::<S>::new(instruction_set, false, linkage);
+    let functions = assembly.functions(&planning.plan)?;
+    Ok(functions.iter().map(|function| (function.name, function.size)).collect())
+}
 
 /// The part of the code that one program takes, by offsets. Object files alone read them.
 #[derive(Clone, Copy, Debug)]
@@ -23,8 +40,8 @@ pub(crate) struct KernelCode {
     pub end: usize,
     /// The offset after its last instruction.
     pub last: usize,
-    /// Whether it keeps r14 and r15 for its caller.
-    pub keeps_bases: bool,
+    /// The number of arrays of arguments.
+    pub arrays: usize,
 }
 
 /// The code of all functions during compilation.
@@ -104,8 +121,8 @@ impl<S: Real> Assembly<S> {
         }
     }
 
-    /// Compiles a program. The code for one state has vectors if the program has some and the instruction set has
-    /// registers for four numbers; the code for batches is the scalar program with a state in each lane.
+    /// Compiles a program. The code for one state has vectors if the program has some and they are profitable; the code for
+    /// batches is the scalar program with a state in each lane.
     fn kernel(
         &mut self,
         scalar: &Program,
@@ -114,7 +131,7 @@ impl<S: Real> Assembly<S> {
         size: &mut CodeSize,
     ) -> Kernel {
         let single = match simd {
-            Some(simd) if self.instruction_set.vector(false) >= 4 * size_of::<S>() => simd,
+            Some(simd) if self.instruction_set.packs(size_of::<S>()) => simd,
             _ => scalar,
         };
         let (single, bytes) = self.append(single, arrays, false);
@@ -127,12 +144,11 @@ impl<S: Real> Assembly<S> {
         let values = lower::<S>(program, arrays, self.instruction_set, batch);
         let generated =
             generate(&values, self.instruction_set, size_of::<S>(), arrays.len(), &self.linkage);
-        self.code.resize(self.code.len().next_multiple_of(64), 0xcc);
+        self.code.resize(self.code.len().next_multiple_of(64), PADDING);
         let entry = self.code.len();
         self.code.extend_from_slice(&generated.code);
         let (end, last) = (entry + generated.end, entry + generated.size.bytes);
-        let keeps_bases = keeps_bases(arrays.len());
-        self.kernels.push(KernelCode { start: entry, end, last, keeps_bases });
+        self.kernels.push(KernelCode { start: entry, end, last, arrays: arrays.len() });
         let calls = generated.calls.into_iter().map(|(at, helper)| (entry + at, helper));
         self.calls.extend(calls);
         let lanes = if batch { self.instruction_set.vector(true) / size_of::<S>() } else { 1 };

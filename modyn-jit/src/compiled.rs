@@ -46,7 +46,7 @@ impl<S: Real> Compiled<S> {
     ///
     /// # Errors
     ///
-    /// If the model is invalid, this is not an x86-64 processor, a function has too many arguments, or the system gives
+    /// If the model is invalid, machine code is not made for this processor, a function has too many arguments, or the system gives
     /// no executable memory.
     pub fn new(
         model: &Model,
@@ -75,7 +75,7 @@ impl<S: Real> Compiled<S> {
     pub fn from_plan(planning: &Planning, options: Options) -> Result<Self, CompileError> {
         let available = InstructionSet::detect().ok_or(CompileError::Architecture)?;
         let instruction_set = options.instruction_set.unwrap_or(available);
-        if instruction_set > available {
+        if !instruction_set.is_available() {
             return Err(CompileError::InstructionSet { wanted: instruction_set, available });
         }
         let Planning { plan, model, warnings, .. } = planning;

@@ -13,7 +13,7 @@ use crate::instruction_set::InstructionSet;
 pub enum CompileError {
     /// The description or an option is wrong.
     Description(Diagnostics),
-    /// Machine code exists for x86-64 only.
+    /// Machine code is not made for this system: see [`InstructionSet::detect`].
     Architecture,
     /// The processor lacks the selected vector instructions.
     InstructionSet {
@@ -39,8 +39,12 @@ impl fmt::Display for CompileError {
         match self {
             Self::Description(diagnostics) => diagnostics.fmt(f),
             Self::Architecture => {
-                let found = std::env::consts::ARCH;
-                write!(f, "machine code is made for x86-64, and this is {found}; {instead}")
+                let (found, system) = (std::env::consts::ARCH, std::env::consts::OS);
+                write!(
+                    f,
+                    "machine code is made for x86-64, and for aarch64 except on Windows, and this is {found} with \
+                     {system}; {instead}"
+                )
             }
             Self::InstructionSet { wanted, available } => write!(
                 f,

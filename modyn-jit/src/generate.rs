@@ -1,38 +1,34 @@
 //! Generates machine code from values in one pass over the steps, which assigns registers and writes instructions.
 //!
-//! A function has two arguments: a pointer to a table of pointers to its arguments (rdi), and a pointer to its results
-//! (rsi). It follows System V's calling convention on every system. Registers in its body: rax points into the stack
-//! frame, rbx to the constants, rcx to the results, and one register each to the arguments (r14 and r15, which belong to
-//! the caller, to the seventh and the eighth); rbp is the frame pointer, as
-//! profilers know it: it points to the caller's; r11 is free.
+//! The pass is the same for all architectures: it knows where values are, and frees the register whose value has the most
+//! distant next use. An architecture (`architecture.rs`) writes the instructions; it decides which operands they read from memory
+//! and which they overwrite.
 //!
-//! The frame, upwards from rsp, which is a multiple of 64: the two pointers, memory for all vector registers during
-//! calls, slots of values.
+//! A function has two arguments: a pointer to a table of pointers to its arguments, and a pointer to its results. Constants
+//! follow the instructions.
 //!
 //! One comparison after the reductions of a statement finds angles that are too large for the fast reduction. Code
 //! after the return then saves the registers, reduces these angles by a call, and jumps back.
 
-mod arithmetic;
+pub(crate) mod aarch64;
+mod architecture;
 mod calls;
 mod data;
 mod far_angles;
-mod frame;
 mod operands;
+pub(crate) mod x86_64;
 
 use crate::code_size::CodeSize;
-use crate::encode::Encoder;
 use crate::helper::{Helper, Linkage};
 use crate::instruction_set::InstructionSet;
-use crate::registers::{NONE, Registers};
+use crate::registers::Registers;
 use crate::values::{Definition, Operation, Step, Value, Values};
+use architecture::Architecture;
 use data::{pool, stores};
 use far_angles::SlowPath;
 
-#[cfg(feature = "object")]
-pub(crate) use frame::allocate;
-#[cfg(feature = "object")]
-pub(crate) use frame::{KEEP_BASES, PROLOGUE};
-pub(crate) use frame::{MAX_ARRAYS, keeps_bases};
+/// The largest number of arrays of arguments.
+pub(crate) const MAX_ARRAYS: usize = 8;
 
 /// A function: instructions, then constants. It can start at any multiple of 64.
 pub(crate) struct Generated {
@@ -47,8 +43,8 @@ pub(crate) struct Generated {
     pub steps: Vec<usize>,
 }
 
-/// A value in memory that is read again within this number of steps is loaded into a free register.
-const RELOAD_DISTANCE: u32 = 40;
+/// The byte between functions and constants, which is never run: `int3` on x86-64.
+pub(crate) const PADDING: u8 = 0xcc;
 
 /// Generates the machine code of values. `size` is the size of a number in bytes.
 pub(crate) fn generate(
@@ -58,69 +54,16 @@ pub(crate) fn generate(
     arrays: usize,
     linkage: &Linkage,
 ) -> Generated {
-    assert!(arrays <= MAX_ARRAYS, "no function has so many arrays");
-    let vector = values.lanes.iter().map(|&lanes| usize::from(lanes) * size).max().unwrap_or(16);
-    let calls = values.steps.iter().any(|step| match step {
-        Step::Check(_) => true,
-        Step::Compute(value) => matches!(
-            values.definitions[*value as usize],
-            Definition::Result(Operation::Atan2 | Operation::Logarithm, _)
-        ),
-    });
-    let vector = vector.max(16);
-    let (runs, single) = stores(values, size);
-    let last: Vec<Value> = single
-        .iter()
-        .map(|&(value, _)| value)
-        .filter(|&v| !matches!(values.definitions[v as usize], Definition::Result(..)))
-        .collect();
-    let (pool, pool_at) = pool(values, size);
-    let mut stores: Vec<Vec<u32>> = vec![Vec::new(); values.definitions.len()];
-    let mut late = Vec::new();
-    for (value, distance) in runs.into_iter().chain(single) {
-        match values.definitions[value as usize] {
-            Definition::Result(..) => stores[value as usize].push(distance),
-            _ => late.push((value, distance)),
+    let generate = match instruction_set {
+        InstructionSet::Sse2 | InstructionSet::Avx2 | InstructionSet::Avx512 => {
+            Generator::<x86_64::Encoder>::generate
         }
-    }
-    let mut generator = Generator {
-        values,
-        instruction_set,
-        size,
-        arrays,
-        linkage,
-        vector,
-        saved: if calls { usize::from(instruction_set.registers()) * vector } else { 0 },
-        registers: Registers::new(values, size, instruction_set.registers(), &last),
-        encoder: Encoder::default(),
-        pool_at,
-        stores,
-        slow_paths: Vec::new(),
-        calls: Vec::new(),
-        #[cfg(test)]
-        steps: Vec::new(),
-        counts: CodeSize::default(),
+        InstructionSet::Neon => Generator::<aarch64::Encoder>::generate,
     };
-    for (position, step) in (0..).zip(&values.steps) {
-        #[cfg(test)]
-        generator.steps.push(generator.encoder.code.len());
-        generator.registers.advance(position, &values.reads(step));
-        match step {
-            Step::Compute(value) => generator.compute(*value),
-            Step::Check(check) => generator.check(check),
-        }
-    }
-    #[cfg(test)]
-    generator.steps.push(generator.encoder.code.len());
-    generator.registers.position = values.steps.len() as u32;
-    for (value, distance) in late {
-        let register = generator.force(value, &mut 0);
-        generator.store_result(value, register, distance);
-    }
-    generator.finish(&pool)
+    generate(values, instruction_set, size, arrays, linkage)
 }
 
-struct Generator<'a> {
+struct Generator<'a, A> {
     values: &'a Values,
     instruction_set: InstructionSet,
     size: usize,
@@ -131,7 +74,9 @@ struct Generator<'a> {
     /// The size of all registers in the frame in bytes.
     saved: usize,
     registers: Registers<'a>,
-    encoder: Encoder,
+    /// The registers that are written, as bits.
+    written: u32,
+    encoder: A,
     pool_at: Vec<u32>,
     /// For each value the offsets at which it is a result.
     stores: Vec<Vec<u32>>,
@@ -143,28 +88,90 @@ struct Generator<'a> {
     counts: CodeSize,
 }
 
-impl Generator<'_> {
+impl<'a, A: Architecture> Generator<'a, A> {
+    fn generate(
+        values: &'a Values,
+        instruction_set: InstructionSet,
+        size: usize,
+        arrays: usize,
+        linkage: &'a Linkage,
+    ) -> Generated {
+        assert!(arrays <= MAX_ARRAYS, "no function has so many arrays");
+        let vector =
+            values.lanes.iter().map(|&lanes| usize::from(lanes) * size).max().unwrap_or(16);
+        let calls = values.steps.iter().any(|step| match step {
+            Step::Check(_) => true,
+            Step::Compute(value) => matches!(
+                values.definitions[*value as usize],
+                Definition::Result(Operation::Atan2 | Operation::Logarithm, _)
+            ),
+        });
+        let vector = vector.max(16);
+        let (runs, single) = stores(values, size);
+        let last: Vec<Value> = single
+            .iter()
+            .map(|&(value, _)| value)
+            .filter(|&v| !matches!(values.definitions[v as usize], Definition::Result(..)))
+            .collect();
+        let (pool, pool_at) = pool(values, size);
+        let mut stores: Vec<Vec<u32>> = vec![Vec::new(); values.definitions.len()];
+        let mut late = Vec::new();
+        for (value, distance) in runs.into_iter().chain(single) {
+            match values.definitions[value as usize] {
+                Definition::Result(..) => stores[value as usize].push(distance),
+                _ => late.push((value, distance)),
+            }
+        }
+        let mut generator = Generator {
+            values,
+            instruction_set,
+            size,
+            arrays,
+            linkage,
+            vector,
+            saved: if calls { instruction_set.registers().len() * vector } else { 0 },
+            registers: Registers::new(values, size, instruction_set.registers(), &last),
+            written: 0,
+            encoder: A::default(),
+            pool_at,
+            stores,
+            slow_paths: Vec::new(),
+            calls: Vec::new(),
+            #[cfg(test)]
+            steps: Vec::new(),
+            counts: CodeSize::default(),
+        };
+        for (position, step) in (0..).zip(&values.steps) {
+            #[cfg(test)]
+            generator.steps.push(generator.encoder.position());
+            generator.registers.advance(position, &values.reads(step));
+            match step {
+                Step::Compute(value) => generator.compute(*value),
+                Step::Check(check) => generator.check(check),
+            }
+        }
+        #[cfg(test)]
+        generator.steps.push(generator.encoder.position());
+        generator.registers.position = values.steps.len() as u32;
+        for (value, distance) in late {
+            let register = generator.force(value, &mut 0);
+            generator.store_result(value, register, distance);
+        }
+        generator.finish(&pool)
+    }
+
     /// Computes a value.
     fn compute(&mut self, value: Value) {
         let Definition::Result(operation, _) = self.values.definitions[value as usize] else {
             return;
         };
         let operands = self.values.operands(value);
-        let mut pinned = self.registers.pinned(operands);
-        self.prefetch(operation, operands, &mut pinned);
+        let pinned = self.registers.pinned(operands);
         let register = match operation {
-            Operation::MultiplyAdd { negative_product, negative_addend } => {
-                let operands = [operands[0], operands[1], operands[2]];
-                self.multiply_add(value, operands, (negative_product, negative_addend), pinned)
-            }
-            Operation::SquareRoot | Operation::Broadcast => {
-                self.unary(operation, value, operands[0], pinned)
-            }
-            Operation::ShiftToSign => self.shift_to_sign(value, operands[0], pinned),
             Operation::Atan2 | Operation::Logarithm => {
                 self.call(operation, value, operands, pinned)
             }
-            _ => self.binary(operation, value, [operands[0], operands[1]], pinned),
+            _ => A::operation(self, operation, value, pinned),
         };
         for (i, &operand) in operands.iter().enumerate() {
             if self.registers.dies(operand) && !operands[..i].contains(&operand) {
@@ -184,23 +191,31 @@ impl Generator<'_> {
         }
     }
 
-    /// Loads operands that are read again soon, if registers are free.
-    fn prefetch(&mut self, operation: Operation, operands: &[Value], pinned: &mut u32) {
-        for &operand in operands {
-            let soon = self
-                .registers
-                .distance(operand)
-                .is_some_and(|distance| distance <= RELOAD_DISTANCE);
-            let absent = self.registers.register(operand) == NONE;
-            if soon
-                && absent
-                && operation != Operation::Broadcast
-                && let Some(register) = self.registers.unoccupied(*pinned)
-            {
-                self.load(register, operand);
-                self.registers.hold(register, operand);
-                *pinned |= 1 << register;
-            }
+    /// Writes the function: entry, body, return, code for large angles, constants.
+    fn finish(mut self, pool: &[u8]) -> Generated {
+        A::leave(&mut self);
+        let end = self.encoder.position();
+        let frame = A::HEADER + self.saved + self.registers.frame as usize;
+        let frame = frame.next_multiple_of(A::ALIGNMENT);
+        let (entry, constants_at) = A::entry(&self, frame as u32);
+        let instructions = entry.instructions() + self.encoder.instructions();
+        self.slow_paths();
+        let mut code = entry.finish();
+        let body = code.len();
+        code.extend(self.encoder.finish());
+        let bytes = code.len();
+        code.resize(bytes.next_multiple_of(64), PADDING);
+        let constants = code.len();
+        A::point_to_constants(&mut code, constants_at, constants);
+        code.extend_from_slice(pool);
+        let size = CodeSize { bytes, constants: pool.len(), frame, instructions, ..self.counts };
+        Generated {
+            code,
+            size,
+            end: body + end,
+            calls: self.calls.iter().map(|&(at, helper)| (body + at, helper)).collect(),
+            #[cfg(test)]
+            steps: self.steps.iter().map(|at| body + at).collect(),
         }
     }
 }

@@ -10,7 +10,7 @@ use modyn_runtime::steps;
 
 use crate::real::Real;
 
-/// The calling convention of machine code, on every system.
+/// The calling convention of machine code: System V's on x86-64, on every system, and C's elsewhere.
 #[cfg(target_arch = "x86_64")]
 type HelperFunction<S> = extern "sysv64" fn(*mut S, *mut S, *const S, u32);
 #[cfg(not(target_arch = "x86_64"))]

@@ -28,7 +28,8 @@
 //!
 //! The input is a [`Program`](modyn_codegen::program::Program), as for printers: straight-line code with lanes and
 //! fused products. `lower` rewrites it as operations that the processor has. `generate` visits them once: it frees the
-//! register whose value has the most distant next use, and writes the instruction (`encode`). `machine` holds the pages.
+//! register whose value has the most distant next use, and an architecture, x86-64 or aarch64, writes the instruction.
+//! `machine` holds the pages.
 //!
 //! Results are those of the generated Rust code within rounding, and the same bits at each call. For a given
 //! [`InstructionSet`], they are the same bits as those of
@@ -40,7 +41,6 @@ mod assembly;
 mod call;
 mod code_size;
 mod compiled;
-mod encode;
 mod error;
 mod function;
 mod generate;
@@ -50,7 +50,6 @@ mod lower;
 mod machine;
 #[cfg(feature = "object")]
 pub mod object;
-mod opcodes;
 mod parameters;
 mod real;
 mod registers;
@@ -61,6 +60,7 @@ extern crate self as modyn_jit;
 #[cfg(test)]
 mod tests;
 
+pub use assembly::code_sizes;
 pub use call::Call;
 pub use code_size::CodeSize;
 pub use compiled::{Compiled, Options};

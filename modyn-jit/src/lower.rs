@@ -118,7 +118,7 @@ impl<S: Real> Lowering<'_, S> {
                 let [a, b] = [a, b].map(|x| this.register(x, k));
                 // If one operand is NaN, the instruction returns its second operand.
                 let larger = this.binary(Operation::Maximum, b, a);
-                let nan = this.binary(Operation::Unordered, a, a);
+                let nan = this.values.operation(Operation::IsNan, &[a], width);
                 this.choose(nan, b, larger)
             })),
             Statement::Select(a, b, c) => of(self.each(lanes, |this, k| {

@@ -24,8 +24,8 @@ pub(crate) struct Registers<'a> {
     values: &'a Values,
     /// The size of a number in bytes.
     size: usize,
-    /// The number of registers.
-    count: u8,
+    /// The registers, in the order in which free ones are taken.
+    order: &'static [u8],
     /// The value in each register.
     holds: [Option<Value>; 32],
     /// The register of each value.
@@ -46,7 +46,7 @@ pub(crate) struct Registers<'a> {
 
 impl<'a> Registers<'a> {
     /// Returns the state before the first step. `last` are values that are read after the last step.
-    pub fn new(values: &'a Values, size: usize, count: u8, last: &[Value]) -> Self {
+    pub fn new(values: &'a Values, size: usize, order: &'static [u8], last: &[Value]) -> Self {
         let n = values.definitions.len();
         let mut uses: Vec<Vec<u32>> = vec![Vec::new(); n];
         let end = values.steps.len() as u32;
@@ -68,7 +68,7 @@ impl<'a> Registers<'a> {
         Self {
             values,
             size,
-            count,
+            order,
             holds: [None; 32],
             register_of: vec![NONE; n],
             homes: vec![Home::None; n],
@@ -142,7 +142,7 @@ impl<'a> Registers<'a> {
     /// Returns a free register that is not pinned.
     pub fn unoccupied(&self, pinned: u32) -> Option<u8> {
         let taken = self.occupied() | pinned;
-        (0..self.count).find(|&register| taken >> register & 1 == 0)
+        self.order.iter().copied().find(|&register| taken >> register & 1 == 0)
     }
 
     /// Returns the register whose value has the most distant next use, and the value.
@@ -151,7 +151,8 @@ impl<'a> Registers<'a> {
     ///
     /// If all registers are pinned.
     pub fn furthest(&self, pinned: u32) -> (u8, Value) {
-        let unpinned = (0..self.count).filter(|&register| pinned >> register & 1 == 0);
+        let registers = self.order.iter().copied();
+        let unpinned = registers.filter(|&register| pinned >> register & 1 == 0);
         let occupied =
             unpinned.filter_map(|register| Some((register, self.holds[usize::from(register)]?)));
         let next = |value| self.next_use(value).unwrap_or(u32::MAX);

@@ -41,8 +41,8 @@ pub(crate) enum Operation {
     Maximum,
     /// All bits where a <= b, else none.
     LessOrEqual,
-    /// All bits where a or b is NaN, else none.
-    Unordered,
+    /// All bits where a is NaN, else none.
+    IsNan,
     /// The bits that are in a and in b.
     And,
     /// The bits of b that are not in a.
@@ -76,7 +76,11 @@ impl Operation {
     /// Returns the number of operands.
     pub fn operands(self) -> usize {
         match self {
-            Self::SquareRoot | Self::ShiftToSign | Self::Broadcast | Self::Logarithm => 1,
+            Self::IsNan
+            | Self::SquareRoot
+            | Self::ShiftToSign
+            | Self::Broadcast
+            | Self::Logarithm => 1,
             Self::MultiplyAdd { .. } => 3,
             _ => 2,
         }

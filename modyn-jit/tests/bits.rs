@@ -3,7 +3,9 @@
 
 mod common;
 
-use common::{Fuse, ROBOTS, evaluate, instruction_sets, is_same, numbers, plan, program, split};
+use common::{
+    Fuse, ROBOTS, evaluate, has_vectors, instruction_sets, is_same, numbers, plan, program, split,
+};
 use modyn_codegen::{Function, Planning};
 use modyn_jit::{Compiled, InstructionSet, Options};
 
@@ -46,8 +48,7 @@ fn compare<F: Fuse>(name: &str, planning: &Planning, instruction_set: Instructio
         let call = compiled.function(function).expect("compiled");
         let lengths: Vec<usize> = call.arguments().iter().map(|(_, shape)| shape.len()).collect();
         let states = states::<F>(lengths.iter().sum());
-        // The processor's vectors hold at least four numbers.
-        let vectors = instruction_set.fuses() || size_of::<F>() == 4;
+        let vectors = has_vectors::<F>(instruction_set);
         let mut many: Vec<Vec<F>> = vec![Vec::new(); lengths.len()];
         for (k, state) in states.iter().enumerate() {
             let arguments = split(state, &lengths);

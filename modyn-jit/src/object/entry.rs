@@ -10,8 +10,8 @@ use super::assembler::{
 };
 use super::convention::{Convention, KEPT, KEPT_GENERAL, KEPT_VECTORS};
 use super::unwind::{Frame, FrameKind};
-use crate::encode::Encoder;
-use crate::generate::{MAX_ARRAYS, allocate};
+use crate::generate::MAX_ARRAYS;
+use crate::generate::x86_64::{Encoder, allocate};
 use Operand::{Code, Memory, Register};
 
 /// The place of the pointer to the results in the frame.

@@ -495,6 +495,7 @@ pub(super) fn is_supported(a: &mut Assembler, instruction_set: InstructionSet) -
         InstructionSet::Sse2 => (&[], 0),
         InstructionSet::Avx2 => (&[AVX, AVX2], 0x6),
         InstructionSet::Avx512 => (&[AVX, AVX512], 0xe6),
+        InstructionSet::Neon => unreachable!("objects are made for x86-64"),
     };
     let [no, end] = std::array::from_fn(|_| a.label());
     // CPUID overwrites rbx, which belongs to the caller.

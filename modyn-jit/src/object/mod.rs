@@ -94,7 +94,8 @@ impl ObjectFormat {
 /// The options of an object file; the options of the robot belong to a [`Builder`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ObjectOptions {
-    /// The vector instructions. Processors without them cannot run the code; `Sse2` by default, which all have.
+    /// The vector instructions, of x86-64. Processors without them cannot run the code; `Sse2` by default, which all of
+    /// x86-64 have.
     pub instruction_set: InstructionSet,
     /// The format; by default that of this system.
     pub format: ObjectFormat,
@@ -188,6 +189,14 @@ fn generate(
 ) -> Result<Object, CompileError> {
     let planned: ObjectPlanning = builder.plan_object()?;
     let ObjectOptions { instruction_set, format, ref prefix } = *options;
+    if instruction_set.architecture() != "x86_64" {
+        let message = format!(
+            "object files are made for x86-64, and {instruction_set:?} is an instruction set of {}",
+            instruction_set.architecture()
+        );
+        let help = "select `Sse2`, `Avx2` or `Avx512`; elsewhere `Builder::generate` and `Builder::compile` print Rust";
+        return Err(error(Code::Option, &message, help));
+    }
     let (plan, model) = (&planned.planning.plan, &planned.planning.model);
     let convention = format.convention();
     let text = match planned.scalar() {

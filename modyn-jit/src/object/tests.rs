@@ -20,7 +20,9 @@ use super::{ObjectBuilder, ObjectFormat, ObjectOptions};
 use crate::helper::Helper;
 use crate::instruction_set::InstructionSet;
 use crate::machine::Pages;
-use crate::tests::common::{Fuse, instruction_sets, is_same, numbers, plan, random::Random, robot};
+use crate::tests::common::{
+    Fuse, instruction_sets, is_same, numbers, plan, random::Random, robot, sets_of_x86_64,
+};
 use crate::{Compiled, Options};
 
 /// Numbers of all sizes, special ones, and neighbours of powers of two.
@@ -205,13 +207,23 @@ fn keeps_registers(mut call: impl FnMut()) {
     assert_eq!(kept, numbers);
 }
 
+#[test]
+fn other_architectures_are_refused() {
+    let builder = Builder::new().model(robot("arm6")).functions([Function::MassMatrix]);
+    let mut options = ObjectOptions::default();
+    options.instruction_set = InstructionSet::Neon;
+    let error = builder.generate_object(&options).expect_err("no objects for aarch64");
+    let message = "object files are made for x86-64, and Neon is an instruction set of aarch64";
+    assert!(error.to_string().contains(message), "{error}");
+}
+
 /// The sections, symbols and relocations of each format, and that all code between them is instructions.
 #[test]
 fn all_formats_can_be_read() {
     let functions = [Function::ForwardDynamics, Function::Jacobian, Function::Difference];
     let builder = Builder::new().model(robot("joint_zoo")).functions(functions).runtime_gravity();
     for format in ObjectFormat::ALL {
-        for instruction_set in InstructionSet::ALL {
+        for instruction_set in sets_of_x86_64() {
             let mut options = ObjectOptions::default();
             (options.format, options.instruction_set) = (format, instruction_set);
             options.prefix = Some("zoo".into());
@@ -293,7 +305,7 @@ fn unwind_codes_describe_the_code() {
     let bundle = members.into_iter().fold(Bundle::new("displaced"), Bundle::function);
     let builder = Builder::new().model(robot("arm6")).functions(functions).bundles([bundle]);
     let planning = builder.plan().expect("good");
-    for instruction_set in InstructionSet::ALL {
+    for instruction_set in sets_of_x86_64() {
         let text =
             text::<f64>(&planning.plan, &planning.model, instruction_set, Convention::Windows);
         let text = text.expect("code");

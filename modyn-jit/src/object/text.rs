@@ -13,6 +13,7 @@ use crate::assembly::Assembly;
 use crate::code_size::CodeSize;
 use crate::error::CompileError;
 use crate::function::{CompiledFunction, CompiledKernels};
+use crate::generate::x86_64::keeps_bases;
 use crate::helper::{Helper, Linkage};
 use crate::instruction_set::InstructionSet;
 use crate::real::Real;
@@ -54,7 +55,7 @@ pub(super) fn text<S: Real>(
                 start: kernel.start,
                 end: kernel.end,
                 last: kernel.last,
-                kind: FrameKind::Program { keeps_bases: kernel.keeps_bases },
+                kind: FrameKind::Program { keeps_bases: keeps_bases(kernel.arrays) },
             })
             .collect(),
         a: Assembler::new(code),

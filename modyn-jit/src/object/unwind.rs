@@ -3,7 +3,7 @@
 //! are none: tools follow rbp there, which every function with a frame keeps as the frame pointer.
 
 use super::convention::{KEPT, KEPT_VECTORS};
-use crate::generate::{KEEP_BASES, PROLOGUE};
+use crate::generate::x86_64::{KEEP_BASES, PROLOGUE};
 
 /// A function with a frame, by offsets in the code.
 #[derive(Clone, Copy, Debug)]

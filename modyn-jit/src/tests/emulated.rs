@@ -1,5 +1,6 @@
-//! Whole functions compute the bits of their program's evaluation with all instruction sets, also those that the host
-//! lacks. They read only their arguments and constants, and write only their results and their frame.
+//! Whole functions compute the bits of their program's evaluation with all instruction sets of x86-64, also those that the
+//! host lacks: they are emulated. They read only their arguments and constants, and write only their results and their frame.
+//! On aarch64 its own functions run instead.
 
 use modyn_codegen::Function;
 use modyn_codegen::graph::{Expr, Graph};
@@ -13,6 +14,7 @@ use crate::generate::generate;
 use crate::helper::{Helpers, Linkage};
 use crate::instruction_set::InstructionSet;
 use crate::lower::lower;
+use crate::machine::{Code, Pages};
 
 /// Compares a program with one instruction set, for one state or with a state in each lane.
 fn compare<F: Fuse>(
@@ -23,7 +25,10 @@ fn compare<F: Fuse>(
     state: &[F],
 ) {
     let values = lower::<F>(program, arrays, instruction_set, batch);
-    let helpers = Helpers { reduce: REDUCE, atan2: ATAN2, logarithm: LOGARITHM };
+    let helpers = match instruction_set.architecture() {
+        "x86_64" => Helpers { reduce: REDUCE, atan2: ATAN2, logarithm: LOGARITHM },
+        _ => Helpers::new::<F>(),
+    };
     let generated = generate(
         &values,
         instruction_set,
@@ -43,9 +48,16 @@ fn compare<F: Fuse>(
         .collect();
     let given: Vec<F> = (0..state.len()).flat_map(|i| states.iter().map(move |s| s[i])).collect();
     let lengths: Vec<usize> = arrays.iter().map(|length| length * lanes).collect();
-    let mut emulator = Emulator::default();
-    let results = program.results.len();
-    let found = emulator.run(&generated.code, &split(&given, &lengths), results * lanes);
+    let results = program.results.len() * lanes;
+    let found = if instruction_set.architecture() == "x86_64" {
+        Emulator::default().run(&generated.code, &split(&given, &lengths), results)
+    } else {
+        let pages = Pages::new(&generated.code).expect("executable memory");
+        let code = Code { entry: 0, arguments: lengths.clone(), results };
+        let mut found = vec![F::from_f64(f64::NAN); results];
+        code.call(&pages, &split(&given, &lengths), &mut found);
+        found
+    };
     for (lane, state) in states.iter().enumerate() {
         let expected = evaluate(program, instruction_set, state);
         for (i, expected) in expected.iter().enumerate() {
@@ -55,8 +67,15 @@ fn compare<F: Fuse>(
     }
 }
 
+/// Returns the instruction sets that are emulated; on aarch64 those of the host, whose functions run.
+fn instruction_sets() -> impl Iterator<Item = InstructionSet> {
+    let host = InstructionSet::detect().map(InstructionSet::architecture);
+    let architecture = if host == Some("aarch64") { "aarch64" } else { "x86_64" };
+    InstructionSet::ALL.into_iter().filter(move |set| set.architecture() == architecture)
+}
+
 fn all_levels<F: Fuse>(scalar: &Program, simd: &Program, arrays: &[usize], state: &[F]) {
-    for instruction_set in InstructionSet::ALL {
+    for instruction_set in instruction_sets() {
         compare(simd, arrays, instruction_set, false, state);
         compare(scalar, arrays, instruction_set, true, state);
     }
@@ -158,7 +177,7 @@ fn random_programs() {
         let count = arrays.iter().sum();
         let program = random_program(seed, count);
         results += program.results.len();
-        for instruction_set in InstructionSet::ALL {
+        for instruction_set in instruction_sets() {
             compare::<f64>(&program, arrays, instruction_set, false, &numbers(seed, count, 3.0));
             compare::<f32>(&program, arrays, instruction_set, false, &numbers(seed, count, 3.0));
             if program.widths().len() == 1 {
@@ -167,4 +186,22 @@ fn random_programs() {
         }
     }
     assert!(results > 3000, "{results}");
+}
+
+/// Arguments, results and a stack frame that are longer than the offsets of instructions reach.
+#[test]
+fn long_functions() {
+    const COUNT: usize = 9000;
+    let graph = Graph::trace(|| {
+        let sums: Vec<Expr> =
+            (0..COUNT).map(|i| Expr::input(i) + Expr::input((i + 7) % COUNT)).collect();
+        let total = sums.iter().fold(Expr::from_f64(0.5), |total, &sum| total * sum + sum);
+        sums.iter().map(|&sum| sum * total.recip()).collect()
+    });
+    let program = Program::new(&graph, COUNT, Target::Simd);
+    for instruction_set in instruction_sets() {
+        for batch in [false, true] {
+            compare::<f64>(&program, &[COUNT], instruction_set, batch, &numbers(1, COUNT, 1.5));
+        }
+    }
 }

@@ -13,7 +13,7 @@ pub(super) const LOGARITHM: u64 = 0x33;
 
 const CODE: u64 = 0x100_0000;
 const STACK: u64 = 0x200_0000;
-const STACK_BYTES: usize = 1 << 18;
+const STACK_BYTES: usize = 1 << 20;
 const TABLE: u64 = 0x300_0000;
 const RESULTS: u64 = 0x400_0000;
 const ARGUMENTS: u64 = 0x500_0000;

@@ -1,4 +1,4 @@
-//! Each instruction is decoded by iced-x86 and has the given operands; whole functions consist of instructions of the
+//! Each instruction of x86-64 is decoded by iced-x86 and has the given operands; whole functions consist of instructions of the
 //! instruction set.
 
 use iced_x86::{
@@ -6,12 +6,12 @@ use iced_x86::{
 };
 use modyn_codegen::{Builder, Function, ReadOptions, read};
 
-use crate::encode::{Encoder, Encoding, Opcode, Operands, Place};
+use super::common::sets_of_x86_64;
 use crate::generate::generate;
+use crate::generate::x86_64::{Encoder, Encoding, Opcode, Operands, Place, opcodes as op};
 use crate::helper::{Helpers, Linkage};
 use crate::instruction_set::InstructionSet;
 use crate::lower::lower;
-use crate::opcodes as op;
 use crate::real::Real;
 
 fn decode(code: &[u8]) -> Instruction {
@@ -219,7 +219,7 @@ fn whole_functions<S: Real>(name: &str) {
             _ => continue,
         };
         let arrays: Vec<usize> = planned.arguments.iter().map(|(_, shape)| shape.len()).collect();
-        for instruction_set in InstructionSet::ALL {
+        for instruction_set in sets_of_x86_64() {
             for (program, batch) in [(scalar, false), (simd, false), (scalar, true)] {
                 let values = lower::<S>(program, &arrays, instruction_set, batch);
                 let linkage = Linkage::Addresses(Helpers::new::<S>());

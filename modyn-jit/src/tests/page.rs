@@ -20,6 +20,8 @@ use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::ModuleTree;
 
+use super::encoding_aarch64::decode;
+use crate::code_size::CodeSize;
 use crate::generate::{Generated, generate};
 use crate::helper::Linkage;
 use crate::instruction_set::InstructionSet;
@@ -259,6 +261,31 @@ impl Code {
         computed.collect()
     }
 
+    /// Returns the instructions of aarch64 with their words, those of each step after its text; and their counts.
+    fn of_aarch64(&self, arrays: usize) -> (String, CodeSize) {
+        // Both instruction sets fuse products, and the example has no vectors: so its values are the same.
+        let generated = generate(
+            &self.values,
+            InstructionSet::Neon,
+            size_of::<f64>(),
+            arrays,
+            &Linkage::Relative,
+        );
+        let steps = self.values.steps.iter().map(|step| self.step(step));
+        let headings = ["entry".to_owned()].into_iter().chain(steps).chain(["return".to_owned()]);
+        let ends = generated.steps.iter().copied().chain([generated.end]);
+        let (mut text, mut at) = (String::new(), 0);
+        for (heading, end) in headings.zip(ends) {
+            let _ = writeln!(text, "{heading}");
+            for bytes in generated.code[at..end].as_chunks().0 {
+                let word = u32::from_le_bytes(*bytes);
+                let _ = writeln!(text, "    {:38} {word:08x}", decode(word).to_string());
+            }
+            at = end;
+        }
+        (text, generated.size)
+    }
+
     /// Returns the instructions with their bytes, those of each step after its text.
     fn listing(&self) -> String {
         let mut formatter = IntelFormatter::new();
@@ -292,6 +319,15 @@ fn with_listing(page: &str, name: &str, listing: &str) -> String {
     format!("{before}{begin}```text\n{listing}```\n<!-- end -->{after}")
 }
 
+/// Returns the counts of code in one line.
+fn counts(size: &CodeSize) -> String {
+    let CodeSize { instructions, bytes, constants, frame, .. } = size;
+    format!(
+        "{instructions} instructions, {bytes} bytes of instructions, {constants} bytes of constants, {frame} bytes of \
+         stack\n"
+    )
+}
+
 /// Compares a file of the documentation with the text that it should have, or writes it.
 fn check(path: &str, text: impl Fn(&str) -> String) {
     let path = root().join("docs").join(path);
@@ -315,20 +351,16 @@ fn the_page_shows_what_the_compiler_does() {
     assert_eq!(format!("{:?}", again.statements), format!("{:?}", program.statements));
     let code = Code::new(&program, &arrays);
     assert_eq!(code.generated.size.spills, 0, "the text says that the example needs no spill");
-    let frame = format!(
-        "{} instructions, {} bytes of instructions, {} bytes of constants, {} bytes of stack\n",
-        code.generated.size.instructions,
-        code.generated.size.bytes,
-        code.generated.size.constants,
-        code.generated.size.frame
-    );
+    let (of_aarch64, size_of_aarch64) = code.of_aarch64(arrays.len());
     check("machine-code.md", |page| {
         let listings = [
             ("description", CART_POLE.to_owned() + "\n"),
             ("program", statements(&program)),
             ("values", code.steps()),
             ("instructions", code.listing()),
-            ("size", frame.clone()),
+            ("size", counts(&code.generated.size)),
+            ("aarch64", of_aarch64.clone()),
+            ("aarch64-size", counts(&size_of_aarch64)),
         ];
         listings.iter().fold(page.to_owned(), |page, (name, text)| with_listing(&page, name, text))
     });

@@ -60,8 +60,17 @@ pub fn split<'a, F>(mut numbers: &'a [F], lengths: &[usize]) -> Vec<&'a [F]> {
 
 /// Returns the instruction sets of this processor.
 pub fn instruction_sets() -> impl Iterator<Item = InstructionSet> {
-    let best = InstructionSet::detect();
-    InstructionSet::ALL.into_iter().filter(move |&instruction_set| Some(instruction_set) <= best)
+    InstructionSet::ALL.into_iter().filter(|instruction_set| instruction_set.is_available())
+}
+
+/// Returns the instruction sets of x86-64, which this processor may lack.
+pub fn sets_of_x86_64() -> impl Iterator<Item = InstructionSet> {
+    InstructionSet::ALL.into_iter().filter(|set| set.architecture() == "x86_64")
+}
+
+/// Returns whether code for one state uses vectors.
+pub fn has_vectors<F>(instruction_set: InstructionSet) -> bool {
+    instruction_set.fuses() || size_of::<F>() == 4
 }
 
 /// Returns the programs that an instruction set runs for one state; `None` for functions of a link.

@@ -1,15 +1,12 @@
 //! The frame of a function: the registers that point to memory, entry and return.
 
-use super::{Generated, Generator};
-use crate::code_size::CodeSize;
-use crate::encode::{Encoder, RSP};
+use super::Encoder;
+use super::encode::RSP;
+use crate::generate::{Generator, MAX_ARRAYS};
 use crate::instruction_set::InstructionSet;
 
-/// The largest number of arrays of arguments.
-pub(crate) const MAX_ARRAYS: usize = BASES.len();
-
 /// The registers that point to the arguments; the last two belong to the caller.
-pub(super) const BASES: [u8; 8] = [7, 6, 2, 8, 9, 10, 14, 15];
+pub(super) const BASES: [u8; MAX_ARRAYS] = [7, 6, 2, 8, 9, 10, 14, 15];
 pub(super) const RAX: u8 = 0;
 pub(super) const RCX: u8 = 1;
 pub(super) const RDX: u8 = 2;
@@ -25,43 +22,32 @@ pub(crate) const PROLOGUE: [&[u8]; 3] = [&[0x55], &[0x48, 0x89, 0xe5], &[0x53]];
 /// The instructions after [`PROLOGUE`] of a function that [uses the last bases](keeps_bases): push r14; push r15.
 pub(crate) const KEEP_BASES: [&[u8]; 2] = [&[0x41, 0x56], &[0x41, 0x57]];
 
+/// The bytes below the memory of the vector registers: the two pointers.
+pub(super) const HEADER: usize = 64;
+
 /// The range of displacements of one byte, on both sides.
 pub(super) const SHORT: i32 = 128;
 
 /// Returns whether a function with this number of arrays of arguments keeps r14 and r15 for its caller.
 pub(crate) const fn keeps_bases(arrays: usize) -> bool {
-    arrays > BASES.len() - KEEP_BASES.len()
+    arrays > MAX_ARRAYS - KEEP_BASES.len()
 }
 
-impl Generator<'_> {
+impl Generator<'_, Encoder> {
     /// Returns the offset from rax.
     pub(super) fn frame_base(&self) -> i32 {
-        64 + self.saved as i32 + SHORT
+        HEADER as i32 + self.saved as i32 + SHORT
     }
 
-    /// Writes the function: entry, body, return, code for large angles, constants.
-    pub(super) fn finish(mut self, pool: &[u8]) -> Generated {
-        if self.instruction_set != InstructionSet::Sse2 {
-            self.encoder.bytes(&[0xc5, 0xf8, 0x77]);
-        }
-        let keeps_bases = keeps_bases(self.arrays);
-        // lea rsp, [rbp - 8]; pop rbx; pop rbp; ret. With r14 and r15: lea rsp, [rbp - 24]; pop r15; pop r14; pop rbx; ...
-        let restore: &[&[u8]] = match keeps_bases {
-            false => &[&[0x48, 0x8d, 0x65, 0xf8]],
-            true => &[&[0x48, 0x8d, 0x65, 0xe8], &[0x41, 0x5f], &[0x41, 0x5e]],
-        };
-        for bytes in restore.iter().chain(&[&[0x5b][..], &[0x5d], &[0xc3]]) {
-            self.encoder.bytes(bytes);
-        }
-        let end = self.encoder.code.len();
+    /// Returns the entry of a function, and the position of its distance to the constants.
+    pub(super) fn entry(&self, frame: u32) -> (Encoder, usize) {
         let mut entry = Encoder::default();
-        let kept = if keeps_bases { &KEEP_BASES[..] } else { &[] };
+        let kept = if keeps_bases(self.arrays) { &KEEP_BASES[..] } else { &[] };
         for bytes in PROLOGUE.iter().chain(kept) {
             entry.bytes(bytes);
         }
         // and rsp, -64
         entry.bytes(&[0x48, 0x83, 0xe4, 0xc0]);
-        let frame = (64 + self.saved as u32 + self.registers.frame).next_multiple_of(64);
         allocate(&mut entry, frame);
         entry.general(0x89, RDI, RSP, 0);
         entry.general(0x89, RSI, RSP, 8);
@@ -69,31 +55,22 @@ impl Generator<'_> {
         entry.bytes(&[0x48, 0x8d, 0x1d, 0, 0, 0, 0]);
         let constants_at = entry.code.len() - 4;
         point(&mut entry, self.arrays, self.frame_base());
-        let instructions = entry.instructions + self.encoder.instructions;
-        self.slow_paths();
-        let body = entry.code.len();
-        let calls = self.calls.iter().map(|&(at, helper)| (body + at, helper)).collect();
-        let mut code = Encoder { code: [entry.code, self.encoder.code].concat(), instructions };
-        let bytes = code.code.len();
-        // int3
-        code.code.resize(bytes.next_multiple_of(64), 0xcc);
-        let start = code.code.len();
-        code.patch(constants_at, start + SHORT as usize);
-        code.code.extend_from_slice(pool);
-        let size = CodeSize {
-            bytes,
-            constants: pool.len(),
-            frame: frame as usize,
-            instructions,
-            ..self.counts
+        (entry, constants_at)
+    }
+
+    /// Writes the return.
+    pub(super) fn leave(&mut self) {
+        if self.instruction_set != InstructionSet::Sse2 {
+            // vzeroupper
+            self.encoder.bytes(&[0xc5, 0xf8, 0x77]);
+        }
+        // lea rsp, [rbp - 8]; pop rbx; pop rbp; ret. With r14 and r15: lea rsp, [rbp - 24]; pop r15; pop r14; pop rbx; ...
+        let restore: &[&[u8]] = match keeps_bases(self.arrays) {
+            false => &[&[0x48, 0x8d, 0x65, 0xf8]],
+            true => &[&[0x48, 0x8d, 0x65, 0xe8], &[0x41, 0x5f], &[0x41, 0x5e]],
         };
-        Generated {
-            code: code.code,
-            size,
-            end: body + end,
-            calls,
-            #[cfg(test)]
-            steps: self.steps.iter().map(|at| body + at).collect(),
+        for bytes in restore.iter().chain(&[&[0x5b][..], &[0x5d], &[0xc3]]) {
+            self.encoder.bytes(bytes);
         }
     }
 }

@@ -1,19 +1,64 @@
 //! Instructions of one, two and three operands.
 
-use super::Generator;
-use crate::encode::{Encoding, Opcode, Operands, Place};
+use super::Encoder;
+use super::encode::{Encoding, Opcode, Operands, Place};
+use super::opcodes::{self as op, arithmetic, broadcast, mask_to_vector, multiply_add, shift_left};
+use crate::generate::Generator;
 use crate::instruction_set::InstructionSet;
-use crate::opcodes::{self as op, arithmetic, broadcast, mask_to_vector, multiply_add, shift_left};
 use crate::registers::NONE;
 use crate::values::{Operation, Value};
+
+/// A value in memory that is read again within this number of steps is loaded into a free register.
+const RELOAD_DISTANCE: u32 = 40;
 
 /// The predicates of comparisons.
 const LESS_OR_EQUAL: u8 = 2;
 const UNORDERED: u8 = 3;
 
-impl Generator<'_> {
+impl Generator<'_, Encoder> {
+    /// Writes an operation that is no call, and returns the register of its result.
+    pub(super) fn operation(&mut self, operation: Operation, value: Value, mut pinned: u32) -> u8 {
+        let values = self.values;
+        let operands = values.operands(value);
+        if operation != Operation::Broadcast {
+            self.prefetch(operands, &mut pinned);
+        }
+        match (operation, operands) {
+            (Operation::MultiplyAdd { negative_product, negative_addend }, &[a, b, c]) => {
+                self.multiply_add(value, [a, b, c], (negative_product, negative_addend), pinned)
+            }
+            (Operation::SquareRoot | Operation::Broadcast, &[a]) => {
+                self.unary(operation, value, a, pinned)
+            }
+            (Operation::ShiftToSign, &[a]) => self.shift_to_sign(value, a, pinned),
+            // The instruction compares two operands.
+            (Operation::IsNan, &[a]) => self.binary(operation, value, [a, a], pinned),
+            (_, &[a, b]) => self.binary(operation, value, [a, b], pinned),
+            _ => unreachable!("operations have their operands"),
+        }
+    }
+
+    /// Loads operands that are read again soon, if registers are free.
+    fn prefetch(&mut self, operands: &[Value], pinned: &mut u32) {
+        for &operand in operands {
+            let soon = self
+                .registers
+                .distance(operand)
+                .is_some_and(|distance| distance <= RELOAD_DISTANCE);
+            let absent = self.registers.register(operand) == NONE;
+            if soon
+                && absent
+                && let Some(register) = self.registers.unoccupied(*pinned)
+            {
+                self.load(register, operand);
+                self.registers.hold(register, operand);
+                *pinned |= 1 << register;
+            }
+        }
+    }
+
     /// Writes an operation of two operands.
-    pub(super) fn binary(
+    fn binary(
         &mut self,
         operation: Operation,
         value: Value,
@@ -45,7 +90,7 @@ impl Generator<'_> {
             // Two numbers of 8 bytes, or halves of them.
             Operation::Join if bytes == 16 && self.registers.register(b) == NONE => {
                 self.counts.memory_operands += 1;
-                self.memory(b)
+                self.place(self.memory(b))
             }
             Operation::Join => Place::Register(self.force(b, &mut pinned)),
             _ => self.operand(b, bitwise, &mut pinned),
@@ -66,7 +111,7 @@ impl Generator<'_> {
             Operation::LessOrEqual => {
                 (arithmetic(op::COMPARE, scalar, self.size), Some(LESS_OR_EQUAL))
             }
-            Operation::Unordered => (arithmetic(op::COMPARE, scalar, self.size), Some(UNORDERED)),
+            Operation::IsNan => (arithmetic(op::COMPARE, scalar, self.size), Some(UNORDERED)),
             Operation::Add => (arithmetic(op::ADD, scalar, self.size), None),
             Operation::Subtract => (arithmetic(op::SUBTRACT, scalar, self.size), None),
             Operation::Multiply => (arithmetic(op::MULTIPLY, scalar, self.size), None),
@@ -83,7 +128,7 @@ impl Generator<'_> {
             _ if bitwise => bytes.max(16),
             _ => bytes,
         };
-        let compares = matches!(operation, Operation::LessOrEqual | Operation::Unordered);
+        let compares = matches!(operation, Operation::LessOrEqual | Operation::IsNan);
         if compares && self.instruction_set == InstructionSet::Avx512 {
             self.compare(register, (first, second), opcode, immediate, bytes);
         } else {
@@ -93,7 +138,7 @@ impl Generator<'_> {
     }
 
     /// Returns the instruction that joins two halves.
-    pub(super) fn join(&self, bytes: usize, second: Place) -> (Opcode, Option<u8>) {
+    fn join(&self, bytes: usize, second: Place) -> (Opcode, Option<u8>) {
         match (bytes, second) {
             (8, _) => (arithmetic(op::UNPACK_LOW, false, 4), None),
             (16, Place::Register(_)) => (op::UNPACK_LOW_DOUBLE, None),
@@ -105,7 +150,7 @@ impl Generator<'_> {
 
     /// Writes a comparison whose result is a vector. AVX-512 compares into masks; only registers below 16 can be
     /// compared without them.
-    pub(super) fn compare(
+    fn compare(
         &mut self,
         register: u8,
         (first, second): (u8, Place),
@@ -133,13 +178,7 @@ impl Generator<'_> {
         self.encoder.vector(Encoding::Evex, mask_to_vector(self.size), &operands);
     }
 
-    pub(super) fn unary(
-        &mut self,
-        operation: Operation,
-        value: Value,
-        a: Value,
-        mut pinned: u32,
-    ) -> u8 {
+    fn unary(&mut self, operation: Operation, value: Value, a: Value, mut pinned: u32) -> u8 {
         let (bytes, scalar) = (self.registers.bytes(value), self.lanes(value) == 1);
         let legacy = self.instruction_set == InstructionSet::Sse2;
         if operation == Operation::Broadcast && legacy {
@@ -182,7 +221,7 @@ impl Generator<'_> {
         register
     }
 
-    pub(super) fn shift_to_sign(&mut self, value: Value, a: Value, mut pinned: u32) -> u8 {
+    fn shift_to_sign(&mut self, value: Value, a: Value, mut pinned: u32) -> u8 {
         let bytes = self.registers.bytes(value);
         let from = self.force(a, &mut pinned);
         let register = self.destination(&[a], pinned);
@@ -202,7 +241,7 @@ impl Generator<'_> {
 
     /// Writes a product and a sum in one instruction, which overwrites one of its three operands and can read the last
     /// one from memory.
-    pub(super) fn multiply_add(
+    fn multiply_add(
         &mut self,
         value: Value,
         operands: [Value; 3],
@@ -265,7 +304,7 @@ impl Generator<'_> {
         let place = |i: usize, this: &mut Self| match memory {
             Some(m) if m == i => {
                 this.counts.memory_operands += 1;
-                this.memory(operands[i])
+                this.place(this.memory(operands[i]))
             }
             _ => Place::Register(registers[i]),
         };

@@ -155,13 +155,13 @@ impl Encoder {
         }
         self.instructions += 1;
     }
+}
 
-    /// Writes the distance to `target` at `at`, which is followed by `after` more bytes of the instruction.
-    pub fn patch(&mut self, at: usize, target: usize) {
-        let distance = target as i64 - (at as i64 + 4);
-        let distance = i32::try_from(distance).expect("code is shorter than 2 GiB");
-        self.code[at..at + 4].copy_from_slice(&distance.to_le_bytes());
-    }
+/// Writes the distance from the end of an instruction to `target` at `at`, its last four bytes.
+pub(super) fn patch(code: &mut [u8], at: usize, target: usize) {
+    let distance = target as i64 - (at as i64 + 4);
+    let distance = i32::try_from(distance).expect("code is shorter than 2 GiB");
+    code[at..at + 4].copy_from_slice(&distance.to_le_bytes());
 }
 
 /// The stack pointer.

@@ -1,6 +1,6 @@
 //! The instructions for both precisions.
 
-use crate::encode::Opcode;
+use super::encode::Opcode;
 
 const fn both(map: u8, prefix: u8, byte: u8, evex_w: bool) -> Opcode {
     Opcode { map, prefix, byte, vex_w: false, evex_w }
