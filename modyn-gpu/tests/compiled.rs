@@ -23,8 +23,11 @@ modyn::modyn! {
 
 const STATES: usize = 150;
 
+/// Coordinates, velocities and joint forces.
+type States<R> = (Vec<<R as Robot>::Q<f64>>, Vec<<R as Robot>::V<f64>>, Vec<<R as Robot>::V<f64>>);
+
 /// Returns states in general position, with quaternions of length one.
-fn states<R: Robot>() -> (Vec<R::Q<f64>>, Vec<R::V<f64>>, Vec<R::V<f64>>) {
+fn states<R: Robot>() -> States<R> {
     use modyn::Array;
     let mut all = numbers(STATES * (R::NQ + 2 * R::NV)).into_iter();
     let mut number = || all.next().expect("as many as needed");
