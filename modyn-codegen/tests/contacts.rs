@@ -411,6 +411,20 @@ fn redundant_contacts_share_their_forces_and_no_mask_makes_a_number_that_is_none
 }
 
 #[test]
+fn compliant_contacts_may_have_more_rows_than_joints_move_them() {
+    let mut random = Random(19);
+    for joints in [1, 2, 4] {
+        let model = random_tree(&mut random, joints, 2, Base::Fixed);
+        for active in masks(&model, &mut random, 2) {
+            let state = state(&model, &mut random);
+            let settings = general(&model, &mut random, 0.02);
+            let found = interpreted(&model, &state, &active, &settings);
+            assert_same(&found, &dense(&model, &state, &active, &settings), 1e-8);
+        }
+    }
+}
+
+#[test]
 fn what_gets_compiled_is_what_the_interpreter_computes() {
     let mut random = Random(4);
     let models =

@@ -24,8 +24,9 @@ pub const COLUMN_LANES: usize = 4;
 /// The largest number of operations on scalars for which derivatives are also compiled with columns in lanes.
 const MAX_COLUMNS: usize = 20_000;
 
-/// The same for derivatives under constraints, of which most operations solve for columns.
-const MAX_CONSTRAINED_COLUMNS: usize = 100_000;
+/// The same for derivatives under constraints, of which most operations solve for columns: in lanes they add less than half
+/// of the text, also for a humanoid on its soles.
+const MAX_CONSTRAINED_COLUMNS: usize = 200_000;
 
 /// The number of operations of functions that are compiled for several instruction sets without packing. Shorter
 /// functions take no longer than the dispatch; longer functions cost more compile time than they gain.

@@ -2,8 +2,8 @@
 
 use super::encode::{Encoder, SCRATCH, SP, part_of_constant};
 use super::opcodes as op;
-use crate::generate::{Generator, MAX_ARRAYS};
 use crate::generate::architecture::{Address, Architecture as _, Part};
+use crate::generate::{Generator, MAX_ARRAYS};
 use crate::helper::{Helper, Linkage};
 
 /// The bytes below the memory of the vector registers: the pointers to the table, the results and the constants.

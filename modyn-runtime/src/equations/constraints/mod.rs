@@ -157,7 +157,12 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         let of_limbs = supports.iter().map(|support| support.limb.map_or(1, Limb::count));
         let lanes = RowLanes::new(tree, of_limbs);
         let blocks = lanes.constraints().iter();
-        let blocks = blocks.map(|&(c, _)| (model.constraints[c].rows.len(), moves(&moving[c])));
+        let blocks = blocks.map(|&(c, _)| {
+            let constraint = &model.constraints[c];
+            let rows = constraint.rows.len();
+            // Every row of a compliant contact is independent.
+            (rows, if constraint.contact { rows } else { moves(&moving[c]) })
+        });
         let owner = |rows: fn(&ConstrainedFrames<S>) -> usize| {
             constraints().enumerate().flat_map(move |(i, c)| core::iter::repeat_n(i, rows(c)))
         };
@@ -380,7 +385,7 @@ impl Support {
 }
 
 /// Returns for each entry of qd whether it moves the two frames of a constraint relative to each other. The
-/// rank of the constraint's rows is at most the number of these entries.
+/// rank of the constraint's rows is at most the number of these entries, without compliance.
 fn moving_entries<S>(model: &Mechanism<S>, constraint: &ConstrainedFrames<S>) -> Vec<bool> {
     let ancestor = relative_motion::common_ancestor(model, constraint);
     let mut moving = vec![false; model.nv];
