@@ -36,9 +36,9 @@ use crate::passes::optimize;
 const WRENCH: usize = 6;
 
 impl Tracer<'_> {
-    /// Returns the graph of the accelerations, a wrench for each constraint, the gradients of their weighted sum by `q` (in tangent
-    /// space), `qd` and `tau`, the blocks (q, q), (q, qd), (qd, qd) and (q, tau) of its Hessian, by columns, and the rank.
-    /// Inputs: `q`, `qd`, `tau`, the weights of the accelerations and of the wrenches, active contacts and settings. The mass
+    /// Returns the graph of the accelerations, a wrench for each constraint, the gradients of their weighted sum by `q` (in
+    /// tangent space), `qd` and `tau`, the blocks (q, q), (q, qd), (qd, qd) and (q, tau) of its Hessian, by columns, and the
+    /// rank. Inputs: `q`, `qd`, `tau`, the weights of the accelerations and of the wrenches, active contacts and settings. The mass
     /// matrix is factorized with `layout`.
     #[must_use]
     pub fn constrained_forward_dynamics_hessian(&self, layout: &UduLayout) -> Graph {
