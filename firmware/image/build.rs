@@ -127,13 +127,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (mut f32s, mut f64s) = (String::new(), String::new());
     cases!(f32s, single, f32, gripper, Gripper);
     cases!(f32s, single, f32, arm7, Arm7);
-    cases!(f32s, single, f32, arm7_small, Arm7);
     cases!(f32s, single, f32, leg, Leg);
     cases!(f32s, single, f32, legs, Quadruped);
     cases!(f32s, single, f32, legs_shared, Quadruped);
     cases!(f64s, double, f64, gripper, Gripper);
     cases!(f64s, double, f64, arm7, Arm7);
-    cases!(f64s, double, f64, arm7_small, Arm7);
     cases!(f64s, double, f64, leg, Leg);
     cases!(f64s, double, f64, legs, Quadruped);
     cases!(f64s, double, f64, legs_shared, Quadruped);

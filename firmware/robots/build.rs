@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::path::Path;
 
-use modyn_codegen::{Builder, CodeForm, FloatType, Function};
+use modyn_codegen::{Builder, FloatType, Function};
 use modyn_codegen::{ReadOptions, read};
 use modyn_runtime::model::Model;
 
@@ -21,7 +21,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (name, of) in [
         ("gripper", "gripper"),
         ("arm7", "arm7"),
-        ("arm7_small", "arm7"),
         ("leg", "quadruped"),
         ("legs", "quadruped"),
         ("legs_shared", "quadruped"),
@@ -37,9 +36,6 @@ fn main() -> Result<(), Box<dyn Error>> {
                 Builder::new().model(model.clone()).scalar(float).functions(FUNCTIONS);
             if name == "legs_shared" {
                 builder = builder.share();
-            }
-            if name == "arm7_small" {
-                builder = builder.code(CodeForm::Small);
             }
             let file = Path::new(&out).join(format!("{name}_{scalar}.rs"));
             builder.clone().self_contained().write(&file)?;

@@ -148,7 +148,6 @@ macro_rules! robot {
 
 robot!(gripper, Gripper, GRIPPER);
 robot!(arm7, Arm7, ARM7);
-robot!(arm7_small, Arm7, ARM7_SMALL);
 robot!(leg, Leg, LEG);
 robot!(legs, Quadruped, LEGS);
 robot!(legs_shared, Quadruped, LEGS_SHARED);
@@ -185,15 +184,8 @@ fn main() -> ! {
     #[cfg(feature = "fail")]
     fail();
     measure::prepare();
-    let robots = [
-        gripper::run(),
-        arm7::run(),
-        arm7_small::run(),
-        leg::run(),
-        legs::run(),
-        legs_shared::run(),
-        arm7_c::run(),
-    ];
+    let robots =
+        [gripper::run(), arm7::run(), leg::run(), legs::run(), legs_shared::run(), arm7_c::run()];
     let good = robots.iter().all(|&good| good) && ordinary_agrees() && loaded_agrees();
     Line::default()
         .text(if good { "all agree" } else { "a result differs from the host's" })

@@ -21,9 +21,9 @@ macro_rules! robots {
 // The robots are self-contained, except for `ordinary` and `loaded` (with run-time parameters), which depend on
 // `modyn-runtime`.
 robots! {
-    single: arm7 = "arm7_f32", arm7_small = "arm7_small_f32", gripper = "gripper_f32", leg = "leg_f32", legs = "legs_f32",
+    single: arm7 = "arm7_f32", gripper = "gripper_f32", leg = "leg_f32", legs = "legs_f32",
         legs_shared = "legs_shared_f32", ordinary = "ordinary_f32", loaded = "loaded_f32";
-    double: arm7 = "arm7_f64", arm7_small = "arm7_small_f64", gripper = "gripper_f64", leg = "leg_f64", legs = "legs_f64",
+    double: arm7 = "arm7_f64", gripper = "gripper_f64", leg = "leg_f64", legs = "legs_f64",
         legs_shared = "legs_shared_f64", ordinary = "ordinary_f64", loaded = "loaded_f64";
 }
 

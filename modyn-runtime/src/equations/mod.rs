@@ -16,6 +16,7 @@
 //! | `dynamics/external` | external wrenches on links | |
 //! | `dynamics/inverse_dynamics` | joint forces, bias forces | (5a) |
 //! | `dynamics/forward_dynamics` | accelerations by inter- and intra-modular recursion | (60), Table 6 |
+//! | `dynamics/one_body` | inverse and forward dynamics of one body, for loops over bodies | |
 //! | `dynamics/mass_matrix` | the mass matrix from composite modules | (7)-(10) |
 //! | `dynamics/gravity` | gravity torques, potential energy | |
 //! | `dynamics/kinetic_energy` | kinetic energy | |

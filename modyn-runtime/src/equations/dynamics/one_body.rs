@@ -28,12 +28,15 @@ pub enum Sweep {
 pub struct BodyRecursion<S> {
     /// The sweeps, with the number of numbers that a body receives in each.
     pub sweeps: &'static [(Sweep, usize)],
-    /// The equations of one body. The arguments: the parent and the body, the body's entries of the joint vectors (`q`
-    /// first), and the numbers that it receives in each sweep.
-    pub body: fn(&Mechanism<S>, [&[S]; 3], &[&[S]]) -> BodyResults<S>,
+    /// The equations of one body.
+    pub body: BodyEquations<S>,
     /// Returns the numbers that the world sends in each sweep; nothing in inward sweeps.
     pub world: fn(&Mechanism<S>) -> Vec<Vec<S>>,
 }
+
+/// The equations of one body. The arguments: the parent and the body, the body's entries of the joint vectors (`q` first), and
+/// the numbers that it receives in each sweep.
+pub type BodyEquations<S> = fn(&Mechanism<S>, [&[S]; 3], &[&[S]]) -> BodyResults<S>;
 
 /// The results of the equations of one body.
 #[derive(Clone, Debug)]
