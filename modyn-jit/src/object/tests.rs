@@ -210,8 +210,8 @@ fn keeps_registers(mut call: impl FnMut()) {
 #[test]
 fn other_architectures_are_refused() {
     let builder = Builder::new().model(robot("arm6")).functions([Function::MassMatrix]);
-    let mut options = ObjectOptions::default();
-    options.instruction_set = InstructionSet::Neon;
+    let options =
+        ObjectOptions { instruction_set: InstructionSet::Neon, ..ObjectOptions::default() };
     let error = builder.generate_object(&options).expect_err("no objects for aarch64");
     let message = "object files are made for x86-64, and Neon is an instruction set of aarch64";
     assert!(error.to_string().contains(message), "{error}");

@@ -86,7 +86,7 @@ fn operations_are_decoded_unchanged() {
             let found = texts(|e| {
                 e.three(op::accumulate(false, size), [a, b, c]);
                 e.three(op::accumulate(true, size), [a, b, c]);
-                e.three(op::COMPARE_FLAGS.of(true, size), [0, b, c]);
+                e.three(op::compare_flags(size), [0, b, c]);
                 e.two(op::shift_to_sign(size), [a, b]);
                 e.two(op::broadcast(size), [a, b]);
                 e.three(op::join(size), [a, b, c]);

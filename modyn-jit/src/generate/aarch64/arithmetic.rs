@@ -102,7 +102,7 @@ impl Generator<'_, Encoder> {
         let [first, last] = [squares, limit].map(|value| self.force(value, &mut pinned));
         // Conditional jumps reach 1 MiB, others 128 MiB.
         if self.lanes(squares) == 1 {
-            self.encoder.three(op::COMPARE_FLAGS.of(true, self.size), [0, first, last]);
+            self.encoder.three(op::compare_flags(self.size), [0, first, last]);
             self.encoder.word(op::SKIP_IF_LESS);
         } else {
             let is_less = if self.registers.dies(squares) { first } else { self.fresh(pinned) };

@@ -30,8 +30,10 @@ pub(crate) const GREATER_OR_EQUAL: Arithmetic =
     Arithmetic { scalar: 0x7e20_e400, vector: 0x6e20_e400 };
 pub(crate) const GREATER: Arithmetic = Arithmetic { scalar: 0x7ea0_e400, vector: 0x6ea0_e400 };
 
-/// A comparison of scalars that sets flags.
-pub(crate) const COMPARE_FLAGS: Arithmetic = Arithmetic { scalar: 0x1e20_2000, vector: 0 };
+/// Returns the comparison of scalars that sets flags.
+pub(crate) const fn compare_flags(size: usize) -> u32 {
+    0x1e20_2000 | ((size == 8) as u32) << 22
+}
 
 /// Returns the fused product of scalars with a fourth operand: (-) n m (+ or -) a.
 pub(crate) const fn multiply_add(
