@@ -178,8 +178,8 @@ macro_rules! option_table {
                     "true | false", "`false`", "true";
                 /// The form of the code of forward and inverse dynamics. `fast` is straight-line code, whose length grows with
                 /// the robot. `small` is a loop over the bodies with a table of constants: a few kB for any robot, and for long
-                /// chains quicker than straight-line code where other work has taken the caches. `auto` takes loops where
-                /// straight-line code would not stay in a processor's instruction cache. Robots with mimic joints, a `payload` or a
+                /// chains quicker than straight-line code where other work has taken the caches. `auto` takes loops for
+                /// long chains of some 45 joints and more. Robots with mimic joints, a `payload` or a
                 /// `runtime_inertia` have straight-line code.
                 "code" code(form: CodeForm)
                     code: CodeForm, field => *field = form,

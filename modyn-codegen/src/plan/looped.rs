@@ -7,9 +7,15 @@ use crate::graph::Graph;
 use crate::passes::{balance, optimize};
 use crate::program::Recursion;
 
-/// The largest number of operations of straight-line code that stays in the instruction cache of a processor between two
-/// calls. An operation takes about 7 bytes, an instruction cache has 32 KiB.
-const MAX_CACHED: usize = 5000;
+/// The largest number of operations of straight-line code for which loops are not taken unless the user chooses them. An
+/// operation takes about 7 bytes. From this length on, some 45 joints, loops take at most a sixth more time than straight-line
+/// code on processors that fetch instructions quickly (`docs/data/chains.tsv`), and less on others; in the first call they take
+/// a fifth everywhere.
+const MAX_STRAIGHT: usize = 16_000;
+
+/// The smallest mean number of bodies in a loop for which loops are taken unless the user chooses them: in a branched tree of
+/// few bodies in each limb, loops are short, and straight-line code is quicker at any length.
+const MIN_BODIES_IN_LOOP: usize = 8;
 
 /// Returns the loops of a function, if the user has chosen loops or straight-line code would be too long; `None` for
 /// functions that are no recursions over bodies, and robots that loops do not suit. `straight` are the graphs of straight-line
@@ -23,7 +29,7 @@ pub(super) fn recursion(
     let is_wanted = match tracing.code {
         CodeForm::Fast => false,
         CodeForm::Small => true,
-        CodeForm::Auto => packed.is_none() && straight.takes_more_than(MAX_CACHED),
+        CodeForm::Auto => packed.is_none() && straight.takes_more_than(MAX_STRAIGHT),
     };
     if !is_wanted {
         return None;
@@ -33,5 +39,8 @@ pub(super) fn recursion(
         kind.graph = optimize(std::mem::take(&mut kind.graph));
     }
     // The bodies of a chain wait for each other: a sweep takes as long as its critical path.
-    Recursion::new(&graphs, [tracing.sizes.nq, tracing.sizes.nv], balance)
+    let recursion = Recursion::new(&graphs, [tracing.sizes.nq, tracing.sizes.nv], balance)?;
+    let bodies = recursion.records() - 1;
+    let has_long_loops = bodies >= MIN_BODIES_IN_LOOP * recursion.runs.len();
+    (tracing.code == CodeForm::Small || has_long_loops).then_some(recursion)
 }
