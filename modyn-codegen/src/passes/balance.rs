@@ -266,7 +266,7 @@ mod tests {
     #[test]
     fn forward_dynamics_waits_less() {
         let frozen = [
-            ("arm6.urdf", [252, 480], [232, 477]),
+            ("arm6.urdf", [252, 459], [232, 456]),
             ("arm7.urdf", [376, 1149], [318, 1145]),
             ("quadruped.urdf", [133, 744], [118, 736]),
         ];

@@ -1,4 +1,5 @@
-//! Factors out: a b + a c becomes a (b + c) if the products have no other use.
+//! Factors out: a b + a c becomes a (b + c) if the products have no other use. Where a sum of two products is known
+//! already, a (k u) + b (k v) becomes k (a u + b v): a vector that was scaled and is then rotated is the rotated vector, scaled.
 
 use crate::graph::{Graph, Id, Node};
 
@@ -36,7 +37,13 @@ fn round(graph: &Graph) -> (Graph, bool) {
                 let difference = rewritten.make(Node::Sub(at(b), at(c)));
                 rewritten.make(Node::Mul(at(factor), difference))
             }
-            _ => rewritten.make(node.map(at)),
+            _ => match multiple_of_known(&rewritten, node.map(at)) {
+                Some((factor, known)) => {
+                    changed = true;
+                    rewritten.make(Node::Mul(factor, known))
+                }
+                None => rewritten.make(node.map(at)),
+            },
         };
         ids.push(id);
     }
@@ -57,5 +64,87 @@ fn common_factor(graph: &Graph, uses: &[u32], node: Node) -> Option<(Id, Id, Id)
         () if b == c => Some((b, a, d)),
         () if b == d => Some((b, a, c)),
         () => None,
+    }
+}
+
+/// Returns k and the node a u + b v, for a sum or difference of the products a (k u) and b (k v), if the graph has that
+/// node.
+fn multiple_of_known(graph: &Graph, node: Node) -> Option<(Id, Id)> {
+    let (x, y, sum): (Id, Id, fn(Id, Id) -> Node) = match node {
+        Node::Add(x, y) => (x, y, |x, y| Node::Add(x.min(y), x.max(y))),
+        Node::Sub(x, y) => (x, y, Node::Sub),
+        _ => return None,
+    };
+    let quotients = |product| {
+        factors(graph, product)
+            .flat_map(|(a, inner)| factors(graph, inner).map(move |(k, u)| (k, a, u)))
+    };
+    quotients(x).find_map(|(k, a, u)| {
+        let of_y = quotients(y).filter(|(other, ..)| *other == k);
+        let of_y = of_y.filter_map(|(_, b, v)| graph.find(product(graph, b, v)));
+        let au = graph.find(product(graph, a, u))?;
+        of_y.filter_map(|bv| graph.find(sum(au, bv))).next().map(|known| (k, known))
+    })
+}
+
+/// Returns both orders of the factors of a product; none for other nodes.
+fn factors(graph: &Graph, id: Id) -> impl Iterator<Item = (Id, Id)> {
+    let both = match graph.node(id) {
+        Node::Mul(a, b) => Some([(a, b), (b, a)]),
+        _ => None,
+    };
+    both.into_iter().flatten()
+}
+
+/// Returns a product as the graph writes it: a constant comes first.
+fn product(graph: &Graph, a: Id, b: Id) -> Node {
+    match (graph.value(a), graph.value(b)) {
+        (Some(_), _) => Node::Mul(a, b),
+        (None, Some(_)) => Node::Mul(b, a),
+        (None, None) => Node::Mul(a.min(b), a.max(b)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::graph::Expr;
+
+    /// Returns the operations after the pass, after checking that the outputs are unchanged.
+    fn operations(graph: &Graph) -> usize {
+        let factored = factor(graph);
+        let inputs: Vec<f64> = (0..8).map(|i| libm::sin(f64::from(i) + 0.5)).collect();
+        for (a, b) in graph.evaluate(&inputs).iter().zip(factored.evaluate(&inputs)) {
+            assert!((a - b).abs() < 1e-14, "{a} {b}");
+        }
+        factored.count().total()
+    }
+
+    #[test]
+    fn a_rotated_multiple_is_a_multiple_of_the_rotated_vector() {
+        let rotated = |[x, y]: [Expr; 2], [c, s]: [Expr; 2]| [c * x + s * y, c * y - s * x];
+        let graph = |scaled: bool| {
+            Graph::trace(move || {
+                let x: Vec<Expr> = (0..5).map(Expr::input).collect();
+                let (v, rotation) = ([x[0], x[1]], [x[2], x[3]]);
+                let multiple = v.map(|v| x[4] * v);
+                let after = rotated(v, rotation);
+                let other = match scaled {
+                    true => rotated(multiple, rotation),
+                    false => after.map(|v| x[4] * v),
+                };
+                [after, other].concat()
+            })
+        };
+        assert_eq!(operations(&graph(true)), graph(false).count().total());
+    }
+
+    #[test]
+    fn without_the_known_sum_nothing_changes() {
+        let graph = Graph::trace(|| {
+            let x: Vec<Expr> = (0..5).map(Expr::input).collect();
+            vec![x[2] * (x[4] * x[0]) + x[3] * (x[4] * x[1]), x[4] * x[0], x[4] * x[1]]
+        });
+        assert_eq!(operations(&graph), graph.count().total());
     }
 }

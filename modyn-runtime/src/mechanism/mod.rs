@@ -15,7 +15,8 @@
 //!    keeps the parameters that its joint's force depends on (Gautier and Khalil 1990, "Direct calculation of
 //!    minimum set of inertial parameters of serial robots").
 //! 5. **Snapping** (`snapping`). Constant rotations within 1e-11 rad of a multiple of a quarter turn become exact.
-//!    Translations and components of axes below 1e-11 become 0.
+//!    Translations and components of axes below 1e-11 become 0, and so do moments of base inertias that are rounding errors
+//!    beside the others.
 //!
 //! The rewrites leave the joint coordinates, and so every joint-space quantity, unchanged. The fourth changes the
 //! inertias of single links. On a fixed base it also drops mass that cannot move, with its constant part of the
@@ -172,6 +173,9 @@ impl Mechanism<f64> {
         frames.shift();
         let mut bodies = bodies(&elementary, &frames);
         let static_inertia = base_inertia::move_to_parents(&mut bodies);
+        for body in &mut bodies {
+            body.base_inertia = snapping::without_rounding(body.base_inertia);
+        }
         let on_bodies = model.frames().iter().map(|frame| {
             let body = frame.link.map(|link| links[link]);
             let pose = body.map_or(frame.pose, |body| frames.link[body].compose(&frame.pose));

@@ -1,9 +1,12 @@
 //! Snapping: constant angles close to a multiple of a quarter turn, and numbers close to zero, become exact.
 
-use crate::spatial::{AxisRotation, Vector3};
+use crate::spatial::{AxisRotation, RigidInertia, Symmetric3, Vector3};
 
 /// Sines, cosines, translations (m) and components of axes below this become 0.
 const SNAP: f64 = 1e-11;
+
+/// A first or second moment below this fraction of the largest one of the body is a rounding error, and becomes 0.
+const ROUNDING: f64 = 1e-14;
 
 /// The cosine and sine of a constant angle.
 pub(super) type Direction = (f64, f64);
@@ -50,5 +53,40 @@ pub(super) fn rotation_by((cos, sin): Direction) -> AxisRotation<f64> {
         AxisRotation::Quarters(if sin > 0.0 { 1 } else { 3 })
     } else {
         AxisRotation::Angle { cos, sin }
+    }
+}
+
+/// Returns the inertia without moments that are only rounding errors of its rotation.
+pub(super) fn without_rounding(inertia: RigidInertia<f64>) -> RigidInertia<f64> {
+    let largest = |moments: &[f64]| moments.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let Vector3(first) = inertia.first_moment;
+    let Symmetric3 { xx, yy, zz, xy, xz, yz } = inertia.second_moment;
+    let of_first = ROUNDING * largest(&first);
+    let of_second = ROUNDING * largest(&[xx, yy, zz, xy, xz, yz]);
+    let kept = |x: f64, limit: f64| if x.abs() <= limit { 0.0 } else { x };
+    let [xx, yy, zz, xy, xz, yz] = [xx, yy, zz, xy, xz, yz].map(|x| kept(x, of_second));
+    RigidInertia {
+        first_moment: Vector3(first.map(|x| kept(x, of_first))),
+        second_moment: Symmetric3 { xx, yy, zz, xy, xz, yz },
+        ..inertia
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounding_errors_of_moments_become_zero() {
+        let second = Symmetric3 { xx: 3.0, xy: -2e-14, xz: 0.25, yy: 2.0, yz: 4e-14, zz: 1.0 };
+        let inertia = RigidInertia {
+            mass: 2.0,
+            first_moment: Vector3([0.5, -4e-15, 1e-9]),
+            second_moment: second,
+        };
+        let kept = without_rounding(inertia);
+        assert_eq!(kept.first_moment.0, [0.5, 0.0, 1e-9]);
+        let Symmetric3 { xy, xz, yz, .. } = kept.second_moment;
+        assert_eq!([xy, xz, yz, kept.mass], [0.0, 0.25, 4e-14, 2.0]);
     }
 }
