@@ -267,8 +267,8 @@ mod tests {
     fn forward_dynamics_waits_less() {
         let frozen = [
             ("arm6.urdf", [252, 459], [232, 456]),
-            ("arm7.urdf", [376, 1149], [318, 1145]),
-            ("quadruped.urdf", [133, 744], [118, 736]),
+            ("arm7.urdf", [373, 1118], [315, 1114]),
+            ("quadruped.urdf", [129, 684], [118, 676]),
         ];
         let robots = concat!(env!("CARGO_MANIFEST_DIR"), "/../robots");
         for (robot, before, after) in frozen {
