@@ -516,6 +516,13 @@ fn firmware_in_short() -> String {
     table(&data.titles, rows) + "\n" + &data.source() + "\n"
 }
 
+/// The rows of the table of machine code that its page shows: forward dynamics and its derivatives.
+fn machine_code_in_short() -> String {
+    let data = Data::load("machine-code");
+    let shown = data.rows.iter().filter(|row| row[1].starts_with("`forward_dynamics"));
+    table(&data.titles, shown.map(Vec::as_slice)) + "\n" + &data.source() + "\n"
+}
+
 /// Counts of the real robots, as part of a sentence.
 fn robots_in_short() -> String {
     let data = Data::load("robots");
@@ -596,6 +603,7 @@ fn rendered(name: &str) -> String {
         "cuda-sum" => h200("Panda", "`forward_dynamics`", "f32").sum,
         "cuda-estimates" => cuda_estimates(),
         "firmware" => firmware_in_short(),
+        "machine-code" => machine_code_in_short(),
         "f64-by-software" => range(firmware("instructions", single)),
         "shared-flash" => range(per_cent(firmware("flash, with callees", shared))),
         "shared-instructions" => {
