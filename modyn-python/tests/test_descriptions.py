@@ -201,13 +201,16 @@ def test_parameters_that_change():
 
 
 def test_parameters_of_functions_without_machine_code():
-    """Forward mode with run-time gravity has more arguments than machine code can have."""
+    """Products in both modes and a step, with run-time gravity, have more arguments than machine code can have."""
     options = {"runtime_gravity": True, "payload": "link4", "runtime_inertia": "link1"}
+    options["bundles"] = {"both": ["forward_dynamics_jvp", "forward_dynamics_vjp", "step_rk4"]}
     robot, slow = modyn.loads(chain(6), **options), modyn.loads(chain(6), machine_code=False, **options)
     q, qd, qdd, tau = (x[0] for x in states(robot, 1))
     state, direction = (q, qd, tau), (qd, tau, qdd)
-    with pytest.warns(modyn.MachineCodeWarning, match="evaluated, which is slow: `forward_dynamics_jvp` has 7 arrays"):
-        before = robot.forward_dynamics_jvp(*state, *direction)
+    before = robot.forward_dynamics_jvp(*state, *direction)
+    with pytest.warns(modyn.MachineCodeWarning, match="evaluated, which is slow: `both` has 9 arrays"):
+        together = robot.both(*state, *direction, qdd, 0.01)
+    close(together.forward_dynamics_jvp.dqdd, before.dqdd, 1e-8)
     for other in (robot, slow):
         other.set_gravity([0.5, 1.5, -3.0])
         other.set_payload("link4", 1.5, [0.3, 0.1, -0.2])

@@ -90,7 +90,7 @@ impl<'a, S> ConstrainedDerivatives<'a, S> {
 /// a derivative is that of the components. The rank is assumed constant; redundant rows get the derivatives of smallest
 /// norm.
 ///
-/// The columns of the derivatives are computed [`column_lanes`](crate::mechanism::TreeAccess::column_lanes) at a time.
+/// The columns of the derivatives are computed several at a time where the scalars have lanes.
 pub fn constrained_forward_dynamics_derivatives<
     S: Scalar,
     T: Factorizable<S>,
