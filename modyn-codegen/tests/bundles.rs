@@ -84,10 +84,10 @@ fn counts(robot_name: &'static str, base: Base, links: &[&str]) -> Counts {
 
 /// The present counts. Enter a count that falls; a count that rises is a regression.
 const FROZEN: [Counts; 4] = [
-    Counts { robot: "arm7", bundle: 1082, sum: 1359, poses: 134 },
-    Counts { robot: "quadruped", bundle: 750, sum: 812, poses: 54 },
-    Counts { robot: "quadruped", bundle: 1937, sum: 2337, poses: 216 },
-    Counts { robot: "humanoid", bundle: 7386, sum: 9032, poses: 668 },
+    Counts { robot: "arm7", bundle: 1061, sum: 1335, poses: 134 },
+    Counts { robot: "quadruped", bundle: 682, sum: 748, poses: 54 },
+    Counts { robot: "quadruped", bundle: 1937, sum: 2333, poses: 216 },
+    Counts { robot: "humanoid", bundle: 7374, sum: 9020, poses: 668 },
 ];
 
 #[test]
