@@ -115,7 +115,7 @@ fn the_amount_of_code_does_not_depend_on_the_number_of_bodies() {
 fn long_chains_are_loops_unless_speed_is_chosen() {
     let is_looped = |links, code| looped(&plan(&chain(links), code, false)).is_some();
     assert!(is_looped(7, CodeForm::Small) && !is_looped(7, CodeForm::Auto));
-    assert!(is_looped(112, CodeForm::Auto) && !is_looped(112, CodeForm::Fast));
+    assert!(is_looped(140, CodeForm::Auto) && !is_looped(140, CodeForm::Fast));
 }
 
 macro_rules! robots {

@@ -25,7 +25,7 @@ const FROZEN: [Counts; 7] = [
     frozen("double_pendulum", 35, 35, 31, 11),
     frozen("double_pendulum_continuous", 38, 38, 34, 14),
     frozen("ur5", 486, 444, 275, 134),
-    frozen("panda", 1107, 1067, 579, 319),
+    frozen("panda", 1089, 1049, 565, 315),
     frozen("panda_fingers", 1262, 1255, 638, 405),
     frozen("solo12", 732, 732, 556, 136),
     frozen("g1", 6265, 5952, 2827, 2382),
