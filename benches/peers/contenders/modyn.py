@@ -55,7 +55,7 @@ def programs(robots, runners, variants):
     for name, variant, target in variants:
         for robot in robots:
             for quantity in robot.quantities:
-                if variant == "batch" and quantity != "forward_dynamics":
+                if variant == "batch" and not (robot.batch and quantity.endswith("forward_dynamics")):
                     continue
                 if variant == "alone" and quantity not in FREE[:-1]:
                     continue
