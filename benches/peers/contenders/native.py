@@ -1,8 +1,8 @@
-"""Machine code that modyn makes at run time, from `benches/native`; a program for each instruction set of the processor."""
+"""Machine code that modyn makes at run time, from `native-runner`; a program for each instruction set of the processor."""
 
 import os
 
-from environment import OUTPUT, ROOT, call
+from environment import HERE, OUTPUT, Unavailable, call
 from measure import Program
 
 #: In the table.
@@ -12,9 +12,12 @@ BATCH = "modyn machine code, batch"
 
 def runner():
     built = OUTPUT / "native"
-    call(["cargo", "build", "--release", "--manifest-path", ROOT / "benches" / "native" / "Cargo.toml",
+    call(["cargo", "build", "--release", "--manifest-path", HERE / "native-runner" / "Cargo.toml",
           "--target-dir", built], env={**os.environ, "RUSTFLAGS": ""})
-    return built / "release" / "native-runner"
+    program = built / "release" / "native-runner"
+    if not program.exists():
+        raise Unavailable("not built yet")
+    return program
 
 
 def build(toolbox):

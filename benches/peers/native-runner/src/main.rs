@@ -1,14 +1,14 @@
-//! Measures machine code that is made at run time: its calls, as a program of `../peers`, and how long it takes to make.
+//! Measures machine code that is made at run time: its calls, as a program of the comparison, and how long it takes to make.
 //!
 //! - `native-runner sets` prints the instruction sets of this processor.
-//! - `native-runner one|batch SET FOLDER ROBOT QUANTITY REPETITIONS` measures calls, as `../peers/README.md` says.
+//! - `native-runner one|batch SET FOLDER ROBOT QUANTITY REPETITIONS` measures calls, as `../README.md` says.
 //! - `native-runner times` prints a table of the times from a description to a result. `native-runner times-of ROBOT QUANTITY`
 //!   measures one of them.
 
 mod calls;
-#[path = "../../peers/modyn-runner/src/measure.rs"]
+#[path = "../../modyn-runner/src/measure.rs"]
 mod measure;
-#[path = "../../peers/modyn-runner/src/robots.rs"]
+#[path = "../../modyn-runner/src/robots.rs"]
 mod robots;
 mod times;
 
