@@ -53,7 +53,7 @@ class Measurer:
                 break
             result["error"] = said["error"]
             result["runs"].append(said["ns"])
-            result["cold_runs"] += [said["cold"]] * ("cold" in said)
+            result["cold_runs"] += [said["cold"]] if "cold" in said else []
         if result["why"] is None:
             result["ns"] = min(result["runs"])
             result["cold"] = min(result["cold_runs"], default=None)

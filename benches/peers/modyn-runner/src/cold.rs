@@ -46,7 +46,7 @@ pub fn cold(states: usize, mut call: impl FnMut(usize)) -> Option<f64> {
     #[cfg(target_arch = "x86_64")]
     {
         let mappings = mappings();
-        let mut median = |call: &mut dyn FnMut(usize)| {
+        let median = |call: &mut dyn FnMut(usize)| {
             let one = |i: usize| {
                 flush(&mappings);
                 // The code of the clock is in the caches again.

@@ -82,7 +82,7 @@ pub fn measure(job: &Job, robot: &Robot, set: InstructionSet, batch: bool) {
         let all: Vec<Vec<f64>> = (0..names.len()).map(column).collect();
         let given: Vec<&[f64]> = all.iter().map(Vec::as_slice).collect();
         let mut results = result.repeat(count);
-        let mut pass = |results: &mut [f64]| {
+        let pass = |results: &mut [f64]| {
             call.many(black_box(&given), results).expect("sizes");
             black_box(results);
         };
