@@ -557,7 +557,9 @@ fn quotient(place: &str) -> f64 {
 fn rendered(name: &str) -> String {
     let per_cent = |numbers: Vec<f64>| numbers.into_iter().map(|x| 100.0 * x).collect::<Vec<_>>();
     match name {
-        "speed" => speed(name, "modyn native"),
+        "speed" | "speed-cold" | "contacts-speed" | "contacts-speed-cold" => {
+            speed(name, "modyn native")
+        }
         "speed-of-c" => speed(name, "modyn, limbs one by one"),
         "speed-in-short" => speed_in_short(),
         "interpreter" => interpreter(),
