@@ -46,6 +46,7 @@ const OPTIONS: &[Options] = &[
 /// Functions that do not fit into one text with all others if the robot is a humanoid.
 const LONG: &[Function] = &[
     Function::StepSemiImplicitHessian,
+    Function::StepRk4Derivatives,
     Function::StepImplicitMidpoint,
     Function::StepImplicitMidpointDerivatives,
     Function::InverseDynamicsHessianBatch,

@@ -353,6 +353,15 @@ functions! {
         |t, s| t.step_rk4(&s.elimination),
         |m| 56_000.0 * m.carried + 3200.0 * m.links,
     );
+    /// Derivatives of a Runge-Kutta step.
+    StepRk4Derivatives "step_rk4_derivatives" = Row::one(
+        &[Q, QD, TAU, DT],
+        shapes::step_derivatives,
+        "Returns the state of `step_rk4`, and its derivatives: `a` with respect to the state before and `b` with respect\n\
+         to `tau`, arrays of columns. A state has the entries of q (in tangent space), then those of qd.",
+        |t, s| t.step_rk4_derivatives(&s.for_derivatives),
+        |m| 20_000.0 * m.depths + 2400.0 * m.squares + 1400.0 * m.entries,
+    );
     /// The state after a step of the implicit midpoint rule.
     StepImplicitMidpoint "step_implicit_midpoint" = Row::step(
         "Returns the state after the time `dt` (s) under the constant joint forces `tau`, by the implicit midpoint rule: of\n\
