@@ -46,7 +46,6 @@ const OPTIONS: &[Options] = &[
 /// Functions that do not fit into one text with all others if the robot is a humanoid.
 const LONG: &[Function] = &[
     Function::StepSemiImplicitHessian,
-    Function::StepRk4Derivatives,
     Function::StepImplicitMidpoint,
     Function::StepImplicitMidpointDerivatives,
     Function::InverseDynamicsHessianBatch,
@@ -54,7 +53,10 @@ const LONG: &[Function] = &[
 ];
 
 fn all(builder: Builder) -> Builder {
-    builder.functions(Function::ALL.iter().copied().filter(|function| !LONG.contains(function)))
+    // Its text is too long for a humanoid with a floating base.
+    let is_long =
+        |function: &Function| LONG.contains(function) || *function == Function::StepRk4Derivatives;
+    builder.functions(Function::ALL.iter().copied().filter(|function| !is_long(function)))
 }
 
 /// Loops over bodies.

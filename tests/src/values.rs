@@ -335,6 +335,7 @@ macro_rules! other_quantities {
             ("center_of_mass_jacobian", each(&$robot::center_of_mass_jacobian(q), vector)),
             ("centroidal_momentum_matrix", each(&$robot::centroidal_momentum_matrix(q), momentum)),
             ("centroidal_momentum", momentum(&$robot::centroidal_momentum(q, qd))),
+            ("centroidal_momentum_rate", momentum(&$robot::centroidal_momentum_rate(q, qd, qdd))),
             (
                 "link_velocity",
                 links.iter().flat_map(|&l| twist(&$robot::link_velocity(q, qd, l))).collect(),
@@ -707,6 +708,10 @@ fn interpreted_others<T: Scalar>(
         ("center_of_mass_jacobian", center.iter().flat_map(vector).collect()),
         ("centroidal_momentum_matrix", momenta.iter().flat_map(momentum).collect()),
         ("centroidal_momentum", momentum(&interpreter.centroidal_momentum(q, qd).expect(LENGTHS))),
+        (
+            "centroidal_momentum_rate",
+            momentum(&interpreter.centroidal_momentum_rate((q, qd, qdd)).expect(LENGTHS)),
+        ),
         ("coriolis_matrix", coriolis),
         (
             "local_jacobian",

@@ -345,6 +345,15 @@ macro_rules! robot_functions {
                 ) -> Momentum<T>,
                     if CentroidalMomentum, else "`{Self}` has no function `centroidal_momentum`";
 
+                /// Returns the time derivative A qdd + A' qd of the momentum about the centre of mass, in world axes. At
+                /// `qdd` = 0 it is the bias A' qd of the centroidal momentum matrix A.
+                centroidal_momentum_rate / centroidal_momentum_rate_with(
+                    q: &Self::Q<T>,
+                    qd: &Self::V<T>,
+                    qdd: &Self::V<T>
+                ) -> Momentum<T>,
+                    if CentroidalMomentumRate, else "`{Self}` has no function `centroidal_momentum_rate`";
+
                 /// Returns the velocity of a link at its origin, in world axes.
                 link_velocity(
                     q: &Self::Q<T>,

@@ -314,6 +314,10 @@ mod all_functions {
                 each(&R::centroidal_momentum_matrix_with(params, q), momentum),
             ),
             ("centroidal_momentum", momentum(&R::centroidal_momentum_with(params, q, qd))),
+            (
+                "centroidal_momentum_rate",
+                momentum(&R::centroidal_momentum_rate_with(params, q, qd, qdd)),
+            ),
         ]
     }
 
@@ -387,6 +391,7 @@ mod all_functions {
             center_of_mass, center_of_mass_with(q);
             center_of_mass_jacobian, center_of_mass_jacobian_with(q);
             centroidal_momentum, centroidal_momentum_with(q, qd);
+            centroidal_momentum_rate, centroidal_momentum_rate_with(q, qd, qdd);
             centroidal_momentum_matrix, centroidal_momentum_matrix_with(q);
         }
         let factors =
