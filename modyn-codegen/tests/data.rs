@@ -148,7 +148,7 @@ fn counted() -> String {
             let generated = builder.functions(functions.iter().copied()).generate();
             generated.unwrap_or_else(|found| panic!("{robot}: {found}"))
         };
-        let most = if base == Base::Fixed { 16 } else { 4 };
+        let most = if base == Base::Fixed { 8 } else { 4 };
         let generated: Vec<_> = functions.chunks(most).map(generate).collect();
         let base = if base == Base::Fixed { "fixed" } else { "floating" };
         for (name, operations) in generated.iter().flat_map(|generated| &generated.operations) {
