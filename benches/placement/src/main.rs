@@ -13,12 +13,12 @@ use std::time::{Duration, Instant};
 
 use modyn_codegen::{Builder, Function};
 use modyn_jit::{Compiled, Options};
-use place::{PLACEMENTS, Placement, at, deeper};
+use place::{PLACEMENTS, Placement, at, candidates, deeper};
 
-modyn::modyn! { Panda = "../../../tests/golden/panda.urdf", functions = [
+modyn::modyn! { Panda = "../../../tests/golden/panda.urdf", friction = none, functions = [
     forward_dynamics, forward_dynamics_derivatives
 ] }
-modyn::modyn! { G1 = "../../../tests/golden/g1.urdf", functions = [forward_dynamics_derivatives] }
+modyn::modyn! { G1 = "../../../tests/golden/g1.urdf", friction = none, functions = [forward_dynamics_derivatives] }
 
 /// Each placement is measured this often, in turn with the others, so that other load of the machine meets all of them.
 const ROUNDS: usize = 8;
@@ -68,9 +68,7 @@ fn row(name: &str, mut measured: impl FnMut(Placement, &mut dyn FnMut(&mut dyn F
 fn numbers(count: usize) -> Vec<f64> {
     let mut seed = 1_u64;
     let mut next = || {
-        seed = seed
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     };
     (0..count).map(|_| next()).collect()
@@ -89,24 +87,22 @@ fn machine_code(
     let results = call.result().len();
     let given = numbers(3 * n);
     let mut failed = false;
-    row(
-        &format!("{name}, `{}`, modyn-jit", function.name()),
-        |placement, measure| {
-            let mut memory = vec![0.0; 1024 + 3 * n];
-            let first = at(&memory, placement.arguments);
-            memory[first..first + 3 * n].copy_from_slice(&given);
-            let arguments: Vec<&[f64]> = memory[first..first + 3 * n].chunks(n).collect();
-            let mut memory = vec![0.0; 1024 + results];
-            let first = at(&memory, placement.results);
-            let result = &mut memory[first..first + results];
-            measure(&mut || failed |= call.one(black_box(&arguments), black_box(result)).is_err());
-        },
-    );
-    if failed {
-        Err("a call failed".into())
-    } else {
-        Ok(())
-    }
+    row(&format!("{name}, `{}`, modyn-jit", function.name()), |placement, measure| {
+        let mut memory = vec![0.0; candidates::<f64>() + 3 * n];
+        let first = at(&memory, placement.arguments);
+        memory[first..first + 3 * n].copy_from_slice(&given);
+        let arguments: Vec<&[f64]> = memory[first..first + 3 * n].chunks(n).collect();
+        let mut memory = vec![0.0; candidates::<f64>() + results];
+        let first = at(&memory, placement.results);
+        let result = &mut memory[first..first + results];
+        measure(&mut || failed |= call.one(black_box(&arguments), black_box(result)).is_err());
+    });
+    if failed { Err("a call failed".into()) } else { Ok(()) }
+}
+
+/// Returns the number of results from which one is chosen by its address.
+fn count<T>(_: &T) -> usize {
+    candidates::<T>()
 }
 
 /// Measures rustc's code: `$call` of arguments and results in vectors of them, of which those nearest to the wanted addresses
@@ -118,9 +114,10 @@ macro_rules! rust_code {
             let numbers = numbers(3 * N);
             let state: [[f64; N]; 3] =
                 std::array::from_fn(|i| std::array::from_fn(|j| numbers[N * i + j]));
-            let arguments = vec![state; 1024];
+            let arguments = vec![state; candidates::<[[f64; N]; 3]>()];
             let [q, qd, tau] = &arguments[at(&arguments, placement.arguments)];
-            let mut results = vec![$Robot::$function(q, qd, tau); 1024];
+            let one = $Robot::$function(q, qd, tau);
+            let mut results = vec![one.clone(); count(&one)];
             let first = at(&results, placement.results);
             let result = &mut results[first];
             measure(&mut || {
@@ -139,13 +136,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     machine_code("Panda", panda, Function::ForwardDynamicsDerivatives)?;
     machine_code("G1", g1, Function::ForwardDynamicsDerivatives)?;
     rust_code!("Panda, `forward_dynamics`, rustc", Panda::forward_dynamics);
-    rust_code!(
-        "Panda, `forward_dynamics_derivatives`, rustc",
-        Panda::forward_dynamics_derivatives
-    );
-    rust_code!(
-        "G1, `forward_dynamics_derivatives`, rustc",
-        G1::forward_dynamics_derivatives
-    );
+    rust_code!("Panda, `forward_dynamics_derivatives`, rustc", Panda::forward_dynamics_derivatives);
+    rust_code!("G1, `forward_dynamics_derivatives`, rustc", G1::forward_dynamics_derivatives);
     Ok(())
 }

@@ -26,11 +26,7 @@ impl Placement {
     /// as many: the distances from the frame, 7 and 9 steps times `k` modulo 20, are different for all placements.
     pub fn new(k: usize) -> Self {
         let place = |steps: usize| steps * k % PLACEMENTS * STEP;
-        Self {
-            depth: k,
-            results: place(6),
-            arguments: place(8),
-        }
+        Self { depth: k, results: place(6), arguments: place(8) }
     }
 }
 
@@ -46,15 +42,19 @@ pub fn deeper(frames: usize, f: &mut dyn FnMut()) {
     black_box(&padding);
 }
 
+/// Returns a number of elements among whose addresses modulo 4,096 there is one near to any wanted one, in little memory.
+pub const fn candidates<T>() -> usize {
+    // A page of numbers has an address at each multiple of 8; of long elements, 64 do if their length is no large power of 2.
+    if size_of::<T>() < PAGE { PAGE / 8 } else { PAGE / 64 }
+}
+
 /// Returns the index of the element whose address modulo 4,096 is nearest to the wanted one, among the first
-/// 1,024.
+/// [`candidates`].
 pub fn at<T>(memory: &[T], wanted: usize) -> usize {
     let distance = |element: &T| {
         let off = (std::ptr::from_ref(element).addr() % PAGE).abs_diff(wanted);
         off.min(PAGE - off)
     };
-    let elements = memory.iter().take(1024).enumerate();
-    elements
-        .min_by_key(|(_, element)| distance(element))
-        .map_or(0, |(index, _)| index)
+    let elements = memory.iter().take(candidates::<T>()).enumerate();
+    elements.min_by_key(|(_, element)| distance(element)).map_or(0, |(index, _)| index)
 }
