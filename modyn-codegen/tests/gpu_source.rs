@@ -159,7 +159,7 @@ fn all(builder: Builder) -> Builder {
 /// All functions but Hessians and implicit steps, the longest ones.
 fn all_but_the_longest(builder: Builder) -> Builder {
     let is_long = |function: &Function| {
-        ["hessian", "midpoint"].iter().any(|word| function.name().contains(word))
+        ["hessian", "midpoint", "rk4_derivatives"].iter().any(|word| function.name().contains(word))
     };
     builder.functions(Function::ALL.iter().copied().filter(|function| !is_long(function)))
 }
