@@ -29,6 +29,19 @@ def inputs(path):
     return q, qd, tau
 
 
+class Pinocchio:
+    """Pinocchio, a loop over `aba`"""
+
+    def __init__(self, path):
+        import numpy as np
+        import pinocchio as pin
+
+        model = pin.buildModelFromUrdf(str(path))
+        data = model.createData()
+        self.one = lambda q, qd, tau: pin.aba(model, data, q, qd, tau)
+        self.batch = lambda q, qd, tau: np.array([pin.aba(model, data, *state) for state in zip(q, qd, tau)])
+
+
 class Modyn:
     """modyn"""
 
@@ -53,19 +66,6 @@ class ModynSingle:
         self.robot = modyn.load(path, friction="none", scalar="f32")
         self.one = self.robot.forward_dynamics
         self.batch = self.robot.forward_dynamics
-
-
-class Pinocchio:
-    """Pinocchio, a loop over `aba`"""
-
-    def __init__(self, path):
-        import numpy as np
-        import pinocchio as pin
-
-        model = pin.buildModelFromUrdf(str(path))
-        data = model.createData()
-        self.one = lambda q, qd, tau: pin.aba(model, data, q, qd, tau)
-        self.batch = lambda q, qd, tau: np.array([pin.aba(model, data, *state) for state in zip(q, qd, tau)])
 
 
 class MuJoCo:
@@ -97,6 +97,30 @@ def mujoco_model(path):
     model = spec.compile()
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
     return model
+
+
+class MuJoCoRollout:
+    """MuJoCo, `rollout` of one step with a thread for each core"""
+
+    def __init__(self, path):
+        import mujoco
+        import numpy as np
+        from mujoco.rollout import Rollout
+
+        model, threads = mujoco_model(path), os.cpu_count()
+        model.opt.integrator = mujoco.mjtIntegrator.mjINT_EULER
+        dt, data = model.opt.timestep, [mujoco.MjData(model) for _ in range(threads)]
+        pool, spec = Rollout(nthread=threads), mujoco.mjtState.mjSTATE_QFRC_APPLIED.value
+        first = 1 + model.nq  # The state is the time, the coordinates, the velocities.
+
+        # The accelerations are differences of velocities, divided by the time step.
+        def batch(q, qd, tau):
+            states = np.hstack([np.zeros((len(q), 1)), q, qd])
+            after, _ = pool.rollout(model, data, states, tau[:, None], control_spec=spec)
+            return (after[:, 0, first : first + model.nv] - qd) / dt
+
+        self.one = lambda q, qd, tau: batch(q[None], qd[None], tau[None])[0]
+        self.batch = batch
 
 
 class CasADi:
@@ -137,7 +161,6 @@ class Mjx:
         import jax
 
         jax.config.update("jax_enable_x64", True)
-        import numpy as np
         from mujoco import mjx
 
         model = mjx.put_model(mujoco_model(path))
@@ -146,9 +169,29 @@ class Mjx:
         def forward(q, qd, tau):
             return mjx.forward(model, data.replace(qpos=q, qvel=qd, qfrc_applied=tau)).qacc
 
-        one, many = jax.jit(forward), jax.jit(jax.vmap(forward))
-        self.one = lambda *state: np.asarray(one(*state))
-        self.batch = lambda *states: np.asarray(many(*states))
+        self.one, self.batch = compiled(forward)
+
+
+class Frax:
+    """frax (JAX on the CPU, f64, with `jit`, `vmap` and the flags that its README recommends)"""
+
+    def __init__(self, path):
+        recommended = ["--xla_cpu_multi_thread_eigen=false", "--xla_cpu_scheduler_type=CPU_SCHEDULER_TYPE_MEMORY_OPTIMIZED"]
+        os.environ.update(JAX_ENABLE_X64="1", OPENBLAS_NUM_THREADS="1", XLA_FLAGS=" ".join(recommended))
+        from frax.core.robot import Robot
+
+        robot = Robot(str(path))
+        self.one, self.batch = compiled(lambda q, qd, tau: robot.forward_dynamics(q, qd, tau, None))
+
+
+def compiled(function):
+    """Returns a function of one state, and of many, that JAX compiles in double precision."""
+    import jax
+    import numpy as np
+
+    jax.config.update("jax_enable_x64", True)
+    one, many = jax.jit(function), jax.jit(jax.vmap(function))
+    return (lambda *state: np.asarray(one(*state))), (lambda *states: np.asarray(many(*states)))
 
 
 LIBRARIES = {name: library for name, library in list(globals().items()) if isinstance(library, type)}
@@ -210,7 +253,7 @@ def main():
         print("| library | import to first result, ms | single call, us | batch of 10,000, ms |")
         print("|---|---|---|---|")
         expected = None
-        for name in ("Pinocchio", "Modyn", "ModynSingle", "MuJoCo", "CasADi", "Mjx"):
+        for name in LIBRARIES:
             command = [sys.executable, __file__, str(arguments.robot), "--library", name, "--states", file.name]
             try:
                 done = subprocess.run(command, capture_output=True, text=True, timeout=MAX_SECONDS)
