@@ -78,12 +78,13 @@ pub use float::{ELEMENTARY_F32, ELEMENTARY_F64, ElementaryNumbers};
 pub use inertial::{Inertial, InertialDefect};
 pub use parameters::ParameterError;
 pub use results::{
-    ConstrainedForwardDynamics, ConstrainedForwardDynamicsDerivatives,
-    ConstrainedForwardDynamicsHessian, ConstrainedInverseDynamics, ConstraintProjection,
-    ConstraintResidual, ContactImpulse, DifferenceDerivatives, ForwardDynamicsDerivatives,
-    ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp, GeneralizedForces,
-    IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian, InverseDynamicsJvp,
-    InverseDynamicsVjp, OperationalInertia, Step, StepDerivatives, StepHessian,
+    CentroidalMomentumDerivatives, ConstrainedForwardDynamics,
+    ConstrainedForwardDynamicsDerivatives, ConstrainedForwardDynamicsHessian,
+    ConstrainedInverseDynamics, ConstraintProjection, ConstraintResidual, ContactImpulse,
+    DifferenceDerivatives, ForwardDynamicsDerivatives, ForwardDynamicsHessian, ForwardDynamicsJvp,
+    ForwardDynamicsVjp, GeneralizedForces, IntegrateDerivatives, InverseDynamicsDerivatives,
+    InverseDynamicsHessian, InverseDynamicsJvp, InverseDynamicsVjp, OperationalInertia, Step,
+    StepDerivatives, StepHessian,
 };
 #[cfg(feature = "alloc")]
 pub use robot::EmbeddedModel;

@@ -45,6 +45,24 @@ pub struct DifferenceDerivatives<M> {
     pub dto: M,
 }
 
+/// The momentum of the moving links about their centre of mass, its time derivative (the rate), and the derivatives of both, in
+/// world axes. A matrix has a column for each entry of qd.
+///
+/// The derivatives of the momentum with respect to qd, and of the rate with respect to qdd, are the centroidal momentum matrix.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CentroidalMomentumDerivatives<H, M> {
+    /// The momentum, kg m^2/s and kg m/s.
+    pub momentum: H,
+    /// The time derivative of the momentum, N m and N.
+    pub rate: H,
+    /// The derivatives of the momentum with respect to q, in tangent space.
+    pub momentum_dq: M,
+    /// The derivatives of the rate with respect to q, in tangent space.
+    pub rate_dq: M,
+    /// The derivatives of the rate with respect to qd.
+    pub rate_dqd: M,
+}
+
 /// The joint forces tau of inverse dynamics, and the gradients of cotangent^T tau.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InverseDynamicsVjp<V> {

@@ -1,13 +1,14 @@
 //! No call panics, for any sizes, indices, numbers and models: it returns an error or a result.
 #![cfg(feature = "alloc")]
 
+use modyn_runtime::equations::derivatives::CentroidalOutputs;
 use modyn_runtime::equations::identification::BaseParameters;
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{
     Frame, Friction, Joint, JointDynamics, Limits, Link, LoopConstraint, LoopConstraintEnd,
     LoopConstraintKind, Mimic, Model, ModuleTree,
 };
-use modyn_runtime::spatial::{Twist, Vector3, Wrench};
+use modyn_runtime::spatial::{Momentum, Twist, Vector3, Wrench};
 use modyn_runtime::{
     ConstraintSettings, Forces, ForwardDerivatives, Inertial, Interpreter, Pose, conventions,
 };
@@ -228,6 +229,10 @@ fn call(interpreter: &mut Interpreter<f64>, dice: &mut Dice) {
         r.center_of_mass_jacobian(&q, &mut points).ok();
         r.centroidal_momentum(&q, &qd).ok();
         r.centroidal_momentum_rate((&q, &qd, &qd)).ok();
+        let (mut values, mut columns) = ([Momentum::zero(); 2], [0; 3].map(|_| vec![Momentum::zero(); qd.len()]));
+        let ([momentum, rate], [momentum_dq, rate_dq, rate_dqd]) = (&mut values, &mut columns);
+        let outputs = CentroidalOutputs { momentum, rate, momentum_dq, rate_dq, rate_dqd };
+        r.centroidal_momentum_derivatives((&q, &qd, &qdd), outputs).ok();
         r.integrate(&q, &qd, &mut moved).ok();
         r.difference(&q, &other, &mut a).ok();
         r.velocity_to_qdot(&q, &qd, &mut moved).ok();

@@ -1,6 +1,7 @@
 //! The quantities of an interpreter as returned values, for tests that may allocate.
 
-use modyn_runtime::spatial::{Pose, Wrench};
+use modyn_runtime::equations::derivatives::CentroidalOutputs;
+use modyn_runtime::spatial::{Momentum, Pose, Wrench};
 use modyn_runtime::{
     ConstrainedHessianOutputs, ConstraintSettings, ContactTarget, Forces, Interpreter, Scalar,
     UduFactorization,
@@ -21,6 +22,8 @@ pub trait Quantities<S> {
     fn potential(&mut self, q: &[S]) -> S;
     fn poses(&mut self, q: &[S]) -> Vec<Pose<S>>;
     fn factors(&self, q: &[S]) -> UduFactorization<S>;
+    /// The centroidal momentum and its rate, then their derivatives: of the momentum by q, of the rate by q and by qd.
+    fn centroidal_derivatives(&mut self, state: (&[S], &[S], &[S])) -> Vec<S>;
     /// The accelerations, the wrenches, the gradients, the blocks of the Hessian and the rank.
     fn constrained_hessian(
         &mut self,
@@ -92,6 +95,15 @@ impl<S: Scalar> Quantities<S> for Interpreter<S> {
 
     fn factors(&self, q: &[S]) -> UduFactorization<S> {
         self.brge(q).expect(LENGTHS)
+    }
+
+    fn centroidal_derivatives(&mut self, state: (&[S], &[S], &[S])) -> Vec<S> {
+        let mut values = [Momentum::zero(); 2];
+        let mut columns = [0; 3].map(|_| vec![Momentum::zero(); self.model().nv()]);
+        let ([momentum, rate], [momentum_dq, rate_dq, rate_dqd]) = (&mut values, &mut columns);
+        let outputs = CentroidalOutputs { momentum, rate, momentum_dq, rate_dq, rate_dqd };
+        self.centroidal_momentum_derivatives(state, outputs).expect(LENGTHS);
+        values.iter().chain(columns.iter().flatten()).flat_map(Momentum::components).collect()
     }
 
     fn constrained_hessian(

@@ -3,9 +3,9 @@
 use modyn_runtime::model::{Model, ModuleTree, PARAMETERS_PER_LINK};
 use modyn_runtime::spatial::{Momentum, Twist, Vector3, Wrench};
 use modyn_runtime::{
-    Array, Factorization, Forces, ForwardDerivatives, ForwardDynamicsHessian, FrameError,
-    HessianOutputs, Interpreter, InverseDynamicsHessian, Robot, Scalar, StepDerivatives,
-    StepHessian, StepHessianOutputs, StepOutputs, functions,
+    Array, CentroidalMomentumDerivatives, Factorization, Forces, ForwardDerivatives,
+    ForwardDynamicsHessian, FrameError, HessianOutputs, Interpreter, InverseDynamicsHessian, Robot,
+    Scalar, StepDerivatives, StepHessian, StepHessianOutputs, StepOutputs, functions,
 };
 
 use crate::quantities::{Quantities, numbers};
@@ -336,6 +336,12 @@ macro_rules! other_quantities {
             ("centroidal_momentum_matrix", each(&$robot::centroidal_momentum_matrix(q), momentum)),
             ("centroidal_momentum", momentum(&$robot::centroidal_momentum(q, qd))),
             ("centroidal_momentum_rate", momentum(&$robot::centroidal_momentum_rate(q, qd, qdd))),
+            (
+                "centroidal_momentum_derivatives",
+                $crate::values::centroidal_numbers(&$robot::centroidal_momentum_derivatives(
+                    q, qd, qdd,
+                )),
+            ),
             (
                 "link_velocity",
                 links.iter().flat_map(|&l| twist(&$robot::link_velocity(q, qd, l))).collect(),
@@ -712,6 +718,7 @@ fn interpreted_others<T: Scalar>(
             "centroidal_momentum_rate",
             momentum(&interpreter.centroidal_momentum_rate((q, qd, qdd)).expect(LENGTHS)),
         ),
+        ("centroidal_momentum_derivatives", interpreter.centroidal_derivatives(motion)),
         ("coriolis_matrix", coriolis),
         (
             "local_jacobian",
@@ -820,6 +827,17 @@ where
     let vectors = [list(&of.q), list(&of.qd), list(&of.dx), list(&of.dtau)];
     let matrices = [columns(&of.dx_dx), columns(&of.dx_dtau), columns(&of.dtau_dtau)];
     [vectors.concat(), matrices.concat()].concat()
+}
+
+/// Returns the numbers of the centroidal momentum, its rate and their derivatives, in the order of their fields.
+#[must_use]
+pub fn centroidal_numbers<T: Scalar, M: Array<Momentum<T>>>(
+    of: &CentroidalMomentumDerivatives<Momentum<T>, M>,
+) -> Vec<T> {
+    let values = [&of.momentum, &of.rate].map(momentum).concat();
+    let matrices =
+        [&of.momentum_dq, &of.rate_dq, &of.rate_dqd].map(|columns| each(columns, momentum));
+    [values, matrices.concat()].concat()
 }
 
 /// Returns the numbers of a step and its derivatives, in the order of their fields.

@@ -543,6 +543,39 @@ fn the_rate_of_the_momentum_is_its_derivative() {
     });
 }
 
+/// The derivatives are differences of the momenta of the links, and of the rate.
+#[test]
+fn derivatives_of_the_momentum_and_of_its_rate_are_differences() {
+    everywhere(|interpreter, State { q, qd, qdd }| {
+        let model = interpreter.model().clone();
+        let n = model.nv();
+        let found = interpreter.centroidal_derivatives((q, qd, qdd));
+        let [momentum, rate] = [&found[..6], &found[6..12]];
+        let columns = |matrix: usize| found[12..].chunks(6).skip(matrix * n).take(n);
+        assert_close("momentum", momentum, &summed(interpreter, q, qd).momentum, EXACT);
+        let expected = interpreter.centroidal_momentum_rate((q, qd, qdd)).expect(FINE);
+        assert_close("rate", rate, &expected.components(), EXACT);
+        let matrices = columns(0).zip(columns(1)).zip(columns(2));
+        for (j, ((momentum_dq, rate_dq), rate_dqd)) in matrices.enumerate() {
+            let unit: Vec<f64> = (0..n).map(|i| f64::from(u8::from(i == j))).collect();
+            let changed = |time: f64| {
+                let sum = qd.iter().zip(&unit).map(|(qd, unit)| qd + time * unit);
+                sum.collect::<Vec<f64>>()
+            };
+            let expected =
+                derivative(|t| summed(interpreter, &moved(&model, q, t, &unit), qd).momentum);
+            assert_close("momentum by q", momentum_dq, &expected, DIFFERENCES);
+            let mut rate = |q: &[f64], qd: &[f64]| {
+                interpreter.centroidal_momentum_rate((q, qd, qdd)).expect(FINE).components()
+            };
+            let expected = derivative(|t| rate(&moved(&model, q, t, &unit), qd));
+            assert_close("rate by q", rate_dq, &expected, DIFFERENCES);
+            let expected = derivative(|t| rate(q, &changed(t)));
+            assert_close("rate by qd", rate_dqd, &expected, DIFFERENCES);
+        }
+    });
+}
+
 #[test]
 fn momentum_of_a_free_robot_changes_by_gravity_alone() {
     use JointType::{Floating, Prismatic, Revolute, Spherical, Universal};
@@ -686,6 +719,8 @@ fn traces_agree_with_the_interpreter() {
         check("momentum", tracer.centroidal_momentum(), &momentum.components());
         let rate = interpreter.centroidal_momentum_rate((q, qd, qdd)).expect(FINE);
         check("its rate", tracer.centroidal_momentum_rate(), &rate.components());
+        let derivatives = interpreter.centroidal_derivatives((q, qd, qdd));
+        check("their derivatives", tracer.centroidal_momentum_derivatives(), &derivatives);
     });
 }
 

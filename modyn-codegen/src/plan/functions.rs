@@ -607,6 +607,17 @@ functions! {
         |m| 6400.0 * m.links,
     )
         .result_named("momentum_rate");
+    /// The momentum about the centre of mass, its time derivative, and the derivatives of both.
+    CentroidalMomentumDerivatives "centroidal_momentum_derivatives" = Row::one(
+        &[Q, QD, QDD],
+        shapes::centroidal_derivatives,
+        "Returns the momentum of the moving links about their centre of mass, its time derivative at `qdd` (the rate), and the\n\
+         derivatives of both with respect to `q` (in tangent space) and `qd`, arrays of columns, in world axes. The derivatives\n\
+         of the momentum with respect to `qd`, and of the rate with respect to `qdd`, are the centroidal momentum matrix.",
+        |t, _| t.centroidal_momentum_derivatives(),
+        |m| 24_000.0 * m.links,
+    )
+        .result_named("derivatives");
     /// Poses of all links.
     LinkPoses "link_poses" = Row::new(
         &[Q],

@@ -275,6 +275,17 @@ pub(super) mod shapes {
         named_fields("GeneralizedForces", vec![("tau", velocities(s)), ("dq", square(s))])
     }
 
+    pub fn centroidal_derivatives(s: &Sizes) -> Shape {
+        let fields = vec![
+            ("momentum", momentum(s)),
+            ("rate", momentum(s)),
+            ("momentum_dq", momenta(s)),
+            ("rate_dq", momenta(s)),
+            ("rate_dqd", momenta(s)),
+        ];
+        named_fields("CentroidalMomentumDerivatives", fields)
+    }
+
     pub fn integrate_derivatives(s: &Sizes) -> Shape {
         named_fields("IntegrateDerivatives", vec![("dq", square(s)), ("dv", square(s))])
     }

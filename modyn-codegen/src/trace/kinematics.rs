@@ -3,6 +3,7 @@
 //! A pose is nine numbers of the rotation by rows, then three of the translation. A twist or a momentum is three
 //! angular, then three linear components. Columns follow each other.
 
+use modyn_runtime::equations::derivatives::{CentroidalOutputs, centroidal_momentum_derivatives};
 use modyn_runtime::equations::kinematics::{self, Axes};
 use modyn_runtime::equations::{Workspace, dynamics};
 use modyn_runtime::spatial::{Momentum, Pose, Twist, Vector3};
@@ -135,6 +136,21 @@ impl Tracer<'_> {
             let workspace = &mut Workspace::new(model);
             let rate = kinematics::bias_acceleration(model, frame, (&q, &qd), axes, workspace);
             rate.components().to_vec()
+        })
+    }
+
+    /// Returns the graph of the momentum about the centre of mass, its time derivative, and the derivatives of both. Inputs:
+    /// `q`, `qd`, `qdd`.
+    #[must_use]
+    pub fn centroidal_momentum_derivatives(&self) -> Graph {
+        self.trace(|model, [q, qd, qdd]| {
+            let mut values = [Momentum::zero(); 2];
+            let mut columns = [0; 3].map(|_| vec![Momentum::zero(); model.nv]);
+            let ([momentum, rate], [momentum_dq, rate_dq, rate_dqd]) = (&mut values, &mut columns);
+            let outputs = CentroidalOutputs { momentum, rate, momentum_dq, rate_dq, rate_dqd };
+            let workspace = &mut Workspace::new(model);
+            centroidal_momentum_derivatives(model, (&q, &qd, &qdd), workspace, outputs);
+            values.iter().chain(columns.iter().flatten()).flat_map(Momentum::components).collect()
         })
     }
 

@@ -354,6 +354,15 @@ macro_rules! robot_functions {
                 ) -> Momentum<T>,
                     if CentroidalMomentumRate, else "`{Self}` has no function `centroidal_momentum_rate`";
 
+                /// Returns the momentum about the centre of mass, its time derivative at `qdd`, and the derivatives of both
+                /// with respect to `q` (in tangent space) and `qd`, in world axes.
+                centroidal_momentum_derivatives / centroidal_momentum_derivatives_with(
+                    q: &Self::Q<T>,
+                    qd: &Self::V<T>,
+                    qdd: &Self::V<T>
+                ) -> CentroidalMomentumDerivatives<Momentum<T>, Self::PerVelocity<Momentum<T>>>,
+                    if CentroidalMomentumDerivatives, else "`{Self}` has no function `centroidal_momentum_derivatives`";
+
                 /// Returns the velocity of a link at its origin, in world axes.
                 link_velocity(
                     q: &Self::Q<T>,

@@ -3,6 +3,7 @@
 use super::Interpreter;
 use super::errors::{ShapeError, check};
 use crate::Scalar;
+use crate::equations::derivatives::{CentroidalOutputs, centroidal_momentum_derivatives};
 use crate::equations::dynamics::{
     centroidal_momentum, centroidal_momentum_matrix, centroidal_momentum_rate,
 };
@@ -91,5 +92,29 @@ impl<S: Scalar> Interpreter<S> {
         check("qd", qd, self.model.nv())?;
         check("qdd", qdd, self.model.nv())?;
         Ok(centroidal_momentum_rate(&self.mechanism, (q, qd, qdd), &mut self.workspace))
+    }
+
+    /// Computes [`centroidal_momentum`](Self::centroidal_momentum), its time derivative, and the derivatives of both, nv columns
+    /// each. The derivatives of the momentum by qd and of the rate by qdd are the
+    /// [`centroidal_momentum_matrix`](Self::centroidal_momentum_matrix).
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn centroidal_momentum_derivatives(
+        &mut self,
+        (q, qd, qdd): (&[S], &[S], &[S]),
+        outputs: CentroidalOutputs<'_, S>,
+    ) -> Result<(), ShapeError> {
+        let nv = self.model.nv();
+        check("q", q, self.model.nq())?;
+        check("qd", qd, nv)?;
+        check("qdd", qdd, nv)?;
+        check("momentum_dq", outputs.momentum_dq, nv)?;
+        check("rate_dq", outputs.rate_dq, nv)?;
+        check("rate_dqd", outputs.rate_dqd, nv)?;
+        let state = (q, qd, qdd);
+        centroidal_momentum_derivatives(&self.mechanism, state, &mut self.workspace, outputs);
+        Ok(())
     }
 }

@@ -12,12 +12,13 @@ use crate::constants::{JointLimits, KinematicModule};
 use crate::constraint_settings::{ConstraintSettings, ContactSet, ContactTarget};
 use crate::functions::robot_functions;
 use crate::results::{
-    ConstrainedForwardDynamics, ConstrainedForwardDynamicsDerivatives,
-    ConstrainedForwardDynamicsHessian, ConstrainedInverseDynamics, ConstraintProjection,
-    ConstraintResidual, ContactImpulse, DifferenceDerivatives, ForwardDynamicsDerivatives,
-    ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp, GeneralizedForces,
-    IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian, InverseDynamicsJvp,
-    InverseDynamicsVjp, OperationalInertia, Step, StepDerivatives, StepHessian,
+    CentroidalMomentumDerivatives, ConstrainedForwardDynamics,
+    ConstrainedForwardDynamicsDerivatives, ConstrainedForwardDynamicsHessian,
+    ConstrainedInverseDynamics, ConstraintProjection, ConstraintResidual, ContactImpulse,
+    DifferenceDerivatives, ForwardDynamicsDerivatives, ForwardDynamicsHessian, ForwardDynamicsJvp,
+    ForwardDynamicsVjp, GeneralizedForces, IntegrateDerivatives, InverseDynamicsDerivatives,
+    InverseDynamicsHessian, InverseDynamicsJvp, InverseDynamicsVjp, OperationalInertia, Step,
+    StepDerivatives, StepHessian,
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 use functions::{declare_function, declare_functions, missing};

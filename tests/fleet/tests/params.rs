@@ -243,7 +243,7 @@ fn a_change_allocates_nothing() {
 mod all_functions {
     use modyn_fleet::robots::{Zoo10153_8Loaded, Zoo10153_8LoadedParams};
     use modyn_tests::values::{
-        array, costate, each, forward_hessian_numbers, inverse_hessian_numbers,
+        array, centroidal_numbers, costate, each, forward_hessian_numbers, inverse_hessian_numbers,
         linear_step_numbers, momentum, step_hessian_numbers, time_step, vector,
     };
 
@@ -317,6 +317,10 @@ mod all_functions {
             (
                 "centroidal_momentum_rate",
                 momentum(&R::centroidal_momentum_rate_with(params, q, qd, qdd)),
+            ),
+            (
+                "centroidal_momentum_derivatives",
+                centroidal_numbers(&R::centroidal_momentum_derivatives_with(params, q, qd, qdd)),
             ),
         ]
     }
@@ -392,6 +396,7 @@ mod all_functions {
             center_of_mass_jacobian, center_of_mass_jacobian_with(q);
             centroidal_momentum, centroidal_momentum_with(q, qd);
             centroidal_momentum_rate, centroidal_momentum_rate_with(q, qd, qdd);
+            centroidal_momentum_derivatives, centroidal_momentum_derivatives_with(q, qd, qdd);
             centroidal_momentum_matrix, centroidal_momentum_matrix_with(q);
         }
         let factors =

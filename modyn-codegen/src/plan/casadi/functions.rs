@@ -27,6 +27,7 @@ pub(super) const FUNCTIONS: &[Function] = &[
     Function::CentroidalMomentumMatrix,
     Function::CentroidalMomentum,
     Function::CentroidalMomentumRate,
+    Function::CentroidalMomentumRate,
     Function::LinkPose,
     Function::LinkVelocity,
     Function::LocalLinkVelocity,

@@ -13,6 +13,7 @@
 //! Derivatives with respect to coordinates are in the tangent space. For spherical and floating joints
 //! the tangent vectors are displacements in the link's own axes. Matrices are nv x nv by columns.
 
+mod centroidal;
 mod composite;
 mod coriolis;
 mod external;
@@ -21,4 +22,4 @@ mod inverse;
 mod perturbation;
 mod projection;
 
-pub use {coriolis::*, external::*, forward::*, inverse::*};
+pub use {centroidal::*, coriolis::*, external::*, forward::*, inverse::*};

@@ -196,7 +196,7 @@ pub(super) fn displaced<S: Scalar>(wrench: Wrench<S>, component: usize) -> Wrenc
 }
 
 /// The composite of a body and its descendants. The body rotates with half of `twice_omega`.
-struct Composite<'a, S> {
+pub(super) struct Composite<'a, S> {
     inertia: &'a RigidInertia<S>,
     /// The velocity moments relative to the body's frame.
     velocities: &'a VelocityMoments<S>,
@@ -206,7 +206,7 @@ struct Composite<'a, S> {
 }
 
 impl<'a, S: Scalar> Composite<'a, S> {
-    fn new(i: usize, workspace: &'a Workspace<S>) -> Self {
+    pub(super) fn new(i: usize, workspace: &'a Workspace<S>) -> Self {
         let (inertia, velocities) = (&workspace.composite[i], &workspace.velocities[i]);
         let omega = workspace.fields[i].omega;
         let rotational = velocities.rotational();
@@ -215,7 +215,7 @@ impl<'a, S: Scalar> Composite<'a, S> {
 
     /// Returns the wrench that changes the composite's accelerations by `perturbation`: with x' relative
     /// to the body's frame, relative x x + coriolis x 2 x' + 2 omega x (coriolis x x) + uniform.
-    fn required_wrench(&self, perturbation: &AccelerationPerturbation<S>) -> Wrench<S> {
+    pub(super) fn required_wrench(&self, perturbation: &AccelerationPerturbation<S>) -> Wrench<S> {
         let AccelerationPerturbation { relative, coriolis, uniform, .. } = *perturbation;
         let RigidInertia { mass, first_moment, second_moment } = *self.inertia;
         let rotated = second_moment.full().mul_vector(self.twice_omega);
