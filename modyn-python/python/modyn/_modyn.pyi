@@ -760,6 +760,19 @@ class Robot:
         Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
         Result: (6,), angular before linear components. Several states have one more axis, the first.
         """
+    def centroidal_momentum_derivatives(
+        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, *, out: CentroidalMomentumDerivatives | None = None
+    ) -> CentroidalMomentumDerivatives:
+        """Returns the momentum of the moving links about their centre of mass, its time derivative at `qdd`
+        (the rate), and the derivatives of both with respect to `q` (in tangent space) and `qd`, in world
+        axes. The derivatives of the momentum with respect to `qd`, and of the rate with respect to `qdd`,
+        are the centroidal momentum matrix.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
+        Result: `CentroidalMomentumDerivatives`: `momentum` (6,), `rate` (6,), `momentum_dq` (6, nv),
+        `rate_dq` (6, nv), `rate_dqd` (6, nv), angular before linear components. Several states have one
+        more axis, the first.
+        """
     def link_poses(
         self, q: ArrayLike, *, out: Pose | None = None
     ) -> Pose:

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 from numpy.typing import NDArray
 
 __all__ = [
+    "CentroidalMomentumDerivatives",
     "ConstrainedForwardDynamics",
     "ConstrainedForwardDynamicsDerivatives",
     "ConstrainedForwardDynamicsHessian",
@@ -32,6 +33,21 @@ __all__ = [
     "StepDerivatives",
     "StepHessian",
 ]
+
+
+class CentroidalMomentumDerivatives(NamedTuple):
+    """The result of `centroidal_momentum_derivatives`."""
+
+    momentum: NDArray[Any]
+    """(6,)"""
+    rate: NDArray[Any]
+    """(6,)"""
+    momentum_dq: NDArray[Any]
+    """(6, nv)"""
+    rate_dq: NDArray[Any]
+    """(6, nv)"""
+    rate_dqd: NDArray[Any]
+    """(6, nv)"""
 
 
 class ConstrainedForwardDynamics(NamedTuple):
