@@ -123,7 +123,7 @@ mod tests {
             &[Function::ForwardDynamicsExternal],
             &[],
         ];
-        let made = [chain(11, 0), chain(3, 100), chain(10, 16)];
+        let made = [chain(11, 0), chain(3, 100), chain(8, 16)];
         for (i, urdf) in robots.into_iter().chain(made).enumerate() {
             for functions in lists {
                 let builder = Builder::new().urdf_text(&*urdf, "robot.urdf");
