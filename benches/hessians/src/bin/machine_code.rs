@@ -48,7 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let robot = build(options)?;
     let call: Call<'_, f64> = robot.function(function)?;
     println!("bytes {}", call.size().bytes);
-    let mut interpreter = Interpreter::<f64>::new(robot.model().clone());
+    let interpreter = Interpreter::<f64>::new(robot.model().clone());
     let mut seed = 1;
     let mut states: Vec<Vec<f64>> = Vec::new();
     for (name, shape) in call.arguments() {
