@@ -111,15 +111,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     to_stdout(&(text::of(&inspection) + &warnings))
 }
 
-/// Contracted Hessians, which JSON has on request only: with them, the text of a humanoid would exceed the limit.
-const HESSIANS: [Function; 3] = [
+/// The longest functions, which JSON has on request only: with them, the text of a humanoid would exceed the limit.
+const LONGEST: [Function; 4] = [
     Function::InverseDynamicsHessian,
     Function::ForwardDynamicsHessian,
     Function::StepSemiImplicitHessian,
+    Function::StepRk4Derivatives,
 ];
 
 /// Returns the cost of each function, or the reason why the robot cannot be compiled. JSON has all functions except
-/// batches and Hessians by default.
+/// batches and the longest ones by default.
 fn costs(
     builder: Builder,
     arguments: &Arguments,
@@ -128,7 +129,7 @@ fn costs(
         Some(Functions(functions)) => functions.clone(),
         None => {
             let all = Function::ALL.iter().copied();
-            all.filter(|one| one.batched().is_none() && !HESSIANS.contains(one)).collect()
+            all.filter(|one| one.batched().is_none() && !LONGEST.contains(one)).collect()
         }
     });
     if let Some(choice) = &arguments.modules {

@@ -2,7 +2,7 @@
 //! embedded Runge-Kutta formulae", with the step control of Hairer, Norsett and Wanner 1993, "Solving Ordinary Differential
 //! Equations I", section II.4.
 
-use super::motion::State;
+use super::state::State;
 
 /// The instants of the evaluations, in steps.
 const NODES: [f64; 7] = [0.0, 1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0];

@@ -4,6 +4,7 @@ mod adaptive;
 mod impulses;
 mod motion;
 mod plot;
+mod state;
 mod table;
 mod torques;
 mod units;

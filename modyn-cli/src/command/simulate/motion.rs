@@ -10,6 +10,7 @@ use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter, ShapeError};
 
 use super::adaptive;
 use super::impulses::{Impulses, Options};
+use super::state::State;
 use super::torques::Torques;
 use crate::command::outcome::Failure;
 use crate::random::Random;
@@ -56,14 +57,6 @@ pub struct Motion {
     pub steps: usize,
     /// The height of the lowest contact above the ground, m; infinite without ground.
     pub lowest: f64,
-}
-
-/// The integrated quantities: coordinates, velocities, work and dissipated energy.
-#[derive(Clone)]
-pub struct State {
-    pub q: Vec<f64>,
-    pub qd: Vec<f64>,
-    energy: [f64; 2],
 }
 
 /// The shortest step by a tolerance, as a part of the time from one row to the next.
@@ -305,18 +298,6 @@ impl Dynamics<'_> {
 
 fn power(tau: &[f64], qd: &[f64]) -> f64 {
     tau.iter().zip(qd).map(|(a, b)| a * b).sum()
-}
-
-impl State {
-    /// Returns the sum of this state and `factor` times the other.
-    pub fn plus(&self, factor: f64, other: &Self) -> Self {
-        let add = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + factor * b).collect();
-        Self {
-            q: add(&self.q, &other.q),
-            qd: add(&self.qd, &other.qd),
-            energy: [0, 1].map(|i| self.energy[i] + factor * other.energy[i]),
-        }
-    }
 }
 
 /// Returns the initial coordinates: given, random, or neutral.
