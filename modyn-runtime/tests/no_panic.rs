@@ -229,7 +229,8 @@ fn call(interpreter: &mut Interpreter<f64>, dice: &mut Dice) {
         r.center_of_mass_jacobian(&q, &mut points).ok();
         r.centroidal_momentum(&q, &qd).ok();
         r.centroidal_momentum_rate((&q, &qd, &qd)).ok();
-        let (mut values, mut columns) = ([Momentum::zero(); 2], [0; 3].map(|_| vec![Momentum::zero(); qd.len()]));
+        let (mut values, mut columns) =
+            ([Momentum::zero(); 2], [0; 3].map(|_| vec![Momentum::zero(); qd.len()]));
         let ([momentum, rate], [momentum_dq, rate_dq, rate_dqd]) = (&mut values, &mut columns);
         let outputs = CentroidalOutputs { momentum, rate, momentum_dq, rate_dq, rate_dqd };
         r.centroidal_momentum_derivatives((&q, &qd, &qdd), outputs).ok();
