@@ -4,9 +4,10 @@
 mod common;
 
 use common::{
-    Fuse, ROBOTS, evaluate, has_vectors, instruction_sets, is_same, numbers, plan, program, split,
+    Fuse, ROBOTS, evaluate, has_vectors, instruction_sets, is_same, numbers, plan, program, random,
+    split,
 };
-use modyn_codegen::{Function, Planning};
+use modyn_codegen::{Builder, Function, Planning};
 use modyn_jit::{Compiled, InstructionSet, Options};
 
 const FUNCTIONS: [Function; 9] = [
@@ -45,17 +46,17 @@ fn compare<F: Fuse>(name: &str, planning: &Planning, instruction_set: Instructio
     assert_eq!(compiled.instruction_set(), instruction_set);
     let mut compared = 0;
     for function in compiled.functions() {
+        let vectors = has_vectors::<F>(instruction_set);
+        let Some(of_one) = program(planning, function, vectors) else { continue };
         let call = compiled.function(function).expect("compiled");
         let lengths: Vec<usize> = call.arguments().iter().map(|(_, shape)| shape.len()).collect();
         let states = states::<F>(lengths.iter().sum());
-        let vectors = has_vectors::<F>(instruction_set);
         let mut many: Vec<Vec<F>> = vec![Vec::new(); lengths.len()];
         for (k, state) in states.iter().enumerate() {
             let arguments = split(state, &lengths);
             let mut found = vec![F::from_f64(f64::NAN); call.result().len()];
             call.one(&arguments, &mut found).expect("fits");
-            let program = program(planning, function, vectors).expect("not of a link");
-            let expected = evaluate(program, instruction_set, state);
+            let expected = evaluate(of_one, instruction_set, state);
             for (i, (a, b)) in found.iter().zip(&expected).enumerate() {
                 let function = function.name();
                 assert!(
@@ -112,4 +113,25 @@ fn arms_and_loops() {
 #[test]
 fn a_humanoid() {
     robots(&ROBOTS[10..]);
+}
+
+/// All functions of one state of random robots, with joints of all types.
+#[test]
+fn random_robots() {
+    for seed in random::seeds(4) {
+        let model = random::mixed_zoo(seed, 2 + (seed % 6) as usize);
+        let mut random = random::Random::new(seed);
+        let mut functions = Function::ALL.to_vec();
+        functions.retain(|function| {
+            let fits = !function.is_of_constraints() && function.batched().is_none();
+            fits && *function != Function::Brge && random.chance(0.2)
+        });
+        let builder = Builder::new().model(model).functions(functions);
+        let planning = builder.plan().expect("good");
+        for instruction_set in instruction_sets() {
+            let name = format!("seed {seed}");
+            compare::<f64>(&name, &planning, instruction_set);
+            compare::<f32>(&name, &planning, instruction_set);
+        }
+    }
 }

@@ -2,6 +2,7 @@
 //! last digit depends on the system. It uses `modyn_runtime` only, so that a build script can include it.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::mechanism::Mechanism;
@@ -264,6 +265,22 @@ pub fn general_zoo(seed: u64, links: usize) -> Model {
 #[must_use]
 pub fn mixed_tree(seed: u64, links: usize) -> Model {
     if seed.is_multiple_of(2) { tree(seed, links) } else { general_tree(seed, links) }
+}
+
+/// Returns the seeds of a random test: those of the variable `MODYN_SEEDS`, as in `MODYN_SEEDS=1000..2000`, else the first
+/// `few`.
+///
+/// # Panics
+///
+/// If the variable is no range of seeds.
+#[must_use]
+pub fn seeds(few: u64) -> Range<u64> {
+    let Ok(given) = std::env::var("MODYN_SEEDS") else { return 0..few };
+    let range = given.split_once("..").and_then(|(first, end)| {
+        let (first, end) = (first.parse().ok()?, end.parse().ok()?);
+        (first < end).then_some(first..end)
+    });
+    range.unwrap_or_else(|| panic!("MODYN_SEEDS={given}: expected a range such as 1000..2000"))
 }
 
 /// Returns [`zoo`], or [`general_zoo`] for every second seed.
