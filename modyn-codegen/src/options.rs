@@ -113,12 +113,12 @@ macro_rules! option_table {
                 "loops" loops(loops: impl IntoIterator<Item = Loop>)
                     loops: Vec<Loop>, field => field.extend(loops),
                     "[\"name\": type(\"link\", [x, y, z], \"link\", [x, y, z]), ...]", "the description's", "[\"pin\": revolute(\"rod\", [0.5, 0, 0], \"crank\", [0.4, 0, 0], axis = [0, 1, 0])]";
-                /// Frames of links that can touch the world: of type `point`, which stops the motion of the frame's origin,
+                /// Frames of links that can touch the world, besides the `<contact_frame>`s of the description: of type `point`, which stops the motion of the frame's origin,
                 /// or `surface`, which stops rotations too. The frame's origin may follow the link, and its roll, pitch and
                 /// yaw may follow the origin.
                 "contacts" contacts(contacts: impl IntoIterator<Item = Contact>)
                     contacts: Vec<Contact>, field => field.extend(contacts),
-                    "[\"name\": type(\"link\", [x, y, z]), ...]", "none", "[\"fingertip\": point(\"hand\", [0, 0, 0.2])]";
+                    "[\"name\": type(\"link\", [x, y, z]), ...]", "the description's", "[\"fingertip\": point(\"hand\", [0, 0, 0.2])]";
                 /// The damping and friction of the description that act on the joints.
                 "friction" friction(friction: Friction)
                     friction: Option<Friction>, field => *field = Some(friction),

@@ -93,6 +93,7 @@ fn one_to_json(diagnostic: &Diagnostic) -> Value {
         let (kind, name) = match subject {
             Subject::Joint(name) => ("joint", name),
             Subject::Link(name) => ("link", name),
+            Subject::Contact(name) => ("contact", name),
             Subject::Robot(name) => ("robot", name),
             other => ("other", &other.to_string()),
         };

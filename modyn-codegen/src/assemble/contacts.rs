@@ -1,65 +1,83 @@
-//! Contacts of the options: frames of links that can touch the world.
+//! Contacts of the description and of the options: frames of links that can touch the world.
 
 use modyn_runtime::model::{Contact, LoopConstraintEnd};
 use modyn_runtime::spatial::Pose;
 use rustc_hash::FxHashSet;
 
-use crate::description::{self, Description, MAX_NUMBER, roll_pitch_yaw};
-use crate::diagnostics::{Code, Diagnostic, Report, suggest};
+use crate::description::{
+    self, ContactRecord, Description, EndRecord, LoopEnd, MAX_NUMBER, roll_pitch_yaw,
+};
+use crate::diagnostics::{Code, Report, suggest};
+
+/// Returns the record of a contact of the options.
+pub fn from_option(option: &description::Contact) -> ContactRecord {
+    let LoopEnd { link, xyz, rpy } = &option.end;
+    let pose = Pose { rotation: roll_pitch_yaw(*rpy), translation: *xyz };
+    let end = EndRecord { link: Some(link.clone()), at: None, pose };
+    ContactRecord { name: option.name.clone(), at: None, kind: Some(option.kind), end }
+}
 
 /// Returns the contacts, and reports their errors. `carriers` has, for each link of the description, the moving
 /// link that carries it.
 pub fn contacts(
     description: &Description,
-    options: &[description::Contact],
     carriers: &[Option<usize>],
     report: &mut Report<'_>,
 ) -> Vec<Contact> {
-    let mut names: FxHashSet<&str> =
-        description.loops.iter().map(|closing| closing.name.as_str()).collect();
-    let mut contact = |option: &'_ description::Contact| {
-        let name = &option.name;
-        let errors = report.errors();
-        let mut error = |message: String, help: &str| {
-            let message = format!("contact `{name}`: {message}");
-            report.push(Diagnostic::error(Code::Option, message).with_help(help));
-        };
-        if name.is_empty() {
-            error("its name is empty".into(), "give it a name, such as `left_foot`");
-        }
-        let link = &option.end.link;
-        let frame = description.link_names().position(|own| own == link);
-        match frame.map(|frame| carriers[frame]) {
-            None => {
-                let help = suggest(link, description.link_names()).map_or_else(
-                    || "name a link of the description".into(),
-                    |name| format!("did you mean `{name}`?"),
-                );
-                error(format!("link `{link}` does not exist"), &help);
-            }
-            Some(None) => {
-                let help = "name a link that moves, or let the base float: `base = floating`";
-                error(format!("link `{link}` is fixed to the world"), help);
-            }
-            Some(Some(_)) => {}
-        }
-        let numbers = option.end.xyz.iter().chain(&option.end.rpy);
-        if !numbers.into_iter().all(|x| x.abs() < MAX_NUMBER) {
-            error("its place is not finite".into(), "write `xyz` in m and `rpy` in rad");
-        }
-        let rotation = roll_pitch_yaw(option.end.rpy);
-        let pose = Pose { rotation, translation: option.end.xyz };
-        let end = LoopConstraintEnd { frame: frame?, pose };
-        (report.errors() == errors).then(|| Contact { name: name.clone(), kind: option.kind, end })
+    let loops = description.loops.iter().map(|closing| closing.name.as_str());
+    let mut names: FxHashSet<&str> = loops.collect();
+    let all = description.contacts.iter();
+    all.filter_map(|record| {
+        let is_new = names.insert(&record.name);
+        contact(description, record, is_new, carriers, report)
+    })
+    .collect()
+}
+
+/// Returns the contact of a record; `None` with an error in the report.
+fn contact(
+    description: &Description,
+    record: &ContactRecord,
+    is_new: bool,
+    carriers: &[Option<usize>],
+    report: &mut Report<'_>,
+) -> Option<Contact> {
+    let errors = report.errors();
+    let code = if record.at.is_some() { Code::ContactFrame } else { Code::Option };
+    let mut error = |at: Option<usize>, message: String, help: &str| {
+        report.error(code, at, Some(&record.subject()), message, help);
     };
-    let found: Vec<Contact> = options.iter().filter_map(&mut contact).collect();
-    for option in options {
-        if !names.insert(&option.name) {
-            let message =
-                format!("contact `{}`: another constraint has the same name", option.name);
-            let help = "give one of them another name";
-            report.push(Diagnostic::error(Code::Option, message).with_help(help));
-        }
+    // An element without a name is already an error.
+    if record.name.is_empty() && record.at.is_none() {
+        error(None, "its name is empty".into(), "give it a name, such as `left_foot`");
     }
-    found
+    if !is_new && !record.name.is_empty() {
+        let help = "give one of them another name";
+        error(record.at, "another constraint has the same name".into(), help);
+    }
+    let end = &record.end;
+    let link = end.link.as_deref();
+    let frame = link.and_then(|link| description.link_names().position(|own| own == link));
+    match (link, frame.map(|frame| carriers[frame])) {
+        (Some(link), None) => {
+            let help = suggest(link, description.link_names()).map_or_else(
+                || "name a link of the description".into(),
+                |name| format!("did you mean `{name}`?"),
+            );
+            error(end.at, format!("link `{link}` does not exist"), &help);
+        }
+        (Some(link), Some(None)) => {
+            let help = "name a link that moves, or let the base float: `base = floating`";
+            error(end.at, format!("link `{link}` is fixed to the world"), help);
+        }
+        _ => {}
+    }
+    let numbers = end.pose.rotation.iter().flatten().chain(&end.pose.translation);
+    if !numbers.into_iter().all(|x| x.abs() < MAX_NUMBER) {
+        let help = "write `xyz` in m and `rpy` in rad";
+        error(end.at, "its place is not finite".into(), help);
+    }
+    let end = LoopConstraintEnd { frame: frame?, pose: end.pose };
+    let found = Contact { name: record.name.clone(), kind: record.kind?, end };
+    (report.errors() == errors).then_some(found)
 }

@@ -1,8 +1,8 @@
-//! From a description to a model: the tree, merging of fixed joints, mimic joints, loops, rotors.
+//! From a description to a model: the tree, merging of fixed joints, mimic joints, loops, contacts, rotors.
 //!
 //! ```text
-//! Description ─ rotors, loops of the options ─ mimics ─▶ leaders ─┐
-//!              └ tree ─▶ order ─ bodies ─▶ moving links ─ check ──┴▶ Model
+//! Description ─ rotors, loops and contacts of the options ─ mimics ─▶ leaders ─┐
+//!              └ tree ─▶ order ─ bodies ─▶ moving links ─ check ───────────────┴▶ Model
 //! ```
 //!
 //! Each step reports all its errors and continues as far as possible.
@@ -32,6 +32,7 @@ pub fn assemble(
     let loops: Vec<_> =
         options.loops.iter().map(|option| loops::from_option(option, report)).collect();
     description.loops.extend(loops);
+    description.contacts.extend(options.contacts.iter().map(contacts::from_option));
     let description = &description;
     for joint in description.joints.iter().filter(|joint| joint.kind != Kind::Fixed) {
         check::motion::check_dynamics(
@@ -73,7 +74,7 @@ fn model(
     check::motion::inactive_friction(&bodies, options.friction, report);
     let carriers: Vec<_> = place.iter().map(|(carrier, _)| *carrier).collect();
     let loop_constraints = loops::loop_constraints(description, &carriers, report);
-    let contacts = contacts::contacts(description, &options.contacts, &carriers, report);
+    let contacts = contacts::contacts(description, &carriers, report);
     let errors = report.errors();
     let frames = description.links.iter().zip(place).map(|(record, (link, pose))| Frame {
         name: record.name.text.clone(),

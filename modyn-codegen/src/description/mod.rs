@@ -10,7 +10,7 @@ pub use choices::{Base, Contact, Loop, LoopEnd, Mimic, ReadOptions, Rotor};
 pub use geometry::{MAX_NUMBER, normalized, roll_pitch_yaw};
 
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Inertial, JointDynamics, Limits, LoopConstraintKind};
+use modyn_runtime::model::{ContactKind, Inertial, JointDynamics, Limits, LoopConstraintKind};
 use modyn_runtime::spatial::Pose;
 use rustc_hash::FxHashMap;
 
@@ -30,6 +30,8 @@ pub struct Description {
     pub joints: Vec<JointRecord>,
     /// The joints that close loops.
     pub loops: Vec<LoopRecord>,
+    /// The frames that can touch the world.
+    pub contacts: Vec<ContactRecord>,
 }
 
 impl Description {
@@ -150,7 +152,24 @@ impl LoopRecord {
     }
 }
 
-/// One of the two frames of a loop joint.
+/// A frame of a link that can touch the world, from the text or the options.
+pub struct ContactRecord {
+    pub name: String,
+    /// The byte offset; `None` for a contact of the options.
+    pub at: Option<usize>,
+    /// The motions that the contact stops; `None` if it could not be read.
+    pub kind: Option<ContactKind>,
+    pub end: EndRecord,
+}
+
+impl ContactRecord {
+    /// Returns the contact as the subject of a diagnostic.
+    pub fn subject(&self) -> Subject {
+        Subject::Contact(self.name.clone())
+    }
+}
+
+/// One of the two frames of a loop joint, or the frame of a contact.
 pub struct EndRecord {
     /// The link's name; `None` if it is missing.
     pub link: Option<String>,

@@ -186,6 +186,10 @@ codes! {
     /// A loop joint connects two links that cannot move relative to each other.
     LoopEnds = "loop-ends":
         "Name two links with a moving joint between them, or remove the loop joint.",
+    /// A contact frame cannot be held: its type, its name, its link or its place is wrong.
+    ContactFrame = "contact-frame":
+        "Write `<contact_frame name=\"...\" type=\"point\" link=\"...\" xyz=\"0 0 0\" rpy=\"0 0 0\"/>` with the type `point` or \
+        `surface`, a name of its own, and a link of this file that moves.",
     /// The damping, friction or rotor of a joint is negative.
     NegativeJointDynamics = "negative-joint-dynamics":
         "Write a number of at least 0: damping and friction oppose the motion, and a rotor's inertia is positive.",

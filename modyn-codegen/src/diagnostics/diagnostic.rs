@@ -38,6 +38,8 @@ pub enum Subject {
     Joint(String),
     /// The link of this name.
     Link(String),
+    /// The contact of this name.
+    Contact(String),
     /// The robot of this name.
     Robot(String),
 }
@@ -47,6 +49,7 @@ impl fmt::Display for Subject {
         match self {
             Self::Joint(name) => write!(f, "joint `{name}`"),
             Self::Link(name) => write!(f, "link `{name}`"),
+            Self::Contact(name) => write!(f, "contact `{name}`"),
             Self::Robot(name) => write!(f, "robot `{name}`"),
         }
     }

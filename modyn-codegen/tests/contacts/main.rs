@@ -8,7 +8,7 @@ use modyn_codegen::passes::optimize;
 use modyn_codegen::plan::{COLUMN_LANES, LIMB_LIMITS};
 use modyn_codegen::program::{Program, Target};
 use modyn_codegen::trace::{LimbPacking, Tracer};
-use modyn_codegen::{Base, Contact, ContactKind, LoopEnd, ReadOptions, read};
+use modyn_codegen::{Base, Builder, Contact, ContactKind, Function, LoopEnd, ReadOptions, read};
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{
@@ -56,6 +56,44 @@ fn quadruped() -> Model {
     let foot =
         |foot: &str| contact(foot, ContactKind::Point, &format!("{foot}_foot"), [[0.0; 3]; 2]);
     model_of(QUADRUPED, Base::Floating, feet.map(foot).into())
+}
+
+/// Contacts of the description, of the options, and of both are the same robot.
+#[test]
+fn elements_of_the_description_are_contacts() {
+    let frames = [
+        contact("left", ContactKind::Point, "front_left_foot", [[0.01, -0.02, 0.03], [0.0; 3]]),
+        contact(
+            "sole",
+            ContactKind::Surface,
+            "hind_right_foot",
+            [[0.1, 0.2, -0.3], [0.3, -0.2, 0.7]],
+        ),
+    ];
+    let element = |Contact { name, kind, end }: &Contact| {
+        let numbers = |x: [f64; 3]| x.map(|x| x.to_string()).join(" ");
+        let (kind, link) = (kind.name(), &end.link);
+        let (xyz, rpy) = (numbers(end.xyz), numbers(end.rpy));
+        format!(
+            "<contact_frame name='{name}' type='{kind}' link='{link}' xyz='{xyz}' rpy='{rpy}'/>"
+        )
+    };
+    let described = |frames: &[Contact]| {
+        let elements: String = frames.iter().map(element).collect();
+        QUADRUPED.replace("</robot>", &(elements + "</robot>"))
+    };
+    let text = |urdf: String, options: &[Contact]| {
+        let builder = Builder::new().urdf_text(urdf, "robot.urdf").base(Base::Floating);
+        let builder = builder.functions([Function::ConstrainedForwardDynamics]);
+        let generated = builder.contacts(options.iter().cloned()).generate().expect("good");
+        assert_eq!(generated.model.contacts().len(), 2);
+        // The first lines name the options.
+        let (_, text) = generated.text.split_once("\nimpl ").expect("functions");
+        text.to_owned()
+    };
+    let expected = text(QUADRUPED.into(), &frames);
+    assert!(text(described(&frames), &[]) == expected);
+    assert!(text(described(&frames[..1]), &frames[1..]) == expected);
 }
 
 /// A tree of joints in general position on a base, with frames of points and surfaces on random links; a frame of the

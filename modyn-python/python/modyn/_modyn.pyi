@@ -34,9 +34,10 @@ class Options(TypedDict, total=False):
     p, y]`, may follow each origin. By default the description's. For example: `{"pin": ("revolute", "rod",
     [0.5, 0, 0], "crank", [0.4, 0, 0], {"axis": [0, 1, 0]})}`."""
     contacts: Mapping[str, Any] | str | None
-    """Frames of links that can touch the world: of type `point`, which stops the motion of the frame's origin, or
-    `surface`, which stops rotations too. The frame's origin may follow the link, and its roll, pitch and yaw
-    may follow the origin. By default none. For example: `{"fingertip": ("point", "hand", [0, 0, 0.2])}`."""
+    """Frames of links that can touch the world, besides the `<contact_frame>`s of the description: of type
+    `point`, which stops the motion of the frame's origin, or `surface`, which stops rotations too. The frame's
+    origin may follow the link, and its roll, pitch and yaw may follow the origin. By default the description's.
+    For example: `{"fingertip": ("point", "hand", [0, 0, 0.2])}`."""
     friction: str | tuple[str, float] | None
     """The damping and friction of the description that act on the joints. By default none, with a warning if there
     are some. For example: `("smooth", 0.01)`."""

@@ -57,6 +57,7 @@ impl Bodies {
             links: Vec::new(),
             joints: Vec::new(),
             loops: Vec::new(),
+            contacts: Vec::new(),
         };
         let mut bodies = Self { description, moves: Vec::new() };
         bodies.link("world".into(), at, false);

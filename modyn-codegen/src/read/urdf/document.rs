@@ -53,7 +53,8 @@ fn xacro(root: Node) -> Option<usize> {
         if is_xacro(part) {
             return Some(part.range().start);
         }
-        if !["link", "joint", "loop_joint"].iter().any(|name| is(root, part, name)) {
+        let read = ["link", "joint", "loop_joint", "contact_frame"];
+        if !read.iter().any(|name| is(root, part, name)) {
             continue;
         }
         let mut open = vec![part];

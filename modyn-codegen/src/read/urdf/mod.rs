@@ -7,6 +7,7 @@
 //! It has no places, cannot tell a missing value from a default, and rejects a file for an error in a `<visual>`. The
 //! tests use it as an independent reader of well-formed files.
 
+mod contacts;
 mod document;
 mod joint;
 mod link;

@@ -7,7 +7,8 @@ use crate::description::{ReadOptions, roll_pitch_yaw};
 use crate::diagnostics::{Code, Place, Subject};
 use crate::read::xml::element::{Elements, attribute};
 
-/// Reads elements: `<link>` in `link`, `<joint>` in `joint`, `<loop_joint>` in `loops`.
+/// Reads elements: `<link>` in `link`, `<joint>` in `joint`, `<loop_joint>` in `loops`,
+/// `<contact_frame>` in `contacts`.
 pub struct Reader<'a, 't, 'r, 'f> {
     pub xml: Elements<'a, 't, 'r, 'f>,
     pub options: &'r ReadOptions,

@@ -27,9 +27,15 @@ pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Desc
         );
     }
     let name = if name.trim().is_empty() { "robot" } else { name };
-    let (links, joints, loops) = (Vec::new(), Vec::new(), Vec::new());
-    let gravity = None;
-    let mut description = Description { name: name.into(), at, gravity, links, joints, loops };
+    let mut description = Description {
+        name: name.into(),
+        at,
+        gravity: None,
+        links: Vec::new(),
+        joints: Vec::new(),
+        loops: Vec::new(),
+        contacts: Vec::new(),
+    };
     for node in robot.children() {
         if is(robot, node, "link") {
             description.links.extend(reader.link(node));
@@ -37,6 +43,8 @@ pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Desc
             description.joints.push(reader.joint(node));
         } else if is(robot, node, "loop_joint") {
             description.loops.push(reader.loop_joint(node));
+        } else if is(robot, node, "contact_frame") {
+            description.contacts.push(reader.contact_frame(node));
         }
     }
     reader.warn_of_unread_values(&description);
@@ -65,7 +73,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
                     joint that rotates without limits `continuous`";
         self.xml.report.warn_once(Code::MissingLimit, &unlimited, message, help);
         let robot = self.xml.root;
-        let read = ["link", "joint", "loop_joint"];
+        let read = ["link", "joint", "loop_joint", "contact_frame"];
         let part = |node: &Node| read.iter().any(|name| is(robot, *node, name));
         let inside = robot.children().filter(part).flat_map(|part| part.children());
         let included: Vec<Place> = robot
