@@ -94,6 +94,34 @@ fn assert_close(what: &str, found: &[f64], expected: &[f64], tolerance: f64) {
     }
 }
 
+/// Hessians with equal limbs in lanes are those on scalars, which other tests compare with dual numbers.
+#[test]
+fn hessians_with_limbs_in_lanes_are_those_on_scalars() {
+    for (name, model) in robots() {
+        let mechanism = Mechanism::new(&model);
+        let tracer = Tracer::new(&mechanism);
+        let layout = UduLayout::new(&mechanism, &ModuleTree::chains(&model));
+        let hessians = |tracer: &Tracer<'_>| {
+            [
+                optimize(tracer.inverse_dynamics_hessian()),
+                optimize(tracer.forward_dynamics_hessian(&layout)),
+            ]
+        };
+        let scalar = hessians(&tracer);
+        for limbs in LimbPacking::candidates(&mechanism, &LIMB_LIMITS, true) {
+            let packed = hessians(&tracer.packed(&limbs));
+            for (scalar, packed) in scalar.iter().zip(&packed) {
+                for seed in [0.0, 1.3] {
+                    let inputs = state(&model, seed).concat();
+                    let expected = scalar.evaluate::<f64>(&inputs);
+                    let found = packed.evaluate::<f64>(&inputs);
+                    assert_close(&format!("{name}, Hessian"), &found, &expected, 1e-10);
+                }
+            }
+        }
+    }
+}
+
 /// Returns the condition number of a symmetric matrix in the infinity norm, from the matrix and its inverse.
 fn condition(matrix: &[f64], inverse: &[f64], n: usize) -> f64 {
     let norm = |matrix: &[f64]| {

@@ -82,6 +82,13 @@ impl Composition {
             return first;
         }
         let width = numbers.len().next_power_of_two();
+        // The lanes of a pack that are unpacked and packed again.
+        if let Node::ExtractLane(whole, _) = self.graph.node(first)
+            && usize::from(self.graph.width(whole)) == width
+            && (0..).zip(numbers).all(|(k, &x)| self.graph.node(x) == Node::ExtractLane(whole, k))
+        {
+            return whole;
+        }
         let at = |k: usize| numbers.get(k).copied().unwrap_or(last);
         let halves = [0, width / 2].map(|start| (start..start + width / 2).map(at).collect());
         let [a, b]: [Id; 2] = halves.map(|half: Vec<Id>| self.pack(&half));
