@@ -18,6 +18,10 @@ def options():
     parser = argparse.ArgumentParser(prog="run", description=__doc__)
     parser.add_argument("--robots", metavar="NAME,...", help="only these of robots.txt")
     parser.add_argument("--only", metavar="NAME,...", help=f"only these contenders: {', '.join(CONTENDERS)}")
+    parser.add_argument("--quantities", metavar="NAME,...", help=f"only these: {', '.join(QUANTITIES)}")
+    parser.add_argument("--data", metavar="NAME", default="speed",
+                        help="the name of the data files: NAME.tsv, NAME-cold.tsv, NAME-errors.tsv (speed)")
+    parser.add_argument("--built", action="store_true", help="measure what is built already; compile nothing")
     parser.add_argument("--quick", action="store_true", help="2 copies and 5 repetitions, for debugging")
     parser.add_argument("--copies", type=int, default=5, help="processes, each of a fresh copy of its program (5)")
     parser.add_argument("--beside", metavar="CHECKOUT", help="measure the modyn of another checkout, too")
@@ -26,14 +30,14 @@ def options():
     arguments = parser.parse_args()
     if arguments.copies < 1:
         parser.error("--copies: at least 1")
-    return arguments
+    return arguments, {action.dest: action.default for action in parser._actions}
 
 
-def command(arguments):
+def command(arguments, defaults):
     """The command that measures the same again, without where its files go."""
     words = ["benches/peers/run"]
     for name, value in vars(arguments).items():
-        if name != "output" and value not in (None, False):
+        if name not in ("output", "built") and value != defaults[name]:
             words += [f"--{name}"] if value is True else [f"--{name}", str(value)]
     return " ".join(words)
 
@@ -47,11 +51,15 @@ def chosen(names, all_names, what):
 
 
 def main():
-    arguments = options()
+    arguments, defaults = options()
+    environment.Compiling.allowed = not arguments.built
     robots = environment.robots()
     names = chosen(arguments.robots, [robot.name for robot in robots], "robot")
     robots = [robot for robot in robots if robot.name in names]
     only = chosen(arguments.only, CONTENDERS, "contender")
+    quantities = chosen(arguments.quantities, QUANTITIES, "quantity")
+    for robot in robots:
+        robot.quantities = [quantity for quantity in robot.quantities if quantity in quantities]
     toolbox = environment.Toolbox(robots, arguments.install, arguments.beside)
     contenders = {"beside": modyn.build_beside} if arguments.beside else {}
     contenders.update((name, CONTENDERS[name]) for name in only)
@@ -71,7 +79,7 @@ def main():
         results += measurer.all(programs)
     missing.update(toolbox.missing)
 
-    report = dict(command=command(arguments), machine=environment.machine(), versions=toolbox.versions,
+    report = dict(command=command(arguments, defaults), machine=environment.machine(), versions=toolbox.versions,
                   quick=arguments.quick, copies=copies, robots=names, quantities=QUANTITIES, results=results,
                   missing=missing)
     output = environment.folder(arguments.output)
@@ -80,8 +88,8 @@ def main():
     (output / "plot.svg").write_text(plot.svg(report))
     commit = subprocess.run(["git", "describe", "--always", "--dirty"], capture_output=True, text=True, check=True,
                             cwd=environment.HERE).stdout.strip()
-    for name, data in [("speed", table.data), ("speed-errors", table.errors_data)]:
-        (output / f"{name}.tsv").write_text(data(report, commit, datetime.date.today()))
+    for ending, data in [("", table.data), ("-cold", table.cold_data), ("-errors", table.errors_data)]:
+        (output / f"{arguments.data}{ending}.tsv").write_text(data(report, commit, datetime.date.today()))
     print((output / "table.md").read_text())
 
 

@@ -18,7 +18,7 @@ LARGEST_ERROR = 1e-8
 
 @dataclasses.dataclass
 class Program:
-    """`executable *before DATA ROBOT QUANTITY REPETITIONS *after` prints its error and its time."""
+    """`executable *before DATA ROBOT QUANTITY REPETITIONS *after` prints its error, its time, and its time with empty caches."""
 
     contender: str
     #: The variant of the contender's program; the table shows the fastest one.
@@ -45,7 +45,7 @@ class Measurer:
 
     def one(self, program):
         result = dict(contender=program.contender, variant=program.variant, robot=program.robot,
-                      quantity=program.quantity, error=math.nan, ns=None, runs=[], why=None)
+                      quantity=program.quantity, error=math.nan, ns=None, runs=[], cold=None, cold_runs=[], why=None)
         for _ in range(self.copies):
             said = self._run(program)
             if isinstance(said, str):
@@ -53,10 +53,13 @@ class Measurer:
                 break
             result["error"] = said["error"]
             result["runs"].append(said["ns"])
+            result["cold_runs"] += [said["cold"]] if "cold" in said else []
         if result["why"] is None:
             result["ns"] = min(result["runs"])
+            result["cold"] = min(result["cold_runs"], default=None)
         print("{contender:24} {variant:28} {robot:10} {quantity:30} error {error:8.1e}  "
-              .format(**result) + (f"{result['ns']:10.1f} ns" if result["ns"] else result["why"]), flush=True)
+              .format(**result) + (f"{result['ns']:10.1f} ns" if result["ns"] else result["why"])
+              + (f", cold {result['cold']:10.1f} ns" if result["cold"] else ""), flush=True)
         return result
 
     def _run(self, program):

@@ -3,12 +3,13 @@
 from contenders import modyn
 
 
-def best(report, contender, robot, quantity):
-    """The fastest of a contender's programs that was right, if any; else one that says why not."""
+def best(report, contender, robot, quantity, time="ns"):
+    """The fastest of a contender's programs that was right, if any; else one that says why not. `time` is `ns`, or `cold`
+    for calls with empty caches."""
     rows = [row for row in report["results"]
             if (row["contender"], row["robot"], row["quantity"]) == (contender, robot, quantity)]
-    right = [row for row in rows if row["ns"] is not None]
-    return min(right, key=lambda row: row["ns"]) if right else next(iter(rows), None)
+    right = [row for row in rows if row[time] is not None]
+    return min(right, key=lambda row: row[time]) if right else next(iter(rows), None)
 
 
 def contenders(report):
@@ -50,17 +51,23 @@ def head(report, commit, date):
             f"# note: {report['machine']}; best of {report['copies']} copies; {versions}"]
 
 
-def data(report, commit, date):
+def data(report, commit, date, time="ns"):
     """The file `docs/data/speed.tsv`: of each contender, robot and quantity the fastest program that was right."""
     lines = [*head(report, commit, date), "quantity\trobot\tprogram\tns\tvariant"]
     for robot, quantity in cases(report):
         for contender in contenders(report):
-            row = best(report, contender, robot, quantity)
-            if row:
-                ns = "failed" if row["ns"] is None else number(row["ns"])
+            row = best(report, contender, robot, quantity, time)
+            # A program without cold calls has no row among them.
+            if row and (time == "ns" or row[time] is not None):
+                ns = "failed" if row[time] is None else number(row[time])
                 variant = "" if contender in OWN or row["ns"] is None else row["variant"]
                 lines.append("\t".join([quantity.replace("_", " "), robot, contender, ns, variant]))
     return "\n".join(lines) + "\n"
+
+
+def cold_data(report, commit, date):
+    """The file `docs/data/speed-cold.tsv`: the same for calls with empty caches."""
+    return data(report, commit, date, "cold")
 
 
 def errors(report):
@@ -88,6 +95,12 @@ def markdown(report):
     for robot, quantity in cases(report):
         reference = best(report, REFERENCE, robot, quantity)
         cells = [cell(report, best(report, column, robot, quantity), reference) for column in columns]
+        lines.append(f"| {quantity.replace('_', ' ')} | {robot} | " + " | ".join(cells) + " |")
+    lines += ["", "With empty caches:", "", "| quantity | robot | " + " | ".join(columns) + " |",
+              "|---" * (len(columns) + 2) + "|"]
+    for robot, quantity in cases(report):
+        rows = [best(report, column, robot, quantity, "cold") for column in columns]
+        cells = [f"{number(row['cold'])} {row['variant']}" if row and row["cold"] else "" for row in rows]
         lines.append(f"| {quantity.replace('_', ' ')} | {robot} | " + " | ".join(cells) + " |")
     lines += ["", "Largest error against modyn's interpreter, in parts of the largest number of a result:", ""]
     for name, error in errors(report).items():

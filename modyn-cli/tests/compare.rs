@@ -1,4 +1,4 @@
-//! `modyn compare`: compiles and runs generated code, and compares it with the interpreter.
+//! `modyn compare`: compares machine code, or generated Rust that rustc compiles, with the interpreter.
 #![cfg(feature = "command")]
 
 mod common;
@@ -13,15 +13,18 @@ fn generated_code_agrees_with_the_interpreter() {
     ] {
         let arguments = ["compare", robot, "--json", "--states", "20"];
         let functions = ["--functions", "default,inverse_dynamics_derivatives"];
-        let found = modyn(&[&arguments[..], &functions, options].concat());
-        assert_eq!(found.code, 0, "{robot}: {}{}", found.out, found.err);
-        let json = found.json();
-        assert_eq!(json["agrees"], true);
-        let functions = json["functions"].as_array().expect("functions");
-        assert!(functions.len() >= 12, "{functions:?}");
-        for one in functions {
-            assert!(one["difference"].as_f64().is_some_and(|x| x < 1e-9), "{one}");
-            assert!(one["generated_ns"].as_f64().is_some_and(|x| x > 0.0), "{one}");
+        for (compiler, rustc) in [("machine code", &[][..]), ("rustc", &["--rustc"])] {
+            let found = modyn(&[&arguments[..], &functions, options, rustc].concat());
+            assert_eq!(found.code, 0, "{robot}: {}{}", found.out, found.err);
+            let json = found.json();
+            assert_eq!(json["agrees"], true);
+            assert!(json["compiler"].as_str().is_some_and(|name| name.starts_with(compiler)));
+            let functions = json["functions"].as_array().expect("functions");
+            assert_eq!(functions.len(), if rustc.is_empty() { 12 } else { 13 }, "{functions:?}");
+            for one in functions {
+                assert!(one["difference"].as_f64().is_some_and(|x| x < 1e-9), "{one}");
+                assert!(one["compiled_ns"].as_f64().is_some_and(|x| x > 0.0), "{one}");
+            }
         }
     }
 }
@@ -44,6 +47,7 @@ fn kept_files_can_be_read() {
         "robots/gripper.urdf",
         "--functions",
         "mass_matrix",
+        "--rustc",
         "--keep",
         &kept.to_string_lossy(),
     ]);
@@ -54,11 +58,16 @@ fn kept_files_can_be_read() {
 
 #[test]
 fn without_rustc_the_error_names_the_missing_program() {
-    let mut without = command(&["compare", "robots/gripper.urdf"]);
+    let mut without = command(&["compare", "robots/gripper.urdf", "--rustc"]);
     without.env("RUSTC", "no such rustc");
     let found = run(without);
     assert_eq!(found.code, 2);
     assert!(found.err.contains("rustup.rs") && found.err.contains("RUSTC"), "{}", found.err);
-    assert_eq!(modyn(&["compare", "robots/gripper.urdf", "--functions", "jacobian"]).code, 2);
+    for (function, rustc) in [("jacobian", &[][..]), ("jacobian", &["--rustc"]), ("brge", &[])] {
+        let arguments = ["compare", "robots/gripper.urdf", "--functions", function];
+        let found = modyn(&[&arguments[..], rustc].concat());
+        assert_eq!(found.code, 2);
+        assert!(found.err.contains("forward_dynamics, "), "{}", found.err);
+    }
     assert_eq!(modyn(&["compare", "modyn-codegen/tests/bad/cycle.urdf"]).code, 1);
 }

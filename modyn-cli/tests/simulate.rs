@@ -59,6 +59,54 @@ fn free_fall_keeps_energy_and_smaller_steps_keep_it_better() {
     }
 }
 
+/// Steps by a tolerance keep to the motion of short fixed steps, closer by smaller tolerances, in fewer steps.
+#[test]
+fn steps_follow_a_tolerance() {
+    for robot in ["double_pendulum", "joint_zoo", "arm7"] {
+        let path = format!("robots/{robot}.urdf");
+        let run = |by: [&str; 2]| {
+            let of_all = ["simulate", &path, "--random", "3", "--time", "0.4", "--every", "0.2"];
+            let found = modyn(&[&of_all[..], &by].concat());
+            assert_eq!(found.code, 0, "{robot}: {}", found.err);
+            let words: Vec<&str> = found.err.split_whitespace().collect();
+            let at = words.iter().position(|word| *word == "steps;").expect("the number of steps");
+            let steps: usize = words[at - 1].parse().expect("a number");
+            let (head, rows) = table(&found.out);
+            let states = column(&head, "kinetic (J)");
+            assert_eq!(rows.len(), 3, "{robot}");
+            (steps, rows.last().expect("a row")[..states].to_vec())
+        };
+        let (many, reference) = run(["--step", "0.0001"]);
+        let error = |numbers: &[f64]| {
+            let scaled =
+                numbers.iter().zip(&reference).map(|(a, b)| (a - b).abs() / (1.0 + b.abs()));
+            scaled.fold(0.0, f64::max)
+        };
+        let [(few, coarse), (more, fine)] = ["1e-4", "1e-10"].map(|t| run(["--tolerance", t]));
+        assert!(few < more && more < many, "{robot}: {few} {more} {many}");
+        assert!(error(&coarse) < 0.1, "{robot}: {}", error(&coarse));
+        assert!(error(&fine) < 1e-6, "{robot}: {}", error(&fine));
+        assert!(
+            error(&fine) < 0.1 * error(&coarse),
+            "{robot}: {} {}",
+            error(&fine),
+            error(&coarse)
+        );
+    }
+}
+
+#[test]
+fn a_tolerance_that_cannot_be_kept_is_an_error() {
+    let arguments = ["simulate", "robots/double_pendulum.urdf", "--random", "3", "--tolerance"];
+    let found = modyn(&[&arguments[..], &["1e-30"]].concat());
+    assert_eq!(found.code, 1, "{}", found.err);
+    assert!(found.err.contains("the tolerance 1e-30 cannot be kept at 0.0000 s"), "{}", found.err);
+    let found = modyn(&[&arguments[..], &["1e-6", "--limits"]].concat());
+    assert_eq!(found.code, 2, "{}", found.err);
+    let found = modyn(&[&arguments[..], &["0"]].concat());
+    assert_eq!(found.code, 2, "{}", found.err);
+}
+
 #[test]
 fn a_body_without_joints_falls_as_galilei_says() {
     let found = modyn(&["simulate", "robots/quadruped.urdf", "--base", "floating", "--time", "1"]);

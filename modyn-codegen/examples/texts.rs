@@ -42,7 +42,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             // Hessians and implicit steps are made of the same numbers; with them, a humanoid's text would be too long.
             let functions = Function::ALL.iter().copied();
             let functions = functions.filter(|function| {
-                !["hessian", "midpoint"].iter().any(|word| function.name().contains(word))
+                !["hessian", "midpoint", "rk4_derivatives"]
+                    .iter()
+                    .any(|word| function.name().contains(word))
             });
             let builder = Builder::new().urdf(&path).functions(functions);
             let shared = builder.clone().share();

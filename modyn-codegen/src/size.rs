@@ -117,12 +117,13 @@ mod tests {
             Function::DEFAULT,
             &[Function::ForwardDynamics],
             &[Function::ForwardDynamicsDerivatives],
+            &[Function::StepRk4Derivatives],
             &[Function::LinkPose, Function::Jacobian],
             &[Function::LinkPoses],
             &[Function::ForwardDynamicsExternal],
             &[],
         ];
-        let made = [chain(12, 0), chain(3, 100), chain(10, 20)];
+        let made = [chain(11, 0), chain(3, 100), chain(10, 16)];
         for (i, urdf) in robots.into_iter().chain(made).enumerate() {
             for functions in lists {
                 let builder = Builder::new().urdf_text(&*urdf, "robot.urdf");

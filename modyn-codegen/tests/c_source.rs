@@ -194,7 +194,7 @@ fn all(builder: Builder) -> Builder {
 /// All functions but Hessians and implicit steps, the longest ones.
 fn all_but_the_longest(builder: Builder) -> Builder {
     let is_long = |function: &Function| {
-        ["hessian", "midpoint"].iter().any(|word| function.name().contains(word))
+        ["hessian", "midpoint", "rk4_derivatives"].iter().any(|word| function.name().contains(word))
     };
     builder.functions(Function::ALL.iter().copied().filter(|function| !is_long(function)))
 }
@@ -370,13 +370,16 @@ fn contacts_compute_the_bits_of_rust() {
     compare("contacts", &builder, FloatType::F64);
 }
 
-/// Second derivatives have an argument of wrenches.
+/// First derivatives of accelerations and wrenches, and second derivatives, which have an argument of wrenches.
 #[test]
-fn second_derivatives_with_a_contact_compute_the_bits_of_rust() {
+fn derivatives_with_a_contact_compute_the_bits_of_rust() {
     let end = LoopEnd { link: "lower".into(), xyz: [0.1, 0.2, -0.3], rpy: [0.1, 0.2, 0.3] };
     let contact = Contact { name: "toe".into(), kind: ContactKind::Point, end };
     let functions = Function::DEFAULT.iter().filter(|function| !function.is_of_constraints());
-    let functions = functions.copied().chain([Function::ConstrainedForwardDynamicsHessian]);
+    let functions = functions.copied().chain([
+        Function::ConstrainedForwardDynamicsDerivatives,
+        Function::ConstrainedForwardDynamicsHessian,
+    ]);
     let builder = robot("double_pendulum").functions(functions).contacts([contact]);
     let (found, _) = builder.generate_c().expect("good");
     let declared =

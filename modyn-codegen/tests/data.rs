@@ -148,7 +148,7 @@ fn counted() -> String {
             let generated = builder.functions(functions.iter().copied()).generate();
             generated.unwrap_or_else(|found| panic!("{robot}: {found}"))
         };
-        let most = if base == Base::Fixed { 16 } else { 4 };
+        let most = if base == Base::Fixed { 8 } else { 4 };
         let generated: Vec<_> = functions.chunks(most).map(generate).collect();
         let base = if base == Base::Fixed { "fixed" } else { "floating" };
         for (name, operations) in generated.iter().flat_map(|generated| &generated.operations) {
@@ -557,7 +557,9 @@ fn quotient(place: &str) -> f64 {
 fn rendered(name: &str) -> String {
     let per_cent = |numbers: Vec<f64>| numbers.into_iter().map(|x| 100.0 * x).collect::<Vec<_>>();
     match name {
-        "speed" => speed(name, "modyn native"),
+        "speed" | "speed-cold" | "contacts-speed" | "contacts-speed-cold" => {
+            speed(name, "modyn native")
+        }
         "speed-of-c" => speed(name, "modyn, limbs one by one"),
         "speed-in-short" => speed_in_short(),
         "interpreter" => interpreter(),

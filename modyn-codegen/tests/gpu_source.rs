@@ -159,7 +159,7 @@ fn all(builder: Builder) -> Builder {
 /// All functions but Hessians and implicit steps, the longest ones.
 fn all_but_the_longest(builder: Builder) -> Builder {
     let is_long = |function: &Function| {
-        ["hessian", "midpoint"].iter().any(|word| function.name().contains(word))
+        ["hessian", "midpoint", "rk4_derivatives"].iter().any(|word| function.name().contains(word))
     };
     builder.functions(Function::ALL.iter().copied().filter(|function| !is_long(function)))
 }
@@ -190,21 +190,25 @@ fn long_functions_are_cut() {
     assert!(source.kernels.iter().any(|kernel| kernel.statements > 5000));
 }
 
-/// The set of active contacts is a buffer of numbers; states have sets of their own.
-#[test]
-#[ignore = "slow: g++ compiles a robot"]
-fn contacts_compute_what_c_does() {
+/// Two feet of the quadruped.
+fn feet() -> [Contact; 2] {
     let point = |name: &str, link: &str, xyz: [f64; 3]| Contact {
         name: name.into(),
         kind: ContactKind::Point,
         end: LoopEnd { link: link.into(), xyz, rpy: [0.0; 3] },
     };
-    let contacts = [
+    [
         point("left", "front_left_foot", [0.0, 0.01, -0.02]),
         point("right", "hind_right_foot", [0.03, -0.01, 0.02]),
-    ];
+    ]
+}
+
+/// The set of active contacts is a buffer of numbers; states have sets of their own.
+#[test]
+#[ignore = "slow: g++ compiles a robot"]
+fn contacts_compute_what_c_does() {
     let functions = [Function::ConstrainedForwardDynamics, Function::ContactImpulse];
-    let builder = robot("quadruped").functions(functions).base(Base::Floating).contacts(contacts);
+    let builder = robot("quadruped").functions(functions).base(Base::Floating).contacts(feet());
     let source = compare("contacts", &builder, FloatType::F64, ("3.0", "1e-7"));
     let kernel = &source.kernels[0];
     let names: Vec<&str> = kernel.arguments.iter().map(|argument| argument.name.as_str()).collect();
@@ -354,17 +358,8 @@ fn rollouts_of_a_floating_robot() {
 #[test]
 #[ignore = "slow: g++ compiles a robot"]
 fn rollouts_that_hold_contacts() {
-    let point = |name: &str, link: &str, xyz: [f64; 3]| Contact {
-        name: name.into(),
-        kind: ContactKind::Point,
-        end: LoopEnd { link: link.into(), xyz, rpy: [0.0; 3] },
-    };
-    let contacts = [
-        point("left", "front_left_foot", [0.0, 0.01, -0.02]),
-        point("right", "hind_right_foot", [0.03, -0.01, 0.02]),
-    ];
     let functions = [Function::ConstrainedForwardDynamics, Function::Integrate, Function::LinkPose];
-    let builder = robot("quadruped").functions(functions).base(Base::Floating).contacts(contacts);
+    let builder = robot("quadruped").functions(functions).base(Base::Floating).contacts(feet());
     let theirs = builder.clone().type_name("Theirs");
     let proposed = "static __device__ void contacts(const theirs_real *q, const theirs_real *qd, const theirs_real *u, \
                     unsigned int step, const theirs_real *data, theirs_real *active)\n{\n    theirs_real pose[12];\n    \

@@ -2,10 +2,8 @@
 
 use std::sync::{Arc, mpsc};
 
-use modyn_runtime::Array;
-use wgpu::util::DeviceExt;
-
 use crate::{Gpu, GpuError};
+use modyn_runtime::Array;
 
 /// Numbers for many states on a graphics processor: scalar `j` of state `i` of `n` states is number `j n + i`.
 #[derive(Clone, Debug)]
@@ -33,17 +31,13 @@ impl GpuArray {
     ///
     /// # Errors
     ///
-    /// If the processor failed.
+    /// If the processor has no memory for the copy, or it failed.
     pub fn read(&self) -> Result<Vec<f32>, GpuError> {
         let failed = |error: &dyn std::fmt::Display| GpuError::Device(error.to_string());
         let (device, queue) = (&self.gpu.inner.device, &self.gpu.inner.queue);
         let size = self.buffer.size();
-        let copy = device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size,
-            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+        let copy = self.gpu.buffer(size, usage)?;
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_buffer_to_buffer(&self.buffer, 0, &copy, 0, size);
         queue.submit([encoder.finish()]);
@@ -66,7 +60,7 @@ impl GpuArray {
     ///
     /// # Errors
     ///
-    /// If an array has another length than a state has scalars, or the processor failed.
+    /// If an array has another length than a state has scalars, the processor has no memory for the copy, or it failed.
     pub fn read_states<T: Copy + From<f32>, A: Array<T>>(&self) -> Result<Vec<A>, GpuError> {
         if A::LEN != self.scalars {
             return Err(GpuError::Width { scalars: self.scalars, asked: A::LEN });
@@ -83,19 +77,17 @@ impl Gpu {
     ///
     /// # Errors
     ///
-    /// If the length is not a whole number of scalars for each state, or is too large for the processor.
+    /// If the length is not a whole number of scalars for each state, is too large for the processor, or there is no memory left
+    /// for the array.
     pub fn upload(&self, numbers: &[f32], states: usize) -> Result<GpuArray, GpuError> {
         if states == 0 || numbers.is_empty() || !numbers.len().is_multiple_of(states) {
             return Err(GpuError::Length { numbers: numbers.len(), states });
         }
-        self.check(numbers.len())?;
+        let array = self.empty(numbers.len() / states, states)?;
         let bytes: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
-        let buffer = self.inner.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: None,
-            contents: &bytes,
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
-        });
-        Ok(GpuArray { gpu: self.clone(), buffer, scalars: numbers.len() / states, states })
+        let write = || self.inner.queue.write_buffer(&array.buffer, 0, &bytes);
+        self.with_memory(bytes.len() as u64, write)?;
+        Ok(array)
     }
 
     /// Copies states to the processor, each an array as the functions of generated robots take it: coordinates of an arm as
@@ -103,7 +95,7 @@ impl Gpu {
     ///
     /// # Errors
     ///
-    /// If there are no states, or too many for the processor.
+    /// If there are no states, too many for the processor, or there is no memory left for the array.
     pub fn upload_states<T: Copy + Into<f64>, A: Array<T>>(
         &self,
         states: &[A],
@@ -131,13 +123,22 @@ impl Gpu {
 
     /// Returns memory for a result.
     pub(crate) fn empty(&self, scalars: usize, states: usize) -> Result<GpuArray, GpuError> {
-        let size = self.check(scalars * states)?;
-        let buffer = self.inner.device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size,
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
+        let size = self.check(scalars.saturating_mul(states))?;
+        let usage = wgpu::BufferUsages::STORAGE
+            | wgpu::BufferUsages::COPY_SRC
+            | wgpu::BufferUsages::COPY_DST;
+        let buffer = self.buffer(size, usage)?;
         Ok(GpuArray { gpu: self.clone(), buffer, scalars, states })
+    }
+
+    /// Returns memory of this many bytes.
+    pub(crate) fn buffer(
+        &self,
+        size: u64,
+        usage: wgpu::BufferUsages,
+    ) -> Result<wgpu::Buffer, GpuError> {
+        let descriptor =
+            wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false };
+        self.with_memory(size, || self.inner.device.create_buffer(&descriptor))
     }
 }

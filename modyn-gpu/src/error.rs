@@ -86,6 +86,11 @@ pub enum GpuError {
         /// The largest size of a buffer in bytes.
         limit: u64,
     },
+    /// The processor has no memory left for an array.
+    OutOfMemory {
+        /// The bytes of the array.
+        bytes: u64,
+    },
     /// The processor or its driver failed.
     Device(String),
 }
@@ -134,6 +139,13 @@ impl fmt::Display for GpuError {
                 write!(
                     f,
                     "an array of {bytes} bytes is too large for the processor, whose limit is {limit}"
+                )
+            }
+            Self::OutOfMemory { bytes } => {
+                write!(
+                    f,
+                    "the processor has no memory left for an array of {bytes} bytes; drop arrays that are not needed, or \
+                     compute fewer states at a time"
                 )
             }
             Self::Device(why) => write!(f, "the graphics processor failed: {why}"),

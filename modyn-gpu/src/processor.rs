@@ -26,7 +26,11 @@ impl Gpu {
     ///
     /// If there is none, or it cannot be opened.
     pub fn new() -> Result<Self, GpuError> {
-        let instance = wgpu::Instance::default();
+        Self::of(&wgpu::Instance::default())
+    }
+
+    /// Returns the fastest processor that an instance of wgpu finds.
+    fn of(instance: &wgpu::Instance) -> Result<Self, GpuError> {
         let options = wgpu::RequestAdapterOptions {
             power_preference: wgpu::PowerPreference::HighPerformance,
             ..Default::default()
@@ -69,7 +73,46 @@ impl Gpu {
 
     /// Returns the size of this many numbers in bytes, if the processor has memory for them.
     pub(crate) fn check(&self, numbers: usize) -> Result<u64, GpuError> {
-        let (bytes, limit) = (4 * numbers as u64, self.inner.limit);
+        let (bytes, limit) = ((numbers as u64).saturating_mul(4), self.inner.limit);
         if bytes > limit { Err(GpuError::TooLarge { bytes, limit }) } else { Ok(bytes) }
+    }
+
+    /// Returns the result of `make`, which takes memory of the processor for this many bytes.
+    pub(crate) fn with_memory<T>(
+        &self,
+        bytes: u64,
+        make: impl FnOnce() -> T,
+    ) -> Result<T, GpuError> {
+        let scope = self.inner.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let made = make();
+        match pollster::block_on(scope.pop()) {
+            Some(_) => Err(GpuError::OutOfMemory { bytes }),
+            None => Ok(made),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_machine_without_processors_is_an_error() {
+        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+        descriptor.backends = wgpu::Backends::empty();
+        let error = Gpu::of(&wgpu::Instance::new(descriptor)).expect_err("no processor");
+        assert!(matches!(error, GpuError::NoAdapter(_)), "{error}");
+        assert!(error.to_string().contains("mesa-vulkan-drivers"), "{error}");
+    }
+
+    #[test]
+    fn arrays_beyond_the_limit_are_refused() {
+        let gpu = Gpu::new().expect("a processor");
+        let numbers = (gpu.inner.limit / 4) as usize;
+        assert_eq!(gpu.check(numbers).expect("allowed"), 4 * numbers as u64);
+        let error = gpu.check(numbers + 1).expect_err("too large");
+        assert!(matches!(error, GpuError::TooLarge { .. }), "{error}");
+        let error = gpu.empty(numbers, 2).expect_err("too large");
+        assert!(error.to_string().contains(&gpu.inner.limit.to_string()), "{error}");
     }
 }

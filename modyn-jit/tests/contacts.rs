@@ -7,7 +7,8 @@ use common::{instruction_sets, random};
 use modyn_codegen::{Base, Builder, Contact, ContactKind, Function, LoopEnd};
 use modyn_jit::{Compiled, Options};
 use modyn_runtime::spatial::{Pose, Twist, Vector3, Wrench};
-use modyn_runtime::{ConstrainedHessianOutputs, ConstraintSettings, ContactTarget, Interpreter};
+use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter};
+use modyn_tests::quantities::Quantities;
 
 const FUNCTIONS: [Function; 3] =
     [Function::ConstrainedForwardDynamics, Function::ContactImpulse, Function::ConstraintResidual];
@@ -23,16 +24,8 @@ fn contact(name: &str, kind: ContactKind, link: &str, xyz: [f64; 3]) -> Contact 
 }
 
 fn numbers(settings: &Settings) -> Vec<f64> {
-    let ConstraintSettings { alpha, beta, tolerance, rounding, contacts } = settings;
-    let mut numbers = vec![*alpha, *beta, *tolerance, *rounding];
-    for target in contacts {
-        numbers.extend(target.pose.rotation.concat());
-        numbers.extend(target.pose.translation);
-        numbers.extend(target.velocity.components());
-        let ContactTarget { tangential, alpha, beta, compliance, restitution, weight, .. } = target;
-        numbers.extend([tangential, alpha, beta, compliance, restitution, weight]);
-    }
-    numbers
+    let contacts = settings.contacts.iter().flat_map(ContactTarget::numbers);
+    settings.numbers().into_iter().chain(contacts).collect()
 }
 
 /// The interpreter's numbers of a function.
@@ -157,29 +150,12 @@ fn hessians_of_an_arm_on_a_moving_frame() {
     let settings = ConstraintSettings { alpha, beta, tolerance, rounding, contacts: vec![target] };
     let state = random::state(3, model);
     let (cotangent, weights) = (random::state(4, model).qd, [0.3, -0.2, 0.5, 1.1, -0.7, 0.4]);
-    let n = model.nv();
-    let mut wrenches = [Wrench::zero()];
-    let mut vectors = [0; 4].map(|_| vec![0.0; n]);
-    let mut matrices = [0; 4].map(|_| vec![0.0; n * n]);
-    let [qdd, dq, dqd, dtau] = vectors.each_mut().map(Vec::as_mut_slice);
-    let outputs = ConstrainedHessianOutputs {
-        qdd,
-        wrenches: &mut wrenches,
-        gradients: [dq, dqd, dtau],
-        hessian: matrices.each_mut().map(Vec::as_mut_slice),
-    };
-    let rank = Interpreter::new(model.clone())
-        .constrained_forward_dynamics_hessian(
-            (&state.q, &state.qd, &state.tau),
-            (&cotangent, &[Wrench::from_components(weights)]),
-            &[true],
-            &settings,
-            outputs,
-        )
-        .expect("fits");
-    let [qdd, gradients @ ..] = vectors;
-    let wrench = wrenches[0].components().to_vec();
-    let expected = [qdd, wrench, gradients.concat(), matrices.concat(), vec![rank]].concat();
+    let expected = Interpreter::new(model.clone()).constrained_hessian(
+        [&state.q, &state.qd, &state.tau],
+        (&cotangent, &[Wrench::from_components(weights)]),
+        &[true],
+        &settings,
+    );
 
     let settings = numbers(&settings);
     for instruction_set in instruction_sets() {

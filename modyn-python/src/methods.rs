@@ -291,6 +291,17 @@ impl Robot {
         self.call(py, 26, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
     }
 
+    /// Returns the state of `step_rk4`, and its derivatives: `a` with respect to the state before and `b`
+    /// with respect to `tau`. A state has the entries of q (in tangent space), then those of qd.
+    ///
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
+    /// Result: `StepDerivatives`: `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several states
+    /// have one more axis, the first.
+    #[pyo3(signature = (q, qd, tau, dt, *, out=None))]
+    fn step_rk4_derivatives<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, dt: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.call(py, 27, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
+    }
+
     /// Returns the state after the time `dt` (s) under the constant joint forces `tau`, by the implicit
     /// midpoint rule: of second order, symmetric, and stable under stiff damping. Three iterations of
     /// simplified Newton solve its equations. Rotations follow exponential maps, so quaternions keep length
@@ -300,7 +311,7 @@ impl Robot {
     /// Result: `Step`: `q` (nq,), `qd` (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, dt, *, out=None))]
     fn step_implicit_midpoint<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, dt: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 27, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
+        self.call(py, 28, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
     }
 
     /// Returns the state of `step_implicit_midpoint`, and the derivatives of the implicit midpoint rule:
@@ -312,7 +323,7 @@ impl Robot {
     /// have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, dt, *, out=None))]
     fn step_implicit_midpoint_derivatives<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, dt: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 28, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
+        self.call(py, 29, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
     }
 
     /// Returns the joint accelerations under the joint forces `tau` with the loops closed and the active
@@ -330,7 +341,7 @@ impl Robot {
     /// axis, the first.
     #[pyo3(signature = (q, qd, tau, contacts=None, settings=None, *, out=None))]
     fn constrained_forward_dynamics<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, contacts: Argument<'_, 'py>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 29, &[Some(q), Some(qd), Some(tau), contacts, settings], None, out)
+        self.call(py, 30, &[Some(q), Some(qd), Some(tau), contacts, settings], None, out)
     }
 
     /// Returns the displacement and the velocity of each loop constraint's second frame relative to its
@@ -344,7 +355,7 @@ impl Robot {
     /// angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, settings=None, *, out=None))]
     fn constraint_residual<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 30, &[Some(q), Some(qd), settings], None, out)
+        self.call(py, 31, &[Some(q), Some(qd), settings], None, out)
     }
 
     /// Returns the smallest step (in the metric of the mass matrix) that closes the loops at `q` and moves
@@ -359,7 +370,7 @@ impl Robot {
     /// more axis, the first.
     #[pyo3(signature = (q, qd, contacts=None, settings=None, *, out=None))]
     fn project_constraints<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, contacts: Argument<'_, 'py>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 31, &[Some(q), Some(qd), contacts, settings], None, out)
+        self.call(py, 32, &[Some(q), Some(qd), contacts, settings], None, out)
     }
 
     /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and their derivatives
@@ -376,7 +387,7 @@ impl Robot {
     /// Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, contacts=None, settings=None, *, out=None))]
     fn constrained_forward_dynamics_derivatives<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, contacts: Argument<'_, 'py>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 32, &[Some(q), Some(qd), Some(tau), contacts, settings], None, out)
+        self.call(py, 33, &[Some(q), Some(qd), Some(tau), contacts, settings], None, out)
     }
 
     /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and the gradients and
@@ -394,7 +405,7 @@ impl Robot {
     /// nv), `rank` a number, moments before forces. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, cotangent, wrench_cotangent, contacts=None, settings=None, *, out=None))]
     fn constrained_forward_dynamics_hessian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, cotangent: &Bound<'py, PyAny>, wrench_cotangent: &Bound<'py, PyAny>, contacts: Argument<'_, 'py>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 33, &[Some(q), Some(qd), Some(tau), Some(cotangent), Some(wrench_cotangent), contacts, settings], None, out)
+        self.call(py, 34, &[Some(q), Some(qd), Some(tau), Some(cotangent), Some(wrench_cotangent), contacts, settings], None, out)
     }
 
     /// Returns the velocities after an impact that closes the loops and stops the active contacts relative
@@ -409,7 +420,7 @@ impl Robot {
     /// forces. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, contacts=None, settings=None, *, out=None))]
     fn contact_impulse<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, contacts: Argument<'_, 'py>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 34, &[Some(q), Some(qd), contacts, settings], None, out)
+        self.call(py, 35, &[Some(q), Some(qd), contacts, settings], None, out)
     }
 
     /// Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts that carry
@@ -425,7 +436,7 @@ impl Robot {
     /// moments before forces. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, contacts=None, settings=None, *, out=None))]
     fn constrained_inverse_dynamics<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, contacts: Argument<'_, 'py>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 35, &[Some(q), Some(qd), Some(qdd), contacts, settings], None, out)
+        self.call(py, 36, &[Some(q), Some(qd), Some(qdd), contacts, settings], None, out)
     }
 
     /// Returns the Jacobian of each constraint. The product with `qd` is, for a loop constraint, the
@@ -437,7 +448,7 @@ impl Robot {
     /// the first.
     #[pyo3(signature = (q, *, out=None))]
     fn constraint_jacobian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 36, &[Some(q)], None, out)
+        self.call(py, 37, &[Some(q)], None, out)
     }
 
     /// Returns the bias acceleration of each constraint: the time derivative of `constraint_jacobian` times
@@ -448,7 +459,7 @@ impl Robot {
     /// first.
     #[pyo3(signature = (q, qd, *, out=None))]
     fn constraint_bias_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 37, &[Some(q), Some(qd)], None, out)
+        self.call(py, 38, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T with the mass
@@ -462,7 +473,7 @@ impl Robot {
     /// rows, constraint rows), `rank` a number. Several states have one more axis, the first.
     #[pyo3(signature = (q, contacts=None, settings=None, *, out=None))]
     fn operational_inertia<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, contacts: Argument<'_, 'py>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 38, &[Some(q), contacts, settings], None, out)
+        self.call(py, 39, &[Some(q), contacts, settings], None, out)
     }
 
     /// Returns the regressor Y of inverse dynamics: tau = Y pi, without rotors and friction. pi has ten
@@ -473,7 +484,7 @@ impl Robot {
     /// Result: (nv, 10 moving links). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, *, out=None))]
     fn regressor<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 39, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 40, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the centre of mass of the moving links in world axes, m.
@@ -482,7 +493,7 @@ impl Robot {
     /// Result: (3,). Several states have one more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
     fn center_of_mass<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 40, &[Some(q)], None, out)
+        self.call(py, 41, &[Some(q)], None, out)
     }
 
     /// Returns the Jacobian of the centre of mass. Its product with `qd` is the velocity of the centre of
@@ -492,7 +503,7 @@ impl Robot {
     /// Result: (3, nv). Several states have one more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
     fn center_of_mass_jacobian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 41, &[Some(q)], None, out)
+        self.call(py, 42, &[Some(q)], None, out)
     }
 
     /// Returns the centroidal momentum matrix. Its product with `qd` is the momentum about the centre of
@@ -502,7 +513,7 @@ impl Robot {
     /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
     fn centroidal_momentum_matrix<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 42, &[Some(q)], None, out)
+        self.call(py, 43, &[Some(q)], None, out)
     }
 
     /// Returns the momentum of the moving links about their centre of mass, in world axes. Rotors have
@@ -512,7 +523,18 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, *, out=None))]
     fn centroidal_momentum<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 43, &[Some(q), Some(qd)], None, out)
+        self.call(py, 44, &[Some(q), Some(qd)], None, out)
+    }
+
+    /// Returns the time derivative of the centroidal momentum in world axes: the moment (N m) and the force
+    /// (N) about the centre of mass of gravity and of all forces from outside. At `qdd` = 0 it is the bias
+    /// A' qd, with the centroidal momentum matrix A.
+    ///
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
+    /// Result: (6,), angular before linear components. Several states have one more axis, the first.
+    #[pyo3(signature = (q, qd, qdd, *, out=None))]
+    fn centroidal_momentum_rate<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.call(py, 45, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the poses in the world of all links of the description, fixed links included, in the order
@@ -523,7 +545,7 @@ impl Robot {
     /// axis, the first.
     #[pyo3(signature = (q, *, out=None))]
     fn link_poses<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 44, &[Some(q)], None, out)
+        self.call(py, 46, &[Some(q)], None, out)
     }
 
     /// Returns the pose of a link in the world. Computes the link's kinematic path only.
@@ -532,7 +554,7 @@ impl Robot {
     /// Result: `Pose`: `rotation` (3, 3), `translation` (3,). Several states have one more axis, the first.
     #[pyo3(signature = (q, link, *, out=None))]
     fn link_pose<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 45, &[Some(q)], Some(link), out)
+        self.call(py, 47, &[Some(q)], Some(link), out)
     }
 
     /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in world axes.
@@ -542,7 +564,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn link_velocity<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 46, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 48, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in the link's own
@@ -552,7 +574,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn local_link_velocity<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 47, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 49, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
@@ -563,7 +585,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, link, *, out=None))]
     fn link_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 48, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
+        self.call(py, 50, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
     }
 
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
@@ -574,7 +596,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, link, *, out=None))]
     fn local_link_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 49, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
+        self.call(py, 51, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
     }
 
     /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its origin, in
@@ -584,7 +606,7 @@ impl Robot {
     /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, link, *, out=None))]
     fn jacobian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 50, &[Some(q)], Some(link), out)
+        self.call(py, 52, &[Some(q)], Some(link), out)
     }
 
     /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its origin, in
@@ -594,7 +616,7 @@ impl Robot {
     /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, link, *, out=None))]
     fn local_jacobian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 51, &[Some(q)], Some(link), out)
+        self.call(py, 53, &[Some(q)], Some(link), out)
     }
 
     /// Returns the time derivative of `jacobian`. Its product with `qd` is `bias_acceleration`. Computes
@@ -604,7 +626,7 @@ impl Robot {
     /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn jacobian_time_derivative<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 52, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 54, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the time derivative of `local_jacobian`. Its product with `qd` is `local_bias_acceleration`.
@@ -614,7 +636,7 @@ impl Robot {
     /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn local_jacobian_time_derivative<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 53, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 55, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the bias acceleration of a link in world axes: the time derivative of `jacobian` times `qd`,
@@ -625,7 +647,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn bias_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 54, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 56, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the bias acceleration of a link in its own axes: the time derivative of `local_jacobian`
@@ -635,7 +657,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn local_bias_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 55, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 57, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the coordinates after the displacement `v` (a velocity times a time) from `q`.
@@ -644,7 +666,7 @@ impl Robot {
     /// Result: (nq,). Several states have one more axis, the first.
     #[pyo3(signature = (q, v, *, out=None))]
     fn integrate<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, v: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 56, &[Some(q), Some(v)], None, out)
+        self.call(py, 58, &[Some(q), Some(v)], None, out)
     }
 
     /// Returns the displacement `v` with which `integrate` leads from `from_` to `to`. Rotations are the
@@ -654,7 +676,7 @@ impl Robot {
     /// Result: (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (from_, to, *, out=None))]
     fn difference<'py>(&self, py: Python<'py>, from_: &Bound<'py, PyAny>, to: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 57, &[Some(from_), Some(to)], None, out)
+        self.call(py, 59, &[Some(from_), Some(to)], None, out)
     }
 
     /// Returns the derivatives of `integrate` with respect to `q` and `v` in tangent space: displacements
@@ -665,7 +687,7 @@ impl Robot {
     /// first.
     #[pyo3(signature = (q, v, *, out=None))]
     fn integrate_derivatives<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, v: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 58, &[Some(q), Some(v)], None, out)
+        self.call(py, 60, &[Some(q), Some(v)], None, out)
     }
 
     /// Returns the derivatives of `difference` with respect to `from_` and `to` in tangent space:
@@ -676,7 +698,7 @@ impl Robot {
     /// axis, the first.
     #[pyo3(signature = (from_, to, *, out=None))]
     fn difference_derivatives<'py>(&self, py: Python<'py>, from_: &Bound<'py, PyAny>, to: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 59, &[Some(from_), Some(to)], None, out)
+        self.call(py, 61, &[Some(from_), Some(to)], None, out)
     }
 
     /// Returns dq/dt, the rates of the coordinates `q` at the velocities `qd`.
@@ -685,7 +707,7 @@ impl Robot {
     /// Result: (nq,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, *, out=None))]
     fn velocity_to_qdot<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 60, &[Some(q), Some(qd)], None, out)
+        self.call(py, 62, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the coordinates with quaternions scaled to length 1.
@@ -694,7 +716,7 @@ impl Robot {
     /// Result: (nq,). Several states have one more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
     fn normalize<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 61, &[Some(q)], None, out)
+        self.call(py, 63, &[Some(q)], None, out)
     }
 
     /// Returns coordinates within the joint limits, from random numbers uniformly distributed in [0, 1).
@@ -705,6 +727,6 @@ impl Robot {
     /// Result: (nq,). Several states have one more axis, the first.
     #[pyo3(signature = (uniforms, *, out=None))]
     fn random<'py>(&self, py: Python<'py>, uniforms: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 62, &[Some(uniforms)], None, out)
+        self.call(py, 64, &[Some(uniforms)], None, out)
     }
 }

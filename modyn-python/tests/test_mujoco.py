@@ -1,9 +1,11 @@
 """The functions beside MuJoCo, from the same MJCF."""
 
+from xml.etree import ElementTree
+
 import mujoco
 import numpy as np
 import pytest
-from conftest import close, states
+from conftest import GOLDEN, close, states
 
 import modyn
 
@@ -63,6 +65,50 @@ def test_dynamics(both):
         data.qacc[:] = theirs.to_qacc(q[i], qd[i], qdd[i])
         mujoco.mj_inverse(model, data)
         close(forces[i], theirs.from_qfrc(q[i], data.qfrc_inverse), 1e-9)
+
+
+def described(name, base):
+    """Returns MuJoCo's model of a real robot's URDF, without friction; a floating base is a joint of the world."""
+    tree = ElementTree.parse(GOLDEN / f"{name}.urdf").getroot()
+    ElementTree.SubElement(ElementTree.SubElement(tree, "mujoco"), "compiler", fusestatic="false")
+    if base == "floating":
+        children = {joint.find("child").get("link") for joint in tree.findall("joint")}
+        root = next(link.get("name") for link in tree.findall("link") if link.get("name") not in children)
+        ElementTree.SubElement(tree, "link", name="world")
+        joint = ElementTree.SubElement(tree, "joint", name="free", type="floating")
+        ElementTree.SubElement(joint, "parent", link="world")
+        ElementTree.SubElement(joint, "child", link=root)
+    model = mujoco.MjSpec.from_string(ElementTree.tostring(tree, encoding="unicode")).compile()
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+    model.dof_damping[:] = 0
+    return model
+
+
+@pytest.mark.parametrize("name, base", [("panda", "fixed"), ("solo12", "floating"), ("g1", "floating")])
+def test_real_robots(name, base):
+    """The same URDF in both: the mass matrix, the bias forces and the accelerations of moving states."""
+    robot = modyn.load(GOLDEN / f"{name}.urdf", base=base, friction="none")
+    model = described(name, base)
+    data, theirs = mujoco.MjData(model), modyn.conventions.MuJoCo(robot, model)
+    close(robot.gravity, model.opt.gravity)
+    q, qd, _, tau = states(robot, 5, seed=3)
+    accelerations, mass = robot.forward_dynamics(q, qd, tau), robot.mass_matrix(q)
+    zero = np.zeros(robot.nv)
+    for i in range(len(q)):
+        data.qpos[:], data.qvel[:] = theirs.to_qpos(q[i]), theirs.to_qvel(q[i], qd[i])
+        data.qfrc_applied[:] = theirs.to_qfrc(q[i], tau[i])
+        mujoco.mj_forward(model, data)
+        close(accelerations[i], theirs.from_qacc(q[i], qd[i], data.qacc), 1e-8)
+        # Forces of unit velocities: the columns of both mass matrices, in the frames of modyn.
+        for k, unit in enumerate(np.eye(robot.nv)):
+            column = np.zeros(model.nv)
+            mujoco.mj_mulM(model, data, column, theirs.to_qvel(q[i], unit))
+            close(mass[i][:, k], theirs.from_qfrc(q[i], column), 1e-9)
+        # A free joint has another acceleration there: the derivative of its velocity in world axes.
+        data.qacc[:] = theirs.to_qacc(q[i], qd[i], zero)
+        data.qfrc_applied[:] = 0
+        mujoco.mj_inverse(model, data)
+        close(robot.bias_forces(q[i], qd[i]), theirs.from_qfrc(q[i], data.qfrc_inverse), 1e-9)
 
 
 def test_states_there_and_back(both):

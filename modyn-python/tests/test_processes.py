@@ -141,6 +141,27 @@ def test_without_machine_code_the_results_are_the_same():
         close(slow.link_pose(q, "link2").translation, fast.link_pose(q, "link2").translation)
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="Linux's way to give up executable memory")
+def test_where_executable_memory_is_refused_functions_are_evaluated():
+    code = """
+import ctypes, sys, warnings
+import numpy as np
+import modyn
+state = np.linspace(-0.5, 0.7, 7)
+robot = modyn.load(sys.argv[1], friction="none")
+expected = robot.forward_dynamics(state, state, state)
+# PR_SET_MDWE, PR_MDWE_REFUSE_EXEC_GAIN: from now on no page can be made executable.
+word = ctypes.c_ulong
+assert ctypes.CDLL(None).prctl(65, word(1), word(0), word(0), word(0)) == 0
+with warnings.catch_warnings(record=True) as found:
+    warnings.simplefilter("always")
+    slow = modyn.load(sys.argv[1], friction="none").forward_dynamics(state, state, state)
+assert len(found) == 1 and "executable memory" in str(found[0].message), found
+assert np.allclose(slow, expected, rtol=1e-9, atol=1e-9)
+"""
+    subprocess.run([sys.executable, "-c", code, os.fspath(GOLDEN / "panda.urdf")], check=True)
+
+
 def test_links_that_share_code():
     """More than eight links on one body share a program, with and without machine code."""
     lamps = "".join(

@@ -227,6 +227,7 @@ fn call(interpreter: &mut Interpreter<f64>, dice: &mut Dice) {
         r.center_of_mass(&q).ok();
         r.center_of_mass_jacobian(&q, &mut points).ok();
         r.centroidal_momentum(&q, &qd).ok();
+        r.centroidal_momentum_rate((&q, &qd, &qd)).ok();
         r.integrate(&q, &qd, &mut moved).ok();
         r.difference(&q, &other, &mut a).ok();
         r.velocity_to_qdot(&q, &qd, &mut moved).ok();

@@ -3,7 +3,9 @@
 import ctypes
 import os
 import subprocess
+import sys
 import tempfile
+import time
 import unittest
 
 import casadi as ca
@@ -22,6 +24,12 @@ WARNINGS = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-O1", "-fPI
 def run(*command):
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"
+
+
+def timed(call):
+    start = time.perf_counter()
+    result = call()
+    return time.perf_counter() - start, result
 
 
 def compiled(path, functions, *options, name=None, flags=()):
@@ -256,15 +264,25 @@ class Comparison(unittest.TestCase):
             solver, bounds = problem.solver(ours)
             called = [one.name() for one in solver.get_function("nlp_hess_l").find_functions()]
             self.assertIn(f"jac_adj1_{problem.robot}_forward_dynamics", called)
-            found = solver(**bounds)
+            ours_time, found = timed(lambda: solver(**bounds))
             self.assertTrue(solver.stats()["success"], problem.robot)
-            # The optimum for CasADi's expressions: the same conditions hold there.
+            # IPOPT with CasADi's expressions takes the same iterations to the same solution.
             robot = Robot(problem.path)
             q, qd, tau = symbols(robot, "q", "qd", "tau")
-            theirs = ca.Function("f", [q, qd, tau], [robot.forward_dynamics(q, qd, tau)])
-            solver, _ = problem.solver(theirs)
-            defects, jacobian = solver.get_function("nlp_jac_g")(found["x"], [])
-            _, gradient = solver.get_function("nlp_grad_f")(found["x"], [])
+            expressions = ca.Function("f", [q, qd, tau], [robot.forward_dynamics(q, qd, tau)])
+            theirs, _ = problem.solver(expressions)
+            theirs_time, expected = timed(lambda: theirs(**bounds))
+            self.assertTrue(theirs.stats()["success"], problem.robot)
+            iterations = [one.stats()["iter_count"] for one in (solver, theirs)]
+            self.assertEqual(*iterations, problem.robot)
+            self.same(found["x"], np.array(expected["x"]), problem.robot, 1e-6)
+            self.same(found["f"], np.array(expected["f"]), problem.robot, 1e-8)
+            # For information: times are no test.
+            print(f"{problem.robot}: {iterations[0]} iterations, {ours_time:.3f} s with modyn's functions, "
+                  f"{theirs_time:.3f} s with CasADi's expressions", file=sys.stderr)
+            # The conditions of an optimum hold for CasADi's derivatives.
+            defects, jacobian = theirs.get_function("nlp_jac_g")(found["x"], [])
+            _, gradient = theirs.get_function("nlp_grad_f")(found["x"], [])
             self.same(defects, np.zeros(defects.shape), problem.robot, 1e-6)
             stationary = ca.vec(gradient) + jacobian.T @ found["lam_g"] + found["lam_x"]
             self.same(stationary, np.zeros(stationary.shape), problem.robot, 1e-5)

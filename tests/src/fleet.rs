@@ -110,7 +110,7 @@ pub const FLEET: &[Spec] = &[
     spec(Golden("panda"), Chains, F64).loaded(&["panda_hand", "panda_link4"]),
     spec(Golden("panda_fingers"), Chains, F64),
     spec(Golden("solo12"), Chains, F64),
-    spec(Golden("solo12"), Chains, F64).floating().all().part(Legged),
+    spec(Golden("solo12"), Chains, F64).floating().part(Legged),
     spec(Golden("g1"), Chains, F64).part(Legged),
     spec(Golden("g1"), Chains, F64).floating().part(Legged),
     spec(Described("gripper"), Chains, F64),

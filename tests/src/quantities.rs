@@ -1,7 +1,10 @@
 //! The quantities of an interpreter as returned values, for tests that may allocate.
 
-use modyn_runtime::spatial::Pose;
-use modyn_runtime::{Forces, Interpreter, Scalar, UduFactorization};
+use modyn_runtime::spatial::{Pose, Wrench};
+use modyn_runtime::{
+    ConstrainedHessianOutputs, ConstraintSettings, ContactTarget, Forces, Interpreter, Scalar,
+    UduFactorization,
+};
 
 /// The interpreter's methods with their results as return values; each panics if a length is wrong.
 #[allow(missing_docs)]
@@ -18,6 +21,14 @@ pub trait Quantities<S> {
     fn potential(&mut self, q: &[S]) -> S;
     fn poses(&mut self, q: &[S]) -> Vec<Pose<S>>;
     fn factors(&self, q: &[S]) -> UduFactorization<S>;
+    /// The accelerations, the wrenches, the gradients, the blocks of the Hessian and the rank.
+    fn constrained_hessian(
+        &mut self,
+        state: [&[S]; 3],
+        weights: (&[S], &[Wrench<S>]),
+        active: &[bool],
+        settings: &ConstraintSettings<S, Vec<ContactTarget<S>>>,
+    ) -> Vec<S>;
 }
 
 const LENGTHS: &str = "the lengths are right";
@@ -81,6 +92,33 @@ impl<S: Scalar> Quantities<S> for Interpreter<S> {
 
     fn factors(&self, q: &[S]) -> UduFactorization<S> {
         self.brge(q).expect(LENGTHS)
+    }
+
+    fn constrained_hessian(
+        &mut self,
+        [q, qd, tau]: [&[S]; 3],
+        weights: (&[S], &[Wrench<S>]),
+        active: &[bool],
+        settings: &ConstraintSettings<S, Vec<ContactTarget<S>>>,
+    ) -> Vec<S> {
+        let n = self.model().nv();
+        let mut wrenches = vec![Wrench::zero(); self.model().constraints()];
+        let mut vectors = [0; 4].map(|_| vec![S::zero(); n]);
+        let mut matrices = [0; 4].map(|_| vec![S::zero(); n * n]);
+        let [qdd, dq, dqd, dtau] = vectors.each_mut().map(Vec::as_mut_slice);
+        let outputs = ConstrainedHessianOutputs {
+            qdd,
+            wrenches: &mut wrenches,
+            gradients: [dq, dqd, dtau],
+            hessian: matrices.each_mut().map(Vec::as_mut_slice),
+        };
+        let state = (q, qd, tau);
+        let rank = self
+            .constrained_forward_dynamics_hessian(state, weights, active, settings, outputs)
+            .expect(LENGTHS);
+        let wrenches: Vec<S> = wrenches.iter().flat_map(Wrench::components).collect();
+        let [qdd, gradients @ ..] = vectors;
+        [qdd, wrenches, gradients.concat(), matrices.concat(), vec![rank]].concat()
     }
 }
 

@@ -267,6 +267,7 @@ macro_rules! other_quantities {
         let costate = array(&$crate::values::costate(&list(qdd), &list(tau)));
         let step_hessian = $robot::step_semi_implicit_hessian(q, qd, tau, dt, &costate);
         let rk4 = $robot::step_rk4(q, qd, tau, dt);
+        let linear_rk4 = $robot::step_rk4_derivatives(q, qd, tau, dt);
         let midpoint = $robot::step_implicit_midpoint(q, qd, tau, dt);
         let linear_midpoint = $robot::step_implicit_midpoint_derivatives(q, qd, tau, dt);
         let difference = $robot::difference_derivatives(q, &random);
@@ -320,6 +321,7 @@ macro_rules! other_quantities {
             ("step_semi_implicit_hessian", $crate::values::step_hessian_numbers(&step_hessian)),
             ("rk4_q", list(&rk4.q)),
             ("rk4_qd", list(&rk4.qd)),
+            ("step_rk4_derivatives", $crate::values::linear_step_numbers(&linear_rk4)),
             ("step_implicit_midpoint", [list(&midpoint.q), list(&midpoint.qd)].concat()),
             (
                 "step_implicit_midpoint_derivatives",
@@ -333,6 +335,7 @@ macro_rules! other_quantities {
             ("center_of_mass_jacobian", each(&$robot::center_of_mass_jacobian(q), vector)),
             ("centroidal_momentum_matrix", each(&$robot::centroidal_momentum_matrix(q), momentum)),
             ("centroidal_momentum", momentum(&$robot::centroidal_momentum(q, qd))),
+            ("centroidal_momentum_rate", momentum(&$robot::centroidal_momentum_rate(q, qd, qdd))),
             (
                 "link_velocity",
                 links.iter().flat_map(|&l| twist(&$robot::link_velocity(q, qd, l))).collect(),
@@ -618,6 +621,10 @@ fn interpreted_others<T: Scalar>(
     };
     interpreter.step_semi_implicit_derivatives(state, dt, outputs).expect(LENGTHS);
     interpreter.step_rk4(state, dt, &mut rk4_q, &mut rk4_qd).expect(LENGTHS);
+    let mut linear_rk4 = [q.len(), n, 4 * n * n, 2 * n * n].map(zeros);
+    let [next_q, next_qd, a, b] = &mut linear_rk4;
+    let outputs = StepOutputs { q: next_q, qd: next_qd, a, b };
+    interpreter.step_rk4_derivatives(state, dt, outputs).expect(LENGTHS);
     let sizes = [q.len(), n, 2 * n, n, 4 * n * n, 2 * n * n, n * n];
     let mut step_hessian = sizes.map(zeros);
     let [next_q, next_qd, dx, dtau, dx_dx, dx_dtau, dtau_dtau] = &mut step_hessian;
@@ -690,6 +697,7 @@ fn interpreted_others<T: Scalar>(
         ("step_semi_implicit_hessian", step_hessian.concat()),
         ("rk4_q", rk4_q),
         ("rk4_qd", rk4_qd),
+        ("step_rk4_derivatives", linear_rk4.concat()),
         ("step_implicit_midpoint", midpoint.concat()),
         ("step_implicit_midpoint_derivatives", linear_midpoint.concat()),
         ("integrate_dq", integrate_dq),
@@ -700,6 +708,10 @@ fn interpreted_others<T: Scalar>(
         ("center_of_mass_jacobian", center.iter().flat_map(vector).collect()),
         ("centroidal_momentum_matrix", momenta.iter().flat_map(momentum).collect()),
         ("centroidal_momentum", momentum(&interpreter.centroidal_momentum(q, qd).expect(LENGTHS))),
+        (
+            "centroidal_momentum_rate",
+            momentum(&interpreter.centroidal_momentum_rate((q, qd, qdd)).expect(LENGTHS)),
+        ),
         ("coriolis_matrix", coriolis),
         (
             "local_jacobian",

@@ -12,14 +12,12 @@ use modyn_runtime::model::{
     ModuleTree,
 };
 use modyn_runtime::num_dual::HyperDual64;
-use modyn_runtime::{
-    ConstrainedHessianOutputs, ConstraintSettings, ContactTarget, Interpreter, Pose, Scalar, Twist,
-    Wrench,
-};
+use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter, Pose, Scalar, Twist, Wrench};
 use modyn_tests::close::assert_close;
 use modyn_tests::dual::{Tangent, along, along_velocity, constant, hessian_blocks};
 use modyn_tests::floating::floated;
 use modyn_tests::golden;
+use modyn_tests::quantities::Quantities;
 use modyn_tests::random::{self, Random, State};
 
 /// A number with two directions.
@@ -105,30 +103,10 @@ fn point(model: &Model, seed: u64, active: Vec<bool>, wrenches: f64) -> Point {
 
 /// Returns the accelerations, the wrenches, the gradients, the blocks of the Hessian and the rank.
 fn interpreted(model: &Model, point: &Point) -> Vec<f64> {
-    let n = model.nv();
-    let mut wrenches = vec![Wrench::zero(); model.constraints()];
-    let mut vectors = [0; 4].map(|_| vec![0.0; n]);
-    let mut matrices = [0; 4].map(|_| vec![0.0; n * n]);
-    let [qdd, dq, dqd, dtau] = vectors.each_mut().map(Vec::as_mut_slice);
-    let outputs = ConstrainedHessianOutputs {
-        qdd,
-        wrenches: &mut wrenches,
-        gradients: [dq, dqd, dtau],
-        hessian: matrices.each_mut().map(Vec::as_mut_slice),
-    };
     let Point { q, qd, tau, cotangent, wrench_cotangent, active, settings } = point;
-    let rank = Interpreter::<f64>::new(model.clone())
-        .constrained_forward_dynamics_hessian(
-            (q, qd, tau),
-            (cotangent, wrench_cotangent),
-            active,
-            settings,
-            outputs,
-        )
-        .expect("fits");
-    let wrenches: Vec<f64> = wrenches.iter().flat_map(Wrench::components).collect();
-    let [qdd, gradients @ ..] = vectors;
-    [qdd, wrenches, gradients.concat(), matrices.concat(), vec![rank]].concat()
+    let weights = (&cotangent[..], &wrench_cotangent[..]);
+    let mut interpreter = Interpreter::<f64>::new(model.clone());
+    interpreter.constrained_hessian([q, qd, tau], weights, active, settings)
 }
 
 fn tracer<'a>(model: &Model, mechanism: &'a Mechanism<f64>) -> Tracer<'a> {

@@ -521,6 +521,28 @@ fn the_center_of_masss_jacobian_is_its_derivative() {
     });
 }
 
+/// The rate is the derivative of the links' summed momenta along a motion, and its change with qdd is that of A qdd.
+#[test]
+fn the_rate_of_the_momentum_is_its_derivative() {
+    everywhere(|interpreter, state| {
+        let State { q, qd, qdd } = state;
+        let model = interpreter.model().clone();
+        let found = interpreter.centroidal_momentum_rate((q, qd, qdd)).expect(FINE).components();
+        let expected = derivative(|time| {
+            let State { q, qd, .. } = state.after(&model, time);
+            summed(interpreter, &q, &qd).momentum
+        });
+        assert_close("rate", &found, &expected, DIFFERENCES);
+        let none = vec![0.0; model.nv()];
+        let bias = interpreter.centroidal_momentum_rate((q, qd, &none)).expect(FINE).components();
+        let mut columns = vec![Momentum::zero(); model.nv()];
+        interpreter.centroidal_momentum_matrix(q, &mut columns).expect(FINE);
+        let product = times(columns.iter().map(Momentum::components), qdd);
+        let sum: Vec<f64> = product.iter().zip(bias).map(|(a, b)| a + b).collect();
+        assert_close("A qdd + A' qd", &found, &sum, EXACT);
+    });
+}
+
 #[test]
 fn momentum_of_a_free_robot_changes_by_gravity_alone() {
     use JointType::{Floating, Prismatic, Revolute, Spherical, Universal};
@@ -607,6 +629,7 @@ fn calls_allocate_nothing() {
             interpreter.center_of_mass_jacobian(q, &mut vectors)?;
             interpreter.centroidal_momentum_matrix(q, &mut momenta)?;
             interpreter.centroidal_momentum(q, qd)?;
+            interpreter.centroidal_momentum_rate((q, qd, qdd))?;
             Ok::<_, FrameError>(())
         });
         assert_eq!((result, allocated.calls), (Ok(()), 0));
@@ -661,6 +684,8 @@ fn traces_agree_with_the_interpreter() {
         check("A", tracer.centroidal_momentum_matrix(), &columns);
         let momentum = interpreter.centroidal_momentum(q, qd).expect(FINE);
         check("momentum", tracer.centroidal_momentum(), &momentum.components());
+        let rate = interpreter.centroidal_momentum_rate((q, qd, qdd)).expect(FINE);
+        check("its rate", tracer.centroidal_momentum_rate(), &rate.components());
     });
 }
 

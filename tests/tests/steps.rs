@@ -10,9 +10,10 @@ use modyn_runtime::model::{Model, ModuleTree};
 use modyn_runtime::{Interpreter, Scalar, ShapeError, StepOutputs};
 use modyn_tests::close::assert_close;
 use modyn_tests::dual::{Tangent, along, along_velocity, constant};
+use modyn_tests::floating::floated;
 use modyn_tests::golden;
 use modyn_tests::quantities::Quantities;
-use modyn_tests::random::{self, State};
+use modyn_tests::random::{self, Random, State};
 
 const LENGTHS: &str = "the lengths are right";
 
@@ -41,13 +42,22 @@ fn step<S: Scalar>(
     [next_q, next_qd]
 }
 
-/// Returns the coordinates and velocities after a semi-implicit step, and A and B.
-fn derivatives(robot: &mut Interpreter, [q, qd, tau]: [&[f64]; 3], dt: f64) -> [Vec<f64>; 4] {
+/// Returns the coordinates and velocities after a step, and A and B.
+fn derivatives(
+    robot: &mut Interpreter,
+    method: Method,
+    [q, qd, tau]: [&[f64]; 3],
+    dt: f64,
+) -> [Vec<f64>; 4] {
     let n = qd.len();
     let mut found = [q.len(), n, 4 * n * n, 2 * n * n].map(|length| vec![f64::NAN; length]);
     let [next_q, next_qd, a, b] = &mut found;
     let outputs = StepOutputs { q: next_q, qd: next_qd, a, b };
-    robot.step_semi_implicit_derivatives((q, qd, tau), dt, outputs).expect(LENGTHS);
+    let done = match method {
+        Method::SemiImplicit => robot.step_semi_implicit_derivatives((q, qd, tau), dt, outputs),
+        Method::Rk4 => robot.step_rk4_derivatives((q, qd, tau), dt, outputs),
+    };
+    done.expect(LENGTHS);
     found
 }
 
@@ -109,6 +119,44 @@ fn runge_kutta_steps_are_of_fourth_order() {
     }
 }
 
+/// The derivatives of robots with joints of all types and of a tree on a floating base, by differences at two distances, whose
+/// errors of second order cancel (Richardson's extrapolation).
+#[test]
+fn derivatives_of_runge_kutta_are_limits_of_differences() {
+    let dt = 0.05;
+    let models = [random::mixed_zoo(4, 6), random::mixed_zoo(7, 5)];
+    for model in
+        models.into_iter().chain([floated(&random::general_tree(7, 4), Random::new(7).inertial())])
+    {
+        let State { q, qd, tau, .. } = random::state(3, &model);
+        let n = model.nv();
+        let mut robot = Interpreter::new(model);
+        let [next_q, _, a, b] = derivatives(&mut robot, Method::Rk4, [&q, &qd, &tau], dt);
+        let mut column = |k: usize, h: f64| {
+            let mut at = |h: f64| {
+                let mut state = [q.clone(), qd.clone(), tau.clone()];
+                if k < n {
+                    let along: Vec<f64> = (0..n).map(|i| if i == k { h } else { 0.0 }).collect();
+                    robot.integrate(&q, &along, &mut state[0]).expect(LENGTHS);
+                } else {
+                    state[k / n][k % n] += h;
+                }
+                let [q, qd, tau] = &state;
+                let [moved, rates] = step(&mut robot, Method::Rk4, [q, qd, tau], dt);
+                [difference(&robot, &next_q, &moved), rates].concat()
+            };
+            let (ahead, back) = (at(h), at(-h));
+            ahead.iter().zip(back).map(|(a, b)| (a - b) / (2.0 * h)).collect::<Vec<f64>>()
+        };
+        for (k, exact) in a.chunks(2 * n).chain(b.chunks(2 * n)).enumerate() {
+            let (coarse, fine) = (column(k, 2e-4), column(k, 1e-4));
+            let limit: Vec<f64> =
+                fine.iter().zip(&coarse).map(|(f, c)| (4.0 * f - c) / 3.0).collect();
+            assert_close("column", exact, &limit, 1e-7);
+        }
+    }
+}
+
 /// Numbers follow the classical method of Runge and Kutta.
 #[test]
 fn joints_with_one_coordinate_follow_the_classical_method() {
@@ -137,18 +185,27 @@ fn joints_with_one_coordinate_follow_the_classical_method() {
 
 #[test]
 fn derivatives_are_those_of_dual_numbers() {
+    compare_with_dual_numbers(Method::SemiImplicit);
+}
+
+#[test]
+fn derivatives_of_runge_kutta_are_those_of_dual_numbers() {
+    compare_with_dual_numbers(Method::Rk4);
+}
+
+fn compare_with_dual_numbers(method: Method) {
     let dt = 0.04;
     for (model, State { q, qd, tau, .. }) in robots(40) {
         let n = model.nv();
         let mut robot = Interpreter::new(model.clone());
         let mut dual = Interpreter::<Tangent<f64>>::new(model.clone());
-        let [next_q, next_qd, a, b] = derivatives(&mut robot, [&q, &qd, &tau], dt);
-        let stepped = step(&mut robot, Method::SemiImplicit, [&q, &qd, &tau], dt);
+        let [next_q, next_qd, a, b] = derivatives(&mut robot, method, [&q, &qd, &tau], dt);
+        let stepped = step(&mut robot, method, [&q, &qd, &tau], dt);
         assert_close("coordinates", &next_q, &stepped[0], 1e-10);
         assert_close("velocities", &next_qd, &stepped[1], 1e-10);
         let mut column = |q: &[Tangent<f64>], qd: &[Tangent<f64>], tau: &[Tangent<f64>]| {
             let dt = Tangent { x: dt, dx: 0.0 };
-            let [moved, rates] = step(&mut dual, Method::SemiImplicit, [q, qd, tau], dt);
+            let [moved, rates] = step(&mut dual, method, [q, qd, tau], dt);
             let moved = difference(&dual, &constant(&next_q), &moved);
             moved.into_iter().chain(rates).map(|x| x.dx).collect::<Vec<f64>>()
         };
@@ -185,8 +242,11 @@ fn graphs_compute_the_same() {
         assert_close("Runge-Kutta", &found, &expected, 1e-8);
         let layout = UduLayout::new(&mechanism, &chains);
         let found = optimize(tracer.step_semi_implicit_derivatives(&layout));
-        let expected = derivatives(&mut robot, state, 0.03).concat();
+        let expected = derivatives(&mut robot, Method::SemiImplicit, state, 0.03).concat();
         assert_close("derivatives", &found.evaluate::<f64>(&inputs), &expected, 1e-9);
+        let found = optimize(tracer.step_rk4_derivatives(&layout));
+        let expected = derivatives(&mut robot, Method::Rk4, state, 0.03).concat();
+        assert_close("of Runge-Kutta", &found.evaluate::<f64>(&inputs), &expected, 1e-8);
     }
 }
 
@@ -204,4 +264,8 @@ fn lengths_are_checked() {
     let outputs = StepOutputs { q: &mut next_q, qd: &mut next_qd, a: &mut [], b: &mut [] };
     let found = robot.step_semi_implicit_derivatives((&q, &qd, &tau), 0.1, outputs);
     assert_eq!(found, error("a", 4 * n * n));
+    let a = &mut vec![0.0; 4 * n * n];
+    let outputs = StepOutputs { q: &mut next_q, qd: &mut next_qd, a, b: &mut [] };
+    let found = robot.step_rk4_derivatives((&q, &qd, &tau), 0.1, outputs);
+    assert_eq!(found, error("b", 2 * n * n));
 }

@@ -3,10 +3,11 @@
 To add one, write such a file and a line here.
 """
 
-from . import casadi, crates, modyn, modyn_c, mujoco, pinocchio
+from . import casadi, crates, modyn, modyn_c, mujoco, native, pinocchio
 
 CONTENDERS = {
     "modyn": modyn.build,
+    "native": native.build,
     "modyn_c": modyn_c.build,
     "pinocchio": pinocchio.build,
     "casadi": casadi.build,

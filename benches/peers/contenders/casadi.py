@@ -1,6 +1,6 @@
 """C that CasADi writes of Pinocchio's algorithms, traced on its symbols."""
 
-from environment import HERE, SITE, Unavailable, call, newer
+from environment import HARNESS, HERE, SITE, Unavailable, call, newer
 from measure import Program
 
 from .pinocchio import HEADERS
@@ -38,8 +38,12 @@ def build(toolbox):
                     print(f"casadi: {stem}, {how}: {said.strip()}", flush=True)
                 for variant, c, cpp, flags in toolbox.variants():
                     executable = place / f"{stem}-{variant}"
-                    if not newer(executable, [source, CPP / "casadi.cpp", CPP / "harness.hpp"]):
-                        call([c, *flags, "-c", source, "-o", f"{executable}.o"])
-                        call([cpp, *flags, "-std=c++17", CPP / "casadi.cpp", f"{executable}.o", "-o", executable])
+                    if not newer(executable, [source, CPP / "casadi.cpp", *HARNESS]):
+                        try:
+                            call([c, *flags, "-c", source, "-o", f"{executable}.o"])
+                            call([cpp, *flags, "-std=c++17", CPP / "casadi.cpp", f"{executable}.o", "-o", executable])
+                        except Unavailable as why:
+                            toolbox.missing[f"CasADi C, {variant}, {how}, {robot.name}, {quantity}"] = str(why)
+                            continue
                     programs.append(Program("CasADi C", f"{variant}, {how}", robot.name, quantity, executable))
     return programs

@@ -4,7 +4,7 @@ import os
 import shutil
 from pathlib import Path
 
-from environment import FREE, HERE, OUTPUT, call, folder
+from environment import FREE, HERE, OUTPUT, Unavailable, call, folder
 from measure import Program
 
 #: In the table, in the runner, and compiled for.
@@ -26,18 +26,26 @@ def runner(target, here=HERE, output=OUTPUT):
     manifest = here / "modyn-runner" / "Cargo.toml"
     call(["cargo", "build", "--release", "--manifest-path", manifest, "--target-dir", built],
          env={**os.environ, "RUSTFLAGS": flags})
-    return built / "release" / "modyn-runner"
+    program = built / "release" / "modyn-runner"
+    if not program.exists():
+        raise Unavailable("not built yet")
+    return program
 
 
 def states(toolbox):
     """Writes the states, and the results that all others are compared with."""
     toolbox.version("rustc", call(["rustc", "--version"]))
-    call([runner("default"), "states", toolbox.data])
+    call([runner("native"), "states", toolbox.data])
 
 
 def build(toolbox):
-    runners = {target: runner(target) for target in ["default", "native"]}
-    return programs(toolbox.robots, runners, VARIANTS)
+    runners = {}
+    for name, _, target in VARIANTS:
+        try:
+            runners[target] = runners.get(target) or runner(target)
+        except Unavailable as why:
+            toolbox.missing[name] = str(why)
+    return programs(toolbox.robots, runners, [row for row in VARIANTS if row[2] in runners])
 
 
 def build_beside(toolbox):
@@ -55,7 +63,7 @@ def programs(robots, runners, variants):
     for name, variant, target in variants:
         for robot in robots:
             for quantity in robot.quantities:
-                if variant == "batch" and quantity != "forward_dynamics":
+                if variant == "batch" and not (robot.batch and quantity.endswith("forward_dynamics")):
                     continue
                 if variant == "alone" and quantity not in FREE[:-1]:
                     continue

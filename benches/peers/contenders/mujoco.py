@@ -1,6 +1,6 @@
 """MuJoCo's smooth dynamics, from the C library of its wheel."""
 
-from environment import HERE, SITE, Unavailable, call, newer, python
+from environment import HARNESS, HERE, SITE, Unavailable, call, newer, python
 from measure import Program
 
 
@@ -14,7 +14,7 @@ def build(toolbox):
     source = HERE / "cpp" / "mujoco.cpp"
     # Only the library is measured; the compiler of the harness does not matter.
     executable = toolbox.build / "mujoco"
-    if not newer(executable, [source, HERE / "cpp" / "harness.hpp"]):
+    if not newer(executable, [source, *HARNESS]):
         call([toolbox.compilers[-1][2], "-std=c++17", "-O3", "-march=native", "-I", package / "include", source, library,
               "-Wl,-rpath,$ORIGIN", "-o", executable])
     toolbox.missing["MuJoCo, forward_dynamics_derivatives"] = "finite differences only"

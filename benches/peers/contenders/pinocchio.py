@@ -1,6 +1,6 @@
 """Pinocchio's C++ templates, from the headers of its wheel."""
 
-from environment import HERE, SITE, Unavailable, call, newer
+from environment import HARNESS, HERE, SITE, Unavailable, call, newer
 from measure import Program
 
 PREFIX = SITE / "cmeel.prefix" / "include"
@@ -15,7 +15,7 @@ def build(toolbox):
     models = toolbox.pinocchio_models()
     toolbox.wheel("cmeel-eigen")
     source = HERE / "cpp" / "pinocchio.cpp"
-    depends = [source, HERE / "cpp" / "harness.hpp", HERE / "cpp" / "model.hpp"]
+    depends = [source, HERE / "cpp" / "model.hpp", *HARNESS]
     programs = []
     for variant, _, compiler, flags in toolbox.variants():
         executable = toolbox.build / f"pinocchio-{variant}"

@@ -14,6 +14,8 @@
 #include <utility>
 #include <vector>
 
+#include "cold.hpp"
+
 using Numbers = std::vector<double>;
 
 struct State {
@@ -135,4 +137,5 @@ template <class Call, class Result> void run(const Job &job, Call call, Result r
         return result(i);
     });
     time(job, call);
+    cold::print(job.states.size(), call);
 }

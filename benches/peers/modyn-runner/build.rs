@@ -26,7 +26,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         let functions: Vec<Function> = robot.quantities.iter().map(named).collect();
         let names = robot.quantities;
         let type_name = robot.type_name();
-        let batch = robot.contacts.is_empty().then_some(Function::ForwardDynamicsBatch);
+        let constrained = !robot.contacts.is_empty();
+        let (kind, batch) = match (robot.batch, constrained) {
+            (false, _) => ("none", None),
+            (true, false) => ("free", Some(Function::ForwardDynamicsBatch)),
+            (true, true) => ("constrained", Some(Function::ConstrainedForwardDynamicsBatch)),
+        };
         let builder = Builder::new()
             .urdf(&robot.description)
             .base(robot.base)
@@ -41,8 +46,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         writeln!(sources, "    ({name:?}, {prefix:?}, {header}, {source}),")?;
         builder.functions(functions.into_iter().chain(batch)).compile()?;
         writeln!(includes, "::modyn::include_model!({});", robot.name)?;
-        let kind = if robot.contacts.is_empty() { "free" } else { "constrained" };
-        writeln!(table, "    {:?} {type_name} {kind} [{}];", robot.name, names.join(" "))?;
+        let (contacts, names) = (robot.contacts.len(), names.join(" "));
+        writeln!(table, "    {:?} {type_name} {kind} {contacts} [{names}];", robot.name)?;
     }
     std::fs::write(folder.join("robots.rs"), format!("{includes}\ngenerated! {{\n{table}}}\n"))?;
     std::fs::write(folder.join("c.rs"), format!("[\n{sources}]\n"))?;

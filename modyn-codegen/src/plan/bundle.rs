@@ -149,7 +149,7 @@ impl Bundle {
     }
 }
 
-/// The graphs of a bundle on scalars. A function of one link may have several graphs; the choice of the smallest union is
+/// The graphs of a bundle on scalars. A function of one link, or of a user, may have several graphs; the choice of the smallest union is
 /// made here.
 pub(super) struct Graphs<'a> {
     bundle: &'a Bundle,
@@ -175,7 +175,13 @@ impl<'a> Graphs<'a> {
         let graphs = |member: &Member| {
             let (row, link) = match &member.function {
                 MemberFunction::Table { function, link } => (function.row(), *link),
-                MemberFunction::User { form, .. } => return vec![form.graph.clone()],
+                MemberFunction::User { form, .. } => {
+                    return [Some(&form.graph), form.in_bundles.as_ref()]
+                        .into_iter()
+                        .flatten()
+                        .cloned()
+                        .collect();
+                }
             };
             let of_link = |trace: fn(&Tracer<'_>) -> Graph| {
                 tracing.frames.of_link(link.expect("a function of one link has it"), trace)

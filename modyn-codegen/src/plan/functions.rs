@@ -353,6 +353,21 @@ functions! {
         |t, s| t.step_rk4(&s.elimination),
         |m| 56_000.0 * m.carried + 3200.0 * m.links,
     );
+    /// Derivatives of a Runge-Kutta step.
+    StepRk4Derivatives "step_rk4_derivatives" = Row::one(
+        &[Q, QD, TAU, DT],
+        shapes::step_derivatives,
+        "Returns the state of `step_rk4`, and its derivatives: `a` with respect to the state before and `b` with respect\n\
+         to `tau`, arrays of columns. A state has the entries of q (in tangent space), then those of qd.",
+        |t, s| t.step_rk4_derivatives(&s.for_derivatives),
+        |m| {
+            // Four times the derivatives of forward dynamics, and products of matrices, which a floating base makes dense.
+            20_000.0 * m.depths
+                + 8400.0 * m.squares
+                + 1400.0 * m.entries
+                + 1250.0 * m.bases * m.entries * m.nv
+        },
+    );
     /// The state after a step of the implicit midpoint rule.
     StepImplicitMidpoint "step_implicit_midpoint" = Row::step(
         "Returns the state after the time `dt` (s) under the constant joint forces `tau`, by the implicit midpoint rule: of\n\
@@ -581,6 +596,17 @@ functions! {
         |m| 3200.0 * m.links,
     )
         .result_named("momentum");
+    /// The time derivative of the momentum about the centre of mass.
+    CentroidalMomentumRate "centroidal_momentum_rate" = Row::one(
+        &[Q, QD, QDD],
+        shapes::momentum,
+        "Returns the time derivative of the centroidal momentum in world axes: the moment (N m) and the force (N) about the\n\
+         centre of mass of gravity and of all forces from outside. At `qdd` = 0 it is the bias A' qd, with the centroidal\n\
+         momentum matrix A.",
+        |t, _| t.centroidal_momentum_rate(),
+        |m| 6400.0 * m.links,
+    )
+        .result_named("momentum_rate");
     /// Poses of all links.
     LinkPoses "link_poses" = Row::new(
         &[Q],

@@ -15,7 +15,7 @@ use super::wrapped::wrapped;
 use crate::graph::{Expr, Graph};
 use crate::intern::intern;
 use crate::names;
-use crate::trace::{Parameters, TangentGraphs, TangentInput, Tracer, UserTraceError};
+use crate::trace::{Parameters, TangentGraphs, TangentInput, Tracer, UserGraphs, UserTraceError};
 
 /// The largest number of operations of a form of a user's function. Their text has about 20 MB.
 pub const MAX_USER_OPERATIONS: usize = 400_000;
@@ -87,6 +87,18 @@ impl UserForm {
         }
     }
 
+    /// Returns the form's graph; `None` if it takes more than [`MAX_USER_OPERATIONS`].
+    fn graph(self, graphs: &TangentGraphs<'_>) -> Option<Graph> {
+        let graph = match self {
+            Self::Value => graphs.value.clone(),
+            Self::Jvp => graphs.jvp(),
+            Self::Vjp | Self::Gradient => graphs.vjp(),
+            Self::Jacobian => graphs.jacobian(),
+            Self::Hessian => graphs.hessian(MAX_USER_OPERATIONS)?,
+        };
+        (!graph.takes_more_than(MAX_USER_OPERATIONS)).then_some(graph)
+    }
+
     /// Returns whether a function of this number of results has the form if these derivatives are compiled.
     fn exists(self, derivatives: UserDerivatives, results: usize) -> bool {
         match self {
@@ -127,6 +139,9 @@ pub struct TracedForm {
     pub result: Shape,
     /// The graph, before all passes.
     pub graph: Graph,
+    /// Another graph of the same results, which shares more with the functions of the table in a bundle; `None` if it is too
+    /// long.
+    pub in_bundles: Option<Graph>,
 }
 
 /// A user's function of one robot.
@@ -202,7 +217,7 @@ impl NamedFunction {
         let robot = TracedRobot::new(model, parameters);
         let tracer = Tracer::with_parameters(&robot.mechanism, robot.parameters.clone());
         let sizes = Sizes::new(model, 0);
-        let graphs = tracer
+        let UserGraphs { optimized: graphs, traced } = tracer
             .user_function(model, self.inputs(&sizes), &*self.evaluate)
             .map_err(UserPlanError::Trace)?;
         let live = graphs.value.live();
@@ -223,7 +238,9 @@ impl NamedFunction {
             arguments: self.arguments.iter().map(UserArgument::name).collect(),
             batch: self.batch,
             depends_on_parameters: graphs.depends_on_parameters(),
-            forms: forms.map(|&form| self.form(form, &graphs)).collect::<Result<_, _>>()?,
+            forms: forms
+                .map(|&form| self.form(form, &graphs, &traced))
+                .collect::<Result<_, _>>()?,
         })
     }
 
@@ -240,18 +257,10 @@ impl NamedFunction {
         &self,
         form: UserForm,
         graphs: &TangentGraphs<'_>,
+        traced: &TangentGraphs<'_>,
     ) -> Result<TracedForm, UserPlanError> {
-        let too_long = || UserPlanError::TooLong(form);
-        let graph = match form {
-            UserForm::Value => graphs.value.clone(),
-            UserForm::Jvp => graphs.jvp(),
-            UserForm::Vjp | UserForm::Gradient => graphs.vjp(),
-            UserForm::Jacobian => graphs.jacobian(),
-            UserForm::Hessian => graphs.hessian(MAX_USER_OPERATIONS).ok_or_else(too_long)?,
-        };
-        if graph.takes_more_than(MAX_USER_OPERATIONS) {
-            return Err(too_long());
-        }
+        let graph = form.graph(graphs).ok_or(UserPlanError::TooLong(form))?;
+        let in_bundles = form.graph(traced);
         let name = intern(&format!("{}{}", self.name, form.suffix()));
         let count = graphs.value.outputs.len();
         let Results { fields, docs, sum } = self.results(form, count, &graphs.displacements());
@@ -275,7 +284,7 @@ impl NamedFunction {
             UserForm::Value => Vec::new(),
             _ => fields.into_iter().map(|(.., docs)| docs).collect(),
         };
-        Ok(TracedForm { name, docs: intern(&docs), fields, arguments, result, graph })
+        Ok(TracedForm { name, docs: intern(&docs), fields, arguments, result, graph, in_bundles })
     }
 
     /// Returns the documentation of a form with derivatives.

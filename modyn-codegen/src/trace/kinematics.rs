@@ -177,4 +177,14 @@ impl Tracer<'_> {
             dynamics::centroidal_momentum(model, (&q, &qd), workspace).components().to_vec()
         })
     }
+
+    /// Returns the graph of the time derivative of the momentum about the centre of mass. Inputs: `q`, `qd`, `qdd`.
+    #[must_use]
+    pub fn centroidal_momentum_rate(&self) -> Graph {
+        self.trace(|model, [q, qd, qdd]| {
+            let workspace = &mut Workspace::new(model);
+            let rate = dynamics::centroidal_momentum_rate(model, (&q, &qd, &qdd), workspace);
+            rate.components().to_vec()
+        })
+    }
 }

@@ -33,7 +33,7 @@ pub use limbs::{LimbLimits, LimbPacking};
 pub use looped::{BodyGraphs, BodyKind, LoopedBody};
 pub use parameters::Parameters;
 pub use tangent::{TangentGraphs, TangentInput};
-pub use user::UserTraceError;
+pub use user::{UserGraphs, UserTraceError};
 
 /// A robot on expressions, whose equations can be traced.
 ///

@@ -17,6 +17,15 @@ pub enum UserTraceError {
     Foreign(ForeignExpr),
 }
 
+/// The graphs of a user's function, with those of its derivatives.
+pub struct UserGraphs<'a> {
+    /// After all passes.
+    pub optimized: TangentGraphs<'a>,
+    /// As traced. Quantities of the robot have the operations that they have in the graphs of the table's functions, so a
+    /// union with these does them once; passes would have rewritten them.
+    pub traced: TangentGraphs<'a>,
+}
+
 impl Tracer<'_> {
     /// Traces a user's function of `model`. `evaluate` has the robot and the numbers of each argument.
     ///
@@ -28,7 +37,7 @@ impl Tracer<'_> {
         model: &Model,
         inputs: Vec<TangentInput>,
         evaluate: impl FnOnce(&mut Interpreter<Expr>, &[&[Expr]]) -> Result<Vec<Expr>, UserError>,
-    ) -> Result<TangentGraphs<'_>, UserTraceError> {
+    ) -> Result<UserGraphs<'_>, UserTraceError> {
         let arguments = inputs.iter().map(|input| input.len).sum();
         let mut error = None;
         let graph = self.try_trace_groups([arguments], |mechanism, [numbers]| {
@@ -48,7 +57,10 @@ impl Tracer<'_> {
         match (error, graph) {
             (Some(own), _) => Err(UserTraceError::Own(own)),
             (None, Err(foreign)) => Err(UserTraceError::Foreign(foreign)),
-            (None, Ok(graph)) => Ok(TangentGraphs::new(self, inputs, optimize(graph))),
+            (None, Ok(graph)) => Ok(UserGraphs {
+                traced: TangentGraphs::new(self, inputs.clone(), graph.clone()),
+                optimized: TangentGraphs::new(self, inputs, optimize(graph)),
+            }),
         }
     }
 }

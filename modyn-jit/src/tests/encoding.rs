@@ -4,14 +4,12 @@
 use iced_x86::{
     Code as Decoded, CpuidFeature, Decoder, DecoderOptions, Instruction, Mnemonic, OpKind, Register,
 };
-use modyn_codegen::{Builder, Function, ReadOptions, read};
 
+use super::check_functions;
 use super::common::sets_of_x86_64;
-use crate::generate::generate;
 use crate::generate::x86_64::{Encoder, Encoding, Opcode, Operands, Place, opcodes as op};
 use crate::helper::{Helpers, Linkage};
 use crate::instruction_set::InstructionSet;
-use crate::lower::lower;
 use crate::real::Real;
 
 fn decode(code: &[u8]) -> Instruction {
@@ -207,49 +205,33 @@ fn has(instruction_set: InstructionSet, feature: CpuidFeature) -> bool {
 }
 
 fn whole_functions<S: Real>(name: &str) {
-    let path = format!("{}/../robots/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
-    let text = std::fs::read_to_string(path).expect("a robot");
-    let model = read(&text, name, &ReadOptions::default()).expect("good").model;
-    let functions = [Function::ForwardDynamics, Function::Difference, Function::MassMatrix];
-    let planning = Builder::new().model(model).functions(functions).plan().expect("good");
-    for planned in &planning.plan.functions {
-        let (scalar, simd) = match &planned.kernels {
-            modyn_codegen::plan::Kernels::One(program) => (program, program),
-            modyn_codegen::plan::Kernels::Dispatched { scalar, simd } => (scalar, simd),
-            _ => continue,
-        };
-        let arrays: Vec<usize> = planned.arguments.iter().map(|(_, shape)| shape.len()).collect();
-        for instruction_set in sets_of_x86_64() {
-            for (program, batch) in [(scalar, false), (simd, false), (scalar, true)] {
-                let values = lower::<S>(program, &arrays, instruction_set, batch);
-                let linkage = Linkage::Addresses(Helpers::new::<S>());
-                let generated =
-                    generate(&values, instruction_set, size_of::<S>(), arrays.len(), &linkage);
-                let code = &generated.code[..generated.size.bytes];
-                let mut decoder = Decoder::with_ip(64, code, 0, DecoderOptions::NONE);
-                let mut count = 0;
-                let mut returns = 0;
-                while decoder.can_decode() {
-                    let instruction = decoder.decode();
-                    assert!(
-                        !instruction.is_invalid(),
-                        "{name} {instruction_set:?} {}",
-                        instruction.ip()
-                    );
-                    let features = instruction.cpuid_features();
-                    assert!(
-                        features.iter().all(|&feature| has(instruction_set, feature)),
-                        "{name} {instruction_set:?} {instruction:?} {features:?}"
-                    );
-                    count += 1;
-                    if instruction.mnemonic() == Mnemonic::Ret {
-                        assert_eq!(count, generated.size.instructions);
-                        returns += 1;
-                    }
+    for instruction_set in sets_of_x86_64() {
+        let linkage = Linkage::Addresses(Helpers::new::<S>());
+        check_functions::<S>(name, instruction_set, &linkage, |generated| {
+            let code = &generated.code[..generated.size.bytes];
+            let mut decoder = Decoder::with_ip(64, code, 0, DecoderOptions::NONE);
+            let mut count = 0;
+            let mut returns = 0;
+            while decoder.can_decode() {
+                let instruction = decoder.decode();
+                assert!(
+                    !instruction.is_invalid(),
+                    "{name} {instruction_set:?} {}",
+                    instruction.ip()
+                );
+                let features = instruction.cpuid_features();
+                assert!(
+                    features.iter().all(|&feature| has(instruction_set, feature)),
+                    "{name} {instruction_set:?} {instruction:?} {features:?}"
+                );
+                count += 1;
+                if instruction.mnemonic() == Mnemonic::Ret {
+                    assert_eq!(count, generated.size.instructions);
+                    returns += 1;
                 }
-                assert_eq!((returns, decoder.position()), (1, code.len()));
             }
-        }
+            assert_eq!((returns, decoder.position()), (1, code.len()));
+        });
     }
 }
 

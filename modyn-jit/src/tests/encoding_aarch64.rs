@@ -1,15 +1,12 @@
 //! Each instruction of aarch64 is decoded by yaxpeax-arm and has the given operands; whole functions consist of instructions.
 
-use modyn_codegen::{Builder, Function};
 use yaxpeax_arch::{Decoder as _, U8Reader};
 use yaxpeax_arm::armv8::a64::{InstDecoder, Instruction, Opcode};
 
-use super::common::robot;
+use super::check_functions;
 use crate::generate::aarch64::{Access, Encoder, opcodes as op};
-use crate::generate::generate;
 use crate::helper::Linkage;
 use crate::instruction_set::InstructionSet;
-use crate::lower::lower;
 use crate::real::Real;
 
 pub(super) fn decode(word: u32) -> Instruction {
@@ -201,32 +198,18 @@ fn constant(texts: &[String]) -> u64 {
 }
 
 fn whole_functions<S: Real>(name: &str) {
-    let functions = [Function::ForwardDynamics, Function::Difference, Function::MassMatrix];
-    let planning = Builder::new().model(robot(name)).functions(functions).plan().expect("good");
-    for planned in &planning.plan.functions {
-        let (scalar, simd) = match &planned.kernels {
-            modyn_codegen::plan::Kernels::One(program) => (program, program),
-            modyn_codegen::plan::Kernels::Dispatched { scalar, simd } => (scalar, simd),
-            _ => continue,
-        };
-        let arrays: Vec<usize> = planned.arguments.iter().map(|(_, shape)| shape.len()).collect();
-        for (program, batch) in [(scalar, false), (simd, false), (scalar, true)] {
-            let neon = InstructionSet::Neon;
-            let values = lower::<S>(program, &arrays, neon, batch);
-            let linkage = Linkage::Relative;
-            let generated = generate(&values, neon, size_of::<S>(), arrays.len(), &linkage);
-            let code = &generated.code[..generated.size.bytes];
-            let words = code.chunks_exact(4);
-            assert!(words.remainder().is_empty());
-            let words = words.map(|word| u32::from_le_bytes(word.try_into().expect("four bytes")));
-            let decoded: Vec<Instruction> = words.map(decode).collect();
-            let is_return = |i: &Instruction| i.opcode == Opcode::RET;
-            assert_eq!(decoded.iter().filter(|&i| is_return(i)).count(), 1);
-            let before = decoded.iter().position(is_return).expect("a return");
-            assert_eq!(before + 1, generated.size.instructions);
-            assert_eq!(4 * (before + 1), generated.end);
-        }
-    }
+    check_functions::<S>(name, InstructionSet::Neon, &Linkage::Relative, |generated| {
+        let code = &generated.code[..generated.size.bytes];
+        let words = code.chunks_exact(4);
+        assert!(words.remainder().is_empty());
+        let words = words.map(|word| u32::from_le_bytes(word.try_into().expect("four bytes")));
+        let decoded: Vec<Instruction> = words.map(decode).collect();
+        let is_return = |i: &Instruction| i.opcode == Opcode::RET;
+        assert_eq!(decoded.iter().filter(|&i| is_return(i)).count(), 1);
+        let before = decoded.iter().position(is_return).expect("a return");
+        assert_eq!(before + 1, generated.size.instructions);
+        assert_eq!(4 * (before + 1), generated.end);
+    });
 }
 
 #[test]

@@ -10,3 +10,37 @@ mod emulator;
 mod encoding;
 mod encoding_aarch64;
 mod page;
+
+use std::mem::size_of;
+
+use modyn_codegen::Function;
+use modyn_codegen::plan::Kernels;
+
+use crate::generate::{Generated, generate};
+use crate::helper::Linkage;
+use crate::instruction_set::InstructionSet;
+use crate::lower::lower;
+use crate::real::Real;
+
+/// Checks the code of whole functions of a robot: on scalars, with vectors, and for many states.
+fn check_functions<S: Real>(
+    robot: &str,
+    instruction_set: InstructionSet,
+    linkage: &Linkage,
+    check: impl Fn(&Generated),
+) {
+    let functions = [Function::ForwardDynamics, Function::Difference, Function::MassMatrix];
+    for planned in &common::plan(robot, &functions).plan.functions {
+        let (scalar, simd) = match &planned.kernels {
+            Kernels::One(program) => (program, program),
+            Kernels::Dispatched { scalar, simd } => (scalar, simd),
+            _ => continue,
+        };
+        let arrays: Vec<usize> = planned.arguments.iter().map(|(_, shape)| shape.len()).collect();
+        for (program, batch) in [(scalar, false), (simd, false), (scalar, true)] {
+            let values = lower::<S>(program, &arrays, instruction_set, batch);
+            let bytes = size_of::<S>();
+            check(&generate(&values, instruction_set, bytes, arrays.len(), linkage));
+        }
+    }
+}

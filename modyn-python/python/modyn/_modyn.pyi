@@ -533,6 +533,16 @@ class Robot:
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
         Result: `Step`: `q` (nq,), `qd` (nv,). Several states have one more axis, the first.
         """
+    def step_rk4_derivatives(
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, *, out: StepDerivatives | None = None
+    ) -> StepDerivatives:
+        """Returns the state of `step_rk4`, and its derivatives: `a` with respect to the state before and `b`
+        with respect to `tau`. A state has the entries of q (in tangent space), then those of qd.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
+        Result: `StepDerivatives`: `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several states
+        have one more axis, the first.
+        """
     def step_implicit_midpoint(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, *, out: Step | None = None
     ) -> Step:
@@ -738,6 +748,16 @@ class Robot:
         energy, but no momentum: their axes are not described.
 
         Arguments: `q`: (nq,); `qd`: (nv,).
+        Result: (6,), angular before linear components. Several states have one more axis, the first.
+        """
+    def centroidal_momentum_rate(
+        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, *, out: Array | None = None
+    ) -> Array:
+        """Returns the time derivative of the centroidal momentum in world axes: the moment (N m) and the force
+        (N) about the centre of mass of gravity and of all forces from outside. At `qdd` = 0 it is the bias
+        A' qd, with the centroidal momentum matrix A.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
         Result: (6,), angular before linear components. Several states have one more axis, the first.
         """
     def link_poses(

@@ -302,7 +302,7 @@ class Step(NamedTuple):
 
 
 class StepDerivatives(NamedTuple):
-    """The result of `step_semi_implicit_derivatives`, `step_implicit_midpoint_derivatives`."""
+    """The result of `step_semi_implicit_derivatives`, `step_rk4_derivatives`, `step_implicit_midpoint_derivatives`."""
 
     q: NDArray[Any]
     """(nq,)"""

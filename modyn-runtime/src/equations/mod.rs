@@ -58,6 +58,6 @@ pub use {
     constraints::ConstraintWorkspace,
     dynamics::Forces,
     factorization::ModulePartition,
-    steps::{MidpointWorkspace, StepWorkspace},
+    steps::{MidpointWorkspace, RungeKuttaWorkspace, StepWorkspace},
     workspace::Workspace,
 };

@@ -275,6 +275,16 @@ macro_rules! robot_functions {
                 ) -> Step<Self::Q<T>, Self::V<T>>,
                     if StepRk4, else "`{Self}` has no function `step_rk4`";
 
+                /// Returns the state of [`step_rk4`](Self::step_rk4), and its derivatives A with respect to the state before
+                /// the step (in tangent space) and B with respect to `tau`.
+                step_rk4_derivatives / step_rk4_derivatives_with(
+                    q: &Self::Q<T>,
+                    qd: &Self::V<T>,
+                    tau: &Self::V<T>,
+                    dt: T
+                ) -> LinearStep<Self, T>,
+                    if StepRk4Derivatives, else "`{Self}` has no function `step_rk4_derivatives`";
+
                 /// Returns the state after the time `dt` (s) under the joint forces `tau`, by the implicit midpoint rule.
                 step_implicit_midpoint / step_implicit_midpoint_with(
                     q: &Self::Q<T>,
@@ -334,6 +344,15 @@ macro_rules! robot_functions {
                     qd: &Self::V<T>
                 ) -> Momentum<T>,
                     if CentroidalMomentum, else "`{Self}` has no function `centroidal_momentum`";
+
+                /// Returns the time derivative A qdd + A' qd of the momentum about the centre of mass, in world axes. At
+                /// `qdd` = 0 it is the bias A' qd of the centroidal momentum matrix A.
+                centroidal_momentum_rate / centroidal_momentum_rate_with(
+                    q: &Self::Q<T>,
+                    qd: &Self::V<T>,
+                    qdd: &Self::V<T>
+                ) -> Momentum<T>,
+                    if CentroidalMomentumRate, else "`{Self}` has no function `centroidal_momentum_rate`";
 
                 /// Returns the velocity of a link at its origin, in world axes.
                 link_velocity(

@@ -21,7 +21,9 @@ use alloc::{vec, vec::Vec};
 use crate::Scalar;
 use crate::equations::brge::UduLayout;
 use crate::equations::dynamics::Elimination;
-use crate::equations::{ConstraintWorkspace, MidpointWorkspace, StepWorkspace, Workspace};
+use crate::equations::{
+    ConstraintWorkspace, MidpointWorkspace, RungeKuttaWorkspace, StepWorkspace, Workspace,
+};
 use crate::mechanism::Mechanism;
 use crate::model::{Model, ModuleTree};
 use crate::spatial::{Pose, Vector3};
@@ -83,6 +85,8 @@ pub struct Interpreter<S = f64> {
     constraints: Option<ConstraintWorkspace<S>>,
     /// Created when a step is first computed.
     steps: Option<StepWorkspace<S>>,
+    /// Created when the derivatives of a Runge-Kutta step are first computed.
+    runge_kutta: Option<RungeKuttaWorkspace<S>>,
     /// Created when a step of the implicit midpoint rule is first computed.
     midpoint: Option<MidpointWorkspace<S>>,
     /// For each contact, 1 if it is active, else 0.
@@ -131,7 +135,7 @@ impl<S: Scalar> Interpreter<S> {
         elimination.reserve(&mechanism, &mut workspace);
         let body_poses = vec![Pose::identity(); mechanism.bodies.len()];
         let (inertias, links, constraints) = (None, None, None);
-        let (steps, midpoint) = (None, None);
+        let (steps, runge_kutta, midpoint) = (None, None, None);
         let active = vec![S::zero(); model.contacts().len()];
         Self {
             model,
@@ -144,6 +148,7 @@ impl<S: Scalar> Interpreter<S> {
             links,
             constraints,
             steps,
+            runge_kutta,
             midpoint,
             active,
         }

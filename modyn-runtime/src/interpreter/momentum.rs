@@ -3,7 +3,9 @@
 use super::Interpreter;
 use super::errors::{ShapeError, check};
 use crate::Scalar;
-use crate::equations::dynamics::{centroidal_momentum, centroidal_momentum_matrix};
+use crate::equations::dynamics::{
+    centroidal_momentum, centroidal_momentum_matrix, centroidal_momentum_rate,
+};
 use crate::equations::kinematics::{center_of_mass, center_of_mass_jacobian};
 use crate::spatial::{Momentum, Vector3};
 
@@ -73,5 +75,21 @@ impl<S: Scalar> Interpreter<S> {
         check("q", q, self.model.nq())?;
         check("qd", qd, self.model.nv())?;
         Ok(centroidal_momentum(&self.mechanism, (q, qd), &mut self.workspace))
+    }
+
+    /// Returns the time derivative A qdd + A' qd of [`centroidal_momentum`](Self::centroidal_momentum) in world axes, N m and
+    /// N: the wrench about the centre of mass of gravity and of all forces from outside. At qdd = 0 it is the bias A' qd.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn centroidal_momentum_rate(
+        &mut self,
+        (q, qd, qdd): (&[S], &[S], &[S]),
+    ) -> Result<Momentum<S>, ShapeError> {
+        check("q", q, self.model.nq())?;
+        check("qd", qd, self.model.nv())?;
+        check("qdd", qdd, self.model.nv())?;
+        Ok(centroidal_momentum_rate(&self.mechanism, (q, qd, qdd), &mut self.workspace))
     }
 }

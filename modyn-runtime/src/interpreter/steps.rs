@@ -6,7 +6,7 @@ use crate::Scalar;
 use crate::equations::brge::UduLayout;
 use crate::equations::dynamics::Elimination;
 pub use crate::equations::steps::StepOutputs;
-use crate::equations::{MidpointWorkspace, StepWorkspace, Workspace, steps};
+use crate::equations::{MidpointWorkspace, RungeKuttaWorkspace, StepWorkspace, Workspace, steps};
 use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
 
@@ -74,6 +74,29 @@ impl<S: Scalar> Interpreter<S> {
         next_qd: &mut [S],
     ) -> Result<(), ShapeError> {
         self.step(steps::step_rk4, (q, qd, tau, dt), (next_q, next_qd))
+    }
+
+    /// Computes the state of [`step_rk4`](Self::step_rk4), and its derivatives A with respect to the state before and B with
+    /// respect to `tau`, through the four evaluations of forward dynamics. Takes time of order nv^3. The first call allocates
+    /// memory.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn step_rk4_derivatives(
+        &mut self,
+        (q, qd, tau): (&[S], &[S], &[S]),
+        dt: S,
+        outputs: StepOutputs<'_, S>,
+    ) -> Result<(), ShapeError> {
+        self.check_linear_step((q, qd, tau), &outputs)?;
+        let Self { mechanism, workspace, model, links, runge_kutta, .. } = self;
+        let layout =
+            links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));
+        let memory = runge_kutta.get_or_insert_with(|| RungeKuttaWorkspace::new(mechanism));
+        let (state, rooms) = ((q, qd, tau, dt), (workspace, memory));
+        steps::step_rk4_derivatives(mechanism, layout, state, rooms, outputs);
+        Ok(())
     }
 
     /// Computes the coordinates and velocities after the time `dt` (s) under the joint forces `tau`, by the implicit

@@ -268,6 +268,7 @@ mod all_functions {
         let linear_step = R::step_semi_implicit_derivatives_with(params, q, qd, tau, dt);
         let costate = array(&costate(&list(qdd), &list(tau)));
         let step_hessian = R::step_semi_implicit_hessian_with(params, q, qd, tau, dt, &costate);
+        let linear_rk4 = R::step_rk4_derivatives_with(params, q, qd, tau, dt);
         let midpoint = R::step_implicit_midpoint_with(params, q, qd, tau, dt);
         let linear_midpoint = R::step_implicit_midpoint_derivatives_with(params, q, qd, tau, dt);
         vec![
@@ -281,6 +282,7 @@ mod all_functions {
             ("linear_step_a", columns(&linear_step.a)),
             ("step_semi_implicit_hessian", step_hessian_numbers(&step_hessian)),
             ("rk4_qd", list(&R::step_rk4_with(params, q, qd, tau, dt).qd)),
+            ("step_rk4_derivatives", linear_step_numbers(&linear_rk4)),
             ("step_implicit_midpoint", [list(&midpoint.q), list(&midpoint.qd)].concat()),
             ("step_implicit_midpoint_derivatives", linear_step_numbers(&linear_midpoint)),
             (
@@ -312,6 +314,10 @@ mod all_functions {
                 each(&R::centroidal_momentum_matrix_with(params, q), momentum),
             ),
             ("centroidal_momentum", momentum(&R::centroidal_momentum_with(params, q, qd))),
+            (
+                "centroidal_momentum_rate",
+                momentum(&R::centroidal_momentum_rate_with(params, q, qd, qdd)),
+            ),
         ]
     }
 
@@ -378,12 +384,14 @@ mod all_functions {
             step_semi_implicit_derivatives, step_semi_implicit_derivatives_with(q, qd, tau, dt);
             step_semi_implicit_hessian, step_semi_implicit_hessian_with(q, qd, tau, dt, &costate);
             step_rk4, step_rk4_with(q, qd, tau, dt);
+            step_rk4_derivatives, step_rk4_derivatives_with(q, qd, tau, dt);
             step_implicit_midpoint, step_implicit_midpoint_with(q, qd, tau, dt);
             step_implicit_midpoint_derivatives, step_implicit_midpoint_derivatives_with(q, qd, tau, dt);
             regressor, regressor_with(q, qd, qdd);
             center_of_mass, center_of_mass_with(q);
             center_of_mass_jacobian, center_of_mass_jacobian_with(q);
             centroidal_momentum, centroidal_momentum_with(q, qd);
+            centroidal_momentum_rate, centroidal_momentum_rate_with(q, qd, qdd);
             centroidal_momentum_matrix, centroidal_momentum_matrix_with(q);
         }
         let factors =

@@ -100,12 +100,46 @@ macro_rules! constrained {
     }};
 }
 
-/// Measures forward dynamics of all states in one call; robots with contacts have no such function here.
+/// The columns of one result of a batch, or of all of its entries.
+trait Columns<'a> {
+    /// Takes as many of the columns as it needs.
+    fn take(columns: &mut std::slice::IterMut<'a, Vec<f64>>) -> Self;
+}
+
+impl<'a> Columns<'a> for &'a mut [f64] {
+    fn take(columns: &mut std::slice::IterMut<'a, Vec<f64>>) -> Self {
+        columns.next().expect("as many columns as the result has")
+    }
+}
+
+impl<'a, C: Columns<'a>, const N: usize> Columns<'a> for [C; N] {
+    fn take(columns: &mut std::slice::IterMut<'a, Vec<f64>>) -> Self {
+        std::array::from_fn(|_| C::take(columns))
+    }
+}
+
+macro_rules! columns {
+    ($($Type:ident { $($field:tt: $Field:ty),* })*) => {$(
+        impl<'a, X: Columns<'a>> Columns<'a> for modyn::$Type<X> {
+            fn take(columns: &mut std::slice::IterMut<'a, Vec<f64>>) -> Self {
+                Self { $($field: <$Field>::take(columns)),* }
+            }
+        }
+    )*};
+}
+
+columns! {
+    Vector3 { 0: [X; 3] }
+    Wrench { moment: modyn::Vector3<X>, force: modyn::Vector3<X> }
+    Twist { angular: modyn::Vector3<X>, linear: modyn::Vector3<X> }
+}
+
+/// Measures forward dynamics of all states in one call.
 macro_rules! batch {
-    ($Robot:ident constrained $job:ident) => {
+    ($Robot:ident none $contacts:literal $job:ident) => {
         panic!("not timed in batches")
     };
-    ($Robot:ident free $job:ident) => {{
+    ($Robot:ident $kind:ident $contacts:literal $job:ident) => {{
         let states = $job.states();
         let count = states.len();
         let columns = |part: usize, j: usize| -> Vec<f64> {
@@ -114,21 +148,49 @@ macro_rules! batch {
         let q: [Vec<f64>; $Robot::NQ] = std::array::from_fn(|j| columns(0, j));
         let qd: [Vec<f64>; $Robot::NV] = std::array::from_fn(|j| columns(1, j));
         let tau: [Vec<f64>; $Robot::NV] = std::array::from_fn(|j| columns(2, j));
-        let mut qdd: [Vec<f64>; $Robot::NV] = std::array::from_fn(|_| vec![0.0; count]);
-        let pass = |qdd: &mut [Vec<f64>; $Robot::NV]| {
-            $Robot::forward_dynamics_batch(
+        let arguments = || {
+            (
                 q.each_ref().map(|column| black_box(&column[..])),
                 qd.each_ref().map(|column| &column[..]),
                 tau.each_ref().map(|column| &column[..]),
-                qdd.each_mut().map(|column| &mut column[..]),
             )
-            .expect("equal lengths");
-            black_box(qdd);
         };
-        pass(&mut qdd);
-        let result = |i: usize| qdd.iter().map(|column| column[i]).collect();
+        // Accelerations; wrenches and residuals of six numbers a contact, and the rank.
+        let contacts = if $contacts > 0 { 12 * $contacts + 1 } else { 0 };
+        let mut results = vec![vec![0.0; count]; $Robot::NV + contacts];
+        let pass = |results: &mut [Vec<f64>]| {
+            let (q, qd, tau) = arguments();
+            let to = &mut results.iter_mut();
+            batch_call!($Robot $kind count (q, qd, tau) to).expect("equal lengths");
+            black_box(results);
+        };
+        pass(&mut results);
+        let result = |i: usize| results[..$Robot::NV].iter().map(|column| column[i]).collect();
         $job.check((0..count).map(result));
-        $job.time_all(count, || pass(&mut qdd));
+        $job.time_all(count, || pass(&mut results));
+    }};
+}
+
+/// Calls the batch of forward dynamics, with all contacts active.
+macro_rules! batch_call {
+    ($Robot:ident free $count:ident ($q:ident, $qd:ident, $tau:ident) $to:ident) => {
+        $Robot::forward_dynamics_batch($q, $qd, $tau, Columns::take($to))
+    };
+    ($Robot:ident constrained $count:ident ($q:ident, $qd:ident, $tau:ident) $to:ident) => {{
+        let settings = modyn::ConstraintSettings::<f64, _>::EXACT;
+        let active = vec![true; $count];
+        let (contacts, settings) = ([black_box(&active[..]); _], black_box(&settings));
+        $Robot::constrained_forward_dynamics_batch(
+            $q,
+            $qd,
+            $tau,
+            contacts,
+            settings,
+            Columns::take($to),
+            Columns::take($to),
+            Columns::take($to),
+            Columns::take($to),
+        )
     }};
 }
 
@@ -151,7 +213,7 @@ macro_rules! call_alone {
 
 /// All robots; the build script writes the rows of the table.
 macro_rules! generated {
-    ($($name:literal $Robot:ident $kind:ident [$($function:ident)*];)*) => {
+    ($($name:literal $Robot:ident $batch:ident $contacts:literal [$($function:ident)*];)*) => {
         /// Measures the generated function.
         pub fn measure(job: &Job) {
             match job.robot.as_str() {
@@ -209,12 +271,11 @@ macro_rules! generated {
             }
         }
 
-        /// Measures forward dynamics of all states in one call.
+        /// Measures forward dynamics of all states in one call: the quantity that has a batch here.
         pub fn measure_batch(job: &Job) {
-            assert_eq!(job.quantity, "forward_dynamics", "the quantity that has a batch here");
             match job.robot.as_str() {
                 $($name => {
-                    batch!($Robot $kind job);
+                    batch!($Robot $batch $contacts job);
                 })*
                 other => panic!("no robot `{other}`"),
             }

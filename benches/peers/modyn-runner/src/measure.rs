@@ -1,5 +1,8 @@
 //! Checks and measures functions, as `../cpp/harness.hpp` does.
 
+#[path = "cold.rs"]
+mod cold;
+
 use std::hint::black_box;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -79,9 +82,12 @@ impl Job {
     }
 
     /// Prints the median time of a call, ns: a warm-up of at least 20 ms, then repetitions of at least 4 ms, each
-    /// through all states as many times as that takes.
+    /// through all states as many times as that takes. Then prints the median time with empty caches.
     pub fn time<S>(&self, states: &[S], mut call: impl FnMut(&S)) {
         self.time_all(states.len(), || states.iter().for_each(|state| call(black_box(state))));
+        if let Some(ns) = cold::cold(states.len(), |i| call(black_box(&states[i]))) {
+            println!("cold {ns}");
+        }
     }
 
     /// Prints the median time for a function that computes this number of states in one call.

@@ -12,6 +12,9 @@ pub struct Robot {
     /// Its contacts. With contacts, only functions of contacts are measured.
     #[allow(dead_code)]
     pub contacts: Vec<Contact>,
+    /// Whether forward dynamics is also measured for many states a call.
+    #[allow(dead_code)]
+    pub batch: bool,
     /// The measured functions.
     pub quantities: &'static [&'static str],
 }
@@ -43,13 +46,14 @@ pub fn all() -> Vec<Robot> {
         let description = if description.starts_with("wheel:") { &copied() } else { description };
         let contacts: Vec<Contact> = timed.split(',').filter_map(contact).collect();
         let all = if contacts.is_empty() { FREE } else { CONSTRAINED };
-        let derivatives = timed.split(',').any(|word| word == "derivatives");
-        let quantities = &all[..all.len() - usize::from(!derivatives)];
+        let has = |wanted| timed.split(',').any(|word| word == wanted);
+        let quantities = &all[..all.len() - usize::from(!has("derivatives"))];
         Robot {
             name: String::from(name),
             description: root.join(description),
             base: if base == "floating" { Base::Floating } else { Base::Fixed },
             contacts,
+            batch: has("batch"),
             quantities,
         }
     };

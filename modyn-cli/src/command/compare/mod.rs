@@ -1,6 +1,7 @@
-//! `modyn compare`: compiles a robot's generated code, and compares it with the interpreter.
+//! `modyn compare`: compiles a robot, to machine code or with rustc, and compares it with the interpreter.
 
 mod harness;
+mod machine_code;
 mod quantities;
 mod timing;
 
@@ -23,12 +24,14 @@ use crate::command::progress::Progress;
 use crate::command::robot::Robot;
 use crate::command::table::Table;
 use crate::random::Random;
-use harness::Harness;
+use harness::{Harness, Measured};
+use machine_code::MachineCode;
 use quantities::{Quantity, State, quantities};
 
-/// Compile a robot's code with rustc and compare it with the interpreter on random states
+/// Compile a robot and compare it with the interpreter on random states
 ///
-/// The exit code is 0 if they agree, 1 if they differ or the description is rejected, 2 if rustc is missing.
+/// The robot is compiled to machine code in milliseconds, or with --rustc as the Rust text that `modyn generate` writes. The exit
+/// code is 0 if they agree, 1 if they differ or the description is rejected, 2 if it cannot be compiled on this machine.
 #[derive(Args)]
 pub struct Arguments {
     /// The number of random states
@@ -47,11 +50,14 @@ pub struct Arguments {
     /// The kinematic modules: `chains`, `links`, or a list such as [["a", "b"], ["c"]]
     #[arg(long, value_name = "MODULES", value_parser = modules)]
     modules: Option<ModuleChoice>,
-    /// Compile for the processor of this machine
+    /// Compile the generated Rust with rustc, instead of machine code
     #[arg(long)]
+    rustc: bool,
+    /// Let rustc compile for the processor of this machine, as machine code always is
+    #[arg(long, requires = "rustc")]
     native: bool,
-    /// Keep the sources and the program in this folder
-    #[arg(long, value_name = "FOLDER")]
+    /// Keep the sources and the program of rustc in this folder
+    #[arg(long, value_name = "FOLDER", requires = "rustc")]
     keep: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
@@ -67,7 +73,7 @@ struct Row {
     bound: f64,
     /// The time of a call, in nanoseconds.
     interpreted: f64,
-    generated: f64,
+    compiled: f64,
 }
 
 impl Row {
@@ -77,53 +83,75 @@ impl Row {
     }
 }
 
+/// What the compiled robot computes, and how it was compiled.
+struct Outcome {
+    model: Model,
+    states: Vec<State>,
+    measured: Vec<Measured>,
+    compiler: String,
+    compiled_in: Duration,
+}
+
 /// Compares, and prints the result.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let rustc = harness::rustc()?;
+    let rustc = arguments.rustc.then(harness::rustc).transpose()?;
     let description = arguments.robot.open()?;
     let quantities = arguments.quantities()?;
-    let mut builder = arguments.robot.builder(&description).self_contained();
+    let mut builder = arguments.robot.builder(&description);
     builder = builder.functions(quantities.iter().map(|quantity| quantity.function));
     if let Some(choice) = &arguments.modules {
         builder = builder.modules(choice.clone());
     }
-    let mut progress = Progress::start("generating");
-    let generated = builder.generate();
-    let generated = generated.map_err(|found| description.failure(arguments.robot.named(found)))?;
-    description.warn(arguments.robot.named(Diagnostics::new(generated.warnings)));
-    let model = generated.model;
-    let mut interpreter = arguments.interpreter(&model)?;
-    let states = arguments.states(&interpreter)?;
-    progress.show("compiling with rustc");
-    let start = Instant::now();
-    let harness = Harness {
-        rustc: &rustc,
-        robot: &generated.text,
-        type_name: &generated.type_name,
-        quantities: &quantities,
-        native: arguments.native,
-        keep: arguments.keep.as_deref(),
+    let mut progress = Progress::start("compiling");
+    let failure = |found| description.failure(arguments.robot.named(found));
+    let warn = |warnings| description.warn(arguments.robot.named(Diagnostics::new(warnings)));
+    let outcome = if let Some(rustc) = &rustc {
+        let generated = builder.self_contained().generate().map_err(failure)?;
+        warn(generated.warnings);
+        let states = arguments.states(&arguments.interpreter(&generated.model)?)?;
+        progress.show("compiling with rustc");
+        let start = Instant::now();
+        let harness = Harness {
+            rustc,
+            robot: &generated.text,
+            type_name: &generated.type_name,
+            quantities: &quantities,
+            native: arguments.native,
+            keep: arguments.keep.as_deref(),
+        };
+        let program = harness.compile(&generated.model)?;
+        let compiled_in = start.elapsed();
+        progress.show("comparing");
+        let (measured, compiler) = (program.run(&states)?, rustc.version.clone());
+        Outcome { model: generated.model, states, measured, compiler, compiled_in }
+    } else {
+        let planning = builder.plan().map_err(failure)?;
+        warn(planning.warnings.clone());
+        let states = arguments.states(&arguments.interpreter(&planning.model)?)?;
+        let start = Instant::now();
+        let code = MachineCode::compile(&planning)?;
+        let compiled_in = start.elapsed();
+        progress.show("comparing");
+        let (measured, compiler) = (code.run(&quantities, &states)?, code.name());
+        Outcome { model: planning.model, states, measured, compiler, compiled_in }
     };
-    let program = harness.compile(&model)?;
-    let compiled_in = start.elapsed();
-    progress.show("comparing");
-    let measured = program.run(&states)?;
+    let mut interpreter = arguments.interpreter(&outcome.model)?;
     // An unknown or infinite condition number does not excuse larger differences.
-    let condition = condition_number(&model).unwrap_or(1e6).clamp(1.0, 1e6);
+    let condition = condition_number(&outcome.model).unwrap_or(1e6).clamp(1.0, 1e6);
     let mut rows = Vec::new();
-    for (quantity, (results, generated)) in quantities.iter().zip(&measured) {
-        let (expected, interpreted) = interpret(&mut interpreter, quantity, &states)?;
+    for (quantity, (results, compiled)) in quantities.iter().zip(&outcome.measured) {
+        let (expected, interpreted) = interpret(&mut interpreter, quantity, &outcome.states)?;
         let (difference, factor) =
             (largest(results, &expected), if quantity.solves { condition } else { 1.0 });
         let bound = arguments.tolerance * factor;
         let name = quantity.function.name();
-        rows.push(Row { name, difference, bound, interpreted, generated: *generated });
+        rows.push(Row { name, difference, bound, interpreted, compiled: *compiled });
     }
     progress.stop();
     to_stdout(&if arguments.json {
-        as_json(&model, &rows, compiled_in)
+        as_json(&outcome, &rows)
     } else {
-        as_text(&model, &rows, arguments, compiled_in, &rustc.version)
+        as_text(&outcome, &rows, arguments)
     })?;
     if let Some(folder) = &arguments.keep {
         to_stderr(&format!("kept in {}\n", sanitize_for_display(&folder.display().to_string())));
@@ -136,10 +164,10 @@ impl Arguments {
         let chosen = |function: Function| {
             self.functions.as_ref().is_none_or(|Functions(list)| list.contains(&function))
         };
-        let quantities: Vec<_> = quantities().filter(|one| chosen(one.function)).collect();
+        let possible = || quantities().filter(|one| self.rustc || !one.needs_rustc());
+        let quantities: Vec<_> = possible().filter(|one| chosen(one.function)).collect();
         if quantities.is_empty() {
-            let names: Vec<&str> =
-                quantities::quantities().map(|one| one.function.name()).collect();
+            let names: Vec<&str> = possible().map(|one| one.function.name()).collect();
             return Err(Failure::usage(format!("error: compared can be: {}", names.join(", "))));
         }
         Ok(quantities)
@@ -214,19 +242,13 @@ fn largest(found: &[Vec<f64>], expected: &[Vec<f64>]) -> f64 {
     worst
 }
 
-fn as_text(
-    model: &Model,
-    rows: &[Row],
-    arguments: &Arguments,
-    compiled_in: Duration,
-    version: &str,
-) -> String {
+fn as_text(outcome: &Outcome, rows: &[Row], arguments: &Arguments) -> String {
     let head = [
         "function",
         "largest difference",
         "allowed",
         "interpreter, ns",
-        "generated, ns",
+        "compiled, ns",
         "times as fast",
         "",
     ];
@@ -237,8 +259,8 @@ fn as_text(
             format!("{:.1e}", row.difference),
             format!("{:.1e}", row.bound),
             format!("{:.0}", row.interpreted),
-            format!("{:.0}", row.generated),
-            format!("{:.0}", row.interpreted / row.generated.max(1e-3)),
+            format!("{:.0}", row.compiled),
+            format!("{:.0}", row.interpreted / row.compiled.max(1e-3)),
             if row.agrees() { "" } else { "DIFFERS" }.into(),
         ]);
     }
@@ -253,16 +275,17 @@ fn as_text(
         ""
     };
     format!(
-        "{}: {} states (seed {}), {version}, compiled in {:.1} s{note}\n\n{}\n{verdict}\n",
-        sanitize_for_display(model.name()),
+        "{}: {} states (seed {}), {}, compiled in {:.3} s{note}\n\n{}\n{verdict}\n",
+        sanitize_for_display(outcome.model.name()),
         arguments.states,
         arguments.seed,
-        compiled_in.as_secs_f64(),
+        outcome.compiler,
+        outcome.compiled_in.as_secs_f64(),
         table.right_aligned_from(1).text(),
     )
 }
 
-fn as_json(model: &Model, rows: &[Row], compiled_in: Duration) -> String {
+fn as_json(outcome: &Outcome, rows: &[Row]) -> String {
     let row = |row: &Row| {
         json!({
             "name": row.name,
@@ -271,13 +294,14 @@ fn as_json(model: &Model, rows: &[Row], compiled_in: Duration) -> String {
             "allowed": row.bound,
             "agrees": row.agrees(),
             "interpreter_ns": row.interpreted,
-            "generated_ns": row.generated,
+            "compiled_ns": row.compiled,
         })
     };
     let all = json!({
-        "robot": model.name(),
+        "robot": outcome.model.name(),
+        "compiler": outcome.compiler,
         "agrees": rows.iter().all(Row::agrees),
-        "compiled_in_s": compiled_in.as_secs_f64(),
+        "compiled_in_s": outcome.compiled_in.as_secs_f64(),
         "functions": rows.iter().map(row).collect::<Value>(),
     });
     format!("{all:#}\n")
@@ -295,7 +319,7 @@ mod tests {
         assert!(differ(&[f64::NAN, 1.0], &[1.0, 1.0]).is_infinite());
         assert!(differ(&[1.0], &[1.0, 1.0]).is_infinite());
         let row =
-            Row { name: "", difference: f64::NAN, bound: 1.0, interpreted: 1.0, generated: 1.0 };
+            Row { name: "", difference: f64::NAN, bound: 1.0, interpreted: 1.0, compiled: 1.0 };
         assert!(!row.agrees());
     }
 }

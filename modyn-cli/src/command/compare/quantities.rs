@@ -14,6 +14,26 @@ pub struct State {
     pub u: Vec<f64>,
 }
 
+impl State {
+    /// Returns the numbers of an argument of a function, by the argument's name.
+    pub fn argument(&self, name: &str) -> &[f64] {
+        match field(name) {
+            "q" => &self.q,
+            "qd" => &self.qd,
+            _ => &self.u,
+        }
+    }
+}
+
+/// Returns the field of a state that has the numbers of an argument, by the argument's name.
+fn field(name: &str) -> &'static str {
+    match name {
+        "q" => "q",
+        "qd" | "v" => "qd",
+        _ => "u",
+    }
+}
+
 /// A function that is compared.
 pub struct Quantity {
     pub function: Function,
@@ -23,6 +43,13 @@ pub struct Quantity {
     pub call: String,
     /// The call of the interpreter, which appends the numbers of the result.
     pub interpret: Interpret,
+}
+
+impl Quantity {
+    /// Returns whether machine code has no result to compare: its factors of the mass matrix solve nothing by themselves.
+    pub fn needs_rustc(&self) -> bool {
+        self.function == Function::Brge
+    }
 }
 
 type Interpret = fn(&mut Interpreter<f64>, &State, &mut Vec<f64>) -> Result<(), ShapeError>;
@@ -49,12 +76,8 @@ pub fn quantities() -> impl Iterator<Item = Quantity> {
 
 /// Returns the call in Rust.
 fn call(function: Function) -> String {
-    let argument = |argument: &Argument| match argument.name {
-        "q" => "&s.q",
-        "qd" | "v" => "&s.qd",
-        _ => "&s.u",
-    };
-    let arguments: Vec<&str> = function.row().arguments.iter().map(argument).collect();
+    let argument = |argument: &Argument| format!("&s.{}", field(argument.name));
+    let arguments: Vec<String> = function.row().arguments.iter().map(argument).collect();
     // Factors have another order in the interpreter, so a solution is compared.
     let then = if function == Function::Brge { ".solve(&s.u)" } else { "" };
     format!("{}({}){then}", function.name(), arguments.join(", "))

@@ -1,5 +1,6 @@
 //! `modyn simulate`: computes a robot's motion as a table, as plots, and as a page with an animation.
 
+mod adaptive;
 mod impulses;
 mod motion;
 mod plot;
@@ -44,6 +45,10 @@ pub struct Arguments {
     /// The step of the fourth-order Runge-Kutta method, s
     #[arg(long, value_name = "S", default_value_t = 0.001, value_parser = positive)]
     step: f64,
+    /// Choose the steps such that each step's error of a coordinate or velocity x is at most this tolerance times 1 + |x|, by
+    /// the Runge-Kutta method of Dormand and Prince
+    #[arg(long, value_name = "TOLERANCE", value_parser = positive, conflicts_with_all = ["step", "ground", "limits"])]
+    tolerance: Option<f64>,
     /// The time from one row or picture to the next, s; rounded to whole steps
     #[arg(long, value_name = "S", default_value_t = 0.02, value_parser = positive)]
     every: f64,
@@ -136,8 +141,10 @@ impl Arguments {
                 sanitize_for_display(&model.loop_constraints()[0].name)
             )));
         }
-        let steps = (self.time / self.step).round().max(1.0);
-        let every = (self.every / self.step).round().max(1.0);
+        // Steps by a tolerance are within those from one row to the next.
+        let step = if self.tolerance.is_some() { self.every } else { self.step };
+        let steps = (self.time / step).round().max(1.0);
+        let every = (self.every / step).round().max(1.0);
         if steps > MAX_STEPS || steps / every > MAX_SAMPLES {
             return Err(Failure::usage(format!(
                 "error: {steps:.0} steps and {:.0} rows are too many ({MAX_STEPS:.0} and {MAX_SAMPLES:.0} are \
@@ -146,7 +153,8 @@ impl Arguments {
             )));
         }
         let step = self.time / steps;
-        Ok(Settings { step, steps: steps as usize, every: every as usize, unilateral })
+        let (steps, every, tolerance) = (steps as usize, every as usize, self.tolerance);
+        Ok(Settings { step, steps, every, tolerance, unilateral })
     }
 
     fn start(&self, model: &Model) -> Result<(Vec<f64>, Vec<f64>), Failure> {

@@ -8,6 +8,7 @@ use modyn_runtime::model::{Friction, Model};
 use modyn_runtime::spatial::{Twist, Wrench};
 use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter, ShapeError};
 
+use super::adaptive;
 use super::impulses::{Impulses, Options};
 use super::torques::Torques;
 use crate::command::outcome::Failure;
@@ -21,6 +22,8 @@ pub struct Settings {
     pub steps: usize,
     /// The number of steps from one sample to the next.
     pub every: usize,
+    /// The largest error of a step, relative to 1 + |x|; steps are then divided until they keep it.
+    pub tolerance: Option<f64>,
     /// The ground and the joint limits; with them steps are of first order.
     pub unilateral: Options,
 }
@@ -57,10 +60,22 @@ pub struct Motion {
 
 /// The integrated quantities: coordinates, velocities, work and dissipated energy.
 #[derive(Clone)]
-struct State {
-    q: Vec<f64>,
-    qd: Vec<f64>,
+pub struct State {
+    pub q: Vec<f64>,
+    pub qd: Vec<f64>,
     energy: [f64; 2],
+}
+
+/// The shortest step by a tolerance, as a part of the time from one row to the next.
+const SHORTEST: f64 = 1e-7;
+
+/// The steps by a tolerance.
+struct Control {
+    tolerance: f64,
+    /// The length of the next step, s.
+    step: f64,
+    /// The number of steps that kept the tolerance.
+    steps: usize,
 }
 
 /// The equations of motion.
@@ -111,13 +126,20 @@ impl Motion {
         };
         let mut state = State { q, qd, energy: [0.0; 2] };
         let mut samples = vec![dynamics.sample(0.0, &state).map_err(shape)?];
+        let mut control = settings.tolerance.map(|tolerance| Control {
+            tolerance,
+            step: 0.1 * settings.step,
+            steps: 0,
+        });
         for i in 1..=settings.steps {
             let before = settings.step * (i - 1) as f64;
-            state = match dynamics.impulses.is_none() {
-                true => dynamics.step(before, settings.step, &state),
-                false => dynamics.impulse_step(before, settings.step, &state),
-            }
-            .map_err(shape)?;
+            state = match (&mut control, dynamics.impulses.is_none()) {
+                (Some(control), _) => dynamics.steps(before, settings.step, state, control)?,
+                (None, true) => dynamics.step(before, settings.step, &state).map_err(shape)?,
+                (None, false) => {
+                    dynamics.impulse_step(before, settings.step, &state).map_err(shape)?
+                }
+            };
             let time = settings.step * i as f64;
             if !state.q.iter().chain(&state.qd).all(|x| x.is_finite()) {
                 return Err(Failure::No(format!(
@@ -129,7 +151,8 @@ impl Motion {
                 samples.push(dynamics.sample(time, &state).map_err(shape)?);
             }
         }
-        Ok(Self { samples, steps: settings.steps, lowest: dynamics.lowest })
+        let steps = control.map_or(settings.steps, |control| control.steps);
+        Ok(Self { samples, steps, lowest: dynamics.lowest })
     }
 
     /// Returns the largest change of the conserved quantity, J.
@@ -191,6 +214,51 @@ impl Dynamics<'_> {
         Ok(next)
     }
 
+    /// Returns the state after the time `duration` by steps that keep a tolerance; quaternions are scaled to length 1 after
+    /// each.
+    fn steps(
+        &mut self,
+        start: f64,
+        duration: f64,
+        mut state: State,
+        control: &mut Control,
+    ) -> Result<State, Failure> {
+        let shape = |error: ShapeError| Failure::usage(format!("error: {error}"));
+        let mut done = 0.0;
+        while done < duration {
+            // The last step ends where the row is.
+            let rest = duration - done;
+            let is_last = control.step >= 0.999 * rest;
+            let dt = if is_last { rest } else { control.step };
+            let time = start + done;
+            let rates = |time: f64, state: &State| self.rates(time, state);
+            let (mut next, error) =
+                adaptive::step((time, dt), &state, control.tolerance, rates).map_err(shape)?;
+            let ratio = adaptive::ratio(error);
+            if error <= 1.0 {
+                self.interpreter.normalize(&mut next.q).map_err(shape)?;
+                state = next;
+                control.steps += 1;
+                done = if is_last { duration } else { done + dt };
+                // A step that was shortened to end at a row says nothing about longer ones, unless its error is large.
+                control.step = if is_last { control.step.max(ratio * dt) } else { ratio * dt };
+            } else {
+                control.step = ratio.min(1.0) * dt;
+            }
+            control.step = control.step.min(duration);
+            if control.step < SHORTEST * duration {
+                return Err(Failure::No(format!(
+                    "error: the tolerance {:e} cannot be kept at {time:.4} s, not even by steps of {:.1e} s: the motion is \
+                     stiff, leaves all bounds, or the tolerance is below rounding: take a larger `--tolerance`, or fixed \
+                     steps by `--step`",
+                    control.tolerance,
+                    SHORTEST * duration
+                )));
+            }
+        }
+        Ok(state)
+    }
+
     /// Returns the state after one step of the semi-implicit Euler method with the impulses of the ground and of joint
     /// stops.
     fn impulse_step(&mut self, time: f64, dt: f64, state: &State) -> Result<State, ShapeError> {
@@ -241,7 +309,7 @@ fn power(tau: &[f64], qd: &[f64]) -> f64 {
 
 impl State {
     /// Returns the sum of this state and `factor` times the other.
-    fn plus(&self, factor: f64, other: &Self) -> Self {
+    pub fn plus(&self, factor: f64, other: &Self) -> Self {
         let add = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + factor * b).collect();
         Self {
             q: add(&self.q, &other.q),

@@ -71,6 +71,10 @@ impl Dialect for Cuda {
         )
     }
 
+    fn constant(&self, name: &str, value: usize) -> String {
+        format!("#define {name} {value}\n")
+    }
+
     fn literal(&self, value: f64) -> String {
         c::literal(value, self.float)
     }

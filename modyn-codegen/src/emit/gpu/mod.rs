@@ -24,6 +24,7 @@ use modyn_runtime::model::Model;
 
 use super::FloatType;
 use super::support::Support;
+use crate::diagnostics::sanitize_for_display;
 use crate::names;
 use crate::plan::{Argument, Frames, Kernels, LinkCode, Plan, Planned, Shape};
 use crate::program::Program;
@@ -98,6 +99,9 @@ struct Kernel<'a> {
 trait Dialect {
     /// Returns the text before all kernels: definitions of the functions that they call.
     fn preamble(&self, used: &BTreeSet<Support>) -> String;
+
+    /// Returns the definition of a whole number that the user's functions can name.
+    fn constant(&self, name: &str, value: usize) -> String;
 
     /// Returns a number.
     fn literal(&self, value: f64) -> String;
@@ -229,19 +233,44 @@ pub(super) fn print(
     for kernel in &kernels {
         text += &function::print(&*dialect, kernel, &mut used);
     }
-    let text = head(model) + &dialect.preamble(&used) + &text;
+    let text = head(&*dialect, model, prefix) + &dialect.preamble(&used) + &text;
     let kernels = kernels.into_iter().map(|kernel| kernel.description).collect();
     GpuSource { language, prefix: prefix.into(), text, kernels }
 }
 
+/// The largest number of columns of a list of names.
+const COLUMNS: usize = 100;
+
 /// Returns the first lines of a text.
-fn head(model: &Model) -> String {
+fn head(dialect: &dyn Dialect, model: &Model, prefix: &str) -> String {
     let [x, y, z] = model.gravity();
-    format!(
+    let mut text = format!(
         "// Dynamics of a robot, compiled by modyn: a kernel a function, a thread a state. SI units, radians;\n\
          // gravity ({x:?}, {y:?}, {z:?}) m/s^2 in world axes. Scalar j of state i of n states is number j n + i of its\n\
-         // buffer. Vectors are in the order of the description's joints, depth first; matrices are arrays of columns.\n\n"
-    )
+         // buffer. Vectors are in the order of the description's joints, depth first; matrices are arrays of columns.\n"
+    );
+    text += &list("Coordinates q", &model.coordinate_names());
+    text += &list("Velocities qd, accelerations and joint forces", &model.velocity_names());
+    for (name, value) in [("NQ", model.nq()), ("NV", model.nv())] {
+        text += &dialect.constant(&format!("{}_{name}", prefix.to_uppercase()), value);
+    }
+    text + "\n"
+}
+
+/// Returns a comment with a title and names.
+fn list(title: &str, names: &[impl AsRef<str>]) -> String {
+    let (mut text, mut column) = (format!("// {title}:"), title.len() + 4);
+    let mut names = names.iter().map(|name| sanitize_for_display(name.as_ref())).peekable();
+    while let Some(name) = names.next() {
+        let end = if names.peek().is_some() { "," } else { "." };
+        if column + name.len() + 2 > COLUMNS {
+            text += "\n//  ";
+            column = 4;
+        }
+        column += name.len() + 2;
+        text += &format!(" {name}{end}");
+    }
+    text + "\n"
 }
 
 /// Returns the kernels of all functions.

@@ -190,7 +190,8 @@ pub(in crate::emit) fn print(
         rollouts.push(GpuRollout { name, step: step.function(), statements: step.statements() });
     }
     let shared_text = Rollout { prefix, name: "", docs: "", buffers: &buffers };
-    let mut text = head(model) + &dialect.preamble(&used) + &dialect.rollout_head(&shared_text);
+    let head = head(&*dialect, model, prefix);
+    let mut text = head + &dialect.preamble(&used) + &dialect.rollout_head(&shared_text);
     text += &functions;
     let texts = options.forces.iter().map(|forces| &forces.text);
     for user in texts.chain(&options.contacts).chain(&options.cost) {

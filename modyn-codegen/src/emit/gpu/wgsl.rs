@@ -120,6 +120,10 @@ impl Dialect for Wgsl {
         number(value)
     }
 
+    fn constant(&self, name: &str, value: usize) -> String {
+        format!("const {name} = {value}u;\n")
+    }
+
     fn define(&self, name: &str, value: &str) -> String {
         format!("let {name} = {value};")
     }

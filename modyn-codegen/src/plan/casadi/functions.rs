@@ -26,6 +26,7 @@ pub(super) const FUNCTIONS: &[Function] = &[
     Function::CenterOfMassJacobian,
     Function::CentroidalMomentumMatrix,
     Function::CentroidalMomentum,
+    Function::CentroidalMomentumRate,
     Function::LinkPose,
     Function::LinkVelocity,
     Function::LocalLinkVelocity,

@@ -9,9 +9,10 @@
 
 use crate::Scalar;
 use crate::equations::Workspace;
+use crate::equations::kinematics::acceleration::parent_motion_at_joint;
 use crate::equations::kinematics::{center_of_mass, kinematic_path, total_mass};
 use crate::mechanism::Mechanism;
-use crate::spatial::{Momentum, Twist, Vector3, Wrench};
+use crate::spatial::{Field, Momentum, Twist, Vector3, Wrench};
 
 /// Computes the matrix A of h = A(q) qd into `columns`. Column k is the momentum at unit rate k, in
 /// world axes about the centre of mass.
@@ -85,6 +86,34 @@ pub fn centroidal_momentum<S: Scalar>(
         workspace.wrenches[i] = body.base_inertia.times(&twist);
     }
     // Momenta transform as wrenches do.
+    about_center(model, workspace)
+}
+
+/// Returns the time derivative A qdd + A' qd of the momentum of the moving links about their centre of mass, in world axes,
+/// N m and N: the wrench of gravity and of all forces from outside.
+///
+/// The Newton-Euler equations without gravity, from the world to the links. At qdd = 0 it is the bias A' qd.
+pub fn centroidal_momentum_rate<S: Scalar>(
+    model: &Mechanism<S>,
+    (q, qd, qdd): (&[S], &[S], &[S]),
+    workspace: &mut Workspace<S>,
+) -> Momentum<S> {
+    workspace.move_to(model, q);
+    for (i, body) in model.bodies.iter().enumerate() {
+        let motion = &workspace.motions[i];
+        let parent = body.parent.map_or_else(Field::zero, |parent| workspace.fields[parent]);
+        let carried = parent_motion_at_joint(&parent, body, motion);
+        let (rates, changes) = (model.rates(i, qd), model.rates(i, qdd));
+        let field = motion.accelerate(carried, &rates, Some(&*changes));
+        workspace.fields[i] = field;
+        workspace.wrenches[i] = field.wrench(&body.base_inertia);
+    }
+    // The velocity of the centre of mass is along the linear momentum, so its part in the derivative is zero.
+    about_center(model, workspace)
+}
+
+/// Returns the sum of the bodies' `workspace.wrenches`, or momenta, about the centre of mass in world axes.
+fn about_center<S: Scalar>(model: &Mechanism<S>, workspace: &mut Workspace<S>) -> Momentum<S> {
     let mut total = Wrench::zero();
     for (i, body) in model.bodies.iter().enumerate().rev() {
         let carried = body.wrench_to_parent(&workspace.motions[i], workspace.wrenches[i]);

@@ -14,8 +14,8 @@ use crate::mechanism::Mechanism;
 
 pub use {implicit_midpoint::*, runge_kutta::*, semi_implicit::*};
 
-/// The state after a step, and its derivatives: the results of [`step_semi_implicit_derivatives`] and of
-/// [`step_implicit_midpoint_derivatives`].
+/// The state after a step, and its derivatives: the results of [`step_semi_implicit_derivatives`],
+/// [`step_rk4_derivatives`] and [`step_implicit_midpoint_derivatives`].
 #[derive(Debug)]
 pub struct StepOutputs<'a, S> {
     /// The coordinates after the step.
@@ -48,14 +48,18 @@ impl<S: Scalar> StepWorkspace<S> {
     /// Returns the memory for a mechanism.
     #[must_use]
     pub fn new(model: &Mechanism<S>) -> Self {
-        let (nq, nv) = (model.nq, model.nv);
-        let vector = |_| vec![S::zero(); nv];
+        Self::of_lengths(model.nq, model.nv, model.nv * model.nv)
+    }
+
+    /// Returns the memory for vectors of coordinates and velocities and for matrices of these numbers of entries.
+    fn of_lengths(coordinates: usize, velocities: usize, matrix: usize) -> Self {
+        let vector = |_| vec![S::zero(); velocities];
         Self {
-            q: vec![S::zero(); nq],
-            displacement: vec![S::zero(); nv],
+            q: vec![S::zero(); coordinates],
+            displacement: vector(0),
             velocities: core::array::from_fn(vector),
             accelerations: core::array::from_fn(vector),
-            matrices: core::array::from_fn(|_| vec![S::zero(); nv * nv]),
+            matrices: core::array::from_fn(|_| vec![S::zero(); matrix]),
         }
     }
 }

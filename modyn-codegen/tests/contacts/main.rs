@@ -1,6 +1,9 @@
 //! Contacts: accelerations and wrenches against dense solutions of M qdd = tau - h + J^T f by singular values, with M, h
 //! and J from other functions; random masks on random trees; graphs against the interpreter.
 
+mod derivatives;
+mod stretched;
+
 use modyn_codegen::passes::optimize;
 use modyn_codegen::plan::{COLUMN_LANES, LIMB_LIMITS};
 use modyn_codegen::program::{Program, Target};
@@ -15,8 +18,8 @@ use modyn_runtime::spatial::{Pose, Twist, Vector3, Wrench};
 use modyn_runtime::{ConstrainedDerivatives, ConstraintSettings, ContactTarget, Interpreter};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3 as V3};
 
-const QUADRUPED: &str = include_str!("../../robots/quadruped.urdf");
-const HUMANOID: &str = include_str!("../../robots/humanoid.urdf");
+const QUADRUPED: &str = include_str!("../../../robots/quadruped.urdf");
+const HUMANOID: &str = include_str!("../../../robots/humanoid.urdf");
 
 struct Random(u64);
 

@@ -1,0 +1,33 @@
+"""Machine code that modyn makes at run time, from `native-runner`; a program for each instruction set of the processor."""
+
+import os
+
+from environment import HERE, OUTPUT, Unavailable, call
+from measure import Program
+
+#: In the table.
+NAME = "modyn machine code"
+BATCH = "modyn machine code, batch"
+
+
+def runner():
+    built = OUTPUT / "native"
+    call(["cargo", "build", "--release", "--manifest-path", HERE / "native-runner" / "Cargo.toml",
+          "--target-dir", built], env={**os.environ, "RUSTFLAGS": ""})
+    program = built / "release" / "native-runner"
+    if not program.exists():
+        raise Unavailable("not built yet")
+    return program
+
+
+def build(toolbox):
+    program = runner()
+    programs = []
+    for instructions in call([program, "sets"]).split():
+        for robot in toolbox.robots:
+            for quantity in robot.quantities:
+                programs.append(Program(NAME, instructions, robot.name, quantity, program, before=("one", instructions)))
+                if robot.batch and quantity.endswith("forward_dynamics"):
+                    programs.append(Program(BATCH, instructions, robot.name, quantity, program,
+                                            before=("batch", instructions)))
+    return programs
