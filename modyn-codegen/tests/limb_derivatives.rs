@@ -1,8 +1,8 @@
 //! Derivatives with equal limbs, and with columns, packed into vectors are those of the interpreter, with fewer
 //! operations.
 
-use modyn_codegen::graph::Graph;
-use modyn_codegen::passes::optimize;
+use modyn_codegen::graph::{Graph, Node};
+use modyn_codegen::passes::{Directional, Displacement, along_directions, optimize};
 use modyn_codegen::plan::{COLUMN_LANES, LIMB_LIMITS};
 use modyn_codegen::trace::{LimbPacking, Tracer};
 use modyn_codegen::{Base, ReadOptions};
@@ -105,21 +105,98 @@ fn hessians_with_limbs_in_lanes_are_those_on_scalars() {
             [
                 optimize(tracer.inverse_dynamics_hessian()),
                 optimize(tracer.forward_dynamics_hessian(&layout)),
+                optimize(tracer.step_semi_implicit_hessian(&layout)),
             ]
         };
         let scalar = hessians(&tracer);
         for limbs in LimbPacking::candidates(&mechanism, &LIMB_LIMITS, true) {
             let packed = hessians(&tracer.packed(&limbs));
-            for (scalar, packed) in scalar.iter().zip(&packed) {
+            for (k, (scalar, packed)) in scalar.iter().zip(&packed).enumerate() {
+                let counts = [scalar, packed].map(|graph| graph.count().total());
+                assert!(
+                    counts[1] * 5 < counts[0] * 4,
+                    "{name}, Hessian {k}: {counts:?} operations"
+                );
                 for seed in [0.0, 1.3] {
-                    let inputs = state(&model, seed).concat();
+                    let [q, qd, x, weights] = state(&model, seed);
+                    let inputs = match k {
+                        // The time, and weights of the coordinates, too.
+                        2 => [&q[..], &qd, &x, &[0.1], &weights, &qd].concat(),
+                        _ => [q, qd, x, weights].concat(),
+                    };
                     let expected = scalar.evaluate::<f64>(&inputs);
                     let found = packed.evaluate::<f64>(&inputs);
-                    assert_close(&format!("{name}, Hessian"), &found, &expected, 1e-10);
+                    assert_close(&format!("{name}, Hessian {k}"), &found, &expected, 1e-10);
                 }
             }
         }
     }
+}
+
+/// The numbers of four limbs x, in lanes, and of a trunk y: y x_k^2 of each limb, and their sum.
+fn four_limbs() -> (Graph, [u32; 5]) {
+    let mut graph = Graph::default();
+    let inputs = [0, 1, 2, 3, 4].map(|k| graph.input(k));
+    let [x @ .., y] = inputs;
+    let lanes = graph.pack(&x);
+    let squares = graph.make(Node::Mul(lanes, lanes));
+    let products = graph.make(Node::Mul(squares, y));
+    let each = [0, 1, 2, 3].map(|lane| graph.make(Node::ExtractLane(products, lane)));
+    let sum = graph.pairwise_sum(&each);
+    graph.outputs = [&each[..], &[sum]].concat();
+    (graph, inputs)
+}
+
+/// Returns the displacements of each limb's number by 1 along a direction of its own.
+fn displacements(graph: &mut Graph) -> Vec<Displacement> {
+    let change = graph.constant(1.0);
+    (0..4).map(|k| Displacement { input: k.into(), direction: k, change }).collect()
+}
+
+#[test]
+fn directions_of_four_limbs_share_a_pack() {
+    let (mut graph, _) = four_limbs();
+    let displacements = displacements(&mut graph);
+    let Directional { graph: all, changes } =
+        along_directions(&graph, &displacements).expect("limbs that do not move each other");
+    let point = [0.3, -0.7, 1.1, 0.4, 0.6];
+    for lane in 0..4 {
+        let change = |output: usize| -> f64 {
+            let terms = changes[output].iter().filter(|(_, lanes)| lanes >> lane & 1 == 1);
+            let lanes = terms.map(|&(pack, _)| {
+                let mut of_lane = all.clone();
+                let number = of_lane.make(Node::ExtractLane(all.outputs[pack], lane));
+                of_lane.outputs = vec![number];
+                of_lane.evaluate::<f64>(&point)[0]
+            });
+            lanes.sum()
+        };
+        let expected = 2.0 * point[4] * point[usize::from(lane)];
+        for limb in 0..4 {
+            let own = if limb == usize::from(lane) { expected } else { 0.0 };
+            assert_close(&format!("limb {limb} along {lane}"), &[change(limb)], &[own], 1e-15);
+        }
+        assert_close(&format!("the sum along {lane}"), &[change(4)], &[expected], 1e-15);
+    }
+    // A product for each factor, and the sum of both, in lanes.
+    assert!(all.nodes().len() < graph.nodes().len() + 12);
+}
+
+#[test]
+fn limbs_that_move_each_other_have_no_common_directions() {
+    let (mut graph, [a, b, c, d, _]) = four_limbs();
+    let moved = displacements(&mut graph);
+    let lanes = [[a, b, c, d], [b, a, d, c]].map(|lanes| graph.pack(&lanes));
+    let crossed = graph.make(Node::Mul(lanes[0], lanes[1]));
+    graph.outputs = vec![graph.make(Node::ExtractLane(crossed, 2))];
+    assert!(along_directions(&graph, &moved).is_none());
+    // The halves of the pack of limbs are no packs of limbs, either.
+    let (mut graph, [_, _, c, d, y]) = four_limbs();
+    let moved = displacements(&mut graph);
+    let half = graph.pack(&[c, d]);
+    let product = graph.make(Node::Mul(half, y));
+    graph.outputs = vec![graph.make(Node::ExtractLane(product, 0))];
+    assert!(along_directions(&graph, &moved).is_none());
 }
 
 /// Returns the condition number of a symmetric matrix in the infinity norm, from the matrix and its inverse.

@@ -28,6 +28,9 @@ enum Change {
     OfLimbs(Id),
     /// Of a scalar: along direction k, the sum of lane k of all packs whose set of lanes has k.
     OfScalar(Vec<Term>),
+    /// Of a pack with a lane that another direction changes, or several. It is the half of a pack, of which the scalars are
+    /// known; no other operation has its change.
+    Crossed,
 }
 
 #[derive(Clone, Copy)]
@@ -89,9 +92,10 @@ pub fn along_directions(graph: &Graph, displacements: &[Displacement]) -> Option
                 Some(Change::OfLimbs(pack)) => {
                     Some(Change::OfScalar(vec![Term { pack, lanes: 1 << lane }]))
                 }
+                Some(Change::Crossed) => return None,
                 _ => None,
             },
-            Node::Pack(..) => pack_of_limbs(graph, &mut result, &changes, id)?,
+            Node::Pack(..) => pack_of_limbs(graph, &mut result, &changes, id),
             _ => operation(graph, &mut result, &changes, id)?,
         };
     }
@@ -114,13 +118,13 @@ pub fn along_directions(graph: &Graph, displacements: &[Displacement]) -> Option
     Some(Directional { graph: result, changes })
 }
 
-/// Returns the change of a pack, if it has one; `None` if a direction changes the lane of another limb.
+/// Returns the change of a pack, if it has one.
 fn pack_of_limbs(
     graph: &Graph,
     result: &mut Graph,
     changes: &[Option<Change>],
     id: Id,
-) -> Option<Option<Change>> {
+) -> Option<Change> {
     let (mut lanes, mut changed) = (Vec::new(), false);
     let mut of_copy = None;
     let numbers: Vec<Id> = (0..graph.width(id)).map(|lane| graph.packed_at(id, lane)).collect();
@@ -133,13 +137,13 @@ fn pack_of_limbs(
         }
         let change = match &changes[number as usize] {
             None => result.constant(0.0),
-            Some(Change::OfLimbs(_)) => return None,
+            Some(Change::OfLimbs(_) | Change::Crossed) => return Some(Change::Crossed),
             Some(Change::OfScalar(terms)) => {
                 if terms.iter().any(|term| term.lanes != 1 << lane) {
-                    return None;
+                    return Some(Change::Crossed);
                 }
                 changed = true;
-                let lane = u8::try_from(lane).ok()?;
+                let lane = u8::try_from(lane).expect("few lanes");
                 let own = terms.iter().map(|term| result.make(Node::ExtractLane(term.pack, lane)));
                 let own: Vec<Id> = own.collect();
                 result.pairwise_sum(&own)
@@ -148,7 +152,7 @@ fn pack_of_limbs(
         of_copy = Some(change);
         lanes.push(change);
     }
-    Some(changed.then(|| Change::OfLimbs(result.pack(&lanes))))
+    changed.then(|| Change::OfLimbs(result.pack(&lanes)))
 }
 
 /// Returns the change of an operation, if it has one; `None` if a scalar that limbs change takes part in one on limbs.
@@ -166,6 +170,7 @@ fn operation(
     for (operand, partial) in partials(result, id) {
         match &changes[operand as usize] {
             None => {}
+            Some(Change::Crossed) => return None,
             Some(Change::OfLimbs(change)) => {
                 let change = partial.apply(result, *change);
                 pack = Some(match pack {

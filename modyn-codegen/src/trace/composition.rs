@@ -89,10 +89,9 @@ impl Composition {
         {
             return whole;
         }
-        let at = |k: usize| numbers.get(k).copied().unwrap_or(last);
-        let halves = [0, width / 2].map(|start| (start..start + width / 2).map(at).collect());
-        let [a, b]: [Id; 2] = halves.map(|half: Vec<Id>| self.pack(&half));
-        self.graph.make(Node::Pack(a, b, u8::try_from(width).expect("few lanes")))
+        let mut lanes = numbers.to_vec();
+        lanes.resize(width, last);
+        self.graph.pack(&lanes)
     }
 
     /// Returns one lane of a pack.

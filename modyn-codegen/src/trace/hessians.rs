@@ -296,7 +296,7 @@ impl Tracer<'_> {
 
     /// Returns the entries of qd whose displacements share the lanes of one pack: those of equal limbs, else of consecutive joints
     /// of a chain.
-    fn column_groups(&self) -> Vec<Vec<Option<usize>>> {
+    pub(super) fn column_groups(&self) -> Vec<Vec<Option<usize>>> {
         if let Some(limbs) = self.limbs {
             return limbs.velocities().map(|(lanes, _)| lanes.to_vec()).collect();
         }
@@ -427,17 +427,23 @@ impl Tracer<'_> {
         hessian: &ForwardHessian,
         rows: Range<usize>,
     ) -> [Vec<Id>; 3] {
-        let nv = self.model.nv;
+        let (nv, height) = (self.model.nv, rows.len());
         let ForwardHessian { u, d, reduced: [u_by_q, u_by_qd], .. } = hessian;
-        let solve = all.multiply_rows((&transposed(u, nv), nv), d, nv, rows.clone());
-        let (height, all_rows) = (rows.len(), 0..rows.len());
-        let mut relative = |x: &[Id]| all.multiply_rows((&solve, height), x, nv, all_rows.clone());
-        let [by_q, by_qd, by_tau] = [u_by_q, u_by_qd, u].map(|x| relative(x));
+        let zero = all.constant(0.0);
+        let mut transposed = transposed(u, nv);
+        for (k, entry) in transposed.iter_mut().enumerate() {
+            *entry = if rows.contains(&(k % nv)) { *entry } else { zero };
+        }
+        let solve = self.multiply(all, &transposed, d);
+        let [by_q, by_qd, by_tau] = [u_by_q, u_by_qd, u].map(|x| {
+            let relative = self.multiply(all, &solve, x);
+            let columns = relative.chunks(nv).map(|column| &column[rows.clone()]);
+            columns.collect::<Vec<_>>().concat()
+        });
         let [mut by_q, mut by_qd] = [by_q, by_qd].map(|x| all.negated(&x));
         // Free fall.
         let inputs = self.model.nq + nv + self.parameters.len();
         let changes = jvp(&self.free_fall(), inputs, self.state(1));
-        let zero = all.constant(0.0);
         for base in free_bases(self.model) {
             let entries: Vec<usize> = self.model.dofs_of(base).iter().map(|dof| dof.v).collect();
             if !entries.contains(&rows.start) {
