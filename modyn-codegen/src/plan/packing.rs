@@ -21,7 +21,8 @@ pub const LIMB_LIMITS: LimbLimits = LimbLimits { packed: 8, joined: 4, missing: 
 /// The number of derivative columns that are computed at a time: the lanes of a vector on most processors.
 pub const COLUMN_LANES: usize = 4;
 
-/// The largest number of operations on scalars for which derivatives are also compiled with columns in lanes.
+/// The largest number of operations on scalars for which derivatives are also compiled with columns in lanes. They add about
+/// half of the text, also for a humanoid's Hessians and its derivatives on its soles.
 const MAX_COLUMNS: usize = 200_000;
 
 /// The number of operations of functions that are compiled for several instruction sets without packing. Shorter
