@@ -10,6 +10,9 @@ use super::composition::Composition;
 use super::limbs::LimbPacking;
 use crate::graph::Id;
 
+/// The factors of the terms of a sum of products.
+type Factors = Vec<(Id, Id)>;
+
 /// A degree of freedom of the robot: that of the merged robot, the group of limbs, and the limb.
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct Place {
@@ -87,7 +90,7 @@ impl LimbMatrices {
         let mut product = vec![zero; n * n];
         for pack in &self.packs {
             // The factors of each lane, by their relative place.
-            let mut terms: BTreeMap<(usize, usize), Vec<(Id, Id)>> = BTreeMap::new();
+            let mut terms: BTreeMap<(usize, usize), Factors> = BTreeMap::new();
             for (lane, &(row, column)) in pack.iter().enumerate() {
                 for k in 0..n {
                     let factors = (a[k * n + row], b[column * n + k]);
@@ -122,9 +125,9 @@ impl LimbMatrices {
     fn sum_over_limbs(
         &self,
         all: &mut Composition,
-        terms: &BTreeMap<(usize, usize), Vec<(Id, Id)>>,
+        terms: &BTreeMap<(usize, usize), Factors>,
     ) -> Id {
-        let mut by_group: BTreeMap<Option<usize>, BTreeMap<usize, Vec<(Id, Id)>>> = BTreeMap::new();
+        let mut by_group: BTreeMap<Option<usize>, BTreeMap<usize, Factors>> = BTreeMap::new();
         for (&(merged, _), factors) in terms {
             let place = self.places.iter().find(|place| place.merged == merged);
             let group = place.and_then(|place| place.group);
