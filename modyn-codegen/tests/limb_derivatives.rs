@@ -1,13 +1,14 @@
 //! Derivatives with equal limbs, and with columns, packed into vectors are those of the interpreter, with fewer
 //! operations.
 
-use modyn_codegen::graph::Graph;
-use modyn_codegen::passes::optimize;
+use modyn_codegen::graph::{Graph, Node};
+use modyn_codegen::passes::{Directional, Displacement, along_directions, optimize};
 use modyn_codegen::plan::{COLUMN_LANES, LIMB_LIMITS};
 use modyn_codegen::trace::{LimbPacking, Tracer};
 use modyn_codegen::{Base, ReadOptions};
 use modyn_codegen::{Builder, Function};
 use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::equations::kinematics::coordinates::normalize;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 use modyn_runtime::{ForwardDerivatives, Interpreter};
@@ -77,10 +78,7 @@ fn state(model: &Model, seed: f64) -> [Vec<f64>; 4] {
         numbers.map(|i| libm::sin(f64::from(i) * 0.7 + seed + k)).collect()
     };
     let mut q = vector(model.nq(), 0.0);
-    if model.nq() > model.nv() {
-        let length = q[3..7].iter().map(|x| x * x).sum::<f64>().sqrt();
-        q[3..7].iter_mut().for_each(|x| *x /= length);
-    }
+    normalize(&Mechanism::new(model), &mut q);
     let [a, b, c] = [1.0, 2.0, 3.0].map(|k| vector(model.nv(), k));
     [q, a, b, c]
 }
@@ -92,6 +90,150 @@ fn assert_close(what: &str, found: &[f64], expected: &[f64], tolerance: f64) {
         let error = (found - expected).abs() / largest;
         assert!(error < tolerance, "{what}: {found} for {expected}, {error:e}");
     }
+}
+
+/// Six legs on a body, in six of eight lanes.
+fn hexapod() -> String {
+    let part = |parent: &str, child: &str, axis: &str, k: f64| {
+        let (x, i) = (0.1 * k - 0.2, 0.02 + 0.004 * k);
+        format!(
+            "<joint name=\"to_{child}\" type=\"revolute\"><parent link=\"{parent}\"/><child link=\"{child}\"/>\
+             <origin xyz=\"{x} 0.1 0.2\" rpy=\"{k} 0.2 0\"/><axis xyz=\"{axis}\"/>\
+             <limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/></joint><link name=\"{child}\"><inertial>\
+             <origin xyz=\"0.1 {x} 0.1\"/><mass value=\"{k}\"/><inertia ixx=\"{i}\" iyy=\"0.04\" izz=\"0.03\" ixy=\"0.001\" \
+             ixz=\"0\" iyz=\"0\"/></inertial></link>"
+        )
+    };
+    let mut text = "<robot name=\"hexapod\"><link name=\"world\"/>".to_string();
+    text += &part("world", "body", "0 0.6 0.8", 3.0);
+    for k in [1.0, 2.0, 3.0, 4.0, 5.0, 6.0] {
+        let [upper, lower] = ["upper", "lower"].map(|name| format!("{name}{k}"));
+        text += &part("body", &upper, "1 0 0", k);
+        text += &part(&upper, &lower, "0 1 0", 0.5 * k);
+    }
+    text + "</robot>"
+}
+
+/// The centaur with the knees and the tail as planar joints, and the hips with poses, whose coordinates are quaternions.
+fn with_poses() -> String {
+    let hip = |text: String, k: u32| {
+        let name = format!("<joint name=\"to_hip{k}\" type=");
+        text.replace(&format!("{name}\"revolute\""), &format!("{name}\"floating\""))
+    };
+    [1, 2, 3].into_iter().fold(centaur(), hip).replace("prismatic", "planar")
+}
+
+/// Hessians with equal limbs in lanes are those on scalars, which other tests compare with dual numbers.
+#[test]
+fn hessians_with_limbs_in_lanes_are_those_on_scalars() {
+    let mut robots = robots();
+    robots.push(("hexapod", read(&hexapod(), "hexapod", Base::Fixed)));
+    robots.push(("poses", read(&with_poses(), "poses", Base::Fixed)));
+    for (name, model) in robots {
+        let mechanism = Mechanism::new(&model);
+        let tracer = Tracer::new(&mechanism);
+        let layout = UduLayout::new(&mechanism, &ModuleTree::chains(&model));
+        let hessians = |tracer: &Tracer<'_>| {
+            [
+                optimize(tracer.inverse_dynamics_hessian()),
+                optimize(tracer.forward_dynamics_hessian(&layout)),
+                optimize(tracer.step_semi_implicit_hessian(&layout)),
+            ]
+        };
+        let scalar = hessians(&tracer);
+        let candidates = LimbPacking::candidates(&mechanism, &LIMB_LIMITS, true);
+        assert!(candidates[0].share_root_path(&mechanism), "{name}");
+        // The condition under which composites are propagated together, and the plan packs limbs.
+        for limbs in candidates.iter().filter(|limbs| limbs.share_root_path(&mechanism)) {
+            let packed = hessians(&tracer.packed(limbs));
+            for (k, (scalar, packed)) in scalar.iter().zip(&packed).enumerate() {
+                let counts = [scalar, packed].map(|graph| graph.count().total());
+                // Poses have many operations on single numbers.
+                let fifths = if name == "poses" { 5 } else { 4 };
+                assert!(
+                    counts[1] * 5 < counts[0] * fifths,
+                    "{name}, Hessian {k}: {counts:?} operations"
+                );
+                for seed in [0.0, 1.3] {
+                    let [q, qd, x, weights] = state(&model, seed);
+                    let inputs = match k {
+                        // The time, and weights of the coordinates, too.
+                        2 => [&q[..], &qd, &x, &[0.1], &weights, &qd].concat(),
+                        _ => [q, qd, x, weights].concat(),
+                    };
+                    let expected = scalar.evaluate::<f64>(&inputs);
+                    let found = packed.evaluate::<f64>(&inputs);
+                    assert_close(&format!("{name}, Hessian {k}"), &found, &expected, 1e-10);
+                }
+            }
+        }
+    }
+}
+
+/// The numbers of four limbs x, in lanes, and of a trunk y: y x_k^2 of each limb, and their sum.
+fn four_limbs() -> (Graph, [u32; 5]) {
+    let mut graph = Graph::default();
+    let inputs = [0, 1, 2, 3, 4].map(|k| graph.input(k));
+    let [x @ .., y] = inputs;
+    let lanes = graph.pack(&x);
+    let squares = graph.make(Node::Mul(lanes, lanes));
+    let products = graph.make(Node::Mul(squares, y));
+    let each = [0, 1, 2, 3].map(|lane| graph.make(Node::ExtractLane(products, lane)));
+    let sum = graph.pairwise_sum(&each);
+    graph.outputs = [&each[..], &[sum]].concat();
+    (graph, inputs)
+}
+
+/// Returns the displacements of each limb's number by 1 along a direction of its own.
+fn displacements(graph: &mut Graph) -> Vec<Displacement> {
+    let change = graph.constant(1.0);
+    (0..4).map(|k| Displacement { input: k.into(), direction: k, change }).collect()
+}
+
+#[test]
+fn directions_of_four_limbs_share_a_pack() {
+    let (mut graph, _) = four_limbs();
+    let displacements = displacements(&mut graph);
+    let Directional { graph: all, changes } =
+        along_directions(&graph, &displacements).expect("limbs that do not move each other");
+    let point = [0.3, -0.7, 1.1, 0.4, 0.6];
+    for lane in 0..4 {
+        let change = |output: usize| -> f64 {
+            let terms = changes[output].iter().filter(|(_, lanes)| lanes >> lane & 1 == 1);
+            let lanes = terms.map(|&(pack, _)| {
+                let mut of_lane = all.clone();
+                let number = of_lane.make(Node::ExtractLane(all.outputs[pack], lane));
+                of_lane.outputs = vec![number];
+                of_lane.evaluate::<f64>(&point)[0]
+            });
+            lanes.sum()
+        };
+        let expected = 2.0 * point[4] * point[usize::from(lane)];
+        for limb in 0..4 {
+            let own = if limb == usize::from(lane) { expected } else { 0.0 };
+            assert_close(&format!("limb {limb} along {lane}"), &[change(limb)], &[own], 1e-15);
+        }
+        assert_close(&format!("the sum along {lane}"), &[change(4)], &[expected], 1e-15);
+    }
+    // A product for each factor, and the sum of both, in lanes.
+    assert!(all.nodes().len() < graph.nodes().len() + 12);
+}
+
+#[test]
+fn limbs_that_move_each_other_have_no_common_directions() {
+    let (mut graph, [a, b, c, d, _]) = four_limbs();
+    let moved = displacements(&mut graph);
+    let lanes = [[a, b, c, d], [b, a, d, c]].map(|lanes| graph.pack(&lanes));
+    let crossed = graph.make(Node::Mul(lanes[0], lanes[1]));
+    graph.outputs = vec![graph.make(Node::ExtractLane(crossed, 2))];
+    assert!(along_directions(&graph, &moved).is_none());
+    // The halves of the pack of limbs are no packs of limbs, either.
+    let (mut graph, [_, _, c, d, y]) = four_limbs();
+    let moved = displacements(&mut graph);
+    let half = graph.pack(&[c, d]);
+    let product = graph.make(Node::Mul(half, y));
+    graph.outputs = vec![graph.make(Node::ExtractLane(product, 0))];
+    assert!(along_directions(&graph, &moved).is_none());
 }
 
 /// Returns the condition number of a symmetric matrix in the infinity norm, from the matrix and its inverse.

@@ -132,7 +132,7 @@ impl Graph {
             Node::Abs(a) => self.fold(a, f64::abs, Node::Abs),
             Node::Max(a, b) => self.max(a, b),
             Node::Select(a, b, c) => self.select(a, b, c),
-            Node::Pack(a, b, width) => self.pack(a, b, width),
+            Node::Pack(a, b, width) => self.pack_halves(a, b, width),
             Node::ExtractLane(a, lane) => self.extract_lane(a, lane),
         }
     }
@@ -183,17 +183,29 @@ impl Graph {
         }
     }
 
+    /// Returns the pack of these scalars, whose number is a power of two. All lanes of a pack, in their order, are that pack.
+    pub fn pack(&mut self, numbers: &[Id]) -> Id {
+        if let &[first, ..] = numbers
+            && let Node::ExtractLane(whole, _) = self.node(first)
+            && usize::from(self.width(whole)) == numbers.len()
+            && (0..).zip(numbers).all(|(k, &lane)| self.node(lane) == Node::ExtractLane(whole, k))
+        {
+            return whole;
+        }
+        self.pack_all(numbers)
+    }
+
     /// Returns the pack of these nodes, whose number is a power of two.
     fn pack_all(&mut self, numbers: &[Id]) -> Id {
         let [number] = numbers else {
             let (a, b) = numbers.split_at(numbers.len() / 2);
             let (a, b) = (self.pack_all(a), self.pack_all(b));
-            return self.pack(a, b, u8::try_from(numbers.len()).expect("few lanes"));
+            return self.pack_halves(a, b, u8::try_from(numbers.len()).expect("few lanes"));
         };
         *number
     }
 
-    fn pack(&mut self, a: Id, b: Id, width: u8) -> Id {
+    fn pack_halves(&mut self, a: Id, b: Id, width: u8) -> Id {
         if a == b && self.width(a) == 1 { a } else { self.insert(Node::Pack(a, b, width)) }
     }
 

@@ -17,4 +17,14 @@ impl Graph {
             self.make(Node::Add(sum, product))
         })
     }
+
+    /// Returns the node of a sum, whose terms are added in pairs. There must be terms.
+    pub fn pairwise_sum(&mut self, terms: &[Id]) -> Id {
+        let [term] = terms else {
+            let (a, b) = terms.split_at(terms.len() / 2);
+            let (a, b) = (self.pairwise_sum(a), self.pairwise_sum(b));
+            return self.make(Node::Add(a, b));
+        };
+        *term
+    }
 }

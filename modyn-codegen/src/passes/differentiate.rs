@@ -1,7 +1,8 @@
 //! Differentiation of graphs: Jacobian times vector (forward mode), and vector times Jacobian (reverse mode).
 //!
 //! Both modes use one table of partial derivatives. A selection, an absolute value or a maximum has the derivative of the
-//! branch that is taken. The graphs must not have packs of lanes.
+//! branch that is taken. Graphs may have packs of lanes: a scalar operand of an operation on packs is in all lanes, so its
+//! gradient is a sum over lanes.
 //!
 //! Rotations about an axis are most of the operations of a robot. With x' = c x - s y and y' = s x + c y, the derivatives
 //! of x' and y' by the angle are -y' and x', which the graph has. The chain rule by way of the sine and the cosine would
@@ -13,7 +14,7 @@ use crate::graph::{Graph, Id, Node};
 
 /// The partial derivative of a node with respect to an operand: a linear map of numbers.
 #[derive(Clone, Copy)]
-enum Partial {
+pub(super) enum Partial {
     /// Multiplication by 1.
     Identity,
     /// Multiplication by -1.
@@ -30,7 +31,7 @@ enum Partial {
 
 impl Partial {
     /// Returns the image of `x`.
-    fn apply(self, graph: &mut Graph, x: Id) -> Id {
+    pub(super) fn apply(self, graph: &mut Graph, x: Id) -> Id {
         match self {
             Self::Identity => x,
             Self::Negation => graph.make(Node::Neg(x)),
@@ -100,7 +101,7 @@ fn rotation(graph: &mut Graph, id: Id) -> Option<Vec<(Id, Partial)>> {
 }
 
 /// Returns the operands of a node, or of its operands, with the partial derivatives with respect to them.
-fn partials(graph: &mut Graph, id: Id) -> Vec<(Id, Partial)> {
+pub(super) fn partials(graph: &mut Graph, id: Id) -> Vec<(Id, Partial)> {
     if let Some(rotation) = rotation(graph, id) {
         return rotation;
     }
@@ -153,7 +154,7 @@ fn partials(graph: &mut Graph, id: Id) -> Vec<(Id, Partial)> {
             vec![(a, Partial::IfNonnegative(sign)), (b, Partial::IfNegative(sign))]
         }
         Node::Pack(..) | Node::ExtractLane(..) => {
-            unreachable!("graphs are differentiated before limbs are packed")
+            unreachable!("lanes are moved, which is no operation")
         }
     }
 }
@@ -188,6 +189,25 @@ pub fn jvp(graph: &Graph, inputs: usize, wrt: Range<usize>) -> Graph {
             continue;
         }
         let mut sum = None;
+        match graph.node(id) {
+            Node::Pack(a, b, _) => {
+                let zero = result.constant(0.0);
+                let halves = [a, b].map(|half| (half, changes[half as usize].unwrap_or(zero)));
+                let lanes = (0..graph.width(id)).map(|lane| {
+                    let (half, lane) = half_of(graph, halves, lane, graph.width(id));
+                    result.make(Node::ExtractLane(half, lane))
+                });
+                let lanes: Vec<Id> = lanes.collect();
+                changes[at] = Some(result.pack(&lanes));
+                continue;
+            }
+            Node::ExtractLane(pack, lane) => {
+                let change = changes[pack as usize];
+                changes[at] = change.map(|x| result.make(Node::ExtractLane(x, lane)));
+                continue;
+            }
+            _ => {}
+        }
         for (operand, partial) in partials(&mut result, id) {
             if let Some(change) = changes[operand as usize] {
                 let change = partial.apply(&mut result, change);
@@ -202,7 +222,55 @@ pub fn jvp(graph: &Graph, inputs: usize, wrt: Range<usize>) -> Graph {
     result
 }
 
-/// Returns the graph of the gradient of w^T f with respect to the inputs `wrt`; f are the outputs of `graph`.
+/// Returns the change of the half of a pack that has this lane, and the lane there. `halves` are the halves with their changes.
+fn half_of(graph: &Graph, halves: [(Id, Id); 2], lane: u8, width: u8) -> (Id, u8) {
+    let (half, change) = halves[usize::from(lane / (width / 2))];
+    // A scalar half is in all of its lanes.
+    (change, if graph.width(half) == 1 { 0 } else { lane % (width / 2) })
+}
+
+/// The gradient of a node, as far as its users have been visited.
+#[derive(Clone, Default)]
+struct Gradient {
+    /// The part with the lanes of the node.
+    sum: Option<Id>,
+    /// The part of a scalar in users on packs, which is to be summed over the lanes.
+    over_lanes: Option<Id>,
+    /// The parts of single lanes of a pack.
+    lanes: Vec<Option<Id>>,
+}
+
+impl Gradient {
+    /// Adds the part of one lane of a node with `width` lanes.
+    fn add_to_lane(&mut self, graph: &mut Graph, (lane, width): (u8, u8), change: Id) {
+        if width == 1 {
+            return add(graph, &mut self.sum, change);
+        }
+        self.lanes.resize(width.into(), None);
+        add(graph, &mut self.lanes[usize::from(lane)], change);
+    }
+
+    /// Returns the gradient; `None` if the node has no effect.
+    fn total(&self, graph: &mut Graph) -> Option<Id> {
+        let mut sum = self.sum;
+        if !self.lanes.is_empty() {
+            let zero = graph.constant(0.0);
+            let lanes: Vec<Id> = self.lanes.iter().map(|lane| lane.unwrap_or(zero)).collect();
+            let pack = graph.pack(&lanes);
+            add(graph, &mut sum, pack);
+        }
+        if let Some(wide) = self.over_lanes {
+            let lanes =
+                (0..graph.width(wide)).map(|lane| graph.make(Node::ExtractLane(wide, lane)));
+            let lanes: Vec<Id> = lanes.collect();
+            let over_lanes = graph.pairwise_sum(&lanes);
+            add(graph, &mut sum, over_lanes);
+        }
+        sum
+    }
+}
+
+/// Returns the graph of the gradient of w^T f with respect to the inputs `wrt`; f are the outputs of `graph`, scalars.
 ///
 /// The weights w are further inputs, after the `inputs` inputs of `graph`.
 #[must_use]
@@ -216,26 +284,59 @@ pub fn vjp(graph: &Graph, inputs: usize, wrt: Range<usize>) -> Graph {
         };
     }
     let mut result = graph.clone();
-    let mut gradients: Vec<Option<Id>> = vec![None; nodes];
+    let mut gradients: Vec<Gradient> = vec![Gradient::default(); nodes];
     for (k, &output) in graph.outputs.iter().enumerate() {
         if reached[output as usize] {
             let weight = result.input(inputs + k);
-            add(&mut result, &mut gradients[output as usize], weight);
+            add(&mut result, &mut gradients[output as usize].sum, weight);
         }
     }
+    let mut totals: Vec<Option<Id>> = vec![None; nodes];
     for at in (0..nodes).rev() {
-        let Some(gradient) = gradients[at] else { continue };
-        for (operand, partial) in partials(&mut result, Id::try_from(at).expect("a graph's node")) {
-            if reached[operand as usize] {
-                let gradient = partial.apply(&mut result, gradient);
-                add(&mut result, &mut gradients[operand as usize], gradient);
+        let Some(gradient) = gradients[at].total(&mut result) else { continue };
+        totals[at] = Some(gradient);
+        let id = Id::try_from(at).expect("a graph's node");
+        let width = graph.width(id);
+        match graph.node(id) {
+            Node::Pack(a, b, _) => {
+                for lane in 0..width {
+                    let half = if lane < width / 2 { a } else { b };
+                    if reached[half as usize] {
+                        let change = result.make(Node::ExtractLane(gradient, lane));
+                        let place = (lane % (width / 2), graph.width(half));
+                        gradients[half as usize].add_to_lane(&mut result, place, change);
+                    }
+                }
+                continue;
+            }
+            Node::ExtractLane(pack, lane) => {
+                let place = (lane, graph.width(pack));
+                gradients[pack as usize].add_to_lane(&mut result, place, gradient);
+                continue;
+            }
+            _ => {}
+        }
+        for (operand, partial) in partials(&mut result, id) {
+            if !reached[operand as usize] {
+                continue;
+            }
+            let change = partial.apply(&mut result, gradient);
+            let of = &mut gradients[operand as usize];
+            if graph.width(operand) == width {
+                add(&mut result, &mut of.sum, change);
+            } else if result.width(change) > 1 {
+                add(&mut result, &mut of.over_lanes, change);
+            } else {
+                let count = result.constant(f64::from(width));
+                let change = result.make(Node::Mul(count, change));
+                add(&mut result, &mut of.sum, change);
             }
         }
     }
     let zero = result.constant(0.0);
     let gradient = |number: usize| {
         let id = graph.find(Node::input(number));
-        id.and_then(|id| gradients[id as usize]).unwrap_or(zero)
+        id.and_then(|id| totals[id as usize]).unwrap_or(zero)
     };
     result.outputs = wrt.map(gradient).collect();
     result

@@ -1,14 +1,16 @@
 //! The passes: rewrites of whole graphs, one file for each, in the order of this list. `differentiate` makes graphs of
-//! products with derivatives, `jacobian` makes graphs of whole matrices. `balance` is for functions that are not long, which the plan decides.
+//! products with derivatives, `directions` those along several directions in lanes, `jacobian` graphs of whole matrices. `balance` is for functions that are not long, which the plan decides.
 
 mod balance;
 mod differentiate;
+mod directions;
 mod factor;
 mod jacobian;
 
 use crate::graph::Graph;
 pub use balance::balance;
 pub use differentiate::{jvp, vjp};
+pub use directions::{Directional, Displacement, along_directions};
 pub use jacobian::{hessian, jacobian, matrix, symmetric_matrix};
 
 /// A rewrite that keeps the outputs.

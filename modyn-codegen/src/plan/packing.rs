@@ -21,12 +21,9 @@ pub const LIMB_LIMITS: LimbLimits = LimbLimits { packed: 8, joined: 4, missing: 
 /// The number of derivative columns that are computed at a time: the lanes of a vector on most processors.
 pub const COLUMN_LANES: usize = 4;
 
-/// The largest number of operations on scalars for which derivatives are also compiled with columns in lanes.
-const MAX_COLUMNS: usize = 20_000;
-
-/// The same for derivatives under constraints, of which most operations solve for columns: in lanes they add less than half
-/// of the text, also for a humanoid on its soles.
-const MAX_CONSTRAINED_COLUMNS: usize = 200_000;
+/// The largest number of operations on scalars for which derivatives are also compiled with columns in lanes. They add about
+/// half of the text, also for a humanoid's Hessians and its derivatives on its soles.
+const MAX_COLUMNS: usize = 200_000;
 
 /// The number of operations of functions that are compiled for several instruction sets without packing. Shorter
 /// functions take no longer than the dispatch; longer functions cost more compile time than they gain.
@@ -70,12 +67,8 @@ pub(super) fn packed(function: Function, tracing: &Tracing<'_>, scalar: &Graph) 
         let tracer = tracing.tracer.packed(limbs);
         candidates(row.packing, trace, tracing, (limbs, &tracer))
     });
-    let most = match row.packing {
-        Packing::ConstrainedColumns => MAX_CONSTRAINED_COLUMNS,
-        _ => MAX_COLUMNS,
-    };
     let has_columns =
-        row.packing.has_columns() && tracing.has_vectors() && operations(scalar) <= most;
+        row.packing.has_columns() && tracing.has_vectors() && operations(scalar) <= MAX_COLUMNS;
     let columns = has_columns.then(|| trace(&tracing.tracer.column_lanes(COLUMN_LANES), tracing));
     profitable(by_limbs.chain(columns), row.hot, tracing, scalar)
 }
@@ -141,15 +134,18 @@ fn candidates(
         }
         Packing::Limbs => {}
         Packing::Contacts if !limbs.merges_contacts(tracer.model()) => return Vec::new(),
-        Packing::OnRootPath | Packing::Derivatives if !limbs.share_root_path(tracer.model()) => {
+        Packing::OnRootPath | Packing::Derivatives | Packing::Columns
+            if !limbs.share_root_path(tracer.model()) =>
+        {
             return Vec::new();
         }
+        Packing::Columns if !tracing.has_vectors() => return Vec::new(),
         // Where limbs move each other, packed derivatives are profitable on vectors only.
         Packing::Derivatives if !(tracing.has_vectors() || tracing.independent) => {
             return Vec::new();
         }
-        Packing::OnRootPath | Packing::Derivatives | Packing::Contacts => {}
-        Packing::Never | Packing::Columns | Packing::ConstrainedColumns => return Vec::new(),
+        Packing::OnRootPath | Packing::Derivatives | Packing::Columns | Packing::Contacts => {}
+        Packing::Never | Packing::ConstrainedColumns => return Vec::new(),
     }
     vec![trace(tracer, tracing)]
 }

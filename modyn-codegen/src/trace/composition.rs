@@ -82,10 +82,16 @@ impl Composition {
             return first;
         }
         let width = numbers.len().next_power_of_two();
-        let at = |k: usize| numbers.get(k).copied().unwrap_or(last);
-        let halves = [0, width / 2].map(|start| (start..start + width / 2).map(at).collect());
-        let [a, b]: [Id; 2] = halves.map(|half: Vec<Id>| self.pack(&half));
-        self.graph.make(Node::Pack(a, b, u8::try_from(width).expect("few lanes")))
+        // The lanes of a pack that are unpacked and packed again.
+        if let Node::ExtractLane(whole, _) = self.graph.node(first)
+            && usize::from(self.graph.width(whole)) == width
+            && (0..).zip(numbers).all(|(k, &x)| self.graph.node(x) == Node::ExtractLane(whole, k))
+        {
+            return whole;
+        }
+        let mut lanes = numbers.to_vec();
+        lanes.resize(width, last);
+        self.graph.pack(&lanes)
     }
 
     /// Returns one lane of a pack.

@@ -12,6 +12,9 @@
 //!
 //! All products with M^-1 = U^-T D^-1 U^-1 keep the zeros of U and D, which the branches of a robot have.
 //!
+//! With equal limbs in lanes, a displacement of a joint of each limb is a lane, too (`passes/directions.rs`), and so are the
+//! products (`limb_products.rs`). Without equal limbs, lanes are consecutive displacements and columns.
+//!
 //! The pose and the linear velocity of a floating base have no effect on the motion relative to free fall. So forward
 //! dynamics is differentiated with its bases in neutral poses without linear velocities, and the free fall is added.
 
@@ -24,9 +27,10 @@ use modyn_runtime::equations::dynamics::{free_bases, free_fall_accelerations};
 
 use super::Tracer;
 use super::composition::Composition;
+use super::limb_products::LimbMatrices;
 use super::products::WeightedInverseDynamics;
 use crate::graph::{Graph, Id};
-use crate::passes::{jvp, optimize};
+use crate::passes::{Directional, Displacement, along_directions, jvp, optimize};
 
 /// The variables of a Hessian. A variable has an entry for each velocity.
 const Q: usize = 0;
@@ -38,6 +42,8 @@ type Entry = (usize, usize);
 
 /// Second derivatives of a weighted sum, as far as they have been computed.
 struct Hessian {
+    /// The gradient.
+    gradient: Graph,
     /// The changes of the gradient.
     changes: Graph,
     /// The outputs of `changes`: nv entries for each variable.
@@ -56,7 +62,69 @@ impl Hessian {
         let gradient = optimize(gradient);
         let changes = jvp(&gradient, point.len(), tracer.state(vectors));
         let outputs = changes.outputs.clone();
-        Self { changes, outputs, point, nv: tracer.model.nv, found: BTreeMap::new() }
+        Self { gradient, changes, outputs, point, nv: tracer.model.nv, found: BTreeMap::new() }
+    }
+
+    /// Computes the changes of some entries of the gradient along unit displacements of one joint of each limb, of which
+    /// each is a lane. Returns whether that is possible: each displacement changes its own limb and the trunk alone.
+    fn differentiate_limbs(
+        &mut self,
+        tracer: &Tracer<'_>,
+        all: &mut Composition,
+        displacements: &[Option<(Entry, Vec<Entry>)>],
+    ) -> bool {
+        let nq = tracer.model.nq;
+        // On numbers of its own: among the composition's, the accelerations are functions of q.
+        let mut own = Composition::new();
+        let inputs = own.inputs(self.point.len());
+        let mut point = inputs.clone();
+        for (own_input, given) in point.iter_mut().zip(&self.point) {
+            if let Some(value) = all.graph.value(*given) {
+                *own_input = own.constant(value);
+            }
+        }
+        let parameters: Vec<Id> = point[point.len() - tracer.parameters.len()..].to_vec();
+        let rates = tracer.velocity_to_qdot();
+        let mut moved = Vec::new();
+        for (direction, displacement) in (0..).zip(displacements) {
+            let Some(((variable, k), _)) = *displacement else { continue };
+            let one = own.constant(1.0);
+            if variable != Q {
+                let input = nq + (variable - 1) * self.nv + k;
+                moved.push(Displacement { input, direction, change: one });
+                continue;
+            }
+            let unit = own.graph.unit_vector(self.nv, k);
+            let dq = own.add(&rates, &[&point[..nq], &unit, &parameters]);
+            let changes = dq.iter().enumerate();
+            let changes = changes.filter(|&(_, &change)| own.graph.value(change) != Some(0.0));
+            moved.extend(changes.map(|(input, &change)| Displacement { input, direction, change }));
+        }
+        let mut entries: Vec<Entry> = Vec::new();
+        for entry in displacements.iter().flatten().flat_map(|(_, entries)| entries) {
+            if !entries.contains(entry) {
+                entries.push(*entry);
+            }
+        }
+        let outputs = own.add(&self.gradient, &[&point]);
+        own.graph.outputs =
+            entries.iter().map(|&(variable, entry)| outputs[variable * self.nv + entry]).collect();
+        let Some(Directional { graph, changes }) = along_directions(&own.graph, &moved) else {
+            return false;
+        };
+        let packs = all.add(&graph, &[&self.point]);
+        for (lane, displacement) in displacements.iter().enumerate() {
+            let Some((along, wanted)) = displacement else { continue };
+            for (entry, terms) in entries.iter().zip(&changes).filter(|(e, _)| wanted.contains(e)) {
+                let terms = terms.iter().filter(|&&(_, lanes)| lanes >> lane & 1 == 1);
+                let terms: Vec<Id> = terms.map(|&(pack, _)| all.lane(packs[pack], lane)).collect();
+                if !terms.is_empty() {
+                    let change = all.graph.pairwise_sum(&terms);
+                    self.found.insert((*along, *entry), change);
+                }
+            }
+        }
+        true
     }
 
     /// Computes the changes of some entries of the gradient along unit displacements, each in a lane.
@@ -196,38 +264,53 @@ impl Tracer<'_> {
         let nv = self.model.nv;
         let all_of = |variable: usize| (0..nv).map(move |i| (variable, i));
         let groups = self.groups();
+        let by_q = |j: usize| {
+            // The rows of descendants take fewer operations than those of ancestors.
+            let rows = all_of(Q).filter(|&(_, i)| i >= j || groups[j].contains(&i));
+            let rows = rows.chain(all_of(QD)).filter(|&row| varies(row)).chain(all_of(QDD));
+            varies((Q, j)).then(|| ((Q, j), rows.collect::<Vec<Entry>>()))
+        };
+        let by_qd = |j: usize| {
+            let rows = all_of(QD).skip(j).filter(|&row| varies(row));
+            varies((QD, j)).then(|| ((QD, j), rows.collect::<Vec<Entry>>()))
+        };
         for velocities in self.column_groups() {
-            let by_q = velocities.clone().filter(|&j| varies((Q, j))).map(|j| {
-                // The rows of descendants take fewer operations than those of ancestors.
-                let rows = all_of(Q).filter(|&(_, i)| i >= j || groups[j].contains(&i));
-                let rows = rows.chain(all_of(QD)).filter(|&row| varies(row)).chain(all_of(QDD));
-                ((Q, j), rows.collect())
-            });
-            let by_q: Vec<_> = by_q.collect();
-            let by_qd = velocities.filter(|&j| varies((QD, j))).map(|j| {
-                let rows = all_of(QD).skip(j).filter(|&row| varies(row));
-                ((QD, j), rows.collect())
-            });
-            let by_qd: Vec<_> = by_qd.collect();
-            for displacements in [by_q, by_qd].iter().filter(|all| !all.is_empty()) {
-                hessian.differentiate(self, all, displacements);
+            let each = [
+                velocities.iter().map(|&j| by_q(j?)).collect::<Vec<_>>(),
+                velocities.iter().map(|&j| by_qd(j?)).collect(),
+            ];
+            for displacements in each.iter().filter(|all| all.iter().any(Option::is_some)) {
+                if self.limbs.is_none() {
+                    let displacements: Vec<_> = displacements.iter().flatten().cloned().collect();
+                    hessian.differentiate(self, all, &displacements);
+                } else if velocities.len() == 1
+                    || !hessian.differentiate_limbs(self, all, displacements)
+                {
+                    for one in displacements.iter().flatten() {
+                        hessian.differentiate(self, all, std::slice::from_ref(one));
+                    }
+                }
             }
         }
     }
 
-    /// Returns the entries of qd whose displacements share the lanes of one pack: those of consecutive joints of a chain.
-    fn column_groups(&self) -> Vec<Range<usize>> {
+    /// Returns the entries of qd whose displacements share the lanes of one pack: those of equal limbs, else of consecutive joints
+    /// of a chain.
+    pub(super) fn column_groups(&self) -> Vec<Vec<Option<usize>>> {
+        if let Some(limbs) = self.limbs {
+            return limbs.velocities().map(|(lanes, _)| lanes.to_vec()).collect();
+        }
         let body = |v: usize| self.model.dofs.iter().find(|dof| dof.v == v).map(|dof| dof.body);
         let parent = |body: Option<usize>| body.and_then(|body| self.model.bodies[body].parent);
         let follows = |v: usize| {
             let (front, back) = (body(v - 1), body(v));
             front == back || (front.is_some() && parent(back) == front)
         };
-        let mut groups: Vec<Range<usize>> = Vec::new();
+        let mut groups: Vec<Vec<Option<usize>>> = Vec::new();
         for v in 0..self.model.nv {
             match groups.last_mut() {
-                Some(group) if group.len() < self.columns && follows(v) => group.end = v + 1,
-                _ => groups.push(v..v + 1),
+                Some(group) if group.len() < self.columns && follows(v) => group.push(Some(v)),
+                _ => groups.push(vec![Some(v)]),
             }
         }
         groups
@@ -327,8 +410,11 @@ impl Tracer<'_> {
         ForwardHessian { gradients, by_tau, blocks, by_q_tau, u, d, reduced }
     }
 
-    /// Returns the product of two square matrices, by columns; consecutive columns share the lanes of a pack.
+    /// Returns the product of two square matrices, by columns; equal limbs, else consecutive columns, share the lanes of a pack.
     fn multiply(&self, all: &mut Composition, a: &[Id], b: &[Id]) -> Vec<Id> {
+        if let Some(limbs) = self.limbs {
+            return LimbMatrices::new(limbs, self.model.nv).multiply(all, a, b);
+        }
         all.multiply_columns(a, b, self.model.nv, self.columns)
     }
 
@@ -341,17 +427,23 @@ impl Tracer<'_> {
         hessian: &ForwardHessian,
         rows: Range<usize>,
     ) -> [Vec<Id>; 3] {
-        let nv = self.model.nv;
+        let (nv, height) = (self.model.nv, rows.len());
         let ForwardHessian { u, d, reduced: [u_by_q, u_by_qd], .. } = hessian;
-        let solve = all.multiply_rows((&transposed(u, nv), nv), d, nv, rows.clone());
-        let (height, all_rows) = (rows.len(), 0..rows.len());
-        let mut relative = |x: &[Id]| all.multiply_rows((&solve, height), x, nv, all_rows.clone());
-        let [by_q, by_qd, by_tau] = [u_by_q, u_by_qd, u].map(|x| relative(x));
+        let zero = all.constant(0.0);
+        let mut transposed = transposed(u, nv);
+        for (k, entry) in transposed.iter_mut().enumerate() {
+            *entry = if rows.contains(&(k % nv)) { *entry } else { zero };
+        }
+        let solve = self.multiply(all, &transposed, d);
+        let [by_q, by_qd, by_tau] = [u_by_q, u_by_qd, u].map(|x| {
+            let relative = self.multiply(all, &solve, x);
+            let columns = relative.chunks(nv).map(|column| &column[rows.clone()]);
+            columns.collect::<Vec<_>>().concat()
+        });
         let [mut by_q, mut by_qd] = [by_q, by_qd].map(|x| all.negated(&x));
         // Free fall.
         let inputs = self.model.nq + nv + self.parameters.len();
         let changes = jvp(&self.free_fall(), inputs, self.state(1));
-        let zero = all.constant(0.0);
         for base in free_bases(self.model) {
             let entries: Vec<usize> = self.model.dofs_of(base).iter().map(|dof| dof.v).collect();
             if !entries.contains(&rows.start) {

@@ -130,6 +130,14 @@ impl LimbPacking {
         Self { bodies, velocities, roots, coordinates }
     }
 
+    /// Returns, for each degree of freedom of the merged robot, the entry of the robot's joint vectors in each lane, and the group of
+    /// limbs that it belongs to (`None` on the trunk, which has one lane).
+    pub(in crate::trace) fn velocities(
+        &self,
+    ) -> impl Iterator<Item = (&[Option<usize>], Option<usize>)> {
+        self.velocities.iter().map(|(lanes, group)| (&**lanes, *group))
+    }
+
     /// Returns whether no limb moves another: all are attached to the world.
     #[must_use]
     pub fn independent(&self, model: &Mechanism<f64>) -> bool {

@@ -11,6 +11,7 @@ mod entries;
 mod factorization;
 mod hessians;
 mod kinematics;
+mod limb_products;
 mod limbs;
 mod looped;
 mod merge;

@@ -18,6 +18,8 @@
 //!
 //! where B W has the rows of the group's entries of q.
 
+use std::collections::BTreeMap;
+
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::mechanism::coordinates::{CoordinateSpace, Coordinates};
 
@@ -79,6 +81,11 @@ impl Tracer<'_> {
         let (by_q, by_qd) = found.gradients.split_at(nv);
         let (by_q, by_qd) = (all.sums(by_q, by_start), all.sums(by_qd, &weights));
 
+        let groups: Vec<Vec<usize>> = self
+            .column_groups()
+            .into_iter()
+            .map(|group| group.into_iter().flatten().collect())
+            .collect();
         let none = vec![all.constant(0.0); nv * nv];
         let [q_q, q_qd, qd_qd] = found.blocks.clone();
         let mut blocks = [q_q, q_qd, qd_qd, found.by_q_tau.clone(), none.clone(), none];
@@ -95,7 +102,8 @@ impl Tracer<'_> {
                 *entry = all.sum(one, *entry);
             }
             let curvature = self.curvature(&mut all, block, &moved);
-            add_curvature(&mut all, block, dt, &curvature, &[by_q, by_qd, by_tau], &mut blocks);
+            let rates = [by_q, by_qd, by_tau];
+            add_curvature(&mut all, (block, &groups), dt, &curvature, &rates, &mut blocks);
         }
         let [q_q, q_qd, qd_qd, q_tau, qd_tau, tau_tau] = blocks;
         let column = |columns: &[Id], j: usize| columns[j * nv..][..nv].to_vec();
@@ -183,10 +191,10 @@ impl Tracer<'_> {
 }
 
 /// Adds the correction of a rotation or a pose to the blocks of a Hessian. `rates` has the group's rows of the derivatives of
-/// qd' by q, qd and tau.
+/// qd' by q, qd and tau. The entries of each of `groups` share the lanes of a pack.
 fn add_curvature(
     all: &mut Composition,
-    block: &Coordinates<f64>,
+    (block, groups): (&Coordinates<f64>, &[Vec<usize>]),
     dt: Id,
     Curvature { quadratic, bracket }: &Curvature,
     rates: &[Vec<Id>; 3],
@@ -198,22 +206,43 @@ fn add_curvature(
     let (square, half) = (all.product(dt, dt), all.product(half, dt));
     let row =
         |matrix: &[Id], i: usize| -> Vec<Id> { (0..size).map(|k| matrix[k * size + i]).collect() };
-    // A square matrix of the group times the rows of a variable.
+    // The columns of each group in lanes.
+    let packed: [Vec<Vec<Id>>; 3] = rates.each_ref().map(|columns| {
+        let pack = |group: &Vec<usize>| {
+            let entry = |k: usize| group.iter().map(move |&j| columns[j * size + k]);
+            (0..size).map(|k| all.pack(&entry(k).collect::<Vec<_>>())).collect()
+        };
+        groups.iter().map(pack).collect()
+    });
+    // A square matrix of the rotation or pose times the rows of a variable.
     let mut times = |factor: Id, matrix: &[Id]| -> [Vec<Id>; 3] {
         let rows: Vec<Vec<Id>> = (0..size).map(|i| all.scaled(factor, &row(matrix, i))).collect();
-        rates.each_ref().map(|columns| {
-            let entries = columns
-                .chunks(size)
-                .flat_map(|column| rows.iter().map(|row| all.dot(row, column)).collect::<Vec<_>>());
-            entries.collect()
+        packed.each_ref().map(|packed| {
+            let mut entries = vec![dt; nv * size];
+            for (columns, group) in packed.iter().zip(groups) {
+                for (k, row) in rows.iter().enumerate() {
+                    let entry = all.dot(row, columns);
+                    for (lane, &j) in group.iter().enumerate() {
+                        entries[j * size + k] = all.lane(entry, lane);
+                    }
+                }
+            }
+            entries
         })
     };
     let (curved, turned) = (times(square, quadratic), times(half, bracket));
     for ((a, b), entries) in PAIRS.into_iter().zip(blocks) {
         for column in 0..nv {
-            for row in 0..if a == b { column + 1 } else { nv } {
-                let mut sum =
-                    all.dot(&rates[a][row * size..][..size], &curved[b][column * size..][..size]);
+            let height = if a == b { column + 1 } else { nv };
+            let mut sums = BTreeMap::new();
+            for (rows, group) in packed[a].iter().zip(groups) {
+                if group.iter().any(|&row| row < height) {
+                    let sum = all.dot(rows, &curved[b][column * size..][..size]);
+                    let lanes = group.iter().enumerate();
+                    sums.extend(lanes.map(|(lane, &row)| (row, all.lane(sum, lane))));
+                }
+            }
+            for (row, mut sum) in sums.into_iter().filter(|&(row, _)| row < height) {
                 let in_group = |entry: usize| entry.checked_sub(block.v).filter(|&k| k < size);
                 if let Some(k) = in_group(row).filter(|_| a == Q) {
                     sum = all.sum(sum, turned[b][column * size + k]);

@@ -74,7 +74,7 @@ pub enum Packing {
     Contacts,
     /// Equal limbs whose parents are on one path to the root. Their composites are transformed together.
     OnRootPath,
-    /// Second derivatives: several columns.
+    /// Second derivatives: as [`Derivatives`](Self::Derivatives), in languages with vectors.
     Columns,
     /// Derivatives: equal limbs whose parents are on one path to the root, or several columns.
     Derivatives,
