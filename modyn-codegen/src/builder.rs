@@ -25,7 +25,7 @@ use crate::plan::{
     TracedFunction,
 };
 use crate::read::{Format, Reading};
-use crate::size::too_large;
+use crate::size::{Selected, too_large};
 use checks::{moving_frames, without_casadi_form, without_hessian};
 pub use object::ObjectPlanning;
 use source::Source;
@@ -394,8 +394,11 @@ impl Builder {
         if let (Some(Reading { model, .. }), Some(modules)) = (&reading, &modules) {
             // Functions of one link in a bundle are short.
             let bundled = code.bundles.iter().flat_map(Bundle::functions);
-            let functions: Vec<Function> = functions.iter().copied().chain(bundled).collect();
-            errors.extend(too_large(model, modules, &functions));
+            let bundled: Vec<Function> = bundled.collect();
+            let is_described = code.runtime_inertia.is_empty() && code.payload.is_empty();
+            let has_loops = code.code == CodeForm::Small && is_described;
+            let selected = Selected { functions, bundled: &bundled, has_loops };
+            errors.extend(too_large(model, modules, selected));
         }
         let inertias = [
             ("runtime_inertia", Code::RuntimeInertia, &code.runtime_inertia),

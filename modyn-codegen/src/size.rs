@@ -8,15 +8,47 @@ use crate::plan::{Function, Measures};
 /// The largest number of bytes of generated text, by [`estimate`].
 pub const MAX_BYTES: f64 = 32e6;
 
+/// The length in bytes of a body's row in the tables of a loop over the bodies.
+const BYTES_PER_ROW: f64 = 900.0;
+
+/// The functions whose text is estimated.
+#[derive(Clone, Copy)]
+pub struct Selected<'a> {
+    /// The functions by themselves.
+    pub functions: &'a [Function],
+    /// The functions in bundles, which are straight-line code.
+    pub bundled: &'a [Function],
+    /// Whether functions that are recursions over the bodies become loops.
+    pub has_loops: bool,
+}
+
+impl<'a> Selected<'a> {
+    /// Returns these functions as straight-line code, without bundles.
+    #[cfg(test)]
+    pub fn straight(functions: &'a [Function]) -> Self {
+        Self { functions, bundled: &[], has_loops: false }
+    }
+}
+
 /// Returns the estimated size of a robot's text in bytes, and the sizes of its functions, the largest first.
 pub fn estimate(
     model: &Model,
     modules: &ModuleTree,
-    functions: &[Function],
+    selected: Selected<'_>,
 ) -> (f64, Vec<(Function, f64)>) {
     let measures = Measures::new(model, modules);
-    let selected = functions.iter().filter(|f| f.fits(model.constraints()));
-    let mut sizes: Vec<_> = selected.map(|&f| (f, (f.row().bytes)(&measures))).collect();
+    let of_kinds = measures.of_kinds();
+    let straight = |f: Function| (f.row().bytes)(&measures);
+    let alone = |f: Function| match f.row().recursion {
+        Some(_) if selected.has_loops && !model.has_mimics() => {
+            (f.row().bytes)(&of_kinds) + BYTES_PER_ROW * measures.links
+        }
+        _ => straight(f),
+    };
+    let own = selected.functions.iter().map(|&f| (f, alone(f)));
+    let bundled = selected.bundled.iter().map(|&f| (f, straight(f)));
+    let mut sizes: Vec<_> =
+        own.chain(bundled).filter(|(f, _)| f.fits(model.constraints())).collect();
     sizes.sort_by(|(_, a), (_, b)| b.total_cmp(a));
     // Enums, names and tables have a line or two for each joint and link. The functions that are not there have one each.
     let tables = 35_000.0 + 500.0 * measures.links + 600.0 * measures.frames;
@@ -27,9 +59,9 @@ pub fn estimate(
 pub fn too_large(
     model: &Model,
     modules: &ModuleTree,
-    functions: &[Function],
+    selected: Selected<'_>,
 ) -> Option<Diagnostic> {
-    let (bytes, sizes) = estimate(model, modules, functions);
+    let (bytes, sizes) = estimate(model, modules, selected);
     if bytes <= MAX_BYTES {
         return None;
     }
@@ -61,7 +93,7 @@ pub fn too_large(
     });
     let dropped: Vec<String> =
         dropped.map(|(function, _)| format!("`{}`", function.name())).collect();
-    let help = if estimate(model, &by_links, functions).0 <= MAX_BYTES {
+    let help = if estimate(model, &by_links, selected).0 <= MAX_BYTES {
         "divide it: `modules = links`; or use `modyn::Interpreter`, which has no such limit".into()
     } else if rest <= MAX_BYTES && dropped.len() <= 4 {
         format!(
@@ -130,10 +162,46 @@ mod tests {
                 let builder = builder.functions(functions.iter().copied());
                 let generated = builder.generate().expect("good");
                 let (model, length) = (&generated.model, generated.text.len() as f64);
-                let (bytes, _) = estimate(model, &ModuleTree::chains(model), functions);
+                let (bytes, _) =
+                    estimate(model, &ModuleTree::chains(model), Selected::straight(functions));
                 let ratio = bytes / length;
                 println!("{i} {} functions: {length} bytes, estimated {ratio:.2}", functions.len());
                 assert!((0.5..6.0).contains(&ratio), "{i}: {bytes} instead of {length}");
+            }
+        }
+    }
+
+    /// The estimate of loops over the bodies is from half to six times the size of the text, for chains of any length and for
+    /// trees. Bundles are straight-line code beside loops.
+    #[test]
+    fn the_estimate_is_of_the_loops() {
+        let robot = |name: &str| {
+            let path = format!("{}/../robots/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
+            std::fs::read_to_string(path).expect("a robot")
+        };
+        let chains = [4, 28, 150, 400].map(|joints| (chain(joints, 0), Base::Fixed));
+        let trees = ["arm6", "quadruped"].map(|name| (robot(name), Base::Fixed));
+        let floating = [(robot("quadruped"), Base::Floating)];
+        for (i, (urdf, base)) in chains.into_iter().chain(trees).chain(floating).enumerate() {
+            for functions in [
+                &[Function::ForwardDynamics][..],
+                &[Function::InverseDynamics],
+                &[Function::ForwardDynamics, Function::InverseDynamics],
+            ] {
+                let builder = Builder::new().urdf_text(&*urdf, "robot.urdf").base(base);
+                let builder =
+                    builder.modules(crate::ModuleChoice::Links).code(crate::CodeForm::Small);
+                let generated =
+                    builder.functions(functions.iter().copied()).generate().expect("good");
+                let (model, length) = (&generated.model, generated.text.len() as f64);
+                let selected = Selected { functions, bundled: &[], has_loops: true };
+                let modules = ModuleTree::links(model);
+                let (bytes, _) = estimate(model, &modules, selected);
+                println!("{i} {functions:?}: {length} bytes, estimated {:.2}", bytes / length);
+                assert!((0.5..6.0).contains(&(bytes / length)), "{i}: {bytes} instead of {length}");
+                let bundled = Selected { functions: &[], bundled: functions, has_loops: true };
+                let straight = estimate(model, &modules, Selected::straight(functions));
+                assert_eq!(estimate(model, &modules, bundled).0, straight.0);
             }
         }
     }
@@ -161,7 +229,8 @@ mod tests {
             for function in Function::ALL.iter().filter(|function| function.is_of_constraints()) {
                 let generated = builder.clone().functions([*function]).generate().expect("good");
                 let (model, length) = (&generated.model, generated.text.len() as f64);
-                let (bytes, _) = estimate(model, &ModuleTree::chains(model), &[*function]);
+                let (bytes, _) =
+                    estimate(model, &ModuleTree::chains(model), Selected::straight(&[*function]));
                 let ratio = bytes / length;
                 println!("{i} {}: {length} bytes, estimated {ratio:.2}", function.name());
                 assert!(

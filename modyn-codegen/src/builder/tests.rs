@@ -7,7 +7,7 @@ use crate::description::ReadOptions;
 use crate::diagnostics::{Code, Severity};
 use crate::options::ModuleChoice;
 use crate::plan::Function;
-use crate::size::too_large;
+use crate::size::{Selected, too_large};
 
 /// Returns a model of this number of chains with this number of links.
 fn comb(chains: usize, length: usize) -> Model {
@@ -139,7 +139,7 @@ fn too_large_code_is_refused_at_once() {
 #[test]
 fn the_limit_is_about_cost_not_joints() {
     let refused = |model: &Model, modules: &ModuleTree, functions: &[Function]| {
-        too_large(model, modules, functions).is_some()
+        too_large(model, modules, Selected::straight(functions)).is_some()
     };
     for (model, chains, links) in [
         (comb(1, 60), false, false),

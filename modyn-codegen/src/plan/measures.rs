@@ -1,6 +1,8 @@
 //! The measures of a robot by which the length of its text is estimated.
 
-use modyn_runtime::model::{Model, Module, ModuleTree};
+use std::collections::HashSet;
+
+use modyn_runtime::model::{Link, Model, Module, ModuleTree};
 
 use super::frames::MAX_OWN_FUNCTIONS;
 
@@ -31,6 +33,9 @@ pub struct Measures {
     pub nv: f64,
     /// The number of floating joints.
     pub bases: f64,
+    /// The largest number of kinds of bodies in loops over the bodies. Those of a type of joint run one piece of code on the
+    /// main line of a branch, another where a branch begins, and another on the world.
+    pub kinds: f64,
     /// The number of constraint rows.
     pub constraint_rows: f64,
     /// The sum over the frames of constraints of the numbers of ancestors of their links.
@@ -91,10 +96,17 @@ impl Measures {
             nv: model.nv() as f64,
             bases: model.links().iter().filter(|link| link.joint.joint_type.nv() == 6).count()
                 as f64,
+            kinds: kinds(model),
             constraint_rows: model.constraint_rows() as f64,
             reach: constraints.iter().map(|(_, depth)| depth).sum(),
             row_reach: constraints.iter().map(|(rows, depth)| rows * depth).sum(),
         }
+    }
+
+    /// Returns the measures of a robot with a body of each kind. Straight-line code of this robot is about as long as the pieces
+    /// of code in loops over the bodies.
+    pub fn of_kinds(&self) -> Self {
+        Self { links: self.kinds, carried: self.kinds, ..*self }
     }
 
     /// Returns the estimated length in bytes of the functions of a link: `step` for each joint of the kinematic path,
@@ -102,4 +114,19 @@ impl Measures {
     pub(super) fn of_links(&self, step: f64, results: f64) -> f64 {
         step * self.chains + results * self.kernels + 250.0 * self.rows
     }
+}
+
+/// Returns [`Measures::kinds`]. A link with a joint of several degrees of freedom has a body for each.
+#[allow(clippy::cast_precision_loss)]
+fn kinds(model: &Model) -> f64 {
+    let mut children = vec![0_usize; model.links().len()];
+    for parent in model.links().iter().filter_map(|link| link.parent) {
+        children[parent] += 1;
+    }
+    let kind = |link: &Link| {
+        let place = link.parent.map(|parent| children[parent] > 1);
+        (std::mem::discriminant(&link.joint.joint_type), link.joint.joint_type.nv(), place)
+    };
+    let distinct: HashSet<_> = model.links().iter().map(kind).collect();
+    distinct.iter().map(|(_, nv, _)| *nv as f64).sum()
 }
