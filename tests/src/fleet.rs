@@ -105,6 +105,7 @@ use Source::{Described, Golden, Random, Zoo};
 pub const FLEET: &[Spec] = &[
     spec(Golden("double_pendulum"), Chains, F64).all(),
     spec(Golden("double_pendulum_continuous"), Links, F64),
+    spec(Golden("double_pendulum"), Links, F64).floating().all().part(Complete),
     spec(Golden("ur5"), Chains, F64).all(),
     spec(Golden("panda"), Links, F64).all().part(Complete),
     spec(Golden("panda"), Chains, F64).loaded(&["panda_hand", "panda_link4"]),
