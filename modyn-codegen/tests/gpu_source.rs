@@ -235,6 +235,84 @@ fn texts_name_their_buffers() {
     assert!(kernel.arguments[1].common && !kernel.arguments[0].common);
 }
 
+/// A text begins with the names of the coordinates and velocities in order, and with the sizes that functions of the user
+/// can name.
+#[test]
+fn texts_begin_with_names_and_sizes() {
+    let builder = robot("quadruped").functions([Function::StepSemiImplicit]).base(Base::Floating);
+    let model = builder.generate().expect("good").model;
+    let options = RolloutOptions::default();
+    for (language, sizes) in [
+        (GpuLanguage::Cuda, ["#define QUADRUPED_NQ 19", "#define QUADRUPED_NV 18"]),
+        (GpuLanguage::Wgsl, ["const QUADRUPED_NQ = 19u;", "const QUADRUPED_NV = 18u;"]),
+    ] {
+        let (kernels, _) = builder.generate_gpu(language).expect("good");
+        let (rollouts, _) = builder.generate_rollouts(language, &options).expect("good");
+        for text in [kernels.text, rollouts.text] {
+            let (head, _) = text.split_once("\n\n").expect("an empty line after the head");
+            let names = |title: &str| {
+                let (_, list) = head.split_once(&format!("// {title}: ")).expect(title);
+                let (list, _) = list.split_once(".\n").expect("an end");
+                list.replace("\n//  ", "").split(", ").map(String::from).collect::<Vec<_>>()
+            };
+            let coordinates = names("Coordinates q");
+            assert_eq!(coordinates, model.coordinate_names());
+            assert_eq!((coordinates.len(), &*coordinates[6]), (19, "floating_base.qw"));
+            let velocities = names("Velocities qd, accelerations and joint forces");
+            assert_eq!(velocities, model.velocity_names());
+            assert_eq!((velocities.len(), &velocities[6]), (18, &coordinates[7]));
+            for size in sizes {
+                assert!(head.lines().any(|line| line == size), "{size}\n{head}");
+            }
+        }
+    }
+}
+
+/// A state whose numbers are not finite has results that are NaN, and leaves other states alone; subnormal numbers are not
+/// flushed to zero.
+#[test]
+#[ignore = "slow: g++ compiles a robot"]
+fn states_that_are_not_finite() {
+    let text = r#"<robot name="pendulum"><link name="world"/>
+        <joint name="pivot" type="continuous"><parent link="world"/><child link="bob"/><axis xyz="0 1 0"/></joint>
+        <link name="bob"><inertial><origin xyz="0 0 -1"/><mass value="1"/>
+        <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"#;
+    let functions = [Function::ForwardDynamics, Function::InverseDynamics];
+    let builder = Builder::new().urdf_text(text, "pendulum.urdf").functions(functions);
+    let theirs = builder.clone().type_name("Theirs");
+    let (source, _) = theirs.generate_gpu(GpuLanguage::Cuda).expect("good");
+    // The inertia about the pivot is 1.1 kg m^2.
+    let main = "#include <cmath>\n#include <cstdio>\n#include <limits>\n#include \"shim.h\"\n#include \"kernels.cu\"\n\
+        int main() {\nconst unsigned n = 4;\nblockDim.x = n;\n\
+        const double bad[3] = { NAN, INFINITY, -INFINITY };\n\
+        for (int which = 0; which < 3; ++which) for (int k = 0; k < 3; ++k) {\n\
+        double a[3][n] = { { 0.3, -0.4, 0.5, 2.0 }, { 1.0, 2.0, -3.0, 0.5 }, { 0.1, 0.2, 0.3, 0.4 } }, before[n], after[n];\n\
+        for (threadIdx.x = 0; threadIdx.x < n; ++threadIdx.x) theirs_forward_dynamics(a[0], a[1], a[2], before, n);\n\
+        a[which][1] = bad[k];\n\
+        for (threadIdx.x = 0; threadIdx.x < n; ++threadIdx.x) theirs_forward_dynamics(a[0], a[1], a[2], after, n);\n\
+        for (unsigned i = 0; i < n; ++i) {\n\
+        // An infinite torque gives an infinite acceleration; a single joint has no terms of the velocity.\n\
+        bool good = i != 1 ? before[i] == after[i] : which == 1 ? std::isnan(after[i]) || before[i] == after[i]\n\
+        : which == 2 && k > 0 ? after[i] == bad[k] : std::isnan(after[i]);\n\
+        if (!good) printf(\"argument %d, number %d, state %u: %g\\n\", which, k, i, after[i]); } }\n\
+        const double zero = 0, tiny = 1e-310;\ndouble torque;\nthreadIdx.x = 0;\n\
+        theirs_inverse_dynamics(&zero, &zero, &tiny, &torque, 1);\n\
+        if (!(std::fabs(torque - 1.1e-310) < 1e-320)) printf(\"subnormal: %g\\n\", torque);\n\
+        printf(\"done\\n\");\nreturn 0;\n}\n";
+    build("not_finite", &builder, (&source.text, main));
+}
+
+/// The derivatives of a humanoid with a floating base are cut into functions.
+#[test]
+#[ignore = "slow: g++ compiles a humanoid"]
+fn derivatives_of_a_humanoid() {
+    let builder = robot("humanoid").functions([Function::ForwardDynamicsDerivatives]);
+    let builder = builder.base(Base::Floating);
+    let source = compare("humanoid_derivatives", &builder, FloatType::F64, ("3.0", "1e-9"));
+    let [kernel] = &*source.kernels else { panic!("one kernel") };
+    assert!(kernel.statements > 5000 && source.text.contains("__noinline__"));
+}
+
 /// A program that computes rollouts by the kernel, and by C's functions in a loop. The first quaternion of `q` begins at
 /// `quaternion`, if it is not negative. `forces` and `cost` are statements that compute `tau` and `sum` by C.
 fn rollout_harness(

@@ -161,6 +161,41 @@ fn names_of_kernels_begin_with_that_of_the_robot_once() {
     assert_eq!(kernels.run("gravity_torques", &[&q]).expect("it runs").scalars(), 6);
 }
 
+/// A driver may ignore NaN and infinities; they stay within their states. It may flush subnormal numbers to zero.
+#[test]
+fn states_that_are_not_finite_leave_others_alone() {
+    let gpu = Gpu::new().expect("a processor");
+    let builder = robot("arm7").functions([Function::ForwardDynamics]);
+    let kernels = GpuRobot::new(&gpu, &builder).expect("kernels");
+    let states: Vec<Vec<f64>> = numbers(21 * 64).chunks(21).map(<[f64]>::to_vec).collect();
+    let run = |states: &[Vec<f64>]| {
+        let part = |k: usize| {
+            let part: Vec<_> = states.iter().map(|s| s[7 * k..7 * k + 7].to_vec()).collect();
+            gpu.upload(&columns(&part), part.len()).expect("room")
+        };
+        let result = kernels.run("forward_dynamics", &[&part(0), &part(1), &part(2)]);
+        result.expect("it runs").read().expect("numbers")
+    };
+    let before = run(&states);
+    let (mut bad, mut tiny) = (states.clone(), states.clone());
+    let mut zero = states.clone();
+    for (i, number) in [(3, f64::NAN), (20, f64::INFINITY), (41, f64::NEG_INFINITY)] {
+        for k in 0..3 {
+            bad[i + k][7 * k + i % 7] = number;
+            tiny[i + k][7 * k + i % 7] = 1e-40;
+            zero[i + k][7 * k + i % 7] = 0.0;
+        }
+    }
+    let changed = |i: usize| [3, 20, 41].iter().any(|first| (*first..first + 3).contains(&i));
+    let after = run(&bad);
+    for (at, (x, y)) in before.iter().zip(&after).enumerate() {
+        assert!(changed(at % 64) || x == y, "state {}: {x} {y}", at % 64);
+    }
+    for (x, y) in run(&tiny).iter().zip(&run(&zero)) {
+        assert!((x - y).abs() <= 1e-4 * y.abs().max(1.0), "{x} {y}");
+    }
+}
+
 /// A pendulum's torque is the sine of its angle, for every finite angle.
 #[test]
 fn sines_of_all_angles() {
