@@ -19,6 +19,10 @@ fn everywhere(check: impl Fn(&str, &Compiled, &Quantities, &Values<f64>)) {
     for robot in ROBOTS.iter() {
         let Source::Golden(name) = robot.spec.source else { continue };
         let name = if robot.spec.floating { format!("{name}_ff") } else { name.into() };
+        // Not every robot that floats here has such data.
+        if robot.spec.floating && !FLOATING_BASE.contains(&&*name) {
+            continue;
+        }
         for state in Golden::load(&name).states {
             let vector = |name| state.vector(name);
             let inputs =
