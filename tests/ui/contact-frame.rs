@@ -1,0 +1,3 @@
+modyn::modyn!("contact-frame.urdf");
+
+fn main() {}
