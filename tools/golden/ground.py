@@ -1,4 +1,5 @@
-"""Robots on the ground in MuJoCo: a block that falls, one that slides, one on a slope, and a quadruped that stands.
+"""Robots on the ground in MuJoCo: a block that falls, one that slides, one on a slope, a quadruped that stands, one that
+trots, and a humanoid that stands.
 
 MuJoCo reads the URDFs of this project by its own reader. Each touching point is a sphere of radius `RADIUS` on a plane
 that lies `RADIUS` lower, so the centre of the sphere touches the height zero. Torques of the joints are computed here
@@ -29,6 +30,13 @@ CORNERS = {name: ("body", [x, y, -0.05])
            for name, x, y in (("a", 0.15, 0.1), ("b", -0.15, 0.1), ("c", 0.15, -0.1), ("d", -0.15, -0.1))}
 FEET = {name: (f"{link}_foot", [0.0, 0.0, 0.0])
         for name, link in (("fl", "front_left"), ("fr", "front_right"), ("hl", "hind_left"), ("hr", "hind_right"))}
+
+
+#: Each sole of the humanoid has four points.
+SOLES = {f"{side}_{name}": (f"{side}_ankle_roll_link", [x, y if side == "left" else -y, -0.035])
+         for side in ("left", "right")
+         for name, x, y in (("toe_out", 0.12, 0.03), ("toe_in", 0.12, -0.03), ("heel_out", -0.05, 0.025),
+                            ("heel_in", -0.05, -0.025))}
 
 
 def rotation(axis, angle):
@@ -119,10 +127,10 @@ class World:
         return float(sum(self.data.energy))
 
     def run(self, time, torques):
-        """Steps with the torques of the joints; the states at the samples and the first impact."""
-        steps = round(time / self.model.opt.timestep)
-        every = round(SAMPLE / self.model.opt.timestep)
-        samples, impact, deepest = [], None, 0.0
+        """Steps with the torques of the joints; the states at the samples, the first impact and the work of the torques."""
+        dt = self.model.opt.timestep
+        steps, every = round(time / dt), round(SAMPLE / dt)
+        samples, impact, deepest, work = [], None, 0.0, 0.0
         mujoco.mj_forward(self.model, self.data)
         start = self.energy()
         for step in range(steps + 1):
@@ -136,16 +144,20 @@ class World:
             if step % every == 0:
                 samples.append(self.data.qpos[:3].copy())
             if step < steps:
-                for joint, torque in zip(self.joints, torques(self)):
+                applied = torques(self)
+                for joint, torque in zip(self.joints, applied):
                     self.data.qfrc_applied[joint.dofadr[0]] = torque
+                before = [self.qd(joint) for joint in self.joints]
                 mujoco.mj_step(self.model, self.data)
+                work += sum(torque * (rate + self.qd(joint)) * dt / 2.0
+                            for torque, rate, joint in zip(applied, before, self.joints))
         x, y, z, w, qx, qy, qz = self.data.qpos[:7].tolist()
         return {"time": time, "positions": numpy.array(samples).round(7).tolist(), "impact": impact, "deepest": deepest,
                 "base": [x, y, z, qx, qy, qz, w],
                 "joints": {joint.name: float(self.q(joint)) for joint in self.joints},
                 "largest_velocity": float(numpy.abs(self.data.qvel).max()),
                 "forces": dict(zip(self.points, self.forces().tolist())),
-                "mass": float(mujoco.mj_getTotalmass(self.model)), "energy": [start, self.energy()]}
+                "mass": float(mujoco.mj_getTotalmass(self.model)), "energy": [start, self.energy()], "work": float(work)}
 
 
 def hinge(world):
@@ -180,15 +192,21 @@ def slope(root, friction):
     return world.run(0.6, hinge)
 
 
+def place(world, posture, height):
+    """The joints at these angles, and the lowest point at this height."""
+    for joint, angle in zip(world.joints, posture):
+        world.data.qpos[joint.qposadr[0]] = angle
+    mujoco.mj_forward(world.model, world.data)
+    world.data.qpos[2] += height - world.heights().min()
+
+
 def stand(root):
     world = World(root / "robots/quadruped.urdf", FEET, 0.8)
     posture = []
-    for number, joint in enumerate(world.joints):
+    for number in range(len(world.joints)):
         bend = 0.6 if number < 6 else -0.6
         posture.append([0.0, bend, -2.0 * bend][number % 3])
-        world.data.qpos[joint.qposadr[0]] = posture[-1]
-    mujoco.mj_forward(world.model, world.data)
-    world.data.qpos[2] = 0.02 - world.heights().min()
+    place(world, posture, 0.02)
 
     def hold(now):
         return [20.0 * (wanted - now.q(joint)) - 0.4 * now.qd(joint) for wanted, joint in zip(posture, now.joints)]
@@ -196,8 +214,82 @@ def stand(root):
     return {"posture": posture, **world.run(1.2, hold)}
 
 
+#: The trot of `reproduce/tests/ground/legged.rs`: a stride and its wait and ramp in s, the speed in m/s, lengths in m.
+TROT = {"period": 0.4, "speed": 0.3, "height": 0.25, "lift": 0.04, "wait": 0.3, "ramp": 0.6}
+#: The length of a thigh and of a shank, m.
+LEG = 0.16
+#: The direction of the robots that trot and stand, rad.
+HEADING = 0.7
+
+
+def foot(leg, time):
+    """The place of a foot relative to its hip, forwards and upwards."""
+    if time < TROT["wait"]:
+        return 0.0, -TROT["height"]
+    length = TROT["speed"] * TROT["period"] / 2.0 * min((time - TROT["wait"]) / TROT["ramp"], 1.0)
+    phase = 2.0 * ((time / TROT["period"] + (0.5 if leg in (1, 2) else 0.0)) % 1.0)
+    if phase < 1.0:
+        turn = math.pi * phase
+        return -length / 2.0 * math.cos(turn), TROT["lift"] * math.sin(turn) ** 2 - TROT["height"]
+    return length / 2.0 - length * (phase - 1.0), -TROT["height"]
+
+
+def strides(time):
+    """The joint angles of the trot at this time."""
+    angles = []
+    for leg in range(4):
+        x, z = foot(leg, time)
+        bend = (1.0 if leg < 2 else -1.0) * math.acos(math.hypot(x, z) / (2.0 * LEG))
+        angles += [0.0, math.atan2(-x, -z) + bend, -2.0 * bend]
+    return angles
+
+
+def trot(root):
+    world = World(root / "robots/quadruped.urdf", FEET, 0.8)
+    world.data.qpos[3:7] = rotation([0.0, 0.0, 1.0], HEADING)
+    place(world, strides(0.0), 0.005)
+
+    def follow(now):
+        wanted, later = strides(now.data.time), strides(now.data.time + 1e-4)
+        return [20.0 * (angle - now.q(joint)) + 0.4 * ((after - angle) / 1e-4 - now.qd(joint))
+                for angle, after, joint in zip(wanted, later, now.joints)]
+
+    return world.run(3.0, follow)
+
+
+def gains(joint, inertia):
+    """The stiffness and the damping of a joint of the humanoid that moves this inertia."""
+    if "ankle_roll" in joint:
+        return 60.0, 0.2
+    if "ankle_pitch" in joint:
+        return 300.0, 1.5
+    if any(part in joint for part in ("hip", "knee", "waist")):
+        return 500.0, 8.0
+    return 400.0 * inertia, 20.0 * inertia
+
+
+def stand_on_soles(root):
+    world = World(root / "robots/humanoid.urdf", SOLES, 0.8)
+    world.data.qpos[3:7] = rotation([0.0, 0.0, 1.0], HEADING)
+    bends = {"hip_pitch": -0.2, "knee": 0.42, "ankle_pitch": -0.22, "left_elbow": 0.5}
+    posture = [next((bend for part, bend in bends.items() if part in joint.name), 0.0) for joint in world.joints]
+    place(world, posture, 0.01)
+    mass = numpy.zeros((world.model.nv, world.model.nv))
+    mujoco.mj_fullM(world.model, world.data, mass)
+    feedback = [gains(joint.name, mass[joint.dofadr[0], joint.dofadr[0]]) for joint in world.joints]
+    # A push to the left.
+    world.data.qvel[:3] = matrix(world.data.qpos[3:7]) @ [0.0, 0.1, 0.0]
+
+    def hold(now):
+        return [stiffness * (wanted - now.q(joint)) - damping * now.qd(joint)
+                for (stiffness, damping), wanted, joint in zip(feedback, posture, now.joints)]
+
+    return world.run(2.0, hold)
+
+
 def cases(root):
     """The motions, by name."""
     return {"generator": f"mujoco {mujoco.__version__}", "settings": SETTINGS, "radius": RADIUS, "sample": SAMPLE,
             "gravity": [0.0, 0.0, -GRAVITY], "drop": drop(root), "slide": slide(root), "slope": slope(root, 0.2),
-            "slope_held": slope(root, 0.8), "stand": stand(root)}
+            "slope_held": slope(root, 0.8), "stand": stand(root), "trot": trot(root),
+            "stand_on_soles": stand_on_soles(root)}

@@ -14,6 +14,8 @@ modyn::modyn! {
         mass_matrix,
         brge,
         gravity_torques,
+        kinetic_energy,
+        potential_energy,
         integrate,
         difference,
         constraint_jacobian,
@@ -49,6 +51,9 @@ pub fn hold_legs(state: &State<Quadruped>, posture: &[f64; 19]) -> [f64; 18] {
     core::array::from_fn(|i| if i < 6 { 0.0 } else { 20.0 * error[i] - 0.4 * state.qd[i] })
 }
 
+/// The direction of the robots that trot and stand on soles, rad.
+const HEADING: f64 = 0.7;
+
 /// Returns the angle between the z axes of the base and of the world, rad. `q` begins with the pose of the base.
 fn tilt(q: &[f64]) -> f64 {
     let (x, y) = (q[3], q[4]);
@@ -80,7 +85,7 @@ fn a_quadruped_stands() {
 }
 
 /// A trot: the diagonal pairs of feet swing in turn.
-struct Trot {
+pub struct Trot {
     /// The time of a stride, s.
     period: f64,
     /// The speed, m/s.
@@ -95,7 +100,8 @@ struct Trot {
     ramp: f64,
 }
 
-const TROT: Trot = Trot { period: 0.4, speed: 0.3, height: 0.25, lift: 0.04, wait: 0.3, ramp: 0.6 };
+pub const TROT: Trot =
+    Trot { period: 0.4, speed: 0.3, height: 0.25, lift: 0.04, wait: 0.3, ramp: 0.6 };
 /// The length of a thigh and of a shank, m.
 const LEG: f64 = 0.16;
 
@@ -131,8 +137,17 @@ impl Trot {
         angles
     }
 
+    /// Returns the robot at rest, its lowest foot 5 mm above the ground.
+    pub fn start(&self) -> State<Quadruped> {
+        let mut q = Quadruped::NEUTRAL;
+        q[3..7].copy_from_slice(&rotation([0.0, 0.0, 1.0], HEADING).1);
+        q[7..].copy_from_slice(&self.angles(0.0));
+        q[2] = 0.005 - lowest(&State::<Quadruped>::at_rest(q), &on(ContactTarget::<f64>::GROUND));
+        State::at_rest(q)
+    }
+
     /// Returns torques towards the angles and their rates at this time, N m.
-    fn torques(&self, state: &State<Quadruped>, time: f64) -> [f64; 18] {
+    pub fn torques(&self, state: &State<Quadruped>, time: f64) -> [f64; 18] {
         const INSTANT: f64 = 1e-4;
         let (wanted, next) = (self.angles(time), self.angles(time + INSTANT));
         let mut tau = [0.0; 18];
@@ -152,13 +167,8 @@ fn energy(state: &State<Quadruped>) -> f64 {
 /// level, at its height. The ground takes energy and gives none.
 #[test]
 fn a_quadruped_trots() {
-    let heading = 0.7_f64;
-    let mut q = Quadruped::NEUTRAL;
-    q[3..7].copy_from_slice(&rotation([0.0, 0.0, 1.0], heading).1);
-    q[7..].copy_from_slice(&TROT.angles(0.0));
     let settings = on(ContactTarget::<f64>::GROUND);
-    q[2] = 0.005 - lowest(&State::<Quadruped>::at_rest(q), &settings);
-    let mut state = State::<Quadruped>::at_rest(q);
+    let mut state = TROT.start();
     let ground = Ground::with_friction(0.8);
     let start = energy(&state);
     let (mut deepest, mut steepest, mut work, mut swings) = (0.0_f64, 0.0_f64, 0.0, [0; 4]);
@@ -181,7 +191,7 @@ fn a_quadruped_trots() {
             range = [range[0].min(state.q[2]), range[1].max(state.q[2])];
         }
     }
-    let (sine, cosine) = heading.sin_cos();
+    let (sine, cosine) = HEADING.sin_cos();
     let forwards = cosine * state.q[0] + sine * state.q[1];
     let sideways = cosine * state.q[1] - sine * state.q[0];
     let lost = start + work - energy(&state);
@@ -219,28 +229,54 @@ fn gains(joint: &str, inertia: f64) -> [f64; 2] {
     }
 }
 
+/// The humanoid in an asymmetric posture.
+pub struct Upright {
+    posture: [f64; Humanoid::NQ],
+    gains: [[f64; 2]; Humanoid::NV],
+}
+
+impl Upright {
+    /// The soles are 1 cm above the ground.
+    pub fn new() -> Self {
+        let mut posture = Humanoid::NEUTRAL;
+        posture[3..7].copy_from_slice(&rotation([0.0, 0.0, 1.0], HEADING).1);
+        let bends =
+            [("hip_pitch", -0.2), ("knee", 0.42), ("ankle_pitch", -0.22), ("left_elbow", 0.5)];
+        for (i, joint) in Humanoid::JOINT_NAMES[1..].iter().enumerate() {
+            let bend = bends.iter().find(|(part, _)| joint.contains(part));
+            posture[7 + i] = bend.map_or(0.0, |(_, angle)| *angle);
+        }
+        let settings = on(ContactTarget::<f64>::GROUND);
+        posture[2] = 0.01 - lowest(&State::<Humanoid>::at_rest(posture), &settings);
+        let mass = Humanoid::mass_matrix(&posture);
+        let gains = core::array::from_fn(|i| match i {
+            0..6 => [0.0; 2],
+            _ => gains(Humanoid::JOINT_NAMES[i - 5], mass[i][i]),
+        });
+        Self { posture, gains }
+    }
+
+    /// Returns the robot in its posture after a push to the left.
+    pub fn start(&self) -> State<Humanoid> {
+        let mut state = State::<Humanoid>::at_rest(self.posture);
+        state.qd[1] = 0.1;
+        state
+    }
+
+    /// Returns the torques that hold the posture, N m.
+    pub fn torques(&self, state: &State<Humanoid>) -> [f64; Humanoid::NV] {
+        let error = Humanoid::difference(&state.q, &self.posture);
+        core::array::from_fn(|i| self.gains[i][0] * error[i] - self.gains[i][1] * state.qd[i])
+    }
+}
+
 /// Feedback of joint angles holds a humanoid upright for two seconds after a push to the side, in an asymmetric posture
 /// and a heading in general position. Its soles do not slip. Steps are 2 ms.
 #[test]
 fn a_humanoid_stands() {
-    const NV: usize = Humanoid::NV;
-    let mut q = Humanoid::NEUTRAL;
-    q[3..7].copy_from_slice(&rotation([0.0, 0.0, 1.0], 0.7).1);
-    let bends = [("hip_pitch", -0.2), ("knee", 0.42), ("ankle_pitch", -0.22), ("left_elbow", 0.5)];
-    for (i, joint) in Humanoid::JOINT_NAMES[1..].iter().enumerate() {
-        let bend = bends.iter().find(|(part, _)| joint.contains(part));
-        q[7 + i] = bend.map_or(0.0, |(_, angle)| *angle);
-    }
     let settings = on(ContactTarget::<f64>::GROUND);
-    q[2] = 0.01 - lowest(&State::<Humanoid>::at_rest(q), &settings);
-    let posture = q;
-    let mass = Humanoid::mass_matrix(&posture);
-    let gains: [[f64; 2]; NV] = core::array::from_fn(|i| match i {
-        0..6 => [0.0; 2],
-        _ => gains(Humanoid::JOINT_NAMES[i - 5], mass[i][i]),
-    });
-    let mut state = State::<Humanoid>::at_rest(posture);
-    state.qd[1] = 0.1;
+    let upright = Upright::new();
+    let mut state = upright.start();
     let ground = Ground::with_friction(0.8);
     let places = |state: &State<Humanoid>| {
         let found = Humanoid::constraint_residual(&state.q, &state.qd, &settings).displacements;
@@ -250,8 +286,7 @@ fn a_humanoid_stands() {
     let mut carried = 0.0;
     let steps = 1000;
     for i in 0..steps {
-        let error = Humanoid::difference(&state.q, &posture);
-        let tau = core::array::from_fn(|i| gains[i][0] * error[i] - gains[i][1] * state.qd[i]);
+        let tau = upright.torques(&state);
         let step = state.step_on_ground(0.002, &tau, &ground, &settings);
         state = step.state;
         deepest = deepest.min(lowest(&state, &settings));
