@@ -3,8 +3,9 @@
     compile.py FILE              writes the table of docs/gpu.md
     compile.py --check FILE      writes nothing: fails where counts differ from the file's
 
-NVRTC makes PTX of the text, and ptxas makes machine code of that. Both come from PyPI. `MODYN` is the command that writes the
-text. `run` beside this file sets all of this up.
+NVRTC makes PTX of the text, and ptxas makes machine code of that. Both come from PyPI. With `--check` NVRTC also compiles
+every function of an arm and of a quadruped with contacts. `MODYN` is the command that writes the text. `run` beside this file
+sets all of this up.
 """
 
 import ctypes
@@ -44,6 +45,25 @@ ROBOTS = [
         ["--base", "floating", "--functions", "step_semi_implicit", "--rollout"],
         "rollout_semi_implicit",
     ),
+    ("G1", "tests/golden/g1.urdf", ["--functions", "forward_dynamics"], "forward_dynamics"),
+    (
+        "G1",
+        "tests/golden/g1.urdf",
+        ["--functions", "forward_dynamics_derivatives"],
+        "forward_dynamics_derivatives",
+    ),
+]
+# NVRTC takes half a minute for one text of it.
+LONG = ("G1", "forward_dynamics_derivatives")
+FEET = ["--contacts", "fl: point(front_left_foot)", "--contacts", "hr: surface(hind_right_foot)"]
+OF_CONTACTS = (
+    "constrained_forward_dynamics,constrained_forward_dynamics_derivatives,constraint_residual,contact_impulse,"
+    "constrained_inverse_dynamics,constraint_jacobian,constraint_bias_acceleration,operational_inertia"
+)
+# Texts that have all functions together.
+EVERYTHING = [
+    ["robots/arm6.urdf", "--functions", "all"],
+    ["robots/quadruped.urdf", "--base", "floating", *FEET, "--functions", OF_CONTACTS],
 ]
 TITLES = ["robot", "kernel", "scalar", "architecture", "registers", "stack, bytes", "spilled, bytes", "instructions"]
 COMMAND = "tests/cuda/run docs/data/cuda.tsv"
@@ -109,18 +129,24 @@ def instructions(cubin):
     return total // 16
 
 
-def table():
-    nvrtc = Nvrtc()
+def generated(path, scalar, options):
+    """Returns the text of a robot's kernels."""
+    command = [os.environ["MODYN"], "generate", path, "--target", "cuda", "--scalar", scalar, *options]
+    found = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    if found.returncode != 0:
+        sys.exit(found.stderr)
+    return found.stdout
+
+
+def table(nvrtc):
     work = []
     for robot, path, options, kernel in ROBOTS:
-        for scalar in SCALARS:
-            command = [os.environ["MODYN"], "generate", path, "--target", "cuda", "--scalar", scalar, *options]
-            found = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
-            if found.returncode != 0:
-                sys.exit(found.stderr)
-            for architecture in ARCHITECTURES:
+        is_long = (robot, kernel) == LONG
+        for scalar in SCALARS[:1] if is_long else SCALARS:
+            text = generated(path, scalar, options)
+            for architecture in ARCHITECTURES[-1:] if is_long else ARCHITECTURES:
                 key = [robot, f"`{kernel}`", scalar, f"sm_{architecture}"]
-                work.append((key, nvrtc.ptx(found.stdout, architecture), architecture))
+                work.append((key, nvrtc.ptx(text, architecture), architecture))
     with ThreadPoolExecutor(os.cpu_count()) as threads:
         counts = list(threads.map(lambda item: ptxas(item[1], item[2]), work))
     rows = [[*key, *map(str, count)] for (key, _, _), count in zip(work, counts)]
@@ -128,16 +154,19 @@ def table():
 
 
 def main():
+    nvrtc = Nvrtc()
     match sys.argv[1:]:
         case ["--check", path]:
-            expected, found = Path(path).read_text(), table()
+            for robot, *options in EVERYTHING:
+                nvrtc.ptx(generated(robot, "f32", options), ARCHITECTURES[-1])
+            expected, found = Path(path).read_text(), table(nvrtc)
             if found != expected:
                 differing = [pair for pair in zip(expected.splitlines(), found.splitlines()) if pair[0] != pair[1]]
                 for old, new in differing:
                     print(f"- {old}\n+ {new}", file=sys.stderr)
                 sys.exit(f"{path} has other counts; to write it: {COMMAND}")
         case [path]:
-            Path(path).write_text(table())
+            Path(path).write_text(table(nvrtc))
         case _:
             sys.exit(__doc__)
 
