@@ -1,4 +1,10 @@
 //! Times of a function with warm and with cold caches.
+//!
+//! Cold calls are measured by the method of `benches/peers`: every line of the process's memory is flushed from all levels of the
+//! caches before a call.
+
+#[path = "../../peers/modyn-runner/src/cold.rs"]
+mod cold;
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -8,12 +14,9 @@ pub struct Form {
     pub operations: usize,
     /// The median time of a call in ns, when the code and the data are in the caches.
     pub warm: f64,
-    /// The median time of a call in ns, after other memory has replaced them in the caches near the core.
+    /// The median time of a call in ns, when the code and the data are in no cache; NaN on other processors than x86-64.
     pub cold: f64,
 }
-
-/// The memory that is read between cold calls, in numbers: 24 MB.
-const OTHER: usize = 3 << 20;
 
 /// Returns the median of several times.
 fn median(mut times: Vec<f64>) -> f64 {
@@ -24,7 +27,7 @@ fn median(mut times: Vec<f64>) -> f64 {
 /// A state: coordinates, velocities and joint forces.
 pub type State<const NQ: usize, const NV: usize> = ([f64; NQ], [f64; NV], [f64; NV]);
 
-/// Measures forward dynamics at these states: warm over 31 repetitions of about a millisecond, cold over 301 calls.
+/// Measures forward dynamics at these states: warm over 31 repetitions of about a millisecond, cold over 101 calls.
 pub fn measured<const NQ: usize, const N: usize>(
     operations: usize,
     states: &[State<NQ, N>],
@@ -44,17 +47,6 @@ pub fn measured<const NQ: usize, const N: usize>(
         start.elapsed().as_secs_f64() * 1e9 / (states.len() as f64 * f64::from(passes))
     };
     let warm = median((0..31).map(repetition).collect());
-    let other = vec![1_u64; OTHER];
-    let after_other_work = |work: &dyn Fn(usize)| {
-        let one = |i: usize| {
-            black_box(black_box(&other).iter().step_by(8).sum::<u64>());
-            let start = Instant::now();
-            work(i);
-            start.elapsed().as_secs_f64() * 1e9
-        };
-        median((0..301).map(one).collect())
-    };
-    let clock = after_other_work(&|_| {});
-    let cold = after_other_work(&|i| call(&states[i % states.len()])) - clock;
+    let cold = cold::cold(states.len(), |i| call(&states[i])).unwrap_or(f64::NAN);
     Form { operations, warm, cold }
 }
