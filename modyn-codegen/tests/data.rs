@@ -492,6 +492,62 @@ fn cuda_estimates() -> String {
         + "\nEstimated from the table `docs/data/cuda.tsv`.\n"
 }
 
+/// From how many states on the kernels of forward dynamics in `f64` are faster than batches on cores of a processor, by the
+/// estimates for the kernels and the batch times of the table `speed`.
+fn cuda_crossover() -> String {
+    /// The time to start a kernel and to wait for it, ns.
+    const START: f64 = 10_000.0;
+    /// The bytes of a copy in a nanosecond: PCI Express 5 with 16 lanes.
+    const BYTES: f64 = 63.0;
+    const CORES: f64 = 16.0;
+    let speed = Data::load("speed");
+    let robots = [
+        ("Panda", "panda", "panda", Base::Fixed),
+        ("Solo12, floating base", "solo12_ff", "solo12", Base::Floating),
+        ("G1", "g1", "g1", Base::Fixed),
+    ];
+    let rows: Vec<Vec<String>> = robots
+        .into_iter()
+        .map(|(title, measured, file, base)| {
+            let kernel = h200(title, "`forward_dynamics`", "f64").nanoseconds;
+            let core = speed.number(&["forward dynamics", measured, "modyn batch"], "ns");
+            let file = root().join(format!("tests/golden/{file}.urdf"));
+            let model = Builder::new().urdf(file).base(base).plan().expect("a robot").model;
+            // The arguments and the result.
+            let copies = 8.0 * (model.nq() + 3 * model.nv()) as f64 / BYTES;
+            let from = |core: f64, state: f64| match core - state {
+                gain if gain > 0.0 => format!("{:.0}", (START / gain / 100.0).ceil() * 100.0),
+                _ => "never".into(),
+            };
+            vec![
+                title.into(),
+                format!("{core}"),
+                format!("{kernel:.2}"),
+                from(core, kernel),
+                from(core / CORES, kernel),
+                format!("{copies:.1}"),
+                from(core, kernel + copies),
+                from(core / CORES, kernel + copies),
+            ]
+        })
+        .collect();
+    let titles = [
+        "robot",
+        "one core, ns a state (measured)",
+        "kernel, ns a state",
+        "faster than one core from",
+        "than 16 cores from",
+        "copies, ns a state",
+        "with copies, than one core from",
+        "with copies, than 16 cores from",
+    ];
+    let date = format!("{} of {}", speed.note("command"), speed.note("date"));
+    table(&titles, rows.iter().map(Vec::as_slice))
+        + &format!(
+            "\nEstimated from the tables `docs/data/cuda.tsv` and `docs/data/speed.tsv` (`{date}`).\n"
+        )
+}
+
 /// The rows of the firmware's table that its page shows.
 fn firmware_in_short() -> String {
     const SHOWN: [&str; 8] = [
@@ -604,6 +660,7 @@ fn rendered(name: &str) -> String {
         "tangents" => beside_tangents(),
         "cuda-sum" => h200("Panda", "`forward_dynamics`", "f32").sum,
         "cuda-estimates" => cuda_estimates(),
+        "cuda-crossover" => cuda_crossover(),
         "firmware" => firmware_in_short(),
         "machine-code" => machine_code_in_short(),
         "f64-by-software" => range(firmware("instructions", single)),

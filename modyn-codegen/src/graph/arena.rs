@@ -89,7 +89,7 @@ impl Graph {
     }
 
     fn insert(&mut self, node: Node) -> Id {
-        if let Some(id) = self.find(node) {
+        if let Some(id) = self.known.find_or_insert(node, &self.nodes) {
             return id;
         }
         assert!(self.nodes.len() < Id::MAX as usize, "a graph has fewer than 2^32 nodes");
@@ -102,7 +102,6 @@ impl Graph {
         self.has_lanes |= width > 1;
         self.nodes.push(node);
         self.widths.push(width);
-        self.known.insert_last(&self.nodes);
         (self.nodes.len() - 1) as Id
     }
 

@@ -21,46 +21,58 @@ impl Table {
         if self.places.is_empty() {
             return None;
         }
-        let mask = self.places.len() - 1;
+        self.search(node, hash(node), nodes).ok()
+    }
+
+    /// Returns the index of `node`, if it is among `nodes`, all of which were inserted. Else inserts it as the next one.
+    pub fn find_or_insert(&mut self, node: Node, nodes: &[Node]) -> Option<Id> {
+        if 2 * (self.full + 1) > self.places.len() {
+            self.grow(nodes);
+        }
         let hash = hash(node);
+        match self.search(node, hash, nodes) {
+            Ok(id) => Some(id),
+            Err(free) => {
+                self.places[free] = (hash & !INDEX) | (nodes.len() as u64 + 1);
+                self.full = nodes.len() + 1;
+                None
+            }
+        }
+    }
+
+    /// Returns the index of `node`, or else the place for it.
+    fn search(&self, node: Node, hash: u64, nodes: &[Node]) -> Result<Id, usize> {
+        let mask = self.places.len() - 1;
         let mut at = hash as usize & mask;
         loop {
             let place = self.places[at];
             if place == 0 {
-                return None;
+                return Err(at);
             }
             if (place ^ hash) & !INDEX == 0 {
                 let id = (place & INDEX) as usize - 1;
                 if nodes[id] == node {
-                    return Some(id as Id);
+                    return Ok(id as Id);
                 }
             }
             at = (at + 1) & mask;
         }
     }
 
-    /// Inserts the last of `nodes`, which must differ from the others.
-    pub fn insert_last(&mut self, nodes: &[Node]) {
-        if 2 * (self.full + 1) > self.places.len() {
-            self.places = vec![0; (4 * (self.full + 1)).next_power_of_two().max(64)];
-            let mut id = 0;
-            while id + 1 < nodes.len() {
-                self.put(nodes[id], id);
-                id += 1;
-            }
-        }
-        self.put(nodes[nodes.len() - 1], nodes.len() - 1);
-        self.full = nodes.len();
-    }
-
-    fn put(&mut self, node: Node, id: usize) {
+    /// Makes room for as many nodes again, and for some at the beginning: most graphs have thousands.
+    fn grow(&mut self, nodes: &[Node]) {
+        self.places = vec![0; (4 * (self.full + 1)).next_power_of_two().max(1024)];
         let mask = self.places.len() - 1;
-        let hash = hash(node);
-        let mut at = hash as usize & mask;
-        while self.places[at] != 0 {
-            at = (at + 1) & mask;
+        let mut id = 0;
+        while id < nodes.len() {
+            let hash = hash(nodes[id]);
+            let mut at = hash as usize & mask;
+            while self.places[at] != 0 {
+                at = (at + 1) & mask;
+            }
+            self.places[at] = (hash & !INDEX) | (id as u64 + 1);
+            id += 1;
         }
-        self.places[at] = (hash & !INDEX) | (id as u64 + 1);
     }
 }
 
@@ -122,7 +134,8 @@ mod tests {
         let mut table = Table::default();
         for known in 0..nodes.len() {
             assert_eq!(table.find(nodes[known], &nodes[..known]), None, "{:?}", nodes[known]);
-            table.insert_last(&nodes[..=known]);
+            assert_eq!(table.find_or_insert(nodes[known], &nodes[..known]), None);
+            assert_eq!(table.find_or_insert(nodes[known], &nodes[..=known]), Some(known as Id));
         }
         for (id, &node) in nodes.iter().enumerate() {
             assert_eq!(table.find(node, &nodes), Some(id as Id), "{node:?}");

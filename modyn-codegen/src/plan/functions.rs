@@ -545,7 +545,8 @@ functions! {
                 + 170.0 * m.constraint_rows.powi(3)
         },
     )
-        .of_constraints();
+        .of_constraints()
+        .packed(Packing::ConstrainedColumns);
     /// The regressor of inverse dynamics.
     Regressor "regressor" = Row::one(
         &[Q, QD, QDD],

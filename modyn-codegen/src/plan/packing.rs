@@ -103,14 +103,15 @@ fn operations(graph: &Graph) -> usize {
     graph.count().total()
 }
 
-/// Returns the cheapest of several packed graphs after all passes, if it is profitable compared with `scalar`.
+/// Returns the cheapest of several packed graphs after all passes, if it is profitable compared with `scalar`. The cheapest is
+/// found before the passes, which take longer than tracing.
 fn profitable(
     graphs: impl Iterator<Item = Graph>,
     hot: bool,
     tracing: &Tracing<'_>,
     scalar: &Graph,
 ) -> Option<Graph> {
-    let cheapest = graphs.map(|graph| balance(&optimize(graph))).min_by_key(operations);
+    let cheapest = graphs.min_by_key(operations).map(|graph| balance(&optimize(graph)));
     let is_profitable = |graph: &Graph| operations(graph) * 5 < operations(scalar) * MAX_FIFTHS;
     if let Some(graph) = cheapest.filter(is_profitable) {
         return Some(graph);

@@ -187,6 +187,8 @@ impl Tracer<'_> {
             let rows: usize = model.constraints.iter().map(|c| c.rows.len()).sum();
             let matrix = || vec![Expr::zero(); rows * rows];
             let (mut inverse, mut inertia) = (matrix(), matrix());
+            let model = &self.with_column_lanes(model);
+            let layout = &MergedUduLayout::new(model, layout.clone());
             let memory = &mut ConstraintWorkspace::new(model, layout);
             let rank = constraints::operational_inertia(
                 model,

@@ -5,8 +5,8 @@ use super::{ConstraintWorkspace, Settings};
 use crate::Scalar;
 use crate::constraint_settings::ContactTarget;
 use crate::equations::Workspace;
-use crate::equations::brge::{self, UduLayout};
-use crate::mechanism::Mechanism;
+use crate::equations::brge;
+use crate::equations::factorization::limb_coupling::{Factorizable, LimbAccess};
 
 /// Computes the inverse operational-space inertia J M^-1 J^T of the constraint rows (the Delassus matrix), with
 /// the compliance of contacts, and its pseudo-inverse, the operational-space inertia (Khatib 1987). Both are
@@ -16,21 +16,24 @@ use crate::mechanism::Mechanism;
 /// for a loop constraint, in world axes for a contact. The rows and columns of inactive contacts are zero.
 /// Where rows are redundant, the pseudo-inverse is that of the rows in units of length: rotations are
 /// multiplied by the characteristic length.
-pub fn operational_inertia<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
-    model: &Mechanism<S>,
-    layout: &UduLayout,
+///
+/// The columns of the pseudo-inverse are computed several at a time where the scalars have lanes.
+pub fn operational_inertia<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
+    tree: &T,
+    layout: &T::Layout,
     q: &[S],
     (active, settings): Settings<'_, S, C>,
     (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
     (inverse, inertia): (&mut [S], &mut [S]),
 ) -> S {
-    brge::factorize(model, layout, q, workspace, &mut memory.factors);
+    let model = tree.mechanism();
+    brge::factorize(tree, layout.layout(), q, workspace, &mut memory.factors);
     let contacts = settings.contacts.as_ref();
     let rest = core::mem::take(&mut memory.rest);
     constraint_rows(model, (q, &rest), contacts, workspace, memory, |_, _, _| [S::zero(); 2]);
     memory.rest = rest;
     memory.rotate_contact_rows(model);
-    memory.fill(model, layout, (active, settings));
+    memory.fill(tree, layout, (active, settings));
     let rows = memory.rows;
     let length = |row: usize| memory.row_length(model, row);
     for (j, column) in inverse.chunks_mut(rows.max(1)).enumerate() {
@@ -38,8 +41,8 @@ pub fn operational_inertia<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
             *entry = memory.factorization.entry(i, j) * (length(i) * length(j)).recip();
         }
     }
-    memory.factorize_filled(model, settings);
-    memory.factorization.inverse(model, inertia);
+    memory.factorize_filled(tree, settings);
+    memory.factorization.inverse(tree, inertia);
     for (j, column) in inertia.chunks_mut(rows.max(1)).enumerate() {
         for (i, entry) in column.iter_mut().enumerate() {
             *entry = *entry * (memory.row_length(model, i) * memory.row_length(model, j));
