@@ -1131,6 +1131,10 @@ fn operation_counts_are_as_frozen() {
         ("contact_impulse", tracer.contact_impulse(&layout)),
         ("constrained_inverse_dynamics", tracer.constrained_inverse_dynamics(&layout)),
         ("operational_inertia", tracer.operational_inertia(&layout)),
+        (
+            "operational_inertia in lanes",
+            tracer.column_lanes(COLUMN_LANES).operational_inertia(&layout),
+        ),
         ("constraint_jacobian", tracer.constraint_jacobian(&layout)),
         ("constraint_bias_acceleration", tracer.constraint_bias_acceleration()),
         ("constraint_residual", tracer.constraint_residual(&layout)),
@@ -1147,6 +1151,7 @@ fn operation_counts_are_as_frozen() {
         ("contact_impulse", 7107),
         ("constrained_inverse_dynamics", 2111),
         ("operational_inertia", 10871),
+        ("operational_inertia in lanes", 7343),
         ("constraint_jacobian", 400),
         ("constraint_bias_acceleration", 424),
         ("constraint_residual", 540),
