@@ -4,9 +4,10 @@
 //! ```console
 //! cargo run -p modyn-codegen --example cost -- robots/arm7.urdf robots/humanoid.urdf
 //! cargo run -p modyn-codegen --example cost -- tests/golden/g1.urdf forward_dynamics
+//! cargo run -p modyn-codegen --example cost -- tests/golden/solo12.urdf point:FL_FOOT point:HR_FOOT contact_impulse
 //! ```
 //!
-//! Without names of functions, all are measured.
+//! Without names of functions, all are measured. A robot with contacts (points and surfaces of links) has a floating base.
 //!
 //! The output is a table in Markdown, from which `tools/record` makes `docs/data/functions.tsv` (operations are in
 //! `docs/data/operations.tsv`). Times are processor time, so that other work on the machine matters little. Do not run it
@@ -17,7 +18,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use modyn_codegen::{Builder, Function};
+use modyn_codegen::{Base, Builder, Contact, ContactKind, Function, LoopEnd};
 use object::{Object as _, ObjectSection as _, SectionKind};
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
@@ -36,14 +37,25 @@ fn main() -> Result<()> {
     println!("| robot | function | generated, s | debug, s | release, s | code, kB |");
     println!("|---|---|---|---|---|---|");
     let named = |argument: &String| Function::ALL.iter().find(|f| f.name() == argument).copied();
-    let (functions, paths): (Vec<_>, Vec<_>) =
+    let (functions, others): (Vec<_>, Vec<_>) =
         std::env::args().skip(1).partition(|argument| named(argument).is_some());
     let functions: Vec<Function> = functions.iter().filter_map(named).collect();
-    for path in paths {
+    // Contacts follow their robot.
+    let mut robots: Vec<(String, Vec<Contact>)> = Vec::new();
+    for argument in others {
+        match (contact(&argument), robots.last_mut()) {
+            (Some(contact), Some((_, contacts))) => contacts.push(contact),
+            _ => robots.push((argument, Vec::new())),
+        }
+    }
+    for (path, contacts) in robots {
         let robot = Path::new(&path).file_stem().unwrap_or_default().to_string_lossy();
         let path = std::env::current_dir()?.join(&path);
         let generate = |functions: &[Function]| {
-            let builder = Builder::new().urdf(&path).crate_("::modyn_runtime");
+            let mut builder = Builder::new().urdf(&path).crate_("::modyn_runtime");
+            if !contacts.is_empty() {
+                builder = builder.base(Base::Floating).contacts(contacts.clone());
+            }
             builder.functions(functions.iter().copied()).generate()
         };
         let alone = generate(&[])?.text;
@@ -69,6 +81,13 @@ fn main() -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Reads `KIND:LINK`; `None` for another word.
+fn contact(text: &str) -> Option<Contact> {
+    let (kind, link) = text.split_once(':')?;
+    let end = LoopEnd { link: link.into(), xyz: [0.0; 3], rpy: [0.0; 3] };
+    Some(Contact { name: link.into(), kind: ContactKind::from_name(kind)?, end })
 }
 
 /// Seconds in Cargo for a debug build.
