@@ -7,6 +7,7 @@ use common::{
     Fuse, ROBOTS, evaluate, has_vectors, instruction_sets, is_same, numbers, plan, program, random,
     split,
 };
+use modyn_codegen::diagnostics::Code;
 use modyn_codegen::{Builder, Function, Planning};
 use modyn_jit::{Compiled, InstructionSet, Options};
 
@@ -127,7 +128,12 @@ fn random_robots() {
             fits && *function != Function::Brge && random.chance(0.2)
         });
         let builder = Builder::new().model(model).functions(functions);
-        let planning = builder.plan().expect("good");
+        let planning = match builder.plan() {
+            Ok(planning) => planning,
+            // A few of many seeds: a Runge-Kutta derivative of such a robot would be too long.
+            Err(errors) if errors.iter().all(|error| error.code == Code::TooLarge) => continue,
+            Err(errors) => panic!("{errors}"),
+        };
         for instruction_set in instruction_sets() {
             let name = format!("seed {seed}");
             compare::<f64>(&name, &planning, instruction_set);
