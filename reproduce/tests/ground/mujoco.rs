@@ -355,10 +355,13 @@ fn a_humanoid_stands_as_in_mujoco() {
     }
 }
 
+/// The numbers of a row of the table, for a motion in MuJoCo.
+type Row<'a> = dyn Fn(&Motion) -> [f64; 7] + 'a;
+
 /// The table of the guide, within the rounding of its numbers. With the variable `UPDATE_SNAPSHOTS` the file is written.
 #[test]
 fn the_guide_has_these_energies_and_depths() {
-    let cases: [(&str, &str, &dyn Fn(&Motion) -> [f64; 7]); 6] = [
+    let cases: [(&str, &str, &Row<'_>); 6] = [
         ("a block falls on a corner", "drop", &|motion| falls(motion).row(motion)),
         ("a block slides and stops", "slide", &|motion| slides(motion).row(motion)),
         ("a block slides down a slope", "slope", &|motion| on_a_slope(motion, 0.2).row(motion)),
