@@ -1,7 +1,7 @@
 //! `modyn check`: exit codes, displayed text, JSON.
 #![cfg(feature = "command")]
 
-mod common;
+use crate::common;
 
 use common::{assert_snapshot, command, descriptions, modyn, run};
 

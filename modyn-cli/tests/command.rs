@@ -1,7 +1,7 @@
 //! The command's help, version and usage errors.
 #![cfg(feature = "command")]
 
-mod common;
+use crate::common;
 
 use common::modyn;
 

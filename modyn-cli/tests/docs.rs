@@ -1,7 +1,7 @@
 //! The commands of the documentation run as they are printed.
 #![cfg(feature = "command")]
 
-mod common;
+use crate::common;
 
 use std::path::{Path, PathBuf};
 

@@ -1,7 +1,7 @@
 //! `modyn generate`: files, staleness, headers, options.
 #![cfg(feature = "command")]
 
-mod common;
+use crate::common;
 
 use std::path::Path;
 use std::process::Command;

@@ -1,7 +1,7 @@
 //! Names may contain any characters, and they are escaped in every output.
 #![cfg(feature = "command")]
 
-mod common;
+use crate::common;
 
 use common::{command, run};
 use roxmltree::Document;

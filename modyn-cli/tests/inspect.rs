@@ -1,7 +1,7 @@
 //! `modyn inspect`: displayed text, JSON, the picture.
 #![cfg(feature = "command")]
 
-mod common;
+use crate::common;
 
 use std::collections::BTreeMap;
 

@@ -1,7 +1,7 @@
 //! Every command also reads MuJoCo's models.
 #![cfg(feature = "mjcf")]
 
-mod common;
+use crate::common;
 
 use common::modyn;
 

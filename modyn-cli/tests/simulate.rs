@@ -1,7 +1,7 @@
 //! `modyn simulate`: physics, tables, plots, the page.
 #![cfg(feature = "command")]
 
-mod common;
+use crate::common;
 
 use std::path::Path;
 

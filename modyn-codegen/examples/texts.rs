@@ -4,7 +4,7 @@
 //! cargo run -p modyn-codegen --example texts
 //! ```
 //!
-//! The output is the same on every host and however the compiler was built: `.ci/run` compares that of a
+//! The output is the same on every host and however the compiler was built: `lab/check` compares that of a
 //! compiler with fused products and of one without.
 
 use std::error::Error;

@@ -157,7 +157,9 @@ mod tests {
         ];
         let made = [chain(11, 0), chain(3, 100), chain(8, 16)];
         for (i, urdf) in robots.into_iter().chain(made).enumerate() {
-            for functions in lists {
+            // All functions of the robots that are not small take seconds each.
+            let is_small = i == 0 || i == 4;
+            for functions in lists.into_iter().skip(usize::from(!is_small)) {
                 let builder = Builder::new().urdf_text(&*urdf, "robot.urdf");
                 let builder = builder.functions(functions.iter().copied());
                 let generated = builder.generate().expect("good");
@@ -215,8 +217,7 @@ mod tests {
         let robots = [
             (chain(8, 0), Base::Fixed, vec!["8"], ContactKind::Surface),
             (chain(8, 0), Base::Fixed, vec!["8", "6"], ContactKind::Point),
-            (quadruped.clone(), Base::Floating, vec!["hind_left_foot"], ContactKind::Point),
-            (quadruped, Base::Floating, vec!["hind_left_foot", "trunk"], ContactKind::Surface),
+            (quadruped, Base::Floating, vec!["hind_left_foot"], ContactKind::Point),
         ];
         for (i, (urdf, base, links, kind)) in robots.into_iter().enumerate() {
             let contact = |link: &&str| {

@@ -181,7 +181,7 @@ fn compare(name: &str, builder: &Builder, float: FloatType) {
     std::fs::write(folder.join("main.c"), harness(&functions, real)).expect("writes");
     for compiler in compilers() {
         let mut command = Command::new(compiler);
-        command.args(["-std=c99", "-O2", "-ffp-contract=off", "main.c", "ours.c", "-o", "main"]);
+        command.args(["-std=c99", "-O1", "-ffp-contract=off", "main.c", "ours.c", "-o", "main"]);
         run(command.args(["-L.", "-ltheirs", "-lpthread", "-ldl", "-lm"]).current_dir(&folder));
         assert_eq!(run(&mut Command::new(folder.join("main"))), "done\n", "{name}, {compiler}");
     }

@@ -131,7 +131,7 @@ const MAIN: [Function; 17] = [
 /// The operations of each robot and function, as the file has them.
 fn counted() -> String {
     let mut text = String::from(
-        "# command: UPDATE_SNAPSHOTS=1 cargo test -p modyn-codegen --test data\n\
+        "# command: UPDATE_SNAPSHOTS=1 cargo test -p modyn-codegen data::\n\
          robot\tbase\tfunction\toperations\tin lanes\n",
     );
     for (robot, base, ..) in ROBOTS {
@@ -728,7 +728,7 @@ fn pages_show_the_data() {
         let differing = text.lines().zip(expected.lines()).find(|(a, b)| a != b);
         assert!(
             expected == text,
-            "{} does not show the data, first {differing:?}: UPDATE_SNAPSHOTS=1 cargo test -p modyn-codegen --test data",
+            "{} does not show the data, first {differing:?}: UPDATE_SNAPSHOTS=1 cargo test -p modyn-codegen data::",
             path.display()
         );
     }

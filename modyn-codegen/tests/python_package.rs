@@ -190,7 +190,7 @@ fn methods() -> String {
     let mut text = String::from(
         "//! A method for each function of modyn's table.\n\
          //!\n\
-         //! `UPDATE_SNAPSHOTS=1 cargo test -p modyn-codegen --test python_package` writes this file.\n\
+         //! `UPDATE_SNAPSHOTS=1 cargo test -p modyn-codegen python_package::` writes this file.\n\
          #![allow(clippy::too_many_arguments)]\n\n\
          use pyo3::prelude::*;\n\n\
          use crate::robot::Robot;\n\n\
@@ -260,7 +260,7 @@ fn tuples() -> BTreeMap<&'static str, Vec<(&'static str, Layout)>> {
 fn results() -> String {
     let mut text = String::from(
         "\"\"\"The results of functions with several results: named tuples of arrays.\n\n\
-         `UPDATE_SNAPSHOTS=1 cargo test -p modyn-codegen --test python_package` writes this file.\n\"\"\"\n\n\
+         `UPDATE_SNAPSHOTS=1 cargo test -p modyn-codegen python_package::` writes this file.\n\"\"\"\n\n\
          from typing import Any, NamedTuple\n\n\
          from numpy.typing import NDArray\n\n\
          __all__ = [\n",

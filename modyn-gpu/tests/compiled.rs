@@ -1,6 +1,6 @@
 //! Robots that `modyn!` compiled: the kernels of their types give what their functions give.
 
-mod common;
+use crate::common;
 
 use modyn::{EmbeddedModel, Robot};
 use modyn_codegen::{Builder, Function, RolloutOptions};

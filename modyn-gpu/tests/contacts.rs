@@ -1,6 +1,6 @@
 //! Rollouts that hold contacts: a quadruped falls on its feet and stands, as the interpreter's constrained dynamics say.
 
-mod common;
+use crate::common;
 
 use modyn_codegen::{
     Base, Builder, Bundle, Contact, ContactKind, Function, LoopEnd, RolloutForces, RolloutOptions,

@@ -1,6 +1,6 @@
 //! The kernels give the interpreter's results, on any available processor: in CI, on Mesa's software processor.
 
-mod common;
+use crate::common;
 
 use modyn_codegen::{Base, Builder, Function};
 use modyn_gpu::{Gpu, GpuError, GpuRobot};

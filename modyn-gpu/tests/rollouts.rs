@@ -3,7 +3,7 @@
 //! Rounding errors of a step grow over the next steps, by factors that depend on the robot and its motion. So the bounds
 //! come from the interpreter: from the distance of motions that are disturbed in each step by errors of single precision.
 
-mod common;
+use crate::common;
 
 use modyn_codegen::{Base, Builder, Function, RolloutForces, RolloutOptions};
 use modyn_gpu::{Gpu, GpuError, Rollout, RolloutArguments};

@@ -1,6 +1,6 @@
 //! Kernels of every function through naga's parser and validator, which every text meets before a driver does.
 
-mod common;
+use crate::common;
 
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! Machine code computes the bits of its program's evaluation, for all robots and all instruction sets of the
 //! processor: for small and large angles, infinities and NaN, one state and many.
 
-mod common;
+use crate::common;
 
 use common::{
     Fuse, ROBOTS, evaluate, has_vectors, instruction_sets, is_same, numbers, plan, program, random,

@@ -1,6 +1,6 @@
 //! Bundles of random robots and of robots of the folder give the numbers of their functions, one at a time.
 
-mod common;
+use crate::common;
 
 use common::{instruction_sets, random, robot};
 use modyn_codegen::plan::{Shape, Trace};

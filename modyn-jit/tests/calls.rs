@@ -1,6 +1,6 @@
 //! Calls with wrong arguments are refused with a message that names the reason, and write nothing.
 
-mod common;
+use crate::common;
 
 use common::robot;
 use modyn_codegen::{Builder, Function};

@@ -55,7 +55,7 @@ fn alive(program: &Program) -> usize {
 fn counts_are_those_of_the_page() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let mut text = String::from(
-        "# command: UPDATE_SNAPSHOTS=1 cargo test -p modyn-jit --test code_size\n\
+        "# command: UPDATE_SNAPSHOTS=1 cargo test -p modyn-jit code_size::\n\
          robot\tfunction\tprocessor\tvalues alive\tinstructions\tof which spills\tof which loads\t\
          bytes of code\n",
     );

@@ -1,7 +1,7 @@
 //! Machine code of functions of contacts computes what the interpreter does: one state, and many with sets of active
 //! contacts of their own.
 
-mod common;
+use crate::common;
 
 use common::{instruction_sets, random};
 use modyn_codegen::{Base, Builder, Contact, ContactKind, Function, LoopEnd};

@@ -1,6 +1,6 @@
 //! Machine code of random trees gives the interpreter's results: every function, for each link, for one state and many.
 
-mod common;
+use crate::common;
 
 use common::{instruction_sets, random};
 use modyn_codegen::{Base, Builder, Function, ReadOptions};

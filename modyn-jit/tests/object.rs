@@ -3,7 +3,7 @@
 
 #![cfg(all(feature = "object", target_arch = "x86_64", target_os = "linux"))]
 
-mod common;
+use crate::common;
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

@@ -1,6 +1,6 @@
 //! Gravity, inertias and payloads that are set at run time give the interpreter's results, for one state and many.
 
-mod common;
+use crate::common;
 
 use common::{random, robot};
 use modyn_codegen::{Builder, Function};

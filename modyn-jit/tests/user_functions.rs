@@ -1,6 +1,6 @@
 //! Functions of users as machine code give the numbers of the same functions on numbers, and derivatives along displacements.
 
-mod common;
+use crate::common;
 
 use common::{instruction_sets, random};
 use modyn_codegen::{

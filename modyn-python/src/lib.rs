@@ -4,7 +4,7 @@
 //! load ─▶ Robot ─ first use ─▶ RobotFunction ─ arrays ─▶ machine code (or programs, evaluated) ─ layout ─▶ arrays
 //! ```
 //!
-//! `methods.rs` has a method for each function of modyn's table; `cargo test -p modyn-codegen --test python_package`
+//! `methods.rs` has a method for each function of modyn's table; `cargo test -p modyn-codegen python_package::`
 //! compares it with the table.
 
 mod arrays;

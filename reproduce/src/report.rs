@@ -29,7 +29,7 @@ impl Table {
     #[must_use]
     pub fn data(&self) -> String {
         let mut text = String::from(
-            "# command: UPDATE_SNAPSHOTS=1 cargo test -p modyn-reproduce --test data\n",
+            "# command: UPDATE_SNAPSHOTS=1 cargo test -p modyn-reproduce data::\n",
         );
         for row in std::iter::once(&self.head).chain(&self.rows) {
             _ = writeln!(text, "{}", row.join("\t"));

@@ -39,8 +39,6 @@ pub enum Division {
 pub enum Part {
     /// Small robots; `cargo test --workspace` compiles them.
     Small,
-    /// A robot of many joint types with all functions; `cargo test --workspace` compiles it, too.
-    Joints,
     /// A robot of many joint types with all functions and run-time parameters.
     Parameters,
     /// Large robots with legs.
@@ -53,15 +51,14 @@ pub enum Part {
 
 impl Part {
     /// All parts.
-    pub const ALL: [Self; 6] =
-        [Self::Small, Self::Joints, Self::Parameters, Self::Legged, Self::Trees, Self::Complete];
+    pub const ALL: [Self; 5] =
+        [Self::Small, Self::Parameters, Self::Legged, Self::Trees, Self::Complete];
 
     /// Returns the name of the package.
     #[must_use]
     pub fn package(self) -> &'static str {
         match self {
             Self::Small => "modyn-fleet-small",
-            Self::Joints => "modyn-fleet-joints",
             Self::Parameters => "modyn-fleet-parameters",
             Self::Legged => "modyn-fleet-legged",
             Self::Trees => "modyn-fleet-trees",
@@ -97,16 +94,16 @@ pub struct Spec {
 
 use Division::{Chains, Links, List};
 use FloatType::{F32, F64};
-use Part::{Complete, Joints, Legged, Parameters, Trees};
+use Part::{Complete, Legged, Parameters, Trees};
 use Source::{Described, Golden, Random, Zoo};
 
-/// All robots. A few of them make up most of the text: `cargo test --workspace` compiles [`Part::Small`] and
-/// [`Part::Joints`] only; the feature `whole` of the package `modyn-fleet` adds the others.
+/// All robots. A few of them make up most of the text: `cargo test --workspace` compiles [`Part::Small`]
+/// only; the feature `whole` of the package `modyn-fleet` adds the others.
 pub const FLEET: &[Spec] = &[
     spec(Golden("double_pendulum"), Chains, F64).all(),
     spec(Golden("double_pendulum_continuous"), Links, F64),
     spec(Golden("double_pendulum"), Links, F64).floating().all().part(Complete),
-    spec(Golden("ur5"), Chains, F64).all(),
+    spec(Golden("ur5"), Chains, F64),
     spec(Golden("panda"), Links, F64).all().part(Complete),
     spec(Golden("panda"), Chains, F64).loaded(&["panda_hand", "panda_link4"]),
     spec(Golden("panda_fingers"), Chains, F64),
@@ -128,9 +125,14 @@ pub const FLEET: &[Spec] = &[
     spec(Described("four_bar"), Chains, F64),
     spec(Described("joint_zoo"), Chains, F64)
         .resisted(Friction::Smooth(0.02))
+        .driven(&[("elbow", 2e-5, 80.0), ("glide", 0.01, 3.0)]),
+    // Sharing of limbs changes nothing here; the name differs from that of the robot above.
+    spec(Described("joint_zoo"), Chains, F64)
+        .resisted(Friction::Smooth(0.02))
         .driven(&[("elbow", 2e-5, 80.0), ("glide", 0.01, 3.0)])
+        .shared()
         .all()
-        .part(Joints),
+        .part(Complete),
     spec(Random(0, 1), Chains, F64),
     spec(Random(1, 1), Links, F32),
     spec(Random(2, 2), Chains, F64),

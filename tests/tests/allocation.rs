@@ -4,11 +4,8 @@
 use modyn_runtime::model::{Inertial, Model, ModuleTree};
 use modyn_runtime::spatial::{Pose, Wrench};
 use modyn_runtime::{Forces, ForwardDerivatives, Interpreter, ShapeError};
-use modyn_tests::counting::{Counting, measure};
+use modyn_tests::counting::measure;
 use modyn_tests::random::{State, state, tree, zoo};
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 /// Returns random robots with all joint types, with and without mimic joints.
 fn robots() -> impl Iterator<Item = (u64, Model)> {

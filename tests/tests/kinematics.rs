@@ -14,7 +14,7 @@ use modyn_runtime::model::{DEFAULT_GRAVITY, Frame, Inertial, Joint, Link, Mimic,
 use modyn_runtime::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 use modyn_runtime::{FrameError, Interpreter, ShapeError};
 use modyn_tests::close::assert_close;
-use modyn_tests::counting::{Counting, measure};
+use modyn_tests::counting::measure;
 use modyn_tests::golden::{self, FIXED_BASE, FLOATING_BASE, Golden};
 use modyn_tests::quantities::{Quantities, numbers};
 use modyn_tests::random::{Random, mixed_tree, tree};
@@ -28,9 +28,6 @@ const EXACT: f64 = 1e-11;
 
 /// The tolerance for central differences with the first error term removed.
 const DIFFERENCES: f64 = 1e-7;
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 // Models
 

@@ -5,12 +5,9 @@ use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{Frame, Inertial, Joint, Link, Model};
 use modyn_runtime::spatial::Pose;
 use modyn_tests::close::assert_close;
-use modyn_tests::counting::{Counting, measure};
+use modyn_tests::counting::measure;
 use modyn_tests::quantities::Quantities;
 use modyn_tests::random::{State, chain, state};
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 const LINKS: usize = 100_000;
 

@@ -1,7 +1,7 @@
 //! Crates outside the workspace, as users have them: each is built by its own call of Cargo.
 //!
 //! All of them share one target folder, so that their dependencies are built once; the workspace's `Cargo.lock` beside
-//! each one pins the versions. The slow ones are ignored unless `-- --include-ignored` is given, as `.ci/run` does.
+//! each one pins the versions. The slow ones are ignored unless `-- --include-ignored` is given, as `lab/check` does.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -7,7 +7,7 @@ use modyn_runtime::model::{LoopConstraintKind, Model};
 use modyn_runtime::spatial::Pose;
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, Vector3, Vector6};
 
-use crate::mechanisms::matrix;
+use super::mechanisms::matrix;
 
 pub struct Solution {
     pub qdd: Vec<f64>,

@@ -1,5 +1,5 @@
 # The parts between the marks are written by
-# `UPDATE_SNAPSHOTS=1 cargo test -p modyn-codegen --test python_package`.
+# `UPDATE_SNAPSHOTS=1 cargo test -p modyn-codegen python_package::`.
 
 import os
 from collections.abc import Mapping, Sequence

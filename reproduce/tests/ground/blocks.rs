@@ -4,7 +4,7 @@ use modyn::ContactTarget;
 use modyn::simulate::{Ground, State};
 use modyn::spatial::{Pose, Vector3};
 
-use crate::{Block, GRAVITY, HINGE, STANDING, STEP, heights, hold, lowest, on, rotation};
+use super::{Block, GRAVITY, HINGE, STANDING, STEP, heights, hold, lowest, on, rotation};
 
 /// Returns the energy of the block and of the spring of its flap, J.
 fn energy(state: &State<Block>) -> f64 {

@@ -3,7 +3,7 @@
 use modyn::ContactTarget;
 use modyn::simulate::{Ground, State};
 
-use crate::{GRAVITY, Quadruped, STEP, heights, lowest, on, rotation};
+use super::{GRAVITY, Quadruped, STEP, heights, lowest, on, rotation};
 
 // G1's numbers. Each sole has the four points at which Unitree's description of G1 has spheres.
 modyn::modyn! {

@@ -15,8 +15,8 @@ use modyn::spatial::{Pose, Vector3};
 use modyn::{ContactTarget, Robot, functions};
 use serde_json::Value;
 
-use crate::legged::{Humanoid, TROT, Upright, hold_legs, posture};
-use crate::{
+use super::legged::{Humanoid, TROT, Upright, hold_legs, posture};
+use super::{
     Block, GRAVITY, Quadruped, STANDING, STEP, Settings, heights, hold, lowest, on, rotation,
 };
 
@@ -375,7 +375,7 @@ fn the_guide_has_these_energies_and_depths() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/data/ground.tsv");
     if std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
         let mut table = String::from(
-            "# command: UPDATE_SNAPSHOTS=1 cargo test -p modyn-reproduce --test ground\n\
+            "# command: UPDATE_SNAPSHOTS=1 cargo test -p modyn-reproduce ground::\n\
              motion\twork of the motors, modyn\tMuJoCo\ttaken by the ground, modyn\tMuJoCo\t\
              depth, modyn\tMuJoCo\tapart\n",
         );

@@ -3,7 +3,7 @@
 use modyn::simulate::SpringGround;
 use modyn::spatial::{Pose, Vector3};
 
-use crate::rotation;
+use super::rotation;
 
 /// The force of the soft ground, in a plane in general position.
 #[test]

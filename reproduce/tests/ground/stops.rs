@@ -3,7 +3,7 @@
 use modyn::ContactTarget;
 use modyn::simulate::{Ground, State, limit_effort};
 
-use crate::{Block, STANDING, STEP, on};
+use super::{Block, STANDING, STEP, on};
 
 // The leader's range is -1 to 1 rad; the limits of the follower, -0.2 <= 0.1 - 0.6 q <= 0.35 rad, are narrower. The third
 // joint has limits that contradict its leader's, -1 <= q - 3 <= 1 rad, and that do not count.

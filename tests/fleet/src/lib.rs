@@ -8,7 +8,6 @@ use modyn_tests::fleet::Part;
 /// The parts of the fleet that are compiled, with their robots.
 pub static PARTS: &[(Part, &[Compiled])] = &[
     (Part::Small, modyn_fleet_small::ROBOTS),
-    (Part::Joints, modyn_fleet_joints::ROBOTS),
     #[cfg(feature = "whole")]
     (Part::Parameters, modyn_fleet_parameters::ROBOTS),
     #[cfg(feature = "whole")]
@@ -27,7 +26,6 @@ pub static ROBOTS: LazyLock<Vec<Compiled>> =
 pub mod robots {
     #[cfg(feature = "whole")]
     pub use modyn_fleet_complete::robots::*;
-    pub use modyn_fleet_joints::robots::*;
     #[cfg(feature = "whole")]
     pub use modyn_fleet_legged::robots::*;
     #[cfg(feature = "whole")]

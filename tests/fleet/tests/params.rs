@@ -9,12 +9,9 @@ use modyn_runtime::model::{Model, ModuleTree};
 use modyn_tests::changed::changed;
 use modyn_tests::close::assert_close;
 use modyn_tests::compiled::Compiled;
-use modyn_tests::counting::{Counting, measure};
+use modyn_tests::counting::measure;
 use modyn_tests::random::{Random, state};
 use modyn_tests::values::{Given, GivenTo, Inputs, Named, columns, interpreted, list};
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 const TOLERANCE: f64 = 1e-10;
 

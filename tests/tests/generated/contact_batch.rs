@@ -30,20 +30,20 @@ macro_rules! robots {
 }
 
 robots! {
-    walker: "../../robots/quadruped.urdf", f64, base = floating, contacts = [
+    walker: "../../../robots/quadruped.urdf", f64, base = floating, contacts = [
         "foot": point("hind_left_foot", [0, 0, 0], [0.2, 0.1, -0.4]),
         "sole": surface("front_left_foot", [0.02, 0.01, -0.01], [0.5, -0.3, 0.7]),
     ];
-    zoo: "../../robots/joint_zoo.urdf", f64, friction = none, contacts = [
-        "hand": point("tip", [0.1, -0.2, 0.3], [0.2, 0.1, -0.4]),
-        "elbow": point("forearm", [0.1, 0.2, 0.3], [0, 0, 0]),
-        "plate": surface("first_stage", [0.2, 0.1, -0.1], [0.5, -0.3, 0.7]),
+    zoo: "../../golden/joints_spherical.urdf", f64, contacts = [
+        "hand": point("link4", [0.1, -0.2, 0.3], [0.2, 0.1, -0.4]),
+        "elbow": point("tool3", [0.1, 0.2, 0.3], [0, 0, 0]),
+        "plate": surface("tool1", [0.2, 0.1, -0.1], [0.5, -0.3, 0.7]),
     ];
-    single: "../../robots/arm6.urdf", f32, friction = none, contacts = [
+    single: "../../../robots/arm6.urdf", f32, friction = none, contacts = [
         "hand": point("tool", [0.1, -0.2, 0.3], [0.2, 0.1, -0.4]),
     ];
-    linkage: "../../robots/four_bar.urdf", f64, runtime_gravity = true;
-    leg: "../../robots/five_bar.urdf", f64, base = floating, contacts = [
+    linkage: "../../../robots/four_bar.urdf", f64, runtime_gravity = true;
+    leg: "../../../robots/five_bar.urdf", f64, base = floating, contacts = [
         "foot": point("left_forearm", [0.4, 0, 0], [0, 0, 0]),
     ];
 }
@@ -310,7 +310,7 @@ fn sets_of_contacts_of_a_floating_robot() {
 }
 
 #[test]
-fn sets_of_contacts_of_all_joint_types() {
+fn sets_of_contacts_of_many_joint_types() {
     robot!(zoo, f64, 3, |&mask| zoo::MachineContacts::from_array(mask));
 }
 
@@ -341,7 +341,7 @@ impl<'a, T: 'a, V: Take<'a, T>, W: Take<'a, T>, R: Take<'a, T>, X: Take<'a, T>> 
 /// A robot with derivatives and a bundle.
 mod more {
     modyn::modyn! {
-        pub Machine = "../../robots/five_bar.urdf",
+        pub Machine = "../../../robots/five_bar.urdf",
         functions = [
             random, constrained_forward_dynamics,
             constrained_forward_dynamics_derivatives, constrained_forward_dynamics_derivatives_batch

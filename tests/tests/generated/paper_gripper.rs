@@ -190,7 +190,7 @@ fn condition_numbers_of_the_pivots() {
     assert_close("condition number", &[found], &[expected], 1e-12);
 }
 
-modyn::modyn! { Compiled = "../../robots/gripper.urdf" }
+modyn::modyn! { Compiled = "../../../robots/gripper.urdf" }
 
 /// The compiled gripper has the same numbers.
 #[test]

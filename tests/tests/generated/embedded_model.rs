@@ -7,19 +7,19 @@ use modyn_codegen::{
 use modyn_runtime::Interpreter;
 
 modyn::modyn! {
-    pub(crate) JointZoo = "../../robots/joint_zoo.urdf",
+    pub(crate) JointZoo = "../../../robots/joint_zoo.urdf",
     functions = [potential_energy],
     gravity = [0.5, -1.5, -9.0],
     friction = smooth(0.02),
     embed_model = true,
 }
 modyn::modyn! {
-    MimicGripper = "../../robots/mimic_gripper.urdf",
+    MimicGripper = "../../../robots/mimic_gripper.urdf",
     functions = [potential_energy],
     embed_model = true,
 }
 modyn::modyn! {
-    Quadruped = "../../robots/quadruped.urdf",
+    Quadruped = "../../../robots/quadruped.urdf",
     functions = [potential_energy],
     base = floating,
     rotors = ["front_left_knee": (0.0001, 9)],
@@ -27,7 +27,7 @@ modyn::modyn! {
     embed_model = true,
 }
 modyn::modyn! {
-    FiveBar = "../../robots/five_bar.urdf",
+    FiveBar = "../../../robots/five_bar.urdf",
     functions = [potential_energy],
     embed_model = true,
 }

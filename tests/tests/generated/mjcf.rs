@@ -3,11 +3,11 @@
 use modyn_codegen::{ReadOptions, read};
 use modyn_runtime::Interpreter;
 
-modyn::modyn!(Arm = "../../modyn-codegen/tests/mjcf/arm.xml", friction = viscous);
+modyn::modyn!(Arm = "../../../modyn-codegen/tests/mjcf/arm.xml", friction = viscous);
 
 #[test]
 fn the_macro_recognises_an_mjcf() {
-    let text = include_str!("../../modyn-codegen/tests/mjcf/arm.xml");
+    let text = include_str!("../../../modyn-codegen/tests/mjcf/arm.xml");
     let options =
         ReadOptions { friction: Some(modyn_codegen::Friction::Viscous), ..ReadOptions::default() };
     let reading = read(text, "arm.xml", &options).expect("an MJCF");

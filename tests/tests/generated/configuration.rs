@@ -4,12 +4,12 @@ use modyn::{ConfigurationError, Interpreter, Robot, Scalar};
 use modyn_codegen::{ReadOptions, read};
 
 modyn::modyn!(
-    Zoo = "../../robots/joint_zoo.urdf",
+    Zoo = "../../../robots/joint_zoo.urdf",
     friction = none,
     functions = [forward_dynamics, normalize]
 );
 modyn::modyn!(
-    Single = "../../robots/joint_zoo.urdf",
+    Single = "../../../robots/joint_zoo.urdf",
     friction = none,
     scalar = f32,
     functions = [forward_dynamics, normalize]
@@ -25,7 +25,7 @@ fn coordinates(at: usize, length: f64) -> [f64; Zoo::NQ] {
 
 #[test]
 fn lengths_are_checked_by_joint() {
-    let urdf = include_str!("../../robots/joint_zoo.urdf");
+    let urdf = include_str!("../../../robots/joint_zoo.urdf");
     let model = read(urdf, "joint_zoo.urdf", &ReadOptions::default()).expect("good").model;
     let interpreter = Interpreter::<f64>::new(model);
     assert!(!Zoo::QUATERNIONS.is_empty());

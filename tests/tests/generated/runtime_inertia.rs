@@ -5,7 +5,7 @@ use modyn::{Inertial, ParameterError, Robot, Scalar, functions};
 use modyn_runtime::num_dual::Dual64;
 
 modyn::modyn! {
-    Arm = "../../robots/arm7.urdf",
+    Arm = "../../../robots/arm7.urdf",
     friction = none,
     runtime_gravity = true,
     runtime_inertia = ["link7", "hand", "link4"],
@@ -13,7 +13,7 @@ modyn::modyn! {
     functions = [default, forward_dynamics_derivatives]
 }
 modyn::modyn! {
-    Single = "../../robots/arm7.urdf",
+    Single = "../../../robots/arm7.urdf",
     friction = none,
     scalar = f32,
     runtime_gravity = true,
@@ -23,7 +23,7 @@ modyn::modyn! {
 }
 // All links after the wrist have run-time inertias: without these and the payload, the last joint has no inertia.
 modyn::modyn! {
-    Wrist = "../../robots/arm7.urdf",
+    Wrist = "../../../robots/arm7.urdf",
     friction = none,
     runtime_inertia = ["link7", "hand", "left_finger", "right_finger"],
     payload = ["grasp_point"],

@@ -10,7 +10,8 @@ macro_rules! robots {
         modyn::modyn! {
             $Robot = $file,
             functions = [
-                default, forward_dynamics_batch, inverse_dynamics_batch, bias_forces_batch,
+                random, forward_dynamics, inverse_dynamics, bias_forces, gravity_torques, mass_matrix,
+                kinetic_energy, potential_energy, forward_dynamics_batch, inverse_dynamics_batch, bias_forces_batch,
                 gravity_torques_batch, mass_matrix_batch, kinetic_energy_batch, potential_energy_batch
             ]
             $(, $key = $choice)*
@@ -19,19 +20,17 @@ macro_rules! robots {
 }
 
 robots! {
-    Gripper = "../../robots/gripper.urdf";
-    Arm = "../../robots/arm7.urdf", friction = none, runtime_gravity = true, payload = ["link7"];
-    Single = "../../robots/arm7.urdf", friction = none, scalar = f32;
-    Mimic = "../../robots/mimic_gripper.urdf", friction = none;
-    Zoo = "../../robots/joint_zoo.urdf", friction = none;
-    Flying = "../../robots/quadruped.urdf", base = floating;
-    FlyingSingle = "../../robots/quadruped.urdf", base = floating, scalar = f32;
+    Gripper = "../../../robots/gripper.urdf";
+    Arm = "../../../robots/arm7.urdf", friction = none, runtime_gravity = true, payload = ["link7"];
+    Single = "../../../robots/arm7.urdf", friction = none, scalar = f32;
+    Zoo = "../../../robots/joint_zoo.urdf", friction = none;
+    FlyingSingle = "../../../robots/quadruped.urdf", base = floating, scalar = f32;
 }
 
 /// A robot whose function is long enough to be cut into chunks.
 mod long {
     modyn::modyn! {
-        pub Humanoid = "../../robots/humanoid.urdf",
+        pub Humanoid = "../../../robots/humanoid.urdf",
         functions = [forward_dynamics, forward_dynamics_batch]
     }
 }
@@ -53,9 +52,9 @@ mod several {
     }
 
     robots! {
-        Arm = "../../robots/arm7.urdf", friction = none, runtime_gravity = true, payload = ["link7"];
-        Mimic = "../../robots/mimic_gripper.urdf", friction = none;
-        Single = "../../robots/double_pendulum.urdf", scalar = f32;
+        Arm = "../../../robots/arm7.urdf", friction = none, runtime_gravity = true, payload = ["link7"];
+        Mimic = "../../../robots/mimic_gripper.urdf", friction = none;
+        Single = "../../../robots/double_pendulum.urdf", scalar = f32;
     }
 }
 
@@ -75,8 +74,8 @@ mod second_order {
     }
 
     robots! {
-        Mimic = "../../robots/mimic_gripper.urdf", friction = viscous;
-        Single = "../../robots/double_pendulum.urdf", scalar = f32;
+        Mimic = "../../../robots/mimic_gripper.urdf", friction = viscous;
+        Single = "../../../robots/double_pendulum.urdf", scalar = f32;
     }
 }
 
@@ -419,14 +418,8 @@ fn single_precision() {
 }
 
 #[test]
-fn other_joints_and_mimics() {
-    robot!(Mimic, f64);
+fn other_joints() {
     robot!(Zoo, f64);
-}
-
-#[test]
-fn floating_base() {
-    robot!(Flying, f64);
 }
 
 #[test]

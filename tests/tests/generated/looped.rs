@@ -129,16 +129,16 @@ macro_rules! robots {
 }
 
 robots! {
-    Arm = "../../robots/arm7.urdf", friction = coulomb, code = small;
-    StraightArm = "../../robots/arm7.urdf", friction = coulomb, code = fast;
-    Moon = "../../robots/arm7.urdf", friction = none, runtime_gravity = true, code = small;
-    StraightMoon = "../../robots/arm7.urdf", friction = none, runtime_gravity = true, code = fast;
-    Zoo = "../../robots/joint_zoo.urdf", friction = viscous, code = small;
-    StraightZoo = "../../robots/joint_zoo.urdf", friction = viscous, code = fast;
-    Flying = "../../robots/quadruped.urdf", base = floating, code = small;
-    StraightFlying = "../../robots/quadruped.urdf", base = floating, code = fast;
-    Single = "../../robots/quadruped.urdf", base = floating, scalar = f32, code = small;
-    StraightSingle = "../../robots/quadruped.urdf", base = floating, scalar = f32, code = fast;
+    Arm = "../../../robots/arm7.urdf", friction = coulomb, code = small;
+    StraightArm = "../../../robots/arm7.urdf", friction = coulomb, code = fast;
+    Moon = "../../../robots/arm7.urdf", friction = none, runtime_gravity = true, code = small;
+    StraightMoon = "../../../robots/arm7.urdf", friction = none, runtime_gravity = true, code = fast;
+    Zoo = "../../../robots/joint_zoo.urdf", friction = viscous, code = small;
+    StraightZoo = "../../../robots/joint_zoo.urdf", friction = viscous, code = fast;
+    Flying = "../../../robots/quadruped.urdf", base = floating, code = small;
+    StraightFlying = "../../../robots/quadruped.urdf", base = floating, code = fast;
+    Single = "../../../robots/quadruped.urdf", base = floating, scalar = f32, code = small;
+    StraightSingle = "../../../robots/quadruped.urdf", base = floating, scalar = f32, code = fast;
 }
 
 /// Compares a compiled robot with loops with the same robot in straight-line code.

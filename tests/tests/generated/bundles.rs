@@ -5,7 +5,7 @@ use modyn::spatial::{Pose, Twist, Vector3};
 use modyn_tests::random::Random;
 
 modyn::modyn! {
-    Arm = "../../robots/arm7.urdf",
+    Arm = "../../../robots/arm7.urdf",
     friction = none,
     runtime_gravity = true,
     payload = ["link7"],
@@ -22,7 +22,7 @@ modyn::modyn! {
 }
 
 modyn::modyn! {
-    Flying = "../../robots/quadruped.urdf",
+    Flying = "../../../robots/quadruped.urdf",
     base = floating,
     scalar = f32,
     functions = [mass_matrix, bias_forces, jacobian, link_velocity, kinetic_energy, normalize],

@@ -1,0 +1,36 @@
+//! The tests of the compiler, one module a topic.
+
+mod availability;
+mod bundles;
+mod c_header;
+mod c_source;
+mod casadi;
+mod contacts;
+mod data;
+mod diagnostics;
+mod errors_page;
+mod external_wrenches;
+mod fixed_links;
+mod functions_page;
+mod general_position;
+mod gpu_source;
+mod graphs;
+mod hostile;
+mod imports;
+mod injection;
+mod limb_derivatives;
+mod limbs;
+mod loops;
+#[cfg(feature = "mjcf")]
+mod mjcf;
+mod options_page;
+mod programs;
+mod python_package;
+mod reading;
+mod runtime_parameters;
+mod same_text;
+mod self_contained;
+mod single_precision;
+mod singular;
+mod type_page;
+mod user_functions;

@@ -1,0 +1,13 @@
+//! The tests of machine code, one module a topic.
+
+mod bits;
+mod bundles;
+mod calls;
+mod code_size;
+mod common;
+mod contacts;
+mod interpreter;
+mod memory;
+mod object;
+mod parameters;
+mod user_functions;

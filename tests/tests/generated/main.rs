@@ -1,0 +1,16 @@
+//! Tests of robots that the macro compiles, one module a topic.
+
+mod batch;
+mod bundles;
+mod configuration;
+mod contact_batch;
+mod embedded_model;
+mod looped;
+mod mjcf;
+mod no_heap;
+mod paper_gripper;
+mod runtime_inertia;
+
+/// Tests of allocations count those of their own thread.
+#[global_allocator]
+static ALLOCATOR: modyn_tests::counting::Counting = modyn_tests::counting::Counting;
