@@ -107,6 +107,7 @@ fn the_numbers_are_those_of_mujoco() {
         (ARM, include_str!("mjcf/arm.txt")),
         (include_str!("mjcf/rotations.xml"), include_str!("mjcf/rotations.txt")),
         (include_str!("mjcf/shapes.xml"), include_str!("mjcf/shapes.txt")),
+        (include_str!("mjcf/fields.xml"), include_str!("mjcf/fields.txt")),
     ] {
         let mut robot = Interpreter::<f64>::new(read(text).expect("an MJCF"));
         let lines: Vec<Vec<f64>> = golden
@@ -196,6 +197,110 @@ fn a_free_body_is_a_floating_base() {
     assert_same_numbers(model.expect("an MJCF"), theirs);
 }
 
+/// The limits of joint forces are those of MuJoCo's `jnt_actfrcrange` where `jnt_actfrclimited` is true.
+#[test]
+fn ranges_of_joint_forces_are_effort_limits() {
+    let joints = [
+        (r#"<joint actuatorfrcrange="-3 3"/>"#, Some(3.0)),
+        // From the classes: that of the joint, of its body, of the class around it, and of all joints.
+        (r#"<joint class="weak"/>"#, Some(1.0)),
+        ("<joint/>", Some(5.0)),
+        (r#"<joint class="strong" type="slide"/>"#, Some(9.0)),
+        (r#"<joint class="main"/>"#, Some(7.0)),
+        (r#"<joint actuatorfrcrange="-3 3" actuatorfrclimited="false"/>"#, None),
+        (r#"<joint actuatorfrcrange="0 0"/>"#, None),
+        // Not the same in both directions.
+        (r#"<joint actuatorfrcrange="-3 4"/>"#, None),
+        // MuJoCo limits no forces of balls.
+        (r#"<joint type="ball"/>"#, None),
+    ];
+    let inertial = r#"<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>"#;
+    let bodies: String = joints
+        .iter()
+        .map(|(joint, _)| format!("\n<body childclass=\"arm\">{joint}{inertial}</body>"))
+        .collect();
+    let classes = r#"<default><joint actuatorfrcrange="-7 7"/><default class="arm"><joint actuatorfrcrange="-5 5"/>
+        <default class="weak"><joint actuatorfrcrange="-1 1"/></default></default>
+        <default class="strong"><joint actuatorfrcrange="-9 9"/><default class="loose"/></default></default>"#;
+    let text = |compiler: &str| {
+        format!("<mujoco model=\"m\">{compiler}{classes}<worldbody>{bodies}</worldbody></mujoco>")
+    };
+    let reading = modyn_codegen::read_mjcf(&text(""), "m.xml", &ReadOptions::default());
+    let reading = reading.expect("an MJCF");
+    let efforts = |model: &Model| -> Vec<Option<f64>> {
+        model.links().iter().map(|link| link.joint.limits.and_then(|own| own.effort)).collect()
+    };
+    assert_eq!(efforts(&reading.model), joints.map(|(_, effort)| effort));
+    let first = &reading.model.links()[0].joint;
+    assert_eq!(first.joint_type, modyn_runtime::joint::JointType::Continuous);
+    let found: Vec<_> =
+        reading.warnings.iter().map(|one| (one.code, one.position.map(|at| at.line))).collect();
+    assert_eq!(found, [(Code::NotRead, Some(11))], "{:?}", reading.warnings);
+    let not_automatic = read(&text("<compiler autolimits=\"false\"/>")).expect("an MJCF");
+    assert!(efforts(&not_automatic).iter().all(Option::is_none));
+}
+
+/// What MuJoCo has besides the equations of motion is named once, with the number of its elements.
+#[test]
+fn unread_elements_are_named() {
+    let text = r#"<mujoco model="m"><default><motor forcerange="-1 1"/><site size="0.1"/></default><worldbody>
+      <site name="origin"/>
+      <body><joint name="j"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
+        <site name="tip"/><frame><site name="heel"/></frame></body></worldbody>
+      <actuator>
+        <motor joint="j" forcerange="-1 1"/>
+        <position joint="j" kp="high"/></actuator>
+      <sensor><jointpos joint="j"/></sensor>
+      <keyframe><key qpos="1"/></keyframe></mujoco>"#;
+    let reading = modyn_codegen::read_mjcf(text, "m.xml", &ReadOptions::default());
+    let warnings = reading.expect("an MJCF").warnings;
+    let found: Vec<_> = warnings
+        .iter()
+        .map(|one| (one.code, one.position.map(|at| at.line), one.message.as_str()))
+        .collect();
+    let actuators =
+        "the actuator is not read, nor is its range of forces; the same holds for line 7";
+    let sites = "the site is not read; the same holds for 2 others: line 4, line 4";
+    assert_eq!(
+        found,
+        [
+            (Code::NotRead, Some(2), sites),
+            (Code::NotRead, Some(6), actuators),
+            (Code::NotRead, Some(9), "the keyframe is not read"),
+        ]
+    );
+}
+
+/// MuJoCo moves the frame of a free body without children to its principal axes of inertia, if it is told to.
+#[test]
+fn aligned_free_bodies_are_refused() {
+    let inertial = r#"<inertial pos="0.1 0 0" mass="3" diaginertia="0.1 0.2 0.15"/>"#;
+    let text = |align: &str, child: &str| {
+        format!(
+            "<mujoco model=\"m\"><worldbody><body>\n<freejoint align=\"{align}\"/>{inertial}{child}</body></worldbody></mujoco>"
+        )
+    };
+    let found = read(&text("true", "")).expect_err("aligned").into_vec();
+    let help = found[0].help.as_deref().unwrap_or_default();
+    assert_eq!((found[0].code, found[0].position.map(|at| at.line)), (Code::NotRead, Some(2)));
+    assert!(help.contains("`align=\"false\"`"), "{help}");
+    let child = format!("<frame><body><joint/>{inertial}</body></frame>");
+    for (align, child) in [("false", ""), ("auto", ""), ("true", &*child)] {
+        read(&text(align, child)).expect("as in MuJoCo");
+    }
+}
+
+/// Attributes that only concern parts that are not read are not judged.
+#[test]
+fn attributes_that_are_not_read_are_not_judged() {
+    read(
+        r#"<mujoco model="m"><compiler strippath="maybe"/><option timestep="short"/><asset><material rgba="red"/></asset>
+        <worldbody><body sleep="never"><joint margin="wide"/><geom size="0.1" contype="-1" rgba="red"/></body></worldbody>
+        <actuator><position kp="high"/></actuator></mujoco>"#,
+    )
+    .expect("an MJCF");
+}
+
 /// Asserts that a piece of the text is refused with this code, at line 2, where the piece is.
 fn assert_refused(before: &str, bad: &str, after: &str, code: Code) {
     let text = format!("<mujoco model=\"m\">{before}\n{bad}\n{after}</mujoco>");
@@ -222,6 +327,7 @@ fn unsupported_elements_are_refused() {
         r#"<default class="other"/>"#,
         r#"<default><default/></default>"#,
         r#"<compiler eulerseq="xyzx"/>"#,
+        r#"<compiler autolimits="yes"/>"#,
         r#"<compiler eulerseq="xyw"/>"#,
         r#"<compiler inertiagrouprange="0 1"/>"#,
         r#"<deformable/>"#,
@@ -234,6 +340,10 @@ fn unsupported_elements_are_refused() {
         (r#"<joint stiffness="2"/>"#, Code::NotRead),
         (r#"<joint type="ball" damping="2"/>"#, Code::NotRead),
         (r#"<joint damping="-2"/>"#, Code::NegativeJointDynamics),
+        (r#"<joint damping="1 2"/>"#, Code::NumberCount),
+        (r#"<joint pos="0 0"/>"#, Code::NumberCount),
+        (r#"<joint damping=""/>"#, Code::NumberCount),
+        (r#"<joint limited="yes"/>"#, Code::NotRead),
         (r#"<joint axis="0 0 0"/>"#, Code::ZeroAxis),
         (r#"<joint pos="0 0 inf"/>"#, Code::NotFinite),
         (r#"<joint range="2 1"/>"#, Code::InvertedLimits),
@@ -242,6 +352,7 @@ fn unsupported_elements_are_refused() {
         (r#"<joint/><frame><joint/></frame>"#, Code::NotRead),
         (r#"<joint/><body gravcomp="1"/>"#, Code::NotRead),
         (r#"<joint/><body><joint/><geom type="mesh" mesh="m"/></body>"#, Code::MissingElement),
+        (r#"<joint/><body><joint/><geom type="hfield" hfield="h"/></body>"#, Code::MissingElement),
         (r#"<joint/><body><joint/><geom size="0"/></body>"#, Code::MissingElement),
         (r#"<joint/><body quat="1e200 1e200 0 0"/>"#, Code::NotFinite),
         (r#"<joint/><geom size="1" shellinertia="true"/>"#, Code::NotRead),
@@ -252,12 +363,10 @@ fn unsupported_elements_are_refused() {
         assert_refused(&before, bad, "</body></worldbody>", code);
     }
     // mjcf-rs reports no line.
-    for bad in [r#"<joint pos="0 0"/>"#, r#"<joint type="screw"/>"#] {
-        let text = format!(
-            "<mujoco model=\"m\"><worldbody><body>{inertial}{bad}</body></worldbody></mujoco>"
-        );
-        assert_eq!(read(&text).expect_err(bad).into_vec()[0].code, Code::Mjcf);
-    }
+    let bad = r#"<joint type="screw"/>"#;
+    let text =
+        format!("<mujoco model=\"m\"><worldbody><body>{inertial}{bad}</body></worldbody></mujoco>");
+    assert_eq!(read(&text).expect_err(bad).into_vec()[0].code, Code::Mjcf);
     assert_eq!(read("<robot/>").expect_err("a URDF").into_vec()[0].code, Code::NotMjcf);
 }
 
