@@ -192,26 +192,30 @@ fn check(
     let element = node.tag_name().name();
     let help = match (place, name) {
         (ElementKind::Compiler, "settotalmass" | "boundmass" | "boundinertia") if !below() => {
-            "write the masses and inertias that are meant"
+            "remove it, and write the masses and inertias that are meant"
         }
         (ElementKind::Compiler, "balanceinertia" | "alignfree") if value != "false" => {
-            "write the inertias and frames that are meant"
+            "write `false`, and the inertias and frames that are meant"
         }
-        (ElementKind::Compiler, "inertiagrouprange") => "write an `<inertial>` in each body",
+        (ElementKind::Compiler, "inertiagrouprange") => {
+            "remove it, and write an `<inertial>` in each body"
+        }
         (ElementKind::Compiler, "eulerseq")
             if value.len() != 3 || !value.bytes().all(|byte| b"xyzXYZ".contains(&byte)) =>
         {
             "write three of the letters x, y, z, X, Y and Z"
         }
         (ElementKind::Ignored, "shellinertia") if value != "false" => {
-            "write an `<inertial>` in the body"
+            "write `false`, and an `<inertial>` in the body"
         }
         (ElementKind::Option, "density" | "viscosity") if !zero() => {
             "forces of a fluid are not supported: write 0"
         }
-        (ElementKind::Flag, "gravity") if value != "enable" => "write `<option gravity=\"0 0 0\">`",
+        (ElementKind::Flag, "gravity") if value != "enable" => {
+            "remove it, and write `<option gravity=\"0 0 0\">`"
+        }
         (ElementKind::Body, "gravcomp") if node.has_tag_name("body") && !zero() => {
-            "forces against gravity are not supported: give them as torques"
+            "forces against gravity are not supported: write 0, and give them as torques"
         }
         // The frame of a body with children is not aligned.
         (ElementKind::Ignored, "align")
@@ -234,7 +238,7 @@ fn check(
         (ElementKind::Ignored, "armature" | "damping")
             if node.parent().is_some_and(|parent| parent.has_tag_name("actuator")) && !zero() =>
         {
-            "write it in the `<joint>`"
+            "move it to the `<joint>`"
         }
         (ElementKind::Default, "class")
             if value != "main" && node.parent().is_some_and(|up| up.has_tag_name("mujoco")) =>
