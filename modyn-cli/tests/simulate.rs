@@ -241,6 +241,28 @@ fn feet_stay_above_the_ground_and_impacts_take_energy() {
     assert_ne!(run(&["--ground", "0"]).out, found.out);
 }
 
+/// The lowest foot of a quadruped starts on the ground, whatever its posture, unless its coordinates are given.
+#[test]
+fn a_floating_robot_starts_on_the_ground() {
+    let depth = |more: &[&str]| {
+        let start = ["simulate", "robots/quadruped.urdf", "--base", "floating", "--ground"];
+        let found =
+            modyn(&[&start[..], &FEET, &["--time", "1e-6", "--step", "1e-6"], more].concat());
+        assert_eq!(found.code, 0, "{}", found.err);
+        let (head, rows) = table(&found.out);
+        let depth = found.err.split("deepest contact is ").nth(1).expect("a depth");
+        let depth: f64 = depth.split(' ').next().expect("a number").parse().expect("a number");
+        (rows[0][column(&head, "floating_base.z (m)")], depth)
+    };
+    // Both links of a leg are 0.16 m long.
+    let (height, below) = depth(&[]);
+    assert!((height - 0.32).abs() < 1e-9 && below < 1e-9, "{height} m, {below} m");
+    let (height, below) = depth(&["--random", "3"]);
+    assert!(height.abs() < 0.6 && below < 1e-9, "{height} m, {below} m");
+    let (height, below) = depth(&["--q", "0,0,0.2,0,0,0,1,0,0,0,0,0,0,0,0,0,0,0,0"]);
+    assert!((height - 0.2).abs() < 1e-12 && (below - 0.12).abs() < 1e-9, "{height} m, {below} m");
+}
+
 #[test]
 fn joints_stop_at_their_limits_if_that_is_asked_for() {
     let run = |more: &[&str]| {

@@ -350,6 +350,7 @@ fn speed_in_short() -> String {
         ("ur5", "UR5, 6 joints"),
         ("panda", "Panda, 7 joints"),
         ("solo12_ff", "Solo12 quadruped, floating, 18"),
+        ("g1", "G1 humanoid, 29 joints"),
         ("g1_ff", "G1 humanoid, floating, 35"),
     ];
     let cell = |quantity: &str, robot: &str| {
@@ -361,7 +362,7 @@ fn speed_in_short() -> String {
     };
     let row = |(robot, title): (&str, &str)| {
         let quantities = ["forward dynamics", "forward dynamics derivatives"];
-        let cells = quantities.map(|quantity| cell(quantity, robot).unwrap_or_default());
+        let cells = quantities.map(|quantity| cell(quantity, robot).unwrap_or("not measured".into()));
         vec![title.into(), cells[0].clone(), cells[1].clone()]
     };
     let rows = robots.map(row);

@@ -4,11 +4,15 @@
 //! `<!-- ERROR code: part of the text -->`, `<!-- WARNING code: part of the text -->`.
 //!
 //! `<!-- OPTIONS mimic = independent, unphysical_inertia = warn -->` sets options (also `base`, `friction`).
+//!
+//! Each file in `bad/` says how the help of its errors is followed: `<!-- FIX text -->` replaces the line that it is in (by
+//! nothing if there is no text, by options if the text is `OPTIONS ..`), `<!-- NO FIX: reason -->` says why there is no
+//! such text.
 
 use std::{collections::BTreeSet, fs, path::Path};
 
 use modyn_codegen::{
-    Base, Friction, Mimic, ReadOptions,
+    Base, Friction, Mimic, ReadOptions, Rotor,
     diagnostics::{Code, Diagnostic, Severity},
     read_urdf as read,
 };
@@ -44,7 +48,9 @@ fn options(text: &str) -> ReadOptions {
     let Some(rest) = text.split("<!-- OPTIONS ").nth(1) else { return options };
     for option in rest.split(" -->").next().unwrap_or("").split(", ") {
         match option {
+            "base = fixed" => options.base = Base::Fixed,
             "base = floating" => options.base = Base::Floating,
+            "mimic = follow" => options.mimic = Mimic::Follow,
             "mimic = refuse" => options.mimic = Mimic::Refuse,
             "mimic = independent" => options.mimic = Mimic::Independent,
             "friction = none" => options.friction = Some(Friction::None),
@@ -138,6 +144,60 @@ fn bad_files_are_refused_with_exactly_the_marked_diagnostics() {
     let missing: Vec<_> =
         Code::ALL.iter().filter(|code| !seen.contains(code) && !elsewhere.contains(code)).collect();
     assert!(missing.is_empty(), "no file in bad/ for {missing:?}");
+}
+
+/// Returns the text after the help was followed; `None` if the file says that this is not a change of the text.
+fn fixed(text: &str) -> Option<String> {
+    let fix = |line: &str| {
+        let (_, rest) = line.split_once("<!-- FIX")?;
+        let new = rest.split("-->").next().unwrap_or("").trim();
+        Some(if new.starts_with("OPTIONS") { format!("<!-- {new} -->") } else { new.into() })
+    };
+    let lines: Vec<String> =
+        text.lines().map(|line| fix(line).unwrap_or_else(|| line.into())).collect();
+    (!text.contains("<!-- NO FIX: ")).then(|| lines.join("\n"))
+}
+
+#[test]
+fn errors_are_gone_after_their_help_was_followed() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bad");
+    let mut failures = Vec::new();
+    let mut count = 0;
+    for entry in fs::read_dir(folder).expect("folder") {
+        let file = entry.expect("entry").path();
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        let text = fs::read_to_string(&file).expect("UTF-8");
+        let Some(fixed) = fixed(&text) else { continue };
+        count += 1;
+        assert_ne!(fixed, text.lines().collect::<Vec<_>>().join("\n"), "{name}: no mark `FIX`");
+        let Err(found) = read(&fixed, &name, &options(&fixed)) else { continue };
+        // A text without joints is no robot, only the errors that it is about must be gone.
+        let codes: Vec<String> = marks(&text).into_iter().map(|mark| mark.code).collect();
+        let is_robot = text.contains("<joint");
+        failures.extend(
+            found
+                .into_vec()
+                .into_iter()
+                .filter(|one| one.severity == Severity::Error)
+                .filter(|one| is_robot || codes.iter().any(|code| code == one.code.name()))
+                .map(|one| format!("{name}: {one}")),
+        );
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+    assert!(count >= 60, "only {count} files have a mark `FIX`");
+}
+
+/// A robot without inertia has kinematic functions once each joint has the rotor that the help proposes.
+#[test]
+fn rotors_stand_in_for_missing_inertia() {
+    let text = include_str!("bad/without_inertia.urdf");
+    let found = read(text, "r.urdf", &ReadOptions::default()).expect_err("no inertia").into_vec();
+    let help = found[0].help.as_deref().unwrap_or_default();
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!(help.contains("`rotors`: `[\"shoulder\": (1, 1), ...]`"), "{help}");
+    let rotor = |joint: &str| Rotor { joint: joint.into(), inertia: 1.0, gear_ratio: 1.0 };
+    let rotors = ["shoulder", "wrist"].map(rotor).to_vec();
+    read(text, "r.urdf", &ReadOptions { rotors, ..ReadOptions::default() }).expect("rotors");
 }
 
 #[test]

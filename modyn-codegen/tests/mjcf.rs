@@ -2,9 +2,9 @@
 //! and is not supported is refused, with its line.
 
 use modyn_codegen::diagnostics::{Code, Diagnostics, Severity};
-use modyn_codegen::{Base, Builder, ReadOptions};
+use modyn_codegen::{Base, Builder, Loop, LoopEnd, ReadOptions};
 use modyn_runtime::Interpreter;
-use modyn_runtime::model::Model;
+use modyn_runtime::model::{LoopConstraintKind, Model};
 
 fn read(text: &str) -> Result<Model, Diagnostics> {
     modyn_codegen::read_mjcf(text, "robot.xml", &ReadOptions::default())
@@ -107,6 +107,7 @@ fn the_numbers_are_those_of_mujoco() {
         (ARM, include_str!("mjcf/arm.txt")),
         (include_str!("mjcf/rotations.xml"), include_str!("mjcf/rotations.txt")),
         (include_str!("mjcf/shapes.xml"), include_str!("mjcf/shapes.txt")),
+        (include_str!("mjcf/fields.xml"), include_str!("mjcf/fields.txt")),
     ] {
         let mut robot = Interpreter::<f64>::new(read(text).expect("an MJCF"));
         let lines: Vec<Vec<f64>> = golden
@@ -196,69 +197,268 @@ fn a_free_body_is_a_floating_base() {
     assert_same_numbers(model.expect("an MJCF"), theirs);
 }
 
-/// Asserts that a piece of the text is refused with this code, at line 2, where the piece is.
-fn assert_refused(before: &str, bad: &str, after: &str, code: Code) {
-    let text = format!("<mujoco model=\"m\">{before}\n{bad}\n{after}</mujoco>");
-    let found = read(&text).expect_err(bad).into_vec();
+/// The limits of joint forces are those of MuJoCo's `jnt_actfrcrange` where `jnt_actfrclimited` is true.
+#[test]
+fn ranges_of_joint_forces_are_effort_limits() {
+    let joints = [
+        (r#"<joint actuatorfrcrange="-3 3"/>"#, Some(3.0)),
+        // From the classes: that of the joint, of its body, of the class around it, and of all joints.
+        (r#"<joint class="weak"/>"#, Some(1.0)),
+        ("<joint/>", Some(5.0)),
+        (r#"<joint class="strong" type="slide"/>"#, Some(9.0)),
+        (r#"<joint class="main"/>"#, Some(7.0)),
+        (r#"<joint actuatorfrcrange="-3 3" actuatorfrclimited="false"/>"#, None),
+        (r#"<joint actuatorfrcrange="0 0"/>"#, None),
+        // Not the same in both directions.
+        (r#"<joint actuatorfrcrange="-3 4"/>"#, None),
+        // MuJoCo limits no forces of balls.
+        (r#"<joint type="ball"/>"#, None),
+    ];
+    let inertial = r#"<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>"#;
+    let bodies: String = joints
+        .iter()
+        .map(|(joint, _)| format!("\n<body childclass=\"arm\">{joint}{inertial}</body>"))
+        .collect();
+    let classes = r#"<default><joint actuatorfrcrange="-7 7"/><default class="arm"><joint actuatorfrcrange="-5 5"/>
+        <default class="weak"><joint actuatorfrcrange="-1 1"/></default></default>
+        <default class="strong"><joint actuatorfrcrange="-9 9"/><default class="loose"/></default></default>"#;
+    let text = |compiler: &str| {
+        format!("<mujoco model=\"m\">{compiler}{classes}<worldbody>{bodies}</worldbody></mujoco>")
+    };
+    let reading = modyn_codegen::read_mjcf(&text(""), "m.xml", &ReadOptions::default());
+    let reading = reading.expect("an MJCF");
+    let efforts = |model: &Model| -> Vec<Option<f64>> {
+        model.links().iter().map(|link| link.joint.limits.and_then(|own| own.effort)).collect()
+    };
+    assert_eq!(efforts(&reading.model), joints.map(|(_, effort)| effort));
+    let first = &reading.model.links()[0].joint;
+    assert_eq!(first.joint_type, modyn_runtime::joint::JointType::Continuous);
+    let found: Vec<_> =
+        reading.warnings.iter().map(|one| (one.code, one.position.map(|at| at.line))).collect();
+    assert_eq!(found, [(Code::NotRead, Some(11))], "{:?}", reading.warnings);
+    let not_automatic = read(&text("<compiler autolimits=\"false\"/>")).expect("an MJCF");
+    assert!(efforts(&not_automatic).iter().all(Option::is_none));
+}
+
+/// What MuJoCo has besides the equations of motion is named once, with the number of its elements.
+#[test]
+fn unread_elements_are_named() {
+    let text = r#"<mujoco model="m"><default><motor forcerange="-1 1"/><site size="0.1"/></default><worldbody>
+      <site name="origin"/>
+      <body><joint name="j"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
+        <site name="tip"/><frame><site name="heel"/></frame></body></worldbody>
+      <actuator>
+        <motor joint="j" forcerange="-1 1"/>
+        <position joint="j" kp="high"/></actuator>
+      <sensor><jointpos joint="j"/></sensor>
+      <keyframe><key qpos="1"/></keyframe></mujoco>"#;
+    let reading = modyn_codegen::read_mjcf(text, "m.xml", &ReadOptions::default());
+    let warnings = reading.expect("an MJCF").warnings;
+    let found: Vec<_> = warnings
+        .iter()
+        .map(|one| (one.code, one.position.map(|at| at.line), one.message.as_str()))
+        .collect();
+    let actuators =
+        "the actuator is not read, nor is its range of forces; the same holds for line 7";
+    let sites = "the site is not read; the same holds for 2 others: line 4, line 4";
+    assert_eq!(
+        found,
+        [
+            (Code::NotRead, Some(2), sites),
+            (Code::NotRead, Some(6), actuators),
+            (Code::NotRead, Some(9), "the keyframe is not read"),
+        ]
+    );
+}
+
+/// MuJoCo moves the frame of a free body without children to its principal axes of inertia, if it is told to.
+#[test]
+fn aligned_free_bodies_are_refused() {
+    let inertial = r#"<inertial pos="0.1 0 0" mass="3" diaginertia="0.1 0.2 0.15"/>"#;
+    let text = |align: &str, child: &str| {
+        format!(
+            "<mujoco model=\"m\"><worldbody><body>\n<freejoint align=\"{align}\"/>{inertial}{child}</body></worldbody></mujoco>"
+        )
+    };
+    let found = read(&text("true", "")).expect_err("aligned").into_vec();
+    let help = found[0].help.as_deref().unwrap_or_default();
+    assert_eq!((found[0].code, found[0].position.map(|at| at.line)), (Code::NotRead, Some(2)));
+    assert!(help.contains("`align=\"false\"`"), "{help}");
+    let child = format!("<frame><body><joint/>{inertial}</body></frame>");
+    for (align, child) in [("false", ""), ("auto", ""), ("true", &*child)] {
+        read(&text(align, child)).expect("as in MuJoCo");
+    }
+}
+
+/// Attributes that only concern parts that are not read are not judged.
+#[test]
+fn attributes_that_are_not_read_are_not_judged() {
+    read(
+        r#"<mujoco model="m"><compiler strippath="maybe"/><option timestep="short"/><asset><material rgba="red"/></asset>
+        <worldbody><body sleep="never"><joint margin="wide"/><geom size="0.1" contype="-1" rgba="red"/></body></worldbody>
+        <actuator><position kp="high"/></actuator></mujoco>"#,
+    )
+    .expect("an MJCF");
+}
+
+/// Asserts that a piece of the text is refused with this code, at line 2, where the piece is, and that the error is gone
+/// once its help was followed.
+fn assert_refused(before: &str, (bad, code, fixed): (&str, Code, Option<&str>), after: &str) {
+    let text = |piece: &str| format!("<mujoco model=\"m\">{before}\n{piece}\n{after}</mujoco>");
+    let mut found = read(&text(bad)).expect_err(bad).into_vec();
+    found.retain(|one| one.severity == Severity::Error);
     let lines: Vec<_> =
         found.iter().map(|one| (one.code, one.position.map(|at| at.line))).collect();
     assert_eq!(lines, [(code, Some(2))], "{bad}: {found:?}");
+    assert!(found[0].help.as_deref().is_some_and(|help| !help.is_empty()), "{bad}");
+    if let Some(fixed) = fixed {
+        read(&text(fixed)).expect(fixed);
+    }
 }
 
 #[test]
 fn unsupported_elements_are_refused() {
     let good = r#"<worldbody><body name="a"><joint name="j"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/></body></worldbody>"#;
     read(&format!("<mujoco model=\"m\">{good}</mujoco>")).expect("the good part");
-    for bad in [
-        r#"<include file="/etc/passwd"/>"#,
-        r#"<asset><model name="other" file="/etc/passwd"/></asset>"#,
-        r#"<equality><joint joint1="j"/></equality>"#,
-        r#"<tendon><fixed stiffness="1"><joint joint="j" coef="1"/></fixed></tendon>"#,
-        r#"<default><tendon damping="1"/></default>"#,
-        r#"<option viscosity="1e-3"/>"#,
-        r#"<option><flag gravity="disable"/></option>"#,
-        r#"<compiler settotalmass="3"/>"#,
-        r#"<compiler balanceinertia="true"/>"#,
-        r#"<default class="other"/>"#,
-        r#"<default><default/></default>"#,
-        r#"<compiler eulerseq="xyzx"/>"#,
-        r#"<compiler eulerseq="xyw"/>"#,
-        r#"<compiler inertiagrouprange="0 1"/>"#,
-        r#"<deformable/>"#,
+    for (bad, fixed) in [
+        // The help asks for the contents of another file.
+        (r#"<include file="/etc/passwd"/>"#, None),
+        (r#"<asset><model name="other" file="/etc/passwd"/></asset>"#, None),
+        (
+            r#"<equality><joint joint1="j"/></equality>"#,
+            Some(r#"<equality><joint joint1="j" active="false"/></equality>"#),
+        ),
+        (
+            r#"<tendon><fixed stiffness="1"><joint joint="j" coef="1"/></fixed></tendon>"#,
+            Some("<tendon/>"),
+        ),
+        (r#"<default><tendon damping="1"/></default>"#, Some("<default/>")),
+        (r#"<option viscosity="1e-3"/>"#, Some(r#"<option viscosity="0"/>"#)),
+        (r#"<option><flag gravity="disable"/></option>"#, Some(r#"<option gravity="0 0 0"/>"#)),
+        (r#"<compiler settotalmass="3"/>"#, Some("<compiler/>")),
+        (r#"<compiler balanceinertia="true"/>"#, Some(r#"<compiler balanceinertia="false"/>"#)),
+        (r#"<default class="other"/>"#, Some(r#"<default class="main"/>"#)),
+        (r"<default><default/></default>", Some(r#"<default><default class="a"/></default>"#)),
+        (r#"<compiler eulerseq="xyzx"/>"#, Some(r#"<compiler eulerseq="xyz"/>"#)),
+        (r#"<compiler eulerseq="xyw"/>"#, Some(r#"<compiler eulerseq="XYZ"/>"#)),
+        (r#"<compiler autolimits="yes"/>"#, Some(r#"<compiler autolimits="true"/>"#)),
+        (r#"<compiler inertiagrouprange="0 1"/>"#, Some("<compiler/>")),
+        (
+            r#"<actuator><position joint="j" damping="1"/></actuator>"#,
+            Some(r#"<actuator><position joint="j"/></actuator>"#),
+        ),
+        ("<deformable/>", Some("")),
     ] {
-        assert_refused("", bad, good, Code::NotRead);
+        assert_refused("", (bad, Code::NotRead, fixed), good);
     }
     let inertial = r#"<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>"#;
-    for (bad, code) in [
-        (r#"<joint class="nowhere"/>"#, Code::NotRead),
-        (r#"<joint stiffness="2"/>"#, Code::NotRead),
-        (r#"<joint type="ball" damping="2"/>"#, Code::NotRead),
-        (r#"<joint damping="-2"/>"#, Code::NegativeJointDynamics),
-        (r#"<joint axis="0 0 0"/>"#, Code::ZeroAxis),
-        (r#"<joint pos="0 0 inf"/>"#, Code::NotFinite),
-        (r#"<joint range="2 1"/>"#, Code::InvertedLimits),
-        (r#"<joint/><composite/>"#, Code::NotRead),
-        (r#"<joint/><replicate count="2"><geom size="1"/></replicate>"#, Code::NotRead),
-        (r#"<joint/><frame><joint/></frame>"#, Code::NotRead),
-        (r#"<joint/><body gravcomp="1"/>"#, Code::NotRead),
-        (r#"<joint/><body><joint/><geom type="mesh" mesh="m"/></body>"#, Code::MissingElement),
-        (r#"<joint/><body><joint/><geom size="0"/></body>"#, Code::MissingElement),
-        (r#"<joint/><body quat="1e200 1e200 0 0"/>"#, Code::NotFinite),
-        (r#"<joint/><geom size="1" shellinertia="true"/>"#, Code::NotRead),
-        (r#"<joint/><body><joint name="k"/></body>"#, Code::SingularJoint),
-        (r#"<joint name="k"/><joint name="k" axis="1 0 0"/>"#, Code::DuplicateJoint),
+    let with_inertial =
+        format!("<joint/><body><joint/>{inertial}<geom type=\"mesh\" mesh=\"m\"/></body>");
+    for (bad, code, fixed) in [
+        (r#"<joint class="nowhere"/>"#, Code::NotRead, r#"<joint class="main"/>"#),
+        (r#"<joint stiffness="2"/>"#, Code::NotRead, "<joint/>"),
+        (
+            r#"<joint type="ball" damping="2"/>"#,
+            Code::NotRead,
+            r#"<joint type="ball" damping="0"/>"#,
+        ),
+        (r#"<joint damping="-2"/>"#, Code::NegativeJointDynamics, r#"<joint damping="2"/>"#),
+        (r#"<joint damping="1 2"/>"#, Code::NumberCount, r#"<joint damping="1"/>"#),
+        (r#"<joint pos="0 0"/>"#, Code::NumberCount, r#"<joint pos="0 0 0"/>"#),
+        (r#"<joint damping=""/>"#, Code::NumberCount, r#"<joint damping="0"/>"#),
+        (r#"<joint limited="yes"/>"#, Code::NotRead, r#"<joint limited="false"/>"#),
+        (r#"<joint axis="0 0 0"/>"#, Code::ZeroAxis, r#"<joint axis="0 0 1"/>"#),
+        (r#"<joint pos="0 0 inf"/>"#, Code::NotFinite, r#"<joint pos="0 0 1"/>"#),
+        (r#"<joint range="2 1"/>"#, Code::InvertedLimits, r#"<joint range="1 2"/>"#),
+        ("<joint/><composite/>", Code::NotRead, "<joint/>"),
+        (r#"<joint/><replicate count="2"><geom size="1"/></replicate>"#, Code::NotRead, "<joint/>"),
+        (
+            "<joint/><frame><joint/></frame>",
+            Code::NotRead,
+            r#"<joint axis="1 0 0"/><frame><body><joint/><geom size="1"/></body></frame>"#,
+        ),
+        (r#"<joint/><body gravcomp="1"/>"#, Code::NotRead, r#"<joint/><body gravcomp="0"/>"#),
+        (r#"<joint/><body mocap="true"/>"#, Code::NotRead, "<joint/><body/>"),
+        (
+            r#"<joint/><body><joint/><geom type="mesh" mesh="m"/></body>"#,
+            Code::MissingElement,
+            &with_inertial,
+        ),
+        (
+            r#"<joint/><body><joint/><geom size="1"/><geom type="mesh" mesh="m"/></body>"#,
+            Code::MissingElement,
+            r#"<joint/><body><joint/><geom size="1"/><geom type="mesh" mesh="m" mass="0"/></body>"#,
+        ),
+        (
+            r#"<joint/><body><joint/><geom type="hfield" hfield="h"/></body>"#,
+            Code::MissingElement,
+            &with_inertial,
+        ),
+        (
+            r#"<joint/><body><joint/><geom size="0"/></body>"#,
+            Code::MissingElement,
+            r#"<joint/><body><joint/><geom size="1"/></body>"#,
+        ),
+        (
+            r#"<joint/><body quat="1e200 1e200 0 0"/>"#,
+            Code::NotFinite,
+            r#"<joint/><body quat="1 1 0 0"/>"#,
+        ),
+        (
+            r#"<joint/><geom size="1" shellinertia="true"/>"#,
+            Code::NotRead,
+            r#"<joint/><geom size="1" shellinertia="false"/>"#,
+        ),
+        (
+            r#"<joint/><body><joint name="k"/></body>"#,
+            Code::SingularJoint,
+            r#"<joint/><body><joint name="k"/><geom size="1"/></body>"#,
+        ),
+        (
+            r#"<joint name="k"/><joint name="k" axis="1 0 0"/>"#,
+            Code::DuplicateJoint,
+            r#"<joint name="k"/><body><joint name="l" axis="1 0 0"/><geom size="1"/></body>"#,
+        ),
     ] {
         let before = format!("<worldbody><body name=\"a\">{inertial}");
-        assert_refused(&before, bad, "</body></worldbody>", code);
+        assert_refused(&before, (bad, code, Some(fixed)), "</body></worldbody>");
     }
     // mjcf-rs reports no line.
-    for bad in [r#"<joint pos="0 0"/>"#, r#"<joint type="screw"/>"#] {
-        let text = format!(
-            "<mujoco model=\"m\"><worldbody><body>{inertial}{bad}</body></worldbody></mujoco>"
-        );
-        assert_eq!(read(&text).expect_err(bad).into_vec()[0].code, Code::Mjcf);
-    }
+    let bad = r#"<joint type="screw"/>"#;
+    let text =
+        format!("<mujoco model=\"m\"><worldbody><body>{inertial}{bad}</body></worldbody></mujoco>");
+    assert_eq!(read(&text).expect_err(bad).into_vec()[0].code, Code::Mjcf);
     assert_eq!(read("<robot/>").expect_err("a URDF").into_vec()[0].code, Code::NotMjcf);
+}
+
+/// The help for a constraint between bodies names the option that closes the loop.
+#[test]
+fn loops_stand_in_for_constraints() {
+    let text = |constraint: &str| {
+        format!(
+            r#"<mujoco model="m"><worldbody><body name="a"><joint/><geom size="1"/>
+            <body name="b" pos="1 0 0"><joint/><geom size="1"/></body></body></worldbody>
+            <equality>{constraint}</equality></mujoco>"#
+        )
+    };
+    for (constraint, kind) in [
+        (r#"<connect body1="b" body2="world" anchor="1 0 0"/>"#, LoopConstraintKind::Point),
+        (r#"<weld body1="b" body2="world"/>"#, LoopConstraintKind::Rigid),
+    ] {
+        let found = read(&text(constraint)).expect_err("a constraint").into_vec();
+        let name = &constraint[1..constraint.find(' ').expect("a name")];
+        let message = format!("the constraint `<{name}>` of `<equality>` is not read");
+        assert_eq!((found[0].message.as_str(), found.len()), (message.as_str(), 1));
+        let help = found[0].help.as_deref().unwrap_or_default();
+        assert!(help.contains("`loops`"), "{help}");
+        let end = |link: &str, x| LoopEnd { link: link.into(), xyz: [x, 0.0, 0.0], rpy: [0.0; 3] };
+        let closed = Loop { name: "loop".into(), kind, ends: [end("b", 1.0), end("world", 2.0)] };
+        let options = ReadOptions { loops: vec![closed], ..ReadOptions::default() };
+        let reading = modyn_codegen::read_mjcf(&text(""), "m.xml", &options).expect("a loop");
+        assert_eq!(reading.model.loop_constraints().len(), 1);
+    }
+    let joint = read(&text(r#"<joint joint1="a_joint"/>"#)).expect_err("a constraint").into_vec();
+    assert_eq!(joint[0].message, "the constraint `<joint>` of `<equality>` is not read");
 }
 
 /// A number that cannot be read is reported at its line, and so are joints without inertia elsewhere. The body with

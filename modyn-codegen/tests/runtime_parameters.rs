@@ -4,11 +4,12 @@
 use modyn_codegen::passes::optimize;
 use modyn_codegen::plan::COLUMN_LANES;
 use modyn_codegen::trace::{Parameters, Tracer};
-use modyn_codegen::{ReadOptions, read_urdf};
-use modyn_runtime::Interpreter;
+use modyn_codegen::{Base, ReadOptions, read_urdf};
 use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Inertial, Model, ModuleTree};
+use modyn_runtime::spatial::Wrench;
+use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter};
 
 /// The links of the robot, in the order of its frames: a fixed base and three joints in general position; two links are
 /// fixed to bodies, one of them twice removed.
@@ -229,5 +230,71 @@ fn only_joints_without_other_inertia_are_checked() {
     let found = optimize(graph).evaluate(&values);
     for (entry, pivot) in entries.iter().zip(found) {
         assert_close(&[pivot], &[if *entry == slider { 2.5 } else { 0.0 }], "a point mass");
+    }
+}
+
+/// Returns a floating trunk on two legs with flat soles, the first of which has this inertia.
+fn walker(leg: &Inertial) -> Interpreter<f64> {
+    let link = |name: &str, own: &Inertial| {
+        let Inertial { mass, center_of_mass: [x, y, z], inertia: [xx, xy, xz, yy, yz, zz] } = own;
+        format!(
+            "<link name='{name}'><inertial><origin xyz='{x} {y} {z}'/><mass value='{mass}'/>\
+             <inertia ixx='{xx}' ixy='{xy}' ixz='{xz}' iyy='{yy}' iyz='{yz}' izz='{zz}'/></inertial></link>"
+        )
+    };
+    let hip = |leg: &str, y: f64| {
+        format!(
+            "<joint name='{leg}_hip' type='continuous'><parent link='trunk'/><child link='{leg}'/>\
+             <origin xyz='0 {y} -0.1'/><axis xyz='0 1 0'/></joint>\
+             <contact_frame name='{leg}_sole' type='surface' link='{leg}' xyz='0.02 0 -0.5'/>"
+        )
+    };
+    let links = [("trunk", &inertial(2)), ("left", leg), ("right", &inertial(1))];
+    let links = links.map(|(name, own)| link(name, own)).concat();
+    let text =
+        format!("<robot name='walker'>{links}{}{}</robot>", hip("left", 0.1), hip("right", -0.1));
+    let options = ReadOptions { base: Base::Floating, ..ReadOptions::default() };
+    Interpreter::new(read_urdf(&text, "walker.urdf", &options).expect("a good robot").model)
+}
+
+/// Returns the wrenches of both soles that carry the walker in a state.
+fn carrying(walker: &mut Interpreter<f64>) -> Vec<[f64; 6]> {
+    let ConstraintSettings { alpha, beta, tolerance, rounding, .. } =
+        ConstraintSettings::<f64>::DEFAULT;
+    let contacts = vec![ContactTarget::<f64>::GROUND; 2];
+    let settings = ConstraintSettings { alpha, beta, tolerance, rounding, contacts };
+    let q = [0.1, -0.2, 0.6, 0.0, 0.0, 0.28, 0.96, 0.3, -0.2];
+    let (qd, qdd) = ([0.0; 8], [0.3, -0.2, 0.4, 0.1, 0.2, -0.3, 0.5, -0.6]);
+    let (mut tau, mut wrenches) = ([0.0; 8], [Wrench::zero(); 2]);
+    let found = (&mut tau[..], &mut wrenches[..]);
+    walker
+        .constrained_inverse_dynamics((&q, &qd, &qdd), &[true; 2], &settings, found)
+        .expect("the lengths fit");
+    let numbers = |w: &Wrench<f64>| [w.moment.0, w.force.0].concat().try_into().expect("six");
+    wrenches.iter().map(numbers).collect()
+}
+
+/// The characteristic length of a contact is that of the description. So redundant contacts share a load in another way
+/// after an inertia is set than in the robot that is described with it, unless both have one radius of gyration.
+#[test]
+fn lengths_of_contacts_follow_the_description() {
+    let difference = |a: &[[f64; 6]], b: &[[f64; 6]]| {
+        a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
+    let (light, wide) = (inertial(1), inertial(4));
+    let heavy =
+        Inertial { mass: 3.0 * light.mass, inertia: light.inertia.map(|x| 3.0 * x), ..light };
+    for (own, is_same) in [(heavy, true), (wide, false)] {
+        let mut set = walker(&light);
+        let left = set.model().frame_index("left").expect("a link");
+        set.set_inertial(left, &own).expect("physical");
+        let (set, described) = (carrying(&mut set), carrying(&mut walker(&own)));
+        let found = difference(&set, &described);
+        assert!(if is_same { found < 1e-10 } else { found > 1e-4 }, "{found}");
+        // The soles together carry the same force.
+        let force = |all: &[[f64; 6]]| [3, 4, 5].map(|k| all.iter().map(|w| w[k]).sum::<f64>());
+        for (a, b) in force(&set).iter().zip(force(&described)) {
+            assert!((a - b).abs() < 1e-10, "{a} is not {b}");
+        }
     }
 }

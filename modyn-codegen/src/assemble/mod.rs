@@ -58,7 +58,7 @@ fn model(
 ) -> Option<Model> {
     let Assembly { mut links, bodies, place } = assembly;
     if links.is_empty() {
-        let help = "make a joint `revolute`, `continuous` or `prismatic`, or let the base float";
+        let help = "make a joint `revolute`, `continuous` or `prismatic`, or let the base float: `base = floating`";
         let message = "the robot has no moving joint";
         report.error(Code::NoMovingJoint, description.at, None, message, help);
     }

@@ -57,6 +57,18 @@ pub fn check(bodies: &[Body], model: &Model, report: &mut Report<'_>) {
     singular.retain(|&i| judged[i]);
     inertia::warn_of_missing(bodies, &singular, report);
     let code = Code::SingularJoint;
+    let first = singular.first().map(|&i| &bodies[i]);
+    let is_massless = bodies.iter().all(|body| body.known && body.inertials().next().is_none());
+    if let Some(joint) = first.and_then(|body| body.joint.as_ref()).filter(|_| is_massless) {
+        let message = "no link that moves has an `<inertial>`, so all accelerations are undefined";
+        let help = format!(
+            "write the `<inertial>` of each link; or, if only the kinematic functions are needed, give each joint a rotor \
+             by the option `rotors`: `[\"{}\": (1, 1), ...]`",
+            joint.name
+        );
+        report.error(code, joint.at, Some(&joint.subject()), message, help);
+        return;
+    }
     for body in singular.into_iter().map(|i| &bodies[i]) {
         let Some(link) = body.links.first() else { continue };
         if let Some(joint) = &body.joint {
@@ -65,13 +77,14 @@ pub fn check(bodies: &[Body], model: &Model, report: &mut Report<'_>) {
                  acceleration is undefined",
                 link.name
             );
-            let help = "give the link a mass (and, if it rotates, a rotational inertia), or make the joint `fixed`";
+            let help = "give the link a mass (and, if it rotates, a rotational inertia), give the joint a rotor by the \
+                        option `rotors`, or make the joint `fixed`";
             report.error(code, joint.at, Some(&joint.subject()), message, help);
         } else {
             let message = "the base floats, but no inertia opposes its motion while the joints are free, so its \
                            acceleration is undefined";
             let help = "give the link, or one that is fixed to it, a mass and a rotational inertia, or let the base \
-                        be fixed";
+                        be fixed: `base = fixed`";
             report.error(code, link.at, Some(&link.subject()), message, help);
         }
     }

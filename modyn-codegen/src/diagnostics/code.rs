@@ -94,8 +94,8 @@ codes! {
         "Keep one of the elements and remove the others.",
     /// An attribute or element that would change the robot is not read.
     NotRead = "not-read":
-        "Write the value as the help says, or remove the attribute or element. If it is a warning, check the \
-        spelling: attributes and elements that are not read have no effect.",
+        "Write the value as the help says, or remove the attribute or element. If it is a warning, the attribute or \
+        element has no effect: check the spelling, or do what the help says.",
     /// The description includes another file, which is not read: parts of the robot are missing.
     Include = "include":
         "Copy the contents of that file into this one. Files that a tool has expanded (`xacro`, or the \

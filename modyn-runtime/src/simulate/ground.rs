@@ -1,6 +1,6 @@
 //! Steps of a robot that touches the ground, and forces of a soft ground.
 
-use super::impulses::{FreeMotion, JointStop, StepContact, apply_impulses};
+use super::impulses::{FreeMotion, JointStop, Residual, StepContact, apply_impulses};
 use super::{State, add_scaled};
 use crate::robot::Factorization;
 use crate::spatial::{Pose, Vector3};
@@ -14,7 +14,7 @@ use crate::{Array, ConstraintSettings, ContactTarget, Robot, Scalar, functions};
 pub struct Ground<T = f64> {
     /// The coefficient of Coulomb friction.
     pub friction: T,
-    /// The number of sweeps of the projected Gauss-Seidel method.
+    /// The number of sweeps of the projected Gauss-Seidel method. [`GroundStep::residual`] says what they leave.
     pub sweeps: usize,
     /// Whether joints stop at the limits of the description. A joint beyond a limit returns at the rate `beta` of
     /// [`ConstraintSettings`].
@@ -37,6 +37,9 @@ pub struct GroundStep<R: Robot, T: Scalar = f64> {
     pub forces: R::PerContact<Vector3<T>>,
     /// The joint forces of the stops, mean over the step, N m or N.
     pub stops: R::V<T>,
+    /// The velocities that the sweeps left wrong, m/s and rad/s. If it is too large, take more
+    /// [`sweeps`](Ground::sweeps) or shorter steps.
+    pub residual: Residual<T>,
 }
 
 impl<R: Robot, T: Scalar> State<R, T> {
@@ -46,7 +49,7 @@ impl<R: Robot, T: Scalar> State<R, T> {
     /// The method is semi-implicit Euler with impulses (Stewart and Trinkle 1996, "An implicit time-stepping scheme for
     /// rigid body dynamics with inelastic collisions and Coulomb friction"): free velocities, then projected Gauss-Seidel
     /// sweeps on the impulses of contacts and joint stops, then the step of the coordinates. It does not allocate, and its
-    /// time does not depend on the state. The origin of a contact's frame touches the ground, for surfaces too: a sole has
+    /// time does not depend on the state: the sweeps are a fixed number, and the result says what they leave. The origin of a contact's frame touches the ground, for surfaces too: a sole has
     /// a point at each corner. Closed loops are not closed. Impulses of stops take no part if
     /// [`joint_limits`](Ground::joint_limits) is false.
     ///
@@ -118,7 +121,7 @@ impl<R: Robot, T: Scalar> State<R, T> {
         let stops = if ground.joint_limits { stops.as_ref() } else { &[] };
         let mut impulses = R::PerContact::<Vector3<T>>::from_fn(|_| Vector3::zero());
         let mut stop_impulses = zero;
-        apply_impulses(
+        let residual = apply_impulses(
             (touches.as_ref(), impulses.as_mut()),
             (stops, stop_impulses.as_mut()),
             ground.sweeps,
@@ -130,6 +133,7 @@ impl<R: Robot, T: Scalar> State<R, T> {
             state: Self { q: R::integrate(&self.q, &add_scaled(&zero, dt, &qd)), qd },
             forces: impulses,
             stops: add_scaled(&zero, per_step, &stop_impulses),
+            residual,
         }
     }
 }

@@ -59,6 +59,26 @@ fn a_joint_beyond_its_limit_returns_slowly() {
     }
 }
 
+/// A flap hits its stop, which throws the block about on its corners. Too few sweeps leave velocities wrong, and the step says
+/// how large they are.
+#[test]
+fn the_residual_falls_with_the_sweeps() {
+    let mut q = Block::NEUTRAL;
+    (q[2], q[7]) = (STANDING, 0.7);
+    let mut state = State::<Block>::at_rest(q);
+    state.qd[6] = 5.0;
+    let settings = on(ContactTarget::<f64>::GROUND);
+    let residuals = [0, 1, 4, 16, 64, 1000].map(|sweeps| {
+        let ground = Ground { sweeps, ..Ground::with_friction(0.9) };
+        state.step_on_ground(STEP, &[0.0; 7], &ground, &settings).residual
+    });
+    let stops = residuals.map(|found| found.stops);
+    assert!((stops[0] - 5.0).abs() < 0.5, "rad/s that the stop takes: {stops:?}");
+    assert!(stops[..5].is_sorted_by(|a, b| a > b) && stops[5] < 1e-9, "{stops:?}");
+    let contacts = residuals.map(|found| found.contacts);
+    assert!(contacts[1] > 1e-3 && contacts[5] < 1e-9, "{contacts:?}");
+}
+
 #[test]
 fn efforts_stay_within_their_limits() {
     let tau = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 1.4];

@@ -4,7 +4,9 @@
 
 use modyn_runtime::model::Model;
 use modyn_runtime::simulate::Ground;
-use modyn_runtime::simulate::impulses::{FreeMotion, JointStop, StepContact, apply_impulses};
+use modyn_runtime::simulate::impulses::{
+    FreeMotion, JointStop, Residual, StepContact, apply_impulses,
+};
 use modyn_runtime::spatial::{Twist, Vector3};
 use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter, ShapeError};
 
@@ -63,6 +65,8 @@ pub struct Step {
     pub dissipated: f64,
     /// The height of the lowest contact above the ground before the step, m; infinite without ground.
     pub lowest: f64,
+    /// The velocities that the sweeps left wrong.
+    pub residual: Residual,
 }
 
 impl Impulses {
@@ -148,7 +152,8 @@ impl Impulses {
         });
         let stops: Vec<JointStop<'_, f64>> = stops.collect();
         let (mut impulses, mut torques) = (vec![Vector3::zero(); contacts], vec![0.0; stops.len()]);
-        apply_impulses((&touches, &mut impulses), (&stops, &mut torques), ground.sweeps, &mut next);
+        let all = ((&*touches, &mut *impulses), (&*stops, &mut *torques));
+        let residual = apply_impulses(all.0, all.1, ground.sweeps, &mut next);
 
         // The change of the kinetic energy by impulses is their product with the mean velocity.
         let mean: Vec<f64> = free.iter().zip(&next).map(|(a, b)| (a + b) / 2.0).collect();
@@ -157,6 +162,6 @@ impl Impulses {
             by_contacts.map(|(touch, &p)| p.dot(touch.velocity(&mean) + touch.ground));
         let by_stops = stops.iter().zip(&torques).map(|(stop, p)| p * mean[stop.entry]);
         let dissipated = -by_contacts.chain(by_stops).sum::<f64>();
-        Ok(Step { qd: next, dissipated, lowest })
+        Ok(Step { qd: next, dissipated, lowest, residual })
     }
 }

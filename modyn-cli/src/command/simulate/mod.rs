@@ -62,7 +62,8 @@ pub struct Arguments {
     /// Start at random coordinates within the limits
     #[arg(long, value_name = "SEED", conflicts_with = "q")]
     random: Option<u64>,
-    /// Let the points of `--contacts` touch the ground, the plane z = 0, with this coefficient of friction
+    /// Let the points of `--contacts` touch the ground, the plane z = 0, with this coefficient of friction; without `--q` the
+    /// lowest point of a floating robot starts on it
     #[arg(long, value_name = "FRICTION", num_args = 0..=1, default_missing_value = "0.8", value_parser = not_negative)]
     ground: Option<f64>,
     /// Stop joints at their limits, and keep joint forces within the effort limits
@@ -172,7 +173,13 @@ impl Arguments {
         let q = given("q", &self.q, model.coordinate_names())?;
         let qd = given("qd", &self.qd, model.velocity_names())?;
         let qd = qd.unwrap_or_else(|| vec![0.0; model.nv()]);
-        Ok((motion::place(model, q, self.random)?, qd))
+        let is_placed = q.is_some() || self.ground.is_none();
+        let mut q = motion::place(model, q, self.random)?;
+        if !is_placed {
+            motion::put_on_ground(model, &mut q)
+                .map_err(|error| Failure::usage(format!("error: {error}")))?;
+        }
+        Ok((q, qd))
     }
 }
 
@@ -191,6 +198,13 @@ fn summary(model: &Model, motion: &Motion, limits: bool) -> String {
             "the ground, joint stops and friction take {:.3} J; the deepest contact is {:.1e} m in the ground\n",
             motion.samples.last().map_or(0.0, |sample| sample.dissipated),
             (-motion.lowest).max(0.0)
+        );
+    }
+    if motion.lowest.is_finite() || limits {
+        out += &format!(
+            "the impulses of a step leave velocities wrong by at most {:.1e} m/s at contacts and {:.1e} rad/s or m/s at joint \
+             stops\n",
+            motion.residual.contacts, motion.residual.stops
         );
     }
     let (found, remark) = match limits {

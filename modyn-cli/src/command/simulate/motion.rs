@@ -4,7 +4,9 @@
 //! and the work of joint forces and friction is integrated, too.
 
 use modyn_codegen::diagnostics::sanitize_for_display;
+use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{Friction, Model};
+use modyn_runtime::simulate::impulses::Residual;
 use modyn_runtime::spatial::{Twist, Wrench};
 use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter, ShapeError};
 
@@ -57,6 +59,8 @@ pub struct Motion {
     pub steps: usize,
     /// The height of the lowest contact above the ground, m; infinite without ground.
     pub lowest: f64,
+    /// The largest velocities that the impulses of a step left wrong.
+    pub residual: Residual,
 }
 
 /// The shortest step by a tolerance, as a part of the time from one row to the next.
@@ -80,6 +84,7 @@ struct Dynamics<'a> {
     tau: Vec<f64>,
     impulses: Impulses,
     lowest: f64,
+    residual: Residual,
     /// The stabilization of the loops, and the ground under the contacts.
     constraint_settings: ConstraintSettings<f64, Vec<ContactTarget<f64>>>,
     /// For each contact whether it is active: none is.
@@ -113,6 +118,7 @@ impl Motion {
             tau,
             impulses: Impulses::new(model, settings.unilateral),
             lowest: f64::INFINITY,
+            residual: Residual { contacts: 0.0, stops: 0.0 },
             constraint_settings,
             inactive,
             constraints,
@@ -145,7 +151,7 @@ impl Motion {
             }
         }
         let steps = control.map_or(settings.steps, |control| control.steps);
-        Ok(Self { samples, steps, lowest: dynamics.lowest })
+        Ok(Self { samples, steps, lowest: dynamics.lowest, residual: dynamics.residual })
     }
 
     /// Returns the largest change of the conserved quantity, J.
@@ -261,6 +267,10 @@ impl Dynamics<'_> {
         let settings = &self.constraint_settings;
         let step = self.impulses.step(&mut self.interpreter, motion, settings, dt)?;
         self.lowest = self.lowest.min(step.lowest);
+        self.residual = Residual {
+            contacts: self.residual.contacts.max(step.residual.contacts),
+            stops: self.residual.stops.max(step.residual.stops),
+        };
         let mut next = State { q: vec![0.0; q.len()], qd: step.qd, energy: [0.0; 2] };
         let moved: Vec<f64> = next.qd.iter().map(|rate| dt * rate).collect();
         self.interpreter.integrate(q, &moved, &mut next.q)?;
@@ -320,6 +330,36 @@ pub fn place(
         (None, None) => interpreter.neutral(&mut q),
     };
     done.map(|()| q).map_err(|error| Failure::usage(format!("error: {error}")))
+}
+
+/// Moves each floating base such that the lowest contact that it carries is on the ground, the plane z = 0.
+pub fn put_on_ground(model: &Model, q: &mut [f64]) -> Result<(), ShapeError> {
+    let mut interpreter = Interpreter::<f64>::new(model.clone());
+    let twists = || vec![Twist::zero(); model.constraints()];
+    let (mut displacements, mut velocities) = (twists(), twists());
+    let found = (&mut *displacements, &mut *velocities);
+    interpreter.constraint_residual((q, &vec![0.0; model.nv()]), &settings_of(model), found)?;
+    let base = |frame: usize| {
+        let links = std::iter::successors(model.frames()[frame].link, |&i| model.links()[i].parent);
+        links.last()
+    };
+    for (i, link) in model.links().iter().enumerate() {
+        if link.parent.is_some() || link.joint.joint_type != JointType::Floating {
+            continue;
+        }
+        // The constraints of loops come before those of contacts.
+        let heights = displacements.iter().skip(model.loop_constraints().len());
+        let own = model.contacts().iter().zip(heights);
+        let own = own.filter(|(contact, _)| base(contact.end.frame) == Some(i));
+        let lowest = own.map(|(_, height)| height.linear.0[2]).fold(f64::INFINITY, f64::min);
+        if lowest.is_finite() {
+            // The coordinates are in the axes of the joint's frame.
+            let [.., up] = link.joint.origin.rotation;
+            let place = &mut q[model.q_range(i).start..];
+            place.iter_mut().zip(up).for_each(|(x, up)| *x -= up * lowest);
+        }
+    }
+    Ok(())
 }
 
 /// Returns the default settings of a robot's constraints.

@@ -27,7 +27,6 @@ pub(super) const FUNCTIONS: &[Function] = &[
     Function::CentroidalMomentumMatrix,
     Function::CentroidalMomentum,
     Function::CentroidalMomentumRate,
-    Function::CentroidalMomentumRate,
     Function::LinkPose,
     Function::LinkVelocity,
     Function::LocalLinkVelocity,

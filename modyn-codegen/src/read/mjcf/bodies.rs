@@ -10,6 +10,7 @@ use modyn_runtime::model::{Inertial, JointDynamics, Limits};
 use modyn_runtime::spatial::Pose;
 use roxmltree::Node;
 
+use super::classes::Classes;
 use super::geoms;
 use super::pose::pose;
 use crate::description::{
@@ -73,6 +74,7 @@ impl Bodies {
             report.error(Code::InvalidModel, at, None, message, help);
             return None;
         }
+        let classes = Classes::new(root);
         let classes_place_geoms = root
             .descendants()
             .filter(|node| node.has_tag_name("geom"))
@@ -83,7 +85,8 @@ impl Bodies {
         for (entry, node) in model.bodies.iter().skip(1).zip(nodes) {
             let parent = entry.parent.unwrap_or(0);
             let is_read = !unread.contains(&node.range().start);
-            let mut reader = Reader { model, node, is_read, classes_place_geoms, report };
+            let classes = &classes;
+            let mut reader = Reader { model, node, is_read, classes, classes_place_geoms, report };
             links.push(bodies.body(&mut reader, &entry.body, links[parent], links.len()));
         }
         Some(bodies)
@@ -94,20 +97,20 @@ impl Bodies {
         let at = reader.node.range().start;
         let name = body.name.clone().unwrap_or_else(|| format!("body_{index}"));
         let is_joint = |node: &Node| ["joint", "freejoint"].contains(&node.tag_name().name());
-        let places: Vec<usize> =
-            reader.node.children().filter(is_joint).map(|node| node.range().start).collect();
+        let nodes: Vec<Node> = reader.node.children().filter(is_joint).collect();
         reader.pose(&body.pose, &name, at);
         let mut above = parent;
         // The pose of the body's frame in the link that was added last.
         let mut frame = pose(&body.pose);
         for (k, joint) in body.joints.iter().enumerate() {
-            let place = places.get(k).copied().unwrap_or(at);
+            let node = nodes.get(k).copied().unwrap_or(reader.node);
+            let place = node.range().start;
             let joint_name = joint.name.clone().unwrap_or_else(|| match k {
                 0 => format!("{name}_joint"),
                 _ => format!("{name}_joint_{}", k + 1),
             });
             let is_only_joint = parent == 0 && body.joints.len() == 1;
-            let made = reader.joint(joint, &joint_name, place, is_only_joint);
+            let made = reader.joint(joint, &joint_name, node, is_only_joint);
             let free = joint.type_ == Type::Free;
             let is_sound = joint.pos.iter().all(|x| x.is_finite());
             let anchor = if free || !is_sound { [0.0; 3] } else { joint.pos };
@@ -182,12 +185,13 @@ struct Reader<'m, 'n, 'r, 'f> {
     node: Node<'n, 'n>,
     /// Whether all numbers of the body could be read.
     is_read: bool,
+    classes: &'m Classes<'n>,
     /// Whether a class sets the position or rotation of geoms: mjcf-rs then loses the other of the two.
     classes_place_geoms: bool,
     report: &'r mut Report<'f>,
 }
 
-impl Reader<'_, '_, '_, '_> {
+impl<'n> Reader<'_, 'n, '_, '_> {
     /// Reports an invalid pose.
     fn pose(&mut self, pose: &mjcf_rs::Pose, name: &str, at: usize) {
         let length: f64 = pose.rotation.to_array().iter().map(|x| x * x).sum();
@@ -206,9 +210,17 @@ impl Reader<'_, '_, '_, '_> {
     }
 
     /// Returns a joint without its links.
-    fn joint(&mut self, joint: &Joint, name: &str, at: usize, is_only_joint: bool) -> JointRecord {
-        let subject = Subject::Joint(name.into());
+    fn joint(
+        &mut self,
+        joint: &Joint,
+        name: &str,
+        node: Node<'n, 'n>,
+        is_only_joint: bool,
+    ) -> JointRecord {
+        let (subject, at) = (Subject::Joint(name.into()), node.range().start);
         let errors = self.report.errors();
+        let single = matches!(joint.type_, Type::Hinge | Type::Slide);
+        let effort = if single { self.effort(node, &subject) } else { None };
         let mut refuse = |code, message: &str, help: &str| {
             self.report.error(code, at, Some(&subject), message, help);
         };
@@ -226,7 +238,6 @@ impl Reader<'_, '_, '_, '_> {
                 help,
             );
         }
-        let single = matches!(joint.type_, Type::Hinge | Type::Slide);
         if !single && numbers.iter().any(|&number| number != 0.0) {
             let message =
                 "`armature`, `damping` and `frictionloss` of a ball or free joint are not read";
@@ -262,32 +273,64 @@ impl Reader<'_, '_, '_, '_> {
                 "write the direction of the axis, such as `0 0 1`",
             );
         }
-        let limits = joint
+        let range = joint
             .range
             .filter(|_| {
                 joint.limited.resolve(self.model.compiler.autolimits, joint.range.is_some())
             })
             .filter(|_| single);
         let kind = Kind::Moving(match joint.type_ {
-            Type::Hinge if limits.is_none() => JointType::Continuous,
+            Type::Hinge if range.is_none() => JointType::Continuous,
             Type::Hinge => JointType::Revolute,
             Type::Slide => JointType::Prismatic,
             Type::Ball => JointType::Spherical,
             Type::Free => JointType::Floating,
         });
-        if limits.is_some_and(|[lower, upper]| lower > upper) {
+        if range.is_some_and(|[lower, upper]| lower > upper) {
             let help = "write the lower limit first";
             refuse(Code::InvertedLimits, "the lower limit is above the upper one", help);
         }
-        let limits = limits.map(|[lower, upper]| Limits {
-            lower: Some(lower),
-            upper: Some(upper),
+        let limits = (range.is_some() || effort.is_some()).then(|| Limits {
+            lower: range.map(|[lower, _]| lower),
+            upper: range.map(|[_, upper]| upper),
             velocity: None,
-            effort: None,
+            effort,
         });
         let axis = axis.unwrap_or([0.0, 0.0, 1.0]);
         let sound = self.is_read && self.report.errors() == errors;
         JointRecord { kind, axis, limits, dynamics, sound, ..self::joint(name.into(), at) }
+    }
+
+    /// Returns the largest force of a joint, N m or N, which is the bound of a symmetric `actuatorfrcrange`.
+    fn effort(&mut self, node: Node<'n, 'n>, subject: &Subject) -> Option<f64> {
+        let attribute = |name| self.classes.attribute(node, name);
+        let range = attribute("actuatorfrcrange")?;
+        let is_limited = match attribute("actuatorfrclimited") {
+            Some("true") => true,
+            Some("false") => false,
+            _ => self.model.compiler.autolimits,
+        };
+        // Words that are not numbers are already reported.
+        let mut numbers = range.split_ascii_whitespace().filter_map(|word| word.parse().ok());
+        let (lower, upper): (f64, f64) = (numbers.next()?, numbers.next()?);
+        if !is_limited || lower == 0.0 && upper == 0.0 {
+            return None;
+        }
+        if -lower == upper && upper > 0.0 && upper < MAX_NUMBER {
+            return Some(upper);
+        }
+        let message = "its `actuatorfrcrange` is not read";
+        let help = "write the same limit for both directions, as `actuatorfrcrange=\"-20 20\"`, or limit the joint force \
+                    where it is computed";
+        self.report.add(
+            Severity::Warning,
+            Code::NotRead,
+            node.range().start,
+            Some(subject),
+            message,
+            help,
+        );
+        None
     }
 
     /// Returns the inertia of a body in its frame, and the place of the `<inertial>`.
@@ -314,15 +357,15 @@ impl Reader<'_, '_, '_, '_> {
         let inertial = if self.classes_place_geoms {
             Err("the poses of its geoms come from a class, which is not read")
         } else {
-            geoms::inertial(&body.geoms)
+            geoms::inertial(&body.geoms, &self.model.assets)
         };
         inertial.map(|inertial| (inertial, at)).map_err(|why| self.no_inertial(name, at, why)).ok()
     }
 
     fn no_inertial(&mut self, name: &str, at: usize, why: &str) {
         let message = format!("it has no `<inertial>`, and {why}");
-        let help =
-            "write `<inertial>` (MuJoCo's `mj_saveLastXML` does), or give the geoms `mass=\"0\"`";
+        let help = "write `<inertial>`, or give the geoms `mass=\"0\"`; MuJoCo writes each `<inertial>` if it reads the file \
+                    with `<compiler saveinertial=\"true\"/>` and `mj_saveLastXML` saves the model";
         let subject = Subject::Link(name.into());
         self.report.error(Code::MissingElement, at, Some(&subject), message, help);
     }

@@ -2,6 +2,7 @@
 
 use core::f64::consts::PI;
 
+use mjcf_rs::assets::Assets;
 use mjcf_rs::body::{Geom, GeomType};
 use modyn_runtime::model::Inertial;
 use modyn_runtime::spatial::Pose;
@@ -17,10 +18,10 @@ const DENSITY: f64 = 1000.0;
 /// # Errors
 ///
 /// Returns the reason why a geom's inertia is not computed.
-pub fn inertial(geoms: &[Geom]) -> Result<Inertial, &'static str> {
+pub fn inertial(geoms: &[Geom], assets: &Assets) -> Result<Inertial, &'static str> {
     let mut whole = Inertial::default();
     for geom in geoms.iter().filter(|geom| has_mass(geom)) {
-        whole = whole.merged(&solid(geom)?);
+        whole = whole.merged(&solid(geom, assets)?);
     }
     Ok(whole)
 }
@@ -28,11 +29,11 @@ pub fn inertial(geoms: &[Geom]) -> Result<Inertial, &'static str> {
 /// Returns whether a geom has a mass.
 pub fn has_mass(geom: &Geom) -> bool {
     let weightless = geom.mass.or(geom.density) == Some(0.0);
-    !weightless && !matches!(geom.type_, GeomType::Plane | GeomType::Hfield)
+    !weightless && geom.type_ != GeomType::Plane
 }
 
 /// Returns a geom's inertia in its body's frame.
-fn solid(geom: &Geom) -> Result<Inertial, &'static str> {
+fn solid(geom: &Geom, assets: &Assets) -> Result<Inertial, &'static str> {
     if geom.mesh.is_some() {
         return Err("the mass of a mesh is not computed");
     }
@@ -46,6 +47,14 @@ fn solid(geom: &Geom) -> Result<Inertial, &'static str> {
         GeomType::Box => (8.0 * x * y * z, [x * x / 3.0, y * y / 3.0, z * z / 3.0]),
         GeomType::Cylinder => (2.0 * PI * x * x * z, [x * x / 4.0, x * x / 4.0, z * z / 3.0]),
         GeomType::Capsule => capsule(x, z),
+        // The mass of a height field is that of the box with its half lengths and its mean height, about the geom's origin.
+        GeomType::Hfield => {
+            let field = geom.hfield.as_deref().and_then(|name| assets.hfield(name));
+            let [x, y, top, bottom] =
+                field.ok_or("the height field of a geom is not in the file")?.size;
+            let z = 0.25 * top + 0.5 * bottom;
+            (8.0 * x * y * z, [x * x / 3.0, y * y / 3.0, z * z / 3.0])
+        }
         _ => return Err("the mass of a mesh is not computed"),
     };
     if !(volume > 0.0 && volume.is_finite()) {

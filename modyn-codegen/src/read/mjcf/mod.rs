@@ -1,17 +1,19 @@
 //! Reads the XML of a `MuJoCo` model (MJCF) to a [`Description`].
 //!
 //! ```text
-//! XML ─ scan ─▶ supported XML ─ mjcf-rs ─▶ bodies ─▶ links and joints
+//! XML ─ scan ─▶ supported XML ─ used, numbers ─▶ valid XML ─ mjcf-rs ─▶ bodies ─▶ links and joints
 //! ```
 //!
 //! mjcf-rs resolves default classes, angles in degrees and the forms of a rotation. It ignores much of MJCF. Elements and
 //! attributes that change the dynamics but are not read are therefore rejected first, with their place (`scan`).
 
 mod bodies;
+mod classes;
 mod geoms;
 mod numbers;
 mod pose;
 mod scan;
+mod used;
 
 use crate::check::gravity_error;
 use crate::description::{Base, Description, ReadOptions};
@@ -38,7 +40,8 @@ pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> O
     if report.errors() > 0 {
         return None;
     }
-    let (text, unread) = numbers::replace_invalid_numbers(text, root, report);
+    let used = used::without_unused_parts(text, root);
+    let (text, unread) = numbers::without_invalid_numbers(text, used, root, report);
     let model = parse_model(&text, at, report)?;
     let gravity = model.option.gravity;
     let error = gravity_error(gravity).filter(|_| options.gravity.is_none());

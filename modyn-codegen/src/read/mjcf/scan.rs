@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use roxmltree::{Attribute, Node};
 
-use crate::diagnostics::{Code, Report};
+use crate::diagnostics::{Code, Place, Report};
 
 /// The largest nesting depth: deeper trees could overflow the call stack of a recursive reader.
 const MAX_DEPTH: usize = 100;
@@ -38,6 +38,7 @@ pub fn scan(root: Node, report: &mut Report<'_>) {
         .filter_map(|node| node.attribute("class"))
         .chain(["main"])
         .collect();
+    let mut unread = UNREAD.map(|_| Vec::new());
     let mut open = vec![(root, ElementKind::Root, 0)];
     while let Some((node, place, depth)) = open.pop() {
         if depth > MAX_DEPTH {
@@ -53,13 +54,68 @@ pub fn scan(root: Node, report: &mut Report<'_>) {
             match kind_of_child(place, child) {
                 Ok(inside) => open.push((child, inside, depth + 1)),
                 Err(help) => {
-                    let message = format!("`<{}>` is not read", child.tag_name().name());
+                    let name = child.tag_name().name();
+                    let message = match place {
+                        ElementKind::Equality => {
+                            format!("the constraint `<{name}>` of `<equality>` is not read")
+                        }
+                        _ => format!("`<{name}>` is not read"),
+                    };
                     report.error(Code::NotRead, child.range().start, None, message, help);
                 }
             }
+            if let Some(kind) = UNREAD.iter().position(|kind| kind.contains(place, node, child)) {
+                unread[kind].push(child.range().start);
+            }
         }
     }
+    for (kind, mut places) in UNREAD.iter().zip(unread) {
+        places.sort_unstable();
+        let places: Vec<Place> = places.into_iter().map(|at| (Some(at), None)).collect();
+        report.warn_once(Code::NotRead, &places, kind.message, kind.help);
+    }
 }
+
+/// Elements that have no effect on the equations of motion and are not read, although a program may need them.
+struct Unread {
+    /// The elements that contain them.
+    parents: &'static [&'static str],
+    /// Their names; none for all names.
+    names: &'static [&'static str],
+    message: &'static str,
+    help: &'static str,
+}
+
+impl Unread {
+    fn contains(&self, place: ElementKind, parent: Node, child: Node) -> bool {
+        let name = child.tag_name().name();
+        place != ElementKind::Default
+            && self.parents.contains(&parent.tag_name().name())
+            && (self.names.is_empty() || self.names.contains(&name))
+    }
+}
+
+const UNREAD: [Unread; 3] = [
+    Unread {
+        parents: &["actuator"],
+        names: &[],
+        message: "the actuator is not read, nor is its range of forces",
+        help: "compute the joint forces of the actuators, which are the argument `tau` of the dynamics",
+    },
+    Unread {
+        parents: &["worldbody", "body", "frame"],
+        names: &["site"],
+        message: "the site is not read",
+        help: "write a `<body>` without joints in its place: it has poses, velocities and Jacobians",
+    },
+    Unread {
+        parents: &["keyframe"],
+        names: &["key"],
+        message: "the keyframe is not read",
+        help: "copy its `qpos` and `qvel` into the program, and convert those of free and ball joints by the functions of \
+               `modyn::conventions::mujoco`",
+    },
+];
 
 /// Returns the context of a child, or the advice to its author.
 fn kind_of_child(place: ElementKind, child: Node) -> Result<ElementKind, &'static str> {
@@ -97,9 +153,15 @@ fn kind_of_child(place: ElementKind, child: Node) -> Result<ElementKind, &'stati
         }
         (ElementKind::Option, "flag") => Ok(ElementKind::Flag),
         (ElementKind::Equality, _) if inactive => Ok(ElementKind::Ignored),
-        (ElementKind::Equality, _) => Err(
-            "constraints are not part of a tree's dynamics: remove it, or write `active=\"false\"`",
+        (ElementKind::Equality, "connect" | "weld") => Err(
+            "remove it, or write `active=\"false\"`, and close the loop by the option `loops`: `\"name\": \
+             spherical(\"body1\", [x, y, z], \"body2\", [x, y, z])` for `<connect>`, `fixed(..)` for `<weld>`",
         ),
+        (ElementKind::Equality, "joint") => Err(
+            "remove it, or write `active=\"false\"`: both joints then move freely. A joint that follows another is \
+             `<mimic>` in a URDF; no option makes one of an MJCF",
+        ),
+        (ElementKind::Equality, _) => Err("remove it, or write `active=\"false\"`"),
         // A tendon without these attributes only measures.
         (ElementKind::Tendon, _) | (ElementKind::Default, "tendon")
             if child.attributes().all(|one| !FORCE_ATTRIBUTES.contains(&one.name())) =>
@@ -130,26 +192,45 @@ fn check(
     let element = node.tag_name().name();
     let help = match (place, name) {
         (ElementKind::Compiler, "settotalmass" | "boundmass" | "boundinertia") if !below() => {
-            "write the masses and inertias that are meant"
+            "remove it, and write the masses and inertias that are meant"
         }
         (ElementKind::Compiler, "balanceinertia" | "alignfree") if value != "false" => {
-            "write the inertias and frames that are meant"
+            "write `false`, and the inertias and frames that are meant"
         }
-        (ElementKind::Compiler, "inertiagrouprange") => "write an `<inertial>` in each body",
+        (ElementKind::Compiler, "inertiagrouprange") => {
+            "remove it, and write an `<inertial>` in each body"
+        }
         (ElementKind::Compiler, "eulerseq")
             if value.len() != 3 || !value.bytes().all(|byte| b"xyzXYZ".contains(&byte)) =>
         {
             "write three of the letters x, y, z, X, Y and Z"
         }
         (ElementKind::Ignored, "shellinertia") if value != "false" => {
-            "write an `<inertial>` in the body"
+            "write `false`, and an `<inertial>` in the body"
         }
         (ElementKind::Option, "density" | "viscosity") if !zero() => {
             "forces of a fluid are not supported: write 0"
         }
-        (ElementKind::Flag, "gravity") if value != "enable" => "write `<option gravity=\"0 0 0\">`",
+        (ElementKind::Flag, "gravity") if value != "enable" => {
+            "remove it, and write `<option gravity=\"0 0 0\">`"
+        }
         (ElementKind::Body, "gravcomp") if node.has_tag_name("body") && !zero() => {
-            "forces against gravity are not supported: give them as torques"
+            "forces against gravity are not supported: write 0, and give them as torques"
+        }
+        // The frame of a body with children is not aligned.
+        (ElementKind::Ignored, "align")
+            if value == "true" && node.has_tag_name("freejoint") && is_leaf(node.parent()) =>
+        {
+            "write `align=\"false\"`: the coordinates are then those of the body's frame, not of the frame along its \
+             principal axes of inertia"
+        }
+        (ElementKind::Ignored, "limited" | "actuatorfrclimited")
+            if !["true", "false", "auto"].contains(&value) =>
+        {
+            "write `true`, `false` or `auto`"
+        }
+        (ElementKind::Compiler, "autolimits") if !["true", "false"].contains(&value) => {
+            "write `true` or `false`"
         }
         (ElementKind::Body, "mocap") if value != "false" => {
             "mocap bodies are not supported: remove the attribute or the body"
@@ -157,7 +238,7 @@ fn check(
         (ElementKind::Ignored, "armature" | "damping")
             if node.parent().is_some_and(|parent| parent.has_tag_name("actuator")) && !zero() =>
         {
-            "write it in the `<joint>`"
+            "move it to the `<joint>`"
         }
         (ElementKind::Default, "class")
             if value != "main" && node.parent().is_some_and(|up| up.has_tag_name("mujoco")) =>
@@ -174,4 +255,9 @@ fn check(
     };
     let message = format!("`{name}=\"{value}\"` of `<{element}>` is not read");
     report.error(Code::NotRead, attribute.range().start, None, message, help);
+}
+
+/// Returns whether a body has no other bodies in it.
+fn is_leaf(body: Option<Node>) -> bool {
+    body.is_some_and(|body| !body.descendants().skip(1).any(|node| node.has_tag_name("body")))
 }

@@ -1,0 +1,67 @@
+//! The part of a model that is read. mjcf-rs reads more, and its errors about the rest would have no use and no place.
+
+use std::ops::Range;
+
+use roxmltree::Node;
+
+use super::numbers::NUMBERS;
+
+/// The elements that are read.
+const ELEMENTS: [&str; 13] = [
+    "mujoco",
+    "compiler",
+    "option",
+    "default",
+    "asset",
+    "hfield",
+    "worldbody",
+    "body",
+    "frame",
+    "inertial",
+    "joint",
+    "freejoint",
+    "geom",
+];
+
+/// The attributes that are read, besides those of numbers.
+const WORDS: [&str; 14] = [
+    "angle",
+    "autolimits",
+    "childclass",
+    "class",
+    "coordinate",
+    "eulerseq",
+    "file",
+    "hfield",
+    "inertiafromgeom",
+    "limited",
+    "mesh",
+    "model",
+    "name",
+    "type",
+];
+
+/// Returns the text with spaces in place of the elements and attributes that are not read. Offsets in the text do not
+/// change.
+pub fn without_unused_parts(text: &str, root: Node) -> String {
+    let is_used = |name| WORDS.contains(&name) || NUMBERS.iter().any(|(number, _)| *number == name);
+    let mut used = text.to_string();
+    let mut open = vec![root];
+    while let Some(node) = open.pop() {
+        if !ELEMENTS.contains(&node.tag_name().name()) {
+            blank(&mut used, node.range());
+            continue;
+        }
+        for attribute in node.attributes().filter(|one| !is_used(one.name())) {
+            blank(&mut used, attribute.range());
+        }
+        open.extend(node.children().filter(Node::is_element));
+    }
+    used
+}
+
+/// Replaces a part of the text by spaces.
+pub fn blank(text: &mut String, range: Range<usize>) {
+    let spaces = " ".repeat(range.len());
+    text.replace_range(range, &spaces);
+}
