@@ -3,10 +3,10 @@
 
 use modyn_codegen::graph::{Graph, Node};
 use modyn_codegen::passes::{Directional, Displacement, along_directions, optimize, vjp};
-use modyn_codegen::plan::{COLUMN_LANES, LIMB_LIMITS};
+use modyn_codegen::plan::{COLUMN_LANES, Kernels, LIMB_LIMITS};
 use modyn_codegen::trace::{LimbPacking, Tracer};
 use modyn_codegen::{Base, ReadOptions};
-use modyn_codegen::{Builder, Function};
+use modyn_codegen::{Builder, Function, Planning};
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::kinematics::coordinates::normalize;
 use modyn_runtime::mechanism::Mechanism;
@@ -196,6 +196,23 @@ fn hessians_with_limbs_in_lanes_are_those_on_scalars() {
                 }
             }
         }
+    }
+}
+
+/// A robot whose Hessians have packs of two widths gets them in lanes, without a warning.
+#[test]
+fn hessians_with_packs_of_two_widths_are_planned() {
+    let functions = [
+        Function::InverseDynamicsHessian,
+        Function::ForwardDynamicsHessian,
+        Function::StepSemiImplicitHessian,
+    ];
+    let builder = Builder::new().urdf_text(crab(), "crab.urdf").base(Base::Floating);
+    let Planning { plan, warnings, .. } = builder.functions(functions).plan().expect("good");
+    assert!(plan.faults().next().is_none() && warnings.is_empty(), "{warnings:?}");
+    for planned in &plan.functions {
+        let Kernels::Dispatched { simd, .. } = &planned.kernels else { panic!("{}", planned.name) };
+        assert_eq!(Vec::from_iter(simd.widths()), [1, 2, 4], "{}", planned.name);
     }
 }
 
