@@ -26,7 +26,7 @@ use crate::plan::{
 };
 use crate::read::{Format, Reading};
 use crate::size::{Selected, too_large};
-use checks::{moving_frames, without_casadi_form, without_hessian};
+use checks::{invalid_programs, moving_frames, without_casadi_form, without_hessian};
 pub use object::ObjectPlanning;
 use source::Source;
 
@@ -115,6 +115,15 @@ struct Inputs {
     modules: ModuleTree,
     choices: Choices,
     options: EmitOptions,
+}
+
+impl Inputs {
+    /// Returns the plan for a back end that runs programs in this way, after adding its warnings to those of the description.
+    fn plan(&mut self, execution: Execution) -> Plan {
+        let plan = Plan::new(&self.model, &self.modules, &self.choices, execution);
+        self.options.warnings.extend(invalid_programs(&plan));
+        plan
+    }
 }
 
 /// A method for each option of the table.
@@ -241,10 +250,11 @@ impl Builder {
     ///
     /// Returns all errors of the description and the options.
     pub fn generate(&self) -> Result<Generated, Diagnostics> {
-        let Inputs { model, modules, choices, options } = self.inputs()?;
+        let mut inputs = self.inputs()?;
         // Self-contained files have neither vectors nor batches, which need the runtime.
-        let execution = if options.self_contained { Execution::Scalar } else { Execution::Vectors };
-        let plan = Plan::new(&model, &modules, &choices, execution);
+        let self_contained = inputs.options.self_contained;
+        let plan = inputs.plan(if self_contained { Execution::Scalar } else { Execution::Vectors });
+        let Inputs { model, modules, choices, options } = inputs;
         let constants = Constants::new(&model, &choices);
         let Emitted { text, c_header, type_name } =
             emit((&model, &modules), &plan, &constants, &options);
@@ -282,9 +292,10 @@ impl Builder {
     ///
     /// Returns all errors of the description and the options.
     pub fn plan(&self) -> Result<Planning, Diagnostics> {
-        let Inputs { model, modules, choices, options } = self.inputs()?;
-        let choices = choices.of_one_state();
-        let plan = Plan::new(&model, &modules, &choices, Execution::Vectors);
+        let mut inputs = self.inputs()?;
+        inputs.choices = inputs.choices.of_one_state();
+        let plan = inputs.plan(Execution::Vectors);
+        let Inputs { model, options, .. } = inputs;
         Ok(Planning { plan, model, warnings: options.warnings })
     }
 
@@ -343,8 +354,8 @@ impl Builder {
             GpuLanguage::Wgsl => self.clone().scalar(FloatType::F32),
             GpuLanguage::Cuda => self.clone(),
         };
-        let inputs = builder.inputs()?;
-        let plan = Plan::new(&inputs.model, &inputs.modules, &inputs.choices, Execution::Threads);
+        let mut inputs = builder.inputs()?;
+        let plan = inputs.plan(Execution::Threads);
         Ok((plan, inputs))
     }
 
@@ -377,8 +388,9 @@ impl Builder {
 
     /// Returns the C source whose header file has this name, and the warnings.
     fn c_source(&self, header: Option<&str>) -> Result<(CSource, Vec<Diagnostic>), Diagnostics> {
-        let Inputs { model, modules, choices, options } = self.inputs()?;
-        let plan = Plan::new(&model, &modules, &choices, Execution::Scalar);
+        let mut inputs = self.inputs()?;
+        let plan = inputs.plan(Execution::Scalar);
+        let Inputs { model, options, .. } = inputs;
         Ok((emit_c(&model, &plan, &options, header), options.warnings))
     }
 

@@ -124,6 +124,7 @@ fn bad_files_are_refused_with_exactly_the_marked_diagnostics() {
         Code::MissingFile,
         Code::Gravity,
         Code::InvalidModel,
+        Code::InvalidProgram,
         Code::Modules,
         Code::RuntimeInertia,
         Code::Payload,

@@ -2,11 +2,11 @@
 //! operations.
 
 use modyn_codegen::graph::{Graph, Node};
-use modyn_codegen::passes::{Directional, Displacement, along_directions, optimize};
-use modyn_codegen::plan::{COLUMN_LANES, LIMB_LIMITS};
+use modyn_codegen::passes::{Directional, Displacement, along_directions, optimize, vjp};
+use modyn_codegen::plan::{COLUMN_LANES, Kernels, LIMB_LIMITS};
 use modyn_codegen::trace::{LimbPacking, Tracer};
 use modyn_codegen::{Base, ReadOptions};
-use modyn_codegen::{Builder, Function};
+use modyn_codegen::{Builder, Function, Planning};
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::kinematics::coordinates::normalize;
 use modyn_runtime::mechanism::Mechanism;
@@ -123,12 +123,41 @@ fn with_poses() -> String {
     [1, 2, 3].into_iter().fold(centaur(), hip).replace("prismatic", "planar")
 }
 
+/// Three legs and two claws on one body: packs of four lanes and of two, all of which the body moves.
+fn crab() -> String {
+    let part = |parent: &str, child: &str, kind: &str, k: f64| {
+        let (x, i) = (0.1 * k - 0.2, 0.02 + 0.004 * k);
+        format!(
+            "<joint name=\"to_{child}\" type=\"{kind}\"><parent link=\"{parent}\"/><child link=\"{child}\"/>\
+             <origin xyz=\"{x} 0.1 0.2\" rpy=\"{k} 0.2 0\"/><axis xyz=\"1 0 0\"/>\
+             <limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/></joint>{}",
+            link(child, x, i)
+        )
+    };
+    fn link(name: &str, x: f64, i: f64) -> String {
+        format!(
+            "<link name=\"{name}\"><inertial><origin xyz=\"0.1 {x} 0.1\"/><mass value=\"0.8\"/>\
+             <inertia ixx=\"{i}\" iyy=\"0.04\" izz=\"0.03\" ixy=\"0.001\" ixz=\"0\" iyz=\"0\"/></inertial></link>"
+        )
+    }
+    let mut text = format!("<robot name=\"crab\">{}", link("body", 0.1, 0.05));
+    for k in [1.0, 2.0, 3.0] {
+        let [upper, lower] = ["upper", "lower"].map(|name| format!("{name}{k}"));
+        text += &part("body", &upper, "revolute", k);
+        text += &part(&upper, &lower, "revolute", 0.5 * k);
+    }
+    text += &part("body", "left", "prismatic", 2.0);
+    text += &part("body", "right", "prismatic", 3.0);
+    text + "</robot>"
+}
+
 /// Hessians with equal limbs in lanes are those on scalars, which other tests compare with dual numbers.
 #[test]
 fn hessians_with_limbs_in_lanes_are_those_on_scalars() {
     let mut robots = robots();
     robots.push(("hexapod", read(&hexapod(), "hexapod", Base::Fixed)));
     robots.push(("poses", read(&with_poses(), "poses", Base::Fixed)));
+    robots.push(("crab", read(&crab(), "crab", Base::Floating)));
     for (name, model) in robots {
         let mechanism = Mechanism::new(&model);
         let tracer = Tracer::new(&mechanism);
@@ -167,6 +196,23 @@ fn hessians_with_limbs_in_lanes_are_those_on_scalars() {
                 }
             }
         }
+    }
+}
+
+/// A robot whose Hessians have packs of two widths gets them in lanes, without a warning.
+#[test]
+fn hessians_with_packs_of_two_widths_are_planned() {
+    let functions = [
+        Function::InverseDynamicsHessian,
+        Function::ForwardDynamicsHessian,
+        Function::StepSemiImplicitHessian,
+    ];
+    let builder = Builder::new().urdf_text(crab(), "crab.urdf").base(Base::Floating);
+    let Planning { plan, warnings, .. } = builder.functions(functions).plan().expect("good");
+    assert!(plan.faults().next().is_none() && warnings.is_empty(), "{warnings:?}");
+    for planned in &plan.functions {
+        let Kernels::Dispatched { simd, .. } = &planned.kernels else { panic!("{}", planned.name) };
+        assert_eq!(Vec::from_iter(simd.widths()), [1, 2, 4], "{}", planned.name);
     }
 }
 
@@ -217,6 +263,48 @@ fn directions_of_four_limbs_share_a_pack() {
     }
     // A product for each factor, and the sum of both, in lanes.
     assert!(all.nodes().len() < graph.nodes().len() + 12);
+}
+
+/// The changes of one scalar may be in packs of several widths.
+#[test]
+fn directions_of_packs_of_two_widths() {
+    let (mut graph, [a, b, ..]) = four_limbs();
+    let displacements = displacements(&mut graph);
+    let two = graph.pack(&[a, b]);
+    let cubes = graph.make(Node::Mul(two, two));
+    let cubes = graph.make(Node::Mul(cubes, two));
+    let cube = graph.make(Node::ExtractLane(cubes, 1));
+    let square = graph.outputs[1];
+    graph.outputs = vec![graph.make(Node::Add(square, cube))];
+    let Directional { graph: mut all, changes } =
+        along_directions(&graph, &displacements).expect("limbs that do not move each other");
+    let terms: Vec<u32> = changes[0]
+        .iter()
+        .map(|&(pack, lanes)| {
+            assert_eq!(lanes, 0b10);
+            all.make(Node::ExtractLane(all.outputs[pack], 1))
+        })
+        .collect();
+    all.outputs = vec![all.pairwise_sum(&terms)];
+    let found = all.evaluate::<f64>(&[0.3, -0.7, 1.1, 0.4, 0.6]);
+    // y x^2 + x^3.
+    assert_close("the change", &found, &[2.0 * 0.6 * -0.7 + 3.0 * 0.49], 1e-15);
+}
+
+/// The gradient by a scalar that takes part in operations on packs of several widths.
+#[test]
+fn gradients_of_a_scalar_in_packs_of_two_widths() {
+    let (mut graph, [a, b, _, _, y]) = four_limbs();
+    let two = graph.pack(&[a, b]);
+    let products = graph.make(Node::Mul(two, y));
+    let each = [0, 1].map(|lane| graph.make(Node::ExtractLane(products, lane)));
+    let sum = graph.pairwise_sum(&each);
+    graph.outputs = vec![graph.outputs[4], sum];
+    let gradient = vjp(&graph, 5, 4..5);
+    let x = [0.3, -0.7, 1.1, 0.4, 0.6];
+    let squares: f64 = x[..4].iter().map(|x| x * x).sum();
+    let found = gradient.evaluate::<f64>(&[&x[..], &[2.0, 5.0]].concat());
+    assert_close("the gradient", &found, &[2.0 * squares + 5.0 * (x[0] + x[1])], 1e-15);
 }
 
 #[test]

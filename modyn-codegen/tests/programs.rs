@@ -71,10 +71,10 @@ fn packed_and_repeated_programs_agree_with_graphs() {
             let elimination = Elimination::Recursive(limbs.partition(&partition));
             let graph = optimize(tracer.packed(&limbs).forward_dynamics(&elimination));
             let count = model.nq() + 2 * model.nv();
-            let simd = Program::new(&graph, count, Target::Simd);
+            let simd = Program::try_new(&graph, count, Target::Simd).expect("valid");
             assert!(simd.widths().len() > 1, "{name}");
             same(&graph, &simd);
-            let repeated = Program::repeated(&graph, count);
+            let repeated = Program::repeated(&graph, count).expect("valid");
             let calls =
                 |s: &modyn_codegen::program::Statement| matches!(s.operation, Operation::Call(_));
             assert!(repeated.statements.iter().all(calls), "{name}");

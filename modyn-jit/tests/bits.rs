@@ -10,6 +10,7 @@ use common::{
 use modyn_codegen::diagnostics::Code;
 use modyn_codegen::{Builder, Function, Planning};
 use modyn_jit::{Compiled, InstructionSet, Options};
+use modyn_runtime::model::Model;
 
 const FUNCTIONS: [Function; 9] = [
     Function::ForwardDynamics,
@@ -116,28 +117,39 @@ fn a_humanoid() {
     robots(&ROBOTS[10..]);
 }
 
-/// All functions of one state of random robots, with joints of all types.
+/// Compares machine code of some functions of one state of a random robot.
+fn compare_some(seed: u64, model: Model) {
+    let mut random = random::Random::new(seed);
+    let mut functions = Function::ALL.to_vec();
+    functions.retain(|function| {
+        let fits = !function.is_of_constraints() && function.batched().is_none();
+        fits && *function != Function::Brge && random.chance(0.2)
+    });
+    let name = format!("seed {seed}, {}", model.name());
+    let planning = match Builder::new().model(model).functions(functions).plan() {
+        Ok(planning) => planning,
+        // A few of many seeds: a Runge-Kutta derivative of such a robot would be too long.
+        Err(errors) if errors.iter().all(|error| error.code == Code::TooLarge) => return,
+        Err(errors) => panic!("{errors}"),
+    };
+    for instruction_set in instruction_sets() {
+        compare::<f64>(&name, &planning, instruction_set);
+        compare::<f32>(&name, &planning, instruction_set);
+    }
+}
+
+/// With joints of all types.
 #[test]
 fn random_robots() {
     for seed in random::seeds(4) {
-        let model = random::mixed_zoo(seed, 2 + (seed % 6) as usize);
-        let mut random = random::Random::new(seed);
-        let mut functions = Function::ALL.to_vec();
-        functions.retain(|function| {
-            let fits = !function.is_of_constraints() && function.batched().is_none();
-            fits && *function != Function::Brge && random.chance(0.2)
-        });
-        let builder = Builder::new().model(model).functions(functions);
-        let planning = match builder.plan() {
-            Ok(planning) => planning,
-            // A few of many seeds: a Runge-Kutta derivative of such a robot would be too long.
-            Err(errors) if errors.iter().all(|error| error.code == Code::TooLarge) => continue,
-            Err(errors) => panic!("{errors}"),
-        };
-        for instruction_set in instruction_sets() {
-            let name = format!("seed {seed}");
-            compare::<f64>(&name, &planning, instruction_set);
-            compare::<f32>(&name, &planning, instruction_set);
-        }
+        compare_some(seed, random::mixed_zoo(seed, 2 + (seed % 6) as usize));
+    }
+}
+
+/// With equal and similar limbs.
+#[test]
+fn random_limbs() {
+    for seed in random::seeds(2) {
+        compare_some(seed, random::limbs(seed, 3 + (seed % 4) as usize));
     }
 }

@@ -239,6 +239,15 @@ fn equal_limbs() {
     agrees(&model, &["front_left_foot", "hind_right_shank", "trunk"], |builder| builder);
 }
 
+/// Equal and similar limbs: packed members beside members on scalars.
+#[test]
+fn random_limbs() {
+    for seed in random::seeds(2) {
+        let model = random::limbs(seed, 4 + (seed % 4) as usize);
+        agrees(&model, &link_names(&model)[..2], |builder| builder);
+    }
+}
+
 #[test]
 fn wrong_bundles_name_the_error() {
     let model = robot("arm6");

@@ -4,8 +4,10 @@
 use crate::common;
 
 use common::{instruction_sets, random};
+use modyn_codegen::plan::Kernels;
 use modyn_codegen::{Base, Builder, Contact, ContactKind, Function, LoopEnd};
 use modyn_jit::{Compiled, Options};
+use modyn_runtime::model::{self, LoopConstraintEnd, Model};
 use modyn_runtime::spatial::{Pose, Twist, Vector3, Wrench};
 use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter};
 use modyn_tests::quantities::Quantities;
@@ -174,6 +176,61 @@ fn hessians_of_an_arm_on_a_moving_frame() {
         call.many(&repeated.each_ref().map(Vec::as_slice), &mut found).expect("fits");
         found.chunks(expected.len()).for_each(|found| near(function, found, &expected));
     }
+}
+
+/// Returns the model with contacts on the last links of some limbs.
+fn with_contacts(model: Model, random: &mut random::Random) -> Model {
+    let is_parent = |i: usize| model.links().iter().any(|link| link.parent == Some(i));
+    let mut tips: Vec<usize> = (0..model.links().len()).filter(|&i| !is_parent(i)).collect();
+    while tips.len() > 3 {
+        tips.swap_remove(random.below(tips.len()));
+    }
+    let frame = |link: &usize| model.frames().iter().position(|frame| frame.link == Some(*link));
+    let contacts = tips.iter().map(|link| {
+        let translation = std::array::from_fn(|_| random.between(-0.3, 0.3));
+        let frame = frame(link).expect("a frame on each link");
+        let kind = if random.chance(0.3) { ContactKind::Surface } else { ContactKind::Point };
+        let end = LoopConstraintEnd { frame, pose: Pose { translation, ..Pose::identity() } };
+        model::Contact { name: format!("contact{link}"), kind, end }
+    });
+    let contacts = contacts.collect();
+    model.with_contacts(contacts).expect("contacts on moving links")
+}
+
+/// Equal and similar limbs with contacts: packed programs of all functions of contacts compute what those on scalars do.
+#[test]
+fn random_limbs() {
+    let (seeds, mut compared) = (random::seeds(8), 0);
+    for seed in seeds.clone() {
+        let mut random = random::Random::new(seed);
+        let model = with_contacts(random::limbs(seed, 4 + 2 * (seed % 4) as usize), &mut random);
+        let functions = Function::ALL.iter().copied();
+        let functions = functions.filter(|one| one.is_of_constraints() && one.batched().is_none());
+        let planning = Builder::new().model(model).functions(functions).plan().expect("good");
+        let model = &planning.model;
+        assert_eq!(planning.plan.faults().next(), None, "{}", model.name());
+        let state = random::state(seed, model);
+        let ConstraintSettings { alpha, beta, tolerance, rounding, .. } =
+            ConstraintSettings::<f64>::DEFAULT;
+        let contacts = vec![ContactTarget::<f64>::EXACT; model.contacts().len()];
+        let settings = numbers(&ConstraintSettings { alpha, beta, tolerance, rounding, contacts });
+        for planned in &planning.plan.functions {
+            let Kernels::Dispatched { scalar, simd } = &planned.kernels else { continue };
+            let arguments = planned.arguments.iter().flat_map(|(own, shape)| match own.name {
+                "q" => state.q.clone(),
+                "qd" => state.qd.clone(),
+                "settings" => settings.clone(),
+                "contacts" => vec![1.0; shape.len()],
+                _ => (0..shape.len()).map(|_| random.between(-2.0, 2.0)).collect(),
+            });
+            let arguments: Vec<f64> = arguments.collect();
+            let [expected, found] = [scalar, simd].map(|program| program.evaluate(&arguments));
+            near(planned.function.expect("of the table"), &found, &expected);
+            compared += 1;
+        }
+    }
+    println!("{seeds:?}: {compared} packed functions");
+    assert!(compared > 0);
 }
 
 fn near(function: Function, found: &[f64], expected: &[f64]) {

@@ -3,7 +3,8 @@
 use crate::common;
 
 use common::{instruction_sets, random};
-use modyn_codegen::{Base, Builder, Function, ReadOptions};
+use modyn_codegen::plan::{Choices, Execution, Kernels, Packing, Plan, Row, Trace};
+use modyn_codegen::{Base, Builder, CodeForm, Function, ReadOptions};
 use modyn_jit::{Call, Compiled, InstructionSet, Options};
 use modyn_runtime::model::{Model, ModuleTree};
 use modyn_tests::values::{self, Inputs, Values};
@@ -147,6 +148,69 @@ fn random_trees() {
     for seed in 0..4 {
         agrees(&random::mixed_zoo(seed, 5), seed, &functions());
     }
+}
+
+/// Returns the plan of functions for vectors, or with a routine for equal limbs.
+fn plan(model: &Model, functions: &[Function], execution: Execution) -> Plan {
+    let choices = Choices {
+        functions: functions.to_vec(),
+        bundles: Vec::new(),
+        user_functions: Vec::new(),
+        share: execution == Execution::Scalar,
+        code: CodeForm::Fast,
+        runtime_gravity: false,
+        runtime_inertia: Vec::new(),
+        payload: Vec::new(),
+    };
+    Plan::new(model, &ModuleTree::chains(model), &choices, execution)
+}
+
+/// Equal and similar limbs in lanes, and in routines: programs give the interpreter's results. Each robot has some of the
+/// functions, above all of those that can be packed; derivatives of a Runge-Kutta step have too many operations.
+#[test]
+fn random_limbs() {
+    let (seeds, mut compared) = (random::seeds(16), [0; 3]);
+    for seed in seeds.clone() {
+        let model = random::limbs(seed, 4 + 3 * (seed % 4) as usize);
+        let mut random = random::Random::new(seed);
+        let mut functions = functions();
+        functions.retain(|&one| {
+            let Row { packing, trace, .. } = one.row();
+            let part = if packing == Packing::Never { 0.1 } else { 0.3 };
+            let has_one_graph = matches!(trace, Trace::One(_));
+            has_one_graph && one != Function::StepRk4Derivatives && random.chance(part)
+        });
+        let inputs = Inputs::from(&random::state(seed, &model));
+        let values = values::interpreted(&model, &ModuleTree::chains(&model), &inputs, true);
+        for execution in [Execution::Vectors, Execution::Scalar] {
+            let plan = plan(&model, &functions, execution);
+            assert_eq!(plan.faults().next(), None, "{}", model.name());
+            for planned in &plan.functions {
+                let function = planned.function.expect("of the table");
+                let arguments = planned
+                    .arguments
+                    .iter()
+                    .flat_map(|(own, _)| argument(function, own.name, &model, (&inputs, &values)));
+                let arguments: Vec<f64> = arguments.collect();
+                let (programs, kind) = match &planned.kernels {
+                    Kernels::Dispatched { scalar, simd } => (vec![scalar, simd], 1),
+                    Kernels::One(program) => {
+                        (vec![program], if program.routines.is_empty() { 0 } else { 2 })
+                    }
+                    _ => panic!("{}", function.name()),
+                };
+                let name = format!("{} of {}", function.name(), model.name());
+                for program in programs {
+                    close(&name, &program.evaluate(&arguments), &expected(function, &values));
+                }
+                compared[kind] += 1;
+            }
+        }
+    }
+    let [scalar, lanes, routines] = compared;
+    println!("{seeds:?}: {scalar} programs on scalars, {lanes} in lanes, {routines} in routines");
+    let few = usize::try_from(seeds.end - seeds.start).expect("few seeds") / 4;
+    assert!(lanes >= few && routines >= few, "{compared:?}");
 }
 
 /// Equal limbs on a floating base, whose derivatives couple all limbs. Derivatives of a Runge-Kutta step have 200,000

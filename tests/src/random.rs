@@ -289,6 +289,150 @@ pub fn mixed_zoo(seed: u64, links: usize) -> Model {
     if seed.is_multiple_of(2) { zoo(seed, links) } else { general_zoo(seed, links) }
 }
 
+/// Returns a robot with one or two groups of 2 to 9 limbs of the same joint types, at most `joints` joints (at least two) in each group. The base
+/// is fixed or floats; limbs are on it and on a trunk that moves. The limbs of a group are equal, mirrored, or differ by their
+/// inertias or by all numbers; some are longer or shorter than the others.
+#[must_use]
+pub fn limbs(seed: u64, joints: usize) -> Model {
+    let mut random = Random::new(seed ^ 0x004c_494d_4253);
+    let floats = random.chance(0.5);
+    let mut parts: Vec<LimbPart> = Vec::new();
+    if floats {
+        let joint = Joint::new("", JointType::Floating, [0.0, 0.0, 1.0], random.pose());
+        parts.push(LimbPart { parent: None, joint, inertial: random.inertial() });
+    }
+    for _ in 0..random.below(3) {
+        let (joint, inertial) = (random.joint(0), random.inertial());
+        parts.push(LimbPart { parent: parts.len().checked_sub(1), joint, inertial });
+    }
+    // The bodies that limbs may be on: the base, and those of the trunk.
+    let mut mounts: Vec<Option<usize>> = (0..parts.len()).map(Some).collect();
+    if !floats {
+        mounts.insert(0, None);
+    }
+    for _ in 0..=usize::from(random.chance(0.4)) {
+        random.group(&mounts, joints, &mut parts);
+    }
+    let (count, base) = (
+        parts.len(),
+        Frame {
+            name: "base".into(),
+            link: None,
+            pose: Pose::identity(),
+            inertial: Inertial::default(),
+        },
+    );
+    // A link comes before its descendants, and these before the next child of its parent.
+    let (mut order, mut open) = (Vec::with_capacity(count), vec![None]);
+    while let Some(parent) = open.pop() {
+        order.extend(parent);
+        let mut children: Vec<Option<usize>> =
+            (0..count).filter(|&i| parts[i].parent == parent).map(Some).collect();
+        if random.chance(0.5) {
+            children.reverse();
+        }
+        open.extend(children);
+    }
+    let place = |part: usize| order.iter().position(|&other| other == part);
+    let links = order.iter().enumerate().map(|(i, &part)| {
+        let LimbPart { parent, joint, inertial } = parts[part].clone();
+        let joint = Joint { name: format!("joint{i}"), ..joint };
+        Link { name: format!("link{i}"), parent: parent.and_then(place), joint, inertial }
+    });
+    let links: Vec<Link> = links.collect();
+    let frames = links.iter().enumerate().map(|(i, link)| Frame {
+        name: link.name.clone(),
+        link: Some(i),
+        pose: Pose::identity(),
+        inertial: link.inertial,
+    });
+    let frames = [base].into_iter().chain(frames).collect();
+    let mut parts = Parts { gravity: DEFAULT_GRAVITY, links, frames };
+    let friction = if random.chance(0.3) {
+        parts.joint_dynamics(&mut random);
+        Friction::Viscous
+    } else {
+        Friction::None
+    };
+    let model = parts.model(format!("limbs{seed}_{joints}"));
+    model.with_friction(friction).expect("sound friction")
+}
+
+/// A link of a robot with limbs, before all links are in order.
+#[derive(Clone)]
+struct LimbPart {
+    parent: Option<usize>,
+    joint: Joint,
+    inertial: Inertial,
+}
+
+impl LimbPart {
+    /// Returns the part mirrored in the plane of x and z; its parent is the same.
+    fn mirrored(&self) -> Self {
+        let sign = |k: usize| if k == 1 { -1.0 } else { 1.0 };
+        let mut part = self.clone();
+        let Joint { joint_type, axis, second_axis, origin, .. } = &mut part.joint;
+        // Axes of rotations are axial vectors.
+        let axial = if *joint_type == JointType::Prismatic { 1.0 } else { -1.0 };
+        for k in 0..3 {
+            axis[k] *= axial * sign(k);
+            second_axis[k] *= axial * sign(k);
+            origin.translation[k] *= sign(k);
+            part.inertial.center_of_mass[k] *= sign(k);
+            for column in 0..3 {
+                origin.rotation[k][column] *= sign(k) * sign(column);
+            }
+        }
+        // The entries xy and yz.
+        part.inertial.inertia[1] *= -1.0;
+        part.inertial.inertia[4] *= -1.0;
+        part
+    }
+}
+
+impl Random {
+    /// Adds a group of limbs on some of the bodies `mounts`, with at most `joints` joints.
+    fn group(&mut self, mounts: &[Option<usize>], joints: usize, parts: &mut Vec<LimbPart>) {
+        let limbs = 2 + self.below(8.min(joints - 1));
+        let length = 1 + self.below(5.min(joints / limbs));
+        let (is_forked, has_all_types) = (self.chance(0.2), self.chance(0.2));
+        let pattern: Vec<LimbPart> = (0..length)
+            .map(|i| {
+                let joint = if has_all_types { self.any_joint(0, Some(0)) } else { self.joint(0) };
+                // The place of the parent in the limb; without meaning for the first link.
+                let parent = match i.saturating_sub(1) {
+                    last if is_forked && last > 0 => self.below(last + 1),
+                    last => last,
+                };
+                LimbPart { parent: Some(parent), joint, inertial: self.inertial() }
+            })
+            .collect();
+        let one = mounts[self.below(mounts.len())];
+        let (on_one, similarity) = (self.chance(0.6), self.below(5));
+        for limb in 0..limbs {
+            let mount = if on_one { one } else { mounts[self.below(mounts.len())] };
+            let first = parts.len();
+            let shorter = usize::from(length > 1 && similarity == 4 && self.chance(0.3));
+            for (i, part) in pattern[..length - shorter].iter().enumerate() {
+                let mut part =
+                    if similarity == 1 && limb % 2 == 1 { part.mirrored() } else { part.clone() };
+                part.parent = if i == 0 { mount } else { part.parent.map(|k| first + k) };
+                if similarity > 1 {
+                    part.inertial = self.inertial();
+                }
+                if similarity > 2 {
+                    part.joint.axis = self.axis();
+                    part.joint.second_axis = self.across(part.joint.axis, Self::axis);
+                    part.joint.origin = self.pose();
+                } else if i == 0 && similarity != 1 {
+                    part.joint.origin = self.pose();
+                }
+                parts.push(part);
+            }
+        }
+    }
+}
+
 /// Calls `check` with each of these models, named by its index. Expects that together they have joints of at least seven types,
 /// and three or more of each: mimic joints, rotors, and joints with friction.
 ///

@@ -16,6 +16,7 @@ const ELSEWHERE: &[Code] = &[
     Code::IllConditioned,
     Code::Output,
     Code::InvalidModel,
+    Code::InvalidProgram,
     Code::TooLarge,
     Code::AxisLength,
     Code::InvertedLimits,

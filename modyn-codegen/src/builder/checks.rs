@@ -11,7 +11,7 @@ use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity, Subject, sugge
 use crate::emit::FloatType;
 use crate::names;
 use crate::options::{Bundle, ModuleChoice, shared_names, user};
-use crate::plan::Function;
+use crate::plan::{Function, Plan};
 
 impl Builder {
     /// Returns the errors of options that are copied into the text.
@@ -188,6 +188,16 @@ pub(super) fn without_casadi_form(selected: &[Function]) -> Option<Diagnostic> {
         let message = format!("{} has no form for CasADi, and is left out", missing.join(", "));
         let help = "differentiate the functions in CasADi, by `jacobian` or `gradient`";
         Diagnostic::new(Severity::Warning, Code::Option, message).with_help(help)
+    })
+}
+
+/// Returns a warning for each function whose packed program is invalid.
+pub(super) fn invalid_programs(plan: &Plan) -> impl Iterator<Item = Diagnostic> {
+    plan.faults().map(|(name, fault)| {
+        let message =
+            format!("`{name}` is computed on scalars: its packed program is invalid ({})", fault.rule);
+        let help = "its results are right, but take longer; please report this fault of modyn, with the description";
+        Diagnostic::new(Severity::Warning, Code::InvalidProgram, message).with_help(help)
     })
 }
 

@@ -5,7 +5,7 @@ use modyn_runtime::model::ModuleTree;
 use super::{Builder, Inputs, Planning};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity};
 use crate::emit::{EmitOptions, FloatType, MachineCode, emit_object_header, emit_wrapper};
-use crate::plan::{Constants, Execution, Function, Plan};
+use crate::plan::{Constants, Execution, Function};
 
 /// The programs of a robot whose machine code goes to an object file, and the texts beside it; see
 /// [`Builder::plan_object`].
@@ -53,7 +53,7 @@ impl Builder {
                 Diagnostic::error(Code::Option, message).with_help(help)
             })
             .collect();
-        let Inputs { model, modules, choices, mut options } = match self.inputs() {
+        let mut inputs = match self.inputs() {
             Ok(inputs) if errors.is_empty() => inputs,
             Ok(_) => return Err(Diagnostics::new(errors)),
             Err(found) => {
@@ -61,8 +61,10 @@ impl Builder {
                 return Err(Diagnostics::new(errors));
             }
         };
-        let constants = Constants::new(&model, &choices);
-        let mut plan = Plan::new(&model, &modules, &choices.of_one_state(), Execution::Vectors);
+        let constants = Constants::new(&inputs.model, &inputs.choices);
+        inputs.choices = inputs.choices.of_one_state();
+        let mut plan = inputs.plan(Execution::Vectors);
+        let Inputs { model, modules, mut options, .. } = inputs;
         let functions = plan.functions.len();
         plan.functions.retain(|planned| planned.function != Some(Function::Brge));
         plan.factorization.clear();

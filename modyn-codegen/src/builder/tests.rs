@@ -3,10 +3,12 @@
 use modyn_runtime::model::{Model, ModuleTree};
 
 use super::Builder;
+use super::checks::invalid_programs;
 use crate::description::ReadOptions;
 use crate::diagnostics::{Code, Severity};
 use crate::options::ModuleChoice;
 use crate::plan::Function;
+use crate::program::InvalidProgram;
 use crate::size::{Selected, too_large};
 
 /// Returns a model of this number of chains with this number of links.
@@ -164,4 +166,16 @@ fn the_limit_is_about_cost_not_joints() {
     assert!(!refused(&model, &links, &functions));
     functions.push(Function::ForwardDynamicsDerivativesBatch);
     assert!(refused(&model, &links, &functions));
+}
+
+#[test]
+fn an_invalid_program_is_a_warning() {
+    let mut plan = Builder::new().model(comb(2, 1)).plan().expect("good").plan;
+    assert_eq!(invalid_programs(&plan).count(), 0);
+    let (name, rule) = (plan.functions[1].name, "a rule");
+    plan.functions[1].fault = Some(InvalidProgram { statement: Some(3), rule });
+    let found: Vec<_> = invalid_programs(&plan).collect();
+    let [found] = &*found else { panic!("{found:?}") };
+    assert_eq!((found.severity, found.code), (Severity::Warning, Code::InvalidProgram));
+    assert!(found.message.contains(name) && found.message.contains(rule), "{found}");
 }

@@ -254,6 +254,9 @@ codes! {
     IllConditioned = "ill-conditioned":
         "Use `f64`, or compare the results with `f64` at relevant states. A frequent cause is a link that is very \
         light compared with the links that it carries.",
+    /// The packed program of a function is invalid, so the function is computed on scalars.
+    InvalidProgram = "invalid-program":
+        "Report this fault of modyn, with the description. The function's results are right, but take longer.",
     /// The generated code cannot be written.
     Output = "output":
         "Give a path in a writable folder. Two robots of one build script need different names.",

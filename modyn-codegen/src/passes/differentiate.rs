@@ -8,6 +8,7 @@
 //! of x' and y' by the angle are -y' and x', which the graph has. The chain rule by way of the sine and the cosine would
 //! take two products for each of them.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use crate::graph::{Graph, Id, Node};
@@ -234,8 +235,8 @@ fn half_of(graph: &Graph, halves: [(Id, Id); 2], lane: u8, width: u8) -> (Id, u8
 struct Gradient {
     /// The part with the lanes of the node.
     sum: Option<Id>,
-    /// The part of a scalar in users on packs, which is to be summed over the lanes.
-    over_lanes: Option<Id>,
+    /// The parts of a scalar in users on packs, by the number of their lanes. Each is to be summed over its lanes.
+    over_lanes: BTreeMap<u8, Id>,
     /// The parts of single lanes of a pack.
     lanes: Vec<Option<Id>>,
 }
@@ -259,9 +260,8 @@ impl Gradient {
             let pack = graph.pack(&lanes);
             add(graph, &mut sum, pack);
         }
-        if let Some(wide) = self.over_lanes {
-            let lanes =
-                (0..graph.width(wide)).map(|lane| graph.make(Node::ExtractLane(wide, lane)));
+        for (&width, &wide) in &self.over_lanes {
+            let lanes = (0..width).map(|lane| graph.make(Node::ExtractLane(wide, lane)));
             let lanes: Vec<Id> = lanes.collect();
             let over_lanes = graph.pairwise_sum(&lanes);
             add(graph, &mut sum, over_lanes);
@@ -325,7 +325,11 @@ pub fn vjp(graph: &Graph, inputs: usize, wrt: Range<usize>) -> Graph {
             if graph.width(operand) == width {
                 add(&mut result, &mut of.sum, change);
             } else if result.width(change) > 1 {
-                add(&mut result, &mut of.over_lanes, change);
+                let sum = match of.over_lanes.get(&width) {
+                    Some(&sum) => result.make(Node::Add(sum, change)),
+                    None => change,
+                };
+                of.over_lanes.insert(width, sum);
             } else {
                 let count = result.constant(f64::from(width));
                 let change = result.make(Node::Mul(count, change));

@@ -40,11 +40,15 @@ struct Term {
     lanes: u8,
 }
 
-/// Adds a term. Terms of one pack become one term, and so do terms with the same lanes.
+/// Adds a term. Terms of one pack become one term, and so do terms with the same lanes of packs of one width.
 fn add(graph: &mut Graph, terms: &mut Vec<Term>, mut term: Term) {
     loop {
+        let add_up = |other: &Term| {
+            let widths = [graph.width(other.pack), graph.width(term.pack)];
+            other.lanes == term.lanes && (widths.contains(&1) || widths[0] == widths[1])
+        };
         let found = terms.iter().position(|other| {
-            other.lanes == term.lanes || (other.pack == term.pack && other.lanes & term.lanes == 0)
+            add_up(other) || (other.pack == term.pack && other.lanes & term.lanes == 0)
         });
         let Some(found) = found else { break };
         let other = terms.remove(found);

@@ -49,7 +49,7 @@ pub use user::{
 };
 
 use crate::passes::optimize;
-use crate::program::{Program, Target};
+use crate::program::{InvalidProgram, Program, Target};
 use crate::trace::Parameters;
 use partition::ChosenPartition;
 use programs::ScalarGraphs;
@@ -157,6 +157,12 @@ impl Plan {
     pub fn operations_per_call(&self) -> Vec<(&'static str, OperationCount)> {
         let planned = self.functions.iter().chain(&self.batches);
         planned.map(|planned| (planned.name, planned.operations_per_call())).collect()
+    }
+
+    /// Returns the functions and bundles whose packed programs are invalid, by name: each has its program on scalars alone. There
+    /// are none unless modyn has a fault.
+    pub fn faults(&self) -> impl Iterator<Item = (&'static str, &InvalidProgram)> {
+        self.functions.iter().filter_map(|planned| Some((planned.name, planned.fault.as_ref()?)))
     }
 
     /// Returns the operations of all programs of each function and bundle of one state, by name.

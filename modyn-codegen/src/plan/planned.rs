@@ -4,7 +4,7 @@ use modyn_runtime::OperationCount;
 
 use super::functions::{Argument, CForm, Function};
 use super::shape::Shape;
-use crate::program::{Program, Recursion};
+use crate::program::{InvalidProgram, Program, Recursion};
 
 /// A function or a bundle of functions, planned for a robot.
 pub struct Planned {
@@ -28,6 +28,8 @@ pub struct Planned {
     pub result: Shape,
     /// The programs.
     pub kernels: Kernels,
+    /// The violation of a rule by the packed program, which the programs on scalars replace. `None` unless modyn has a fault.
+    pub fault: Option<InvalidProgram>,
 }
 
 /// The programs of a function.

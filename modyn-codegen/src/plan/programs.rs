@@ -15,7 +15,7 @@ use super::user::{TracedForm, TracedFunction};
 use crate::graph::Graph;
 use crate::intern::intern;
 use crate::passes::optimize;
-use crate::program::{Program, Target};
+use crate::program::{InvalidProgram, Program, Target};
 use crate::trace::Tracer;
 
 /// The scalar graphs of the selected functions that also have a selected batch form. Each graph is traced once, for
@@ -62,6 +62,7 @@ impl Planned {
         let arguments = shapes_of(row.arguments, sizes);
         let parameters = tracing.parameters(row.depends_on_parameters);
         let scalars = count(&arguments, parameters);
+        let mut fault = None;
         let kernels = match row.trace {
             Trace::ByLink(trace) => {
                 let graphs = tracing.frames.kernels(|tracer| optimize(trace(tracer)));
@@ -93,7 +94,11 @@ impl Planned {
                     let packed = packing::packed(function, tracing, &graph);
                     match looped::recursion(function, tracing, (&graph, packed.as_ref())) {
                         Some(recursion) => Kernels::Looped(recursion),
-                        None => strategy.kernels(&graph, packed, scalars),
+                        None => {
+                            let (kernels, found) = strategy.kernels(&graph, packed, scalars);
+                            fault = found;
+                            kernels
+                        }
                     }
                 }
             }
@@ -109,6 +114,7 @@ impl Planned {
             parameters,
             result: (row.result)(sizes),
             kernels,
+            fault,
         }
     }
 
@@ -125,6 +131,7 @@ impl Planned {
         let graphs = Graphs::new(bundle, tracing, parameters);
         let graph = packing::balanced(optimize(graphs.scalar()));
         let packed = packing::packed_bundle(bundle, &graphs, tracing, &graph);
+        let (kernels, fault) = tracing.strategy.kernels(&graph, packed, scalars);
         let one = Self {
             function: None,
             name: bundle.name,
@@ -135,7 +142,8 @@ impl Planned {
             arguments,
             parameters,
             result: bundle.result(sizes),
-            kernels: tracing.strategy.kernels(&graph, packed, scalars),
+            kernels,
+            fault,
         };
         let many = batch.then(|| one.of_many_states(&graph, scalars));
         (one, many)
@@ -152,6 +160,7 @@ impl Planned {
         let parameters = tracing.parameters(function.depends_on_parameters);
         let scalars = count(&arguments, parameters);
         let graph = packing::balanced(optimize(form.graph.clone()));
+        let (kernels, fault) = tracing.strategy.kernels(&graph, None, scalars);
         let one = Self {
             function: None,
             name: form.name,
@@ -162,7 +171,8 @@ impl Planned {
             arguments,
             parameters,
             result: form.result.clone(),
-            kernels: tracing.strategy.kernels(&graph, None, scalars),
+            kernels,
+            fault,
         };
         let many = batch.then(|| one.of_many_states(&graph, scalars));
         (one, many)
@@ -181,6 +191,7 @@ impl Planned {
             parameters: self.parameters,
             result: self.result.clone(),
             kernels: Kernels::One(Program::new(graph, scalars, Target::Batch)),
+            fault: None,
         }
     }
 }
@@ -194,17 +205,28 @@ impl Strategy {
         }
     }
 
-    /// Returns the programs of a graph on scalars and, if packing is profitable, of the same function packed.
-    fn kernels(self, graph: &Graph, packed: Option<Graph>, scalars: usize) -> Kernels {
+    /// Returns the programs of a graph on scalars and, if packing is profitable, of the same function packed. If the packed
+    /// program is invalid, returns the program on scalars alone, and the violation.
+    fn kernels(
+        self,
+        graph: &Graph,
+        packed: Option<Graph>,
+        scalars: usize,
+    ) -> (Kernels, Option<InvalidProgram>) {
+        let packed = packed.map(|packed| match self {
+            Self::Routines => Program::repeated(&packed, scalars),
+            _ => Program::try_new(&packed, scalars, Target::Simd),
+        });
         match packed {
-            None => Kernels::One(self.scalar_program(graph, scalars)),
-            Some(packed) if self == Self::Routines => {
-                Kernels::One(Program::repeated(&packed, scalars))
+            Some(Ok(program)) if self == Self::Routines => (Kernels::One(program), None),
+            Some(Ok(simd)) => {
+                let scalar = Program::new(graph, scalars, Target::Scalar);
+                (Kernels::Dispatched { scalar, simd }, None)
             }
-            Some(packed) => Kernels::Dispatched {
-                scalar: Program::new(graph, scalars, Target::Scalar),
-                simd: Program::new(&packed, scalars, Target::Simd),
-            },
+            invalid => {
+                let fault = invalid.and_then(Result::err);
+                (Kernels::One(self.scalar_program(graph, scalars)), fault)
+            }
         }
     }
 }
@@ -217,4 +239,57 @@ pub(super) fn shapes_of(arguments: &[Argument], sizes: &Sizes) -> Vec<(Argument,
 /// Returns the number of scalars of arguments and run-time parameters.
 fn count(arguments: &[(Argument, Shape)], parameters: usize) -> usize {
     parameters + arguments.iter().map(|(_, shape)| shape.len()).sum::<usize>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::graph::Node;
+
+    /// x0 (x1 + x2 + x3 + x4) on scalars; and packed, where `mixed` adds a pack of two lanes to one of four.
+    fn graphs(mixed: bool) -> [Graph; 2] {
+        let mut scalar = Graph::default();
+        let x = scalar.inputs(0..5);
+        let products = |graph: &mut Graph, x: &[u32], number| graph.make(Node::Mul(x[0], number));
+        let sum = scalar.pairwise_sum(&x[1..]);
+        scalar.outputs = vec![products(&mut scalar, &x, sum)];
+        let mut packed = Graph::default();
+        let x = packed.inputs(0..5);
+        let lanes = packed.pack(&x[1..]);
+        let mut lanes = products(&mut packed, &x, lanes);
+        if mixed {
+            let two = packed.pack(&x[1..3]);
+            lanes = packed.make(Node::Add(lanes, two));
+        }
+        let each: Vec<u32> =
+            (0..4).map(|lane| packed.make(Node::ExtractLane(lanes, lane))).collect();
+        packed.outputs = vec![packed.pairwise_sum(&each)];
+        [scalar, packed]
+    }
+
+    #[test]
+    fn an_invalid_packed_program_leaves_the_program_on_scalars() {
+        let point = [2.0, 1.0, 3.0, 5.0, 7.0];
+        for strategy in [Strategy::Vectors, Strategy::Routines] {
+            let [scalar, packed] = graphs(false);
+            let (kernels, fault) = strategy.kernels(&scalar, Some(packed), 5);
+            assert_eq!(fault, None);
+            match (strategy, kernels) {
+                (Strategy::Vectors, Kernels::Dispatched { simd, .. }) => {
+                    assert_eq!(simd.evaluate::<f64>(&point), [32.0]);
+                }
+                (Strategy::Routines, Kernels::One(program)) => {
+                    assert!(!program.routines.is_empty());
+                    assert_eq!(program.evaluate::<f64>(&point), [32.0]);
+                }
+                _ => panic!("{strategy:?}"),
+            }
+            let [scalar, packed] = graphs(true);
+            let (kernels, fault) = strategy.kernels(&scalar, Some(packed), 5);
+            assert_eq!(fault.map(|fault| fault.rule), Some("only scalars are copied to lanes"));
+            let Kernels::One(program) = kernels else { panic!("{strategy:?}") };
+            assert!(program.routines.is_empty() && program.target == Target::Scalar);
+            assert_eq!(program.evaluate::<f64>(&point), [32.0]);
+        }
+    }
 }

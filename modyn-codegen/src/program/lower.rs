@@ -3,26 +3,48 @@
 use std::collections::BTreeMap;
 
 use super::{
-    Addend, MultiplyAdd, Operand, Operation, Program, Source, Statement, Target, Value, outline,
+    Addend, InvalidProgram, MultiplyAdd, Operand, Operation, Program, Source, Statement, Target,
+    Value, outline,
 };
 use crate::graph::{Graph, Id, Node};
 
+/// The message of a panic about an invalid program.
+const FAULT: &str = "a fault of modyn: please report it";
+
 impl Program {
     /// Returns the program of a graph over `arguments` scalars.
+    ///
+    /// # Panics
+    ///
+    /// If the program is invalid, which no program of a graph on scalars is.
     #[must_use]
     pub fn new(graph: &Graph, arguments: usize, target: Target) -> Self {
-        let mut program = Self::lowered(graph, arguments, target);
-        program.finish();
-        program
+        Self::try_new(graph, arguments, target).expect(FAULT)
+    }
+
+    /// Returns the program of a graph, which may have packs of lanes, over `arguments` scalars.
+    ///
+    /// # Errors
+    ///
+    /// Returns the first violation of a rule.
+    pub fn try_new(
+        graph: &Graph,
+        arguments: usize,
+        target: Target,
+    ) -> Result<Self, InvalidProgram> {
+        Self::lowered(graph, arguments, target).finished(None)
     }
 
     /// The program of a graph for a thread of a graphics processor, which stores results as soon as they are known, as
     /// a [`Target::Batch`] does, but takes longer functions.
+    ///
+    /// # Panics
+    ///
+    /// If the program is invalid, which no program of a graph on scalars is.
     #[must_use]
     pub fn for_threads(graph: &Graph, arguments: usize) -> Self {
-        let mut program = Self::lowered(graph, arguments, Target::Batch);
-        program.finish_with(Some(&outline::THREAD));
-        program
+        let program = Self::lowered(graph, arguments, Target::Batch);
+        program.finished(Some(&outline::THREAD)).expect(FAULT)
     }
 
     /// The statements and results.
@@ -41,13 +63,12 @@ impl Program {
         }
     }
 
-    /// Computes the last use of each value, and cuts the statements into chunks.
-    pub(super) fn finish(&mut self) {
-        self.finish_with(None);
-    }
-
-    /// Finishes the program with chunks of the lengths `limits`; `None` takes the target's lengths.
-    fn finish_with(&mut self, limits: Option<&outline::Limits>) {
+    /// Computes the last use of each value, cuts the statements into chunks of the lengths `limits` (`None` takes the target's
+    /// lengths), and checks the program.
+    pub(super) fn finished(
+        mut self,
+        limits: Option<&outline::Limits>,
+    ) -> Result<Self, InvalidProgram> {
         if self.target == Target::Batch {
             for result in 0..self.results.len() {
                 match self.results[result].value() {
@@ -66,8 +87,8 @@ impl Program {
                 self.statements[value.statement].last_use = usize::MAX;
             }
         }
-        self.chunks = outline::chunks(self, limits);
-        assert_eq!(self.validate(), Ok(()), "a fault of modyn: please report it");
+        self.chunks = outline::chunks(&self, limits);
+        self.validate().map(|()| self)
     }
 }
 

@@ -6,13 +6,22 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{Call, Operand, Operation, Program, Routine, Source, Statement, Target, Value};
+use super::validate::COPIED;
+use super::{
+    Call, InvalidProgram, Operand, Operation, Program, Routine, Source, Statement, Target, Value,
+};
 use crate::graph::{Graph, Id, Node};
 
 impl Program {
     /// Returns the program, on scalars only, of a graph with packed limbs over `arguments` scalars.
-    #[must_use]
-    pub fn repeated(graph: &Graph, arguments: usize) -> Self {
+    ///
+    /// # Errors
+    ///
+    /// Returns the first violation of a rule.
+    pub fn repeated(graph: &Graph, arguments: usize) -> Result<Self, InvalidProgram> {
+        if mixes_widths(graph) {
+            return Err(InvalidProgram { statement: None, rule: COPIED });
+        }
         let stages = stages(graph);
         let (mut statements, mut routines) = (Vec::new(), Vec::new());
         for (routine, stage) in stages.iter().enumerate() {
@@ -38,7 +47,7 @@ impl Program {
                 constants.iter().map(|id| number(id).expect("a constant")).collect()
             };
             routines.push(Routine {
-                program: Self::new(&stage.graph, stage.inputs.len(), Target::Scalar),
+                program: Self::try_new(&stage.graph, stage.inputs.len(), Target::Scalar)?,
                 tables: (0..stage.calls).map(table).collect(),
                 own: own.len(),
                 common: common.len(),
@@ -46,7 +55,7 @@ impl Program {
             });
         }
         let results = graph.outputs.iter().map(|&id| operand(graph, &stages, id, 0)).collect();
-        let mut program = Self {
+        let program = Self {
             target: Target::Scalar,
             arguments,
             statements,
@@ -55,9 +64,18 @@ impl Program {
             chunks: Vec::new(),
             routines,
         };
-        program.finish();
-        program
+        program.finished(None)
     }
+}
+
+/// Returns whether an operation has packs of several widths as operands. In a program on scalars their lanes could not be
+/// told from each other.
+fn mixes_widths(graph: &Graph) -> bool {
+    let nodes = (0..).zip(graph.nodes()).zip(graph.live());
+    nodes.filter(|&(_, live)| live).any(|((id, node), _)| match node {
+        Node::Pack(..) | Node::ExtractLane(..) => false,
+        node => node.operands().any(|a| ![1, graph.width(id)].contains(&graph.width(a))),
+    })
 }
 
 /// An input of a stage.

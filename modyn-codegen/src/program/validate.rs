@@ -4,6 +4,9 @@ use std::collections::BTreeSet;
 
 use super::{Call, Chunk, Operand, Operation, Program, Routine, Source, Target, Value};
 
+/// The rule about operands with other lanes than their operation.
+pub(super) const COPIED: &str = "only scalars are copied to lanes";
+
 /// A violation of a rule.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InvalidProgram {
@@ -85,7 +88,7 @@ impl Program {
             }
         }
         let own = self.lanes_of(operand.source);
-        (own != 1 && own != operand.lanes).then_some("only scalars are copied to lanes")
+        (own != 1 && own != operand.lanes).then_some(COPIED)
     }
 
     /// Returns the number of results of a call; `None` if the routine does not exist.
