@@ -5,7 +5,7 @@ use std::iter::zip;
 use std::ops::Range;
 
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Friction, Model, ModuleTree};
+use modyn_runtime::model::{Friction, Link, Model, ModuleTree};
 use modyn_runtime::spatial::{Vector3, Wrench};
 use modyn_runtime::{Forces, Interpreter, ShapeError};
 use modyn_tests::cases::{Robot, cases, robots, zoos};
@@ -13,7 +13,7 @@ use modyn_tests::close::{assert_close, difference};
 use modyn_tests::dense::{dense, dot, identity, square, times};
 use modyn_tests::naive::Naive;
 use modyn_tests::quantities::{Quantities, numbers};
-use modyn_tests::random::{Random, State, modules, normalize, state};
+use modyn_tests::random::{self, Random, State, modules, normalize, state};
 use modyn_tests::tangent::{along, rates};
 use nalgebra::{DVector, Matrix3};
 use proptest::prelude::*;
@@ -515,6 +515,36 @@ proptest! {
 }
 
 /// Returns one wrench for each frame.
+/// Each axis of a chain is 44 degrees from that before it. Shifts of the frames along their axes, which grew by the reciprocal
+/// of the cosine from joint to joint, lost eight digits of the last links' inertias.
+#[test]
+fn long_chains_of_small_tilts_keep_their_digits() {
+    let chain = random::chain(5, 30);
+    let links = chain.links().iter().cloned().map(|mut link| {
+        let (sin, cos) = 0.768_f64.sin_cos();
+        link.joint.joint_type = JointType::Revolute;
+        link.joint.axis = [0.0, 0.0, 1.0];
+        link.joint.origin.rotation = [[1.0, 0.0, 0.0], [0.0, cos, -sin], [0.0, sin, cos]];
+        link
+    });
+    let links: Vec<Link> = links.collect();
+    let frames = chain.frames().to_vec();
+    let model = Model::new("spiral", chain.gravity(), links, frames).expect("a good chain");
+    let state = state(5, &model);
+    let mut interpreter = Interpreter::new(model.clone());
+    let n = model.nv();
+    let mut found = vec![0.0; n * n];
+    interpreter.mass_matrix(&state.q, &mut found).expect("lengths");
+    let expected = Naive::new(&model, &state.q).mass_matrix();
+    for i in 0..n {
+        for j in 0..n {
+            let scale = (expected[(i, i)] * expected[(j, j)]).sqrt();
+            let error = (found[j * n + i] - expected[(i, j)]).abs() / scale;
+            assert!(error < 1e-11, "entry {i}, {j}: {error:e}");
+        }
+    }
+}
+
 fn wrenches(seed: u64, model: &Model) -> Vec<Wrench<f64>> {
     let mut random = Random::new(!seed);
     let mut vector = || Vector3(std::array::from_fn(|_| random.between(-5.0, 5.0)));

@@ -95,8 +95,16 @@ impl Frames {
 
     /// Shifts each revolute joint's frame along its axis to the point where a component of the translation
     /// from its parent vanishes.
-    pub(super) fn shift(&mut self) {
-        for i in 0..self.children.len() {
+    ///
+    /// The next joint's shift makes up for that of its parent, divided by the cosine of the tilt: along a chain of many small
+    /// tilts the shifts would grow like a power, and digits would be lost. A frame that would be shifted farther than
+    /// twice the length of its path from the root stays in its place.
+    pub(super) fn shift(&mut self, elementary: &[ElementaryBody<'_>]) {
+        let mut reach = Vec::with_capacity(self.children.len());
+        for (i, own) in elementary.iter().enumerate() {
+            let translation = Vector3(own.origin.translation);
+            let before = own.parent.map_or(0.0, |parent| reach[parent]);
+            reach.push(before + libm::sqrt(translation.dot(translation)));
             if self.elementary_joint[i] != ElementaryJoint::Revolute {
                 continue;
             }
@@ -108,6 +116,9 @@ impl Frames {
             } else {
                 (-z / cos, [x, y + z / cos * sin, 0.0])
             };
+            if by.abs() > 2.0 * reach[i] {
+                continue;
+            }
             self.translation[i] = Vector3(shifted);
             self.link[i].translation[2] -= by;
             for &child in &self.children[i] {

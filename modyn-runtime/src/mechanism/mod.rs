@@ -170,7 +170,7 @@ impl Mechanism<f64> {
         let (elementary, links) = expand_composite_joints(model);
         let mut frames = Frames::with_axes_along_z(&elementary);
         frames.rotate(&elementary);
-        frames.shift();
+        frames.shift(&elementary);
         let mut bodies = bodies(&elementary, &frames);
         let static_inertia = base_inertia::move_to_parents(&mut bodies);
         for body in &mut bodies {
