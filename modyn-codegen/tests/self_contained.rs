@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use modyn_codegen::{Base, Builder, Bundle, FloatType, Function};
+use modyn_codegen::{Builder, Bundle, FloatType, Function};
 
 fn robot(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots").join(name)
@@ -41,14 +41,14 @@ fn compiles(file: &Path, attributes: &str) -> bool {
 #[test]
 fn a_file_needs_nothing_but_core() {
     let folder = folder("needs");
-    // All functions of small robots, one of them with a quaternion, and all joint types.
+    // All functions of small robots, and all joint types.
     let robots = [
-        ("joint_zoo", FloatType::F32, Base::Fixed, Function::DEFAULT),
-        ("double_pendulum", FloatType::F64, Base::Floating, Function::ALL),
-        ("four_bar", FloatType::F32, Base::Fixed, Function::ALL),
+        ("joint_zoo", FloatType::F32, Function::DEFAULT),
+        ("mimic_gripper", FloatType::F64, Function::ALL),
+        ("four_bar", FloatType::F32, Function::ALL),
     ];
-    for (name, float, base, functions) in robots {
-        let builder = Builder::new().urdf(robot(&format!("{name}.urdf"))).scalar(float).base(base);
+    for (name, float, functions) in robots {
+        let builder = Builder::new().urdf(robot(&format!("{name}.urdf"))).scalar(float);
         let builder = builder.functions(functions.iter().copied()).self_contained();
         let link = builder.generate().expect("good").model.links()[0].name.clone();
         let bundle = Bundle::new("state")

@@ -76,8 +76,7 @@ fn forward_dynamics_keeps_its_digits() {
     assert!(failures.is_empty(), "{failures:?}");
 
     if std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
-        let head =
-            "# command: UPDATE_SNAPSHOTS=1 cargo test -p modyn-codegen single_precision::\n";
+        let head = "# command: UPDATE_SNAPSHOTS=1 cargo test -p modyn-codegen single_precision::\n";
         std::fs::write(DATA, head.to_owned() + &rows.join("\n") + "\n").expect("writes");
     }
     let text = std::fs::read_to_string(DATA).expect("the data").replace("\r\n", "\n");

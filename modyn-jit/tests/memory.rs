@@ -29,8 +29,10 @@ fn refuse() {
 fn refused_memory_is_an_error() {
     if std::env::var_os(REFUSED).is_none() {
         let mut child = Command::new(std::env::current_exe().expect("this program"));
-        let output =
-            child.args(["--exact", "refused_memory_is_an_error"]).env(REFUSED, "1").output();
+        let output = child
+            .args(["--exact", "memory::refused_memory_is_an_error"])
+            .env(REFUSED, "1")
+            .output();
         let output = output.expect("a child process");
         let said = String::from_utf8_lossy(&output.stdout);
         assert!(output.status.success() && said.contains("1 passed"), "{said}");

@@ -28,9 +28,8 @@ impl Table {
     /// Returns the text of a file of `docs/data`: the command, the titles and the rows, with tabs between cells.
     #[must_use]
     pub fn data(&self) -> String {
-        let mut text = String::from(
-            "# command: UPDATE_SNAPSHOTS=1 cargo test -p modyn-reproduce data::\n",
-        );
+        let mut text =
+            String::from("# command: UPDATE_SNAPSHOTS=1 cargo test -p modyn-reproduce data::\n");
         for row in std::iter::once(&self.head).chain(&self.rows) {
             _ = writeln!(text, "{}", row.join("\t"));
         }

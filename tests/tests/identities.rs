@@ -514,7 +514,6 @@ proptest! {
     }
 }
 
-/// Returns one wrench for each frame.
 /// Each axis of a chain is 44 degrees from that before it. Shifts of the frames along their axes, which grew by the reciprocal
 /// of the cosine from joint to joint, lost eight digits of the last links' inertias.
 #[test]
@@ -545,6 +544,7 @@ fn long_chains_of_small_tilts_keep_their_digits() {
     }
 }
 
+/// Returns one wrench for each frame.
 fn wrenches(seed: u64, model: &Model) -> Vec<Wrench<f64>> {
     let mut random = Random::new(!seed);
     let mut vector = || Vector3(std::array::from_fn(|_| random.between(-5.0, 5.0)));

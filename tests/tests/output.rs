@@ -71,7 +71,7 @@ fn the_same_bytes_twice_and_in_every_process() {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("everything.rs");
     let own = std::env::current_exe().expect("a path");
     let mut command = Command::new(own);
-    command.args(["--exact", "writes_everything"]).env_clear().env(WRITE_TO, &path);
+    command.args(["--exact", "output::writes_everything"]).env_clear().env(WRITE_TO, &path);
     // The working directory, the language and the clock must not matter.
     command.current_dir(std::env::temp_dir()).env("LC_ALL", "de_DE.UTF-8").env("TZ", "Asia/Tokyo");
     assert!(command.status().expect("it starts").success());

@@ -98,13 +98,16 @@ impl Frames {
     ///
     /// The next joint's shift makes up for that of its parent, divided by the cosine of the tilt: along a chain of many small
     /// tilts the shifts would grow like a power, and digits would be lost. A frame that would be shifted farther than
-    /// twice the length of its path from the root stays in its place.
+    /// twice the length of the longest path from the root stays in its place.
     pub(super) fn shift(&mut self, elementary: &[ElementaryBody<'_>]) {
-        let mut reach = Vec::with_capacity(self.children.len());
-        for (i, own) in elementary.iter().enumerate() {
+        let mut lengths: Vec<f64> = Vec::with_capacity(elementary.len());
+        for own in elementary {
             let translation = Vector3(own.origin.translation);
-            let before = own.parent.map_or(0.0, |parent| reach[parent]);
-            reach.push(before + libm::sqrt(translation.dot(translation)));
+            let before = own.parent.map_or(0.0, |parent| lengths[parent]);
+            lengths.push(before + libm::sqrt(translation.dot(translation)));
+        }
+        let longest = lengths.into_iter().fold(0.0, f64::max);
+        for i in 0..elementary.len() {
             if self.elementary_joint[i] != ElementaryJoint::Revolute {
                 continue;
             }
@@ -116,7 +119,7 @@ impl Frames {
             } else {
                 (-z / cos, [x, y + z / cos * sin, 0.0])
             };
-            if by.abs() > 2.0 * reach[i] {
+            if by.abs() > 2.0 * longest {
                 continue;
             }
             self.translation[i] = Vector3(shifted);
