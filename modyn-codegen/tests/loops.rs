@@ -649,6 +649,30 @@ fn what_has_no_loops_is_a_tree() {
     assert!(forces.is_empty());
 }
 
+/// The mean length of no contacts was zero, and the joint forces were not numbers.
+#[test]
+fn a_floating_base_without_contacts_is_carried_by_nothing() {
+    let model = bound_zoo(&[0, 2]);
+    let mut interpreter = Interpreter::new(model.clone());
+    let [q, qd, qdd] = state(&mut interpreter, &mut Random(7));
+    let (mut tau, mut expected) = (vec![0.0; qd.len()], vec![0.0; qd.len()]);
+    interpreter.inverse_dynamics(&q, &qd, &qdd, &mut expected).expect("fits");
+    let settings = ConstraintSettings::<f64>::DEFAULT;
+    let mut wrenches = [Wrench::zero(); 2];
+    let (motion, into) = ((&*q, &*qd, &*qdd), (&mut *tau, &mut wrenches[..]));
+    let rank = interpreter.constrained_inverse_dynamics(motion, &[], &settings, into);
+    assert_eq!(rank.expect("fits").to_bits(), 0.0_f64.to_bits());
+    assert_near(&tau, &expected, 1e-12);
+    assert!(wrenches.iter().flat_map(Wrench::components).all(|x| x == 0.0));
+
+    let mechanism = Mechanism::new(&model);
+    let layout = UduLayout::new(&mechanism, &ModuleTree::chains(&model));
+    let graph = optimize(Tracer::new(&mechanism).constrained_inverse_dynamics(&layout));
+    let numbers = settings.numbers();
+    let found = graph.evaluate(&[&*q, &qd, &qdd, &numbers].concat());
+    assert_near(&found, &[expected, vec![0.0; 13]].concat(), 1e-12);
+}
+
 #[test]
 fn what_gets_compiled_is_what_the_interpreter_computes() {
     for model in [model(FOUR_BAR), model(FIVE_BAR), model(&sawn()), bound_zoo(&[0, 2])] {

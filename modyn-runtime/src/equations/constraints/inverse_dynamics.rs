@@ -57,8 +57,9 @@ pub fn constrained_inverse_dynamics<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
     }
     // Moments are divided by the mean characteristic length of the contacts, so all rows are forces.
     let lengths = model.constraints[loops..].iter().map(|contact| contact.length);
-    let count = S::from_f64(contacts.len().max(1) as f64);
-    let length = lengths.fold(S::zero(), |sum, length| sum + length) * count.recip();
+    let count = S::from_f64(contacts.len() as f64);
+    let length =
+        lengths.reduce(|sum, length| sum + length).map_or(S::one(), |sum| sum * count.recip());
     let scale = |v: usize| if is_rotation(model, v) { length.recip() } else { S::one() };
     let rows = weights.len();
     let column = |row: usize, v: usize| jacobian[row * n + v] * scale(v);
