@@ -5,35 +5,8 @@ use std::collections::BTreeSet;
 
 use roxmltree::{Attribute, Node};
 
-use super::used::blank;
+use super::used::{NUMBERS, blank};
 use crate::diagnostics::{Code, Report};
-
-/// The attributes that contain numbers only, and how many; `None` if that depends.
-pub const NUMBERS: [(&str, Option<usize>); 23] = [
-    ("pos", Some(3)),
-    ("quat", Some(4)),
-    ("axisangle", Some(4)),
-    ("euler", Some(3)),
-    ("xyaxes", Some(6)),
-    ("zaxis", Some(3)),
-    ("axis", Some(3)),
-    ("range", Some(2)),
-    ("actuatorfrcrange", Some(2)),
-    ("ref", Some(1)),
-    ("armature", Some(1)),
-    ("damping", Some(1)),
-    ("frictionloss", Some(1)),
-    ("stiffness", Some(1)),
-    ("springdamper", Some(2)),
-    ("mass", Some(1)),
-    ("diaginertia", Some(3)),
-    ("fullinertia", Some(6)),
-    ("size", None),
-    ("fromto", Some(6)),
-    ("density", Some(1)),
-    ("gravcomp", Some(1)),
-    ("gravity", Some(3)),
-];
 
 /// Returns `used`, the part of the text that is read, without the attributes that should be numbers and are not, and the
 /// bodies with such attributes, by the byte offsets of their elements. The attributes are reported. Offsets in the text do
