@@ -29,7 +29,7 @@ impl<'n> Classes<'n> {
         let mut chain = around.chain(self.main.iter().copied());
         let of_class = |class: Node<'n, 'n>| {
             let elements = class.children().filter(|child| child.tag_name() == node.tag_name());
-            elements.filter_map(|element| element.attribute(name)).last()
+            elements.filter_map(|element| element.attribute(name)).next_back()
         };
         node.attribute(name).or_else(|| chain.find_map(of_class))
     }
