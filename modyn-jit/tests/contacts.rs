@@ -4,6 +4,7 @@
 use crate::common;
 
 use common::{instruction_sets, random};
+use modyn_codegen::diagnostics::Code;
 use modyn_codegen::plan::Kernels;
 use modyn_codegen::{Base, Builder, Contact, ContactKind, Function, LoopEnd};
 use modyn_jit::{Compiled, Options};
@@ -206,7 +207,12 @@ fn random_limbs() {
         let model = with_contacts(random::limbs(seed, 4 + 2 * (seed % 4) as usize), &mut random);
         let functions = Function::ALL.iter().copied();
         let functions = functions.filter(|one| one.is_of_constraints() && one.batched().is_none());
-        let planning = Builder::new().model(model).functions(functions).plan().expect("good");
+        let planning = match Builder::new().model(model).functions(functions).plan() {
+            Ok(planning) => planning,
+            // Some of many seeds: the Hessian of several surfaces would be too long.
+            Err(errors) if errors.iter().all(|error| error.code == Code::TooLarge) => continue,
+            Err(errors) => panic!("{errors}"),
+        };
         let model = &planning.model;
         assert_eq!(planning.plan.faults().next(), None, "{}", model.name());
         let state = random::state(seed, model);

@@ -169,7 +169,7 @@ fn plan(model: &Model, functions: &[Function], execution: Execution) -> Plan {
 /// functions, above all of those that can be packed; derivatives of a Runge-Kutta step have too many operations.
 #[test]
 fn random_limbs() {
-    let (seeds, mut compared) = (random::seeds(16), [0; 3]);
+    let (seeds, mut compared) = (random::seeds(10), [0; 3]);
     for seed in seeds.clone() {
         let model = random::limbs(seed, 4 + 3 * (seed % 4) as usize);
         let mut random = random::Random::new(seed);
