@@ -66,33 +66,6 @@ const WORDS: [&str; 14] = [
     "type",
 ];
 
-/// The attributes that contain numbers only, and how many; `None` if that depends.
-pub const NUMBERS: [(&str, Option<usize>); 23] = [
-    ("pos", Some(3)),
-    ("quat", Some(4)),
-    ("axisangle", Some(4)),
-    ("euler", Some(3)),
-    ("xyaxes", Some(6)),
-    ("zaxis", Some(3)),
-    ("axis", Some(3)),
-    ("range", Some(2)),
-    ("actuatorfrcrange", Some(2)),
-    ("ref", Some(1)),
-    ("armature", Some(1)),
-    ("damping", Some(1)),
-    ("frictionloss", Some(1)),
-    ("stiffness", Some(1)),
-    ("springdamper", Some(2)),
-    ("mass", Some(1)),
-    ("diaginertia", Some(3)),
-    ("fullinertia", Some(6)),
-    ("size", None),
-    ("fromto", Some(6)),
-    ("density", Some(1)),
-    ("gravcomp", Some(1)),
-    ("gravity", Some(3)),
-];
-
 /// Returns the text with spaces in place of the elements and attributes that are not read. Offsets in the text do not
 /// change.
 pub fn without_unused_parts(text: &str, root: Node) -> String {
