@@ -3,6 +3,7 @@
 use crate::common;
 
 use common::{instruction_sets, random};
+use modyn_codegen::diagnostics::Code;
 use modyn_codegen::plan::{Choices, Execution, Kernels, Packing, Plan, Row, Trace};
 use modyn_codegen::{Base, Builder, CodeForm, Function, ReadOptions};
 use modyn_jit::{Call, Compiled, InstructionSet, Options};
@@ -123,7 +124,12 @@ fn functions() -> Vec<Function> {
 
 fn agrees(model: &Model, seed: u64, functions: &[Function]) {
     let builder = Builder::new().model(model.clone());
-    let planning = builder.functions(functions.iter().copied()).plan().expect("good");
+    let planning = match builder.functions(functions.iter().copied()).plan() {
+        Ok(planning) => planning,
+        // A few of many seeds: a Runge-Kutta derivative of such a robot would be too long.
+        Err(errors) if errors.iter().all(|error| error.code == Code::TooLarge) => return,
+        Err(errors) => panic!("{errors}"),
+    };
     let inputs = Inputs::from(&random::state(seed, model));
     let values = values::interpreted(model, &ModuleTree::chains(model), &inputs, true);
     for instruction_set in instruction_sets() {
@@ -144,8 +150,8 @@ fn agrees(model: &Model, seed: u64, functions: &[Function]) {
 }
 
 #[test]
-fn random_trees() {
-    for seed in 0..4 {
+fn every_function_of_trees() {
+    for seed in random::seeds(4) {
         agrees(&random::mixed_zoo(seed, 5), seed, &functions());
     }
 }
