@@ -362,7 +362,8 @@ fn speed_in_short() -> String {
     };
     let row = |(robot, title): (&str, &str)| {
         let quantities = ["forward dynamics", "forward dynamics derivatives"];
-        let cells = quantities.map(|quantity| cell(quantity, robot).unwrap_or("not measured".into()));
+        let cells =
+            quantities.map(|quantity| cell(quantity, robot).unwrap_or("not measured".into()));
         vec![title.into(), cells[0].clone(), cells[1].clone()]
     };
     let rows = robots.map(row);
