@@ -49,8 +49,9 @@ impl<R: Robot, T: Scalar> State<R, T> {
     /// The method is semi-implicit Euler with impulses (Stewart and Trinkle 1996, "An implicit time-stepping scheme for
     /// rigid body dynamics with inelastic collisions and Coulomb friction"): free velocities, then projected Gauss-Seidel
     /// sweeps on the impulses of contacts and joint stops, then the step of the coordinates. It does not allocate, and its
-    /// time does not depend on the state: the sweeps are a fixed number, and the result says what they leave. The origin of a contact's frame touches the ground, for surfaces too: a sole has
-    /// a point at each corner. Closed loops are not closed. Impulses of stops take no part if
+    /// time does not depend on the state: the sweeps are a fixed number, and the result says what they leave. The origin
+    /// of a contact's frame touches the ground, for surfaces too: a sole has a point at each corner. Closed loops are not
+    /// closed. Impulses of stops take no part if
     /// [`joint_limits`](Ground::joint_limits) is false.
     ///
     /// ```

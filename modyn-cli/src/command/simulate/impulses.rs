@@ -152,8 +152,8 @@ impl Impulses {
         });
         let stops: Vec<JointStop<'_, f64>> = stops.collect();
         let (mut impulses, mut torques) = (vec![Vector3::zero(); contacts], vec![0.0; stops.len()]);
-        let all = ((&*touches, &mut *impulses), (&*stops, &mut *torques));
-        let residual = apply_impulses(all.0, all.1, ground.sweeps, &mut next);
+        let (of_contacts, of_stops) = ((&*touches, &mut *impulses), (&*stops, &mut *torques));
+        let residual = apply_impulses(of_contacts, of_stops, ground.sweeps, &mut next);
 
         // The change of the kinetic energy by impulses is their product with the mean velocity.
         let mean: Vec<f64> = free.iter().zip(&next).map(|(a, b)| (a + b) / 2.0).collect();
