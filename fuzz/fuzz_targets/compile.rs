@@ -10,12 +10,12 @@ use modyn_codegen::{Builder, FloatType, Function, ModuleChoice};
 const FUNCTIONS: [&[Function]; 8] = [
     &[Function::ForwardDynamics],
     &[Function::InverseDynamics, Function::MassMatrix],
-    &[Function::Brge],
-    &[Function::InverseDynamicsDerivatives],
-    &[Function::LinkPoses, Function::Jacobian, Function::CenterOfMass],
+    &[Function::Brge, Function::ForwardDynamicsVjp],
+    &[Function::InverseDynamicsDerivatives, Function::InverseDynamicsHessian],
+    &[Function::LinkPoses, Function::Jacobian, Function::CentroidalMomentumDerivatives],
     &[Function::Integrate, Function::Difference, Function::Random],
     &[Function::Regressor, Function::KineticEnergy, Function::PotentialEnergy],
-    &[Function::ForwardDynamicsExternal],
+    &[Function::ForwardDynamicsExternal, Function::ForwardDynamicsDerivatives],
 ];
 
 fuzz_target!(|data: &[u8]| {
@@ -42,6 +42,8 @@ fuzz_target!(|data: &[u8]| {
     }
     match builder.generate() {
         Ok(generated) => {
+            // A packed program that is invalid is replaced, and still a fault.
+            assert!(generated.warnings.iter().all(|d| d.code != Code::InvalidProgram));
             syn::parse_file(&generated.text).expect("Rust");
             syn::parse_str::<syn::Ident>(&generated.type_name).expect("an identifier");
             // A self-contained text has the runtime's messages, and some of them mention NaN.

@@ -33,7 +33,7 @@ pub fn mutate(
 }
 
 fn change(text: &mut Vec<u8>, random: &mut Random, vocabulary: &Vocabulary) {
-    match random.below(8) {
+    match random.below(9) {
         // A value is replaced by one of the lists, or by that of another attribute.
         0..=1 => {
             if let Some(at) = random.pick(&values(text)) {
@@ -60,12 +60,58 @@ fn change(text: &mut Vec<u8>, random: &mut Random, vocabulary: &Vocabulary) {
                 text.splice(to.start..to.start, copy);
             }
         }
-        _ => {
+        7 => {
             if let Some(at) = random.pick(&elements(text, vocabulary)) {
                 text.splice(at.start..at.start, random.of(MARKUP, vocabulary.elements).bytes());
             }
         }
+        _ => {
+            if let Some(more) = limb(text, random) {
+                *text = more.into_bytes();
+            }
+        }
     }
+}
+
+/// Returns the text of a URDF with a joint and its descendants once more, under other names.
+fn limb(text: &[u8], random: &mut Random) -> Option<String> {
+    let text = std::str::from_utf8(text).ok()?;
+    let parts = |start: &str, end: &str| -> Vec<&str> {
+        let starts = text.match_indices(start).map(|(at, _)| &text[at..]);
+        starts.filter_map(|rest| Some(&rest[..rest.find(end)? + end.len()])).collect()
+    };
+    let value = |part: &str, before: &str| -> Option<String> {
+        let (_, rest) = part.split_once(&format!("{before}\""))?;
+        Some(rest.split_once('"')?.0.to_owned())
+    };
+    let joints = parts("<joint ", "</joint>");
+    let edge = |joint: &&str| Some((value(joint, "parent link=")?, value(joint, "child link=")?));
+    let first = joints.get(random.below(joints.len().max(1)))?;
+    let (mut links, mut copied) = (vec![edge(first)?.1], vec![*first]);
+    let mut done = 0;
+    while let Some(parent) = links.get(done).cloned() {
+        done += 1;
+        for joint in
+            joints.iter().filter(|joint| !copied.contains(joint)).copied().collect::<Vec<_>>()
+        {
+            let Some((from, to)) = edge(&joint) else { continue };
+            if from == parent && !links.contains(&to) {
+                links.push(to);
+                copied.push(joint);
+            }
+        }
+    }
+    let mut names = links.clone();
+    names.extend(copied.iter().filter_map(|joint| value(joint, "joint name=")));
+    let own = |part: &&str| value(part, "link name=").is_some_and(|name| links.contains(&name));
+    let bodies = parts("<link ", "</link>");
+    copied.extend(bodies.iter().filter(|part| own(part)));
+    let mut more = copied.concat();
+    for name in names {
+        more = more.replace(&format!("\"{name}\""), &format!("\"{name}'\""));
+    }
+    let end = text.rfind("</robot>")?;
+    Some(format!("{}{more}{}", &text[..end], &text[end..]))
 }
 
 /// Returns the ranges of the texts between quotes.

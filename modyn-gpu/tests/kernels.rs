@@ -189,6 +189,7 @@ fn a_floating_quadruped() {
 }
 
 #[test]
+#[ignore = "slow: a humanoid"]
 fn a_humanoid() {
     check("humanoid", Base::Floating, 1.0, &[Function::ForwardDynamics, Function::LinkPoses]);
     check("humanoid", Base::Fixed, 1.0, &[Function::ForwardDynamicsDerivatives]);

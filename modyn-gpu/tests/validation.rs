@@ -59,6 +59,7 @@ fn a_floating_quadruped_with_contacts() {
 }
 
 #[test]
+#[ignore = "slow: a humanoid"]
 fn derivatives_of_a_humanoid() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/golden/g1.urdf");
     let functions = [Function::ForwardDynamics, Function::ForwardDynamicsDerivatives];
