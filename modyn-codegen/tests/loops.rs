@@ -649,7 +649,7 @@ fn what_has_no_loops_is_a_tree() {
     assert!(forces.is_empty());
 }
 
-/// The mean length of no contacts was zero, and the joint forces were not numbers.
+/// The mean length of no contacts was zero, by which moments were divided: the rank was 3.
 #[test]
 fn a_floating_base_without_contacts_is_carried_by_nothing() {
     let model = bound_zoo(&[0, 2]);

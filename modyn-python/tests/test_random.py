@@ -2,16 +2,19 @@
 
 `MODYN_SEEDS=1000..1100 pytest tests/test_random.py -s` takes other seeds, and shows how many states were left out.
 
-The rules were fixed before the first comparison:
+The tolerances and the limits of the first two rules were fixed before the first comparison:
 
 - A number may differ by `DIRECT` of its array's largest number and 1. Where the mass matrix or the constraints are solved for,
   by `SOLVED` times the condition numbers of both, if that is more.
 - A state is left out of the functions that solve for constraints if its rank is not defined: an eigenvalue of J M^-1 J^T, whose
   rows are divided by the roots of their constraints' mobilities, is within `UNDEFINED` (docs/loops.md).
+- `constrained_inverse_dynamics` has the second rule for the squared singular values of the base's columns. There the lengths, and the
+  weights of what no contact can carry, are modyn's own.
 - A state whose rows contradict each other, by more than `CONTRADICTION` of the accelerations, is left out of the derivatives,
   which are not defined there (docs/loops.md).
 
-Functions of `ALONE` are compared between machine code and programs only; tests in Rust have references for them.
+Functions of `ALONE` are compared between machine code and programs only, of robots with at most `SMALL` velocities, since their
+programs are long; tests in Rust have references for them.
 """
 
 import os
@@ -30,6 +33,7 @@ ALONE = ("inverse_dynamics_hessian", "forward_dynamics_hessian", "step_semi_impl
          "step_rk4", "step_rk4_derivatives", "step_implicit_midpoint", "step_implicit_midpoint_derivatives", "integrate_derivatives",
          "difference_derivatives", "constrained_forward_dynamics_hessian")
 STATES = 2
+SMALL = 6
 
 
 def seeds():
@@ -462,7 +466,7 @@ def check(case, seed, counts):
             for function in state.constrained():
                 compare(state, *function)
             counts.update(f"left out ({reason})" for reason in state.left_out)
-        for function in state.alone():
+        for function in state.alone() if case.naive.nv <= SMALL else ():
             compare(state, *function)
     return wrong
 
