@@ -1,9 +1,10 @@
-//! The generated code of many robots is fixed: `same_text.hashes` has a hash for each robot and set of options.
+//! The generated code of many robots is fixed: `snapshots/` has a few functions of three small robots to read, and
+//! `same_text.hashes` a hash for each robot and set of options.
 //!
-//! A change that should not alter generated code must leave that file unchanged. Any other change writes it again:
+//! A change that should not alter generated code must leave these files unchanged. Any other change writes them again:
 //!
 //! ```console
-//! UPDATE_SNAPSHOTS=1 cargo test --release -p modyn-codegen same_text::
+//! INSTA_UPDATE=always UPDATE_SNAPSHOTS=1 cargo test --release -p modyn-codegen same_text::
 //! ```
 //!
 //! With `MODYN_TEXTS=folder` the test writes the texts to that folder, for a comparison with another commit. The hash
@@ -104,6 +105,17 @@ fn hash(text: &str) -> u64 {
     text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
     })
+}
+
+#[test]
+fn code_of_small_robots() {
+    let code = |name: &str, with: fn(Builder) -> Builder| {
+        let generated = with(Builder::new().urdf(&robots()[name])).generate().expect("good");
+        insta::assert_snapshot!(name, code(&generated));
+    };
+    code("double_pendulum", |b| b.functions([Function::ForwardDynamics, Function::Jacobian]));
+    code("four_bar", |b| b.functions([Function::ConstraintJacobian]).scalar(FloatType::F32));
+    code("gripper", |b| b.functions([Function::InverseDynamics]).runtime_gravity());
 }
 
 #[test]
