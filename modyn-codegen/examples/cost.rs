@@ -9,7 +9,7 @@
 //!
 //! Without names of functions, all are measured. A robot with contacts (points and surfaces of links) has a floating base.
 //!
-//! The output is a table in Markdown, from which `tools/record` makes `docs/data/functions.tsv` (operations are in
+//! The output is a table in Markdown, from which `lab/record` makes `docs/data/functions.tsv` (operations are in
 //! `docs/data/operations.tsv`). Times are processor time, so that other work on the machine matters little. Do not run it
 //! with `--release`: macros and build scripts, which generate, run unoptimised. The crates are written to and built in the
 //! folder `target/cost`. It needs Linux, which says how much processor time children took.

@@ -1,5 +1,5 @@
 //! The interpreter's numbers at states from standard input, for comparison with other programs
-//! (`tools/robots`). A line has one state: q, then qd, then tau.
+//! (`lab/robots`). A line has one state: q, then qd, then tau.
 //!
 //! ```console
 //! echo "0.1 0.2 0 0 1 0" | cargo run --release -p modyn-codegen --example evaluate -- robots/double_pendulum.urdf

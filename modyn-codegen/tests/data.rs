@@ -2,7 +2,7 @@
 //!
 //! A page marks a table, or a number within a sentence, with `<!-- data: NAME -->` and `<!-- end -->`. With the variable
 //! `UPDATE_SNAPSHOTS`, the text between the marks is written, and `docs/data/operations.tsv` is counted anew. Times come
-//! from the commands that the files name; each writes its file (`tools/record`).
+//! from the commands that the files name; each writes its file (`lab/record`).
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;

@@ -16,7 +16,7 @@ use serde_json::Value;
 
 const LENGTHS: &str = "the lengths are right";
 
-/// A floating, a spherical, a revolute and a prismatic joint, as in `tools/golden/displacements.py`.
+/// A floating, a spherical, a revolute and a prismatic joint, as in `lab/golden/displacements.py`.
 fn robot() -> Model {
     let types =
         [JointType::Floating, JointType::Spherical, JointType::Revolute, JointType::Prismatic];

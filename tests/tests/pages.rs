@@ -11,7 +11,7 @@ fn root() -> PathBuf {
 
 /// The Markdown files of the repository's root, `docs/` and the folders with a README of their own.
 fn pages() -> Vec<PathBuf> {
-    let folders = ["", "docs", "robots", "benches/peers", "firmware", "examples"];
+    let folders = ["", "docs", "robots", "lab/benches/peers", "firmware", "examples"];
     let mut pages = Vec::new();
     for folder in folders {
         let Ok(entries) = fs::read_dir(root().join(folder)) else { continue };

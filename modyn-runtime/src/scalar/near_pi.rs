@@ -1,6 +1,6 @@
 //! Angles close to multiples of pi, and their sines.
 //!
-//! Generated with mpmath by `tools/sine/table.py`.
+//! Generated with mpmath by `lab/sine/table.py`.
 
 /// Angles that are exact in `f64`, within the range of the fast argument reduction, and their sines rounded to double precision.
 #[rustfmt::skip]

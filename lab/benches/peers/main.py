@@ -1,0 +1,97 @@
+"""Builds all contenders, measures them, and writes a table and a plot: `run --help`."""
+
+import argparse
+import datetime
+import json
+import subprocess
+import sys
+
+import environment
+import measure
+import plot
+import table
+from contenders import CONTENDERS, modyn
+from environment import OUTPUT, QUANTITIES, Unavailable
+
+
+def options():
+    parser = argparse.ArgumentParser(prog="run", description=__doc__)
+    parser.add_argument("--robots", metavar="NAME,...", help="only these of robots.txt")
+    parser.add_argument("--only", metavar="NAME,...", help=f"only these contenders: {', '.join(CONTENDERS)}")
+    parser.add_argument("--quantities", metavar="NAME,...", help=f"only these: {', '.join(QUANTITIES)}")
+    parser.add_argument("--data", metavar="NAME", default="speed",
+                        help="the name of the data files: NAME.tsv, NAME-cold.tsv, NAME-errors.tsv (speed)")
+    parser.add_argument("--built", action="store_true", help="measure what is built already; compile nothing")
+    parser.add_argument("--quick", action="store_true", help="2 copies and 5 repetitions, for debugging")
+    parser.add_argument("--copies", type=int, default=5, help="processes, each of a fresh copy of its program (5)")
+    parser.add_argument("--beside", metavar="CHECKOUT", help="measure the modyn of another checkout, too")
+    parser.add_argument("--install", action="store_true", help="install missing compilers with apt-get")
+    parser.add_argument("--output", default=OUTPUT, help="where to put the table and the plot (target/peers)")
+    arguments = parser.parse_args()
+    if arguments.copies < 1:
+        parser.error("--copies: at least 1")
+    return arguments, {action.dest: action.default for action in parser._actions}
+
+
+def command(arguments, defaults):
+    """The command that measures the same again, without where its files go."""
+    words = ["lab/benches/peers/run"]
+    for name, value in vars(arguments).items():
+        if name not in ("output", "built") and value != defaults[name]:
+            words += [f"--{name}"] if value is True else [f"--{name}", str(value)]
+    return " ".join(words)
+
+
+def chosen(names, all_names, what):
+    names = names.split(",") if names else list(all_names)
+    unknown = set(names) - set(all_names)
+    if unknown:
+        sys.exit(f"no {what} {', '.join(sorted(unknown))}: there are {', '.join(all_names)}")
+    return names
+
+
+def main():
+    arguments, defaults = options()
+    environment.Compiling.allowed = not arguments.built
+    robots = environment.robots()
+    names = chosen(arguments.robots, [robot.name for robot in robots], "robot")
+    robots = [robot for robot in robots if robot.name in names]
+    only = chosen(arguments.only, CONTENDERS, "contender")
+    quantities = chosen(arguments.quantities, QUANTITIES, "quantity")
+    for robot in robots:
+        robot.quantities = [quantity for quantity in robot.quantities if quantity in quantities]
+    toolbox = environment.Toolbox(robots, arguments.install, arguments.beside)
+    contenders = {"beside": modyn.build_beside} if arguments.beside else {}
+    contenders.update((name, CONTENDERS[name]) for name in only)
+
+    modyn.states(toolbox)
+    copies, repetitions = (2, 5) if arguments.quick else (arguments.copies, 21)
+    measurer = measure.Measurer(toolbox.data, copies, repetitions)
+    results, missing = [], {}
+    for name, build in contenders.items():
+        print(f"{name}: building", flush=True)
+        try:
+            programs = build(toolbox)
+        except Unavailable as why:
+            print(f"{name}: left out: {why}", flush=True)
+            missing[name] = str(why)
+            continue
+        results += measurer.all(programs)
+    missing.update(toolbox.missing)
+
+    report = dict(command=command(arguments, defaults), machine=environment.machine(), versions=toolbox.versions,
+                  quick=arguments.quick, copies=copies, robots=names, quantities=QUANTITIES, results=results,
+                  missing=missing)
+    output = environment.folder(arguments.output)
+    (output / "results.json").write_text(json.dumps(report, indent=1))
+    (output / "table.md").write_text(table.markdown(report))
+    (output / "plot.svg").write_text(plot.svg(report))
+    commit = subprocess.run(["git", "describe", "--always", "--dirty"], capture_output=True, text=True, check=True,
+                            cwd=environment.HERE).stdout.strip()
+    for ending, data in [("", table.data), ("-cold", table.cold_data), ("-errors", table.errors_data)]:
+        (output / f"{arguments.data}{ending}.tsv").write_text(data(report, commit, datetime.date.today()))
+    print((output / "table.md").read_text())
+
+
+if __name__ == "__main__":
+    main()
