@@ -61,9 +61,9 @@ impl ContactKind {
 }
 
 impl Model {
-    /// Returns the characteristic length of a contact, m. It is the length of the
-    /// [loop](Self::characteristic_length) from the contact's frame through the links up to the root, closed at
-    /// the world's origin. A floating joint adds zero. The length does not depend on the coordinates, nor on inertias
+    /// Returns the characteristic length of a contact, m. It is a sum over the links from
+    /// the contact's frame up to the root, each with its share of the length of a
+    /// [loop](Self::characteristic_length); 1 m if all of these are zero. The length does not depend on the coordinates, nor on inertias
     /// that are set at run time: redundant contacts share their load as in the description.
     ///
     /// # Panics
