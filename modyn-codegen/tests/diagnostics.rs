@@ -219,3 +219,17 @@ fn good_files_are_read_with_exactly_the_marked_warnings() {
         assert!(seen.contains(&code), "no file in good/ for {code}");
     }
 }
+
+#[test]
+fn every_code_has_a_cause_and_a_remedy() {
+    for code in Code::ALL {
+        for text in [code.cause(), code.remedy()] {
+            assert!(
+                text.len() > 10 && text.ends_with('.') && text == text.trim(),
+                "{code}: {text:?}"
+            );
+        }
+        assert_eq!(Code::from_name(code.name()), Some(*code));
+    }
+    assert_eq!(Code::from_name("no-such-code"), None);
+}

@@ -4,8 +4,7 @@
 //! load ─▶ Robot ─ first use ─▶ RobotFunction ─ arrays ─▶ machine code (or programs, evaluated) ─ layout ─▶ arrays
 //! ```
 //!
-//! `methods.rs` has a method for each function of modyn's table; `cargo test -p modyn-codegen python_package::`
-//! compares it with the table.
+//! `methods.rs` has a method for each function of modyn's table; `cargo xtask pages` writes it.
 
 mod arrays;
 mod change;

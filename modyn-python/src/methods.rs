@@ -1,6 +1,6 @@
 //! A method for each function of modyn's table.
 //!
-//! `UPDATE_SNAPSHOTS=1 cargo test -p modyn-codegen python_package::` writes this file.
+//! `cargo xtask pages` writes this file.
 #![allow(clippy::too_many_arguments)]
 
 use pyo3::prelude::*;

@@ -1,7 +1,7 @@
 //! The tables of the documentation that this crate computes: each file of `docs/data` has the computed numbers.
 //!
 //! The numbers are the same on every machine. With the variable `UPDATE_SNAPSHOTS` the files are written;
-//! `cargo test -p modyn-codegen data::` compares the pages with them.
+//! `cargo xtask pages --check` compares the pages with them.
 
 use std::path::Path;
 

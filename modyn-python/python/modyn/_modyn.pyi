@@ -1,5 +1,4 @@
-# The parts between the marks are written by
-# `UPDATE_SNAPSHOTS=1 cargo test -p modyn-codegen python_package::`.
+# `cargo xtask pages` writes the parts between the marks.
 
 import os
 from collections.abc import Mapping, Sequence
@@ -16,7 +15,7 @@ from ._types import BaseParameters, ConstraintSettings, Joint, JointLimits, Roll
 Array: TypeAlias = NDArray[Any]
 
 class Options(TypedDict, total=False):
-    # begin options
+    # <!-- data: python-options -->
     gravity: Sequence[float] | None
     """The acceleration of free fall in world axes, m/s^2; an MJCF or a model has its own. By default [0.0, 0.0,
     -9.81], or the MJCF's or the model's own. For example: `[0, 0, -1.62]`."""
@@ -64,7 +63,7 @@ class Options(TypedDict, total=False):
     payload: Sequence[str] | None
     """The links with a payload: an inertia that is a run-time parameter and is added to the link's. Its default is
     zero. By default none. For example: `["hand"]`."""
-    # end options
+    # <!-- end -->
     machine_code: bool
     """Whether functions are compiled to machine code; without, they are evaluated. By default True."""
 
@@ -280,7 +279,7 @@ class Robot:
         """Returns a bundle as a callable."""
     def _repr_html_(self) -> str | None: ...
 
-    # begin functions
+    # <!-- data: python-functions -->
     def forward_dynamics(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, *, out: Array | None = None
     ) -> Array:
@@ -948,4 +947,4 @@ class Robot:
         Arguments: `uniforms`: (nv,).
         Result: (nq,). Several states have one more axis, the first.
         """
-    # end functions
+    # <!-- end -->

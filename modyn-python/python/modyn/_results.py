@@ -1,6 +1,6 @@
 """The results of functions with several results: named tuples of arrays.
 
-`UPDATE_SNAPSHOTS=1 cargo test -p modyn-codegen python_package::` writes this file.
+`cargo xtask pages` writes this file.
 """
 
 from typing import Any, NamedTuple

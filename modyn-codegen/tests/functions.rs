@@ -1,11 +1,9 @@
 //! The table of functions is complete: the page, the trait and the interpreter have an entry for each function.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Write as _;
 use std::path::Path;
 
 use modyn_codegen::Function;
-use modyn_codegen::plan::CForm;
 
 fn file(path: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path);
@@ -61,57 +59,6 @@ fn each_function_has_its_costs_or_is_said_to_have_none() {
         let expected = expected.map(|function| function.name());
         assert_eq!(found, sorted(expected.filter(|name| !without.contains(name))), "{robot}");
     }
-}
-
-const BEGIN: &str = "<!-- The table of functions; `functions_page` writes it. -->\n";
-const END: &str = "<!-- End of the table. -->\n";
-
-/// Returns the table in the page's form.
-fn table() -> String {
-    let mut text = String::from(
-        "| function | arguments | result | default | `_with` parameters | batch | C |\n|---|---|---|---|---|---|---|\n",
-    );
-    let one = Function::ALL.iter().filter(|function| function.batched().is_none());
-    for function in one {
-        let row = function.row();
-        let arguments: Vec<String> =
-            row.arguments.iter().map(|a| format!("`{}`", a.name)).collect();
-        let of = |yes: bool| if yes { "yes" } else { "" };
-        let default = match (row.default, row.of_constraints) {
-            (true, true) => "with constraints",
-            (default, _) => of(default),
-        };
-        let batch = Function::ALL.iter().any(|other| other.batched() == Some(*function));
-        let docs = row.docs.replace('\n', " ");
-        let _ = writeln!(
-            text,
-            "| `{}` | {} | {docs} | {default} | {} | {} | {} |",
-            function.name(),
-            arguments.join(", "),
-            of(row.depends_on_parameters),
-            of(batch),
-            match row.c_form {
-                CForm::SourceAndExport => "yes",
-                CForm::Source => "C99 alone",
-                CForm::None => "",
-            }
-        );
-    }
-    text
-}
-
-/// With the variable `UPDATE_SNAPSHOTS`, the test writes the table.
-#[test]
-fn the_page_has_the_table() {
-    let page = page();
-    let (before, rest) = page.split_once(BEGIN).expect("the table's beginning");
-    let (found, after) = rest.split_once(END).expect("the table's end");
-    if std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/functions.md");
-        std::fs::write(path, [before, BEGIN, &table(), END, after].concat()).expect("writes");
-        return;
-    }
-    assert_eq!(found, table());
 }
 
 /// The runtime's table has a row for each function of one state, with a second name for the form with run-time parameters

@@ -1,9 +1,7 @@
-//! The Python package has a method, a type of results and a stub for each function of the table, and a stub of each option.
-//! With the variable `UPDATE_SNAPSHOTS`, the test writes them.
+//! The Python package: a method, a type of results and a stub for each function of the table, and a stub of each option.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
 
 use modyn_codegen::Function;
 use modyn_codegen::options::{Entries, OPTIONS, OptionRow, Stage, Value};
@@ -83,9 +81,10 @@ fn components(shape: &Shape) -> &'static str {
 }
 
 /// An array or a named tuple of a result.
+#[derive(Clone)]
 enum Layout {
     Array(Vec<usize>),
-    Tuple(&'static str, Vec<(&'static str, Layout)>),
+    Tuple(&'static str, Fields),
 }
 
 /// Returns the layout of a result after the axes `outer`.
@@ -105,6 +104,11 @@ fn layout(shape: &Shape, outer: &[usize]) -> Layout {
             }
         },
     }
+}
+
+/// Returns the layout of a function's result.
+fn result(row: &Row) -> Layout {
+    layout(&(row.result)(&SIZES), &[])
 }
 
 /// Returns the functions that are methods of their own.
@@ -139,7 +143,7 @@ fn documentation(row: &Row) -> Vec<String> {
     if row.is_by_link() {
         arguments.push("`link`: the name of a link, or its index in `link_names`".into());
     }
-    let result = match layout(&(row.result)(&SIZES), &[]) {
+    let result = match result(row) {
         Layout::Array(axes) => tuple(&axes),
         Layout::Tuple(name, fields) => {
             let field = |(field, layout): &(&str, Layout)| match layout {
@@ -160,16 +164,11 @@ fn documentation(row: &Row) -> Vec<String> {
 
 /// Returns a text in lines of at most this length.
 fn wrap(text: &str, most: usize) -> Vec<String> {
-    let mut lines = vec![String::new()];
+    let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
-        let line = lines.last_mut().expect("one");
-        if !line.is_empty() && line.len() + 1 + word.len() > most {
-            lines.push(word.into());
-        } else {
-            if !line.is_empty() {
-                line.push(' ');
-            }
-            line.push_str(word);
+        match lines.last_mut() {
+            Some(line) if line.len() + 1 + word.len() <= most => *line += &format!(" {word}"),
+            _ => lines.push(word.into()),
         }
     }
     lines
@@ -186,11 +185,11 @@ fn is_optional(name: &str) -> bool {
 }
 
 /// Returns the methods in Rust.
-fn methods() -> String {
+pub(super) fn methods() -> String {
     let mut text = String::from(
         "//! A method for each function of modyn's table.\n\
          //!\n\
-         //! `UPDATE_SNAPSHOTS=1 cargo test -p modyn-codegen python_package::` writes this file.\n\
+         //! `cargo xtask pages` writes this file.\n\
          #![allow(clippy::too_many_arguments)]\n\n\
          use pyo3::prelude::*;\n\n\
          use crate::robot::Robot;\n\n\
@@ -203,28 +202,27 @@ fn methods() -> String {
         for line in documentation(&row) {
             let _ = writeln!(text, "{}", format!("    /// {line}").trim_end());
         }
-        let names: Vec<&str> = row.arguments.iter().map(|a| python(a.name)).collect();
-        let signature: Vec<String> = (names.iter())
-            .map(|name| if is_optional(name) { format!("{name}=None") } else { (*name).into() })
-            .collect();
-        let link = if row.is_by_link() { ", link" } else { "" };
-        let given: Vec<String> = (names.iter())
-            .map(|name| if is_optional(name) { (*name).into() } else { format!("Some({name})") })
-            .collect();
-        let types: String = (names.iter())
-            .map(|name| match is_optional(name) {
-                true => format!("{name}: Argument<'_, 'py>, "),
-                false => format!("{name}: &Bound<'py, PyAny>, "),
-            })
-            .collect();
-        let link_type = if row.is_by_link() { "link: &Bound<'py, PyAny>, " } else { "" };
-        let link_given = if row.is_by_link() { "Some(link)" } else { "None" };
+        let (mut signature, mut types, mut given) = (String::new(), String::new(), Vec::new());
+        for name in row.arguments.iter().map(|own| python(own.name)) {
+            let (default, kind, value) = match is_optional(name) {
+                true => ("=None", "Argument<'_, 'py>", name.to_owned()),
+                false => ("", "&Bound<'py, PyAny>", format!("Some({name})")),
+            };
+            signature += &format!("{name}{default}, ");
+            types += &format!("{name}: {kind}, ");
+            given.push(value);
+        }
+        let mut link = "None";
+        if row.is_by_link() {
+            signature += "link, ";
+            types += "link: &Bound<'py, PyAny>, ";
+            link = "Some(link)";
+        }
         let _ = writeln!(
             text,
-            "    #[pyo3(signature = ({}{link}, *, out=None))]\n    \
-             fn {}<'py>(&self, py: Python<'py>, {types}{link_type}out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {{\n        \
-             self.call(py, {index}, &[{}], {link_given}, out)\n    }}\n",
-            signature.join(", "),
+            "    #[pyo3(signature = ({signature}*, out=None))]\n    \
+             fn {}<'py>(&self, py: Python<'py>, {types}out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {{\n        \
+             self.call(py, {index}, &[{}], {link}, out)\n    }}\n",
             function.name(),
             given.join(", "),
         );
@@ -233,34 +231,26 @@ fn methods() -> String {
     text + "\n}\n"
 }
 
+/// The fields of a named tuple.
+type Fields = Vec<(&'static str, Layout)>;
+
 /// Returns the named tuples of results by name.
-fn tuples() -> BTreeMap<&'static str, Vec<(&'static str, Layout)>> {
-    fn add(layout: Layout, all: &mut BTreeMap<&'static str, Vec<(&'static str, Layout)>>) {
+fn tuples() -> BTreeMap<&'static str, Fields> {
+    fn add(layout: Layout, all: &mut BTreeMap<&'static str, Fields>) {
         let Layout::Tuple(name, fields) = layout else { return };
-        let mut own = Vec::new();
-        for (field, layout) in fields {
-            own.push(match layout {
-                Layout::Tuple(inner, fields) => {
-                    add(Layout::Tuple(inner, fields), all);
-                    (field, Layout::Tuple(inner, Vec::new()))
-                }
-                array => (field, array),
-            });
-        }
-        all.entry(name).or_insert(own);
+        fields.iter().for_each(|(_, inner)| add(inner.clone(), all));
+        all.entry(name).or_insert(fields);
     }
     let mut all = BTreeMap::new();
-    for (_, _, row) in functions() {
-        add(layout(&(row.result)(&SIZES), &[]), &mut all);
-    }
+    functions().for_each(|(_, _, row)| add(result(&row), &mut all));
     all
 }
 
 /// Returns the types of results in Python.
-fn results() -> String {
+pub(super) fn results() -> String {
     let mut text = String::from(
         "\"\"\"The results of functions with several results: named tuples of arrays.\n\n\
-         `UPDATE_SNAPSHOTS=1 cargo test -p modyn-codegen python_package::` writes this file.\n\"\"\"\n\n\
+         `cargo xtask pages` writes this file.\n\"\"\"\n\n\
          from typing import Any, NamedTuple\n\n\
          from numpy.typing import NDArray\n\n\
          __all__ = [\n",
@@ -270,10 +260,8 @@ fn results() -> String {
     }
     text += "]\n";
     for (name, fields) in tuples() {
-        let functions = functions().filter(|(_, _, row)| {
-            let result = (row.result)(&SIZES);
-            matches!(layout(&result, &[]), Layout::Tuple(own, _) if own == name)
-        });
+        let is_result = |row: &Row| matches!(result(row), Layout::Tuple(own, _) if own == name);
+        let functions = functions().filter(|(_, _, row)| is_result(row));
         let functions: Vec<String> = functions.map(|(_, f, _)| format!("`{}`", f.name())).collect();
         let of = match functions.is_empty() {
             true => String::new(),
@@ -315,7 +303,7 @@ fn option_type(row: &OptionRow) -> &'static str {
 }
 
 /// Returns the keyword arguments of `load` in the stub.
-fn option_stubs() -> String {
+pub(super) fn option_stubs() -> String {
     let mut text = String::new();
     for row in options() {
         let value = Value::parse(row.example).expect("an example is a value");
@@ -333,7 +321,7 @@ fn option_stubs() -> String {
 }
 
 /// Returns the methods in the stub.
-fn method_stubs() -> String {
+pub(super) fn method_stubs() -> String {
     let mut text = String::new();
     for (_, function, row) in functions() {
         let mut arguments: Vec<String> = (row.arguments.iter())
@@ -346,7 +334,7 @@ fn method_stubs() -> String {
         if row.is_by_link() {
             arguments.push("link: str | int".into());
         }
-        let result = match layout(&(row.result)(&SIZES), &[]) {
+        let result = match result(&row) {
             Layout::Tuple(name, _) => name.to_owned(),
             Layout::Array(axes) if axes.is_empty() => "float | Array".into(),
             Layout::Array(_) => "Array".into(),
@@ -366,47 +354,4 @@ fn method_stubs() -> String {
         text += "        \"\"\"\n";
     }
     text
-}
-
-/// Replaces the lines between the marks `# begin NAME` and `# end NAME`, which stay.
-fn between(text: &str, name: &str, lines: &str) -> String {
-    let (begin, end) = (format!("# begin {name}\n"), format!("# end {name}\n"));
-    let (before, rest) = text.split_once(&begin).unwrap_or_else(|| panic!("no {begin}"));
-    let (_, after) = rest.split_once(&end).unwrap_or_else(|| panic!("no {end}"));
-    let indent = &before[before.rfind('\n').map_or(0, |at| at + 1)..];
-    format!("{before}{begin}{lines}{indent}{end}{after}")
-}
-
-/// Compares a file of the package with the text that it should have, or writes it.
-fn check(path: &str, text: impl Fn(&str) -> String) {
-    let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../modyn-python").join(path);
-    let found = std::fs::read_to_string(&path).unwrap_or_default();
-    let expected = text(&found);
-    if std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
-        std::fs::write(&path, expected).expect("writes");
-    } else {
-        assert!(
-            found == expected,
-            "{} is not current; UPDATE_SNAPSHOTS=1 writes it",
-            path.display()
-        );
-    }
-}
-
-#[test]
-fn each_function_is_a_method() {
-    check("src/methods.rs", |_| methods());
-}
-
-#[test]
-fn each_group_of_results_is_a_type() {
-    check("python/modyn/_results.py", |_| results());
-}
-
-#[test]
-fn each_function_and_option_has_a_stub() {
-    check("python/modyn/_modyn.pyi", |found| {
-        let text = between(found, "options", &option_stubs());
-        between(&text, "functions", &method_stubs())
-    });
 }

@@ -1,0 +1,162 @@
+//! Pages and files that are made: of the compiler's tables, and of the measured and counted tables in `docs/data`.
+//!
+//! A file is made as a whole (`FILES`), or between the marks `<!-- data: NAME -->` and `<!-- end -->`. Measured tables come
+//! from the commands that their files name; each command writes its file (`lab/record`).
+
+mod data;
+mod errors;
+mod functions;
+mod measured;
+mod operations;
+mod options;
+mod python;
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// The files that are made as a whole, before the pages that show them.
+const FILES: [(&str, fn() -> String); 6] = [
+    ("docs/data/operations.tsv", operations::counted),
+    ("docs/errors.md", errors::page),
+    ("docs/options.md", options::page),
+    ("modyn-macro/options.md", options::of_macro),
+    ("modyn-python/src/methods.rs", python::methods),
+    ("modyn-python/python/modyn/_results.py", python::results),
+];
+
+/// The files with marks, besides the pages of `docs`.
+const MARKED: [&str; 2] = ["README.md", "modyn-python/python/modyn/_modyn.pyi"];
+
+/// Returns the text of the mark `name`.
+fn text_of(name: &str) -> String {
+    match name {
+        "function-table" => functions::table(),
+        "python-options" => python::option_stubs(),
+        "python-functions" => python::method_stubs(),
+        _ => operations::text_of(name)
+            .or_else(|| measured::text_of(name))
+            .unwrap_or_else(|| data::Data::load(name).shown()),
+    }
+}
+
+/// Returns the path of a file of the repository.
+fn root(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)
+}
+
+/// Returns the text of a file of the repository.
+fn read(path: &str) -> String {
+    let text = std::fs::read_to_string(root(path));
+    text.unwrap_or_else(|error| panic!("{path}: {error}")).replace("\r\n", "\n")
+}
+
+/// Returns the paths of the files in a folder of the repository whose names end with `ending`, in order.
+fn files(folder: &str, ending: &str) -> BTreeSet<String> {
+    let entries = std::fs::read_dir(root(folder)).unwrap_or_else(|e| panic!("{folder}: {e}"));
+    let names = entries.map(|entry| entry.expect("an entry").file_name().into_string());
+    let names = names.map(|name| name.expect("a name in Unicode"));
+    names.filter(|name| name.ends_with(ending)).map(|name| format!("{folder}/{name}")).collect()
+}
+
+/// Writes each file that differs from the text that it should have, or with `check` writes nothing. Returns the faults that
+/// remain.
+pub fn run(check: bool) -> Vec<String> {
+    let (mut faults, mut shown) = (Vec::new(), BTreeSet::new());
+    let mut compare = |path: &str, found: &str, expected: &str| {
+        if found == expected {
+            return;
+        }
+        if check {
+            faults.push(difference(path, found, expected));
+        } else {
+            std::fs::write(root(path), expected).unwrap_or_else(|e| panic!("{path}: {e}"));
+        }
+    };
+    for (path, text) in FILES {
+        let found = if root(path).exists() { read(path) } else { String::new() };
+        compare(path, &found, &text());
+    }
+    for path in MARKED.into_iter().map(String::from).chain(files("docs", ".md")) {
+        let found = read(&path);
+        compare(&path, &found, &filled(&path, &found, &mut shown));
+    }
+    let of_data = files("docs/data", ".tsv");
+    let names = of_data.iter().map(|path| &path["docs/data/".len()..path.len() - ".tsv".len()]);
+    let own = ["function-table", "python-options", "python-functions"];
+    let forgotten = names.chain(own).filter(|name| !shown.contains(*name));
+    faults.extend(forgotten.map(|name| format!("no page has the mark `{BEGIN}{name} -->`")));
+    faults
+}
+
+/// Says where a file first differs from the text that it should have.
+fn difference(path: &str, found: &str, expected: &str) -> String {
+    let (mut found, mut expected) = (found.split('\n'), expected.split('\n'));
+    let mut line = 1;
+    loop {
+        let (own, made) = (found.next(), expected.next());
+        if own != made || own.is_none() {
+            let [own, made] = [own, made].map(|text| text.unwrap_or("(end of the file)"));
+            return format!(
+                "{path}:{line} is not as it is made; `cargo xtask pages` writes it\n  found: {own}\n  made:  {made}"
+            );
+        }
+        line += 1;
+    }
+}
+
+const BEGIN: &str = "<!-- data: ";
+const END: &str = "<!-- end -->";
+
+/// Returns the text of a file with the text of each mark, and adds the names of the marks to `names`.
+fn filled(path: &str, text: &str, names: &mut BTreeSet<String>) -> String {
+    let (mut out, mut rest) = (String::new(), text);
+    while let Some((before, after)) = rest.split_once(BEGIN) {
+        let mark =
+            after.split_once(" -->").and_then(|(name, after)| Some((name, after.split_once(END)?)));
+        let (name, (old, after)) = mark.unwrap_or_else(|| panic!("{path}: a mark has no end"));
+        out += before;
+        // The beginning of the line, such as a comment's sign in Python.
+        let start = out[out.rfind('\n').map_or(0, |at| at + 1)..].to_owned();
+        out += &[BEGIN, name, " -->"].concat();
+        if old.starts_with('\n') {
+            out += &["\n", &text_of(name), &start].concat();
+        } else {
+            // A comment at the beginning of a line would end the paragraph.
+            assert!(!start.trim().is_empty(), "{path}: {name} begins a line within a sentence");
+            out += &text_of(name);
+        }
+        out += END;
+        names.insert(name.into());
+        rest = after;
+    }
+    out + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pages_are_up_to_date() {
+        let faults = run(true);
+        assert!(faults.is_empty(), "{}", faults.join("\n"));
+    }
+
+    #[test]
+    fn a_difference_is_at_its_line() {
+        let cases =
+            [("a\nb\n", "a\nc\n", 2), ("a\n", "a", 2), ("", "a\n", 1), ("a\nb\n", "a\n", 2)];
+        for (found, expected, line) in cases {
+            let fault = difference("page.md", found, expected);
+            assert!(fault.starts_with(&format!("page.md:{line} ")), "{fault}");
+        }
+    }
+
+    #[test]
+    fn text_between_marks_is_replaced() {
+        let sum = text_of("cuda-sum");
+        let page = "It is <!-- data: cuda-sum -->\nold\n<!-- end --> and <!-- data: cuda-sum -->old<!-- end -->.\n";
+        let expected = page.replacen("old\n", &format!("{sum}It is "), 1).replace("old", &sum);
+        assert_eq!(filled("page.md", page, &mut BTreeSet::new()), expected);
+    }
+}

@@ -1,0 +1,38 @@
+//! The table of functions in `docs/functions.md`.
+
+use modyn_codegen::Function;
+use modyn_codegen::plan::CForm;
+
+use super::data::markdown;
+
+/// Returns the table.
+pub(super) fn table() -> String {
+    let titles = ["function", "arguments", "result", "default", "`_with` parameters", "batch", "C"];
+    let of_one_state = Function::ALL.iter().filter(|function| function.batched().is_none());
+    let rows = of_one_state.map(|function| {
+        let row = function.row();
+        let arguments: Vec<String> =
+            row.arguments.iter().map(|a| format!("`{}`", a.name)).collect();
+        let of = |yes: bool| if yes { "yes" } else { "" };
+        let default = match (row.default, row.of_constraints) {
+            (true, true) => "with constraints",
+            (default, _) => of(default),
+        };
+        let batch = Function::ALL.iter().any(|other| other.batched() == Some(*function));
+        let c = match row.c_form {
+            CForm::SourceAndExport => "yes",
+            CForm::Source => "C99 alone",
+            CForm::None => "",
+        };
+        [
+            format!("`{}`", function.name()),
+            arguments.join(", "),
+            row.docs.replace('\n', " "),
+            default.into(),
+            of(row.depends_on_parameters).into(),
+            of(batch).into(),
+            c.into(),
+        ]
+    });
+    markdown(&titles, rows)
+}

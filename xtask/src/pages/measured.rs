@@ -1,0 +1,342 @@
+//! Tables and numbers of pages that are made of measurements.
+
+use modyn_codegen::{Base, Builder};
+
+use super::data::{Data, table};
+use super::root;
+
+/// A ratio of times, to two digits.
+fn ratio(ratio: f64) -> String {
+    if ratio >= 9.95 { format!("{ratio:.0}") } else { format!("{ratio:.1}") }
+}
+
+/// Times by robot and program, the ratio to the program `reference` in brackets, then the fastest of a program's variants.
+fn speed(file: &str, reference: &str) -> String {
+    let data = Data::load(file);
+    let mut programs: Vec<&str> = Vec::new();
+    let mut cases: Vec<[&str; 2]> = Vec::new();
+    for row in &data.rows {
+        let (case, program) = ([row[0].as_str(), row[1].as_str()], row[2].as_str());
+        if !programs.contains(&program) {
+            programs.push(program);
+        }
+        if !cases.contains(&case) {
+            cases.push(case);
+        }
+    }
+    let titles = [&["quantity", "robot"], &programs[..]].concat();
+    let rows = cases.into_iter().map(|[quantity, robot]| {
+        let own = data.number(&[quantity, robot, reference], "ns");
+        let cell = |program: &&str| {
+            let key = [quantity, robot, program];
+            let Some(ns) = data.find(&key, "ns") else { return String::new() };
+            let Ok(value) = ns.parse::<f64>() else { return ns.into() };
+            let times = match *program == reference {
+                true => String::new(),
+                false => format!(" ({}x)", ratio(value / own)),
+            };
+            format!("{ns}{times} {}", data.cell(&key, "variant")).trim_end().into()
+        };
+        let cells = programs.iter().map(cell);
+        [quantity.into(), robot.into()].into_iter().chain(cells).collect::<Vec<_>>()
+    });
+    table(&titles, rows) + &data.source()
+}
+
+/// The README's table.
+fn speed_in_short() -> String {
+    let data = Data::load("speed");
+    let robots = [
+        ("ur5", "UR5, 6 joints"),
+        ("panda", "Panda, 7 joints"),
+        ("solo12_ff", "Solo12 quadruped, floating, 18"),
+        ("g1", "G1 humanoid, 29 joints"),
+        ("g1_ff", "G1 humanoid, floating, 35"),
+    ];
+    let cell = |quantity: &str, robot: &str| {
+        let ns = |program| data.find(&[quantity, robot, program], "ns")?.parse::<f64>().ok();
+        let own = ns("modyn native")?;
+        let [casadi, pinocchio] =
+            ["CasADi C", "Pinocchio C++"].map(|program| Some(ratio(ns(program)? / own)));
+        Some(format!("{own:.0} ns (CasADi {}x, Pinocchio {}x)", casadi?, pinocchio?))
+    };
+    let rows = robots.map(|(robot, title)| {
+        let cell = |quantity| cell(quantity, robot).unwrap_or("not measured".into());
+        [title.into(), cell("forward dynamics"), cell("forward dynamics derivatives")]
+    });
+    table(&["robot", "forward dynamics", "its derivatives"], rows)
+}
+
+/// The least and the largest of numbers, as text.
+fn range(numbers: impl IntoIterator<Item = f64>) -> String {
+    let (low, high) =
+        numbers.into_iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(x), h.max(x)));
+    assert!(low <= high);
+    if low.round() == high.round() { format!("{low:.0}") } else { format!("{low:.0} to {high:.0}") }
+}
+
+/// The interpreter's times over those of generated code.
+fn interpreter() -> String {
+    let data = Data::load("speed");
+    let slow = data.rows.iter().filter(|row| row[2] == "modyn interpreter");
+    range(slow.map(|row| {
+        let ns = |program| data.number(&[&row[0], &row[1], program], "ns");
+        ns("modyn interpreter") / ns("modyn native")
+    }))
+}
+
+/// Batches' times over those of single calls.
+fn batched(robot: &str) -> String {
+    let data = Data::load("speed");
+    let ns = |program| data.number(&["forward dynamics", robot, program], "ns");
+    format!("{:.2}", ns("modyn batch") / ns("modyn native"))
+}
+
+/// The first cells of a row of the firmware's table: core, scalar, level of optimisation, function.
+type Measurement<'a> = [&'a str; 4];
+
+/// The quotients of a column of the firmware's table: of each row over the row that `other` names.
+fn firmware(title: &str, other: fn(Measurement) -> Option<[String; 4]>) -> Vec<f64> {
+    let data = Data::load("firmware");
+    let quotient = |row: &Vec<String>| {
+        let own: Measurement = std::array::from_fn(|i| row[i].as_str());
+        let other = other(own)?;
+        let other = other.each_ref().map(String::as_str);
+        data.find(&other, title)?;
+        Some(data.number(&own, title) / data.number(&other, title))
+    };
+    let found: Vec<f64> = data.rows.iter().filter_map(quotient).collect();
+    assert!(found.len() > 1, "{title}: {found:?}");
+    found
+}
+
+/// The row of the same function under another name, for a row at opt-level 3 on a core that has the scalar.
+fn renamed([core, scalar, level, _]: Measurement, name: String) -> Option<[String; 4]> {
+    let fits = level == "3" && (scalar == "f32" || core == "M7");
+    fits.then(|| [core.into(), scalar.into(), level.into(), name])
+}
+
+/// The row of the same limbs one by one, for a row of shared limbs.
+fn shared(row: Measurement) -> Option<[String; 4]> {
+    let name = row[3].strip_prefix("`legs_shared::").filter(|name| name.ends_with("_dynamics`"))?;
+    renamed(row, format!("`legs::{name}"))
+}
+
+/// The row of the Rust function, for a row of the same function in C.
+fn rust(row: Measurement) -> Option<[String; 4]> {
+    renamed(row, format!("`arm7::{}", row[3].strip_prefix("`arm7_c::")?))
+}
+
+/// The row at opt-level 3, for a row at "s".
+fn at_three([core, scalar, level, function]: Measurement) -> Option<[String; 4]> {
+    (level == "s" && function == "`arm7::forward_dynamics`")
+        .then(|| [core, scalar, "3", function].map(String::from))
+}
+
+/// The row in `f32` for one in `f64`, on a core that computes `f64` by software.
+fn single([core, scalar, level, function]: Measurement) -> Option<[String; 4]> {
+    (core == "M4F" && scalar == "f64" && level == "3" && function.ends_with("_dynamics`"))
+        .then(|| [core, "f32", level, function].map(String::from))
+}
+
+/// An estimate of the speed of a kernel on an H200.
+struct H200 {
+    /// The threads that the processor has at a time.
+    threads: usize,
+    /// The time of a state, or of a step of a rollout, if all instructions of a thread run at the full rate.
+    nanoseconds: f64,
+    /// The sum behind the time.
+    sum: String,
+}
+
+/// Estimates the speed of a kernel of the table `cuda`, by NVIDIA's data sheet of the H200.
+fn h200(robot: &str, kernel: &str, scalar: &str) -> H200 {
+    const MULTIPROCESSORS: usize = 132;
+    const REGISTERS: usize = 65_536;
+    const MAX_WARPS: usize = 64;
+    const GIGAHERTZ: f64 = 1.98;
+    // A block has 4 warps of 32 threads; a warp's registers are given out in units of 8 a thread.
+    let (warps_of_block, warp) = (4, 32);
+    let data = Data::load("cuda");
+    let key = [robot, kernel, scalar, "sm_90"];
+    let registers = (data.number(&key, "registers") as usize).next_multiple_of(8);
+    let instructions = data.number(&key, "instructions");
+    let blocks = REGISTERS / (registers * warp * warps_of_block);
+    let threads = MULTIPROCESSORS * warp * (blocks * warps_of_block).min(MAX_WARPS);
+    let lanes = if scalar == "f32" { 128.0 } else { 64.0 };
+    let nanoseconds = instructions / (MULTIPROCESSORS as f64 * lanes * GIGAHERTZ);
+    let sum = format!(
+        "{instructions} instructions / ({MULTIPROCESSORS} * {lanes} * {GIGAHERTZ} GHz) = {nanoseconds:.3} ns a state"
+    );
+    H200 { threads, nanoseconds, sum }
+}
+
+/// The estimates for the kernels of the table `cuda`.
+fn cuda_estimates() -> String {
+    let data = Data::load("cuda");
+    let rows = data.rows.iter().filter(|row| row[data.column("architecture")] == "sm_90");
+    let rows = rows.map(|row| {
+        let estimate = h200(&row[0], &row[1], &row[2]);
+        let time = format!("{:.2}", estimate.nanoseconds);
+        [&row[..3], &[estimate.threads.to_string(), time]].concat()
+    });
+    let titles = [
+        "robot",
+        "kernel",
+        "scalar",
+        "threads at a time",
+        "estimate, ns a state (of a rollout: a step)",
+    ];
+    table(&titles, rows) + "\nEstimated from the table `docs/data/cuda.tsv`.\n"
+}
+
+/// From how many states on the kernels of forward dynamics in `f64` are faster than batches on cores of a processor, by the
+/// estimates for the kernels and the batch times of the table `speed`.
+fn cuda_crossover() -> String {
+    /// The time to start a kernel and to wait for it, ns.
+    const START: f64 = 10_000.0;
+    /// The bytes of a copy in a nanosecond: PCI Express 5 with 16 lanes.
+    const BYTES: f64 = 63.0;
+    const CORES: f64 = 16.0;
+    let speed = Data::load("speed");
+    let robots = [
+        ("Panda", "panda", "panda", Base::Fixed),
+        ("Solo12, floating base", "solo12_ff", "solo12", Base::Floating),
+        ("G1", "g1", "g1", Base::Fixed),
+    ];
+    let rows = robots.map(|(title, measured, file, base)| {
+        let kernel = h200(title, "`forward_dynamics`", "f64").nanoseconds;
+        let core = speed.number(&["forward dynamics", measured, "modyn batch"], "ns");
+        let file = root(&format!("tests/golden/{file}.urdf"));
+        let model = Builder::new().urdf(file).base(base).plan().expect("a robot").model;
+        // The arguments and the result.
+        let copies = 8.0 * (model.nq() + 3 * model.nv()) as f64 / BYTES;
+        let from = |core: f64, state: f64| match core - state {
+            gain if gain > 0.0 => format!("{:.0}", (START / gain / 100.0).ceil() * 100.0),
+            _ => "never".into(),
+        };
+        [
+            title.into(),
+            format!("{core}"),
+            format!("{kernel:.2}"),
+            from(core, kernel),
+            from(core / CORES, kernel),
+            format!("{copies:.1}"),
+            from(core, kernel + copies),
+            from(core / CORES, kernel + copies),
+        ]
+    });
+    let titles = [
+        "robot",
+        "one core, ns a state (measured)",
+        "kernel, ns a state",
+        "faster than one core from",
+        "than 16 cores from",
+        "copies, ns a state",
+        "with copies, than one core from",
+        "with copies, than 16 cores from",
+    ];
+    let date = format!("{} of {}", speed.note("command"), speed.note("date"));
+    table(&titles, rows)
+        + &format!(
+            "\nEstimated from the tables `docs/data/cuda.tsv` and `docs/data/speed.tsv` (`{date}`).\n"
+        )
+}
+
+/// The rows of the firmware's table that its page shows.
+fn firmware_in_short() -> String {
+    const SHOWN: [&str; 8] = [
+        "leg::forward_dynamics",
+        "arm7::brge_solve",
+        "arm7::mass_matrix",
+        "arm7::forward_dynamics",
+        "arm7::inverse_dynamics",
+        "arm7_c::forward_dynamics",
+        "legs::forward_dynamics",
+        "legs_shared::forward_dynamics",
+    ];
+    let data = Data::load("firmware");
+    let shown = |row: &&Vec<String>| {
+        let function = row[3].trim_matches('`');
+        SHOWN.contains(&function) && (row[2] == "3" || function == "arm7::forward_dynamics")
+    };
+    let mut rows: Vec<&[String]> = data.rows.iter().filter(shown).map(Vec::as_slice).collect();
+    let place = |row: &[String]| SHOWN.iter().position(|name| row[3].trim_matches('`') == *name);
+    let core = |row: &[String]| data.rows.iter().position(|one| one[..3] == row[..3]);
+    rows.sort_by_key(|row| (core(row), place(row)));
+    table(&data.titles, rows) + &data.source()
+}
+
+/// The rows of the table of machine code that its page shows: forward dynamics and its derivatives.
+fn machine_code_in_short() -> String {
+    let data = Data::load("machine-code");
+    let shown = data.rows.iter().filter(|row| row[1].starts_with("`forward_dynamics"));
+    table(&data.titles, shown) + &data.source()
+}
+
+/// Counts of the real robots, as part of a sentence.
+fn robots_in_short() -> String {
+    let data = Data::load("robots");
+    let (check, differences) =
+        (data.column("`modyn check`"), data.column("mass matrix, Pinocchio"));
+    let count =
+        |accepts: &dyn Fn(&[String]) -> bool| data.rows.iter().filter(|row| accepts(row)).count();
+    let all = data.rows.len();
+    let usable = count(&|row| row[check].starts_with("usable"));
+    let with_option = count(&|row| row[check].starts_with("refused; usable"));
+    let loaded = count(&|row| row[differences] != "does not load");
+    let compared =
+        |row: &[String]| !["loads", "does not load"].contains(&row[differences].as_str());
+    let agreeing = |row: &[String]| row[differences..].iter().all(|cell| !cell.contains("DIFFERS"));
+    let [both, agree] = [count(&compared), count(&|row| compared(row) && agreeing(row))];
+    format!(
+        "{all} descriptions of real robots. {usable} of them are usable as they are, {with_option} with an option, and \
+         {} are refused. Pinocchio loads {loaded}; {both} of these were computed by both, and {agree} agree",
+        all - usable - with_option
+    )
+}
+
+/// The quotient of the numbers in a column of two rows, `file; row; row; column`.
+fn quotient(place: &str) -> f64 {
+    let [file, row, other, column] = place.split("; ").collect::<Vec<_>>()[..] else {
+        panic!("{place:?}")
+    };
+    let data = Data::load(file);
+    data.number(&[row], column) / data.number(&[other], column)
+}
+
+/// Returns the text of the mark `name`, if it is made of measurements.
+pub(super) fn text_of(name: &str) -> Option<String> {
+    let per_cent = |title, other| firmware(title, other).into_iter().map(|x| 100.0 * x);
+    Some(match name {
+        "speed" | "speed-cold" | "contacts-speed" | "contacts-speed-cold" => {
+            speed(name, "modyn native")
+        }
+        "speed-of-c" => speed(name, "modyn, limbs one by one"),
+        "speed-in-short" => speed_in_short(),
+        "interpreter" => interpreter(),
+        "batched-ur5" => batched("ur5"),
+        "batched-panda" => batched("panda"),
+        "robots-in-short" => robots_in_short(),
+        "cuda-sum" => h200("Panda", "`forward_dynamics`", "f32").sum,
+        "cuda-estimates" => cuda_estimates(),
+        "cuda-crossover" => cuda_crossover(),
+        "firmware" => firmware_in_short(),
+        "machine-code" => machine_code_in_short(),
+        "f64-by-software" => range(firmware("instructions", single)),
+        "shared-flash" => range(per_cent("flash, with callees", shared)),
+        "shared-instructions" => range(per_cent("instructions", shared).map(|x| 100.0 - x)),
+        "c-instructions" => range(per_cent("instructions", rust)),
+        "c-flash" => range(per_cent("flash, with callees", rust)),
+        "small-flash" => range(per_cent("flash, with callees", at_three).map(|x| 100.0 - x)),
+        "small-instructions" => range(per_cent("instructions", at_three).map(|x| x - 100.0)),
+        _ => {
+            if let Some(place) = name.strip_prefix("ratio ") {
+                ratio(quotient(place))
+            } else {
+                let place = name.strip_prefix("increase ")?;
+                format!("{:.0}", 100.0 * (quotient(place) - 1.0))
+            }
+        }
+    })
+}

@@ -1,0 +1,225 @@
+//! The operations of the compiler's functions: `docs/data/operations.tsv`, and the tables of it.
+
+use std::fmt::Write as _;
+
+use modyn_codegen::{Base, Builder, Function};
+
+use super::data::{Data, table};
+use super::root;
+
+/// A robot that operations are counted for.
+struct Robot {
+    /// The file in `robots/`.
+    file: &'static str,
+    base: Base,
+    /// The name in measurements of speed.
+    measured: &'static str,
+    /// The robot that the description is modelled on.
+    of: &'static str,
+}
+
+const ROBOTS: [Robot; 6] = [
+    Robot { file: "arm6", base: Base::Fixed, measured: "ur5", of: "UR5" },
+    Robot { file: "arm7", base: Base::Fixed, measured: "panda", of: "Panda" },
+    Robot { file: "quadruped", base: Base::Fixed, measured: "solo12", of: "Solo12" },
+    Robot { file: "quadruped", base: Base::Floating, measured: "solo12_ff", of: "Solo12" },
+    Robot { file: "humanoid", base: Base::Fixed, measured: "g1", of: "G1" },
+    Robot { file: "humanoid", base: Base::Floating, measured: "g1_ff", of: "G1" },
+];
+
+impl Robot {
+    fn title(&self) -> String {
+        let floating = if self.base == Base::Floating { ", floating" } else { "" };
+        format!("`{}`{floating} ({})", self.file, self.of)
+    }
+
+    /// Returns the first cells of the row of a function.
+    fn key<'a>(&self, function: &'a str) -> [&'a str; 3] {
+        [self.file, if self.base == Base::Fixed { "fixed" } else { "floating" }, function]
+    }
+}
+
+/// The functions that are counted for all robots. (The fixed ones have all functions.)
+const MAIN: [Function; 17] = [
+    Function::ForwardDynamics,
+    Function::InverseDynamics,
+    Function::BiasForces,
+    Function::MassMatrix,
+    Function::Brge,
+    Function::InverseDynamicsDerivatives,
+    Function::ForwardDynamicsDerivatives,
+    Function::InverseDynamicsVjp,
+    Function::InverseDynamicsJvp,
+    Function::ForwardDynamicsVjp,
+    Function::ForwardDynamicsJvp,
+    Function::InverseDynamicsHessian,
+    Function::ForwardDynamicsHessian,
+    Function::StepSemiImplicitHessian,
+    Function::StepRk4,
+    Function::StepImplicitMidpoint,
+    Function::StepImplicitMidpointDerivatives,
+];
+
+/// Returns the rows of the operations of a robot's functions.
+fn count(robot: &Robot) -> String {
+    let is_fixed = robot.base == Base::Fixed;
+    let all = Function::ALL.iter().copied().filter(|function| !function.is_of_constraints());
+    let functions: Vec<Function> = if is_fixed { all.collect() } else { MAIN.to_vec() };
+    let path = root(&format!("robots/{}.urdf", robot.file));
+    // All functions of a humanoid together are longer than a text may be.
+    let generated = functions.chunks(if is_fixed { 8 } else { 4 }).map(|functions| {
+        let builder = Builder::new().urdf(&path).base(robot.base);
+        let generated = builder.functions(functions.iter().copied()).generate();
+        generated.unwrap_or_else(|found| panic!("{}: {found}", robot.file))
+    });
+    let generated: Vec<_> = generated.collect();
+    let mut text = String::new();
+    for (name, operations) in generated.iter().flat_map(|generated| &generated.operations) {
+        let scalar = operations.total();
+        let mut all = generated.iter().flat_map(|generated| &generated.static_operations);
+        let all = all.find(|(one, _)| one == name);
+        let all = all.map_or(scalar, |(_, all)| all.total());
+        // A function of one state may have a second program, on vectors.
+        let one = MAIN.iter().any(|function| function.name() == *name);
+        let lanes = all.checked_sub(scalar).filter(|&lanes| one && lanes > 0 && lanes < scalar);
+        let lanes = lanes.map_or(String::new(), |lanes| lanes.to_string());
+        let _ = writeln!(text, "{}\t{scalar}\t{lanes}", robot.key(name).join("\t"));
+    }
+    text
+}
+
+/// Returns the operations of each robot and function, as the file has them.
+pub(super) fn counted() -> String {
+    let head = "# command: cargo xtask pages\nrobot\tbase\tfunction\toperations\tin lanes\n";
+    let rows: Vec<String> = std::thread::scope(|scope| {
+        let counts = ROBOTS.each_ref().map(|robot| scope.spawn(|| count(robot)));
+        counts.map(|count| count.join().expect("counted")).into()
+    });
+    head.to_owned() + &rows.concat()
+}
+
+/// Returns the count of a function, with the operations in lanes in brackets if `lanes`.
+fn cell(data: &Data, robot: &Robot, function: &str, lanes: bool) -> String {
+    let [count, in_lanes] =
+        ["operations", "in lanes"].map(|title| data.cell(&robot.key(function), title));
+    if lanes && !in_lanes.is_empty() { format!("{count} ({in_lanes})") } else { count.into() }
+}
+
+/// Robots by functions.
+fn operations(functions: &[(&str, &str)], lanes: bool) -> String {
+    let data = Data::load("operations");
+    let titles: Vec<&str> = ["robot"].into_iter().chain(functions.iter().map(|f| f.0)).collect();
+    let rows = ROBOTS.iter().map(|robot| {
+        let cells = functions.iter().map(|(_, function)| cell(&data, robot, function, lanes));
+        [robot.title()].into_iter().chain(cells).collect::<Vec<_>>()
+    });
+    table(&titles, rows)
+}
+
+/// Robots by functions under their names, with the operations in lanes in brackets.
+fn by_name(functions: &[&str]) -> String {
+    let titles: Vec<String> = functions.iter().map(|function| format!("`{function}`")).collect();
+    let titled = titles.iter().map(String::as_str).zip(functions.iter().copied());
+    operations(&titled.collect::<Vec<_>>(), true)
+}
+
+/// modyn's operations beside CasADi's instructions.
+fn beside_casadi() -> String {
+    let (own, casadi) = (Data::load("operations"), Data::load("casadi"));
+    let functions =
+        ["forward_dynamics", "inverse_dynamics", "mass_matrix", "forward_dynamics_derivatives"];
+    let mut titles = vec![String::from("robot")];
+    for function in functions {
+        titles.extend([format!("{}: modyn", function.replace('_', " ")), "CasADi".into()]);
+    }
+    let theirs = |robot: &Robot, function| casadi.find(&[function, robot.measured], "instructions");
+    let measured = |robot: &&Robot| functions.iter().any(|f| theirs(robot, f).is_some());
+    let rows = ROBOTS.iter().filter(measured).map(|robot| {
+        let mut row = vec![robot.title()];
+        for function in functions {
+            let theirs = theirs(robot, function).unwrap_or_default().into();
+            row.extend([cell(&own, robot, function, true), theirs]);
+        }
+        row
+    });
+    table(&titles, rows)
+}
+
+/// The derivatives in closed form beside those by tangents.
+fn beside_tangents() -> String {
+    let (own, tangents) = (Data::load("operations"), Data::load("tangents"));
+    let titles = [
+        "robot",
+        "derivatives of inverse dynamics, closed form",
+        "by tangents",
+        "derivatives of forward dynamics, closed form",
+        "by tangents of the inverse dynamics",
+    ];
+    let rows = ROBOTS.iter().map(|robot| {
+        let own = |function| cell(&own, robot, function, false);
+        let by_tangents = |title| tangents.cell(&[robot.measured], title).into();
+        [
+            robot.title(),
+            own("inverse_dynamics_derivatives"),
+            by_tangents("derivatives of inverse dynamics"),
+            own("forward_dynamics_derivatives"),
+            by_tangents("derivatives of forward dynamics"),
+        ]
+    });
+    table(&titles, rows)
+}
+
+/// The time of each function's compilation, with its operations.
+fn functions() -> String {
+    let (mut times, own) = (Data::load("functions"), Data::load("operations"));
+    times.titles.insert(2, "operations".into());
+    for row in &mut times.rows {
+        let function = row[1].trim_matches('`');
+        row.insert(2, own.cell(&[&row[0], "fixed", function], "operations").into());
+    }
+    times.shown()
+}
+
+/// Returns the text of the mark `name`, if it is a table of operations.
+pub(super) fn text_of(name: &str) -> Option<String> {
+    let main = [
+        ("forward dynamics", "forward_dynamics"),
+        ("inverse dynamics", "inverse_dynamics"),
+        ("mass matrix", "mass_matrix"),
+        ("U D U^T", "brge"),
+        ("derivatives of inverse dynamics", "inverse_dynamics_derivatives"),
+        ("derivatives of forward dynamics", "forward_dynamics_derivatives"),
+    ];
+    Some(match name {
+        "functions" => functions(),
+        "operations" => operations(&[&main[..4], &main[5..]].concat(), false),
+        "operations-in-lanes" => operations(&[&main[..3], &main[4..]].concat(), true),
+        "adjoints" => by_name(&[
+            "inverse_dynamics",
+            "inverse_dynamics_vjp",
+            "inverse_dynamics_jvp",
+            "forward_dynamics",
+            "forward_dynamics_vjp",
+            "forward_dynamics_jvp",
+        ]),
+        "hessians" => by_name(&["inverse_dynamics_hessian", "forward_dynamics_hessian"]),
+        "step-hessians" => by_name(&["forward_dynamics_hessian", "step_semi_implicit_hessian"]),
+        "steps" => {
+            by_name(&["step_rk4", "step_implicit_midpoint", "step_implicit_midpoint_derivatives"])
+        }
+        "casadi" => beside_casadi(),
+        "tangents" => beside_tangents(),
+        _ => return None,
+    })
+}
+
+/// The gradient of forward dynamics takes at most 2.65 times the operations of forward dynamics, for each robot.
+#[test]
+fn gradients_cost_at_most_2_65_functions() {
+    let data = Data::load("operations");
+    for robot in ROBOTS {
+        let count = |function| data.number(&robot.key(function), "operations");
+        let [one, vjp] = ["forward_dynamics", "forward_dynamics_vjp"].map(count);
+        assert!(vjp <= 2.65 * one, "{}: {vjp} operations instead of {one}", robot.title());
+    }
+}
