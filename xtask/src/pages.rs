@@ -14,8 +14,11 @@ mod python;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+/// A function that makes the text of a file.
+type Write = fn() -> String;
+
 /// The files that are made as a whole, before the pages that show them.
-const FILES: [(&str, fn() -> String); 6] = [
+const FILES: [(&str, Write); 6] = [
     ("docs/data/operations.tsv", operations::counted),
     ("docs/errors.md", errors::page),
     ("docs/options.md", options::page),
