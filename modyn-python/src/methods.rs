@@ -1,6 +1,6 @@
 //! A method for each function of modyn's table.
 //!
-//! `cargo xtask pages` writes this file.
+//! `cargo xtask pages` writes them.
 #![allow(clippy::too_many_arguments)]
 
 use pyo3::prelude::*;
@@ -12,6 +12,7 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 #[rustfmt::skip]
 #[pymethods]
 impl Robot {
+    // <!-- data: python-methods -->
     /// Returns the joint accelerations (rad/s^2 or m/s^2) at the coordinates `q` and velocities `qd` under
     /// the joint forces `tau` (N m or N), gravity included. The method is block reverse Gaussian
     /// elimination of the mass matrix by inter- and intra-modular recursion.
@@ -743,4 +744,5 @@ impl Robot {
     fn random<'py>(&self, py: Python<'py>, uniforms: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 65, &[Some(uniforms)], None, out)
     }
+    // <!-- end -->
 }

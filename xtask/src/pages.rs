@@ -1,6 +1,6 @@
 //! Pages and files that are made: of the compiler's tables, and of the measured and counted tables in `docs/data`.
 //!
-//! A file is made as a whole (`FILES`), or between the marks `<!-- data: NAME -->` and `<!-- end -->`. Measured tables come
+//! A file is made as a whole (`FILES`), or only between the marks `<!-- data: NAME -->` and `<!-- end -->`. Measured tables come
 //! from the commands that their files name; each command writes its file (`lab/record`).
 
 mod data;
@@ -14,32 +14,41 @@ mod python;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// A function that makes the text of a file.
-type Write = fn() -> String;
+/// Makes a text.
+type Make = fn() -> String;
 
 /// The files that are made as a whole, before the pages that show them.
-const FILES: [(&str, Write); 6] = [
+const FILES: [(&str, Make); 2] = [
     ("docs/data/operations.tsv", operations::counted),
-    ("docs/errors.md", errors::page),
-    ("docs/options.md", options::page),
     ("modyn-macro/options.md", options::of_macro),
-    ("modyn-python/src/methods.rs", python::methods),
-    ("modyn-python/python/modyn/_results.py", python::results),
 ];
 
 /// The files with marks, besides the pages of `docs`.
-const MARKED: [&str; 2] = ["README.md", "modyn-python/python/modyn/_modyn.pyi"];
+const MARKED: [&str; 4] = [
+    "README.md",
+    "modyn-python/src/methods.rs",
+    "modyn-python/python/modyn/_results.py",
+    "modyn-python/python/modyn/_modyn.pyi",
+];
+
+/// The marks of texts that are made of the compiler's tables. The others show a file of `docs/data`.
+const MARKS: [(&str, Make); 8] = [
+    ("error-list", errors::list),
+    ("function-table", functions::table),
+    ("option-table", options::whole),
+    ("options-of-files", options::of_files),
+    ("python-functions", python::method_stubs),
+    ("python-methods", python::methods),
+    ("python-options", python::option_stubs),
+    ("python-results", python::results),
+];
 
 /// Returns the text of the mark `name`.
 fn text_of(name: &str) -> String {
-    match name {
-        "function-table" => functions::table(),
-        "python-options" => python::option_stubs(),
-        "python-functions" => python::method_stubs(),
-        _ => operations::text_of(name)
-            .or_else(|| measured::text_of(name))
-            .unwrap_or_else(|| data::Data::load(name).shown()),
-    }
+    let own = MARKS.iter().find(|(mark, _)| *mark == name).map(|(_, text)| text());
+    own.or_else(|| operations::text_of(name))
+        .or_else(|| measured::text_of(name))
+        .unwrap_or_else(|| data::Data::load(name).shown())
 }
 
 /// Returns the path of a file of the repository.
@@ -65,46 +74,40 @@ fn files(folder: &str, ending: &str) -> BTreeSet<String> {
 /// remain.
 pub fn run(check: bool) -> Vec<String> {
     let (mut faults, mut shown) = (Vec::new(), BTreeSet::new());
-    let mut compare = |path: &str, found: &str, expected: &str| {
-        if found == expected {
-            return;
-        }
-        if check {
-            faults.push(difference(path, found, expected));
-        } else {
+    let compare = |path: &str, found: &str, expected: &str| {
+        if found != expected && !check {
             std::fs::write(root(path), expected).unwrap_or_else(|e| panic!("{path}: {e}"));
         }
+        (found != expected && check).then(|| difference(path, found, expected))
     };
     for (path, text) in FILES {
         let found = if root(path).exists() { read(path) } else { String::new() };
-        compare(path, &found, &text());
+        faults.extend(compare(path, &found, &text()));
+    }
+    // Pages show these files.
+    if !faults.is_empty() {
+        return faults;
     }
     for path in MARKED.into_iter().map(String::from).chain(files("docs", ".md")) {
         let found = read(&path);
-        compare(&path, &found, &filled(&path, &found, &mut shown));
+        faults.extend(compare(&path, &found, &filled(&path, &found, &mut shown)));
     }
     let of_data = files("docs/data", ".tsv");
     let names = of_data.iter().map(|path| &path["docs/data/".len()..path.len() - ".tsv".len()]);
-    let own = ["function-table", "python-options", "python-functions"];
-    let forgotten = names.chain(own).filter(|name| !shown.contains(*name));
+    let forgotten = names.chain(MARKS.map(|(name, _)| name)).filter(|name| !shown.contains(*name));
     faults.extend(forgotten.map(|name| format!("no page has the mark `{BEGIN}{name} -->`")));
     faults
 }
 
 /// Says where a file first differs from the text that it should have.
 fn difference(path: &str, found: &str, expected: &str) -> String {
-    let (mut found, mut expected) = (found.split('\n'), expected.split('\n'));
-    let mut line = 1;
-    loop {
-        let (own, made) = (found.next(), expected.next());
-        if own != made || own.is_none() {
-            let [own, made] = [own, made].map(|text| text.unwrap_or("(end of the file)"));
-            return format!(
-                "{path}:{line} is not as it is made; `cargo xtask pages` writes it\n  found: {own}\n  made:  {made}"
-            );
-        }
-        line += 1;
-    }
+    let ended = std::iter::repeat("(end of the file)");
+    let (found, made) = (found.split('\n').chain(ended.clone()), expected.split('\n').chain(ended));
+    let mut lines = found.zip(made).zip(1..);
+    let ((found, made), line) = lines.find(|((a, b), _)| a != b).expect("the texts differ");
+    format!(
+        "{path}:{line} is not as it is made; `cargo xtask pages` writes it\n  found: {found}\n  made:  {made}"
+    )
 }
 
 const BEGIN: &str = "<!-- data: ";

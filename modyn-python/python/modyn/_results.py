@@ -1,12 +1,13 @@
 """The results of functions with several results: named tuples of arrays.
 
-`cargo xtask pages` writes this file.
+`cargo xtask pages` writes them.
 """
 
 from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
+# <!-- data: python-results -->
 __all__ = [
     "CentroidalMomentumDerivatives",
     "ConstrainedForwardDynamics",
@@ -347,3 +348,4 @@ class StepHessian(NamedTuple):
     """(2 nv, nv)"""
     dtau_dtau: NDArray[Any]
     """(nv, nv)"""
+# <!-- end -->

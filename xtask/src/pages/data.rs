@@ -73,17 +73,16 @@ impl Data {
 
     /// Returns the table with its source.
     pub(super) fn shown(&self) -> String {
-        table(&self.titles, &self.rows) + &self.source()
+        table(&self.titles.join(" | "), &self.rows) + &self.source()
     }
 }
 
-/// Returns a table in Markdown.
-pub(super) fn markdown<R: AsRef<[String]>>(
-    titles: &[impl AsRef<str>],
-    rows: impl IntoIterator<Item = R>,
-) -> String {
-    let titles: Vec<&str> = titles.iter().map(AsRef::as_ref).collect();
-    let mut text = format!("| {} |\n|{}\n", titles.join(" | "), "---|".repeat(titles.len()));
+/// Returns a table in Markdown. The titles are one text, as in the table.
+pub(super) fn markdown<R>(titles: &str, rows: impl IntoIterator<Item = R>) -> String
+where
+    R: AsRef<[String]>,
+{
+    let mut text = format!("| {titles} |\n|{}\n", "---|".repeat(titles.split(" | ").count()));
     for row in rows {
         let _ = writeln!(text, "| {} |", row.as_ref().join(" | "));
     }
@@ -91,9 +90,6 @@ pub(super) fn markdown<R: AsRef<[String]>>(
 }
 
 /// Returns a table in Markdown whose empty cells are one space.
-pub(super) fn table<R: AsRef<[String]>>(
-    titles: &[impl AsRef<str>],
-    rows: impl IntoIterator<Item = R>,
-) -> String {
+pub(super) fn table<R: AsRef<[String]>>(titles: &str, rows: impl IntoIterator<Item = R>) -> String {
     markdown(titles, rows).replace("|  |", "| |").replace("|  |", "| |")
 }

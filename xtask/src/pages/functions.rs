@@ -7,7 +7,7 @@ use super::data::markdown;
 
 /// Returns the table.
 pub(super) fn table() -> String {
-    let titles = ["function", "arguments", "result", "default", "`_with` parameters", "batch", "C"];
+    let titles = "function | arguments | result | default | `_with` parameters | batch | C";
     let of_one_state = Function::ALL.iter().filter(|function| function.batched().is_none());
     let rows = of_one_state.map(|function| {
         let row = function.row();
@@ -34,5 +34,5 @@ pub(super) fn table() -> String {
             c.into(),
         ]
     });
-    markdown(&titles, rows)
+    markdown(titles, rows)
 }

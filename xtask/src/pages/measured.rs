@@ -40,7 +40,7 @@ fn speed(file: &str, reference: &str) -> String {
         let cells = programs.iter().map(cell);
         [quantity.into(), robot.into()].into_iter().chain(cells).collect::<Vec<_>>()
     });
-    table(&titles, rows) + &data.source()
+    table(&titles.join(" | "), rows) + &data.source()
 }
 
 /// The README's table.
@@ -64,7 +64,7 @@ fn speed_in_short() -> String {
         let cell = |quantity| cell(quantity, robot).unwrap_or("not measured".into());
         [title.into(), cell("forward dynamics"), cell("forward dynamics derivatives")]
     });
-    table(&["robot", "forward dynamics", "its derivatives"], rows)
+    table("robot | forward dynamics | its derivatives", rows)
 }
 
 /// The least and the largest of numbers, as text.
@@ -95,12 +95,12 @@ fn batched(robot: &str) -> String {
 /// The first cells of a row of the firmware's table: core, scalar, level of optimisation, function.
 type Measurement<'a> = [&'a str; 4];
 
-/// The quotients of a column of the firmware's table: of each row over the row that `other` names.
-fn firmware(title: &str, other: fn(Measurement) -> Option<[String; 4]>) -> Vec<f64> {
+/// The quotients of a column of the firmware's table: of each row over the `other` row.
+fn firmware(title: &str, comparison: &str) -> Vec<f64> {
     let data = Data::load("firmware");
     let quotient = |row: &Vec<String>| {
         let own: Measurement = std::array::from_fn(|i| row[i].as_str());
-        let other = other(own)?;
+        let other = other(comparison, own)?;
         let other = other.each_ref().map(String::as_str);
         data.find(&other, title)?;
         Some(data.number(&own, title) / data.number(&other, title))
@@ -110,47 +110,29 @@ fn firmware(title: &str, other: fn(Measurement) -> Option<[String; 4]>) -> Vec<f
     found
 }
 
-/// The row of the same function under another name, for a row at opt-level 3 on a core that has the scalar.
-fn renamed([core, scalar, level, _]: Measurement, name: String) -> Option<[String; 4]> {
-    let fits = level == "3" && (scalar == "f32" || core == "M7");
-    fits.then(|| [core.into(), scalar.into(), level.into(), name])
+/// Returns the row of the firmware's table with which a row is compared in `comparison`.
+fn other(comparison: &str, [core, scalar, level, function]: Measurement) -> Option<[String; 4]> {
+    let has_scalar = scalar == "f32" || core == "M7";
+    let is_dynamics = function.ends_with("_dynamics`");
+    let renamed = |from, to: &str| Some(to.to_owned() + function.strip_prefix(from)?);
+    let (scalar, function) = match (comparison, level) {
+        ("shared limbs", "3") if has_scalar && is_dynamics => {
+            (scalar, renamed("`legs_shared::", "`legs::")?)
+        }
+        ("C and Rust", "3") if has_scalar => (scalar, renamed("`arm7_c::", "`arm7::")?),
+        ("opt-level s", "s") if function == "`arm7::forward_dynamics`" => (scalar, function.into()),
+        ("f64 by software", "3") if is_dynamics && core == "M4F" && scalar == "f64" => {
+            ("f32", function.into())
+        }
+        _ => return None,
+    };
+    Some([core.into(), scalar.into(), "3".into(), function])
 }
 
-/// The row of the same limbs one by one, for a row of shared limbs.
-fn shared(row: Measurement) -> Option<[String; 4]> {
-    let name = row[3].strip_prefix("`legs_shared::").filter(|name| name.ends_with("_dynamics`"))?;
-    renamed(row, format!("`legs::{name}"))
-}
-
-/// The row of the Rust function, for a row of the same function in C.
-fn rust(row: Measurement) -> Option<[String; 4]> {
-    renamed(row, format!("`arm7::{}", row[3].strip_prefix("`arm7_c::")?))
-}
-
-/// The row at opt-level 3, for a row at "s".
-fn at_three([core, scalar, level, function]: Measurement) -> Option<[String; 4]> {
-    (level == "s" && function == "`arm7::forward_dynamics`")
-        .then(|| [core, scalar, "3", function].map(String::from))
-}
-
-/// The row in `f32` for one in `f64`, on a core that computes `f64` by software.
-fn single([core, scalar, level, function]: Measurement) -> Option<[String; 4]> {
-    (core == "M4F" && scalar == "f64" && level == "3" && function.ends_with("_dynamics`"))
-        .then(|| [core, "f32", level, function].map(String::from))
-}
-
-/// An estimate of the speed of a kernel on an H200.
-struct H200 {
-    /// The threads that the processor has at a time.
-    threads: usize,
-    /// The time of a state, or of a step of a rollout, if all instructions of a thread run at the full rate.
-    nanoseconds: f64,
-    /// The sum behind the time.
-    sum: String,
-}
-
-/// Estimates the speed of a kernel of the table `cuda`, by NVIDIA's data sheet of the H200.
-fn h200(robot: &str, kernel: &str, scalar: &str) -> H200 {
+/// Estimates the speed of a kernel of the table `cuda`, by NVIDIA's data sheet of the H200. Returns the threads that
+/// the processor has at a time, the time (ns) of a state or of a rollout's step if all instructions of a thread run at the full
+/// rate, and the sum behind the time.
+fn h200(robot: &str, kernel: &str, scalar: &str) -> (usize, f64, String) {
     const MULTIPROCESSORS: usize = 132;
     const REGISTERS: usize = 65_536;
     const MAX_WARPS: usize = 64;
@@ -168,7 +150,7 @@ fn h200(robot: &str, kernel: &str, scalar: &str) -> H200 {
     let sum = format!(
         "{instructions} instructions / ({MULTIPROCESSORS} * {lanes} * {GIGAHERTZ} GHz) = {nanoseconds:.3} ns a state"
     );
-    H200 { threads, nanoseconds, sum }
+    (threads, nanoseconds, sum)
 }
 
 /// The estimates for the kernels of the table `cuda`.
@@ -176,18 +158,12 @@ fn cuda_estimates() -> String {
     let data = Data::load("cuda");
     let rows = data.rows.iter().filter(|row| row[data.column("architecture")] == "sm_90");
     let rows = rows.map(|row| {
-        let estimate = h200(&row[0], &row[1], &row[2]);
-        let time = format!("{:.2}", estimate.nanoseconds);
-        [&row[..3], &[estimate.threads.to_string(), time]].concat()
+        let (threads, time, _) = h200(&row[0], &row[1], &row[2]);
+        [&row[..3], &[threads.to_string(), format!("{time:.2}")]].concat()
     });
-    let titles = [
-        "robot",
-        "kernel",
-        "scalar",
-        "threads at a time",
-        "estimate, ns a state (of a rollout: a step)",
-    ];
-    table(&titles, rows) + "\nEstimated from the table `docs/data/cuda.tsv`.\n"
+    let titles =
+        "robot | kernel | scalar | threads at a time | estimate, ns a state (of a rollout: a step)";
+    table(titles, rows) + "\nEstimated from the table `docs/data/cuda.tsv`.\n"
 }
 
 /// From how many states on the kernels of forward dynamics in `f64` are faster than batches on cores of a processor, by the
@@ -205,7 +181,7 @@ fn cuda_crossover() -> String {
         ("G1", "g1", "g1", Base::Fixed),
     ];
     let rows = robots.map(|(title, measured, file, base)| {
-        let kernel = h200(title, "`forward_dynamics`", "f64").nanoseconds;
+        let kernel = h200(title, "`forward_dynamics`", "f64").1;
         let core = speed.number(&["forward dynamics", measured, "modyn batch"], "ns");
         let file = root(&format!("tests/golden/{file}.urdf"));
         let model = Builder::new().urdf(file).base(base).plan().expect("a robot").model;
@@ -226,18 +202,10 @@ fn cuda_crossover() -> String {
             from(core / CORES, kernel + copies),
         ]
     });
-    let titles = [
-        "robot",
-        "one core, ns a state (measured)",
-        "kernel, ns a state",
-        "faster than one core from",
-        "than 16 cores from",
-        "copies, ns a state",
-        "with copies, than one core from",
-        "with copies, than 16 cores from",
-    ];
+    let titles = "robot | one core, ns a state (measured) | kernel, ns a state | faster than one core from \
+        | than 16 cores from | copies, ns a state | with copies, than one core from | with copies, than 16 cores from";
     let date = format!("{} of {}", speed.note("command"), speed.note("date"));
-    table(&titles, rows)
+    table(titles, rows)
         + &format!(
             "\nEstimated from the tables `docs/data/cuda.tsv` and `docs/data/speed.tsv` (`{date}`).\n"
         )
@@ -245,33 +213,27 @@ fn cuda_crossover() -> String {
 
 /// The rows of the firmware's table that its page shows.
 fn firmware_in_short() -> String {
-    const SHOWN: [&str; 8] = [
-        "leg::forward_dynamics",
-        "arm7::brge_solve",
-        "arm7::mass_matrix",
-        "arm7::forward_dynamics",
-        "arm7::inverse_dynamics",
-        "arm7_c::forward_dynamics",
-        "legs::forward_dynamics",
-        "legs_shared::forward_dynamics",
-    ];
+    let names: Vec<&str> = "leg::forward_dynamics arm7::brge_solve arm7::mass_matrix arm7::forward_dynamics \
+        arm7::inverse_dynamics arm7_c::forward_dynamics legs::forward_dynamics legs_shared::forward_dynamics"
+        .split(' ')
+        .collect();
     let data = Data::load("firmware");
     let shown = |row: &&Vec<String>| {
         let function = row[3].trim_matches('`');
-        SHOWN.contains(&function) && (row[2] == "3" || function == "arm7::forward_dynamics")
+        names.contains(&function) && (row[2] == "3" || function == "arm7::forward_dynamics")
     };
     let mut rows: Vec<&[String]> = data.rows.iter().filter(shown).map(Vec::as_slice).collect();
-    let place = |row: &[String]| SHOWN.iter().position(|name| row[3].trim_matches('`') == *name);
+    let place = |row: &[String]| names.iter().position(|name| row[3].trim_matches('`') == *name);
     let core = |row: &[String]| data.rows.iter().position(|one| one[..3] == row[..3]);
     rows.sort_by_key(|row| (core(row), place(row)));
-    table(&data.titles, rows) + &data.source()
+    table(&data.titles.join(" | "), rows) + &data.source()
 }
 
 /// The rows of the table of machine code that its page shows: forward dynamics and its derivatives.
 fn machine_code_in_short() -> String {
     let data = Data::load("machine-code");
     let shown = data.rows.iter().filter(|row| row[1].starts_with("`forward_dynamics"));
-    table(&data.titles, shown) + &data.source()
+    table(&data.titles.join(" | "), shown) + &data.source()
 }
 
 /// Counts of the real robots, as part of a sentence.
@@ -307,7 +269,7 @@ fn quotient(place: &str) -> f64 {
 
 /// Returns the text of the mark `name`, if it is made of measurements.
 pub(super) fn text_of(name: &str) -> Option<String> {
-    let per_cent = |title, other| firmware(title, other).into_iter().map(|x| 100.0 * x);
+    let per_cent = |title, comparison| firmware(title, comparison).into_iter().map(|x| 100.0 * x);
     Some(match name {
         "speed" | "speed-cold" | "contacts-speed" | "contacts-speed-cold" => {
             speed(name, "modyn native")
@@ -318,18 +280,18 @@ pub(super) fn text_of(name: &str) -> Option<String> {
         "batched-ur5" => batched("ur5"),
         "batched-panda" => batched("panda"),
         "robots-in-short" => robots_in_short(),
-        "cuda-sum" => h200("Panda", "`forward_dynamics`", "f32").sum,
+        "cuda-sum" => h200("Panda", "`forward_dynamics`", "f32").2,
         "cuda-estimates" => cuda_estimates(),
         "cuda-crossover" => cuda_crossover(),
         "firmware" => firmware_in_short(),
         "machine-code" => machine_code_in_short(),
-        "f64-by-software" => range(firmware("instructions", single)),
-        "shared-flash" => range(per_cent("flash, with callees", shared)),
-        "shared-instructions" => range(per_cent("instructions", shared).map(|x| 100.0 - x)),
-        "c-instructions" => range(per_cent("instructions", rust)),
-        "c-flash" => range(per_cent("flash, with callees", rust)),
-        "small-flash" => range(per_cent("flash, with callees", at_three).map(|x| 100.0 - x)),
-        "small-instructions" => range(per_cent("instructions", at_three).map(|x| x - 100.0)),
+        "f64-by-software" => range(firmware("instructions", "f64 by software")),
+        "shared-flash" => range(per_cent("flash, with callees", "shared limbs")),
+        "shared-instructions" => range(per_cent("instructions", "shared limbs").map(|x| 100.0 - x)),
+        "c-instructions" => range(per_cent("instructions", "C and Rust")),
+        "c-flash" => range(per_cent("flash, with callees", "C and Rust")),
+        "small-flash" => range(per_cent("flash, with callees", "opt-level s").map(|x| 100.0 - x)),
+        "small-instructions" => range(per_cent("instructions", "opt-level s").map(|x| x - 100.0)),
         _ => {
             if let Some(place) = name.strip_prefix("ratio ") {
                 ratio(quotient(place))

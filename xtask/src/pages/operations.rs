@@ -40,31 +40,17 @@ impl Robot {
 }
 
 /// The functions that are counted for all robots. (The fixed ones have all functions.)
-const MAIN: [Function; 17] = [
-    Function::ForwardDynamics,
-    Function::InverseDynamics,
-    Function::BiasForces,
-    Function::MassMatrix,
-    Function::Brge,
-    Function::InverseDynamicsDerivatives,
-    Function::ForwardDynamicsDerivatives,
-    Function::InverseDynamicsVjp,
-    Function::InverseDynamicsJvp,
-    Function::ForwardDynamicsVjp,
-    Function::ForwardDynamicsJvp,
-    Function::InverseDynamicsHessian,
-    Function::ForwardDynamicsHessian,
-    Function::StepSemiImplicitHessian,
-    Function::StepRk4,
-    Function::StepImplicitMidpoint,
-    Function::StepImplicitMidpointDerivatives,
-];
+const MAIN: &str = "forward_dynamics inverse_dynamics bias_forces mass_matrix brge inverse_dynamics_derivatives \
+    forward_dynamics_derivatives inverse_dynamics_vjp inverse_dynamics_jvp forward_dynamics_vjp forward_dynamics_jvp \
+    inverse_dynamics_hessian forward_dynamics_hessian step_semi_implicit_hessian step_rk4 step_implicit_midpoint \
+    step_implicit_midpoint_derivatives";
 
 /// Returns the rows of the operations of a robot's functions.
 fn count(robot: &Robot) -> String {
     let is_fixed = robot.base == Base::Fixed;
     let all = Function::ALL.iter().copied().filter(|function| !function.is_of_constraints());
-    let functions: Vec<Function> = if is_fixed { all.collect() } else { MAIN.to_vec() };
+    let main = MAIN.split(' ').map(|name| Function::from_name(name).expect("a function"));
+    let functions: Vec<Function> = if is_fixed { all.collect() } else { main.collect() };
     let path = root(&format!("robots/{}.urdf", robot.file));
     // All functions of a humanoid together are longer than a text may be.
     let generated = functions.chunks(if is_fixed { 8 } else { 4 }).map(|functions| {
@@ -80,7 +66,7 @@ fn count(robot: &Robot) -> String {
         let all = all.find(|(one, _)| one == name);
         let all = all.map_or(scalar, |(_, all)| all.total());
         // A function of one state may have a second program, on vectors.
-        let one = MAIN.iter().any(|function| function.name() == *name);
+        let one = MAIN.split(' ').any(|function| function == *name);
         let lanes = all.checked_sub(scalar).filter(|&lanes| one && lanes > 0 && lanes < scalar);
         let lanes = lanes.map_or(String::new(), |lanes| lanes.to_string());
         let _ = writeln!(text, "{}\t{scalar}\t{lanes}", robot.key(name).join("\t"));
@@ -105,22 +91,21 @@ fn cell(data: &Data, robot: &Robot, function: &str, lanes: bool) -> String {
     if lanes && !in_lanes.is_empty() { format!("{count} ({in_lanes})") } else { count.into() }
 }
 
-/// Robots by functions.
-fn operations(functions: &[(&str, &str)], lanes: bool) -> String {
+/// Robots by functions, whose titles are their names or, with `in_words`, words.
+fn operations(functions: &str, in_words: bool, lanes: bool) -> String {
     let data = Data::load("operations");
-    let titles: Vec<&str> = ["robot"].into_iter().chain(functions.iter().map(|f| f.0)).collect();
+    let title = |function: &str| match function.strip_suffix("_derivatives") {
+        _ if !in_words => format!("`{function}`"),
+        _ if function == "brge" => "U D U^T".into(),
+        Some(of) => format!("derivatives of {}", of.replace('_', " ")),
+        None => function.replace('_', " "),
+    };
+    let titles: Vec<String> = functions.split(' ').map(title).collect();
     let rows = ROBOTS.iter().map(|robot| {
-        let cells = functions.iter().map(|(_, function)| cell(&data, robot, function, lanes));
+        let cells = functions.split(' ').map(|function| cell(&data, robot, function, lanes));
         [robot.title()].into_iter().chain(cells).collect::<Vec<_>>()
     });
-    table(&titles, rows)
-}
-
-/// Robots by functions under their names, with the operations in lanes in brackets.
-fn by_name(functions: &[&str]) -> String {
-    let titles: Vec<String> = functions.iter().map(|function| format!("`{function}`")).collect();
-    let titled = titles.iter().map(String::as_str).zip(functions.iter().copied());
-    operations(&titled.collect::<Vec<_>>(), true)
+    table(&format!("robot | {}", titles.join(" | ")), rows)
 }
 
 /// modyn's operations beside CasADi's instructions.
@@ -128,10 +113,8 @@ fn beside_casadi() -> String {
     let (own, casadi) = (Data::load("operations"), Data::load("casadi"));
     let functions =
         ["forward_dynamics", "inverse_dynamics", "mass_matrix", "forward_dynamics_derivatives"];
-    let mut titles = vec![String::from("robot")];
-    for function in functions {
-        titles.extend([format!("{}: modyn", function.replace('_', " ")), "CasADi".into()]);
-    }
+    let title = |function: &str| format!(" | {}: modyn | CasADi", function.replace('_', " "));
+    let titles = functions.map(title).concat();
     let theirs = |robot: &Robot, function| casadi.find(&[function, robot.measured], "instructions");
     let measured = |robot: &&Robot| functions.iter().any(|f| theirs(robot, f).is_some());
     let rows = ROBOTS.iter().filter(measured).map(|robot| {
@@ -142,19 +125,14 @@ fn beside_casadi() -> String {
         }
         row
     });
-    table(&titles, rows)
+    table(&format!("robot{titles}"), rows)
 }
 
 /// The derivatives in closed form beside those by tangents.
 fn beside_tangents() -> String {
     let (own, tangents) = (Data::load("operations"), Data::load("tangents"));
-    let titles = [
-        "robot",
-        "derivatives of inverse dynamics, closed form",
-        "by tangents",
-        "derivatives of forward dynamics, closed form",
-        "by tangents of the inverse dynamics",
-    ];
+    let titles = "robot | derivatives of inverse dynamics, closed form | by tangents \
+        | derivatives of forward dynamics, closed form | by tangents of the inverse dynamics";
     let rows = ROBOTS.iter().map(|robot| {
         let own = |function| cell(&own, robot, function, false);
         let by_tangents = |title| tangents.cell(&[robot.measured], title).into();
@@ -166,7 +144,7 @@ fn beside_tangents() -> String {
             by_tangents("derivatives of forward dynamics"),
         ]
     });
-    table(&titles, rows)
+    table(titles, rows)
 }
 
 /// The time of each function's compilation, with its operations.
@@ -182,35 +160,34 @@ fn functions() -> String {
 
 /// Returns the text of the mark `name`, if it is a table of operations.
 pub(super) fn text_of(name: &str) -> Option<String> {
-    let main = [
-        ("forward dynamics", "forward_dynamics"),
-        ("inverse dynamics", "inverse_dynamics"),
-        ("mass matrix", "mass_matrix"),
-        ("U D U^T", "brge"),
-        ("derivatives of inverse dynamics", "inverse_dynamics_derivatives"),
-        ("derivatives of forward dynamics", "forward_dynamics_derivatives"),
-    ];
-    Some(match name {
-        "functions" => functions(),
-        "operations" => operations(&[&main[..4], &main[5..]].concat(), false),
-        "operations-in-lanes" => operations(&[&main[..3], &main[4..]].concat(), true),
-        "adjoints" => by_name(&[
-            "inverse_dynamics",
-            "inverse_dynamics_vjp",
-            "inverse_dynamics_jvp",
-            "forward_dynamics",
-            "forward_dynamics_vjp",
-            "forward_dynamics_jvp",
-        ]),
-        "hessians" => by_name(&["inverse_dynamics_hessian", "forward_dynamics_hessian"]),
-        "step-hessians" => by_name(&["forward_dynamics_hessian", "step_semi_implicit_hessian"]),
+    let (functions, in_words, lanes) = match name {
+        "functions" => return Some(self::functions()),
+        "casadi" => return Some(beside_casadi()),
+        "tangents" => return Some(beside_tangents()),
+        "operations" => (
+            "forward_dynamics inverse_dynamics mass_matrix brge forward_dynamics_derivatives",
+            true,
+            false,
+        ),
+        "operations-in-lanes" => (
+            "forward_dynamics inverse_dynamics mass_matrix inverse_dynamics_derivatives forward_dynamics_derivatives",
+            true,
+            true,
+        ),
+        "adjoints" => (
+            "inverse_dynamics inverse_dynamics_vjp inverse_dynamics_jvp forward_dynamics \
+             forward_dynamics_vjp forward_dynamics_jvp",
+            false,
+            true,
+        ),
+        "hessians" => ("inverse_dynamics_hessian forward_dynamics_hessian", false, true),
+        "step-hessians" => ("forward_dynamics_hessian step_semi_implicit_hessian", false, true),
         "steps" => {
-            by_name(&["step_rk4", "step_implicit_midpoint", "step_implicit_midpoint_derivatives"])
+            ("step_rk4 step_implicit_midpoint step_implicit_midpoint_derivatives", false, true)
         }
-        "casadi" => beside_casadi(),
-        "tangents" => beside_tangents(),
         _ => return None,
-    })
+    };
+    Some(operations(functions, in_words, lanes))
 }
 
 /// The gradient of forward dynamics takes at most 2.65 times the operations of forward dynamics, for each robot.

@@ -28,28 +28,18 @@ fn table(rows: impl Iterator<Item = &'static OptionRow>, columns: usize) -> Stri
         cells.truncate(columns);
         cells
     });
-    markdown(&titles[..columns], rows)
+    markdown(&titles[..columns].join(" | "), rows)
 }
 
-/// Returns the text of the page.
-pub(super) fn page() -> String {
-    let files = OPTIONS.iter().filter(|row| row.entries == Entries::Files);
-    let files: Vec<String> = files.map(|row| format!("`{}`", row.name)).collect();
-    format!(
-        "# Options at each entry\n\n\
-         Each option has one name at every entry: the macro (`modyn!(\"arm.urdf\", scalar = f32)`), the builder\n\
-         (`Builder::new().scalar(FloatType::F32)`; `crate_` for `crate`, which is a keyword), the command line\n\
-         (`--scalar f32`) and the first lines of generated files. Values have one syntax. On the command line outer\n\
-         brackets and the quotes around plain names can be left out, and a flag has no value.\n\n\
-         This page is made from the table in `modyn-codegen/src/options.rs`.\n\n{}\n\
-         The macro does not have {}: it names the type as `pub(crate) Name = \"robot.urdf\"`, and writes no file.\n\n\
-         The first lines of a file that `modyn generate` wrote say the options that it was made with. The\n\
-         documentation of the generated type lists its scalar, functions, gravity, friction and run-time parameters;\n\
-         its tables show the joints, links and modules that the other options lead to. C source is `Builder::generate_c` or `--target c`, and the\n\
-         header of exported functions `Generated::c_header` or `--c-header`.\n",
-        table(OPTIONS.iter(), 6),
-        files.join(", "),
-    )
+/// Returns the page's table.
+pub(super) fn whole() -> String {
+    table(OPTIONS.iter(), 6)
+}
+
+/// Returns the names of the options that only files have.
+pub(super) fn of_files() -> String {
+    let rows = OPTIONS.iter().filter(|row| row.entries == Entries::Files);
+    rows.map(|row| format!("`{}`", row.name)).collect::<Vec<_>>().join(", ")
 }
 
 /// Returns the table of the options that the macro has.

@@ -186,18 +186,7 @@ fn is_optional(name: &str) -> bool {
 
 /// Returns the methods in Rust.
 pub(super) fn methods() -> String {
-    let mut text = String::from(
-        "//! A method for each function of modyn's table.\n\
-         //!\n\
-         //! `cargo xtask pages` writes this file.\n\
-         #![allow(clippy::too_many_arguments)]\n\n\
-         use pyo3::prelude::*;\n\n\
-         use crate::robot::Robot;\n\n\
-         type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;\n\n\
-         #[rustfmt::skip]\n\
-         #[pymethods]\n\
-         impl Robot {\n",
-    );
+    let mut text = String::new();
     for (index, function, row) in functions() {
         for line in documentation(&row) {
             let _ = writeln!(text, "{}", format!("    /// {line}").trim_end());
@@ -227,8 +216,7 @@ pub(super) fn methods() -> String {
             given.join(", "),
         );
     }
-    text.truncate(text.trim_end().len());
-    text + "\n}\n"
+    text.trim_end().to_owned() + "\n"
 }
 
 /// The fields of a named tuple.
@@ -248,17 +236,8 @@ fn tuples() -> BTreeMap<&'static str, Fields> {
 
 /// Returns the types of results in Python.
 pub(super) fn results() -> String {
-    let mut text = String::from(
-        "\"\"\"The results of functions with several results: named tuples of arrays.\n\n\
-         `cargo xtask pages` writes this file.\n\"\"\"\n\n\
-         from typing import Any, NamedTuple\n\n\
-         from numpy.typing import NDArray\n\n\
-         __all__ = [\n",
-    );
-    for name in tuples().keys() {
-        let _ = writeln!(text, "    \"{name}\",");
-    }
-    text += "]\n";
+    let names: String = tuples().keys().map(|name| format!("    \"{name}\",\n")).collect();
+    let mut text = format!("__all__ = [\n{names}]\n");
     for (name, fields) in tuples() {
         let is_result = |row: &Row| matches!(result(row), Layout::Tuple(own, _) if own == name);
         let functions = functions().filter(|(_, _, row)| is_result(row));
