@@ -13,7 +13,7 @@ fn example(row: &OptionRow) -> Value {
 
 /// The first lines of the file that a builder writes.
 fn head(builder: &Builder) -> String {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("options");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("options_of_files");
     std::fs::create_dir_all(&folder).expect("a folder");
     let file = folder.join("robot.rs");
     builder.write(&file).unwrap_or_else(|errors| panic!("{errors}"));
