@@ -241,7 +241,7 @@ fn feet_stay_above_the_ground_and_impacts_take_energy() {
     assert_ne!(run(&["--ground", "0"]).out, found.out);
 }
 
-/// The lowest foot of a quadruped starts on the ground, whatever its posture, unless its coordinates are given.
+/// A floating quadruped starts with its lowest foot on the ground, in any posture. Coordinates that are given take precedence.
 #[test]
 fn a_floating_robot_starts_on_the_ground() {
     let depth = |more: &[&str]| {
