@@ -168,7 +168,7 @@ mod tests {
         assert_eq!(call(Function::ForwardDynamics), "forward_dynamics(&s.q, &s.qd, &s.u)");
         assert_eq!(call(Function::Integrate), "integrate(&s.q, &s.qd)");
         assert_eq!(call(Function::Brge), "brge(&s.q).solve(&s.u)");
-        let default = Function::DEFAULT.iter().filter(|function| !function.is_of_constraints());
+        let default = Function::DEFAULT.iter().filter(|function| !function.row().of_constraints);
         let compared: Vec<Function> = quantities().map(|quantity| quantity.function).collect();
         let left: Vec<&Function> = default.filter(|one| !compared.contains(one)).collect();
         let expected = [

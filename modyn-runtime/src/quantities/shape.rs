@@ -1,6 +1,8 @@
 //! The layout of arguments and results: a sequence of scalars and its grouping, independent of any language.
 
-use modyn_runtime::model::Model;
+use alloc::{boxed::Box, format, string::String, vec, vec::Vec};
+
+use crate::model::Model;
 
 /// A layout of scalars.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -199,7 +201,8 @@ pub struct Sizes {
 
 impl Sizes {
     /// Returns the sizes of a model whose mass matrix has this number of factors.
-    pub(crate) fn new(model: &Model, factors: usize) -> Self {
+    #[must_use]
+    pub fn new(model: &Model, factors: usize) -> Self {
         Self {
             nq: model.nq(),
             nv: model.nv(),
@@ -215,8 +218,12 @@ impl Sizes {
 
 /// The layouts in the table of functions.
 #[rustfmt::skip]
-pub(super) mod shapes {
-    use modyn_runtime::model::PARAMETERS_PER_LINK;
+#[allow(missing_docs)]
+#[doc(hidden)]
+pub mod shapes {
+    use alloc::{vec, vec::Vec};
+
+    use crate::model::PARAMETERS_PER_LINK;
 
     use super::{Record, Shape, Sizes};
 
@@ -406,7 +413,9 @@ pub(super) mod shapes {
 
 #[cfg(test)]
 mod tests {
-    use modyn_runtime::{ConstraintSettings, ContactTarget};
+    use alloc::vec;
+
+    use crate::{ConstraintSettings, ContactTarget};
 
     use super::{Shape, Sizes, shapes};
 
