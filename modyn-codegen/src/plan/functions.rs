@@ -10,7 +10,7 @@ use modyn_runtime::quantities::{Argument, ArgumentKind, Function, Shape, Sizes};
 use super::Tracing;
 use crate::diagnostics::suggest;
 use crate::graph::{Expr, Graph};
-use crate::trace::Tracer;
+use crate::trace::{Solvers, Tracer};
 
 pub(crate) use lengths::estimated_length;
 
@@ -205,6 +205,29 @@ impl Lowering {
                 None => Self::EVALUATED,
             },
         }
+    }
+}
+
+impl<'a> Tracing<'a> {
+    /// Returns the graph of a function that is none of one link, on scalars or as `tracer` packs it.
+    pub(super) fn graph(&self, function: Function, tracer: &Tracer<'a>) -> Graph {
+        match Lowering::of(function).source {
+            GraphSource::Traced(trace) => trace(tracer, self),
+            GraphSource::Poses => self.all_links.link_poses(),
+            GraphSource::Evaluation => {
+                let on_links =
+                    function.row().arguments.iter().any(|a| a.kind == ArgumentKind::Wrenches);
+                let tracer = if on_links { &self.all_links } else { tracer };
+                self.evaluation(function, tracer)
+            }
+        }
+    }
+
+    /// Returns the graph of a function's evaluation on expressions. A function of one link is that of the tracer's link.
+    pub(super) fn evaluation(&self, function: Function, tracer: &Tracer<'_>) -> Graph {
+        let Self { elimination, layout, for_derivatives, .. } = self;
+        let solvers = Solvers { elimination, layout, for_derivatives };
+        tracer.evaluation(function, self.model, Some(&solvers))
     }
 }
 

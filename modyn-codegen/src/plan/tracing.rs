@@ -5,14 +5,12 @@ use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
-use modyn_runtime::quantities::{ArgumentKind, Function, Sizes};
+use modyn_runtime::quantities::Sizes;
 
 use super::frames::Frames;
-use super::functions::{GraphSource, Lowering};
 use super::partition::{self, ChosenPartition};
 use super::strategy::{CodeForm, Strategy};
-use crate::graph::Graph;
-use crate::trace::{LimbPacking, Parameters, Solvers, Tracer};
+use crate::trace::{LimbPacking, Parameters, Tracer};
 
 /// A robot in the forms that tracers read.
 pub(super) struct TracedRobot {
@@ -37,7 +35,7 @@ impl TracedRobot {
 /// The inputs of tracing.
 pub struct Tracing<'a> {
     /// The robot as it is described.
-    model: &'a Model,
+    pub(super) model: &'a Model,
     /// The robot on expressions.
     pub tracer: Tracer<'a>,
     /// The robot on expressions, with all its links. `tracer` has links only if some are run-time parameters.
@@ -106,27 +104,6 @@ impl<'a> Tracing<'a> {
             limbs,
             partitions,
         }
-    }
-
-    /// Returns the graph of a function that is none of one link, on scalars or as `tracer` packs it.
-    pub(super) fn graph(&self, function: Function, tracer: &Tracer<'a>) -> Graph {
-        match Lowering::of(function).source {
-            GraphSource::Traced(trace) => trace(tracer, self),
-            GraphSource::Poses => self.all_links.link_poses(),
-            GraphSource::Evaluation => {
-                let on_links =
-                    function.row().arguments.iter().any(|a| a.kind == ArgumentKind::Wrenches);
-                let tracer = if on_links { &self.all_links } else { tracer };
-                self.evaluation(function, tracer)
-            }
-        }
-    }
-
-    /// Returns the graph of a function's evaluation on expressions. A function of one link is that of the tracer's link.
-    pub(super) fn evaluation(&self, function: Function, tracer: &Tracer<'_>) -> Graph {
-        let Self { elimination, layout, for_derivatives, .. } = self;
-        let solvers = Solvers { elimination, layout, for_derivatives };
-        tracer.evaluation(function, self.model, Some(&solvers))
     }
 
     /// Returns the number of run-time parameters of a function; zero unless it depends on them.

@@ -8,6 +8,7 @@
 mod arguments;
 #[cfg(feature = "alloc")]
 mod evaluate;
+pub(crate) mod layouts;
 #[cfg(feature = "alloc")]
 mod row;
 #[cfg(feature = "alloc")]

@@ -5,6 +5,7 @@ mod array;
 mod embedded_model;
 mod factorization;
 mod functions;
+#[macro_use]
 mod types;
 
 use crate::Scalar;
@@ -23,7 +24,6 @@ use crate::results::{
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 use functions::{declare_function, declare_functions, missing};
-use types::{argument_type, kind_type, result_type};
 
 #[cfg(feature = "alloc")]
 pub use embedded_model::EmbeddedModel;

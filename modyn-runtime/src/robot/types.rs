@@ -1,5 +1,7 @@
 //! The types of the arguments and results of a robot's functions, by the kinds and layouts of the table.
 
+use crate::quantities::{layouts, table};
+
 /// The type of an argument of this kind.
 macro_rules! kind_type {
     (Coordinates) => { &Self::Q<T> };
@@ -25,93 +27,14 @@ macro_rules! declare_argument_type {
 
 table::arguments!(declare_argument_type);
 
-/// The type of a result of this layout.
-macro_rules! result_type {
-    (scalar) => { T };
-    (coordinates) => { Self::Q<T> };
-    (velocities) => { Self::V<T> };
-    (square) => { Self::M<T> };
-    (factors) => { Self::UduFactorization<T> };
-    (regressor) => { Self::Regressor<T> };
-    (point) => { [T; 3] };
-    (vectors3) => { Self::PerVelocity<Vector3<T>> };
-    (pose) => { Pose<T> };
-    (poses) => { Self::PerLink<Pose<T>> };
-    (twist) => { Twist<T> };
-    (twists) => { Self::PerVelocity<Twist<T>> };
-    (momentum) => { Momentum<T> };
-    (momenta) => { Self::PerVelocity<Momentum<T>> };
-    (generalized_forces) => { GeneralizedForces<Self::V<T>, Self::M<T>> };
-    (inverse_derivatives) => { InverseDynamicsDerivatives<Self::M<T>> };
-    (forward_derivatives) => { ForwardDynamicsDerivatives<Self::V<T>, Self::M<T>> };
-    (inverse_vjp) => { InverseDynamicsVjp<Self::V<T>> };
-    (inverse_jvp) => { InverseDynamicsJvp<Self::V<T>> };
-    (forward_vjp) => { ForwardDynamicsVjp<Self::V<T>> };
-    (forward_jvp) => { ForwardDynamicsJvp<Self::V<T>> };
-    (inverse_hessian) => { InverseDynamicsHessian<Self::V<T>, Self::M<T>> };
-    (forward_hessian) => { ForwardDynamicsHessian<Self::V<T>, Self::M<T>> };
-    (integrate_derivatives) => { IntegrateDerivatives<Self::M<T>> };
-    (difference_derivatives) => { DifferenceDerivatives<Self::M<T>> };
-    (centroidal_derivatives) => {
-        CentroidalMomentumDerivatives<Momentum<T>, Self::PerVelocity<Momentum<T>>>
-    };
-    (step) => { Step<Self::Q<T>, Self::V<T>> };
-    (step_derivatives) => {
-        StepDerivatives<
-            Self::Q<T>,
-            Self::V<T>,
-            Self::PerState<Self::PerState<T>>,
-            Self::PerVelocity<Self::PerState<T>>,
-        >
-    };
-    (step_hessian) => {
-        StepHessian<
-            Self::Q<T>,
-            Self::V<T>,
-            Self::PerState<T>,
-            Self::V<T>,
-            Self::PerState<Self::PerState<T>>,
-            Self::PerVelocity<Self::PerState<T>>,
-            Self::M<T>,
-        >
-    };
-    (constrained) => {
-        ConstrainedForwardDynamics<
-            Self::V<T>,
-            Self::PerConstraint<Wrench<T>>,
-            Self::PerConstraint<Twist<T>>,
-            T,
-        >
-    };
-    (constrained_derivatives) => {
-        ConstrainedForwardDynamicsDerivatives<
-            Self::V<T>,
-            Self::PerConstraint<Wrench<T>>,
-            Self::M<T>,
-            Self::PerConstraint<Self::PerVelocity<Wrench<T>>>,
-            T,
-        >
-    };
-    (constrained_hessian) => {
-        ConstrainedForwardDynamicsHessian<
-            Self::V<T>,
-            Self::PerConstraint<Wrench<T>>,
-            Self::M<T>,
-            T,
-        >
-    };
-    (constraint_residual) => { ConstraintResidual<Self::PerConstraint<Twist<T>>> };
-    (constraint_projection) => { ConstraintProjection<Self::V<T>, T> };
-    (contact_impulse) => { ContactImpulse<Self::V<T>, Self::PerConstraint<Wrench<T>>, T> };
-    (constrained_torques) => {
-        ConstrainedInverseDynamics<Self::V<T>, Self::PerConstraint<Wrench<T>>, T>
-    };
-    (constraint_jacobian) => { Self::PerConstraint<Self::PerVelocity<Twist<T>>> };
-    (constraint_twists) => { Self::PerConstraint<Twist<T>> };
-    (operational_inertia) => {
-        OperationalInertia<Self::PerConstraintRow<Self::PerConstraintRow<T>>, T>
+/// Declares the macro that returns the type of a result of this layout.
+macro_rules! declare_result_type {
+    ($($name:ident ($($type:tt)*) |$sizes:pat_param| $layout:expr;)*) => {
+        /// The type of a result of this layout.
+        macro_rules! result_type {
+            $(($name) => { $($type)* };)*
+        }
     };
 }
 
-use crate::quantities::table;
-pub(super) use {argument_type, kind_type, result_type};
+layouts::layouts!(declare_result_type);
