@@ -63,9 +63,9 @@ pub fn joint(
         report.error(code, at, Some(&subject), message, help);
     };
     let first = |name: &str| polynomial(item, name).0;
-    if first("stiffness") != 0.0
-        || item.numbers("springdamper").is_some_and(|[time, _]: [f64; 2]| time != 0.0)
-    {
+    let damper: Option<[f64; 2]> = item.numbers("springdamper");
+    let has_spring = first("stiffness") != 0.0 || damper.is_some_and(|[time, _]| time != 0.0);
+    if has_spring && model.settings.springs {
         let help =
             "remove `stiffness` and `springdamper`, and give the spring's torque with the others";
         refuse(Code::NotRead, "its spring is not read", help);
