@@ -354,7 +354,8 @@ fn servo_actuators_are_named_and_sites_are_frames() {
         <motor joint="j" forcerange="-1 1"/>
         <position joint="j" kp="high"/>
         <general joint="j" biastype="affine"/></actuator>
-      <sensor><jointpos joint="j"/></sensor></mujoco>"#;
+      <sensor><jointpos joint="j"/></sensor><keyframe>
+      <key qpos="1"/><key/></keyframe></mujoco>"#;
     let reading = modyn_codegen::read_mjcf(text, "m.xml", &ReadOptions::default());
     let reading = reading.expect("an MJCF");
     let found: Vec<_> = reading
@@ -364,7 +365,8 @@ fn servo_actuators_are_named_and_sites_are_frames() {
         .collect();
     let message = "the controller of its actuator is not read: the argument of the dynamics is the joint force; the same \
                    holds for joint `j` (line 8)";
-    assert_eq!(found, [(Code::NotRead, Some(7), message)]);
+    let keys = "the keyframe is not read; the same holds for line 10";
+    assert_eq!(found, [(Code::NotRead, Some(7), message), (Code::NotRead, Some(10), keys)]);
     let help = reading.warnings[0].help.as_deref().unwrap_or_default();
     assert!(help.contains("kp * (target"), "{help}");
     let frames: Vec<_> = reading
@@ -381,6 +383,31 @@ fn servo_actuators_are_named_and_sites_are_frames() {
         ("heel", Some(0), [0.0, 1.0, 0.0]),
     ];
     assert_eq!(frames, expected);
+}
+
+/// Springs and compensated gravity do not act, and are named once. They have no effect if the model says so.
+#[test]
+fn forces_that_do_not_act_are_named() {
+    let text = |flag: &str| {
+        format!(
+            r#"<mujoco model="m"><option><flag {flag}/></option><worldbody>
+            <body name="a" gravcomp="1"><joint name="j" stiffness="2"/><geom size="1"/>
+            <body name="b"><joint name="k"/><geom size="1"/>
+            <body name="c" gravcomp="0.5"><joint name="l" type="ball" stiffness="3"/><geom size="1"/></body></body></body>
+            <body gravcomp="1"/></worldbody></mujoco>"#
+        )
+    };
+    let warnings = |flag: &str| {
+        let reading = modyn_codegen::read_mjcf(&text(flag), "m.xml", &ReadOptions::default());
+        let warnings = reading.expect("an MJCF").warnings;
+        let line = |one: &modyn_codegen::diagnostics::Diagnostic| one.position.map(|at| at.line);
+        warnings.iter().map(|one| (line(one), one.message.clone())).collect::<Vec<_>>()
+    };
+    let spring = "its spring does not act; the same holds for joint `l` (line 4)";
+    let gravity = "its gravity is not compensated: `gravcomp` does not act; the same holds for link `c` (line 4)";
+    let [spring, gravity] = [spring, gravity].map(|message| (Some(2), message.to_owned()));
+    assert_eq!(warnings(r#"gravity="enable""#), [gravity.clone(), spring]);
+    assert_eq!(warnings(r#"spring="disable""#), [gravity]);
 }
 
 /// The largest force of a joint is that of its actuators, if each has a limit.
@@ -495,11 +522,11 @@ fn unsupported_elements_are_refused() {
         format!("<joint/><body><joint/>{inertial}<geom type=\"mesh\" mesh=\"m\"/></body>");
     for (bad, code, fixed) in [
         (r#"<joint class="nowhere"/>"#, Code::NotRead, r#"<joint class="main"/>"#),
-        (r#"<joint stiffness="2"/>"#, Code::NotRead, "<joint/>"),
+        (r#"<joint springdamper="1 1"/>"#, Code::NotRead, "<joint/>"),
         (
-            r#"<joint type="ball" damping="2"/>"#,
+            r#"<joint/></body><body><joint type="free" armature="2"/><geom size="1"/>"#,
             Code::NotRead,
-            r#"<joint type="ball" damping="0"/>"#,
+            r#"<joint/></body><body><joint type="free" damping="2"/><geom size="1"/>"#,
         ),
         (r#"<joint damping="-2"/>"#, Code::NegativeJointDynamics, r#"<joint damping="2"/>"#),
         (r#"<joint damping="1 2"/>"#, Code::NotRead, r#"<joint damping="1"/>"#),
@@ -512,7 +539,6 @@ fn unsupported_elements_are_refused() {
         (r#"<joint type="screw"/>"#, Code::NotRead, r#"<joint type="slide"/>"#),
         ("<joint/><composite/>", Code::NotRead, "<joint/>"),
         ("<joint/><plugin/>", Code::NotRead, "<joint/>"),
-        (r#"<joint/><body gravcomp="1"/>"#, Code::NotRead, r#"<joint/><body gravcomp="0"/>"#),
         (
             r#"<joint/><body><joint/><geom type="mesh" mesh="m"/></body>"#,
             Code::MissingElement,

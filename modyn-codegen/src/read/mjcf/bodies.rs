@@ -10,12 +10,12 @@ use super::element::{Element, MAX_DEPTH};
 use super::geoms;
 use super::inertia;
 use super::item::{Item, Naming};
-use super::joints::{self, is_free};
+use super::joints::{self, has_spring, is_free};
 use super::mesh::Meshes;
 use super::models::{Model, Source};
 use super::pose::euler;
 use crate::description::{Description, InertialRecord, JointRecord, Kind, LinkRecord, Located};
-use crate::diagnostics::{Code, Report, Severity};
+use crate::diagnostics::{Code, Place, Report, Severity, Subject};
 
 /// The largest number of bodies, joints, geoms and sites: models and replicas in each other have exponentially many.
 const MAX_ITEMS: usize = 1_000_000;
@@ -39,6 +39,10 @@ pub struct Bodies<'e, 'r, 'f> {
     open: Vec<usize>,
     /// The number of elements so far.
     items: usize,
+    /// The joints with springs.
+    springs: Vec<Place>,
+    /// The bodies with compensated gravity.
+    compensated: Vec<Place>,
     pub report: &'r mut Report<'f>,
 }
 
@@ -97,6 +101,8 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
             attached: vec![(0, naming.clone())],
             open: vec![0],
             items: 0,
+            springs: Vec::new(),
+            compensated: Vec::new(),
             report,
         };
         bodies.link("world".into(), root.at, 0);
@@ -124,6 +130,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
         }
         bodies.add_sites();
         bodies.scale_to_total_mass();
+        bodies.warn_of_forces();
         bodies
     }
 
@@ -311,6 +318,9 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
             });
             let model = &self.models[joint.model];
             let (made, reference) = joints::joint(joint, &joint_name, model, self.report);
+            if has_spring(joint, model) {
+                self.springs.push((Some(place), Some(Subject::Joint(joint_name.clone()))));
+            }
             if is_free(joint) {
                 let alone = parent.link == 0 && parts.joints.len() == 1;
                 joints::check_free(
@@ -354,16 +364,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
         self.places.entry(name.clone()).or_insert((above, drawn));
         let moves = self.carriers[above] != 0;
         if moves && item.number("gravcomp").is_some_and(|factor| factor != 0.0) {
-            let at = element.attribute("gravcomp").map_or(at, |attribute| attribute.at);
-            let help =
-                "forces against gravity are not supported: write 0, and give them as torques";
-            self.report.error(
-                Code::NotRead,
-                at,
-                None,
-                "`gravcomp` of a body that moves is not read",
-                help,
-            );
+            self.compensated.push((Some(at), Some(Subject::Link(name.clone()))));
         }
         let inertial = self.inertial(&item, &name, &parts, moves);
         self.description.links[above].inertial = inertial;
@@ -489,6 +490,22 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
         }
         let inertial = inertia::bounded(inertial, settings);
         inertial.and_then(|inertial| record(inertial, true))
+    }
+
+    /// Warns once of each kind of force that does not act, and of keyframes.
+    fn warn_of_forces(&mut self) {
+        let message = "its spring does not act";
+        let help = "add `-stiffness * (q - springref)` to the joint force `tau`";
+        self.report.warn_once(Code::NotRead, &self.springs, message, help);
+        let message = "its gravity is not compensated: `gravcomp` does not act";
+        let help =
+            "add the joint forces that carry `gravcomp` times the weight of the body to `tau`";
+        self.report.warn_once(Code::NotRead, &self.compensated, message, help);
+        let keys = self.of_section("keyframe");
+        let keys: Vec<Place> = keys.iter().map(|key| (Some(key.element().at), None)).collect();
+        let help = "copy its `qpos` and `qvel` into the program, and convert those of free and ball joints by the functions \
+                    of `modyn::conventions::mujoco`";
+        self.report.warn_once(Code::NotRead, &keys, "the keyframe is not read", help);
     }
 
     /// Scales all masses and inertias, if the model has a total mass.

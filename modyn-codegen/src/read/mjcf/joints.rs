@@ -62,13 +62,10 @@ pub fn joint(
     let mut refuse = |code, message: &str, help: &str| {
         report.error(code, at, Some(&subject), message, help);
     };
-    let first = |name: &str| polynomial(item, name).0;
     let damper: Option<[f64; 2]> = item.numbers("springdamper");
-    let has_spring = first("stiffness") != 0.0 || damper.is_some_and(|[time, _]| time != 0.0);
-    if has_spring && model.settings.springs {
-        let help =
-            "remove `stiffness` and `springdamper`, and give the spring's torque with the others";
-        refuse(Code::NotRead, "its spring is not read", help);
+    if damper.is_some_and(|[time, _]| time != 0.0) {
+        let help = "write the `stiffness` and the `damping` that MuJoCo computes from it (`mj_saveLastXML`)";
+        refuse(Code::NotRead, "`springdamper` is not read", help);
     }
     for name in ["damping", "stiffness"] {
         if polynomial(item, name).1 {
@@ -85,17 +82,12 @@ pub fn joint(
         let message = "`armature`, `damping` or `frictionloss` is negative";
         refuse(Code::NegativeJointDynamics, message, help);
     }
-    let is_freejoint = item.element().name == "freejoint";
-    if !single && !is_freejoint && numbers.iter().any(|&number| number != 0.0) {
-        let message =
-            "`armature`, `damping` and `frictionloss` of a ball or free joint are not read";
+    if kind == "free" && (armature != 0.0 || friction != 0.0) {
+        // MuJoCo's act along the axes of the world, those of modyn along the axes of the body.
+        let message = "`armature` and `frictionloss` of a free joint are not read";
         refuse(Code::NotRead, message, "write 0, or the class that the joint should have");
     }
-    let dynamics = if single {
-        JointDynamics { armature, damping, friction }
-    } else {
-        JointDynamics::default()
-    };
+    let dynamics = JointDynamics { armature, damping, friction };
     let direction = item.numbers("axis").unwrap_or([0.0, 0.0, 1.0]);
     let axis =
         if single { normalized(direction).map(|(unit, _)| unit) } else { Some([0.0, 0.0, 1.0]) };
@@ -133,6 +125,11 @@ pub fn joint(
     let record = super::bodies::joint(name.into(), at);
     let reference = if single { angle * item.number("ref").unwrap_or(0.0) } else { 0.0 };
     (JointRecord { kind, axis, limits, dynamics, sound, ..record }, reference)
+}
+
+/// Returns whether a joint has a spring, which does not act.
+pub fn has_spring(item: &Item, model: &Model) -> bool {
+    model.settings.springs && polynomial(item, "stiffness").0 != 0.0
 }
 
 /// Returns the first coefficient of a polynomial, and whether it has others.
