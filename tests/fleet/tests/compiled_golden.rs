@@ -173,7 +173,12 @@ fn derivatives() {
         if !robot.spec.all {
             return;
         }
-        assert_close(name, values.other("forward_dynamics_derivatives.qdd"), &state.vector("qdd"), TOLERANCE);
+        assert_close(
+            name,
+            values.other("forward_dynamics_derivatives.qdd"),
+            &state.vector("qdd"),
+            TOLERANCE,
+        );
         for (found, expected) in [
             ("inverse_dynamics_derivatives.dq", "dtau_dq"),
             ("inverse_dynamics_derivatives.dqd", "dtau_dv"),
