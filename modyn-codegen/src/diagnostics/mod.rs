@@ -3,7 +3,7 @@
 mod code;
 mod diagnostic;
 mod display;
-mod line_index;
+pub(crate) mod line_index;
 mod report;
 mod suggest;
 

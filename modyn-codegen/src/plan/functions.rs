@@ -17,7 +17,7 @@ use arguments::{
     TO, UNIFORMS, V, WRENCH_COTANGENT,
 };
 
-pub(crate) use arguments::ARGUMENTS;
+pub use arguments::ARGUMENTS;
 pub use arguments::{Argument, ArgumentKind, BatchForm};
 pub(super) use arguments::{FACTORS, RHS};
 pub use row::{CForm, Packing, Row, Trace};
@@ -896,19 +896,4 @@ functions! {
     /// `operational_inertia` of many states at a time.
     OperationalInertiaBatch "operational_inertia_batch" =
         Row::many(OperationalInertia, Function::OperationalInertia);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{ARGUMENTS, Function};
-
-    #[test]
-    fn all_functions_have_their_arguments_in_one_order() {
-        for function in Function::ALL {
-            let places: Vec<usize> = (function.row().arguments.iter())
-                .map(|own| ARGUMENTS.iter().position(|one| one.name == own.name).expect("known"))
-                .collect();
-            assert!(places.is_sorted_by(|a, b| a < b), "{function:?}: {places:?}");
-        }
-    }
 }

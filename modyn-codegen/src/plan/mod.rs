@@ -8,7 +8,7 @@
 //! columns, and the balancing of sums (`packing`). A back end receives a [`Plan`] and prints it.
 
 mod bundle;
-mod casadi;
+pub(crate) mod casadi;
 mod choices;
 mod constants;
 mod factorization;
@@ -20,8 +20,8 @@ mod packing;
 pub mod partition;
 mod planned;
 mod programs;
-mod shape;
-mod strategy;
+pub(crate) mod shape;
+pub(crate) mod strategy;
 mod tracing;
 mod user;
 mod wrapped;
@@ -36,7 +36,7 @@ pub use choices::Choices;
 pub use constants::{BaseParameterTable, Constants};
 pub use factorization::FactorFunction;
 pub use frames::{Frames, LinkCode};
-pub(crate) use functions::ARGUMENTS;
+pub use functions::ARGUMENTS;
 pub use functions::{Argument, ArgumentKind, BatchForm, CForm, Function, Packing, Row, Trace};
 pub use measures::Measures;
 pub use packing::{COLUMN_LANES, LIMB_LIMITS};

@@ -215,7 +215,7 @@ impl Sizes {
 
 /// The layouts in the table of functions.
 #[rustfmt::skip]
-pub(super) mod shapes {
+pub(crate) mod shapes {
     use modyn_runtime::model::PARAMETERS_PER_LINK;
 
     use super::{Record, Shape, Sizes};
@@ -248,6 +248,7 @@ pub(super) mod shapes {
         Shape::Record(Record::Contacts, vec![("", Shape::vector(s.contacts))])
     }
 
+    /// Returns the layout of the settings of constraints.
     pub fn settings(s: &Sizes) -> Shape {
         let scalars = |names: &[&'static str]| -> Vec<(&'static str, Shape)> {
             names.iter().map(|&name| (name, Shape::Scalar)).collect()
@@ -401,58 +402,5 @@ pub(super) mod shapes {
     pub fn constraint_projection(s: &Sizes) -> Shape {
         let fields = vec![("dq", velocities(s)), ("dqd", velocities(s)), ("rank", Shape::Scalar)];
         named_fields("ConstraintProjection", fields)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use modyn_runtime::{ConstraintSettings, ContactTarget};
-
-    use super::{Shape, Sizes, shapes};
-
-    /// The runtime reads settings from numbers in the order of the layout.
-    #[test]
-    fn settings_have_the_order_of_the_runtime() {
-        let sizes = Sizes { contacts: 2, ..Sizes::default() };
-        let Shape::Record(_, mut settings) = shapes::settings(&sizes) else { panic!() };
-        let Some(("contacts", Shape::Array(target, 2, _))) = settings.pop() else { panic!() };
-        let Shape::Record(_, target) = *target else { panic!() };
-
-        let numbers = core::array::from_fn(|k| 2.0 + k as f64);
-        let own = ConstraintSettings::from_numbers(numbers, ());
-        assert_eq!(own.numbers(), numbers);
-        let value = |name| match name {
-            "alpha" => own.alpha,
-            "beta" => own.beta,
-            "tolerance" => own.tolerance,
-            "rounding" => own.rounding,
-            _ => panic!("{name}"),
-        };
-        assert!(settings.iter().map(|(name, _)| value(name)).eq(numbers));
-        assert!(settings.iter().all(|(_, shape)| *shape == Shape::Scalar));
-
-        let numbers = core::array::from_fn(|k| 7.0 + k as f64);
-        let own = ContactTarget::from_numbers(numbers);
-        assert_eq!(own.numbers(), numbers);
-        let values = |(name, shape): &(&str, Shape)| {
-            let scalar = |value| (Shape::Scalar, vec![value]);
-            let (expected, values) = match *name {
-                "pose" => {
-                    let rotation = own.pose.rotation.as_flattened();
-                    (Shape::pose(), [rotation, &own.pose.translation].concat())
-                }
-                "velocity" => (Shape::twist(), own.velocity.components().to_vec()),
-                "tangential" => scalar(own.tangential),
-                "alpha" => scalar(own.alpha),
-                "beta" => scalar(own.beta),
-                "compliance" => scalar(own.compliance),
-                "restitution" => scalar(own.restitution),
-                "weight" => scalar(own.weight),
-                _ => panic!("{name}"),
-            };
-            assert_eq!(*shape, expected, "{name}");
-            values
-        };
-        assert!(target.iter().flat_map(values).eq(numbers));
     }
 }

@@ -3,8 +3,8 @@
 //! `CasADi` finds derivatives by their names. For a function `f`, they are its Jacobian `jac_f`, products with it `fwd1_f` and
 //! `adj1_f`, and the Jacobian of the latter `jac_adj1_f`, which has the second derivatives of a weighted sum of the results.
 
-mod family;
-mod functions;
+pub(crate) mod family;
+pub(crate) mod functions;
 mod matrix;
 mod nonzeros;
 

@@ -119,7 +119,7 @@ pub(super) const CONTACTS: Argument = Argument::new("contacts", ArgumentKind::Co
 pub(super) const UNIFORMS: Argument = Argument::new("uniforms", ArgumentKind::RandomNumbers);
 
 /// The arguments of functions of the table, in the order that they have in every function.
-pub(crate) const ARGUMENTS: &[Argument] = &[
+pub const ARGUMENTS: &[Argument] = &[
     Q,
     QD,
     QDD,
