@@ -58,6 +58,7 @@ pub mod internals {
         CONFIGURATIONS, UNITS, Vec3, articulated, coordinates, motions, rotation, singular_joints,
     };
     pub use crate::diagnostics::line_index::LineIndex;
+    pub use crate::diagnostics::report::Report;
     pub use crate::emit::rust::embedded::in_any_edition;
     pub use crate::emit::rust::function::operations::literal;
     pub use crate::emit::rust::layout::indented;
@@ -65,10 +66,6 @@ pub mod internals {
     pub use crate::names::KEYWORDS;
     pub use crate::passes::balance::ready_times;
     pub use crate::passes::factor::factor;
-    pub use crate::plan::ARGUMENTS;
-    pub use crate::plan::casadi::family::results as casadi_results;
-    pub use crate::plan::casadi::functions::FUNCTIONS as CASADI_FUNCTIONS;
-    pub use crate::plan::shape::shapes::settings;
     pub use crate::plan::strategy::Strategy;
     pub use crate::program::argument_of;
     pub use crate::read::file::{not_text, read_at_most};

@@ -4,7 +4,7 @@ mod code;
 mod diagnostic;
 mod display;
 pub(crate) mod line_index;
-mod report;
+pub(crate) mod report;
 mod suggest;
 
 pub use code::Code;

@@ -1,10 +1,8 @@
 //! Parts of the compiler, one module each.
 
-mod arguments;
 mod balance;
 mod builder;
 mod casadi_matrix;
-mod casadi_names;
 mod check;
 mod code;
 mod cycles;
@@ -26,8 +24,8 @@ mod packed_programs;
 mod partition;
 mod places;
 mod read_file;
+mod report;
 mod selection;
-mod settings;
 mod singular_joints;
 mod size;
 mod suggest;

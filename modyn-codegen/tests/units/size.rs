@@ -117,7 +117,7 @@ fn the_estimate_is_of_the_constraints() {
         };
         let builder = Builder::new().urdf_text(urdf, "robot.urdf").base(base);
         let builder = builder.contacts(links.iter().map(contact));
-        for function in Function::ALL.iter().filter(|function| function.is_of_constraints()) {
+        for function in Function::ALL.iter().filter(|function| function.row().of_constraints) {
             let generated = builder.clone().functions([*function]).generate().expect("good");
             let (model, length) = (&generated.model, generated.text.len() as f64);
             let (bytes, _) =
