@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use modyn::batch::{SimdLevel, force_level};
+use modyn_runtime::batch::{SimdLevel, force_level};
 use modyn_runtime::Scalar;
 
 /// Locks the SIMD level, which belongs to the process, so that one test at a time changes it.
