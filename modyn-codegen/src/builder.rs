@@ -21,9 +21,9 @@ use crate::emit::{
 };
 use crate::options::{Bundle, ModuleChoice, OptionError, Options, Value, option_table, user};
 use crate::plan::{
-    CasadiPlan, Choices, CodeForm, Constants, Execution, Function, NamedFunction, Plan,
-    TracedFunction,
+    CasadiPlan, Choices, CodeForm, Constants, Function, NamedFunction, Plan, TracedFunction,
 };
+use crate::program::Execution;
 use crate::read::{Format, Reading};
 use crate::size::{Selected, too_large};
 use checks::{invalid_programs, moving_frames, without_casadi_form, without_hessian};
@@ -253,7 +253,7 @@ impl Builder {
         let mut inputs = self.inputs()?;
         // Self-contained files have neither vectors nor batches, which need the runtime.
         let self_contained = inputs.options.self_contained;
-        let plan = inputs.plan(if self_contained { Execution::Scalar } else { Execution::Vectors });
+        let plan = inputs.plan(if self_contained { Execution::Scalar } else { Execution::Simd });
         let Inputs { model, modules, choices, options } = inputs;
         let constants = Constants::new(&model, &choices);
         let Emitted { text, c_header, type_name } =
@@ -294,7 +294,7 @@ impl Builder {
     pub fn plan(&self) -> Result<Planning, Diagnostics> {
         let mut inputs = self.inputs()?;
         inputs.choices = inputs.choices.of_one_state();
-        let plan = inputs.plan(Execution::Vectors);
+        let plan = inputs.plan(Execution::Simd);
         let Inputs { model, options, .. } = inputs;
         Ok(Planning { plan, model, warnings: options.warnings })
     }

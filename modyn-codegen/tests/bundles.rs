@@ -18,10 +18,9 @@ fn with(builder: Builder, bundles: &str) -> Builder {
 /// Returns the operations of a planned function on scalars; those of a link for a function of one link.
 fn operations(planning: &Planning, planned: &Planned, link: Option<usize>) -> usize {
     let program = match (&planned.kernels, link) {
-        (Kernels::One(program) | Kernels::Dispatched { scalar: program, .. }, _) => program,
+        (Kernels::Straight { scalar, .. }, _) => scalar,
         (Kernels::ByLink(programs), Some(link)) => {
-            let mut own = planning.plan.frames.links_with_own_program();
-            &programs[own.position(|other| other == link).expect("a program of its own")]
+            &programs[planning.plan.frames.programs()[link].program]
         }
         _ => panic!("{}", planned.name),
     };

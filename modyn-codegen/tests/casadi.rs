@@ -7,7 +7,7 @@ use std::process::Command;
 use modyn_codegen::passes::optimize;
 use modyn_codegen::plan::{CasadiFunction, CasadiMatrix, CasadiPlan, Choices};
 use modyn_codegen::trace::{EntryDerivatives, Tracer};
-use modyn_codegen::{Base, Builder, CodeForm, FloatType, Function, ReadOptions, read_urdf};
+use modyn_codegen::{Base, Builder, FloatType, Function, ReadOptions, read_urdf};
 use modyn_runtime::Interpreter;
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::dynamics::Elimination;
@@ -166,13 +166,10 @@ const FUNCTIONS: [Function; 9] = [
 fn compare(model: &Model, gravity: bool, inertias: &[usize], payload: &[usize]) {
     let choices = Choices {
         functions: FUNCTIONS.to_vec(),
-        bundles: Vec::new(),
-        user_functions: Vec::new(),
-        share: false,
-        code: CodeForm::default(),
         runtime_gravity: gravity,
         runtime_inertia: inertias.to_vec(),
         payload: payload.to_vec(),
+        ..Choices::default()
     };
     let plan = CasadiPlan::new(model, &ModuleTree::links(model), &choices, "robot");
     assert_eq!(plan.without_hessian, [""; 0]);
@@ -222,16 +219,7 @@ fn a_pose_in_the_middle_of_a_tree_is_differentiated() {
 #[test]
 fn quaternions_have_any_length() {
     let model = model("double_pendulum", Base::Floating);
-    let choices = Choices {
-        functions: [Function::ForwardDynamics].to_vec(),
-        bundles: Vec::new(),
-        user_functions: Vec::new(),
-        share: false,
-        code: CodeForm::default(),
-        runtime_gravity: false,
-        runtime_inertia: Vec::new(),
-        payload: Vec::new(),
-    };
+    let choices = Choices { functions: [Function::ForwardDynamics].to_vec(), ..Choices::default() };
     let plan = CasadiPlan::new(&model, &ModuleTree::links(&model), &choices, "robot");
     let mut numbers = Numbers(3);
     let x = numbers.vector(model.nq() + 2 * model.nv());
@@ -254,13 +242,7 @@ fn patterns_have_the_zeros_of_the_structure() {
     let model = model("solo12", Base::Fixed);
     let choices = Choices {
         functions: [Function::ForwardDynamics, Function::MassMatrix].to_vec(),
-        bundles: Vec::new(),
-        user_functions: Vec::new(),
-        share: false,
-        code: CodeForm::default(),
-        runtime_gravity: false,
-        runtime_inertia: Vec::new(),
-        payload: Vec::new(),
+        ..Choices::default()
     };
     let plan = CasadiPlan::new(&model, &ModuleTree::links(&model), &choices, "solo");
     // Four legs of three joints: blocks on the diagonal.

@@ -3,7 +3,7 @@
 use modyn_codegen::graph::{Expr, Graph};
 use modyn_codegen::passes::{balance, optimize};
 use modyn_codegen::plan::LIMB_LIMITS;
-use modyn_codegen::program::{Operation, Program, Source, Target};
+use modyn_codegen::program::{Execution, Operation, Program, Source};
 use modyn_codegen::trace::{LimbPacking, Tracer};
 use modyn_codegen::{ReadOptions, read};
 use modyn_runtime::Scalar;
@@ -48,14 +48,14 @@ fn programs_on_scalars_agree_with_graphs() {
         let tracer = Tracer::new(&mechanism);
         let layout = UduLayout::new(&mechanism, &ModuleTree::links(&model));
         let graph = optimize(tracer.forward_dynamics_derivatives(&layout));
-        for target in [Target::Scalar, Target::Batch] {
+        for target in [Execution::Scalar, Execution::Batch] {
             let program = Program::new(&graph, model.nq() + 2 * model.nv(), target);
             cut += usize::from(program.chunks.len() > 1);
             assert_eq!(program.operations_per_call(), graph.count(), "{name}");
             same(&graph, &program);
         }
         let graph = balance(&optimize(tracer.inverse_dynamics()));
-        same(&graph, &Program::new(&graph, model.nq() + 2 * model.nv(), Target::Scalar));
+        same(&graph, &Program::new(&graph, model.nq() + 2 * model.nv(), Execution::Scalar));
     }
     assert!(cut >= 4, "{cut} programs were cut");
 }
@@ -71,7 +71,7 @@ fn packed_and_repeated_programs_agree_with_graphs() {
             let elimination = Elimination::Recursive(limbs.partition(&partition));
             let graph = optimize(tracer.packed(&limbs).forward_dynamics(&elimination));
             let count = model.nq() + 2 * model.nv();
-            let simd = Program::try_new(&graph, count, Target::Simd).expect("valid");
+            let simd = Program::try_new(&graph, count, Execution::Simd).expect("valid");
             assert!(simd.widths().len() > 1, "{name}");
             same(&graph, &simd);
             let repeated = Program::repeated(&graph, count).expect("valid");
@@ -108,7 +108,7 @@ fn every_operation_is_lowered() {
             -x[5],
         ]
     });
-    same(&graph, &Program::new(&graph, 6, Target::Simd));
+    same(&graph, &Program::new(&graph, 6, Execution::Simd));
 }
 
 #[test]
@@ -117,7 +117,7 @@ fn broken_programs_are_found() {
     let mechanism = Mechanism::new(&model);
     let layout = UduLayout::new(&mechanism, &ModuleTree::links(&model));
     let graph = optimize(Tracer::new(&mechanism).forward_dynamics_derivatives(&layout));
-    let good = Program::new(&graph, model.nq() + 2 * model.nv(), Target::Scalar);
+    let good = Program::new(&graph, model.nq() + 2 * model.nv(), Execution::Scalar);
     let broken = |change: fn(&mut Program)| {
         let mut program = good.clone();
         change(&mut program);

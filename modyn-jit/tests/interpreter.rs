@@ -4,7 +4,8 @@ use crate::common;
 
 use common::{instruction_sets, random};
 use modyn_codegen::diagnostics::Code;
-use modyn_codegen::plan::{Choices, Execution, Kernels, Packing, Plan, Row, Trace};
+use modyn_codegen::plan::{Choices, Packing, Plan, Row, Trace};
+use modyn_codegen::program::Execution;
 use modyn_codegen::{Base, Builder, CodeForm, Function, ReadOptions};
 use modyn_jit::{Call, Compiled, InstructionSet, Options};
 use modyn_runtime::model::{Model, ModuleTree};
@@ -160,13 +161,9 @@ fn every_function_of_trees() {
 fn plan(model: &Model, functions: &[Function], execution: Execution) -> Plan {
     let choices = Choices {
         functions: functions.to_vec(),
-        bundles: Vec::new(),
-        user_functions: Vec::new(),
         share: execution == Execution::Scalar,
         code: CodeForm::Fast,
-        runtime_gravity: false,
-        runtime_inertia: Vec::new(),
-        payload: Vec::new(),
+        ..Choices::default()
     };
     Plan::new(model, &ModuleTree::chains(model), &choices, execution)
 }
@@ -188,7 +185,7 @@ fn random_limbs() {
         });
         let inputs = Inputs::from(&random::state(seed, &model));
         let values = values::interpreted(&model, &ModuleTree::chains(&model), &inputs, true);
-        for execution in [Execution::Vectors, Execution::Scalar] {
+        for execution in [Execution::Simd, Execution::Scalar] {
             let plan = plan(&model, &functions, execution);
             assert_eq!(plan.faults().next(), None, "{}", model.name());
             for planned in &plan.functions {
@@ -198,15 +195,13 @@ fn random_limbs() {
                     .iter()
                     .flat_map(|(own, _)| argument(function, own.name, &model, (&inputs, &values)));
                 let arguments: Vec<f64> = arguments.collect();
-                let (programs, kind) = match &planned.kernels {
-                    Kernels::Dispatched { scalar, simd } => (vec![scalar, simd], 1),
-                    Kernels::One(program) => {
-                        (vec![program], if program.routines.is_empty() { 0 } else { 2 })
-                    }
-                    _ => panic!("{}", function.name()),
+                let (scalar, simd) = planned.kernels.straight().expect("straight-line code");
+                let kind = match scalar.routines.is_empty() {
+                    true => usize::from(simd.execution == Execution::Simd),
+                    false => 2,
                 };
                 let name = format!("{} of {}", function.name(), model.name());
-                for program in programs {
+                for program in [scalar, simd] {
                     close(&name, &program.evaluate(&arguments), &expected(function, &values));
                 }
                 compared[kind] += 1;

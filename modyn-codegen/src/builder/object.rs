@@ -5,7 +5,8 @@ use modyn_runtime::model::ModuleTree;
 use super::{Builder, Inputs, Planning};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity};
 use crate::emit::{EmitOptions, FloatType, MachineCode, emit_object_header, emit_wrapper};
-use crate::plan::{Constants, Execution, Function};
+use crate::plan::{Constants, Function};
+use crate::program::Execution;
 
 /// The programs of a robot whose machine code goes to an object file, and the texts beside it; see
 /// [`Builder::plan_object`].
@@ -63,7 +64,7 @@ impl Builder {
         };
         let constants = Constants::new(&inputs.model, &inputs.choices);
         inputs.choices = inputs.choices.of_one_state();
-        let mut plan = inputs.plan(Execution::Vectors);
+        let mut plan = inputs.plan(Execution::Simd);
         let Inputs { model, modules, mut options, .. } = inputs;
         let functions = plan.functions.len();
         plan.functions.retain(|planned| planned.function != Some(Function::Brge));

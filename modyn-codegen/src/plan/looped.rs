@@ -1,7 +1,7 @@
 //! The choice between straight-line code and loops over the bodies.
 
+use super::choices::CodeForm;
 use super::functions::Function;
-use super::strategy::CodeForm;
 use super::tracing::Tracing;
 use crate::graph::Graph;
 use crate::passes::{balance, optimize};

@@ -21,7 +21,6 @@ pub mod partition;
 mod planned;
 mod programs;
 mod shape;
-mod strategy;
 mod tracing;
 mod user;
 mod wrapped;
@@ -32,24 +31,23 @@ use modyn_runtime::model::{Model, ModuleTree};
 
 pub use bundle::{Bundle, Member, MemberFunction};
 pub use casadi::{CasadiFunction, CasadiMatrix, CasadiPlan};
-pub use choices::Choices;
+pub use choices::{Choices, CodeForm};
 pub use constants::{BaseParameterTable, Constants};
 pub use factorization::FactorFunction;
-pub use frames::{Frames, LinkCode};
+pub use frames::{Frames, LinkProgram};
 pub(crate) use functions::ARGUMENTS;
 pub use functions::{Argument, ArgumentKind, BatchForm, CForm, Function, Packing, Row, Trace};
 pub use measures::Measures;
 pub use packing::{COLUMN_LANES, LIMB_LIMITS};
 pub use planned::{Kernels, Planned};
 pub use shape::{Elements, Record, Shape, Sizes};
-pub use strategy::{CodeForm, Execution};
 pub use tracing::Tracing;
 pub use user::{
     MAX_USER_OPERATIONS, NamedFunction, TracedForm, TracedFunction, UserForm, UserPlanError,
 };
 
 use crate::passes::optimize;
-use crate::program::{InvalidProgram, Program, Target};
+use crate::program::{Execution, InvalidProgram, Program};
 use crate::trace::Parameters;
 use partition::ChosenPartition;
 use programs::ScalarGraphs;
@@ -84,6 +82,7 @@ pub struct Plan {
 
 impl Plan {
     /// Returns the plan of `model`'s functions for a back end that runs them in this way; `modules` is the user's partition.
+    /// For [`Execution::Simd`] functions of many states have programs as well.
     #[must_use]
     pub fn new(
         model: &Model,
@@ -91,12 +90,9 @@ impl Plan {
         choices: &Choices,
         execution: Execution,
     ) -> Self {
-        let strategy = execution.strategy(choices.share);
-        let batches = execution == Execution::Vectors;
+        let batches = execution == Execution::Simd;
         let robot = TracedRobot::new(model, choices.parameters(model));
-        let limbs = packing::limbs(&robot, strategy);
-        let code = execution.code_form(choices.code);
-        let tracing = Tracing::new(&robot, (model, modules), (strategy, code), limbs);
+        let tracing = Tracing::new(&robot, (model, modules), choices, execution);
         let sizes = tracing.sizes;
         let selected = |function: &Function| {
             let row = function.row();
@@ -132,7 +128,7 @@ impl Plan {
         };
         let pivots = tracing.tracer.inertia_pivots().map(|(entries, graph)| {
             let arguments = 1 + robot.parameters.len();
-            (entries, Program::new(&optimize(graph), arguments, Target::Scalar))
+            (entries, Program::new(&optimize(graph), arguments, Execution::Scalar))
         });
         let Tracing { layout, forward_dynamics, .. } = tracing;
         let ChosenPartition { modules: elimination_modules, candidates, .. } = forward_dynamics;

@@ -4,10 +4,10 @@ use modyn_runtime::equations::dynamics::Elimination;
 
 use super::bundle::{Bundle, Graphs};
 use super::functions::{Function, Packing, Trace};
-use super::strategy::Strategy;
 use super::tracing::{TracedRobot, Tracing};
 use crate::graph::Graph;
 use crate::passes::{balance, optimize};
+use crate::program::Execution;
 use crate::trace::{LimbLimits, LimbPacking, Tracer};
 
 /// The largest number of operations on scalars for which sums are balanced along the critical path. A longer function
@@ -33,10 +33,13 @@ const DISPATCHED: std::ops::Range<usize> = 100..5000;
 const MAX_FIFTHS: usize = 4;
 
 /// Returns the candidates for packing limbs. Limbs with run-time inertias are never equal.
-pub(super) fn limbs(robot: &TracedRobot, strategy: Strategy) -> Vec<LimbPacking> {
-    let packs = matches!(strategy, Strategy::Routines | Strategy::Vectors) && robot.is_described();
-    let joins = strategy == Strategy::Vectors;
-    if packs { LimbPacking::candidates(&robot.mechanism, &LIMB_LIMITS, joins) } else { Vec::new() }
+pub(super) fn limbs(robot: &TracedRobot, execution: Execution, share: bool) -> Vec<LimbPacking> {
+    let joins = execution == Execution::Simd && !share;
+    if (joins || share) && robot.is_described() {
+        LimbPacking::candidates(&robot.mechanism, &LIMB_LIMITS, joins)
+    } else {
+        Vec::new()
+    }
 }
 
 /// Returns the optimized graph of a function of one state on scalars, which `trace` traces.

@@ -9,13 +9,12 @@ use super::looped;
 use super::packing;
 use super::planned::{Kernels, Planned};
 use super::shape::{Shape, Sizes};
-use super::strategy::Strategy;
 use super::tracing::Tracing;
 use super::user::{TracedForm, TracedFunction};
 use crate::graph::Graph;
 use crate::intern::intern;
 use crate::passes::optimize;
-use crate::program::{InvalidProgram, Program, Target};
+use crate::program::{Execution, InvalidProgram, Program};
 use crate::trace::Tracer;
 
 /// The scalar graphs of the selected functions that also have a selected batch form. Each graph is traced once, for
@@ -58,7 +57,7 @@ impl Planned {
         tracing: &Tracing<'_>,
         graphs: &mut ScalarGraphs,
     ) -> Self {
-        let (row, sizes, strategy) = (function.row(), &tracing.sizes, tracing.strategy);
+        let (row, sizes) = (function.row(), &tracing.sizes);
         let arguments = shapes_of(row.arguments, sizes);
         let parameters = tracing.parameters(row.depends_on_parameters);
         let scalars = count(&arguments, parameters);
@@ -66,36 +65,36 @@ impl Planned {
         let kernels = match row.trace {
             Trace::ByLink(trace) => {
                 let graphs = tracing.frames.kernels(|tracer| optimize(trace(tracer)));
-                let (own, shared) =
-                    graphs.split_at(tracing.frames.links_with_own_program().count());
-                let own = own.iter().map(|graph| strategy.scalar_program(graph, scalars));
-                let placed = scalars + Frames::PLACEMENT;
-                let shared = shared.iter().map(|graph| strategy.scalar_program(graph, placed));
-                Kernels::ByLink(own.chain(shared).collect())
+                let own = tracing.frames.links_with_own_program().count();
+                let program = |(k, graph): (usize, &Graph)| {
+                    let placement = if k < own { 0 } else { Frames::PLACEMENT };
+                    tracing.program(graph, scalars + placement)
+                };
+                Kernels::ByLink(graphs.iter().enumerate().map(program).collect())
             }
-            Trace::Poses if strategy != Strategy::Threads && tracing.frames.any_shared() => {
+            Trace::Poses if !tracing.has_threads() && tracing.frames.any_shared() => {
                 let [bodies, placed] = tracing.frames.poses().map(optimize);
                 let placed_arguments = Shape::pose().len() + Frames::PLACEMENT;
                 Kernels::Poses {
-                    bodies: strategy.scalar_program(&bodies, scalars),
-                    placed: Program::new(&placed, placed_arguments, Target::Scalar),
+                    bodies: tracing.program(&bodies, scalars),
+                    placed: Program::new(&placed, placed_arguments, Execution::Scalar),
                     rows: tracing.frames.rows(),
                 }
             }
             Trace::Poses => {
                 let graph = packing::balanced(optimize(tracing.all_links.link_poses()));
-                Kernels::One(strategy.scalar_program(&graph, scalars))
+                Kernels::of(tracing.program(&graph, scalars))
             }
             Trace::One(trace) => {
                 let graph = graphs.scalar(function, trace, tracing);
                 if row.batch_of.is_some() {
-                    Kernels::One(Program::new(&graph, scalars, Target::Batch))
+                    Kernels::of(Program::new(&graph, scalars, Execution::Batch))
                 } else {
                     let packed = packing::packed(function, tracing, &graph);
                     match looped::recursion(function, tracing, (&graph, packed.as_ref())) {
                         Some(recursion) => Kernels::Looped(recursion),
                         None => {
-                            let (kernels, found) = strategy.kernels(&graph, packed, scalars);
+                            let (kernels, found) = tracing.kernels(&graph, packed, scalars);
                             fault = found;
                             kernels
                         }
@@ -131,7 +130,7 @@ impl Planned {
         let graphs = Graphs::new(bundle, tracing, parameters);
         let graph = packing::balanced(optimize(graphs.scalar()));
         let packed = packing::packed_bundle(bundle, &graphs, tracing, &graph);
-        let (kernels, fault) = tracing.strategy.kernels(&graph, packed, scalars);
+        let (kernels, fault) = tracing.kernels(&graph, packed, scalars);
         let one = Self {
             function: None,
             name: bundle.name,
@@ -160,7 +159,7 @@ impl Planned {
         let parameters = tracing.parameters(function.depends_on_parameters);
         let scalars = count(&arguments, parameters);
         let graph = packing::balanced(optimize(form.graph.clone()));
-        let (kernels, fault) = tracing.strategy.kernels(&graph, None, scalars);
+        let (kernels, fault) = tracing.kernels(&graph, None, scalars);
         let one = Self {
             function: None,
             name: form.name,
@@ -190,42 +189,40 @@ impl Planned {
             arguments: self.arguments.clone(),
             parameters: self.parameters,
             result: self.result.clone(),
-            kernels: Kernels::One(Program::new(graph, scalars, Target::Batch)),
+            kernels: Kernels::of(Program::new(graph, scalars, Execution::Batch)),
             fault: None,
         }
     }
 }
 
-impl Strategy {
-    /// Returns the program of a graph on scalars.
-    fn scalar_program(self, graph: &Graph, scalars: usize) -> Program {
-        match self {
-            Self::Threads => Program::for_threads(graph, scalars),
-            _ => Program::new(graph, scalars, Target::Scalar),
-        }
+impl Tracing<'_> {
+    /// Returns the program of a graph without packs.
+    fn program(&self, graph: &Graph, scalars: usize) -> Program {
+        let execution = if self.has_threads() { Execution::Threads } else { Execution::Scalar };
+        Program::new(graph, scalars, execution)
     }
 
     /// Returns the programs of a graph on scalars and, if packing is profitable, of the same function packed. If the packed
     /// program is invalid, returns the program on scalars alone, and the violation.
     fn kernels(
-        self,
+        &self,
         graph: &Graph,
         packed: Option<Graph>,
         scalars: usize,
     ) -> (Kernels, Option<InvalidProgram>) {
-        let packed = packed.map(|packed| match self {
-            Self::Routines => Program::repeated(&packed, scalars),
-            _ => Program::try_new(&packed, scalars, Target::Simd),
+        let packed = packed.map(|packed| match self.share {
+            true => Program::repeated(&packed, scalars),
+            false => Program::try_new(&packed, scalars, Execution::Simd),
         });
         match packed {
-            Some(Ok(program)) if self == Self::Routines => (Kernels::One(program), None),
+            Some(Ok(program)) if self.share => (Kernels::of(program), None),
             Some(Ok(simd)) => {
-                let scalar = Program::new(graph, scalars, Target::Scalar);
-                (Kernels::Dispatched { scalar, simd }, None)
+                let scalar = Program::new(graph, scalars, Execution::Scalar);
+                (Kernels::Straight { scalar, simd: Some(simd) }, None)
             }
             invalid => {
                 let fault = invalid.and_then(Result::err);
-                (Kernels::One(self.scalar_program(graph, scalars)), fault)
+                (Kernels::of(self.program(graph, scalars)), fault)
             }
         }
     }
@@ -243,8 +240,13 @@ fn count(arguments: &[(Argument, Shape)], parameters: usize) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use modyn_runtime::model::ModuleTree;
+
     use super::*;
     use crate::graph::Node;
+    use crate::plan::Choices;
+    use crate::plan::tracing::TracedRobot;
+    use crate::trace::Parameters;
 
     /// x0 (x1 + x2 + x3 + x4) on scalars; and packed, where `mixed` adds a pack of two lanes to one of four.
     fn graphs(mixed: bool) -> [Graph; 2] {
@@ -270,26 +272,29 @@ mod tests {
     #[test]
     fn an_invalid_packed_program_leaves_the_program_on_scalars() {
         let point = [2.0, 1.0, 3.0, 5.0, 7.0];
-        for strategy in [Strategy::Vectors, Strategy::Routines] {
+        let model = crate::read_urdf(
+            include_str!("../../../robots/double_pendulum.urdf"),
+            "double_pendulum.urdf",
+            &crate::ReadOptions::default(),
+        );
+        let model = model.expect("good").model;
+        let robot = TracedRobot::new(&model, Parameters::default());
+        for share in [false, true] {
+            let choices = Choices { share, ..Choices::default() };
+            let modules = ModuleTree::links(&model);
+            let tracing = Tracing::new(&robot, (&model, &modules), &choices, Execution::Simd);
             let [scalar, packed] = graphs(false);
-            let (kernels, fault) = strategy.kernels(&scalar, Some(packed), 5);
+            let (kernels, fault) = tracing.kernels(&scalar, Some(packed), 5);
             assert_eq!(fault, None);
-            match (strategy, kernels) {
-                (Strategy::Vectors, Kernels::Dispatched { simd, .. }) => {
-                    assert_eq!(simd.evaluate::<f64>(&point), [32.0]);
-                }
-                (Strategy::Routines, Kernels::One(program)) => {
-                    assert!(!program.routines.is_empty());
-                    assert_eq!(program.evaluate::<f64>(&point), [32.0]);
-                }
-                _ => panic!("{strategy:?}"),
-            }
+            let Kernels::Straight { scalar, simd } = kernels else { panic!("straight-line code") };
+            assert_eq!((simd.is_some(), scalar.routines.is_empty()), (!share, !share));
+            assert_eq!(simd.unwrap_or(scalar).evaluate::<f64>(&point), [32.0]);
             let [scalar, packed] = graphs(true);
-            let (kernels, fault) = strategy.kernels(&scalar, Some(packed), 5);
+            let (kernels, fault) = tracing.kernels(&scalar, Some(packed), 5);
             assert_eq!(fault.map(|fault| fault.rule), Some("only scalars are copied to lanes"));
-            let Kernels::One(program) = kernels else { panic!("{strategy:?}") };
-            assert!(program.routines.is_empty() && program.target == Target::Scalar);
-            assert_eq!(program.evaluate::<f64>(&point), [32.0]);
+            let Kernels::Straight { scalar, simd: None } = kernels else { panic!("on scalars") };
+            assert!(scalar.routines.is_empty() && scalar.execution == Execution::Scalar);
+            assert_eq!(scalar.evaluate::<f64>(&point), [32.0]);
         }
     }
 }

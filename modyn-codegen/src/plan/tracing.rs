@@ -6,10 +6,12 @@ use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 
+use super::choices::{Choices, CodeForm};
 use super::frames::Frames;
+use super::packing;
 use super::partition::{self, ChosenPartition};
 use super::shape::Sizes;
-use super::strategy::{CodeForm, Strategy};
+use crate::program::Execution;
 use crate::trace::{LimbPacking, Parameters, Tracer};
 
 /// A robot in the forms that tracers read.
@@ -50,8 +52,10 @@ pub struct Tracing<'a> {
     pub layout: UduLayout,
     /// The layout of the factorization that derivatives and constrained dynamics use.
     pub for_derivatives: UduLayout,
-    /// The way equal limbs and columns are computed.
-    pub(super) strategy: Strategy,
+    /// The way that programs run.
+    execution: Execution,
+    /// Whether equal limbs share one routine, with a table of constants for each limb.
+    pub(super) share: bool,
     /// The form of the code of recursions.
     pub(super) code: CodeForm,
     /// The candidates for packing limbs.
@@ -63,13 +67,18 @@ pub struct Tracing<'a> {
 }
 
 impl<'a> Tracing<'a> {
-    /// Returns the inputs of tracing `robot`. `modules` is the user's partition, `limbs` are the candidates for packing.
+    /// Returns the inputs of tracing `robot` for a back end that runs programs in this way. `modules` is the user's partition.
     pub(super) fn new(
         robot: &'a TracedRobot,
         (model, modules): (&Model, &ModuleTree),
-        (strategy, code): (Strategy, CodeForm),
-        limbs: Vec<LimbPacking>,
+        choices: &Choices,
+        execution: Execution,
     ) -> Self {
+        // Threads run straight-line code, one limb after another.
+        let has_threads = execution == Execution::Threads;
+        let share = choices.share && !has_threads;
+        let code = if has_threads { CodeForm::Fast } else { choices.code };
+        let limbs = packing::limbs(robot, execution, share);
         let TracedRobot { mechanism, frames, parameters } = robot;
         let all_links = Tracer::with_parameters(mechanism, parameters.clone());
         // Few functions need links, of which there may be very many. But a link's inertia may be an argument.
@@ -95,7 +104,8 @@ impl<'a> Tracing<'a> {
             forward_dynamics,
             layout,
             for_derivatives: UduLayout::new(mechanism, &partition::whole_chains(model)),
-            strategy,
+            execution,
+            share,
             code,
             independent: limbs.first().is_some_and(|limbs| limbs.independent(mechanism)),
             limbs,
@@ -108,8 +118,13 @@ impl<'a> Tracing<'a> {
         if depends { self.tracer.parameters().len() } else { 0 }
     }
 
-    /// Returns whether the target language has vectors.
+    /// Returns whether limbs and columns of one state can be packed into vectors.
     pub(super) fn has_vectors(&self) -> bool {
-        self.strategy == Strategy::Vectors
+        self.execution == Execution::Simd && !self.share
+    }
+
+    /// Returns whether programs run in threads of a graphics processor.
+    pub(super) fn has_threads(&self) -> bool {
+        self.execution == Execution::Threads
     }
 }

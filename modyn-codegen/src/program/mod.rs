@@ -30,22 +30,32 @@ pub(crate) use places::argument_of;
 pub use recursion::{Places, Read, Recursion, Run, Step, Sweep, Write};
 pub use validate::InvalidProgram;
 
-/// The kind of numbers that a program runs on.
+/// The way that programs run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Target {
-    /// Scalars of one state.
+pub enum Execution {
+    /// One state at a time, on scalars.
     Scalar,
-    /// Vectors with a state in each lane; results are stored as soon as they are computed.
-    Batch,
-    /// Scalars of one state, some of them packed into vectors.
+    /// One state at a time, on scalars of which some are packed into vectors.
     Simd,
+    /// Many states, one in each lane of vectors.
+    Batch,
+    /// Many states, one in each thread of a graphics processor.
+    Threads,
+}
+
+impl Execution {
+    /// Returns whether there are many states. Results are then stored as soon as they are computed.
+    #[must_use]
+    pub fn has_many_states(self) -> bool {
+        matches!(self, Self::Batch | Self::Threads)
+    }
 }
 
 /// A program from scalars to scalars.
 #[derive(Clone, Debug)]
 pub struct Program {
-    /// The kind of numbers.
-    pub target: Target,
+    /// The way that the program runs.
+    pub execution: Execution,
     /// The number of scalar arguments.
     pub arguments: usize,
     /// The operations, each after the operations that it reads.
@@ -86,7 +96,7 @@ pub enum Operation {
     Subtract(Operand, Operand),
     /// a b
     Multiply(Operand, Operand),
-    /// A product plus or minus an addend, rounded once if the target has an instruction for it.
+    /// A product plus or minus an addend, rounded once if the processor has an instruction for it.
     MultiplyAdd(MultiplyAdd),
     /// 1 / a
     Reciprocal(Operand),

@@ -16,7 +16,7 @@ use modyn_runtime::model::Model;
 use super::support::Support;
 use super::{FloatType, MachineCode, coordinates_in_c};
 use crate::names;
-use crate::plan::{Argument, Frames, Function, Kernels, LinkCode, Plan, Shape};
+use crate::plan::{Argument, Frames, Function, Kernels, LinkProgram, Plan, Shape};
 use crate::program::{Program, Recursion};
 pub(super) use support::{Qualifiers, text as support};
 
@@ -282,40 +282,36 @@ impl Printer {
                 format!("    {}({names}, out);\n", item.own_name())
             }
             Programs::ByLink(_) => {
-                let case = |(i, code): (usize, &LinkCode)| match code {
-                    LinkCode::Own => {
-                        format!("    case {i}U: {name}_{i}({names}, out); return 1;\n")
-                    }
-                    LinkCode::Shared { body, row } => format!(
-                        "    case {i}U: {name}_on_{body}({names}, {table}[{row}], out); return 1;\n"
+                let own = frames.links_with_own_program().count();
+                let case = |(i, link): (usize, &LinkProgram)| match link.placement {
+                    None => format!("    case {i}U: {name}_{i}({names}, out); return 1;\n"),
+                    Some(row) => format!(
+                        "    case {i}U: {name}_on_{}({names}, {table}[{row}], out); return 1;\n",
+                        link.program - own
                     ),
                 };
-                let cases: String = frames.codes().iter().enumerate().map(case).collect();
+                let cases: String = frames.programs().iter().enumerate().map(case).collect();
                 format!("    switch (link) {{\n{cases}    default: return 0;\n    }}\n")
             }
             Programs::Poses { .. } => {
-                let (pose, own) = (Shape::pose().len(), frames.links_with_own_program().count());
+                let pose = Shape::pose().len();
                 let mut text = format!(
                     "    {} bodies[{}];\n    int i;\n    {name}_of_bodies({names}, bodies);\n",
                     self.real(),
                     frames.poses_of_bodies().len()
                 );
-                let mut next = 0;
-                for (link, code) in frames.codes().iter().enumerate() {
-                    let to = pose * link;
-                    let _ = match code {
-                        LinkCode::Own => {
-                            next += 1;
-                            let from = pose * (next - 1);
-                            writeln!(
-                                text,
-                                "    for (i = 0; i < {pose}; i++) {{ out[{to} + i] = bodies[{from} + i]; }}"
-                            )
-                        }
-                        LinkCode::Shared { body, row } => writeln!(
+                for (link, LinkProgram { program, placement }) in
+                    frames.programs().iter().enumerate()
+                {
+                    let (to, from) = (pose * link, pose * program);
+                    let _ = match placement {
+                        None => writeln!(
                             text,
-                            "    {name}_placed(&bodies[{}], {table}[{row}], &out[{to}]);",
-                            pose * (own + body)
+                            "    for (i = 0; i < {pose}; i++) {{ out[{to} + i] = bodies[{from} + i]; }}"
+                        ),
+                        Some(row) => writeln!(
+                            text,
+                            "    {name}_placed(&bodies[{from}], {table}[{row}], &out[{to}]);"
                         ),
                     };
                 }
@@ -401,9 +397,7 @@ fn items<'a>(plan: &'a Plan, prefix: &str) -> Vec<Item<'a>> {
     let mut items = Vec::new();
     for planned in &plan.functions {
         let programs = match &planned.kernels {
-            Kernels::One(program) | Kernels::Dispatched { scalar: program, .. } => {
-                Programs::One(program)
-            }
+            Kernels::Straight { scalar, .. } => Programs::One(scalar),
             Kernels::Looped(recursion) => Programs::Looped(recursion),
             Kernels::ByLink(programs) => Programs::ByLink(programs),
             Kernels::Poses { bodies, placed, .. } => Programs::Poses { bodies, placed },

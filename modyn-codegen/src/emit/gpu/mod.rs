@@ -26,7 +26,7 @@ use super::FloatType;
 use super::support::Support;
 use crate::diagnostics::sanitize_for_display;
 use crate::names;
-use crate::plan::{Argument, Frames, Kernels, LinkCode, Plan, Planned, Shape};
+use crate::plan::{Argument, Frames, Kernels, LinkProgram, Plan, Planned, Shape};
 use crate::program::Program;
 
 /// A language for graphics processors.
@@ -282,21 +282,16 @@ fn kernels<'a>(plan: &'a Plan, model: &Model, prefix: &str) -> Vec<Kernel<'a>> {
     for planned in plan.functions.iter().filter(|planned| !planned.result.is_empty()) {
         let name = format!("{prefix}_{}", planned.name);
         match &planned.kernels {
-            Kernels::One(program) | Kernels::Dispatched { scalar: program, .. } => {
-                kernels.push(kernel(planned, (name, None), program, Vec::new()));
+            Kernels::Straight { scalar, .. } => {
+                kernels.push(kernel(planned, (name, None), scalar, Vec::new()));
             }
             Kernels::ByLink(programs) => {
-                let mut own = 0..;
-                for (link, code) in plan.frames.codes().iter().enumerate() {
-                    let (place, known) = match *code {
-                        LinkCode::Own => (own.next().unwrap_or_default(), Vec::new()),
-                        LinkCode::Shared { body, row } => (
-                            plan.frames.links_with_own_program().count() + body,
-                            placements[row].to_vec(),
-                        ),
-                    };
+                for (link, LinkProgram { program, placement }) in
+                    plan.frames.programs().iter().enumerate()
+                {
+                    let known = placement.map_or(Vec::new(), |row| placements[row].to_vec());
                     let named = (format!("{name}_{}", links[link]), Some(link));
-                    kernels.push(kernel(planned, named, &programs[place], known));
+                    kernels.push(kernel(planned, named, &programs[*program], known));
                 }
             }
             Kernels::Looped(_) => unreachable!("plans for threads have no loops"),

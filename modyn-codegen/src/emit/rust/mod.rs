@@ -172,12 +172,12 @@ impl Robot<'_> {
             function(name, &parameters, &quantity.shape, program, self.options.scalar)
         };
         match quantity.kernels {
-            Kernels::One(program) => *text += &function(name, program),
+            Kernels::Straight { scalar, simd: None } => *text += &function(name, scalar),
+            Kernels::Straight { scalar, simd: Some(simd) } => {
+                self.dispatched(text, quantity, &parameters, (scalar, simd));
+            }
             Kernels::Looped(recursion) => {
                 *text += &looped(name, &parameters, recursion, self.options.scalar);
-            }
-            Kernels::Dispatched { scalar, simd } => {
-                self.dispatched(text, quantity, &parameters, (scalar, simd));
             }
             Kernels::ByLink(programs) => self.link_functions(text, quantity, programs),
             Kernels::Poses { bodies, placed, .. } => {

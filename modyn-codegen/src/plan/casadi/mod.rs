@@ -12,14 +12,13 @@ use modyn_runtime::model::{Model, ModuleTree};
 
 pub use matrix::CasadiMatrix;
 
-use super::choices::Choices;
+use super::choices::{Choices, CodeForm};
 use super::functions::{Function, Trace};
 use super::packing;
-use super::strategy::{CodeForm, Strategy};
 use super::tracing::{TracedRobot, Tracing};
 use crate::names;
 use crate::passes::optimize;
-use crate::program::{Program, Target};
+use crate::program::{Execution, Program};
 use crate::trace::EntryDerivatives;
 use family::{Family, Member};
 use functions::FUNCTIONS;
@@ -55,8 +54,8 @@ impl CasadiPlan {
     #[must_use]
     pub fn new(model: &Model, modules: &ModuleTree, choices: &Choices, prefix: &str) -> Self {
         let robot = TracedRobot::new(model, choices.parameters(model));
-        let form = (Strategy::Scalar, CodeForm::Fast);
-        let tracing = Tracing::new(&robot, (model, modules), form, Vec::new());
+        let straight = Choices { share: false, code: CodeForm::Fast, ..choices.clone() };
+        let tracing = Tracing::new(&robot, (model, modules), &straight, Execution::Scalar);
         let tracer = &tracing.tracer;
         let links: Vec<&str> = model.frames().iter().map(|frame| frame.name.as_str()).collect();
         let links = names::fields(&links, &[]);
@@ -119,7 +118,7 @@ impl CasadiPlan {
                 docs: prefix.is_empty().then_some(docs),
                 inputs,
                 outputs,
-                program: Program::new(&graph, scalars, Target::Scalar),
+                program: Program::new(&graph, scalars, Execution::Scalar),
             });
         }
     }
