@@ -28,12 +28,12 @@ pub mod read;
 mod size;
 pub mod trace;
 
-pub use builder::{Builder, Generated, ObjectPlanning, Planning};
+pub use builder::{Builder, Emitted, Generated, ObjectPlanning, Planning};
 pub use check::{MAX_CONDITION_F32, condition_number};
 pub use description::{Base, Contact, Loop, LoopEnd, Mimic, ReadOptions, Rotor};
 pub use emit::{
-    CSource, CasadiSource, FloatType, GpuLanguage, GpuSource, MachineCode, MachineTarget,
-    RolloutForces, RolloutOptions, RolloutSource,
+    File, FloatType, GpuLanguage, MachineCode, MachineTarget, RolloutForces, RolloutOptions,
+    RolloutSource, Target,
 };
 pub use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
 pub use modyn_runtime::{

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use modyn_codegen::{Base, Contact, ContactKind, LoopEnd};
+use modyn_codegen::{Base, Contact, ContactKind, LoopEnd, Target};
 use modyn_codegen::{
     Builder, Bundle, CodeForm, FloatType, Function, Interpreter, Scalar, UserArgument, UserError,
     UserFunction,
@@ -46,13 +46,14 @@ fn compilers() -> Vec<&'static str> {
 
 /// Writes `builder`'s C to a folder and compiles it with each compiler; returns the folder and the header.
 fn compiled(name: &str, builder: &Builder) -> (PathBuf, String) {
-    let (found, _) = builder.clone().type_name("Ours").generate_c().expect("good");
+    let found = builder.clone().type_name("Ours").emit(Target::C).expect("good");
     let folder = folder(name);
     assert_eq!(found.prefix, "ours");
-    std::fs::write(folder.join("ours.h"), &found.header).expect("writes");
-    std::fs::write(folder.join("ours.c"), &found.source).expect("writes");
+    for file in &found.files {
+        std::fs::write(folder.join(&file.name), &file.text).expect("writes");
+    }
     for foreign in ["malloc", "stdlib", "string.h", "stdint.h"] {
-        assert!(!found.source.contains(foreign), "{foreign}");
+        assert!(!found.text().contains(foreign), "{foreign}");
     }
     for compiler in compilers() {
         let mut command = Command::new(compiler);
@@ -61,7 +62,7 @@ fn compiled(name: &str, builder: &Builder) -> (PathBuf, String) {
             .args(["-O1", "-c", "ours.c", "-o", "ours.o"])
             .current_dir(&folder));
     }
-    (folder, found.header)
+    (folder, found.files[1].text.clone())
 }
 
 /// A function of the header.
@@ -364,9 +365,9 @@ fn contacts_compute_the_bits_of_rust() {
         point("left", "front_left_foot", [0.0, 0.01, -0.02]),
         point("right", "hind_right_foot", [0.03, -0.01, 0.02]),
     ]);
-    let (found, _) = builder.generate_c().expect("good");
+    let header = &builder.emit(Target::C).expect("good").files[1].text;
     let declared = "const double contacts[2], const double settings[52], double out[43]";
-    assert!(found.header.contains(declared), "{}", found.header);
+    assert!(header.contains(declared), "{header}");
     compare("contacts", &builder, FloatType::F64);
 }
 
@@ -381,10 +382,10 @@ fn derivatives_with_a_contact_compute_the_bits_of_rust() {
         Function::ConstrainedForwardDynamicsHessian,
     ]);
     let builder = robot("double_pendulum").functions(functions).contacts([contact]);
-    let (found, _) = builder.generate_c().expect("good");
+    let header = &builder.emit(Target::C).expect("good").files[1].text;
     let declared =
         "const double cotangent[2], const double wrench_cotangent[6], const double contacts[1]";
-    assert!(found.header.contains(declared), "{}", found.header);
+    assert!(header.contains(declared), "{header}");
     compare("second_derivatives", &builder, FloatType::F64);
 }
 
@@ -491,7 +492,8 @@ fn comb() -> Builder {
 
 #[test]
 fn many_links_of_one_body_compute_the_bits_of_rust() {
-    let source = comb().generate_c().expect("good").0.source;
+    let found = comb().emit(Target::C).expect("good");
+    let source = found.text();
     assert!(source.contains("static const double comb_placements[7][12]"));
     for function in ["link_pose_on_1(", "jacobian_on_0(", "link_poses_placed("] {
         assert!(source.contains(&format!("static void comb_{function}")), "{function}");
@@ -567,5 +569,5 @@ fn names_cannot_break_out() {
     let builder = Builder::new().urdf_text(text, "a.urdf");
     let (_, header) = compiled("names", &builder);
     assert!(header.contains("OURS_LINK_W_X = 0,\n    OURS_LINK_INT = 1"), "{header}");
-    assert_eq!(builder.generate_c().expect("good").0.prefix, "aerror_b");
+    assert_eq!(builder.emit(Target::C).expect("good").prefix, "aerror_b");
 }

@@ -5,10 +5,10 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use modyn_codegen::emit::{GpuKernel, GpuSource};
+use modyn_codegen::emit::GpuKernel;
 use modyn_codegen::{
-    Base, Builder, Contact, ContactKind, FloatType, Function, GpuLanguage, LoopEnd, RolloutForces,
-    RolloutOptions,
+    Base, Builder, Contact, ContactKind, Emitted, FloatType, Function, GpuLanguage, LoopEnd,
+    RolloutForces, RolloutOptions, Target,
 };
 
 fn robot(name: &str) -> Builder {
@@ -45,7 +45,7 @@ const STATES: usize = 37;
 /// The bound of a state follows how sensitive it is: `tolerance` of its largest number, and 64 times the change of the C
 /// function's result when each argument changes by a rounding error.
 fn harness(
-    source: &GpuSource,
+    source: &Emitted,
     quaternions: &[usize],
     real: &str,
     (far, tolerance): (&str, &str),
@@ -132,10 +132,10 @@ fn harness(
 /// Compiles the C text of `builder`, a text of CUDA and a program that includes both, and runs the program.
 fn build(name: &str, builder: &Builder, (kernels, main): (&str, &str)) {
     let folder = folder(name);
-    let (c, _) = builder.clone().type_name("Ours").generate_c().expect("good");
+    let c = builder.clone().type_name("Ours").emit(Target::C).expect("good").files;
     let files = [
-        ("ours.h", &*c.header),
-        ("ours.c", &*c.source),
+        ("ours.h", &*c[1].text),
+        ("ours.c", &*c[0].text),
         ("kernels.cu", kernels),
         ("shim.h", include_str!("cuda_shim.h")),
         ("main.cpp", main),
@@ -151,16 +151,16 @@ fn build(name: &str, builder: &Builder, (kernels, main): (&str, &str)) {
     assert_eq!(run(&mut Command::new(folder.join("main"))), "done\n", "{name}");
 }
 
-fn compare(name: &str, builder: &Builder, float: FloatType, numbers: (&str, &str)) -> GpuSource {
+fn compare(name: &str, builder: &Builder, float: FloatType, numbers: (&str, &str)) -> Emitted {
     let builder = builder.clone().scalar(float);
     let planned = builder.plan().expect("good");
     let theirs = builder.clone().type_name("Theirs");
-    let (source, _) = theirs.generate_gpu(GpuLanguage::Cuda).expect("good");
+    let source = theirs.emit(Target::Cuda).expect("good");
     let model = planned.model;
     let quaternions: Vec<usize> = model.quaternions().map(|(_, at)| at).collect();
     let real = if float == FloatType::F64 { "double" } else { "float" };
     let main = harness(&source, &quaternions, real, numbers);
-    build(name, &builder, (&source.text, &main));
+    build(name, &builder, (source.text(), &main));
     source
 }
 
@@ -198,7 +198,7 @@ fn long_functions_are_cut() {
     let functions = [Function::ForwardDynamicsDerivatives, Function::Jacobian];
     let builder = robot("quadruped").functions(functions).base(Base::Floating);
     let source = compare("cut", &builder, FloatType::F64, ("3.0", "1e-11"));
-    assert!(source.text.contains("__noinline__"), "no function was cut");
+    assert!(source.text().contains("__noinline__"), "no function was cut");
     assert!(source.kernels.iter().any(|kernel| kernel.statements > 5000));
 }
 
@@ -231,16 +231,16 @@ fn contacts_compute_what_c_does() {
 #[test]
 fn texts_name_their_buffers() {
     let builder = robot("arm6").functions([Function::GravityTorques]).runtime_gravity();
-    let (cuda, _) = builder.generate_gpu(GpuLanguage::Cuda).expect("good");
-    assert!(cuda.text.contains("arm6_gravity_torques(const double *__restrict__ q, const double *__restrict__ params, double *__restrict__ out, unsigned int count)"), "{}", cuda.text);
-    assert!(cuda.text.contains("params[2]") && cuda.text.contains("q[1 * n]"));
-    let (wgsl, _) = builder.generate_gpu(GpuLanguage::Wgsl).expect("good");
+    let cuda = builder.emit(Target::Cuda).expect("good");
+    assert!(cuda.text().contains("arm6_gravity_torques(const double *__restrict__ q, const double *__restrict__ params, double *__restrict__ out, unsigned int count)"), "{}", cuda.text());
+    assert!(cuda.text().contains("params[2]") && cuda.text().contains("q[1 * n]"));
+    let wgsl = builder.emit(Target::Wgsl).expect("good");
     for line in [
         "@group(0) @binding(1) var<storage, read> arm6_gravity_torques_params: array<f32>;",
         "@group(0) @binding(2) var<storage, read_write> arm6_gravity_torques_out: array<f32>;",
         "@group(0) @binding(3) var<uniform> arm6_gravity_torques_count: vec4<u32>;",
     ] {
-        assert!(wgsl.text.contains(line), "{line}");
+        assert!(wgsl.text().contains(line), "{line}");
     }
     let [kernel] = &*wgsl.kernels else { panic!("one kernel") };
     assert_eq!((kernel.result, kernel.arguments.len()), (6, 2));
@@ -258,9 +258,9 @@ fn texts_begin_with_names_and_sizes() {
         (GpuLanguage::Cuda, ["#define QUADRUPED_NQ 19", "#define QUADRUPED_NV 18"]),
         (GpuLanguage::Wgsl, ["const QUADRUPED_NQ = 19u;", "const QUADRUPED_NV = 18u;"]),
     ] {
-        let (kernels, _) = builder.generate_gpu(language).expect("good");
-        let (rollouts, _) = builder.generate_rollouts(language, &options).expect("good");
-        for text in [kernels.text, rollouts.text] {
+        let kernels = builder.emit(language.into()).expect("good");
+        let (rollouts, _) = builder.emit_rollouts(language, &options).expect("good");
+        for text in [kernels.text(), &rollouts.text] {
             let (head, _) = text.split_once("\n\n").expect("an empty line after the head");
             let names = |title: &str| {
                 let (_, list) = head.split_once(&format!("// {title}: ")).expect(title);
@@ -292,7 +292,7 @@ fn states_that_are_not_finite() {
     let functions = [Function::ForwardDynamics, Function::InverseDynamics];
     let builder = Builder::new().urdf_text(text, "pendulum.urdf").functions(functions);
     let theirs = builder.clone().type_name("Theirs");
-    let (source, _) = theirs.generate_gpu(GpuLanguage::Cuda).expect("good");
+    let source = theirs.emit(Target::Cuda).expect("good");
     // The inertia about the pivot is 1.1 kg m^2.
     let main = "#include <cmath>\n#include <cstdio>\n#include <limits>\n#include \"shim.h\"\n#include \"kernels.cu\"\n\
         int main() {\nconst unsigned n = 4;\nblockDim.x = n;\n\
@@ -311,7 +311,7 @@ fn states_that_are_not_finite() {
         theirs_inverse_dynamics(&zero, &zero, &tiny, &torque, 1);\n\
         if (!(std::fabs(torque - 1.1e-310) < 1e-320)) printf(\"subnormal: %g\\n\", torque);\n\
         printf(\"done\\n\");\nreturn 0;\n}\n";
-    build("not_finite", &builder, (&source.text, main));
+    build("not_finite", &builder, (source.text(), main));
 }
 
 /// The derivatives of a humanoid with a floating base are cut into functions.
@@ -322,7 +322,7 @@ fn derivatives_of_a_humanoid() {
     let builder = builder.base(Base::Floating);
     let source = compare("humanoid_derivatives", &builder, FloatType::F64, ("3.0", "1e-11"));
     let [kernel] = &*source.kernels else { panic!("one kernel") };
-    assert!(kernel.statements > 5000 && source.text.contains("__noinline__"));
+    assert!(kernel.statements > 5000 && source.text().contains("__noinline__"));
 }
 
 /// A program that computes rollouts by the kernel, and by C's functions in a loop. The first quaternion of `q` begins at
@@ -404,7 +404,7 @@ fn rollouts_are_loops_of_steps() {
     );
     let options = RolloutOptions { cost: Some(cost), forces: Some(forces), contacts: None };
     let theirs = builder.clone().type_name("Theirs");
-    let (source, _) = theirs.generate_rollouts(GpuLanguage::Cuda, &options).expect("good");
+    let (source, _) = theirs.emit_rollouts(GpuLanguage::Cuda, &options).expect("good");
     let names: Vec<&str> = source.rollouts.iter().map(|rollout| &*rollout.name).collect();
     assert_eq!(names, ["theirs_rollout_semi_implicit", "theirs_rollout_rk4"]);
     let forces = "ours_gravity_torques_with(s, params.data(), tau);\n\
@@ -432,7 +432,7 @@ fn rollouts_of_a_floating_robot() {
     let builder = robot("quadruped").functions([Function::StepSemiImplicit]).base(Base::Floating);
     let theirs = builder.clone().type_name("Theirs");
     let options = RolloutOptions::default();
-    let (source, _) = theirs.generate_rollouts(GpuLanguage::Cuda, &options).expect("good");
+    let (source, _) = theirs.emit_rollouts(GpuLanguage::Cuda, &options).expect("good");
     let model = builder.plan().expect("good").model;
     let quaternion = model.quaternions().next().expect("a floating base").1;
     let quaternion = i32::try_from(quaternion).expect("small");
@@ -456,7 +456,7 @@ fn rollouts_that_hold_contacts() {
                     theirs_link_pose_front_left_foot(q, pose);\n    active[0] = pose[11] < data[1] ? 1 : 0;\n    \
                     active[1] = step % 3 != 0 ? 1 : 0;\n}\n";
     let options = RolloutOptions { contacts: Some(proposed.into()), ..RolloutOptions::default() };
-    let (source, _) = theirs.generate_rollouts(GpuLanguage::Cuda, &options).expect("good");
+    let (source, _) = theirs.emit_rollouts(GpuLanguage::Cuda, &options).expect("good");
     let [rollout] = &*source.rollouts else { panic!("one kernel") };
     assert_eq!((&*rollout.name, source.settings), ("theirs_rollout_constrained", 52));
     let model = builder.plan().expect("good").model;
@@ -498,7 +498,7 @@ fn rollouts_that_close_loops() {
     let builder = robot("five_bar").functions(functions);
     let theirs = builder.clone().type_name("Theirs");
     let options = RolloutOptions::default();
-    let (source, _) = theirs.generate_rollouts(GpuLanguage::Cuda, &options).expect("good");
+    let (source, _) = theirs.emit_rollouts(GpuLanguage::Cuda, &options).expect("good");
     assert_eq!((&*source.rollouts[0].name, source.settings), ("theirs_rollout_constrained", 4));
     let step = "static const double settings[4] = { 20, 15, 1e-10, 1e-10 };\n\
         static void ours_step_constrained(const double *q, const double *qd, const double *tau, const double *dt, double *next)\n{\n\
@@ -519,7 +519,7 @@ fn rollouts_that_close_loops() {
 fn contacts_of_rollouts_need_their_functions() {
     let builder = robot("arm6").functions([Function::StepSemiImplicit]);
     let options = RolloutOptions { contacts: Some(String::new()), ..RolloutOptions::default() };
-    let error = builder.generate_rollouts(GpuLanguage::Wgsl, &options).expect_err("no contacts");
+    let error = builder.emit_rollouts(GpuLanguage::Wgsl, &options).expect_err("no contacts");
     assert!(error.to_string().contains("`constrained_forward_dynamics` and"), "{error}");
 }
 
@@ -528,11 +528,11 @@ fn contacts_of_rollouts_need_their_functions() {
 fn rollouts_need_a_step_and_controls() {
     let builder = robot("arm6").functions([Function::ForwardDynamics]);
     let options = RolloutOptions::default();
-    let error = builder.generate_rollouts(GpuLanguage::Wgsl, &options).expect_err("no step");
+    let error = builder.emit_rollouts(GpuLanguage::Wgsl, &options).expect_err("no step");
     assert!(error.to_string().contains("step_semi_implicit"), "{error}");
     let forces = Some(RolloutForces { text: String::new(), controls: 0 });
     let options = RolloutOptions { forces, ..options };
     let builder = builder.functions([Function::StepSemiImplicit]);
-    let error = builder.generate_rollouts(GpuLanguage::Wgsl, &options).expect_err("no control");
+    let error = builder.emit_rollouts(GpuLanguage::Wgsl, &options).expect_err("no control");
     assert!(error.to_string().contains("at least 1"), "{error}");
 }

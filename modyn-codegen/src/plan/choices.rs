@@ -3,21 +3,10 @@
 use modyn_runtime::model::Model;
 
 use super::bundle::Bundle;
+use super::code_form::CodeForm;
 use super::functions::Function;
 use super::user::TracedFunction;
 use crate::trace::Parameters;
-
-/// The form of the code of recursions over the bodies: forward and inverse dynamics.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum CodeForm {
-    /// Loops where straight-line code would be too long for the instruction cache of a processor.
-    #[default]
-    Auto,
-    /// Straight-line code: the fewest operations.
-    Fast,
-    /// Loops over the bodies with tables of constants: the shortest code.
-    Small,
-}
 
 /// The choices of a user that a plan depends on.
 #[derive(Clone, Debug, Default)]

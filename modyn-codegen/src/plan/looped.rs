@@ -1,6 +1,6 @@
 //! The choice between straight-line code and loops over the bodies.
 
-use super::choices::CodeForm;
+use super::code_form::CodeForm;
 use super::functions::Function;
 use super::tracing::Tracing;
 use crate::graph::Graph;

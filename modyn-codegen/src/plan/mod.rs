@@ -10,6 +10,7 @@
 mod bundle;
 mod casadi;
 mod choices;
+mod code_form;
 mod constants;
 mod factorization;
 mod frames;
@@ -31,17 +32,18 @@ use modyn_runtime::model::{Model, ModuleTree};
 
 pub use bundle::{Bundle, Member, MemberFunction};
 pub use casadi::{CasadiFunction, CasadiMatrix, CasadiPlan};
-pub use choices::{Choices, CodeForm};
+pub use choices::Choices;
+pub use code_form::CodeForm;
 pub use constants::{BaseParameterTable, Constants};
 pub use factorization::FactorFunction;
 pub use frames::{Frames, LinkProgram};
 pub(crate) use functions::ARGUMENTS;
 pub use functions::{Argument, ArgumentKind, BatchForm, CForm, Function, Packing, Row, Trace};
 pub use measures::Measures;
-pub use packing::{COLUMN_LANES, LIMB_LIMITS};
+pub use packing::COLUMN_LANES;
 pub use planned::{Kernels, Planned};
 pub use shape::{Elements, Record, Shape, Sizes};
-pub use tracing::Tracing;
+pub use tracing::{LIMB_LIMITS, Tracing};
 pub use user::{
     MAX_USER_OPERATIONS, NamedFunction, TracedForm, TracedFunction, UserForm, UserPlanError,
 };
@@ -76,6 +78,8 @@ pub struct Plan {
     pub frames: Frames,
     /// The modules of forward dynamics.
     pub elimination_modules: ModuleTree,
+    /// The functions of `CasADi`; empty for other back ends.
+    pub casadi: CasadiPlan,
     /// The partitions that were considered, with their operations; the chosen one is first.
     pub candidates: Vec<(&'static str, usize)>,
 }
@@ -90,9 +94,33 @@ impl Plan {
         choices: &Choices,
         execution: Execution,
     ) -> Self {
+        Self::traced(model, modules, choices, execution, |_| CasadiPlan::default())
+    }
+
+    /// Returns the plan of `model`'s functions for `CasADi`, with their derivatives: the selected ones that `CasADi` can have.
+    #[must_use]
+    pub fn for_casadi(model: &Model, modules: &ModuleTree, choices: &Choices) -> Self {
+        let straight = Choices {
+            functions: Vec::new(),
+            share: false,
+            code: CodeForm::Fast,
+            ..choices.clone()
+        };
+        let casadi = |tracing: &Tracing<'_>| CasadiPlan::new(tracing, model, &choices.functions);
+        Self::traced(model, modules, &straight, Execution::Scalar, casadi)
+    }
+
+    fn traced(
+        model: &Model,
+        modules: &ModuleTree,
+        choices: &Choices,
+        execution: Execution,
+        casadi: impl Fn(&Tracing<'_>) -> CasadiPlan,
+    ) -> Self {
         let batches = execution == Execution::Simd;
         let robot = TracedRobot::new(model, choices.parameters(model));
-        let tracing = Tracing::new(&robot, (model, modules), choices, execution);
+        let tracing =
+            Tracing::new(&robot, (model, modules), execution, (choices.share, choices.code));
         let sizes = tracing.sizes;
         let selected = |function: &Function| {
             let row = function.row();
@@ -130,6 +158,7 @@ impl Plan {
             let arguments = 1 + robot.parameters.len();
             (entries, Program::new(&optimize(graph), arguments, Execution::Scalar))
         });
+        let casadi = casadi(&tracing);
         let Tracing { layout, forward_dynamics, .. } = tracing;
         let ChosenPartition { modules: elimination_modules, candidates, .. } = forward_dynamics;
         let TracedRobot { parameters, frames, .. } = robot;
@@ -144,6 +173,7 @@ impl Plan {
             inertia_pivots: pivots,
             frames,
             elimination_modules,
+            casadi,
             candidates,
         }
     }

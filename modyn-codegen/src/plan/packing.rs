@@ -4,19 +4,14 @@ use modyn_runtime::equations::dynamics::Elimination;
 
 use super::bundle::{Bundle, Graphs};
 use super::functions::{Function, Packing, Trace};
-use super::tracing::{TracedRobot, Tracing};
+use super::tracing::Tracing;
 use crate::graph::Graph;
 use crate::passes::{balance, optimize};
-use crate::program::Execution;
-use crate::trace::{LimbLimits, LimbPacking, Tracer};
+use crate::trace::{LimbPacking, Tracer};
 
 /// The largest number of operations on scalars for which sums are balanced along the critical path. A longer function
 /// keeps all units of a processor busy without balancing.
 const MAX_BALANCED: usize = 2000;
-
-/// The limits of merging limbs: the lanes of the longest vectors, and for limbs on different bodies those of a vector on most
-/// processors. The lanes of a joint that a shorter chain lacks do nothing.
-pub const LIMB_LIMITS: LimbLimits = LimbLimits { packed: 8, joined: 4, missing: 2 };
 
 /// The number of derivative columns that are computed at a time: the lanes of a vector on most processors.
 pub const COLUMN_LANES: usize = 4;
@@ -31,16 +26,6 @@ const DISPATCHED: std::ops::Range<usize> = 100..5000;
 
 /// A packed function is profitable if it needs fewer than this many fifths of the operations on scalars.
 const MAX_FIFTHS: usize = 4;
-
-/// Returns the candidates for packing limbs. Limbs with run-time inertias are never equal.
-pub(super) fn limbs(robot: &TracedRobot, execution: Execution, share: bool) -> Vec<LimbPacking> {
-    let joins = execution == Execution::Simd && !share;
-    if (joins || share) && robot.is_described() {
-        LimbPacking::candidates(&robot.mechanism, &LIMB_LIMITS, joins)
-    } else {
-        Vec::new()
-    }
-}
 
 /// Returns the optimized graph of a function of one state on scalars, which `trace` traces.
 pub(super) fn on_scalars(

@@ -244,7 +244,7 @@ mod tests {
 
     use super::*;
     use crate::graph::Node;
-    use crate::plan::Choices;
+    use crate::plan::CodeForm;
     use crate::plan::tracing::TracedRobot;
     use crate::trace::Parameters;
 
@@ -280,9 +280,8 @@ mod tests {
         let model = model.expect("good").model;
         let robot = TracedRobot::new(&model, Parameters::default());
         for share in [false, true] {
-            let choices = Choices { share, ..Choices::default() };
-            let modules = ModuleTree::links(&model);
-            let tracing = Tracing::new(&robot, (&model, &modules), &choices, Execution::Simd);
+            let (modules, form) = (ModuleTree::links(&model), (share, CodeForm::Fast));
+            let tracing = Tracing::new(&robot, (&model, &modules), Execution::Simd, form);
             let [scalar, packed] = graphs(false);
             let (kernels, fault) = tracing.kernels(&scalar, Some(packed), 5);
             assert_eq!(fault, None);

@@ -6,13 +6,16 @@ use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 
-use super::choices::{Choices, CodeForm};
+use super::code_form::CodeForm;
 use super::frames::Frames;
-use super::packing;
 use super::partition::{self, ChosenPartition};
 use super::shape::Sizes;
 use crate::program::Execution;
-use crate::trace::{LimbPacking, Parameters, Tracer};
+use crate::trace::{LimbLimits, LimbPacking, Parameters, Tracer};
+
+/// The limits of merging limbs: the lanes of the longest vectors, and for limbs on different bodies those of a vector on most
+/// processors. The lanes of a joint that a shorter chain lacks do nothing.
+pub const LIMB_LIMITS: LimbLimits = LimbLimits { packed: 8, joined: 4, missing: 2 };
 
 /// A robot in the forms that tracers read.
 pub(super) struct TracedRobot {
@@ -31,6 +34,15 @@ impl TracedRobot {
     /// Returns whether all links have their described inertias.
     pub fn is_described(&self) -> bool {
         self.parameters.inertias.is_empty() && self.parameters.payloads.is_empty()
+    }
+
+    /// Returns the candidates for packing limbs. Limbs with run-time inertias are never equal.
+    fn limbs(&self, execution: Execution, share: bool) -> Vec<LimbPacking> {
+        let joins = execution == Execution::Simd && !share;
+        match (joins || share) && self.is_described() {
+            true => LimbPacking::candidates(&self.mechanism, &LIMB_LIMITS, joins),
+            false => Vec::new(),
+        }
     }
 }
 
@@ -71,14 +83,14 @@ impl<'a> Tracing<'a> {
     pub(super) fn new(
         robot: &'a TracedRobot,
         (model, modules): (&Model, &ModuleTree),
-        choices: &Choices,
         execution: Execution,
+        (share, code): (bool, CodeForm),
     ) -> Self {
         // Threads run straight-line code, one limb after another.
         let has_threads = execution == Execution::Threads;
-        let share = choices.share && !has_threads;
-        let code = if has_threads { CodeForm::Fast } else { choices.code };
-        let limbs = packing::limbs(robot, execution, share);
+        let share = share && !has_threads;
+        let code = if has_threads { CodeForm::Fast } else { code };
+        let limbs = robot.limbs(execution, share);
         let TracedRobot { mechanism, frames, parameters } = robot;
         let all_links = Tracer::with_parameters(mechanism, parameters.clone());
         // Few functions need links, of which there may be very many. But a link's inertia may be an argument.

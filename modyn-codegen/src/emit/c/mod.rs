@@ -14,22 +14,30 @@ use std::fmt::Write as _;
 use modyn_runtime::model::Model;
 
 use super::support::Support;
-use super::{FloatType, MachineCode, coordinates_in_c};
+use super::{Backend, EmitOptions, File, FloatType, MachineCode, PlannedRobot, coordinates_in_c};
 use crate::names;
 use crate::plan::{Argument, Frames, Function, Kernels, LinkProgram, Plan, Shape};
-use crate::program::{Program, Recursion};
+use crate::program::{Execution, Program, Recursion};
 pub(super) use support::{Qualifiers, text as support};
 
-/// The generated source file and header.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct CSource {
-    /// The prefix of all names.
-    pub prefix: String,
-    /// The text of the header.
-    pub header: String,
-    /// The text of the source file.
-    pub source: String,
+/// The back end.
+pub(super) struct C;
+
+impl Backend for C {
+    fn execution(&self, _: &EmitOptions) -> Execution {
+        Execution::Scalar
+    }
+
+    fn print(&self, robot: &PlannedRobot<'_>) -> Vec<File> {
+        let (source, header) = (format!("{}.c", robot.stem), format!("{}.h", robot.stem));
+        let printer = Printer::new(&robot.prefix(), robot.options.scalar);
+        let (source_text, header_text) = printer.print(robot.plan, robot.model, &header);
+        vec![File::new(source, source_text), File::new(header, header_text)]
+    }
+
+    fn comment(&self, text: &str) -> String {
+        format!("/* {text} */")
+    }
 }
 
 /// An array argument of a function.
@@ -85,25 +93,11 @@ pub(super) struct Printer {
     support: BTreeSet<Support>,
 }
 
-/// Returns both files; the source includes the header as `file`.
-pub(super) fn print(
-    plan: &Plan,
-    model: &Model,
-    (prefix, header): (&str, &str),
-    float: FloatType,
-) -> CSource {
-    Printer::new(prefix, float).print(plan, model, header)
-}
-
 /// Returns the header of functions that are machine code in an object file.
-pub(super) fn print_object_header(
-    plan: &Plan,
-    model: &Model,
-    float: FloatType,
-    code: &MachineCode,
-) -> String {
+pub(super) fn print_object_header(robot: &PlannedRobot<'_>, code: &MachineCode) -> String {
+    let PlannedRobot { model, plan, .. } = *robot;
     let prefix = &code.prefix;
-    let mut printer = Printer::new(prefix, float);
+    let mut printer = Printer::new(prefix, robot.options.scalar);
     printer.constants(plan, model, &prefix.to_uppercase());
     let needs = if code.needs.is_empty() { "those of every x86-64 processor" } else { code.needs };
     let _ = writeln!(
@@ -136,7 +130,8 @@ impl Printer {
         support(&self.support, self.float, &Qualifiers::C)
     }
 
-    fn print(mut self, plan: &Plan, model: &Model, file: &str) -> CSource {
+    /// Returns the texts of the source file and of the header, which the source includes as `file`.
+    fn print(mut self, plan: &Plan, model: &Model, file: &str) -> (String, String) {
         let (upper, prefix) = (self.prefix.to_uppercase(), self.prefix.clone());
         self.constants(plan, model, &upper);
         let items = items(plan, &prefix);
@@ -152,7 +147,7 @@ impl Printer {
             self.support(),
             self.source
         );
-        CSource { prefix, header, source }
+        (source, header)
     }
 
     /// Returns the header file: the declarations so far, after `notes`.
@@ -219,6 +214,14 @@ impl Printer {
         match self.float {
             FloatType::F64 => "double",
             FloatType::F32 => "float",
+        }
+    }
+
+    /// Returns the name of a function of the mathematical library in this precision.
+    fn library(&self, name: &str) -> String {
+        match self.float {
+            FloatType::F64 => name.into(),
+            FloatType::F32 => format!("{name}f"),
         }
     }
 
