@@ -96,6 +96,13 @@ impl Emitted {
     pub fn text(&self) -> &str {
         self.files.first().map_or("", |file| &file.text)
     }
+
+    /// Returns the name by which [`Builder::write_as`] writes the files: that of the main file, or of the folder of all files.
+    #[must_use]
+    pub fn output(&self) -> &str {
+        let name = self.files.first().map_or("", |file| &file.name);
+        name.split_once('/').map_or(name, |(folder, _)| folder)
+    }
 }
 
 /// The generated Rust of a robot.

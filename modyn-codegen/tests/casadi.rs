@@ -2,7 +2,6 @@
 //! with spherical and floating joints, run-time inertias and payloads. `tests/casadi` compares with `CasADi` itself.
 
 use std::path::Path;
-use std::process::Command;
 
 use modyn_codegen::passes::optimize;
 use modyn_codegen::plan::{CasadiFunction, CasadiMatrix, Choices, Plan};
@@ -297,20 +296,6 @@ fn other_options_are_refused_or_warned_of() {
     let all = emit(builder().functions(Function::ALL.to_vec()));
     assert!(names(&all).len() > 100);
     assert!(all.warnings.iter().all(|one| !one.message.contains("no form")));
-}
-
-/// C has one name space, in which no function may be defined twice.
-#[test]
-fn the_text_of_all_functions_compiles() {
-    let builder = Builder::new().urdf_text(text("double_pendulum"), "double_pendulum.urdf");
-    let functions = Function::ALL.to_vec();
-    let source = builder.functions(functions).emit(Target::Casadi).expect("good");
-    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("all_casadi_functions.c");
-    std::fs::write(&file, source.text()).expect("writes");
-    let mut command = Command::new("cc");
-    command.args(["-std=c99", "-Wall", "-Werror", "-fsyntax-only"]).arg(&file);
-    let output = command.output().expect("a C compiler (Debian: gcc)");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
 #[test]

@@ -1,14 +1,12 @@
-//! Kernels for graphics processors. CUDA's text, compiled for the host, computes what generated C does; C is compared
-//! with Rust in `c_source`. `modyn-gpu` runs WGSL's.
+//! Kernels for graphics processors. CUDA's rollouts, compiled for the host, compute what loops of generated C do; The suite
+//! `conformance` compares the numbers of functions. `modyn-gpu` runs WGSL's.
 
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use modyn_codegen::emit::GpuKernel;
 use modyn_codegen::{
-    Base, Builder, Contact, ContactKind, Emitted, FloatType, Function, GpuLanguage, LoopEnd,
-    RolloutForces, RolloutOptions, Target,
+    Base, Builder, Contact, ContactKind, Function, GpuLanguage, LoopEnd, RolloutForces,
+    RolloutOptions, Target,
 };
 
 fn robot(name: &str) -> Builder {
@@ -30,103 +28,6 @@ fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("gpu_source").join(name);
     std::fs::create_dir_all(&folder).expect("a folder");
     folder
-}
-
-/// Functions whose results C returns as they are; the only one that is left out takes random numbers.
-fn compared(kernel: &GpuKernel) -> bool {
-    kernel.function != "random"
-}
-
-const STATES: usize = 37;
-
-/// A program that runs the kernels on `STATES` states in general position, a fourth of them `far` from zero, and compares
-/// each with the C function. Quaternions, which begin at the coordinates `quaternions`, have length one.
-///
-/// The bound of a state follows how sensitive it is: `tolerance` of its largest number, and 64 times the change of the C
-/// function's result when each argument changes by a rounding error.
-fn harness(
-    source: &Emitted,
-    quaternions: &[usize],
-    real: &str,
-    (far, tolerance): (&str, &str),
-) -> String {
-    let mut text = format!(
-        "#include <cmath>\n#include <cstdio>\n#include <limits>\n#include <vector>\n#include \"shim.h\"\nusing namespace std;\n\
-         extern \"C\" {{\n#include \"ours.h\"\n}}\n#include \"kernels.cu\"\n\
-         typedef {real} real;\n\
-         static const real epsilon = numeric_limits<real>::epsilon();\n\
-         static unsigned long long seed = 1;\n\
-         static real number(int state) {{\n\
-         seed = seed * 6364136223846793005ULL + 1442695040888963407ULL;\n\
-         real x = (real)(seed >> 33) / (real)2147483648.0 * (real)4.0 - (real)2.0;\n\
-         static const real scales[4] = {{ 1.0, 1.0, 2.0, {far} }};\n\
-         return x * scales[state % 4];\n}}\n\
-         int main() {{\nconst unsigned n = {STATES};\nblockDim.x = 8;\nint moved = 0;\n"
-    );
-    for kernel in source.kernels.iter().filter(|kernel| compared(kernel)) {
-        let (name, result) = (&kernel.name, kernel.result);
-        text += "{\n";
-        let (mut buffers, mut one) = (String::new(), String::new());
-        for (a, argument) in kernel.arguments.iter().enumerate() {
-            let len = argument.len;
-            let number = match argument.name.as_str() {
-                // A contact is active (1) or not (0).
-                "contacts" => "number(i) > 0",
-                // The limits of dependent rows are small, since results are not continuous there.
-                "settings" => "j == 2 || j == 3 ? 1e-10 : number(i)",
-                // Within longer steps, velocities would become so large that rounding errors decide.
-                "dt" => "(i % 4 == 3 ? 1e-8 : 0.01) * number(0)",
-                _ => "number(i)",
-            };
-            let _ = writeln!(
-                text,
-                "vector<real> a{a}({len} * n);\nfor (unsigned i = 0; i < n; ++i) for (int j = 0; j < {len}; ++j) \
-                 a{a}[j * n + i] = {number};"
-            );
-            for at in quaternions.iter().filter(|_| argument.name == "q") {
-                let _ = writeln!(
-                    text,
-                    "for (unsigned i = 0; i < n; ++i) {{ real s = 0;\n\
-                     for (int j = {at}; j < {at} + 4; ++j) s += a{a}[j * n + i] * a{a}[j * n + i];\n\
-                     for (int j = {at}; j < {at} + 4; ++j) a{a}[j * n + i] /= sqrt(s); }}"
-                );
-            }
-            let _ = write!(buffers, "a{a}.data(), ");
-            let _ = write!(one, "s{a}, ");
-        }
-        let _ = writeln!(
-            text,
-            "vector<real> out({result} * n);\nfor (unsigned i = 0; i < 8 * ((n + 7) / 8); ++i) {{ \
-             blockIdx.x = i / 8; threadIdx.x = i % 8; {name}({buffers}out.data(), n); }}"
-        );
-        text += "for (unsigned i = 0; i < n; ++i) {\n";
-        let mut shake = String::new();
-        for (a, argument) in kernel.arguments.iter().enumerate() {
-            let len = argument.len;
-            let _ = writeln!(
-                shake,
-                "for (int j = 0; j < {len}; ++j) s{a}[j] *= 1 + epsilon * number(0) / 4;"
-            );
-            let _ = writeln!(
-                text,
-                "real s{a}[{len}];\nfor (int j = 0; j < {len}; ++j) s{a}[j] = a{a}[j * n + i];"
-            );
-        }
-        let function = kernel.function;
-        let link = kernel.link.map(|link| format!("{link}u, ")).unwrap_or_default();
-        let _ = writeln!(
-            text,
-            "real y[{result}];\nours_{function}({one}{link}y);\nreal largest = 1, worst = 0, spread = 0;\n\
-             for (int j = 0; j < {result}; ++j) {{ largest = fmax(largest, fabs(y[j])); }}\n\
-             for (int j = 0; j < {result}; ++j) {{ real e = fabs(out[j * n + i] - y[j]); \
-             moved += y[j] != 0; worst = e <= worst ? worst : e; }}\n\
-             for (int k = 0; k < 4; ++k) {{\n{shake}real z[{result}];\nours_{function}({one}{link}z);\n\
-             for (int j = 0; j < {result}; ++j) spread = fmax(spread, fabs(z[j] - y[j]));\n}}\n\
-             if (!(worst < {tolerance} * largest + 64 * spread)) {{ \
-             printf(\"{name} %u: %g, %g\\n\", i, (double)(worst / largest), (double)(spread / largest)); }}\n}}\n}}"
-        );
-    }
-    text + "printf(\"%s\\n\", moved > 1000 ? \"done\" : \"nothing moved\");\nreturn 0;\n}\n"
 }
 
 /// Compiles the C text of `builder`, a text of CUDA and a program that includes both, and runs the program.
@@ -151,57 +52,6 @@ fn build(name: &str, builder: &Builder, (kernels, main): (&str, &str)) {
     assert_eq!(run(&mut Command::new(folder.join("main"))), "done\n", "{name}");
 }
 
-fn compare(name: &str, builder: &Builder, float: FloatType, numbers: (&str, &str)) -> Emitted {
-    let builder = builder.clone().scalar(float);
-    let planned = builder.plan().expect("good");
-    let theirs = builder.clone().type_name("Theirs");
-    let source = theirs.emit(Target::Cuda).expect("good");
-    let model = planned.model;
-    let quaternions: Vec<usize> = model.quaternions().map(|(_, at)| at).collect();
-    let real = if float == FloatType::F64 { "double" } else { "float" };
-    let main = harness(&source, &quaternions, real, numbers);
-    build(name, &builder, (source.text(), &main));
-    source
-}
-
-fn all(builder: Builder) -> Builder {
-    builder.functions(Function::ALL.iter().copied())
-}
-
-/// All functions but Hessians and implicit steps, the longest ones.
-fn all_but_the_longest(builder: Builder) -> Builder {
-    let is_long = |function: &Function| {
-        ["hessian", "midpoint", "rk4_derivatives"].iter().any(|word| function.name().contains(word))
-    };
-    builder.functions(Function::ALL.iter().copied().filter(|function| !is_long(function)))
-}
-
-#[test]
-#[ignore = "slow: g++ compiles robots with all functions"]
-fn kernels_agree_with_c() {
-    compare("arm", &all(robot("ur5")), FloatType::F64, ("1e5", "1e-11"));
-    compare("zoo", &all_but_the_longest(robot("joint_zoo")), FloatType::F64, ("3.0", "1e-11"));
-    compare("loops", &all(robot("five_bar")), FloatType::F64, ("3.0", "1e-11"));
-}
-
-#[test]
-#[ignore = "slow: g++ compiles a robot"]
-fn single_precision_agrees_with_c() {
-    let functions = [Function::InverseDynamics, Function::MassMatrix, Function::LinkPoses];
-    compare("single", &robot("ur5").functions(functions), FloatType::F32, ("100.0", "4e-6f"));
-}
-
-/// A floating base's derivatives are cut into functions, whose values go through memory.
-#[test]
-#[ignore = "slow: g++ compiles a robot"]
-fn long_functions_are_cut() {
-    let functions = [Function::ForwardDynamicsDerivatives, Function::Jacobian];
-    let builder = robot("quadruped").functions(functions).base(Base::Floating);
-    let source = compare("cut", &builder, FloatType::F64, ("3.0", "1e-11"));
-    assert!(source.text().contains("__noinline__"), "no function was cut");
-    assert!(source.kernels.iter().any(|kernel| kernel.statements > 5000));
-}
-
 /// Two feet of the quadruped.
 fn feet() -> [Contact; 2] {
     let point = |name: &str, link: &str, xyz: [f64; 3]| Contact {
@@ -213,18 +63,6 @@ fn feet() -> [Contact; 2] {
         point("left", "front_left_foot", [0.0, 0.01, -0.02]),
         point("right", "hind_right_foot", [0.03, -0.01, 0.02]),
     ]
-}
-
-/// The set of active contacts is a buffer of numbers; states have sets of their own.
-#[test]
-#[ignore = "slow: g++ compiles a robot"]
-fn contacts_compute_what_c_does() {
-    let functions = [Function::ConstrainedForwardDynamics, Function::ContactImpulse];
-    let builder = robot("quadruped").functions(functions).base(Base::Floating).contacts(feet());
-    let source = compare("contacts", &builder, FloatType::F64, ("3.0", "1e-11"));
-    let kernel = &source.kernels[0];
-    let names: Vec<&str> = kernel.arguments.iter().map(|argument| argument.name.as_str()).collect();
-    assert_eq!(names, ["q", "qd", "tau", "contacts", "settings"]);
 }
 
 /// Run-time parameters are common to all states; WGSL has them as a buffer, too.
@@ -312,17 +150,6 @@ fn states_that_are_not_finite() {
         if (!(std::fabs(torque - 1.1e-310) < 1e-320)) printf(\"subnormal: %g\\n\", torque);\n\
         printf(\"done\\n\");\nreturn 0;\n}\n";
     build("not_finite", &builder, (source.text(), main));
-}
-
-/// The derivatives of a humanoid with a floating base are cut into functions.
-#[test]
-#[ignore = "slow: g++ compiles a humanoid"]
-fn derivatives_of_a_humanoid() {
-    let builder = robot("humanoid").functions([Function::ForwardDynamicsDerivatives]);
-    let builder = builder.base(Base::Floating);
-    let source = compare("humanoid_derivatives", &builder, FloatType::F64, ("3.0", "1e-11"));
-    let [kernel] = &*source.kernels else { panic!("one kernel") };
-    assert!(kernel.statements > 5000 && source.text().contains("__noinline__"));
 }
 
 /// A program that computes rollouts by the kernel, and by C's functions in a loop. The first quaternion of `q` begins at

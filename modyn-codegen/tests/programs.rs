@@ -26,6 +26,7 @@ fn inputs(count: usize) -> Vec<f64> {
 /// Asserts that the program returns the same bits as the graph, for each target; this build fuses no product.
 fn same(graph: &Graph, program: &Program) {
     assert_eq!(program.validate(), Ok(()));
+    assert_eq!(program.to_string().parse(), Ok(program.clone()));
     let inputs = inputs(program.arguments);
     let (expected, found) = (graph.evaluate(&inputs), program.evaluate(&inputs));
     assert!(expected.iter().any(|x| *x != 0.0) && expected.iter().all(|x| x.is_finite()));
@@ -83,6 +84,35 @@ fn packed_and_repeated_programs_agree_with_graphs() {
             assert!(each.total() < all.total(), "{name}");
             same(&graph, &repeated);
         }
+    }
+}
+
+#[test]
+fn texts_of_programs_are_as_documented() {
+    let text = "program scalar, 3 arguments\nx0 = sin_cos(a0)\nx1 = x0.1 * a1\n\
+                x2 = fused(-[x0 * a2] + x1)\nresults x2, -x1\n";
+    let program: Program = text.parse().expect("a program");
+    assert_eq!(program.to_string(), text);
+    let (sine, cosine) = (libm::sin(0.3), libm::cos(0.3));
+    let found = program.evaluate(&[0.3, 2.0, 5.0]);
+    assert!((found[0] - (2.0 * cosine - 5.0 * sine)).abs() < 1e-15 && found[1] == -2.0 * cosine);
+}
+
+#[test]
+fn texts_that_are_no_programs_are_refused_at_their_line() {
+    for (text, line, message) in [
+        ("", 1, "the text ends"),
+        ("program scalar, x arguments", 1, "does not begin a program"),
+        ("program scalar, 1 arguments\nx0 = a0 ? a0\nresults x0", 2, "no operation"),
+        ("program scalar, 1 arguments\nx1 = a0 + a0\nresults x0", 2, "the next one is `x0`"),
+        ("program scalar, 1 arguments\nx0 = x0 + a0\nresults x0", 2, "no statement before"),
+        ("program scalar, 1 arguments\nx0 = fused(a0)\nresults x0", 2, "no fused sum"),
+        ("program scalar, 1 arguments\nx0 = a0 + a1\nresults x0", 3, "arguments are counted"),
+        ("program scalar, 1 arguments\nx0<4> = pack(a0, a0)\nresults a0", 3, "operands have"),
+        ("program scalar, 1 arguments\nresults a0\nx0 = a0 + a0", 3, "ended with"),
+    ] {
+        let error = text.parse::<Program>().expect_err(text);
+        assert!(error.line == line && error.message.contains(message), "{text}\n{error}");
     }
 }
 

@@ -1,4 +1,4 @@
-//! `modyn generate`: writes a robot's dynamics as Rust, C, CUDA, WGSL, C for CasADi or machine code, and a header for Rust
+//! `modyn generate`: writes a robot's dynamics as Rust, C, CUDA, WGSL, C for CasADi, MATLAB or machine code, and a header for Rust
 //! functions that C calls.
 
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ use crate::command::robot::{Description, Robot};
 const STALE: &str = "stale: it is missing or was edited, or the description, an option or modyn has changed; \
                      generate it again without `--check`";
 
-/// Compile a description to Rust, C, CUDA, WGSL, C for CasADi or machine code
+/// Compile a description to Rust, C, CUDA, WGSL, C for CasADi, MATLAB or machine code
 ///
 /// The exit code is 0 if the file was written (with `--check`, if it is up to date), 1 if the description is rejected
 /// (with `--check`, if the file is stale), 2 if an option or a file is invalid.
@@ -35,7 +35,7 @@ pub struct Arguments {
     check: bool,
     /// The language: Rust; C99 that needs `<math.h>` only, FILE.c with its header FILE.h; kernels for graphics
     /// processors, CUDA C++ or WGSL, with a thread for each state; C99 for `casadi.external`, one file with all
-    /// derivatives; or an object file of x86-64 machine code, FILE.o (or a static library, FILE.a) with a C header FILE.h
+    /// derivatives; MATLAB (and GNU Octave), the folder of a package, +FILE; or an object file of x86-64 machine code, FILE.o (or a static library, FILE.a) with a C header FILE.h
     /// and a Rust text FILE.rs that calls it
     #[arg(long, value_enum, default_value_t)]
     target: Output,
@@ -269,12 +269,11 @@ fn source(
             description.warn(arguments.robot.named(Diagnostics::new(emitted.warnings)));
             return to_stdout(&file.text);
         }
-        let ending = emitted.files.first().and_then(|file| file.name.rsplit('.').next());
         let message = format!(
-            "error: `--target {}` writes {} files: name the first with `--output FILE.{}`",
+            "error: `--target {}` writes {} files: name them with `--output {}`",
             target.name(),
             emitted.files.len(),
-            ending.unwrap_or_default()
+            emitted.output()
         );
         return Err(Failure::usage(message));
     };

@@ -42,7 +42,8 @@ impl Builder {
         Ok(!file_has_text(path.as_ref(), &self.file_text(&generated)))
     }
 
-    /// Compiles to files of a language: the main one is `path`, the others are beside it. Returns the warnings. Up-to-date
+    /// Compiles to files of a language: the main one is `path`, the others are beside it. For MATLAB `path` is the folder of a
+    /// package (`+arm`). Returns the warnings. Up-to-date
     /// files are not written. Their first line names the version of modyn and a hash of the description.
     ///
     /// # Errors
@@ -56,7 +57,9 @@ impl Builder {
         let (files, warnings) = self.files(target, path.as_ref())?;
         for (path, text) in files {
             if !file_has_text(&path, &text) {
-                std::fs::write(&path, text).map_err(|reason| write_error(&path, &reason))?;
+                let folder = path.parent().map_or(Ok(()), std::fs::create_dir_all);
+                let written = folder.and_then(|()| std::fs::write(&path, text));
+                written.map_err(|reason| write_error(&path, &reason))?;
             }
         }
         Ok(warnings)
@@ -78,16 +81,18 @@ impl Builder {
         target: Target,
         path: &Path,
     ) -> Result<(PathsAndTexts, Vec<Diagnostic>), Diagnostics> {
-        let stem = path.file_stem().and_then(|name| name.to_str()).unwrap_or_default();
+        let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        let stem = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
+        let stem = stem.trim_start_matches('+');
         let emitted = self.emit_as(target, Some(stem))?;
-        let main = emitted.files.first().map_or("", |file| &file.name);
-        let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.');
-        if path.file_name().is_none_or(|name| name != main) || !stem.chars().all(plain) {
-            let title = target.title();
-            let message = format!("`{}` is not the name of a {title} source file", path.display());
-            let ending = Path::new(main).extension().unwrap_or_default().display();
-            let help =
-                format!("use ASCII letters, digits, dashes and underscores, then `.{ending}`");
+        let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-');
+        if name != emitted.output() || !stem.chars().all(plain) {
+            let (title, output) = (target.title(), emitted.output());
+            let message = format!("`{}` is not the name of {title} files", path.display());
+            let help = format!(
+                "use ASCII letters, digits, dashes and underscores, such as `{}`",
+                output.replacen(stem, "arm", 1)
+            );
             return Err(Diagnostic::error(Code::Output, message).with_help(help).into());
         }
         let comment = format!(

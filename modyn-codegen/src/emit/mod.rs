@@ -4,6 +4,7 @@
 mod c;
 mod casadi;
 mod gpu;
+mod matlab;
 mod rust;
 mod statements;
 mod support;
@@ -228,11 +229,14 @@ pub enum Target {
     Wgsl,
     /// C99 for `casadi.external`: functions with all derivatives.
     Casadi,
+    /// MATLAB, which GNU Octave runs as well: a package with a file for each function, for one state or many.
+    Matlab,
 }
 
 impl Target {
     /// All languages.
-    pub const ALL: [Self; 5] = [Self::Rust, Self::C, Self::Cuda, Self::Wgsl, Self::Casadi];
+    pub const ALL: [Self; 6] =
+        [Self::Rust, Self::C, Self::Cuda, Self::Wgsl, Self::Casadi, Self::Matlab];
 
     /// Returns the name of the option `target` of the command line.
     #[must_use]
@@ -259,6 +263,7 @@ impl Target {
             Self::Cuda => ("cuda", "CUDA", &gpu::Gpu(GpuLanguage::Cuda)),
             Self::Wgsl => ("wgsl", "WGSL", &gpu::Gpu(GpuLanguage::Wgsl)),
             Self::Casadi => ("casadi", "CasADi", &casadi::Casadi),
+            Self::Matlab => ("matlab", "MATLAB", &matlab::Matlab),
         }
     }
 }

@@ -12,6 +12,8 @@
 //! many lanes as the operation has. A printer therefore needs no expression trees. Machine code can be made from a
 //! program directly: it is one basic block with known last uses ([`Statement::last_use`]).
 //!
+//! A program has a text, which can be read again: [`Program`] implements `Display` and `FromStr`.
+//!
 //! A [`Recursion`] is the short form of code: loops over bodies, each of which runs a program.
 
 mod count;
@@ -21,6 +23,7 @@ mod outline;
 mod places;
 mod recursion;
 mod repeat;
+mod text;
 mod validate;
 
 use std::collections::BTreeSet;
@@ -28,6 +31,7 @@ use std::ops::Range;
 
 pub(crate) use places::argument_of;
 pub use recursion::{Places, Read, Recursion, Run, Step, Sweep, Write};
+pub use text::ParseProgramError;
 pub use validate::InvalidProgram;
 
 /// The way that programs run.
@@ -52,7 +56,7 @@ impl Execution {
 }
 
 /// A program from scalars to scalars.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Program {
     /// The way that the program runs.
     pub execution: Execution,
@@ -72,7 +76,7 @@ pub struct Program {
 }
 
 /// An operation in its place in the program.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Statement {
     /// The operation.
     pub operation: Operation,
@@ -178,7 +182,7 @@ pub struct Value {
 }
 
 /// Statements that become one function in languages with functions.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Chunk {
     /// The statements.
     pub statements: Range<usize>,
@@ -191,7 +195,7 @@ pub struct Chunk {
 }
 
 /// Statements in a scope: only the `live_out` values are visible afterwards.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Scope {
     /// The statements.
     pub statements: Range<usize>,
@@ -201,7 +205,7 @@ pub struct Scope {
 
 /// A program that is called several times, each time with other constants. Its arguments are the constants of one
 /// repetition, then the repetition's own operands, then operands that all repetitions share.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Routine {
     /// The program.
     pub program: Program,
