@@ -9,6 +9,8 @@ mod syntax;
 #[cfg(test)]
 mod tests;
 
+use std::path::PathBuf;
+
 use modyn_runtime::model::{Friction, Model, ModuleTree};
 use modyn_runtime::{OperationCount, UserFunction};
 
@@ -88,6 +90,8 @@ pub struct Emitted {
     pub model: Model,
     /// The warnings about the description.
     pub warnings: Vec<Diagnostic>,
+    /// The files that were read.
+    pub read: Vec<PathBuf>,
 }
 
 impl Emitted {
@@ -119,6 +123,8 @@ pub struct Generated {
     pub model: Model,
     /// The warnings about the description.
     pub warnings: Vec<Diagnostic>,
+    /// The other files that were read, which the description names: the text changes with them.
+    pub files: Vec<PathBuf>,
     /// The operations of one call of each function.
     pub operations: Vec<(&'static str, OperationCount)>,
     /// The operations in the text of each function of one state; [`operations`](Self::operations) has those of a call.
@@ -149,6 +155,7 @@ struct Inputs {
     modules: ModuleTree,
     choices: Choices,
     options: EmitOptions,
+    files: Vec<PathBuf>,
 }
 
 impl Inputs {
@@ -273,6 +280,14 @@ impl Builder {
         self
     }
 
+    /// Sets the folder of a description that is given as [text](Self::text), in which files that it names are looked for.
+    /// The folder of a [file](Self::file) is known; without a folder, no other file is read.
+    #[must_use]
+    pub fn folder(mut self, folder: impl Into<PathBuf>) -> Self {
+        self.options.read.folder = Some(folder.into());
+        self
+    }
+
     /// The options about reading, for [`read`](crate::read()) alone.
     #[must_use]
     pub fn read_options(&self) -> &ReadOptions {
@@ -305,7 +320,7 @@ impl Builder {
     fn emit_as(&self, target: Target, stem: Option<&str>) -> Result<Emitted, Diagnostics> {
         let backend = target.backend();
         let (plan, inputs) = self.planned(target)?;
-        let Inputs { model, modules, options, .. } = inputs;
+        let Inputs { model, modules, options, files: read, .. } = inputs;
         let prefix = options.prefix(&model);
         let stem = stem.unwrap_or(&prefix);
         let robot =
@@ -313,7 +328,7 @@ impl Builder {
         let (files, kernels) = (backend.print(&robot), backend.kernels(&robot));
         let type_name = options.type_name(&model);
         let warnings = options.warnings;
-        Ok(Emitted { target, files, kernels, type_name, prefix, plan, model, warnings })
+        Ok(Emitted { target, files, kernels, type_name, prefix, plan, model, warnings, read })
     }
 
     /// Returns the plan for a language, and its inputs.
@@ -336,7 +351,8 @@ impl Builder {
     ///
     /// Returns all errors of the description and the options.
     pub fn generate(&self) -> Result<Generated, Diagnostics> {
-        let Emitted { files, type_name, model, plan, warnings, .. } = self.emit(Target::Rust)?;
+        let Emitted { files, type_name, model, plan, warnings, read, .. } =
+            self.emit(Target::Rust)?;
         let mut texts = files.into_iter().map(|file| file.text);
         Ok(Generated {
             text: texts.next().unwrap_or_default(),
@@ -344,6 +360,7 @@ impl Builder {
             type_name,
             model,
             warnings,
+            files: read,
             operations: plan.operations_per_call(),
             static_operations: plan.static_operations(),
             partition: plan.elimination_modules,
@@ -465,7 +482,7 @@ impl Builder {
             choices.bundles = code.bundles.iter().filter_map(of).collect();
             choices.user_functions = traced.unwrap_or_default();
         }
-        let (Some(Reading { model, mut warnings }), Some(modules), true) =
+        let (Some(Reading { model, mut warnings, files }), Some(modules), true) =
             (reading, modules, errors.is_empty())
         else {
             return Err(Diagnostics::new(errors));
@@ -485,7 +502,7 @@ impl Builder {
             c_prefix: code.c_functions.clone(),
             warnings,
         };
-        Ok(Inputs { model, modules, choices, options })
+        Ok(Inputs { model, modules, choices, options, files })
     }
 
     /// Returns the user's functions of a robot.
