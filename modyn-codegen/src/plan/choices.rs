@@ -2,9 +2,9 @@
 
 use modyn_runtime::model::Model;
 
+use super::Function;
 use super::bundle::Bundle;
 use super::code_form::CodeForm;
-use super::functions::Function;
 use super::user::TracedFunction;
 use crate::trace::Parameters;
 

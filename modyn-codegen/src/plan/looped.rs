@@ -1,7 +1,8 @@
 //! The choice between straight-line code and loops over the bodies.
 
+use super::Function;
 use super::code_form::CodeForm;
-use super::functions::Function;
+use super::functions::Lowering;
 use super::tracing::Tracing;
 use crate::graph::Graph;
 use crate::passes::{balance, optimize};
@@ -25,7 +26,7 @@ pub(super) fn recursion(
     tracing: &Tracing<'_>,
     (straight, packed): (&Graph, Option<&Graph>),
 ) -> Option<Recursion> {
-    let recursion = function.row().recursion?();
+    let recursion = Lowering::of(function).recursion?();
     let is_wanted = match tracing.code {
         CodeForm::Fast => false,
         CodeForm::Small => true,

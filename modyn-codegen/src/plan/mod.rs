@@ -21,7 +21,6 @@ mod packing;
 pub mod partition;
 mod planned;
 mod programs;
-mod shape;
 mod tracing;
 mod user;
 mod wrapped;
@@ -29,6 +28,10 @@ mod wrapped;
 use modyn_runtime::OperationCount;
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::model::{Model, ModuleTree};
+pub(crate) use modyn_runtime::quantities::ARGUMENTS;
+pub use modyn_runtime::quantities::{
+    Argument, ArgumentKind, BatchForm, Elements, Function, Record, Row, Shape, Sizes,
+};
 
 pub use bundle::{Bundle, Member, MemberFunction};
 pub use casadi::{CasadiFunction, CasadiMatrix, CasadiPlan};
@@ -37,12 +40,11 @@ pub use code_form::CodeForm;
 pub use constants::{BaseParameterTable, Constants};
 pub use factorization::FactorFunction;
 pub use frames::{Frames, LinkProgram};
-pub(crate) use functions::ARGUMENTS;
-pub use functions::{Argument, ArgumentKind, BatchForm, CForm, Function, Packing, Row, Trace};
+pub use functions::{CForm, GraphSource, Lowering, Packing, unknown_function};
+pub(crate) use functions::{estimated_length, signatures};
 pub use measures::Measures;
 pub use packing::COLUMN_LANES;
 pub use planned::{Kernels, Planned};
-pub use shape::{Elements, Record, Shape, Sizes};
 pub use tracing::{LIMB_LIMITS, Tracing};
 pub use user::{
     MAX_USER_OPERATIONS, NamedFunction, TracedForm, TracedFunction, UserForm, UserPlanError,

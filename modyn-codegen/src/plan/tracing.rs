@@ -5,11 +5,11 @@ use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
+use modyn_runtime::quantities::Sizes;
 
 use super::code_form::CodeForm;
 use super::frames::Frames;
 use super::partition::{self, ChosenPartition};
-use super::shape::Sizes;
 use crate::program::Execution;
 use crate::trace::{LimbLimits, LimbPacking, Parameters, Tracer};
 
@@ -48,6 +48,8 @@ impl TracedRobot {
 
 /// The inputs of tracing.
 pub struct Tracing<'a> {
+    /// The robot as it is described.
+    pub(super) model: &'a Model,
     /// The robot on expressions.
     pub tracer: Tracer<'a>,
     /// The robot on expressions, with all its links. `tracer` has links only if some are run-time parameters.
@@ -82,7 +84,7 @@ impl<'a> Tracing<'a> {
     /// Returns the inputs of tracing `robot` for a back end that runs programs in this way. `modules` is the user's partition.
     pub(super) fn new(
         robot: &'a TracedRobot,
-        (model, modules): (&Model, &ModuleTree),
+        (model, modules): (&'a Model, &ModuleTree),
         execution: Execution,
         (share, code): (bool, CodeForm),
     ) -> Self {
@@ -108,6 +110,7 @@ impl<'a> Tracing<'a> {
         let partitions = partitions.map(|m| ModulePartition::new(mechanism, m)).collect();
         let layout = UduLayout::new(mechanism, modules);
         Self {
+            model,
             tracer,
             all_links,
             frames,

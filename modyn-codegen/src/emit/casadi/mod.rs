@@ -61,7 +61,7 @@ impl Backend for Casadi {
 
     fn lacks(&self, function: Function) -> Option<&'static str> {
         let help = "differentiate the functions in CasADi, by `jacobian` or `gradient`";
-        (!function.is_for_casadi()).then_some(help)
+        (!function.row().casadi).then_some(help)
     }
 }
 
