@@ -36,16 +36,17 @@ impl Execution {
     }
 }
 
+type Unary = fn(Operand) -> Operation;
+type Binary = fn(Operand, Operand) -> Operation;
+
 /// Operations of one, two and three operands, by name.
-const UNARY: [(&str, fn(Operand) -> Operation); 5] = [
+const UNARY: [(&str, Unary); 4] = [
     ("reciprocal", Operation::Reciprocal),
     ("sqrt", Operation::SquareRoot),
     ("ln", Operation::Logarithm),
     ("abs", Operation::Absolute),
-    ("unpack", Operation::Unpack),
 ];
-const BINARY: [(&str, fn(Operand, Operand) -> Operation); 2] =
-    [("atan2", Operation::Atan2), ("max", Operation::Maximum)];
+const BINARY: [(&str, Binary); 2] = [("atan2", Operation::Atan2), ("max", Operation::Maximum)];
 const SELECT: &str = "select";
 
 impl fmt::Display for Program {

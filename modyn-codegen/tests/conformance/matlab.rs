@@ -62,7 +62,7 @@ impl BackEnd for Matlab {
         });
         write_numbers(&folder.join("in"), arrays, subject.float);
         let mut octave = Command::new("octave-cli");
-        command(octave.args(["--norc", "--quiet", "main.m"]).current_dir(folder));
+        command(octave.args(["--norc", "--quiet", "--eval", "main"]).current_dir(folder));
         read_results(&folder.join("out"), &subject.calls, subject.float)
     }
 }

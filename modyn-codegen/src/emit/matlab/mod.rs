@@ -223,13 +223,16 @@ impl Printer<'_> {
         if parameters.contains(&"link") {
             docs += "\n%   `link` is the name of a link.";
         }
+        let value = match value(result, 0, true) {
+            same if same == "out" => String::new(),
+            value => format!("    out = {value};\n"),
+        };
         let text = format!(
             "function out = {name}({})\n%{} {docs}\n%   Numbers of the result: {}. Arguments and results have a column for each state.\n\
-             {body}    out = {};\nend\n{}{}",
+             {body}{value}end\n{}{}",
             parameters.join(", "),
             name.to_uppercase(),
             result.in_words(),
-            value(result, 0, true),
             locals.text,
             locals.support()
         );
