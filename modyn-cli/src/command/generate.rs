@@ -293,7 +293,7 @@ fn source(
 fn checked(output: &Path, stale: bool) -> Result<(), Failure> {
     let found = if stale { STALE } else { "up to date" };
     to_stderr(&format!("{} is {found}\n", sanitize_for_display(&output.display().to_string())));
-    if stale { Err(Failure::Said) } else { Ok(()) }
+    if stale { Err(Failure::Reported) } else { Ok(()) }
 }
 
 /// Writes the object file or the static library, the header and the Rust text, or checks them.
@@ -361,7 +361,7 @@ fn object(
         let found = if stale { "stale" } else { "up to date" };
         to_stderr(&format!("{} is {found}\n", sanitize_for_display(&output.display().to_string())));
     }
-    if stale { Err(Failure::Said) } else { Ok(()) }
+    if stale { Err(Failure::Reported) } else { Ok(()) }
 }
 
 fn stale(
@@ -381,7 +381,7 @@ fn stale(
         let found = std::fs::read_to_string(path);
         stale |= is(path, !found.is_ok_and(|found| found.replace("\r\n", "\n") == header));
     }
-    if stale { Err(Failure::Said) } else { Ok(()) }
+    if stale { Err(Failure::Reported) } else { Ok(()) }
 }
 
 impl Arguments {
