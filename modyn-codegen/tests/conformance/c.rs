@@ -13,6 +13,7 @@ use modyn_codegen::{FloatType, Target};
 pub struct C {
     compiler: &'static [&'static str],
     runner: &'static [&'static str],
+    programs: &'static [&'static str],
 }
 
 /// C99 without extensions, warnings and contraction.
@@ -21,15 +22,20 @@ const STRICT: [&str; 7] =
 
 impl C {
     pub fn gcc() -> Self {
-        Self { compiler: &["gcc"], runner: &[] }
+        Self { compiler: &["gcc"], runner: &[], programs: &[] }
     }
 
     pub fn clang() -> Self {
-        Self { compiler: &["clang"], runner: &[] }
+        Self { compiler: &["clang"], runner: &[], programs: &["clang"] }
     }
 
     pub fn aarch64() -> Self {
-        Self { compiler: &["aarch64-linux-gnu-gcc", "-static"], runner: &["qemu-aarch64"] }
+        let programs = &["aarch64-linux-gnu-gcc", "qemu-aarch64"];
+        Self {
+            compiler: &["aarch64-linux-gnu-gcc", "-static"],
+            runner: &["qemu-aarch64"],
+            programs,
+        }
     }
 }
 
@@ -39,6 +45,10 @@ impl BackEnd for C {
 
     fn name(&self) -> String {
         self.compiler[0].into()
+    }
+
+    fn programs(&self) -> &[&'static str] {
+        self.programs
     }
 
     fn run(&self, subject: &Subject, folder: &Path) -> Vec<Vec<f64>> {

@@ -19,6 +19,10 @@ impl BackEnd for Matlab {
         "matlab".into()
     }
 
+    fn programs(&self) -> &[&'static str] {
+        &["octave-cli"]
+    }
+
     /// Results with constraints that depend on each other are not continuous.
     fn has(&self, planned: &Planned) -> bool {
         !planned.function.is_some_and(modyn_codegen::Function::is_of_constraints)

@@ -214,6 +214,11 @@ pub trait BackEnd {
     /// The arithmetic of the results.
     const ARITHMETIC: Arithmetic;
 
+    /// Returns the programs besides gcc that must be installed; without them the tests of the back end do not run.
+    fn programs(&self) -> &[&'static str] {
+        &[]
+    }
+
     /// Returns whether the back end has a function.
     fn has(&self, _: &Planned) -> bool {
         true
@@ -252,6 +257,16 @@ pub struct Call {
     pub shape: Shape,
     /// The numbers of the result.
     pub expected: Vec<f64>,
+}
+
+/// Returns whether the programs of a back end are installed.
+pub fn is_installed(back_end: &impl BackEnd) -> bool {
+    let runs = |name: &str| Command::new(name).arg("--version").output().is_ok();
+    let missing = back_end.programs().iter().find(|name| !runs(name));
+    if let Some(name) = missing {
+        println!("not compared: {name} is not installed");
+    }
+    missing.is_none()
 }
 
 /// Compares a back end with the evaluation of its programs. Returns the number of compared results.
