@@ -5,7 +5,7 @@ mod c;
 mod casadi;
 mod gpu;
 mod matlab;
-mod rust;
+pub(crate) mod rust;
 mod statements;
 mod support;
 

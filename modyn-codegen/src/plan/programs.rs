@@ -195,34 +195,47 @@ impl Planned {
 impl Tracing<'_> {
     /// Returns the program of a graph without packs.
     fn program(&self, graph: &Graph, scalars: usize) -> Program {
-        let execution = if self.has_threads() { Execution::Threads } else { Execution::Scalar };
-        Program::new(graph, scalars, execution)
+        Program::new(graph, scalars, without_packs(self.execution))
     }
 
-    /// Returns the programs of a graph on scalars and, if packing is profitable, of the same function packed. If the packed
-    /// program is invalid, returns the program on scalars alone, and the violation.
+    /// Returns the programs of a graph, as [`Kernels::lowered`] does.
     fn kernels(
         &self,
         graph: &Graph,
         packed: Option<Graph>,
         scalars: usize,
     ) -> (Kernels, Option<InvalidProgram>) {
-        let packed = packed.map(|packed| match self.share {
+        Kernels::lowered(graph, packed, scalars, (self.execution, self.share))
+    }
+}
+
+impl Kernels {
+    /// Returns the programs of a graph without packs and, if packing is profitable, of the same function packed: as routines for
+    /// equal limbs if they `share` one, else on vectors. If the packed program is invalid, returns the program without packs
+    /// alone, and the violation.
+    #[must_use]
+    pub fn lowered(
+        graph: &Graph,
+        packed: Option<Graph>,
+        scalars: usize,
+        (execution, share): (Execution, bool),
+    ) -> (Self, Option<InvalidProgram>) {
+        let packed = packed.map(|packed| match share {
             true => Program::repeated(&packed, scalars),
             false => Program::try_new(&packed, scalars, Execution::Simd),
         });
+        let scalar = || Program::new(graph, scalars, without_packs(execution));
         match packed {
-            Some(Ok(program)) if self.share => (Kernels::of(program), None),
-            Some(Ok(simd)) => {
-                let scalar = Program::new(graph, scalars, Execution::Scalar);
-                (Kernels::Straight { scalar, simd: Some(simd) }, None)
-            }
-            invalid => {
-                let fault = invalid.and_then(Result::err);
-                (Kernels::of(self.program(graph, scalars)), fault)
-            }
+            Some(Ok(program)) if share => (Self::of(program), None),
+            Some(Ok(simd)) => (Self::Straight { scalar: scalar(), simd: Some(simd) }, None),
+            invalid => (Self::of(scalar()), invalid.and_then(Result::err)),
         }
     }
+}
+
+/// Returns the way that programs without packs run where packed ones run in this way.
+fn without_packs(execution: Execution) -> Execution {
+    if execution == Execution::Simd { Execution::Scalar } else { execution }
 }
 
 /// Returns arguments with their layouts.
@@ -233,64 +246,4 @@ pub(super) fn shapes_of(arguments: &[Argument], sizes: &Sizes) -> Vec<(Argument,
 /// Returns the number of scalars of arguments and run-time parameters.
 fn count(arguments: &[(Argument, Shape)], parameters: usize) -> usize {
     parameters + arguments.iter().map(|(_, shape)| shape.len()).sum::<usize>()
-}
-
-#[cfg(test)]
-mod tests {
-    use modyn_runtime::model::ModuleTree;
-
-    use super::*;
-    use crate::graph::Node;
-    use crate::plan::CodeForm;
-    use crate::plan::tracing::TracedRobot;
-    use crate::trace::Parameters;
-
-    /// x0 (x1 + x2 + x3 + x4) on scalars; and packed, where `mixed` adds a pack of two lanes to one of four.
-    fn graphs(mixed: bool) -> [Graph; 2] {
-        let mut scalar = Graph::default();
-        let x = scalar.inputs(0..5);
-        let products = |graph: &mut Graph, x: &[u32], number| graph.make(Node::Mul(x[0], number));
-        let sum = scalar.pairwise_sum(&x[1..]);
-        scalar.outputs = vec![products(&mut scalar, &x, sum)];
-        let mut packed = Graph::default();
-        let x = packed.inputs(0..5);
-        let lanes = packed.pack(&x[1..]);
-        let mut lanes = products(&mut packed, &x, lanes);
-        if mixed {
-            let two = packed.pack(&x[1..3]);
-            lanes = packed.make(Node::Add(lanes, two));
-        }
-        let each: Vec<u32> =
-            (0..4).map(|lane| packed.make(Node::ExtractLane(lanes, lane))).collect();
-        packed.outputs = vec![packed.pairwise_sum(&each)];
-        [scalar, packed]
-    }
-
-    #[test]
-    fn an_invalid_packed_program_leaves_the_program_on_scalars() {
-        let point = [2.0, 1.0, 3.0, 5.0, 7.0];
-        let model = crate::read_urdf(
-            include_str!("../../../robots/double_pendulum.urdf"),
-            "double_pendulum.urdf",
-            &crate::ReadOptions::default(),
-        );
-        let model = model.expect("good").model;
-        let robot = TracedRobot::new(&model, Parameters::default());
-        for share in [false, true] {
-            let (modules, form) = (ModuleTree::links(&model), (share, CodeForm::Fast));
-            let tracing = Tracing::new(&robot, (&model, &modules), Execution::Simd, form);
-            let [scalar, packed] = graphs(false);
-            let (kernels, fault) = tracing.kernels(&scalar, Some(packed), 5);
-            assert_eq!(fault, None);
-            let Kernels::Straight { scalar, simd } = kernels else { panic!("straight-line code") };
-            assert_eq!((simd.is_some(), scalar.routines.is_empty()), (!share, !share));
-            assert_eq!(simd.unwrap_or(scalar).evaluate::<f64>(&point), [32.0]);
-            let [scalar, packed] = graphs(true);
-            let (kernels, fault) = tracing.kernels(&scalar, Some(packed), 5);
-            assert_eq!(fault.map(|fault| fault.rule), Some("only scalars are copied to lanes"));
-            let Kernels::Straight { scalar, simd: None } = kernels else { panic!("on scalars") };
-            assert!(scalar.routines.is_empty() && scalar.execution == Execution::Scalar);
-            assert_eq!(scalar.evaluate::<f64>(&point), [32.0]);
-        }
-    }
 }

@@ -67,7 +67,7 @@ pub struct Tracing<'a> {
     /// The layout of the factorization that derivatives and constrained dynamics use.
     pub for_derivatives: UduLayout,
     /// The way that programs run.
-    execution: Execution,
+    pub(super) execution: Execution,
     /// Whether equal limbs share one routine, with a table of constants for each limb.
     pub(super) share: bool,
     /// The form of the code of recursions.

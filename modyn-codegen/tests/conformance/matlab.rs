@@ -25,7 +25,7 @@ impl BackEnd for Matlab {
 
     /// Results with constraints that depend on each other are not continuous.
     fn has(&self, planned: &Planned) -> bool {
-        !planned.function.is_some_and(modyn_codegen::Function::is_of_constraints)
+        !planned.function.is_some_and(|function| function.row().of_constraints)
     }
 
     fn configure(&self, builder: Builder) -> Builder {
