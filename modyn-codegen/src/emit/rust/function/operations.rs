@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use super::{Printer, table_name};
 use crate::emit::FloatType;
 use crate::program::{
-    Addend, Call, MultiplyAdd, Operand, Operation, Source, Target, Value, argument_of,
+    Addend, Call, Execution, MultiplyAdd, Operand, Operation, Source, Value, argument_of,
 };
 
 impl Printer<'_> {
@@ -149,9 +149,9 @@ impl Printer<'_> {
             for (k, chunk) in self.program.chunks.iter().enumerate() {
                 for (group, values) in self.by_width(&chunk.live_out).iter().enumerate() {
                     for (i, &value) in values.iter().enumerate() {
-                        let group = match self.program.target {
-                            Target::Simd => format!(".{group}"),
-                            Target::Scalar | Target::Batch => String::new(),
+                        let group = match self.program.execution {
+                            Execution::Simd => format!(".{group}"),
+                            _ => String::new(),
                         };
                         places.insert(value, format!("chunk{k}{group}[{i}]"));
                     }
@@ -177,7 +177,7 @@ fn number(value: f64) -> String {
 
 /// Returns a constant as a literal of its type.
 #[allow(clippy::cast_possible_truncation)]
-pub(in crate::emit::rust) fn literal(value: f64, float: FloatType) -> String {
+pub fn literal(value: f64, float: FloatType) -> String {
     let single = value as f32;
     match float {
         FloatType::F64 if value.is_finite() => format!("{value:?}"),
@@ -185,19 +185,5 @@ pub(in crate::emit::rust) fn literal(value: f64, float: FloatType) -> String {
         // A literal that exceeds the type's range would not compile.
         FloatType::F32 if single.is_finite() => format!("{single:?}"),
         FloatType::F32 => format!("f32::from_bits({})", single.to_bits()),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn constants_are_literals_of_their_type() {
-        assert_eq!(literal(0.1, FloatType::F64), "0.1");
-        assert_eq!(literal(0.1, FloatType::F32), "0.1");
-        assert_eq!(literal(-1e50, FloatType::F64), "-1e50");
-        assert_eq!(literal(-1e50, FloatType::F32), "f32::from_bits(4286578688)");
-        assert_eq!(literal(f64::INFINITY, FloatType::F64), "f64::from_bits(9218868437227405312)");
     }
 }
