@@ -1,7 +1,7 @@
 //! From a text to a [`Reading`]: a model and its warnings.
 //!
 //! ```text
-//! text ─ xml ─▶ XML ─ urdf, mjcf ─▶ Description ─ assemble, check ─▶ Model
+//! text ─ xml ─▶ XML ─ urdf, mjcf, sdf ─▶ Description ─ assemble, check ─▶ Model
 //! ```
 //!
 //! Each format has a folder, which produces a description and does not know the model. Only [`Format::of`] decides which
@@ -10,6 +10,7 @@
 pub mod file;
 #[cfg(feature = "mjcf")]
 mod mjcf;
+mod sdf;
 mod urdf;
 mod xml;
 
@@ -40,6 +41,8 @@ pub enum Format {
     /// `MuJoCo`'s models (MJCF).
     #[cfg(feature = "mjcf")]
     Mjcf,
+    /// Gazebo's models and worlds (SDF).
+    Sdf,
 }
 
 impl Format {
@@ -48,13 +51,11 @@ impl Format {
     #[must_use]
     pub fn of(text: &str, file: &str) -> Self {
         let extension = file.rsplit_once('.').map(|(_, extension)| extension);
-        let is_mjcf = match xml::document::first_element(text) {
-            Some(name) => name == "mujoco",
-            None => extension.is_some_and(|name| name.eq_ignore_ascii_case("mjcf")),
-        };
-        match is_mjcf {
+        let (name, extension) = (xml::document::first_element(text), extension.unwrap_or_default());
+        match name.unwrap_or(&extension.to_ascii_lowercase()) {
+            "sdf" => Self::Sdf,
             #[cfg(feature = "mjcf")]
-            true => Self::Mjcf,
+            "mujoco" | "mjcf" => Self::Mjcf,
             _ => Self::Urdf,
         }
     }
@@ -66,6 +67,7 @@ impl Format {
             Self::Urdf => "urdf",
             #[cfg(feature = "mjcf")]
             Self::Mjcf => "mjcf",
+            Self::Sdf => "sdf",
         }
     }
 
@@ -113,6 +115,7 @@ impl Format {
             Self::Urdf => urdf::describe(&text, options, report),
             #[cfg(feature = "mjcf")]
             Self::Mjcf => mjcf::describe(&text, options, report),
+            Self::Sdf => sdf::describe(&text, options, report),
         }
     }
 }
@@ -187,7 +190,7 @@ mod tests {
             ("<robot name='mujoco'/>", "robot.mjcf", Format::Urdf),
             ("", "robot.MJCF", Format::Mjcf),
             ("", "robot.xml", Format::Urdf),
-            ("<sdf/>", "-", Format::Urdf),
+            ("<sdf/>", "-", Format::Sdf),
         ] {
             assert_eq!(Format::of(text, file), format, "{text} {file}");
         }

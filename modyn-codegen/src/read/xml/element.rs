@@ -3,7 +3,7 @@
 use roxmltree::Node;
 
 use super::numbers::numbers;
-use crate::description::Located;
+use crate::description::{Located, normalized};
 use crate::diagnostics::{Code, Report, Severity, Subject, suggest};
 
 /// The value of an attribute and its place.
@@ -72,6 +72,26 @@ impl<'a> Elements<'a, '_, '_, '_> {
         subject: Option<&Subject>,
     ) -> Option<f64> {
         self.numbers::<1>(attribute(node, name)?, subject).map(|[value]| value)
+    }
+
+    /// Returns the direction of an axis, with a warning if its length is not one; `None` if it is zero.
+    pub fn unit(
+        &mut self,
+        axis: [f64; 3],
+        at: usize,
+        subject: Option<&Subject>,
+    ) -> Option<[f64; 3]> {
+        let Some((unit, length)) = normalized(axis) else {
+            let help = "write the direction of the axis, such as `0 0 1`";
+            self.report.error(Code::ZeroAxis, at, subject, "the axis is zero", help);
+            return None;
+        };
+        if (length - 1.0).abs() > 1e-6 {
+            let message = format!("the axis is of length {length}; it is normalised");
+            let help = format!("write `{} {} {}`", unit[0], unit[1], unit[2]);
+            self.report.add(Severity::Warning, Code::AxisLength, at, subject, message, help);
+        }
+        Some(unit)
     }
 
     /// Returns the child elements of this name.
