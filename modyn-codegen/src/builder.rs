@@ -9,6 +9,8 @@ mod syntax;
 #[cfg(test)]
 mod tests;
 
+use std::path::PathBuf;
+
 use modyn_runtime::model::{Friction, Model, ModuleTree};
 use modyn_runtime::{OperationCount, UserFunction};
 
@@ -85,6 +87,8 @@ pub struct Generated {
     pub model: Model,
     /// The warnings about the description.
     pub warnings: Vec<Diagnostic>,
+    /// The other files that were read, which the description names: the text changes with them.
+    pub files: Vec<PathBuf>,
     /// The operations of one call of each function.
     pub operations: Vec<(&'static str, OperationCount)>,
     /// The operations in the text of each function of one state; [`operations`](Self::operations) has those of a call.
@@ -115,6 +119,7 @@ struct Inputs {
     modules: ModuleTree,
     choices: Choices,
     options: EmitOptions,
+    files: Vec<PathBuf>,
 }
 
 impl Inputs {
@@ -238,6 +243,14 @@ impl Builder {
         self
     }
 
+    /// Sets the folder of a description that is given as [text](Self::text), in which files that it names are looked for.
+    /// The folder of a [file](Self::file) is known; without a folder, no other file is read.
+    #[must_use]
+    pub fn folder(mut self, folder: impl Into<PathBuf>) -> Self {
+        self.options.read.folder = Some(folder.into());
+        self
+    }
+
     /// The options about reading, for [`read`](crate::read()) alone.
     #[must_use]
     pub fn read_options(&self) -> &ReadOptions {
@@ -254,7 +267,7 @@ impl Builder {
         // Self-contained files have neither vectors nor batches, which need the runtime.
         let self_contained = inputs.options.self_contained;
         let plan = inputs.plan(if self_contained { Execution::Scalar } else { Execution::Vectors });
-        let Inputs { model, modules, choices, options } = inputs;
+        let Inputs { model, modules, choices, options, files } = inputs;
         let constants = Constants::new(&model, &choices);
         let Emitted { text, c_header, type_name } =
             emit((&model, &modules), &plan, &constants, &options);
@@ -264,6 +277,7 @@ impl Builder {
             type_name,
             model,
             warnings: options.warnings,
+            files,
             operations: plan.operations_per_call(),
             static_operations: plan.static_operations(),
             partition: plan.elimination_modules,
@@ -371,7 +385,7 @@ impl Builder {
     /// itself, and no single precision, which `CasADi` does not have.
     pub fn generate_casadi(&self) -> Result<(CasadiSource, Vec<Diagnostic>), Diagnostics> {
         let mut errors = self.casadi_errors();
-        let Inputs { model, modules, choices, mut options } = match self.inputs() {
+        let Inputs { model, modules, choices, mut options, .. } = match self.inputs() {
             Ok(inputs) if errors.is_empty() => inputs,
             Ok(_) => return Err(Diagnostics::new(errors)),
             Err(found) => {
@@ -443,7 +457,7 @@ impl Builder {
             choices.bundles = code.bundles.iter().filter_map(of).collect();
             choices.user_functions = traced.unwrap_or_default();
         }
-        let (Some(Reading { model, mut warnings }), Some(modules), true) =
+        let (Some(Reading { model, mut warnings, files }), Some(modules), true) =
             (reading, modules, errors.is_empty())
         else {
             return Err(Diagnostics::new(errors));
@@ -463,7 +477,7 @@ impl Builder {
             c_prefix: code.c_functions.clone(),
             warnings,
         };
-        Ok(Inputs { model, modules, choices, options })
+        Ok(Inputs { model, modules, choices, options, files })
     }
 
     /// Returns the user's functions of a robot.

@@ -65,7 +65,7 @@ fn compile(Input { path, span, builder }: Input) -> Result<TokenStream> {
     };
     let compiled = catch_unwind(AssertUnwindSafe(|| {
         let (builder, tracking) = match locate::locate(&path, span) {
-            Ok(found) => (builder.text(found.text, &path), found.tracking),
+            Ok(found) => (builder.text(found.text, &path).folder(found.folder), found.tracking),
             // The errors of the options are reported, too.
             Err(why) => (builder.failed_to_read(why), String::new()),
         };
@@ -74,7 +74,8 @@ fn compile(Input { path, span, builder }: Input) -> Result<TokenStream> {
     let (generated, tracking) = compiled.map_err(|_| bug("panicked"))?.map_err(refused)?;
     warn(generated.warnings);
     // rustc's lexer is much faster than building tokens one by one in a macro, which runs unoptimised.
-    let text = generated.text + &tracking;
+    let others = generated.files.iter().map(|file| locate::tracking(file));
+    let text = others.fold(generated.text + &tracking, |text, other| text + &other);
     text.parse().map_err(|_| bug("wrote text that is not Rust"))
 }
 

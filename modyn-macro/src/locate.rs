@@ -9,6 +9,8 @@ use proc_macro2::Span;
 /// The text of a description.
 pub(crate) struct Found {
     pub text: String,
+    /// The folder of the file.
+    pub folder: PathBuf,
     /// An item that makes the crate depend on the file.
     pub tracking: String,
 }
@@ -21,14 +23,16 @@ pub(crate) fn locate(wanted: &str, span: Span) -> Result<Found, Diagnostics> {
     let folders = source.as_deref().and_then(Path::parent).into_iter().chain(root.as_deref());
     let places: Vec<PathBuf> = folders.map(|folder| folder.join(wanted)).collect();
     let (place, text) = read_first(wanted, &places)?;
-    Ok(Found { text, tracking: tracking(place, root.as_deref()) })
+    let folder = place.parent().map(Path::to_owned).unwrap_or_default();
+    Ok(Found { text, folder, tracking: tracking(place) })
 }
 
 /// Returns an item that makes rustc track the file. It contains no absolute path if Cargo runs rustc.
-fn tracking(place: &Path, root: Option<&Path>) -> String {
+pub(crate) fn tracking(place: &Path) -> String {
+    let root = std::env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from);
     let absolute = std::path::absolute(place).unwrap_or_else(|_| place.to_owned());
     // A file in another package of the workspace: the path leaves the package's folder first.
-    let relative = root.and_then(|root| {
+    let relative = root.as_deref().and_then(|root| {
         root.ancestors().enumerate().find_map(|(levels, base)| {
             let inside = Path::new(&"../".repeat(levels)).join(absolute.strip_prefix(base).ok()?);
             root.join(&inside).is_file().then_some(inside)

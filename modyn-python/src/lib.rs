@@ -49,7 +49,9 @@ fn load(py: Python<'_>, path: PathBuf, options: Option<&Bound<'_, PyDict>>) -> P
     let file = std::fs::File::open(&path).map_err(|error| unreadable(py, &path, error))?;
     let name = path.display().to_string();
     let text = read_text(&name, file).map_err(|errors| description_error(py, &errors))?;
-    read(py, text, name, options)
+    // The folder in which files that the description names are.
+    let folder = std::path::absolute(&path).unwrap_or(path).parent().map(Path::to_owned);
+    read(py, text, name, folder, options)
 }
 
 /// Returns the exception of a file that cannot be opened: an `OSError` with the number, the reason and the file's name.
@@ -64,27 +66,30 @@ fn unreadable(py: Python<'_>, path: &Path, error: std::io::Error) -> PyErr {
     }
 }
 
-/// Reads the robot of a text, URDF or MJCF; `file` is the name in diagnostics. The keyword arguments are those of `load`.
+/// Reads the robot of a text, URDF or MJCF; `file` is the name in diagnostics, and `folder` that of files which the text
+/// names: without it, no other file is read. The other keyword arguments are those of `load`.
 #[pyfunction]
-#[pyo3(signature = (text, /, file="robot", **options))]
+#[pyo3(signature = (text, /, file="robot", *, folder=None, **options))]
 fn loads(
     py: Python<'_>,
     text: String,
     file: &str,
+    folder: Option<PathBuf>,
     options: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Robot> {
-    read(py, text, file.into(), options)
+    read(py, text, file.into(), folder, options)
 }
 
 fn read(
     py: Python<'_>,
     text: String,
     file: String,
+    folder: Option<PathBuf>,
     options: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Robot> {
     match options {
-        Some(options) => Robot::read(py, text, file, options),
-        None => Robot::read(py, text, file, &PyDict::new(py)),
+        Some(options) => Robot::read(py, (text, file, folder), options),
+        None => Robot::read(py, (text, file, folder), &PyDict::new(py)),
     }
 }
 

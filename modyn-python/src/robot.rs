@@ -1,6 +1,7 @@
 //! The class `Robot`: a description with its functions, each compiled at its first use.
 
 use std::collections::HashMap;
+use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use modyn_codegen::diagnostics::suggest;
@@ -35,8 +36,8 @@ pub struct Robot {
     modules: ModuleTree,
     /// The index of each link of the description.
     links: HashMap<String, usize>,
-    /// The text, the file's name and the keyword arguments, for pickles.
-    source: (String, String, Py<PyDict>),
+    /// The source and the keyword arguments, for pickles.
+    source: (Source, Py<PyDict>),
     scalar: FloatType,
     machine_code: bool,
     functions: Vec<Slot>,
@@ -47,6 +48,9 @@ pub struct Robot {
 /// The place of a function, which is compiled at its first use.
 type Slot = OnceLock<Box<dyn RobotFunction>>;
 
+/// The text of a description, the file's name, and the folder of files that the text names.
+pub type Source = (String, String, Option<PathBuf>);
+
 impl Robot {
     /// Reads a description.
     ///
@@ -55,8 +59,7 @@ impl Robot {
     /// `DescriptionError` with all errors of the description; `TypeError` and `ValueError` for options.
     pub fn read(
         py: Python<'_>,
-        text: String,
-        file: String,
+        (text, file, folder): Source,
         arguments: &Bound<'_, PyDict>,
     ) -> PyResult<Self> {
         let keywords = arguments.copy()?;
@@ -71,6 +74,10 @@ impl Robot {
         }
         // A type's name has no meaning here, and no warning about it is due.
         let builder = Builder::new().text(&*text, &*file).type_name("Robot");
+        let builder = match &folder {
+            Some(folder) => builder.folder(folder),
+            None => builder,
+        };
         let builder = options::apply(builder, &keywords)?.functions([]);
         let bundles = match arguments.get_item("bundles")? {
             Some(wanted) if !wanted.is_none() => options::bundles(&wanted)?,
@@ -87,7 +94,7 @@ impl Robot {
         Ok(Self {
             links: links.map(|(i, frame)| (frame.name.clone(), i)).collect(),
             builder,
-            source: (text, file, arguments.copy()?.unbind()),
+            source: ((text, file, folder), arguments.copy()?.unbind()),
             scalar: options::scalar(arguments)?,
             machine_code,
             functions: Function::ALL.iter().map(|_| OnceLock::new()).collect(),
@@ -556,7 +563,7 @@ impl Robot {
     /// Pickles the description with the options and the present parameters; machine code is made again.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
         let (py, robot) = (slf.py(), slf.get());
-        let (text, file, options) = &robot.source;
+        let ((text, file, folder), options) = &robot.source;
         let changes = robot.changes.lock().unwrap_or_else(PoisonError::into_inner);
         let changes = changes.iter().map(|change| match change {
             Change::Gravity(gravity) => ("set_gravity", (*gravity,)).into_pyobject(py),
@@ -569,6 +576,6 @@ impl Robot {
         });
         let changes = changes.collect::<PyResult<Vec<_>>>()?;
         let restore = py.import("modyn")?.getattr("_restore")?;
-        (restore, (text, file, options, changes)).into_pyobject(py)
+        (restore, (text, file, folder, options, changes)).into_pyobject(py)
     }
 }

@@ -34,7 +34,7 @@ pub struct Arguments {
 /// The result of one file.
 struct Outcome {
     name: String,
-    text: Option<String>,
+    description: Option<Description>,
     found: Diagnostics,
     usable: bool,
 }
@@ -51,7 +51,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
                 let refused = found.iter().any(|one| one.position.is_some());
                 unread |= !refused;
                 let name = path.display().to_string();
-                outcomes.push(Outcome { name, text: None, found, usable: false });
+                outcomes.push(Outcome { name, description: None, found, usable: false });
             }
         }
     }
@@ -70,14 +70,13 @@ fn check_one(description: Description, options: &ReadOptions, arguments: &Argume
         }
         Err(found) => (found, false),
     };
-    let Description { name, text, .. } = description;
-    Outcome { name, text: Some(text), found, usable }
+    Outcome { name: description.name.clone(), description: Some(description), found, usable }
 }
 
 fn as_text(outcomes: &[Outcome]) -> String {
     let mut out = String::new();
-    for Outcome { name, text, found, usable } in outcomes {
-        out += &diagnostics::render(found.as_slice(), text.as_deref());
+    for Outcome { name, description, found, usable } in outcomes {
+        out += &diagnostics::render(found.as_slice(), description.as_ref());
         let count = |severity, what: &str| {
             let count = found.iter().filter(|one| one.severity == severity).count();
             match count {

@@ -5,16 +5,23 @@ use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_codegen::diagnostics::{Diagnostic, Diagnostics, Position, Severity, Subject};
 use serde_json::{Value, json};
 
+use crate::command::robot::Description;
+
 /// The longest line that is shown; a file may be one line of a million characters.
 const MAX_LINE_LENGTH: usize = 10_000;
 
-/// Returns diagnostics as compilers show them, one below the other. `text` is the description.
-pub fn render(found: &[Diagnostic], text: Option<&str>) -> String {
-    let lines: Vec<&str> = text.map(|text| text.lines().collect()).unwrap_or_default();
+/// Returns diagnostics as compilers show them, one below the other.
+pub fn render(found: &[Diagnostic], description: Option<&Description>) -> String {
+    let own: Vec<&str> = description.map(|own| own.text.lines().collect()).unwrap_or_default();
+    let is_other = |file: &&str| description.is_some_and(|own| own.name != *file);
     let renderer = Renderer::styled();
     let mut out = String::new();
     for diagnostic in found.iter().take(Diagnostics::SHOWN) {
-        out += &renderer.render(&[group(diagnostic, &lines)]);
+        // A file that the description names.
+        let other = diagnostic.file.as_deref().filter(is_other);
+        let text = other.map(|file| std::fs::read_to_string(file).unwrap_or_default());
+        let lines = text.as_deref().map(|text| text.lines().collect::<Vec<_>>());
+        out += &renderer.render(&[group(diagnostic, lines.as_ref().unwrap_or(&own))]);
         out += "\n\n";
     }
     if found.len() > Diagnostics::SHOWN {
@@ -100,6 +107,7 @@ fn one_to_json(diagnostic: &Diagnostic) -> Value {
         json!({ "kind": kind, "name": name })
     });
     json!({
+        "file": diagnostic.file,
         "severity": match diagnostic.severity {
             Severity::Error => "error",
             Severity::Warning => "warning",

@@ -9,12 +9,13 @@ use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_codegen::diagnostics::{Code, Diagnostics};
 
 use crate::command::diagnostics;
+use crate::command::robot::Description;
 
 /// The reason why a command failed.
 #[derive(Debug)]
 pub enum Failure {
-    /// Diagnostics of the compiler about a description, with its text, or about the options.
-    Diagnostics(Diagnostics, Option<String>),
+    /// Diagnostics of the compiler about a description or about the options.
+    Diagnostics(Diagnostics, Option<Description>),
     /// A negative result.
     No(String),
     /// The command line or a file is invalid.
@@ -32,8 +33,8 @@ impl Failure {
     /// Prints the failure, and returns the exit code.
     pub fn report(&self) -> ExitCode {
         let text = match self {
-            Self::Diagnostics(found, text) => {
-                diagnostics::render(found.as_slice(), text.as_deref())
+            Self::Diagnostics(found, description) => {
+                diagnostics::render(found.as_slice(), description.as_ref())
             }
             Self::No(message) | Self::Usage(message) => format!("{message}\n"),
             Self::Said => String::new(),

@@ -23,6 +23,7 @@ pub struct Robot {
 }
 
 /// A description.
+#[derive(Clone, Debug)]
 pub struct Description {
     /// The name, as the user wrote it.
     pub name: String,
@@ -53,17 +54,18 @@ impl Description {
 
     /// Reads the robot.
     pub fn read(&self, options: &ReadOptions) -> Result<Reading, Diagnostics> {
-        read(&self.text, &self.name, options)
+        let folder = self.path.as_deref().and_then(Path::parent).map(Path::to_owned);
+        read(&self.text, &self.name, &ReadOptions { folder, ..options.clone() })
     }
 
     /// Prints the warnings.
     pub fn warn(&self, warnings: Diagnostics) {
-        to_stderr(&diagnostics::render(warnings.as_slice(), Some(&self.text)));
+        to_stderr(&diagnostics::render(warnings.as_slice(), Some(self)));
     }
 
     /// Returns the failure of a description with these diagnostics.
     pub fn failure(&self, found: Diagnostics) -> Failure {
-        Failure::Diagnostics(found, Some(self.text.clone()))
+        Failure::Diagnostics(found, Some(self.clone()))
     }
 }
 
@@ -92,10 +94,13 @@ impl Robot {
     /// Returns the diagnostics with the file's name as the user wrote it; the builder receives the full path.
     pub fn named(&self, found: Diagnostics) -> Diagnostics {
         let name = self.path.display().to_string();
+        let absolute = std::path::absolute(&self.path).unwrap_or_else(|_| self.path.clone());
+        let absolute = absolute.display().to_string();
         let mut found = found.into_vec();
         found
             .iter_mut()
             .filter_map(|one| one.file.as_mut())
+            .filter(|file| **file == absolute)
             .for_each(|file| file.clone_from(&name));
         Diagnostics::new(found)
     }

@@ -22,6 +22,9 @@ impl Builder {
     pub fn compile(&self) -> Result<Generated, Diagnostics> {
         self.rerun_if_changed();
         let generated = self.generate()?;
+        for file in &generated.files {
+            println!("cargo::rerun-if-changed={}", file.display());
+        }
         self.write_to_out_dir(&generated.type_name, &generated.text, &generated.warnings)?;
         Ok(generated)
     }

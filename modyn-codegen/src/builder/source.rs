@@ -111,7 +111,10 @@ impl Builder {
                 Err(missing.with_help("call `Builder::urdf` with the path of a URDF").into())
             }
             Source::File(path) => {
-                let (_, text) = read_first(path.display(), &[resolve_path(path)])?;
+                let place = resolve_path(path);
+                let folder = options.folder.or_else(|| place.parent().map(Path::to_owned));
+                let options = ReadOptions { folder, ..options };
+                let (_, text) = read_first(path.display(), &[place])?;
                 self.read_text(&text, &path.display().to_string(), &options)
             }
             Source::Text { text, file } => self.read_text(text, file, &options),
@@ -127,7 +130,7 @@ impl Builder {
                     })?;
                 }
                 let warnings = check_model(&model, options.unphysical_inertia)?;
-                Ok(Reading { model, warnings })
+                Ok(Reading { model, warnings, files: Vec::new() })
             }
             Source::Unread(why) => Err(why.clone()),
         }

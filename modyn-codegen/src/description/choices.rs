@@ -1,5 +1,7 @@
 //! The options of reading a description, and joints that options add.
 
+use std::path::PathBuf;
+
 use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
 
 use crate::diagnostics::Severity;
@@ -7,6 +9,8 @@ use crate::diagnostics::Severity;
 /// The options of reading.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
+    /// The folder of the description, in which files that it names are looked for. `None`: no other file is read.
+    pub folder: Option<PathBuf>,
     /// The acceleration of free fall in world axes, m/s^2. `None` takes the description's, if its format has it, else
     /// [`DEFAULT_GRAVITY`](modyn_runtime::model::DEFAULT_GRAVITY).
     pub gravity: Option<[f64; 3]>,

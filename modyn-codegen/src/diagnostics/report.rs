@@ -1,5 +1,8 @@
 //! The report: diagnostics that are collected while reading continues.
 
+use std::borrow::Cow;
+use std::path::PathBuf;
+
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Position, Severity, Subject};
 use super::line_index::LineIndex;
@@ -10,29 +13,79 @@ pub type Place = (Option<usize>, Option<Subject>);
 /// The number of other places that a warning about several places names.
 const SHOWN_PLACES: usize = 3;
 
-/// The diagnostics of one file, or of a model without a file.
-pub struct Report<'a> {
-    file: Option<&'a str>,
+/// A file, whose bytes have the offsets from `start` on.
+struct File<'a> {
+    name: Option<Cow<'a, str>>,
+    start: usize,
     lines: LineIndex,
+}
+
+/// The diagnostics of a file and the files that it names, or of a model without a file.
+///
+/// Offsets continue from file to file: the offset of a byte is its offset in its own file, plus the start of that file.
+pub struct Report<'a> {
+    files: Vec<File<'a>>,
+    /// The offset after the last file.
+    end: usize,
+    /// The other files that were read.
+    dependencies: Vec<PathBuf>,
     diagnostics: Vec<Diagnostic>,
     errors: usize,
 }
 
 impl<'a> Report<'a> {
-    /// Returns an empty report about a file.
+    /// Returns an empty report about a file, whose start is 0.
     pub fn new(text: &str, file: &'a str) -> Self {
-        let lines = LineIndex::of(text);
-        Self { file: Some(file), lines, diagnostics: Vec::new(), errors: 0 }
+        let mut report = Self::without_file();
+        report.files.clear();
+        report.end = 0;
+        report.add_file(file, text);
+        report
     }
 
     /// Returns an empty report about a model without a file.
     pub fn without_file() -> Self {
-        Self { file: None, lines: LineIndex::of(""), diagnostics: Vec::new(), errors: 0 }
+        let nameless = File { name: None, start: 0, lines: LineIndex::of("") };
+        let (dependencies, diagnostics) = (Vec::new(), Vec::new());
+        Self { files: vec![nameless], end: 1, dependencies, diagnostics, errors: 0 }
     }
 
-    /// Returns the position of the byte at this offset.
+    /// Adds a file, and returns its start: the offset of its first byte.
+    pub fn add_file(&mut self, name: impl Into<Cow<'a, str>>, text: &str) -> usize {
+        let start = self.end;
+        self.files.push(File { name: Some(name.into()), start, lines: LineIndex::of(text) });
+        // The end of a text is a place in it.
+        self.end += text.len() + 1;
+        start
+    }
+
+    /// Adds a file that was read besides the description: the robot changes with it.
+    pub fn depends_on(&mut self, path: PathBuf) {
+        if !self.dependencies.contains(&path) {
+            self.dependencies.push(path);
+        }
+    }
+
+    /// Returns the other files that were read.
+    pub fn take_dependencies(&mut self) -> Vec<PathBuf> {
+        std::mem::take(&mut self.dependencies)
+    }
+
+    /// Returns the file of the byte at this offset.
+    fn file(&self, offset: usize) -> &File<'a> {
+        let after = self.files.partition_point(|file| file.start <= offset);
+        &self.files[after.saturating_sub(1)]
+    }
+
+    /// Returns the name of the file of the byte at this offset; `None` for a model without a file.
+    pub fn file_name(&self, offset: usize) -> Option<&str> {
+        self.file(offset).name.as_deref()
+    }
+
+    /// Returns the position of the byte at this offset, in its file.
     pub fn position(&self, offset: usize) -> Position {
-        self.lines.position(offset)
+        let file = self.file(offset);
+        file.lines.position(offset - file.start)
     }
 
     /// Adds an error at this byte; without a place, it is about an option or a model.
@@ -58,7 +111,9 @@ impl<'a> Report<'a> {
         help: impl Into<String>,
     ) {
         let mut diagnostic = Diagnostic::new(severity, code, message).with_help(help);
-        diagnostic.position = offset.into().map(|offset| self.position(offset));
+        let offset = offset.into();
+        diagnostic.position = offset.map(|offset| self.position(offset));
+        diagnostic.file = offset.and_then(|offset| self.file_name(offset)).map(String::from);
         diagnostic.subject = subject.cloned();
         self.push(diagnostic);
     }
@@ -90,13 +145,13 @@ impl<'a> Report<'a> {
         self.add(Severity::Warning, code, *at, subject.as_ref(), message, help);
     }
 
-    /// Adds a diagnostic of this file.
-    pub fn push(&mut self, diagnostic: Diagnostic) {
+    /// Adds a diagnostic. Without a file it is about the description.
+    pub fn push(&mut self, mut diagnostic: Diagnostic) {
         self.errors += usize::from(diagnostic.severity == Severity::Error);
-        self.diagnostics.push(match self.file {
-            Some(file) => diagnostic.in_file(file),
-            None => diagnostic,
-        });
+        if diagnostic.file.is_none() {
+            diagnostic.file = self.files[0].name.as_deref().map(String::from);
+        }
+        self.diagnostics.push(diagnostic);
     }
 
     /// Returns the number of errors.
@@ -107,5 +162,32 @@ impl<'a> Report<'a> {
     /// Returns all diagnostics.
     pub fn finish(self) -> Vec<Diagnostic> {
         self.diagnostics
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_is_in_its_own_file() {
+        let mut report = Report::new("a\nb", "main.xml");
+        let second = report.add_file("empty.xml", "");
+        let third = report.add_file("part.xml", "\n  c");
+        for (offset, file, line, column) in [
+            (0, "main.xml", 1, 1),
+            (2, "main.xml", 2, 1),
+            (3, "main.xml", 2, 2),
+            (second, "empty.xml", 1, 1),
+            (third, "part.xml", 1, 1),
+            (third + 3, "part.xml", 2, 3),
+        ] {
+            report.error(Code::Option, offset, None, "m", "h");
+            let found = report.diagnostics.pop().expect("it was added");
+            let position = found.position.map(|at| (at.line, at.column));
+            assert_eq!((found.file.as_deref(), position), (Some(file), Some((line, column))));
+        }
+        report.error(Code::Option, None, None, "m", "h");
+        assert_eq!(report.finish()[0].file.as_deref(), Some("main.xml"));
     }
 }

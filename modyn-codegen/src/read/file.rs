@@ -6,7 +6,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::xml::limits::MAX_BYTES;
-use crate::diagnostics::{Code, Diagnostic, Diagnostics, Position};
+use crate::diagnostics::{Code, Diagnostic, Diagnostics, Position, Report};
 
 /// Returns the path and the text of the first of `places` that exists. Diagnostics name the file `wanted`.
 ///
@@ -40,6 +40,33 @@ pub fn read_first(
     }
     // The file may have grown since.
     Ok((place, read_text(wanted, file)?))
+}
+
+/// Returns the text of a file that the description names at offset `at`, and the start of the file in the report; `None`
+/// with an error in the report. Diagnostics name the file `shown`.
+///
+/// The robot depends on the file, whether it can be read or not.
+#[allow(dead_code, reason = "formats of several files use it")]
+pub(crate) fn read_named(
+    path: &Path,
+    shown: &str,
+    at: usize,
+    report: &mut Report<'_>,
+) -> Option<(String, usize)> {
+    report.depends_on(path.to_owned());
+    match read_first(shown, &[path.to_owned()]) {
+        Ok((_, text)) => {
+            let start = report.add_file(shown.to_owned(), &text);
+            Some((text, start))
+        }
+        Err(found) => {
+            for error in found {
+                let help = "give the path of a readable file, relative to the folder of the file that names it";
+                report.error(error.code, at, None, error.message, help);
+            }
+            None
+        }
+    }
 }
 
 /// Returns the text of a stream, such as standard input. Diagnostics name it `wanted`.

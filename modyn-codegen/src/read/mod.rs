@@ -14,6 +14,8 @@ mod sdf;
 mod urdf;
 mod xml;
 
+use std::path::PathBuf;
+
 use modyn_runtime::model::{Friction, Model};
 
 use crate::assemble::assemble;
@@ -29,6 +31,8 @@ pub struct Reading {
     pub model: Model,
     /// The warnings, in the order of the file.
     pub warnings: Vec<Diagnostic>,
+    /// The other files that were read: the robot changes with them.
+    pub files: Vec<PathBuf>,
 }
 
 /// The formats of descriptions.
@@ -97,9 +101,12 @@ impl Format {
             .describe(text, &options, &mut report)
             .and_then(|description| assemble(description, &options, &mut report));
         let of_options = gravity.into_iter().chain(friction);
+        let files = report.take_dependencies();
         let found = Diagnostics::new(report.finish().into_iter().chain(of_options).collect());
         match model {
-            Some(model) if !found.has_errors() => Ok(Reading { model, warnings: found.into_vec() }),
+            Some(model) if !found.has_errors() => {
+                Ok(Reading { model, warnings: found.into_vec(), files })
+            }
             _ => Err(found),
         }
     }
@@ -110,7 +117,7 @@ impl Format {
         options: &ReadOptions,
         report: &mut Report<'_>,
     ) -> Option<Description> {
-        let text = xml::document::within_limits(text, report)?;
+        let text = xml::document::within_limits(text, 0, report)?;
         match self {
             Self::Urdf => urdf::describe(&text, options, report),
             #[cfg(feature = "mjcf")]
@@ -120,7 +127,8 @@ impl Format {
     }
 }
 
-/// Reads a description of any supported format. Diagnostics name the file `file`. No other file is read.
+/// Reads a description of any supported format. Diagnostics name the file `file`. Other files that the description names
+/// are read if the options have its [`folder`](ReadOptions::folder).
 ///
 /// ```
 /// let text = r#"<robot name="pendulum"><link name="base"/>

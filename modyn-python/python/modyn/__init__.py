@@ -46,14 +46,16 @@ __all__ = [
 ]
 
 
-def _restore(text: str, file: str, options: dict[str, Any], changes: list[Any]) -> Robot:
+def _restore(
+    text: str, file: str, folder: Any, options: dict[str, Any], changes: list[Any]
+) -> Robot:
     """Returns a robot from its pickle."""
     import warnings
 
     with warnings.catch_warnings():
         # The first reading has issued them.
         warnings.simplefilter("ignore", DescriptionWarning)
-        robot = loads(text, file=file, **options)
+        robot = loads(text, file=file, folder=folder, **options)
     for method, arguments in changes:
         getattr(robot, method)(*arguments)
     return robot

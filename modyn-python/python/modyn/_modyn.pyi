@@ -77,9 +77,11 @@ def load(path: str | os.PathLike[str], /, **options: Unpack[Options]) -> Robot:
     `OSError` if the file cannot be read, `DescriptionError` with file, line and column if the description is wrong.
     """
 
-def loads(text: str, /, file: str = "robot", **options: Unpack[Options]) -> Robot:
-    """Reads the robot of a text, URDF or MJCF; `file` is the name in diagnostics. The keyword arguments are those of
-    `load`."""
+def loads(
+    text: str, /, file: str = "robot", *, folder: str | os.PathLike[str] | None = None, **options: Unpack[Options]
+) -> Robot:
+    """Reads the robot of a text, URDF or MJCF; `file` is the name in diagnostics, and `folder` that of files which the
+    text names: without it, no other file is read. The other keyword arguments are those of `load`."""
 
 def functions() -> list[str]:
     """Returns the names of the functions of one state in modyn's table, which are methods of `Robot`."""

@@ -107,7 +107,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.json {
         return to_stdout(&json::of(&inspection));
     }
-    let warnings = diagnostics::render(&inspection.warnings, Some(&description.text));
+    let warnings = diagnostics::render(&inspection.warnings, Some(&description));
     to_stdout(&(text::of(&inspection) + &warnings))
 }
 

@@ -22,7 +22,7 @@ use crate::read::xml;
 
 /// Returns the description; `None` with errors in the report.
 pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> Option<Description> {
-    let document = xml::document::parse(text, "mujoco", report)?;
+    let document = xml::document::parse(text, 0, "mujoco", report)?;
     let root = document.root_element();
     let at = root.range().start;
     if root.tag_name().name() != "mujoco" {

@@ -21,7 +21,7 @@ use crate::read::xml;
 
 /// Returns the description; `None` with errors in the report.
 pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> Option<Description> {
-    let document = xml::document::parse(text, "robot", report)?;
+    let document = xml::document::parse(text, 0, "robot", report)?;
     let robot = document::robot(&document, report)?;
     Some(robot::read(robot, options, report))
 }

@@ -5,13 +5,13 @@ use roxmltree::{Document, Error};
 use super::limits::{self, Tags};
 use crate::diagnostics::{Code, Diagnostic, Position, Report};
 
-/// Returns the tidied text; `None` if it is longer than any description.
-pub fn within_limits(text: &str, report: &mut Report<'_>) -> Option<String> {
-    if !limits::is_short(text.len(), report) {
+/// Returns the tidied text of the file that starts at offset `start`; `None` if it is longer than any description.
+pub fn within_limits(text: &str, start: usize, report: &mut Report<'_>) -> Option<String> {
+    if !limits::is_short(text.len(), start, report) {
         return None;
     }
     let (text, tags) = blank_comments(text);
-    tags.within_limits(report).then_some(text)
+    tags.within_limits(start, report).then_some(text)
 }
 
 /// Replaces text that XML forbids but robot files contain by spaces, so that offsets do not change: comments (with
@@ -74,8 +74,14 @@ fn end_of_tag(text: &str, start: usize) -> Option<usize> {
     None
 }
 
-/// Returns the parsed XML, whose outermost element has the name `root` in its format; `None` with an error in the report.
-pub fn parse<'t>(text: &'t str, root: &str, report: &mut Report<'_>) -> Option<Document<'t>> {
+/// Returns the parsed XML of the file that starts at offset `start`; `None` with an error in the report. The outermost
+/// element has the name `root` in its format.
+pub fn parse<'t>(
+    text: &'t str,
+    start: usize,
+    root: &str,
+    report: &mut Report<'_>,
+) -> Option<Document<'t>> {
     let error = match Document::parse(text) {
         Ok(document) => return Some(document),
         Err(error) => error,
@@ -84,7 +90,7 @@ pub fn parse<'t>(text: &'t str, root: &str, report: &mut Report<'_>) -> Option<D
     let mut position = Position { line: at.row as usize, column: at.col as usize };
     let (code, message, help) = match &error {
         Error::DtdDetected => {
-            position = report.position(text.find("<!DOCTYPE").unwrap_or(0));
+            position = report.position(start + text.find("<!DOCTYPE").unwrap_or(0));
             let message = "a document type declaration (DTD) can redefine the contents of the file";
             (Code::Dtd, message.into(), "remove `<!DOCTYPE ...>` and write entities out".into())
         }
@@ -98,7 +104,7 @@ pub fn parse<'t>(text: &'t str, root: &str, report: &mut Report<'_>) -> Option<D
             (Code::MalformedXml, message, help)
         }
         Error::UnexpectedEndOfStream | Error::UnclosedRootNode => {
-            position = report.position(text.trim_end().len());
+            position = report.position(start + text.trim_end().len());
             let message = format!("the text ends before the element `<{root}>` is closed");
             (Code::MalformedXml, message, "close every element and every quote".into())
         }
@@ -113,7 +119,9 @@ pub fn parse<'t>(text: &'t str, root: &str, report: &mut Report<'_>) -> Option<D
             (Code::MalformedXml, message, help)
         }
     };
-    report.push(Diagnostic::error(code, message).at(position).with_help(help));
+    let mut diagnostic = Diagnostic::error(code, message).at(position).with_help(help);
+    diagnostic.file = report.file_name(start).map(String::from);
+    report.push(diagnostic);
     None
 }
 

@@ -14,12 +14,12 @@ pub const MAX_ATTRIBUTES: usize = 256;
 /// The largest number of namespaces of a document; each element that declares one copies all of them.
 pub const MAX_NAMESPACES: usize = 256;
 
-/// Returns whether a text of this length may be read; otherwise an error is in the report.
-pub fn is_short(bytes: usize, report: &mut Report<'_>) -> bool {
+/// Returns whether the file that starts at offset `start` may be read; otherwise an error is in the report.
+pub fn is_short(bytes: usize, start: usize, report: &mut Report<'_>) -> bool {
     let short = bytes <= MAX_BYTES;
     if !short {
         let message = format!("the text has {bytes} bytes, more than {MAX_BYTES}");
-        report.error(Code::Excessive, 0, None, message, HELP);
+        report.error(Code::Excessive, start, None, message, HELP);
     }
     short
 }
@@ -58,10 +58,11 @@ impl<'t> Tags<'t> {
         self.excess = excess.map(|(_, most, of)| (tag.start, format!("more than {most} {of}")));
     }
 
-    /// Returns whether the document may be parsed; otherwise an error is in the report.
-    pub fn within_limits(self, report: &mut Report<'_>) -> bool {
+    /// Returns whether the document, a file that starts at offset `start`, may be parsed; otherwise an error is in the
+    /// report.
+    pub fn within_limits(self, start: usize, report: &mut Report<'_>) -> bool {
         let Some((at, message)) = self.excess else { return true };
-        report.error(Code::Excessive, at, None, message, HELP);
+        report.error(Code::Excessive, start + at, None, message, HELP);
         false
     }
 }
