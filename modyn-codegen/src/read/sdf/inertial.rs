@@ -3,11 +3,10 @@
 use modyn_runtime::model::Inertial;
 use roxmltree::Node;
 
-use super::reader::{Reader, content};
+use super::reader::Reader;
 use super::solids;
 use crate::description::InertialRecord;
 use crate::diagnostics::{Code, Subject};
-use crate::read::xml::element::attribute;
 
 /// The density of a solid that gives none, that of water, kg/m^3.
 const DENSITY: f64 = 1000.0;
@@ -21,7 +20,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
     ) -> Option<InertialRecord> {
         let node = self.xml.single(link, "inertial", subject)?;
         let errors = self.xml.report.errors();
-        let at = node.range().start;
+        let at = self.xml.at(node);
         let known =
             ["mass", "density", "auto_inertia_params", "pose", "inertia", "fluid_added_mass"];
         self.warn_of_unknown(node, &known, subject);
@@ -29,11 +28,11 @@ impl<'a> Reader<'a, '_, '_, '_> {
         if let Some(fluid) = fluid {
             let message = "`<fluid_added_mass>` is not supported: the inertia of a fluid is none of a rigid body";
             let help = "remove it, and add the fluid's forces to the external wrenches";
-            self.xml.report.error(Code::NotRead, fluid.range().start, subject, message, help);
+            self.xml.report.error(Code::NotRead, self.xml.at(fluid), subject, message, help);
         }
-        let is_auto = attribute(node, "auto").and_then(|text| self.truth(text, "auto", subject));
+        let is_auto = self.xml.optional(node, "auto").and_then(|text| self.truth(text, "auto", subject));
         let mass = self.number(node, "mass", subject);
-        let mass_at = self.xml.named(node, "mass").next().map_or(at, |mass| content(mass).at);
+        let mass_at = self.xml.named(node, "mass").next().map_or(at, |mass| self.xml.content(mass).at);
         let inertial = if is_auto == Some(true) {
             let whole = self.automatic(link, node, subject);
             // A given mass scales the density.
@@ -85,7 +84,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             let help = "write `<mass>` and `<inertia>` instead of `auto=\"true\"`";
             self.xml.report.error(
                 Code::MissingElement,
-                inertial.range().start,
+                self.xml.at(inertial),
                 subject,
                 message,
                 help,
@@ -106,7 +105,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             .children()
             .find(Node::is_element)
             .filter(|n| n.tag_name().name() != "empty")?;
-        let at = shape.range().start;
+        let at = self.xml.at(shape);
         let mut size = |name| {
             let node = self.xml.single(shape, name, subject);
             if node.is_none() {
@@ -114,7 +113,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
                 let help = format!("write `<{name}>...</{name}>` in m");
                 self.xml.report.error(Code::MissingElement, at, subject, message, help);
             }
-            node.map(content)
+            node.map(|node| self.xml.content(node))
         };
         let numbers = match shape.tag_name().name() {
             "box" => size("size").and_then(|text| self.xml.numbers::<3>(text, subject)),

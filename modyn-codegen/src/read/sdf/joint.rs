@@ -5,18 +5,17 @@ use core::f64::consts::TAU;
 use modyn_runtime::model::{JointDynamics, Limits};
 use roxmltree::Node;
 
-use super::reader::{Reader, content, trimmed};
+use super::reader::{Reader, trimmed};
 use super::world::{Axis, FrameKind, Joint, JointKind, Mimic};
 use crate::description::Located;
 use crate::diagnostics::{Code, Severity, Subject};
-use crate::read::xml::element::attribute;
 
 impl<'a> Reader<'a, '_, '_, '_> {
     /// Reads a `<joint>` of a model or of the world.
     pub fn joint(&mut self, node: Node<'a, '_>, scope: usize) {
         let errors = self.xml.report.errors();
         let name = self.xml.attribute(node, "name", None).map(trimmed);
-        let name = name.unwrap_or(Located { text: String::new(), at: node.range().start });
+        let name = name.unwrap_or(Located { text: String::new(), at: self.xml.at(node) });
         let subject = Subject::Joint(name.text.clone());
         let subject = Some(&subject);
         let known = [
@@ -49,7 +48,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let cut = simbody
             .flat_map(|engine| engine.children())
             .find(|n| n.has_tag_name("must_be_loop_joint"));
-        let cut = cut.and_then(|cut| self.truth(content(cut), "must_be_loop_joint", subject));
+        let cut = cut.and_then(|cut| self.truth(self.xml.content(cut), "must_be_loop_joint", subject));
         let index = self.world.joints.len();
         let frame = self.push(scope, &name, FrameKind::Joint(index), pose);
         let sound = self.xml.report.errors() == errors;
@@ -103,7 +102,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         if !pitch.is_finite() {
             let message = "`<thread_pitch>` is 0 rad/m";
             let help = "write `<screw_thread_pitch>` in m per revolution";
-            self.xml.report.error(Code::NotFinite, node.range().start, subject, message, help);
+            self.xml.report.error(Code::NotFinite, self.xml.at(node), subject, message, help);
             return 0.0;
         }
         pitch
@@ -112,14 +111,14 @@ impl<'a> Reader<'a, '_, '_, '_> {
     /// Returns an axis with its limits, damping and friction; `None` with an error in the report.
     fn axis(&mut self, joint: Node<'a, '_>, name: &str, subject: Option<&Subject>) -> Option<Axis> {
         let node = self.xml.required(joint, name, "><xyz>0 0 1</xyz></axis", subject)?;
-        let at = node.range().start;
+        let at = self.xml.at(node);
         let known =
             ["initial_position", "xyz", "use_parent_model_frame", "dynamics", "limit", "mimic"];
         self.warn_of_unknown(node, &known, subject);
         let (mut direction, mut expressed_in) = ([0.0, 0.0, 1.0], None);
         if let Some(xyz) = self.xml.single(node, "xyz", subject) {
-            expressed_in = attribute(xyz, "expressed_in").map(trimmed);
-            let text = content(xyz);
+            expressed_in = self.xml.optional(xyz, "expressed_in").map(trimmed);
+            let text = self.xml.content(xyz);
             let axis = self.xml.numbers::<3>(text, subject)?;
             direction = self.xml.unit(axis, text.at, subject)?;
         }
@@ -142,9 +141,9 @@ impl<'a> Reader<'a, '_, '_, '_> {
         subject: Option<&Subject>,
     ) -> (JointDynamics, usize) {
         let Some(node) = self.xml.single(axis, "dynamics", subject) else {
-            return (JointDynamics::default(), axis.range().start);
+            return (JointDynamics::default(), self.xml.at(axis));
         };
-        let at = node.range().start;
+        let at = self.xml.at(node);
         let known = ["damping", "friction", "spring_reference", "spring_stiffness"];
         self.warn_of_unknown(node, &known, subject);
         let [damping, friction, stiffness] = ["damping", "friction", "spring_stiffness"]
@@ -173,7 +172,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             && lower > upper
         {
             let message = format!("the lower limit {lower} is above the upper limit {upper}");
-            let (at, code) = (node.range().start, Code::InvertedLimits);
+            let (at, code) = (self.xml.at(node), Code::InvertedLimits);
             self.xml.report.add(Severity::Warning, code, at, subject, message, "exchange them");
         }
         let [velocity, effort] = [velocity, effort].map(|limit| limit.filter(|&most| most >= 0.0));
@@ -185,7 +184,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let node = self.xml.single(axis, "mimic", subject)?;
         self.warn_of_unknown(node, &["multiplier", "offset", "reference"], subject);
         let leader = self.xml.attribute(node, "joint", subject).map(trimmed);
-        if let Some(axis) = attribute(node, "axis").filter(|axis| axis.text.trim() != "axis") {
+        if let Some(axis) = self.xml.optional(node, "axis").filter(|axis| axis.text.trim() != "axis") {
             let message = format!("it mimics `{}` of a joint with two axes", axis.text);
             let help = "mimic a joint with one axis";
             self.xml.report.error(Code::MimicCoordinates, axis.at, subject, message, help);

@@ -1,7 +1,7 @@
 //! Reads the XML of an SDF, Gazebo's format, to a [`Description`].
 //!
 //! ```text
-//! XML ─ model, link, joint ─▶ World ─ frames ─▶ poses, and the link of each frame ─ build ─▶ Description
+//! XML ─ model, joint, inertial, include ─▶ World ─ frames ─▶ poses, and the link of each frame ─ build ─▶ Description
 //! ```
 //!
 //! A pose may be relative to any frame of its model, also to one that comes later in the text, so all elements are read
@@ -9,6 +9,7 @@
 
 mod build;
 mod frames;
+mod include;
 mod inertial;
 mod joint;
 mod model;
@@ -22,12 +23,14 @@ use crate::description::{Description, ReadOptions};
 use crate::diagnostics::{Code, Report, Severity};
 use crate::read::xml::document;
 use crate::read::xml::element::{Elements, attribute};
+use include::Files;
+use model::Overrides;
 use reader::{Reader, Unread};
 use world::{WORLD, World};
 
 /// Returns the description; `None` with errors in the report.
 pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> Option<Description> {
-    let document = document::parse(text, "sdf", report)?;
+    let document = document::parse(text, 0, "sdf", report)?;
     let root = document.root_element();
     let at = root.range().start;
     if root.tag_name().name() != "sdf" {
@@ -36,10 +39,12 @@ pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> O
         report.error(Code::NotSdf, at, None, message, help);
         return None;
     }
-    let version = version(root, report)?;
+    let version = version(root, 0, report)?;
     let mut world = World::new(at);
-    let xml = Elements { root, report };
-    let mut reader = Reader { xml, world: &mut world, version, unread: Unread::default() };
+    let xml = Elements { root, start: 0, report };
+    let folder = options.folder.clone();
+    let mut files = Files { first: folder.clone(), folder, open: Vec::new(), count: 0 };
+    let mut reader = Reader { xml, world: &mut world, files: &mut files, version, unread: Unread::default() };
     reader.root(root);
     let unread = reader.unread;
     unread.warn(report);
@@ -47,8 +52,8 @@ pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> O
 }
 
 /// Returns the version of an SDF, times 100; `None` with an error in the report.
-fn version(root: Node, report: &mut Report<'_>) -> Option<u32> {
-    let at = root.range().start;
+fn version(root: Node, start: usize, report: &mut Report<'_>) -> Option<u32> {
+    let at = start + root.range().start;
     let text = attribute(root, "version");
     let number = text.and_then(|text| {
         let (major, minor) = text.text.trim().split_once('.')?;
@@ -71,7 +76,7 @@ fn version(root: Node, report: &mut Report<'_>) -> Option<u32> {
             };
             let help =
                 format!("write `<sdf version=\"1.{LAST_VERSION}\">`; 1.2 and later are read");
-            report.error(Code::SdfVersion, text.map_or(at, |text| text.at), None, message, help);
+            report.error(Code::SdfVersion, text.map_or(at, |text| start + text.at), None, message, help);
             None
         }
     }
@@ -95,7 +100,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         }
         let models: Vec<_> = self.xml.named(root, "model").collect();
         for model in models {
-            self.model(model, WORLD, 0);
+            self.model(model, WORLD, 0, Overrides::default());
         }
     }
 }

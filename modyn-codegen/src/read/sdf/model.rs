@@ -1,18 +1,30 @@
 //! Reads a `<world>` and a `<model>` with all its elements.
 
+use modyn_runtime::spatial::Pose;
 use roxmltree::Node;
 
-use super::reader::{Reader, content, trimmed};
+use super::reader::{Reader, trimmed};
 use super::world::{Frame, FrameKind, Link, Scope, WORLD};
 use crate::description::Located;
 use crate::diagnostics::{Code, Subject};
-use crate::read::xml::element::attribute;
 
 /// The deepest nesting of models.
 const MAX_DEPTH: usize = 64;
 
 /// The longest start of a full name, in bytes: each part of a model repeats it.
 const MAX_PREFIX: usize = 4096;
+
+/// The properties of a model that the `<include>` of its file sets.
+#[derive(Default)]
+pub struct Overrides {
+    pub name: Option<Located>,
+    /// The pose, and the name of its frame.
+    pub pose: Option<(Pose<f64>, Option<Located>)>,
+    pub placement: Option<Located>,
+    pub is_static: Option<bool>,
+    /// Whether the elements of the model become those of the enclosing model.
+    pub merge: bool,
+}
 
 impl<'a> Reader<'a, '_, '_, '_> {
     /// Reads a `<world>`: its gravity, models, frames and joints.
@@ -21,38 +33,44 @@ impl<'a> Reader<'a, '_, '_, '_> {
         // Before SDF 1.6, gravity was in `<physics>`.
         let physics = self.xml.named(node, "physics").next();
         let old = physics.and_then(|physics| self.xml.named(physics, "gravity").next());
-        let gravity = own.or(old).map(content);
+        let gravity = own.or(old).map(|node| self.xml.content(node));
         let gravity = gravity.map(|text| self.xml.numbers::<3>(text, None));
         self.world.gravity = Some(gravity.flatten().unwrap_or(DEFAULT_GRAVITY));
         self.elements(node, WORLD, 0);
     }
 
-    /// Reads a `<model>` and returns its scope; `None` if it is nested too deeply.
-    pub fn model(&mut self, node: Node<'a, '_>, outer: usize, depth: usize) -> Option<usize> {
-        let at = node.range().start;
+    /// Reads a `<model>` of a scope.
+    pub fn model(&mut self, node: Node<'a, '_>, outer: usize, depth: usize, overrides: Overrides) {
+        let at = self.xml.at(node);
         let name = self.xml.attribute(node, "name", None).map(trimmed);
-        let name = name.unwrap_or(Located { text: "model".into(), at });
+        let name = overrides.name.or(name).unwrap_or(Located { text: "model".into(), at });
+        let merge = overrides.merge && outer != WORLD;
         let before = self.world.scopes[outer].prefix.clone();
         // The names of the world's models are no part of the full names.
-        let prefix =
-            if outer == WORLD { String::new() } else { format!("{before}{}::", name.text) };
+        let prefix = match outer {
+            WORLD => String::new(),
+            _ if merge => before.clone(),
+            _ => format!("{before}{}::", name.text),
+        };
         if depth > MAX_DEPTH || prefix.len() > MAX_PREFIX {
             let message =
                 format!("models are nested more than {MAX_DEPTH} deep, or have long names");
             let help = "check where the file comes from: no robot is nested this deeply";
             self.xml.report.error(Code::Excessive, at, None, message, help);
-            return None;
+            return;
         }
         let subject = Subject::Robot(name.text.clone());
         let subject = Some(&subject);
-        let (pose, relative_to) = self.pose(node, subject);
-        let own_static = self.flag(node, "static", subject) == Some(true);
-        let filled = |name| attribute(node, name).map(trimmed).filter(|name| !name.text.is_empty());
+        let own_pose = self.pose(node, subject);
+        let (pose, relative_to) = overrides.pose.unwrap_or(own_pose);
+        let own_static = self.flag(node, "static", subject);
+        let own_static = overrides.is_static.or(own_static) == Some(true);
+        let filled = |name| self.xml.optional(node, name).map(trimmed).filter(|name| !name.text.is_empty());
         let scope = self.world.scopes.len();
         let frame = self.world.frames.len();
         let full = Located { text: format!("{before}{}", name.text), at: name.at };
         let mut new = Scope::new(frame, outer, prefix);
-        new.placement = filled("placement_frame");
+        new.placement = overrides.placement.or(filled("placement_frame"));
         new.canonical = filled("canonical_link");
         new.is_static = own_static || self.world.scopes[outer].is_static;
         if new.is_static && outer != WORLD && !self.world.scopes[outer].is_static {
@@ -63,7 +81,9 @@ impl<'a> Reader<'a, '_, '_, '_> {
         self.world.scopes.push(new);
         let kind = FrameKind::Model(scope);
         self.world.frames.push(Frame { name: full, scope: outer, kind, pose, relative_to });
-        self.declare(outer, &name, frame);
+        if !merge {
+            self.declare(outer, &name, frame);
+        }
         let known = [
             "static",
             "self_collide",
@@ -80,7 +100,13 @@ impl<'a> Reader<'a, '_, '_, '_> {
         ];
         self.warn_of_unknown(node, &known, subject);
         self.elements(node, scope, depth);
-        Some(scope)
+        if merge {
+            for frame in self.world.scopes[scope].content.clone() {
+                let full = &self.world.frames[frame].name;
+                let name = Located { text: full.text[before.len()..].into(), at: full.at };
+                self.declare(outer, &name, frame);
+            }
+        }
     }
 
     /// Reads the models, links, joints and frames of a scope.
@@ -89,31 +115,24 @@ impl<'a> Reader<'a, '_, '_, '_> {
         for child in node.children().filter(Node::is_element) {
             if child.tag_name().namespace() != root.tag_name().namespace() {
                 let message = format!("the extension `<{}>` is not read", child.tag_name().name());
-                self.unread.add(message, (Some(child.range().start), None), EXTENSION);
+                self.unread.add(message, (Some(self.xml.at(child)), None), EXTENSION);
                 continue;
             }
             match child.tag_name().name() {
-                "model" => {
-                    self.model(child, scope, depth + 1);
-                }
+                "model" => self.model(child, scope, depth + 1, Overrides::default()),
                 "link" if scope != WORLD => self.link(child, scope),
                 "joint" => self.joint(child, scope),
                 "frame" => self.frame(child, scope),
-                "include" => {
-                    let message = "`<include>` is not read";
-                    let help = "copy the model into this file";
-                    let at = child.range().start;
-                    self.xml.report.error(Code::Include, at, None, message, help);
-                }
+                "include" => self.include(child, scope, depth),
                 "plugin" => {
                     let message =
                         "a `<plugin>` is not read: forces that it applies do not act".into();
                     let help = "apply such forces in the program that uses the robot";
-                    self.unread.add(message, (Some(child.range().start), None), help);
+                    self.unread.add(message, (Some(self.xml.at(child)), None), help);
                 }
                 "population" => {
                     let (message, help) = ("`<population>` is not read", "write out its models");
-                    let at = child.range().start;
+                    let at = self.xml.at(child);
                     self.xml.report.error(Code::NotRead, at, None, message, help);
                 }
                 _ => {}
@@ -125,7 +144,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
     fn frame(&mut self, node: Node<'a, '_>, scope: usize) {
         let Some(name) = self.xml.attribute(node, "name", None).map(trimmed) else { return };
         let (pose, relative_to) = self.pose(node, None);
-        let attached_to = attribute(node, "attached_to").map(trimmed);
+        let attached_to = self.xml.optional(node, "attached_to").map(trimmed);
         let kind = FrameKind::Frame(attached_to.filter(|name| !name.text.is_empty()));
         self.push(scope, &name, kind, (pose, relative_to));
     }
@@ -133,7 +152,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
     /// Reads a `<link>`.
     fn link(&mut self, node: Node<'a, '_>, scope: usize) {
         let name = self.xml.attribute(node, "name", None).map(trimmed);
-        let name = name.unwrap_or(Located { text: String::new(), at: node.range().start });
+        let name = name.unwrap_or(Located { text: String::new(), at: self.xml.at(node) });
         let subject = Subject::Link(name.text.clone());
         let subject = Some(&subject);
         let known = [
@@ -163,16 +182,16 @@ impl<'a> Reader<'a, '_, '_, '_> {
             let message =
                 "`<kinematic>` is not read: a link that ignores forces is no part of the dynamics";
             let help = "remove it, and command the joints' accelerations instead";
-            self.xml.report.error(Code::NotRead, node.range().start, subject, message, help);
+            self.xml.report.error(Code::NotRead, self.xml.at(node), subject, message, help);
         }
         if let Some(decay) = self.xml.named(node, "velocity_decay").next() {
             let message =
                 "`<velocity_decay>` is not read: it damps a link in one simulator only".into();
             let help = "write `<damping>` of the joints";
-            self.unread.add(message, (Some(decay.range().start), subject.cloned()), help);
+            self.unread.add(message, (Some(self.xml.at(decay)), subject.cloned()), help);
         }
         let inertial = self.inertial(node, subject);
-        let weightless = weightless.map(|node| node.range().start);
+        let weightless = weightless.map(|node| self.xml.at(node));
         let index = self.world.links.len();
         let frame = self.push(scope, &name, FrameKind::Link(index), pose);
         self.world.links.push(Link { frame, inertial, weightless });
@@ -184,7 +203,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         scope: usize,
         name: &Located,
         kind: FrameKind,
-        (pose, relative_to): (modyn_runtime::spatial::Pose<f64>, Option<Located>),
+        (pose, relative_to): (Pose<f64>, Option<Located>),
     ) -> usize {
         let frame = self.world.frames.len();
         let text = format!("{}{}", self.world.scopes[scope].prefix, name.text);

@@ -6,15 +6,18 @@ use modyn_runtime::conventions::rotation_from_quaternion;
 use modyn_runtime::spatial::Pose;
 use roxmltree::Node;
 
+use super::include::Files;
 use super::world::World;
 use crate::description::{Located, MAX_NUMBER, roll_pitch_yaw};
 use crate::diagnostics::{Code, Place, Report, Subject};
-use crate::read::xml::element::{Attribute, Elements, attribute};
+use crate::read::xml::element::{Attribute, Elements};
 
-/// Reads elements into a [`World`]: models in `model`, links in `link`, joints in `joint`.
+/// Reads elements into a [`World`]: models and links in `model`, joints in `joint`, other
+/// files in `include`.
 pub struct Reader<'a, 't, 'r, 'f> {
     pub xml: Elements<'a, 't, 'r, 'f>,
     pub world: &'r mut World,
+    pub files: &'r mut Files,
     /// The version of the file, times 100.
     pub version: u32,
     pub unread: Unread,
@@ -50,7 +53,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         subject: Option<&Subject>,
     ) -> Option<f64> {
         let child = self.xml.single(node, name, subject)?;
-        self.xml.numbers::<1>(content(child), subject).map(|[value]| value)
+        self.xml.numbers::<1>(self.xml.content(child), subject).map(|[value]| value)
     }
 
     /// Returns the number in an optional child element; `None` also for an infinite number.
@@ -61,7 +64,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         subject: Option<&Subject>,
     ) -> Option<f64> {
         let child = self.xml.single(node, name, subject)?;
-        let text = content(child);
+        let text = self.xml.content(child);
         let unsigned = text.text.trim().trim_start_matches(['+', '-']).to_ascii_lowercase();
         if matches!(unsigned.as_str(), "inf" | "infinity") {
             return None;
@@ -78,7 +81,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         subject: Option<&Subject>,
     ) -> Option<bool> {
         let child = self.xml.single(node, name, subject)?;
-        self.truth(content(child), name, subject)
+        self.truth(self.xml.content(child), name, subject)
     }
 
     /// Returns a truth value.
@@ -108,7 +111,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         subject: Option<&Subject>,
     ) -> Option<Located> {
         let child = self.xml.single(node, name, subject);
-        let text = child.map(content).filter(|text| !text.text.trim().is_empty());
+        let text = child.map(|node| self.xml.content(node)).filter(|text| !text.text.trim().is_empty());
         if text.is_none() {
             let message = format!("`<{}>` has no `<{name}>`", node.tag_name().name());
             let help = format!("write `<{name}>...</{name}>` with the name of a link");
@@ -129,16 +132,16 @@ impl<'a> Reader<'a, '_, '_, '_> {
         };
         let known = ["relative_to", "rotation_format", "degrees", "frame"];
         self.xml.warn_of_unknown_attributes(node, &known, subject);
-        let frame = attribute(node, "relative_to").map(trimmed);
+        let frame = self.xml.optional(node, "relative_to").map(trimmed);
         let pose = self.pose_numbers(node, subject).unwrap_or_else(Pose::identity);
         (pose, frame.filter(|name| !name.text.is_empty()))
     }
 
     fn pose_numbers(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> Option<Pose<f64>> {
-        let degrees = attribute(node, "degrees");
+        let degrees = self.xml.optional(node, "degrees");
         let degrees = degrees.and_then(|text| self.truth(text, "degrees", subject));
-        let text = content(node);
-        let format = attribute(node, "rotation_format");
+        let text = self.xml.content(node);
+        let format = self.xml.optional(node, "rotation_format");
         let format_name = format.map_or("euler_rpy", |format| format.text.trim());
         if text.text.trim().is_empty() {
             return None;
@@ -197,7 +200,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             let own = child.tag_name().namespace() == self.xml.root.tag_name().namespace();
             if own && !known.contains(&name) {
                 let message = format!("the element `<{name}>` is not read");
-                let place = (Some(child.range().start), subject.cloned());
+                let place = (Some(self.xml.at(child)), subject.cloned());
                 self.unread.add(message, place, "check its spelling; SDF has no such element here");
             }
         }
@@ -206,17 +209,6 @@ impl<'a> Reader<'a, '_, '_, '_> {
 
 /// The magnitude from which a limit is none: the default of old versions.
 const INFINITE: f64 = 1e16;
-
-/// Returns the text in an element, with its place.
-pub fn content<'a>(node: Node<'a, '_>) -> Attribute<'a> {
-    let text = node.children().find(Node::is_text);
-    let Some(text) = text.filter(|text| !text.text().unwrap_or_default().trim().is_empty()) else {
-        return Attribute { text: "", at: node.range().start };
-    };
-    let words = text.text().unwrap_or_default();
-    let blank = words.len() - words.trim_start().len();
-    Attribute { text: words, at: text.range().start + blank }
-}
 
 /// Returns a text without the blanks around it.
 pub fn trimmed(text: Attribute) -> Located {

@@ -12,7 +12,7 @@ use crate::read::xml::element::{Elements, is};
 pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Description {
     let at = robot.range().start;
     let mut reader =
-        Reader { xml: Elements { root: robot, report }, options, negative_limits: Vec::new() };
+        Reader { xml: Elements { root: robot, start: 0, report }, options, negative_limits: Vec::new() };
     let name = robot.attribute("name").unwrap_or("");
     if name.trim().is_empty() {
         let help = "write `<robot name=\"...\">`; it is called `robot` here, and its type `Robot` would \
