@@ -15,7 +15,7 @@ use crate::command::outcome::{Failure, to_stderr};
 /// A description, and the options of reading it.
 #[derive(Args)]
 pub struct Robot {
-    /// The description (URDF or MJCF); `-` for standard input
+    /// The description (URDF, SDF or MJCF); `-` for standard input
     #[arg(value_name = "ROBOT.urdf")]
     pub path: PathBuf,
     #[command(flatten)]
@@ -44,7 +44,7 @@ impl Description {
         }
         if !path.exists() {
             let missing = Diagnostic::error(Code::MissingFile, format!("`{name}` does not exist"));
-            let help = "give the path of a URDF or MJCF file from the current folder, or `-` for standard input";
+            let help = "give the path of a URDF, SDF or MJCF from the current folder, or `-` for standard input";
             return Err(missing.with_help(help).into());
         }
         let (_, text) = read_first(&name, &[path.to_owned()])?;
@@ -83,6 +83,7 @@ impl Robot {
         let builder = match (path, Format::of(text, name)) {
             #[cfg(feature = "mjcf")]
             (Some(path), Format::Mjcf) => builder.mjcf(path),
+            (Some(path), Format::Sdf) => builder.file(path),
             (Some(path), _) => builder.urdf(path),
             (None, _) => builder.text(text, name),
         };

@@ -99,7 +99,7 @@ codes! {
         "Write one of the poses relative to `__model__`, or attach one of the frames to a link.",
     /// The file is not text.
     NotText = "not-text":
-        "Save the file as UTF-8. URDF and MJCF are text.",
+        "Save the file as UTF-8. URDF, SDF and MJCF are text.",
     /// An attribute that URDF requires is missing or empty.
     MissingAttribute = "missing-attribute":
         "Write the attribute that the message names. URDF has no default for it.",

@@ -112,5 +112,5 @@ def write(path):
 
 
 if __name__ == "__main__":
-    for model in ("frames", "nested", "old", "solids"):
+    for model in ("frames", "nested", "old", "reversed", "solids"):
         write(Path(__file__).with_name(f"{model}.sdf"))

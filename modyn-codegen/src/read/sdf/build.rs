@@ -85,6 +85,13 @@ fn inside(world: &World, model: usize) -> Vec<bool> {
     inside
 }
 
+/// A joint with its links, the parent first, and its pose in each.
+struct Edge<'w> {
+    joint: &'w Joint,
+    ends: [(usize, Pose<f64>); 2],
+    subject: Subject,
+}
+
 struct Build<'w, 'r, 'f> {
     world: &'w World,
     frames: Frames,
@@ -167,6 +174,7 @@ impl Build<'_, '_, '_> {
     /// Adds the joints.
     fn joints(&mut self) {
         let world = self.world;
+        let mut edges = Vec::new();
         for joint in &world.joints {
             let own = &world.frames[joint.frame];
             let Some(link) = self.frames.links[joint.frame] else { continue };
@@ -182,25 +190,62 @@ impl Build<'_, '_, '_> {
             } else {
                 self.between(own.scope, parent, joint.frame)
             };
-            let directions = joint.axes.each_ref().map(|axis| self.direction(joint, axis.as_ref()));
-            let made = self.made(joint, directions, &subject);
+            let ends = [(parent, in_parent), (child, in_child)];
             if joint.closes_loop {
-                self.closing(
-                    joint,
-                    directions[0],
-                    [(parent, in_parent), (child, in_child)],
-                    &subject,
-                );
+                let axis = self.direction(joint, joint.axes[0].as_ref());
+                self.closing(joint, axis, ends, &subject);
             } else {
-                self.place(
-                    joint,
-                    made,
-                    directions,
-                    [(parent, in_parent), (child, in_child)],
-                    &subject,
-                );
+                edges.push(Edge { joint, ends, subject });
             }
         }
+        let reversed = self.reversed(&edges);
+        for (Edge { joint, ends, subject }, reversed) in edges.iter().zip(reversed) {
+            let directions = joint.axes.each_ref().map(|axis| self.direction(joint, axis.as_ref()));
+            let made = self.made(joint, directions, subject);
+            let [parent, child] = *ends;
+            if reversed {
+                let directions = directions.map(|axis| axis.map(|x| -x));
+                self.place(joint, made, directions, [child, parent], subject);
+            } else {
+                self.place(joint, made, directions, [parent, child], subject);
+            }
+        }
+    }
+
+    /// Returns for each joint whether its child is closer to the root than its parent. Such a joint is exchanged: about the
+    /// opposite axis, its coordinate means the same.
+    fn reversed(&self, edges: &[Edge]) -> Vec<bool> {
+        let mut joints: FxHashMap<usize, Vec<usize>> = FxHashMap::default();
+        let mut children = HashSet::new();
+        for (index, Edge { ends: [(parent, _), (child, _)], .. }) in edges.iter().enumerate() {
+            joints.entry(*parent).or_default().push(index);
+            joints.entry(*child).or_default().push(index);
+            children.insert(*child);
+        }
+        let links = self.world.links.iter().map(|link| link.frame);
+        let roots = std::iter::once(WORLD).chain(links.filter(|link| !children.contains(link)));
+        let mut seen = HashSet::new();
+        let mut reversed = vec![false; edges.len()];
+        for root in roots {
+            if !seen.insert(root) {
+                continue;
+            }
+            let mut open = vec![root];
+            while let Some(link) = open.pop() {
+                for &index in joints.get(&link).into_iter().flatten() {
+                    let Edge { joint, ends: [(parent, _), (child, _)], .. } = &edges[index];
+                    let other = if *parent == link { *child } else { *parent };
+                    let is_fixed_order =
+                        matches!(joint.kind, Some(JointKind::Universal | JointKind::Ball));
+                    let backwards = *child == link;
+                    if !(backwards && is_fixed_order) && seen.insert(other) {
+                        reversed[index] = backwards;
+                        open.push(other);
+                    }
+                }
+            }
+        }
+        reversed
     }
 
     /// Returns the frame of a joint's parent link, or of the world; `None` with an error in the report.

@@ -6,8 +6,8 @@ use roxmltree::Node;
 
 use super::model::Overrides;
 use super::reader::{Reader, trimmed};
-use super::{LAST_VERSION, version};
 use super::world::WORLD;
+use super::{LAST_VERSION, version};
 use crate::diagnostics::{Code, Severity};
 use crate::read::file::read_named;
 use crate::read::xml::document;
@@ -38,7 +38,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let at = self.xml.at(node);
         let known = ["uri", "name", "static", "pose", "placement_frame", "plugin"];
         self.warn_of_unknown(node, &known, None);
-        let Some(uri) = self.xml.single(node, "uri", None).map(|uri| trimmed(self.xml.content(uri)))
+        let Some(uri) =
+            self.xml.single(node, "uri", None).map(|uri| trimmed(self.xml.content(uri)))
         else {
             let (message, help) = ("`<include>` has no `<uri>`", "write `<uri>model://arm</uri>`");
             self.xml.report.error(Code::MissingElement, at, None, message, help);
@@ -82,7 +83,9 @@ impl<'a> Reader<'a, '_, '_, '_> {
         }
         self.files.count += 1;
         let shown = path.display().to_string();
-        let Some((text, start)) = read_named(&path, &shown, uri.at, self.xml.report) else { return };
+        let Some((text, start)) = read_named(&path, &shown, uri.at, self.xml.report) else {
+            return;
+        };
         let Some(text) = document::within_limits(&text, start, self.xml.report) else { return };
         let folder = path.parent().map(Path::to_owned);
         let outer = std::mem::replace(&mut self.files.folder, folder);
@@ -93,7 +96,14 @@ impl<'a> Reader<'a, '_, '_, '_> {
     }
 
     /// Reads the model of an included file, which starts at the offset `start`.
-    fn included(&mut self, text: &str, start: usize, scope: usize, depth: usize, overrides: Overrides) {
+    fn included(
+        &mut self,
+        text: &str,
+        start: usize,
+        scope: usize,
+        depth: usize,
+        overrides: Overrides,
+    ) {
         let Some(document) = document::parse(text, start, "sdf", self.xml.report) else { return };
         let root = document.root_element();
         if root.tag_name().name() != "sdf" {
@@ -131,25 +141,30 @@ impl<'a> Reader<'a, '_, '_, '_> {
     /// Returns what to do if there is no such file.
     fn file_of(&mut self, uri: &str) -> Result<PathBuf, String> {
         let Some(folder) = self.files.folder.clone() else {
-            return Err("give the path of this file instead of its text, so that others can be found".into());
+            return Err(
+                "give the path of this file instead of its text, so that others can be found"
+                    .into(),
+            );
         };
-        let place = if let Some((scheme, rest)) = uri.split_once("://") {
-            match scheme {
-                "file" => PathBuf::from(rest),
-                "model" | "package" => self.model_path(rest).ok_or_else(|| {
-                    format!(
-                        "models are looked for beside this file, in the folders around it, and in the folders of \
-                         the variable {}",
-                        MODEL_PATHS[..2].join(" or ")
-                    )
-                })?,
-                _ => return Err("download the model, and write `model://` and its name".into()),
-            }
-        } else {
-            folder.join(uri)
+        let (scheme, rest) = uri.split_once("://").unwrap_or(("", uri));
+        let beside = folder.join(rest);
+        let place = match scheme {
+            "" | "file" if !rest.is_empty() && beside.exists() => beside,
+            "" | "file" | "model" | "package" => self.model_path(rest).ok_or_else(|| {
+                format!(
+                    "files are looked for beside this file, in the folders around the first file, and in the folders of \
+                     the variable {}",
+                    MODEL_PATHS[..2].join(" or ")
+                )
+            })?,
+            _ => return Err("download the model, and write `model://` and its name".into()),
         };
         let place = if place.is_dir() { self.file_in(&place) } else { place };
-        if place.is_file() { Ok(place) } else { Err(format!("there is no file `{}`", place.display())) }
+        if place.is_file() {
+            Ok(place)
+        } else {
+            Err(format!("there is no file `{}`", place.display()))
+        }
     }
 
     /// Returns the path that starts with the name of a model; `None` if there is no such model.
@@ -163,8 +178,9 @@ impl<'a> Reader<'a, '_, '_, '_> {
         // The folders around the file, whose names may be part of the path.
         let around = absolute.ancestors().map(Path::to_owned);
         let of_variables = MODEL_PATHS.iter().filter_map(std::env::var_os);
-        let of_variables: Vec<PathBuf> =
-            of_variables.flat_map(|value| std::env::split_paths(&value).collect::<Vec<_>>()).collect();
+        let of_variables: Vec<PathBuf> = of_variables
+            .flat_map(|value| std::env::split_paths(&value).collect::<Vec<_>>())
+            .collect();
         around.chain(of_variables).map(|folder| folder.join(path)).find(|place| place.exists())
     }
 
@@ -178,7 +194,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let versions = document.root_element().children().filter(|node| node.has_tag_name("sdf"));
         let newest = versions
             .filter_map(|node| {
-                let version = attribute(node, "version").map_or("1.2", |version| version.text.trim());
+                let version =
+                    attribute(node, "version").map_or("1.2", |version| version.text.trim());
                 let (_, minor) = version.split_once('.')?;
                 let minor: u32 = minor.parse().ok()?;
                 Some((minor, node.text()?.trim())).filter(|_| minor <= LAST_VERSION)

@@ -30,9 +30,11 @@ impl<'a> Reader<'a, '_, '_, '_> {
             let help = "remove it, and add the fluid's forces to the external wrenches";
             self.xml.report.error(Code::NotRead, self.xml.at(fluid), subject, message, help);
         }
-        let is_auto = self.xml.optional(node, "auto").and_then(|text| self.truth(text, "auto", subject));
+        let is_auto =
+            self.xml.optional(node, "auto").and_then(|text| self.truth(text, "auto", subject));
         let mass = self.number(node, "mass", subject);
-        let mass_at = self.xml.named(node, "mass").next().map_or(at, |mass| self.xml.content(mass).at);
+        let mass_at =
+            self.xml.named(node, "mass").next().map_or(at, |mass| self.xml.content(mass).at);
         let inertial = if is_auto == Some(true) {
             let whole = self.automatic(link, node, subject);
             // A given mass scales the density.

@@ -36,19 +36,24 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let parent = self.name_in(node, "parent", subject);
         let child = self.name_in(node, "child", subject);
         let pose = self.pose(node, subject);
-        let axes = match kind {
+        let mut axes = match kind {
             None | Some(JointKind::Fixed | JointKind::Ball) => [None, None],
             Some(JointKind::Universal) => {
                 ["axis", "axis2"].map(|name| self.axis(node, name, subject))
             }
             Some(_) => [self.axis(node, "axis", subject), None],
         };
+        let armature = self.armature(node, subject);
+        for axis in axes.iter_mut().flatten() {
+            axis.dynamics.armature = armature;
+        }
         let pitch = if kind == Some(JointKind::Screw) { self.pitch(node, subject) } else { 0.0 };
         let simbody = self.xml.named(node, "physics").flat_map(|physics| physics.children());
         let cut = simbody
             .flat_map(|engine| engine.children())
             .find(|n| n.has_tag_name("must_be_loop_joint"));
-        let cut = cut.and_then(|cut| self.truth(self.xml.content(cut), "must_be_loop_joint", subject));
+        let cut =
+            cut.and_then(|cut| self.truth(self.xml.content(cut), "must_be_loop_joint", subject));
         let index = self.world.joints.len();
         let frame = self.push(scope, &name, FrameKind::Joint(index), pose);
         let sound = self.xml.report.errors() == errors;
@@ -90,6 +95,20 @@ impl<'a> Reader<'a, '_, '_, '_> {
             }
         };
         Some(kind)
+    }
+
+    /// Returns the armature by Drake's extensions `rotor_inertia` and `gear_ratio`; zero without them.
+    fn armature(&mut self, joint: Node<'a, '_>, subject: Option<&Subject>) -> f64 {
+        let mut extension = |name| {
+            let node = joint.children().find(|node| {
+                node.tag_name().name() == name
+                    && node.tag_name().namespace().is_some_and(|uri| uri.contains("drake"))
+            })?;
+            let [value] = self.xml.numbers::<1>(self.xml.content(node), subject)?;
+            Some(value)
+        };
+        let (rotor, gear) = (extension("rotor_inertia"), extension("gear_ratio").unwrap_or(1.0));
+        rotor.map_or(0.0, |rotor| gear * gear * rotor)
     }
 
     /// Returns the displacement of a screw, m/rad.
@@ -146,8 +165,17 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let at = self.xml.at(node);
         let known = ["damping", "friction", "spring_reference", "spring_stiffness"];
         self.warn_of_unknown(node, &known, subject);
-        let [damping, friction, stiffness] = ["damping", "friction", "spring_stiffness"]
-            .map(|name| self.number(node, name, subject).unwrap_or(0.0));
+        let [damping, friction] = ["damping", "friction"].map(|name| {
+            let value = self.number(node, name, subject).unwrap_or(0.0);
+            if value < 0.0 {
+                let message = format!("`<{name}>` is {value}");
+                let help = "write a number of at least 0: damping and friction oppose the motion";
+                let code = Code::NegativeJointDynamics;
+                self.xml.report.error(code, at, subject, message, help);
+            }
+            value.max(0.0)
+        });
+        let stiffness = self.number(node, "spring_stiffness", subject).unwrap_or(0.0);
         if stiffness != 0.0 {
             let message =
                 "`<spring_stiffness>` is not read: the spring's force does not act".into();
@@ -184,7 +212,9 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let node = self.xml.single(axis, "mimic", subject)?;
         self.warn_of_unknown(node, &["multiplier", "offset", "reference"], subject);
         let leader = self.xml.attribute(node, "joint", subject).map(trimmed);
-        if let Some(axis) = self.xml.optional(node, "axis").filter(|axis| axis.text.trim() != "axis") {
+        if let Some(axis) =
+            self.xml.optional(node, "axis").filter(|axis| axis.text.trim() != "axis")
+        {
             let message = format!("it mimics `{}` of a joint with two axes", axis.text);
             let help = "mimic a joint with one axis";
             self.xml.report.error(Code::MimicCoordinates, axis.at, subject, message, help);

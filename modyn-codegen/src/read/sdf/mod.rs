@@ -44,7 +44,8 @@ pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> O
     let xml = Elements { root, start: 0, report };
     let folder = options.folder.clone();
     let mut files = Files { first: folder.clone(), folder, open: Vec::new(), count: 0 };
-    let mut reader = Reader { xml, world: &mut world, files: &mut files, version, unread: Unread::default() };
+    let mut reader =
+        Reader { xml, world: &mut world, files: &mut files, version, unread: Unread::default() };
     reader.root(root);
     let unread = reader.unread;
     unread.warn(report);
@@ -76,7 +77,13 @@ fn version(root: Node, start: usize, report: &mut Report<'_>) -> Option<u32> {
             };
             let help =
                 format!("write `<sdf version=\"1.{LAST_VERSION}\">`; 1.2 and later are read");
-            report.error(Code::SdfVersion, text.map_or(at, |text| start + text.at), None, message, help);
+            report.error(
+                Code::SdfVersion,
+                text.map_or(at, |text| start + text.at),
+                None,
+                message,
+                help,
+            );
             None
         }
     }

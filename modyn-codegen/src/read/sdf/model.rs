@@ -65,7 +65,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let (pose, relative_to) = overrides.pose.unwrap_or(own_pose);
         let own_static = self.flag(node, "static", subject);
         let own_static = overrides.is_static.or(own_static) == Some(true);
-        let filled = |name| self.xml.optional(node, name).map(trimmed).filter(|name| !name.text.is_empty());
+        let filled =
+            |name| self.xml.optional(node, name).map(trimmed).filter(|name| !name.text.is_empty());
         let scope = self.world.scopes.len();
         let frame = self.world.frames.len();
         let full = Located { text: format!("{before}{}", name.text), at: name.at };

@@ -111,7 +111,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         subject: Option<&Subject>,
     ) -> Option<Located> {
         let child = self.xml.single(node, name, subject);
-        let text = child.map(|node| self.xml.content(node)).filter(|text| !text.text.trim().is_empty());
+        let text =
+            child.map(|node| self.xml.content(node)).filter(|text| !text.text.trim().is_empty());
         if text.is_none() {
             let message = format!("`<{}>` has no `<{name}>`", node.tag_name().name());
             let help = format!("write `<{name}>...</{name}>` with the name of a link");
