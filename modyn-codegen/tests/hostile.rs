@@ -205,7 +205,7 @@ fn poses_relative_to_poses_without_end() {
         )
     });
     let cycle = sdf(&format!("{frames}<frame name='f{n}'><pose relative_to='f0'/></frame>"));
-    assert_eq!(codes(&refused(&cycle)), [Code::FrameCycle]);
+    assert!(codes(&refused(&cycle)).contains(&Code::FrameCycle));
     let chain = sdf(&format!("{frames}<frame name='f{n}'/>"));
     let model = read(&chain, "hostile.sdf", &ReadOptions::default()).expect("a long chain").model;
     let first = model.frames().iter().find(|frame| frame.name == "f0").expect("the first");
@@ -221,22 +221,22 @@ fn poses_relative_to_poses_without_end() {
     let cycle = sdf(&format!(
         "{frames}<frame name='f{n}' attached_to='f0'><pose relative_to='l'/></frame>"
     ));
-    assert_eq!(codes(&refused(&cycle)), [Code::FrameCycle]);
+    assert!(codes(&refused(&cycle)).contains(&Code::FrameCycle));
 }
 
 #[test]
 fn models_in_models_without_end() {
     let n = 5000;
     let deep = "<model name='a'><link name='l'/>".repeat(n) + &"</model>".repeat(n);
-    assert_eq!(codes(&refused(&sdf(&deep))), [Code::Excessive]);
+    assert!(codes(&refused(&sdf(&deep))).contains(&Code::Excessive));
     // Each part repeats the names of the models around it.
     let long = "n".repeat(many());
     let links = repeated(many() / 10, "<link name='l#'/>");
     let text = sdf(&format!("<model name='{long}'>{links}</model>"));
-    assert_eq!(codes(&refused(&text)), [Code::Excessive]);
+    assert!(codes(&refused(&text)).contains(&Code::Excessive));
     let name = "a::".repeat(many());
     let text = sdf(&format!("<link name='l'/><frame name='f' attached_to='{name}'/>"));
-    assert_eq!(codes(&refused(&text)), [Code::FrameName]);
+    assert!(codes(&refused(&text)).contains(&Code::FrameName));
 }
 
 /// Files that include files twice: a thousand are read, not 2^40.

@@ -20,7 +20,7 @@ use modyn_runtime::model::{Friction, Model};
 
 use crate::assemble::assemble;
 use crate::check::{friction_error, gravity_error};
-use crate::description::{Description, ReadOptions};
+use crate::description::{Base, Description, ReadOptions};
 use crate::diagnostics::{Diagnostic, Diagnostics, Report};
 
 /// A robot that was read.
@@ -97,9 +97,11 @@ impl Format {
         if friction.is_some() {
             options.friction = Some(Friction::None);
         }
-        let model = self
-            .describe(text, &options, &mut report)
-            .and_then(|description| assemble(description, &options, &mut report));
+        let model = self.describe(text, &options, &mut report).and_then(|description| {
+            // The reader of an SDF has connected the base to the world.
+            let base = if self == Self::Sdf { Base::Described } else { options.base };
+            assemble(description, &ReadOptions { base, ..options }, &mut report)
+        });
         let of_options = gravity.into_iter().chain(friction);
         let files = report.take_dependencies();
         let found = Diagnostics::new(report.finish().into_iter().chain(of_options).collect());

@@ -20,7 +20,8 @@ class Options(TypedDict, total=False):
     """The acceleration of free fall in world axes, m/s^2; an MJCF or a model has its own. By default [0.0, 0.0,
     -9.81], or the MJCF's or the model's own. For example: `[0, 0, -1.62]`."""
     base: str | None
-    """Whether the root link is fixed to the world or floats. By default fixed. For example: `"floating"`."""
+    """Whether the root link is fixed to the world or floats. As described, that of a URDF is fixed, and a link of
+    an SDF floats unless a joint connects it to the world. By default described. For example: `"floating"`."""
     mimic: str | None
     """How joints that mimic another one are read: they follow it and have no coordinate of their own, have one, or
     are refused. By default follow. For example: `"independent"`."""

@@ -13,7 +13,7 @@ use crate::description::{
     Base, Description, EndRecord, InertialRecord, JointRecord, Kind, LinkRecord, Located,
     LoopRecord, Mimic, MimicRecord, ReadOptions, are_parallel,
 };
-use crate::diagnostics::{Code, Place, Report, Severity, Subject, suggest};
+use crate::diagnostics::{Code, Place, Report, Severity, Subject, Suggestions};
 
 /// Returns the description of the model of a world; `None` with errors in the report.
 pub fn describe(
@@ -36,8 +36,9 @@ pub fn describe(
         contacts: Vec::new(),
     };
     let names = world.frames.iter().filter(|frame| !matches!(frame.kind, FrameKind::Joint(_)));
-    let names = names.map(|frame| frame.name.text.clone()).collect();
-    let mut build = Build { world, frames, inside, options, names, description, report };
+    let names = Names::new(names.map(|frame| frame.name.text.clone()));
+    let near = Suggestions::new();
+    let mut build = Build { world, frames, inside, options, names, near, description, report };
     build.links();
     build.joints();
     build.roots();
@@ -85,6 +86,30 @@ fn inside(world: &World, model: usize) -> Vec<bool> {
     inside
 }
 
+/// Names that are taken.
+struct Names {
+    taken: HashSet<String>,
+    /// By name, the last number that was appended.
+    numbers: FxHashMap<String, usize>,
+}
+
+impl Names {
+    fn new(taken: impl Iterator<Item = String>) -> Self {
+        Self { taken: taken.collect(), numbers: FxHashMap::default() }
+    }
+
+    /// Returns the name, or one with a number, which is not taken. It is taken then.
+    fn unused(&mut self, name: &str) -> String {
+        let mut unused = name.to_string();
+        while !self.taken.insert(unused.clone()) {
+            let number = self.numbers.entry(name.into()).or_insert(1);
+            *number += 1;
+            unused = format!("{name}_{number}");
+        }
+        unused
+    }
+}
+
 /// A joint with its links, the parent first, and its pose in each.
 struct Edge<'w> {
     joint: &'w Joint,
@@ -99,7 +124,8 @@ struct Build<'w, 'r, 'f> {
     inside: Vec<bool>,
     options: &'w ReadOptions,
     /// The full names of all frames but joints, and of links that were added.
-    names: HashSet<String>,
+    names: Names,
+    near: Suggestions,
     description: Description,
     report: &'r mut Report<'f>,
 }
@@ -123,7 +149,13 @@ impl Build<'_, '_, '_> {
                     self.description.links.push(LinkRecord { name, inertial, auxiliary: false });
                 }
                 FrameKind::Frame(_) if self.inside[frame.scope] => {
-                    let Some(link) = self.frames.links[index] else { continue };
+                    let scope = &world.scopes[frame.scope];
+                    // A name that is reserved, or another element's, is an error already.
+                    let is_known =
+                        scope.names.get(&name.text[scope.prefix.len()..]) == Some(&index);
+                    let Some(link) = self.frames.links[index].filter(|_| is_known) else {
+                        continue;
+                    };
                     let link = self.world.links[link].frame;
                     let origin = self.between(frame.scope, link, index);
                     let fixed = self.record(format!("{}_fixed", name.text), name.at);
@@ -258,7 +290,7 @@ impl Build<'_, '_, '_> {
         let Some(found) = world.find(scope, &name.text) else {
             let message = format!("its parent `{}` does not exist", name.text);
             let names = world.scopes[scope].names.keys().map(String::as_str);
-            let help = match suggest(&name.text, names) {
+            let help = match self.near.suggest(&name.text, names) {
                 Some(near) => format!("did you mean `{near}`?"),
                 None => "name a link or frame of the same model, or `world`".into(),
             };
@@ -403,7 +435,7 @@ impl Build<'_, '_, '_> {
             return;
         }
         let (name, at) = (made.name.text.clone(), made.name.at);
-        let between = self.unused(&name);
+        let between = self.names.unused(&name);
         let record = LinkRecord {
             name: Located { text: between.clone(), at },
             inertial: None,
@@ -433,15 +465,6 @@ impl Build<'_, '_, '_> {
         last.parent = Some(Located { text: between, at });
         last.child = Some(Located { text: child, at });
         self.description.joints.push(last);
-    }
-
-    /// Returns the name, or one with a number, which no link has.
-    fn unused(&mut self, name: &str) -> String {
-        let numbered = (2..).map(|n| format!("{name}_{n}"));
-        let mut names = std::iter::once(name.to_string()).chain(numbered);
-        let unused = names.find(|name| !self.names.contains(name)).unwrap_or_default();
-        self.names.insert(unused.clone());
-        unused
     }
 
     /// Adds a joint that closes a loop.
@@ -492,8 +515,7 @@ impl Build<'_, '_, '_> {
             .filter(|&frame| self.inside[world.frames[frame].scope])
             .filter(|&frame| !children.contains(world.frames[frame].name.text.as_str()))
             .collect();
-        let mut taken: HashSet<String> =
-            self.description.joint_names().map(str::to_string).collect();
+        let mut names = Names::new(self.description.joint_names().map(str::to_string));
         if self.options.base == Base::Floating && roots.is_empty() {
             let message = "`base = floating` is set, but a joint fixes the model to the world";
             let help = "remove the option, or the joint whose parent is `world`";
@@ -505,10 +527,7 @@ impl Build<'_, '_, '_> {
                 let origin = self.frames.pose(world, WORLD, root);
                 JointRecord { origin, ..self.record(format!("{}_fixed", name.text), name.at) }
             } else {
-                let numbered = (2..).map(|n| format!("floating_base_{n}"));
-                let mut names = std::iter::once("floating_base".to_string()).chain(numbered);
-                let unused = names.find(|name| !taken.contains(name)).unwrap_or_default();
-                taken.insert(unused.clone());
+                let unused = names.unused("floating_base");
                 let kind = Kind::Moving(JointType::Floating);
                 JointRecord { kind, ..self.record(unused, name.at) }
             };

@@ -12,7 +12,7 @@ use crate::diagnostics::{Code, Subject};
 const MAX_DEPTH: usize = 64;
 
 /// The longest start of a full name, in bytes: each part of a model repeats it.
-const MAX_PREFIX: usize = 4096;
+const MAX_PREFIX: usize = 512;
 
 /// The properties of a model that the `<include>` of its file sets.
 #[derive(Default)]
