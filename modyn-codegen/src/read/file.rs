@@ -5,6 +5,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use super::xml::document::USD_HELP;
 use super::xml::limits::MAX_BYTES;
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Position, Report};
 
@@ -105,6 +106,10 @@ fn not_text(wanted: impl Display, error: &std::string::FromUtf8Error) -> Diagnos
         line: 1 + good.iter().filter(|&&b| b == b'\n').count(),
         column: 1 + line.chars().count(),
     };
+    if good.starts_with(b"PXR-USDC") {
+        let error = Diagnostic::error(Code::NotText, "this is a USD, which is not read");
+        return error.in_file(wanted.to_string()).with_help(USD_HELP).into();
+    }
     let byte = rest.first().copied().unwrap_or_default();
     Diagnostic::error(Code::NotText, format!("this is not UTF-8 text: byte 0x{byte:02x}"))
         .in_file(wanted.to_string())
@@ -173,6 +178,9 @@ mod tests {
     #[test]
     fn bytes_that_are_no_text_have_a_place() {
         let error = String::from_utf8(b"<robot>\n\xc3\xa9\xff".to_vec()).expect_err("0xff");
+        let crate_file = String::from_utf8(b"PXR-USDC\0\xff".to_vec()).expect_err("0xff");
+        let shown = not_text("a.usd", &crate_file).to_string();
+        assert!(shown.contains("usd_to_urdf robot.usd"), "{shown}");
         assert_eq!(
             not_text("a.urdf", &error).to_string().lines().next(),
             Some("a.urdf:2:2: error[not-text]: this is not UTF-8 text: byte 0xff")
