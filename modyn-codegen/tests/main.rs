@@ -30,4 +30,5 @@ mod self_contained;
 mod single_precision;
 mod singular;
 mod type_page;
+mod units;
 mod user_functions;
