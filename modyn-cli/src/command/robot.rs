@@ -15,7 +15,7 @@ use crate::command::outcome::{Failure, to_stderr};
 /// A description, and the options of reading it.
 #[derive(Args)]
 pub struct Robot {
-    /// The description (URDF or MJCF); `-` for standard input
+    /// The description (URDF, SDF or MJCF); `-` for standard input
     #[arg(value_name = "ROBOT.urdf")]
     pub path: PathBuf,
     #[command(flatten)]
@@ -48,6 +48,7 @@ impl Robot {
         let builder = match (path, Format::of(text, name)) {
             #[cfg(feature = "mjcf")]
             (Some(path), Format::Mjcf) => builder.mjcf(path),
+            (Some(path), Format::Sdf) => builder.file(path),
             (Some(path), _) => builder.urdf(path),
             (None, _) => builder.text(text, name),
         };

@@ -68,7 +68,7 @@ codes! {
         Through a pipe: `xacro robot.urdf.xacro | modyn check -`.",
     /// The document is an SDF.
     Sdf = "sdf":
-        "Convert the model to URDF, or export it as URDF from the tool that created it.",
+        "Read the file as the format that it has: `modyn!`, `Builder::file` and the command `modyn` find it out.",
     /// The document is a `MuJoCo` model.
     Mjcf = "mjcf":
         "Enable the feature `mjcf`: the macro, `Builder::file` and `Builder::mjcf` then read the file. The command \
@@ -80,9 +80,26 @@ codes! {
     /// The document is not a `MuJoCo` model.
     NotMjcf = "not-mjcf":
         "Give a file whose root element is `<mujoco>`, or read the file as the format that it has.",
+    /// The document is not an SDF.
+    NotSdf = "not-sdf":
+        "Give a file whose root element is `<sdf version=\"...\">`, or read the file as the format that it has.",
+    /// The version of an SDF is missing, or is not read.
+    SdfVersion = "sdf-version":
+        "Write `<sdf version=\"1.12\">`, or the version that the file has. Versions from 1.2 are read; elements of \
+        newer versions than 1.12 may be missing.",
+    /// An SDF has no model that can move, or several.
+    SdfModel = "sdf-model":
+        "Give a file with one model that is not `<static>`, alone or in a `<world>` with static models.",
+    /// A name of an SDF does not mean a frame, is reserved, or means two things.
+    FrameName = "frame-name":
+        "Name a link, joint, `<frame>` or model of the same model, or a part of a nested model as in `model::link`. \
+        Elements beside each other need different names.",
+    /// Poses of an SDF depend on each other, or a frame is attached to itself.
+    FrameCycle = "frame-cycle":
+        "Write one of the poses relative to `__model__`, or attach one of the frames to a link.",
     /// The file is not text.
     NotText = "not-text":
-        "Save the file as UTF-8. URDF and MJCF are text.",
+        "Save the file as UTF-8. URDF, SDF and MJCF are text.",
     /// An attribute that URDF requires is missing or empty.
     MissingAttribute = "missing-attribute":
         "Write the attribute that the message names. URDF has no default for it.",

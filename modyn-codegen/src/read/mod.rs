@@ -1,7 +1,7 @@
 //! From a text to a [`Reading`]: a model and its warnings.
 //!
 //! ```text
-//! text ─ xml ─▶ XML ─ urdf, mjcf ─▶ Description ─ assemble, check ─▶ Model
+//! text ─ xml ─▶ XML ─ urdf, mjcf, sdf ─▶ Description ─ assemble, check ─▶ Model
 //! ```
 //!
 //! Each format has a folder, which produces a description and does not know the model. Only [`Format::of`] decides which
@@ -10,6 +10,7 @@
 pub mod file;
 #[cfg(feature = "mjcf")]
 mod mjcf;
+mod sdf;
 mod urdf;
 pub(crate) mod xml;
 
@@ -19,7 +20,7 @@ use modyn_runtime::model::{Friction, Model};
 
 use crate::assemble::assemble;
 use crate::check::{friction_error, gravity_error};
-use crate::description::{Description, ReadOptions};
+use crate::description::{Base, Description, ReadOptions};
 use crate::diagnostics::{Diagnostic, Diagnostics, Report};
 
 /// A robot that was read.
@@ -44,6 +45,8 @@ pub enum Format {
     /// `MuJoCo`'s models (MJCF).
     #[cfg(feature = "mjcf")]
     Mjcf,
+    /// Gazebo's models and worlds (SDF).
+    Sdf,
 }
 
 impl Format {
@@ -52,13 +55,11 @@ impl Format {
     #[must_use]
     pub fn of(text: &str, file: &str) -> Self {
         let extension = file.rsplit_once('.').map(|(_, extension)| extension);
-        let is_mjcf = match xml::document::first_element(text) {
-            Some(name) => name == "mujoco",
-            None => extension.is_some_and(|name| name.eq_ignore_ascii_case("mjcf")),
-        };
-        match is_mjcf {
+        let (name, extension) = (xml::document::first_element(text), extension.unwrap_or_default());
+        match name.unwrap_or(&extension.to_ascii_lowercase()) {
+            "sdf" => Self::Sdf,
             #[cfg(feature = "mjcf")]
-            true => Self::Mjcf,
+            "mujoco" | "mjcf" => Self::Mjcf,
             _ => Self::Urdf,
         }
     }
@@ -70,6 +71,7 @@ impl Format {
             Self::Urdf => "urdf",
             #[cfg(feature = "mjcf")]
             Self::Mjcf => "mjcf",
+            Self::Sdf => "sdf",
         }
     }
 
@@ -95,9 +97,11 @@ impl Format {
         if friction.is_some() {
             options.friction = Some(Friction::None);
         }
-        let model = self
-            .describe(text, &options, &mut report)
-            .and_then(|description| assemble(description, &options, &mut report));
+        let model = self.describe(text, &options, &mut report).and_then(|description| {
+            // The reader of an SDF has connected the base to the world.
+            let base = if self == Self::Sdf { Base::Described } else { options.base };
+            assemble(description, &ReadOptions { base, ..options }, &mut report)
+        });
         let of_options = gravity.into_iter().chain(friction);
         let files = report.take_dependencies();
         let found = Diagnostics::new(report.finish().into_iter().chain(of_options).collect());
@@ -120,6 +124,7 @@ impl Format {
             Self::Urdf => urdf::describe(&text, options, report),
             #[cfg(feature = "mjcf")]
             Self::Mjcf => mjcf::describe(&text, options, report),
+            Self::Sdf => sdf::describe(&text, options, report),
         }
     }
 }

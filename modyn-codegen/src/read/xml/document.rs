@@ -82,6 +82,10 @@ pub fn parse<'t>(
     root: &str,
     report: &mut Report<'_>,
 ) -> Option<Document<'t>> {
+    if text.starts_with("#usda") {
+        report.error(Code::NotUrdf, start, None, "this is a USD, which is not read", USD_HELP);
+        return None;
+    }
     let error = match Document::parse(text) {
         Ok(document) => return Some(document),
         Err(error) => error,
@@ -124,6 +128,9 @@ pub fn parse<'t>(
     report.push(diagnostic);
     None
 }
+
+/// The advice for files of Universal Scene Description.
+pub const USD_HELP: &str = "convert it to URDF: `pip install nvidia-srl-usd-to-urdf`, then `usd_to_urdf robot.usd -o FOLDER`";
 
 /// The advice for xacro files, some of which do not declare the namespace of xacro.
 pub const XACRO_HELP: &str =
