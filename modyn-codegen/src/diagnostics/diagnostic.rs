@@ -1,5 +1,6 @@
 //! A diagnostic, and the diagnostics of a run: severity, place, subject, message and help, and their display.
 
+use std::borrow::Cow;
 use std::fmt;
 
 use super::code::Code;
@@ -173,8 +174,22 @@ impl Diagnostic {
         if let Some(subject) = &self.subject {
             write!(f, "{}: ", sanitize_for_display(&subject.to_string()))?;
         }
-        f.write_str(&sanitize_for_display(&self.message))
+        f.write_str(&sanitize_for_display(&shortened(&self.message)))
     }
+}
+
+/// The largest number of characters of a message that are shown: names of a description may have any length.
+const MAX_SHOWN: usize = 4000;
+
+/// Returns a message without its middle part if it is very long.
+fn shortened(message: &str) -> Cow<'_, str> {
+    if message.len() <= MAX_SHOWN {
+        return message.into();
+    }
+    let first: String = message.chars().take(MAX_SHOWN / 2).collect();
+    let mut last: Vec<char> = message.chars().rev().take(MAX_SHOWN / 2).collect();
+    last.reverse();
+    format!("{first} ... {}", String::from_iter(last)).into()
 }
 
 struct WithoutSeverity<'d>(&'d Diagnostic);

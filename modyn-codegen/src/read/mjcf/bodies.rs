@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-use modyn_runtime::model::{Inertial, JointDynamics};
+use modyn_runtime::model::Inertial;
 use modyn_runtime::spatial::Pose;
 
 use super::element::{Element, MAX_DEPTH};
@@ -14,7 +14,7 @@ use super::joints::{self, has_spring, is_free};
 use super::mesh::Meshes;
 use super::models::{Model, Source};
 use super::pose::euler;
-use crate::description::{Description, InertialRecord, JointRecord, Kind, LinkRecord, Located};
+use crate::description::{Description, InertialRecord, JointRecord, LinkRecord, Located};
 use crate::diagnostics::{Code, Place, Report, Severity, Subject};
 
 /// The largest number of bodies, joints, geoms and sites: models and replicas in each other have exponentially many.
@@ -356,7 +356,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
         // A body without joints, or whose frame is not at its last joint, is fixed to the last link.
         if parts.joints.is_empty() || self.description.links[above].name.text != name {
             let child = self.link(name.clone(), at, self.carriers[above]);
-            let fixed = JointRecord { origin: frame, ..joint(format!("{name}_fixed"), at) };
+            let fixed = JointRecord { origin: frame, ..joints::fixed(format!("{name}_fixed"), at) };
             self.push(fixed, 0.0, above, child);
             above = child;
         }
@@ -416,7 +416,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
         for (name, (link, origin, at)) in sites {
             let name = unique(&name, "site", &mut taken);
             let child = self.link(name.clone(), at, self.carriers[link]);
-            let fixed = JointRecord { origin, ..joint(format!("{name}_fixed"), at) };
+            let fixed = JointRecord { origin, ..joints::fixed(format!("{name}_fixed"), at) };
             self.push(fixed, 0.0, link, child);
         }
     }
@@ -548,24 +548,6 @@ pub fn unique(name: &str, ending: &str, taken: &mut BTreeSet<String>) -> String 
     let name = names.find(|name| !taken.contains(name)).unwrap_or_default();
     taken.insert(name.clone());
     name
-}
-
-/// Returns a fixed joint without its links.
-pub fn joint(name: String, at: usize) -> JointRecord {
-    JointRecord {
-        name: Located { text: name, at },
-        kind: Kind::Fixed,
-        parent: None,
-        child: None,
-        origin: Pose::identity(),
-        axis: [0.0, 0.0, 1.0],
-        second_axis: [0.0, 1.0, 0.0],
-        limits: None,
-        mimic: None,
-        dynamics: JointDynamics::default(),
-        dynamics_at: at,
-        sound: true,
-    }
 }
 
 fn translation(translation: [f64; 3]) -> Pose<f64> {

@@ -7,7 +7,7 @@ use modyn_runtime::spatial::Pose;
 use super::item::Item;
 use super::models::Model;
 use super::pose::about;
-use crate::description::{JointRecord, Kind, MAX_NUMBER, normalized};
+use crate::description::{JointRecord, Kind, Located, MAX_NUMBER, normalized};
 use crate::diagnostics::{Code, Report, Severity, Subject};
 
 /// Returns whether a joint is free.
@@ -122,7 +122,7 @@ pub fn joint(
     let axis = if single { item.frame.rotate(axis) } else { axis };
     let sound = model.is_sound(&item.chain) && report.errors() == errors;
     let kind = Kind::Moving(joint_type);
-    let record = super::bodies::joint(name.into(), at);
+    let record = fixed(name.into(), at);
     let reference = if single { angle * item.number("ref").unwrap_or(0.0) } else { 0.0 };
     (JointRecord { kind, axis, limits, dynamics, sound, ..record }, reference)
 }
@@ -180,5 +180,23 @@ pub fn displacement(kind: Kind, axis: [f64; 3], coordinate: f64) -> Pose<f64> {
             Pose { rotation: about(axis, coordinate), ..Pose::identity() }
         }
         _ => Pose::identity(),
+    }
+}
+
+/// Returns a fixed joint without its links.
+pub fn fixed(name: String, at: usize) -> JointRecord {
+    JointRecord {
+        name: Located { text: name, at },
+        kind: Kind::Fixed,
+        parent: None,
+        child: None,
+        origin: Pose::identity(),
+        axis: [0.0, 0.0, 1.0],
+        second_axis: [0.0, 1.0, 0.0],
+        limits: None,
+        mimic: None,
+        dynamics: JointDynamics::default(),
+        dynamics_at: at,
+        sound: true,
     }
 }

@@ -4,26 +4,13 @@ use std::path::{Component, Path, PathBuf};
 
 use roxmltree::Node;
 
-use super::model::Overrides;
 use super::reader::{Reader, trimmed};
-use super::world::WORLD;
+use super::world::{Overrides, WORLD};
 use super::{LAST_VERSION, version};
 use crate::diagnostics::{Code, Severity};
 use crate::read::file::read_named;
 use crate::read::xml::document;
 use crate::read::xml::element::{Elements, attribute};
-
-/// The files that were read, and the folders in which others are looked for.
-pub struct Files {
-    /// The folder of the current file; `None`: no other file is read.
-    pub folder: Option<PathBuf>,
-    /// The folder of the first file.
-    pub first: Option<PathBuf>,
-    /// The files that are being read, each included by the one before.
-    pub open: Vec<PathBuf>,
-    /// The number of files so far.
-    pub count: usize,
-}
 
 /// The largest number of included files.
 const MAX_FILES: usize = 1000;

@@ -8,6 +8,7 @@
 //! before any pose is known.
 
 mod build;
+mod files;
 mod frames;
 mod include;
 mod inertial;
@@ -23,10 +24,9 @@ use crate::description::{Description, ReadOptions};
 use crate::diagnostics::{Code, Report, Severity};
 use crate::read::xml::document;
 use crate::read::xml::element::{Elements, attribute};
-use include::Files;
-use model::Overrides;
+use files::Files;
 use reader::{Reader, Unread};
-use world::{WORLD, World};
+use world::{Overrides, WORLD, World};
 
 /// Returns the description; `None` with errors in the report.
 pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> Option<Description> {

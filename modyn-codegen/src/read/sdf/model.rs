@@ -4,7 +4,7 @@ use modyn_runtime::spatial::Pose;
 use roxmltree::Node;
 
 use super::reader::{Reader, trimmed};
-use super::world::{Frame, FrameKind, Link, Scope, WORLD};
+use super::world::{Frame, FrameKind, Link, Overrides, Scope, WORLD};
 use crate::description::Located;
 use crate::diagnostics::{Code, Subject};
 
@@ -13,18 +13,6 @@ const MAX_DEPTH: usize = 64;
 
 /// The longest start of a full name, in bytes: each part of a model repeats it.
 const MAX_PREFIX: usize = 512;
-
-/// The properties of a model that the `<include>` of its file sets.
-#[derive(Default)]
-pub struct Overrides {
-    pub name: Option<Located>,
-    /// The pose, and the name of its frame.
-    pub pose: Option<(Pose<f64>, Option<Located>)>,
-    pub placement: Option<Located>,
-    pub is_static: Option<bool>,
-    /// Whether the elements of the model become those of the enclosing model.
-    pub merge: bool,
-}
 
 impl<'a> Reader<'a, '_, '_, '_> {
     /// Reads a `<world>`: its gravity, models, frames and joints.

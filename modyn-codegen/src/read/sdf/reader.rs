@@ -6,7 +6,7 @@ use modyn_runtime::conventions::rotation_from_quaternion;
 use modyn_runtime::spatial::Pose;
 use roxmltree::Node;
 
-use super::include::Files;
+use super::files::Files;
 use super::world::World;
 use crate::description::{Located, MAX_NUMBER, roll_pitch_yaw};
 use crate::diagnostics::{Code, Place, Report, Subject};

@@ -179,3 +179,15 @@ pub struct Mimic {
     pub multiplier: f64,
     pub offset: f64,
 }
+
+/// The properties of a model that the `<include>` of its file sets.
+#[derive(Default)]
+pub struct Overrides {
+    pub name: Option<Located>,
+    /// The pose, and the name of its frame.
+    pub pose: Option<(Pose<f64>, Option<Located>)>,
+    pub placement: Option<Located>,
+    pub is_static: Option<bool>,
+    /// Whether the elements of the model become those of the enclosing model.
+    pub merge: bool,
+}
