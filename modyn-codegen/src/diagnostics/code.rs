@@ -115,8 +115,8 @@ codes! {
         element has no effect: check the spelling, or do what the help says.",
     /// The description includes another file, which is not read: parts of the robot are missing.
     Include = "include":
-        "Copy the contents of that file into this one. Files that a tool has expanded (`xacro`, or the \
-        exporter of a CAD program) have no includes.",
+        "MJCF: write a path relative to the folder of the model, and include each file once. URDF has no includes: copy \
+        the contents of that file into this one; files that a tool has expanded (`xacro`) have none.",
     /// A text is not a number.
     BadNumber = "bad-number":
         "Write a decimal number, such as `0.25` or `2.5e-1`: with a point, without a unit, \

@@ -165,15 +165,17 @@ pub fn read_urdf(text: &str, file: &str, options: &ReadOptions) -> Result<Readin
     Format::Urdf.read(text, file, options)
 }
 
-/// Reads a `MuJoCo` model (MJCF). Diagnostics name the file `file`. No other file is read.
+/// Reads a `MuJoCo` model (MJCF). Diagnostics name the file `file`. Included files, attached models and meshes are read if
+/// the options have the [`folder`](ReadOptions::folder).
 ///
 /// - Bodies become links of a tree whose root link is `world`. If a body has several joints, there are massless links
 ///   between them. A body's frame is its link's frame. Coordinates are those of `docs/conventions.md`, not `MuJoCo`'s;
-///   `modyn::conventions::mujoco` converts them.
-/// - A body without `<inertial>` has the inertia of its geoms, unless these are meshes.
+///   `modyn::conventions::mujoco` converts them. Named sites are frames.
+/// - A body without `<inertial>` has the inertia of its geoms. A mesh is only read if its mass is needed.
+/// - Constraints of `<equality>` are exact: mimic joints and loops.
 /// - Gravity is that of `<option>`, unless the options set another one.
-/// - Contacts, actuators, sensors and visual elements are ignored. Damping and friction act if the options say so, as
-///   in a URDF.
+/// - Contacts, sensors and visual elements are ignored. Controllers of actuators, springs and `gravcomp` do not act, with a
+///   warning. Damping and friction act if the options say so, as in a URDF.
 ///
 /// # Errors
 ///
