@@ -15,7 +15,7 @@ use modyn_runtime::model::{Friction, Model, ModuleTree};
 use modyn_runtime::{OperationCount, UserFunction};
 
 use crate::check::conditioning_warning;
-use crate::description::{Base, Contact, Loop, Mimic, ReadOptions, Rotor};
+use crate::description::{Base, Contact, Loop, Mimic, Package, ReadOptions, Rotor, XacroArg};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity};
 use crate::emit::{
     CSource, CasadiSource, EmitOptions, Emitted, FloatType, GpuLanguage, GpuSource, RolloutOptions,
@@ -111,6 +111,8 @@ pub struct Planning {
     pub model: Model,
     /// The warnings about the description.
     pub warnings: Vec<Diagnostic>,
+    /// The other files that were read, which the description names.
+    pub files: Vec<PathBuf>,
 }
 
 /// The inputs of the plan and of the back ends.
@@ -295,7 +297,8 @@ impl Builder {
     ///
     /// Returns all errors of the description and the options.
     pub fn generate_c(&self) -> Result<(CSource, Vec<Diagnostic>), Diagnostics> {
-        self.c_source(None)
+        let (source, warnings, _) = self.c_source(None)?;
+        Ok((source, warnings))
     }
 
     /// Returns the programs of the robot's functions with its model and the warnings, for back ends that print no text.
@@ -309,8 +312,8 @@ impl Builder {
         let mut inputs = self.inputs()?;
         inputs.choices = inputs.choices.of_one_state();
         let plan = inputs.plan(Execution::Vectors);
-        let Inputs { model, options, .. } = inputs;
-        Ok(Planning { plan, model, warnings: options.warnings })
+        let Inputs { model, files, options, .. } = inputs;
+        Ok(Planning { plan, model, warnings: options.warnings, files })
     }
 
     /// Returns kernels for graphics processors, without writing anything, and the warnings. The text is CUDA C++ or WGSL,
@@ -400,12 +403,15 @@ impl Builder {
         Ok((emit_casadi(&model, plan, prefix), options.warnings))
     }
 
-    /// Returns the C source whose header file has this name, and the warnings.
-    fn c_source(&self, header: Option<&str>) -> Result<(CSource, Vec<Diagnostic>), Diagnostics> {
+    /// Returns the C source whose header file has this name, the warnings, and the other files that were read.
+    fn c_source(
+        &self,
+        header: Option<&str>,
+    ) -> Result<(CSource, Vec<Diagnostic>, Vec<PathBuf>), Diagnostics> {
         let mut inputs = self.inputs()?;
         let plan = inputs.plan(Execution::Scalar);
-        let Inputs { model, options, .. } = inputs;
-        Ok((emit_c(&model, &plan, &options, header), options.warnings))
+        let Inputs { model, files, options, .. } = inputs;
+        Ok((emit_c(&model, &plan, &options, header), options.warnings, files))
     }
 
     /// Returns the inputs of the plan and of the back ends.

@@ -30,7 +30,7 @@ pub mod trace;
 
 pub use builder::{Builder, Generated, ObjectPlanning, Planning};
 pub use check::{MAX_CONDITION_F32, condition_number};
-pub use description::{Base, Contact, Loop, LoopEnd, Mimic, ReadOptions, Rotor};
+pub use description::{Base, Contact, Loop, LoopEnd, Mimic, Package, ReadOptions, Rotor, XacroArg};
 pub use emit::{
     CSource, CasadiSource, FloatType, GpuLanguage, GpuSource, MachineCode, MachineTarget,
     RolloutForces, RolloutOptions, RolloutSource,

@@ -6,7 +6,7 @@ use clap::Args;
 use modyn_codegen::Builder;
 use modyn_codegen::diagnostics::{Code, Diagnostic, Diagnostics};
 use modyn_codegen::read::file::{read_first, read_text};
-use modyn_codegen::{Format, ReadOptions, Reading, read};
+use modyn_codegen::{ReadOptions, Reading, read};
 
 use crate::command::diagnostics;
 use crate::command::options::ReadingOptions;
@@ -80,11 +80,9 @@ impl Robot {
         let Description { name, text, path } = description;
         let builder = Builder::new();
         // The path makes the comment of a generated file the same as that of a build script.
-        let builder = match (path, Format::of(text, name)) {
-            #[cfg(feature = "mjcf")]
-            (Some(path), Format::Mjcf) => builder.mjcf(path),
-            (Some(path), _) => builder.urdf(path),
-            (None, _) => builder.text(text, name),
+        let builder = match path {
+            Some(path) => builder.file(path),
+            None => builder.text(text, name),
         };
         self.options.configure(builder)
     }

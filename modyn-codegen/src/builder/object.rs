@@ -64,7 +64,7 @@ impl Builder {
         let constants = Constants::new(&inputs.model, &inputs.choices);
         inputs.choices = inputs.choices.of_one_state();
         let mut plan = inputs.plan(Execution::Vectors);
-        let Inputs { model, modules, mut options, .. } = inputs;
+        let Inputs { model, files, modules, mut options, .. } = inputs;
         let functions = plan.functions.len();
         plan.functions.retain(|planned| planned.function != Some(Function::Brge));
         plan.factorization.clear();
@@ -80,7 +80,7 @@ impl Builder {
             );
         }
         let warnings = options.warnings.clone();
-        let planning = Planning { plan, model, warnings };
+        let planning = Planning { plan, model, warnings, files };
         Ok(ObjectPlanning { planning, modules, constants, options })
     }
 }

@@ -1,16 +1,18 @@
 //! From a text to a [`Reading`]: a model and its warnings.
 //!
 //! ```text
-//! text ─ xml ─▶ XML ─ urdf, mjcf ─▶ Description ─ assemble, check ─▶ Model
+//! text ─ xml ─▶ XML ─ urdf, xacro, mjcf ─▶ Description ─ assemble, check ─▶ Model
 //! ```
 //!
-//! Each format has a folder, which produces a description and does not know the model. Only [`Format::of`] decides which
-//! format a text has.
+//! Each format has a folder, which produces a description and does not know the model. One table has the formats: the macro, the
+//! builder, the command and the Python package find a text's format by [`Format::of`].
 
 pub mod file;
 #[cfg(feature = "mjcf")]
 mod mjcf;
+mod packages;
 mod urdf;
+mod xacro;
 mod xml;
 
 use std::path::PathBuf;
@@ -21,6 +23,7 @@ use crate::assemble::assemble;
 use crate::check::{friction_error, gravity_error};
 use crate::description::{Description, ReadOptions};
 use crate::diagnostics::{Diagnostic, Diagnostics, Report};
+pub(crate) use packages::PACKAGE_PATHS;
 
 /// A robot that was read.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,9 +44,67 @@ pub enum Format {
     /// URDF.
     #[default]
     Urdf,
+    /// A xacro, which is expanded to a URDF.
+    Xacro,
     /// `MuJoCo`'s models (MJCF).
     #[cfg(feature = "mjcf")]
     Mjcf,
+}
+
+/// A row of the table of formats.
+struct Row {
+    format: Format,
+    /// The name in lower case.
+    name: &'static str,
+    /// The name of the outermost element.
+    root: &'static str,
+    /// A text that tells a format from others with the same outermost element.
+    mark: Option<&'static str>,
+    /// The extension of files. It decides if the text has no element, or several formats have its element.
+    extension: &'static str,
+    describe: Describe,
+}
+
+/// Makes a description of a text; `None` with errors in the report.
+type Describe = fn(&str, &ReadOptions, &mut Report<'_>) -> Option<Description>;
+
+/// The formats. The first row that fits a text is its format; a text that fits none is read as a URDF, whose reader reports
+/// what is wrong.
+const FORMATS: &[Row] = &[
+    Row {
+        format: Format::Xacro,
+        name: "xacro",
+        root: "robot",
+        mark: Some("<xacro:"),
+        extension: "xacro",
+        describe: xacro::describe,
+    },
+    Row {
+        format: Format::Urdf,
+        name: "urdf",
+        root: "robot",
+        mark: None,
+        extension: "urdf",
+        describe: urdf::describe,
+    },
+    #[cfg(feature = "mjcf")]
+    Row {
+        format: Format::Mjcf,
+        name: "mjcf",
+        root: "mujoco",
+        mark: None,
+        extension: "mjcf",
+        describe: mjcf::describe,
+    },
+];
+
+impl Row {
+    /// Returns whether a text with this outermost element, in a file with this extension, is of the format.
+    fn fits(&self, text: &str, element: Option<&str>, extension: &str) -> bool {
+        let named = extension.eq_ignore_ascii_case(self.extension);
+        let marked = || self.mark.is_none_or(|mark| text.contains(mark));
+        element.map_or(named, |element| element == self.root && (named || marked()))
+    }
 }
 
 impl Format {
@@ -51,26 +112,20 @@ impl Format {
     /// formats are read as URDF, whose reader reports what is wrong.
     #[must_use]
     pub fn of(text: &str, file: &str) -> Self {
-        let extension = file.rsplit_once('.').map(|(_, extension)| extension);
-        let is_mjcf = match xml::document::first_element(text) {
-            Some(name) => name == "mujoco",
-            None => extension.is_some_and(|name| name.eq_ignore_ascii_case("mjcf")),
-        };
-        match is_mjcf {
-            #[cfg(feature = "mjcf")]
-            true => Self::Mjcf,
-            _ => Self::Urdf,
-        }
+        let element = xml::document::first_element(text);
+        let extension = file.rsplit_once('.').map_or("", |(_, extension)| extension);
+        let found = FORMATS.iter().find(|row| row.fits(text, element, extension));
+        found.map_or(Self::Urdf, |row| row.format)
     }
 
     /// Returns the format's name in lower case.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Urdf => "urdf",
-            #[cfg(feature = "mjcf")]
-            Self::Mjcf => "mjcf",
-        }
+        self.row().name
+    }
+
+    fn row(self) -> &'static Row {
+        FORMATS.iter().find(|row| row.format == self).unwrap_or(&FORMATS[0])
     }
 
     /// Reads a text of this format. Diagnostics name the file `file`.
@@ -95,8 +150,8 @@ impl Format {
         if friction.is_some() {
             options.friction = Some(Friction::None);
         }
-        let model = self
-            .describe(text, &options, &mut report)
+        let model = xml::document::within_limits(text, 0, &mut report)
+            .and_then(|text| (self.row().describe)(&text, &options, &mut report))
             .and_then(|description| assemble(description, &options, &mut report));
         let of_options = gravity.into_iter().chain(friction);
         let files = report.take_dependencies();
@@ -106,20 +161,6 @@ impl Format {
                 Ok(Reading { model, warnings: found.into_vec(), files })
             }
             _ => Err(found),
-        }
-    }
-
-    fn describe(
-        self,
-        text: &str,
-        options: &ReadOptions,
-        report: &mut Report<'_>,
-    ) -> Option<Description> {
-        let text = xml::document::within_limits(text, 0, report)?;
-        match self {
-            Self::Urdf => urdf::describe(&text, options, report),
-            #[cfg(feature = "mjcf")]
-            Self::Mjcf => mjcf::describe(&text, options, report),
         }
     }
 }
