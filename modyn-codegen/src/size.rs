@@ -3,7 +3,7 @@
 use modyn_runtime::model::{Model, ModuleTree};
 
 use crate::diagnostics::{Code, Diagnostic};
-use crate::plan::{Function, Measures};
+use crate::plan::{Function, Lowering, Measures, estimated_length};
 
 /// The largest number of bytes of generated text, by [`estimate`].
 pub const MAX_BYTES: f64 = 32e6;
@@ -38,10 +38,10 @@ pub fn estimate(
 ) -> (f64, Vec<(Function, f64)>) {
     let measures = Measures::new(model, modules);
     let of_kinds = measures.of_kinds();
-    let straight = |f: Function| (f.row().bytes)(&measures);
-    let alone = |f: Function| match f.row().recursion {
+    let straight = |f: Function| estimated_length(f, &measures);
+    let alone = |f: Function| match Lowering::of(f).recursion {
         Some(_) if selected.has_loops && !model.has_mimics() => {
-            (f.row().bytes)(&of_kinds) + BYTES_PER_ROW * measures.links
+            estimated_length(f, &of_kinds) + BYTES_PER_ROW * measures.links
         }
         _ => straight(f),
     };
@@ -227,7 +227,7 @@ mod tests {
             };
             let builder = Builder::new().urdf_text(urdf, "robot.urdf").base(base);
             let builder = builder.contacts(links.iter().map(contact));
-            for function in Function::ALL.iter().filter(|function| function.is_of_constraints()) {
+            for function in Function::ALL.iter().filter(|function| function.row().of_constraints) {
                 let generated = builder.clone().functions([*function]).generate().expect("good");
                 let (model, length) = (&generated.model, generated.text.len() as f64);
                 let (bytes, _) =

@@ -375,7 +375,7 @@ fn contacts_compute_the_bits_of_rust() {
 fn derivatives_with_a_contact_compute_the_bits_of_rust() {
     let end = LoopEnd { link: "lower".into(), xyz: [0.1, 0.2, -0.3], rpy: [0.1, 0.2, 0.3] };
     let contact = Contact { name: "toe".into(), kind: ContactKind::Point, end };
-    let functions = Function::DEFAULT.iter().filter(|function| !function.is_of_constraints());
+    let functions = Function::DEFAULT.iter().filter(|function| !function.row().of_constraints);
     let functions = functions.copied().chain([
         Function::ConstrainedForwardDynamicsDerivatives,
         Function::ConstrainedForwardDynamicsHessian,

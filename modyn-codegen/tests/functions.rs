@@ -1,6 +1,6 @@
-//! The table of functions is complete: the page, the trait and the interpreter have an entry for each function.
+//! The pages have an entry for each function of the table.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use modyn_codegen::Function;
@@ -55,70 +55,9 @@ fn each_function_has_its_costs_or_is_said_to_have_none() {
     for robot in ["arm7", "quadruped", "humanoid"] {
         let rows = table.lines().filter(|row| row.starts_with(&format!("| {robot} |")));
         let found = sorted(rows.flat_map(names));
-        let expected = Function::ALL.iter().filter(|function| !function.is_of_constraints());
+        let expected = Function::ALL.iter().filter(|function| !function.row().of_constraints);
         let expected = expected.map(|function| function.name());
         assert_eq!(found, sorted(expected.filter(|name| !without.contains(name))), "{robot}");
-    }
-}
-
-/// The runtime's table has a row for each function of one state, with a second name for the form with run-time parameters
-/// where they matter. The rows are in the groups of the compiler's table.
-#[test]
-fn the_runtimes_table_has_each_function() {
-    let text = file("modyn-runtime/src/functions/table.rs");
-    let (mut group, mut rows) = ("", BTreeMap::new());
-    for line in text.lines().map(str::trim_start) {
-        if let Some(name) = line.strip_suffix(" {") {
-            group = name;
-        } else if let Some((name, _)) =
-            line.split_once('(').filter(|(name, _)| !name.starts_with('/') && *name != "pub")
-        {
-            rows.insert(name, group);
-        }
-    }
-    let functions = Function::ALL.iter().filter(|function| function.batched().is_none());
-    for function in functions.clone() {
-        let (name, row) = (function.name(), function.row());
-        let names = match row.depends_on_parameters {
-            true => format!("{name} / {name}_with"),
-            false => name.into(),
-        };
-        let group = match (row.of_constraints, row.default) {
-            (false, true) => "by_default",
-            (false, false) => "on_request",
-            (true, true) => "constraints_by_default",
-            (true, false) => "constraints_on_request",
-        };
-        assert_eq!(rows.get(&*names), Some(&group), "{names}: {rows:#?}");
-    }
-    assert_eq!(rows.len(), functions.count(), "{rows:#?}");
-}
-
-/// The interpreter has a method for each function of one state; there the axes of wrenches are an argument.
-#[test]
-fn the_interpreter_has_each_function() {
-    let files = [
-        "constraint_hessians",
-        "constraints",
-        "coordinates",
-        "derivatives",
-        "dynamics",
-        "factorization",
-        "hessians",
-        "kinematics",
-        "momentum",
-        "products",
-        "regressor",
-        "steps",
-    ];
-    let text: String =
-        files.map(|name| file(&format!("modyn-runtime/src/interpreter/{name}.rs"))).concat();
-    for function in Function::ALL.iter().filter(|function| function.batched().is_none()) {
-        let name = function.name().trim_end_matches("_world");
-        assert!(
-            text.contains(&format!("pub fn {name}(")) || text.contains(&format!("pub fn {name}<")),
-            "{name}"
-        );
     }
 }
 

@@ -666,8 +666,8 @@ fn a_floating_base_without_contacts_is_carried_by_nothing() {
     assert!(wrenches.iter().flat_map(Wrench::components).all(|x| x == 0.0));
 
     let mechanism = Mechanism::new(&model);
-    let layout = UduLayout::new(&mechanism, &ModuleTree::chains(&model));
-    let graph = optimize(Tracer::new(&mechanism).constrained_inverse_dynamics(&layout));
+    let tracer = Tracer::new(&mechanism);
+    let graph = optimize(tracer.evaluation(Function::ConstrainedInverseDynamics, &model, None));
     let numbers = settings.numbers();
     let found = graph.evaluate(&[&*q, &qd, &qdd, &numbers].concat());
     assert_near(&found, &[expected, vec![0.0; 13]].concat(), 1e-12);
@@ -681,7 +681,7 @@ fn what_gets_compiled_is_what_the_interpreter_computes() {
         let layout = UduLayout::new(&mechanism, &ModuleTree::chains(&model));
         let graphs = [
             tracer.constrained_forward_dynamics(&layout),
-            tracer.constraint_residual(&layout),
+            tracer.evaluation(Function::ConstraintResidual, &model, None),
             tracer.project_constraints(&layout),
         ]
         .map(optimize);

@@ -7,7 +7,6 @@ mod c_source;
 mod casadi;
 mod contacts;
 mod diagnostics;
-mod external_wrenches;
 mod fixed_links;
 mod functions;
 mod general_position;

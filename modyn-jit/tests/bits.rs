@@ -122,7 +122,7 @@ fn compare_some(seed: u64, model: Model) {
     let mut random = random::Random::new(seed);
     let mut functions = Function::ALL.to_vec();
     functions.retain(|function| {
-        let fits = !function.is_of_constraints() && function.batched().is_none();
+        let fits = !function.row().of_constraints && function.batched().is_none();
         fits && *function != Function::Brge && random.chance(0.2)
     });
     let name = format!("seed {seed}, {}", model.name());

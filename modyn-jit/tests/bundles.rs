@@ -3,7 +3,7 @@
 use crate::common;
 
 use common::{instruction_sets, random, robot};
-use modyn_codegen::plan::{Shape, Trace};
+use modyn_codegen::plan::{Lowering, Shape};
 use modyn_codegen::trace::{LinkFrame, Tracer};
 use modyn_codegen::{Builder, Bundle, Function};
 use modyn_jit::{CallError, CompileError, Compiled, Options};
@@ -93,7 +93,7 @@ fn bundles(links: &[&str]) -> (Vec<Bundle>, Vec<Function>) {
     let bundle = |(name, functions): &(&str, &[Function])| {
         let mut bundle = Bundle::new(*name);
         for &function in *functions {
-            bundle = match function.row().is_by_link() {
+            bundle = match function.row().by_link {
                 true => links.iter().fold(bundle, |bundle, link| bundle.of_link(function, *link)),
                 false => bundle.function(function),
             };
@@ -158,7 +158,7 @@ fn agrees(model: &Model, links: &[&str], configure: impl Fn(Builder) -> Builder)
                     &*given.unwrap_or_else(|| panic!("{name} of {function:?}")).1
                 });
                 let own: Vec<&[f64]> = own.collect();
-                let of: Vec<Option<&str>> = match function.row().is_by_link() {
+                let of: Vec<Option<&str>> = match function.row().by_link {
                     true => links.iter().copied().map(Some).collect(),
                     false => vec![None],
                 };
@@ -187,10 +187,7 @@ fn agrees(model: &Model, links: &[&str], configure: impl Fn(Builder) -> Builder)
 fn graphs_in_bundles() {
     let mut compared = 0;
     for function in Function::ALL {
-        let row = function.row();
-        let (Trace::ByLink(alone), Some(in_bundles)) = (row.trace, row.in_bundles) else {
-            continue;
-        };
+        let Some(in_bundles) = Lowering::of(*function).in_bundles else { continue };
         for seed in 0..5 {
             let model = random::general_zoo(seed, 6);
             let mechanism = Mechanism::new(&model);
@@ -199,8 +196,9 @@ fn graphs_in_bundles() {
             let inputs = [q, qd, qdd].concat();
             for &frame in &mechanism.frames {
                 let tracer = Tracer::with_link(&bare, LinkFrame::Known(frame));
+                let alone = tracer.evaluation(*function, &model, None);
                 let [found, expected] =
-                    [in_bundles, alone].map(|trace| trace(&tracer).evaluate(&inputs));
+                    [in_bundles(&tracer), alone].map(|graph| graph.evaluate(&inputs));
                 close(function.name(), &found, &expected);
                 compared += 1;
             }

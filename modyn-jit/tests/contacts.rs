@@ -206,7 +206,7 @@ fn random_limbs() {
         let mut random = random::Random::new(seed);
         let model = with_contacts(random::limbs(seed, 4 + 2 * (seed % 4) as usize), &mut random);
         let functions = Function::ALL.iter().copied();
-        let functions = functions.filter(|one| one.is_of_constraints() && one.batched().is_none());
+        let functions = functions.filter(|one| one.row().of_constraints && one.batched().is_none());
         let planning = match Builder::new().model(model).functions(functions).plan() {
             Ok(planning) => planning,
             // Some of many seeds: the Hessian of several surfaces would be too long.

@@ -4,84 +4,12 @@ use crate::common;
 
 use common::{instruction_sets, random};
 use modyn_codegen::diagnostics::Code;
-use modyn_codegen::plan::{Choices, Execution, Kernels, Packing, Plan, Row, Trace};
+use modyn_codegen::plan::{Choices, Execution, GraphSource, Kernels, Lowering, Packing, Plan};
 use modyn_codegen::{Base, Builder, CodeForm, Function, ReadOptions};
 use modyn_jit::{Call, Compiled, InstructionSet, Options};
+use modyn_runtime::Interpreter;
 use modyn_runtime::model::{Model, ModuleTree};
-use modyn_tests::values::{self, Inputs, Values};
-
-/// Returns the arguments of a function by name, as [`values::interpreted`] takes them.
-fn argument(
-    function: Function,
-    name: &str,
-    model: &Model,
-    (inputs, values): (&Inputs<f64>, &Values<f64>),
-) -> Vec<f64> {
-    let Inputs { q, qd, qdd, tau } = inputs;
-    let mut uniform = values::uniform::<f64>();
-    match (function, name) {
-        // Quaternions longer than 1.
-        (Function::Normalize, _) => q.iter().map(|x| x + x).collect(),
-        (_, "q" | "from") => q.clone(),
-        (_, "to") => values.other("random").to_vec(),
-        (_, "qd" | "v") => qd.clone(),
-        (Function::InverseDynamicsVjp | Function::InverseDynamicsHessian, "cotangent") => {
-            tau.clone()
-        }
-        (Function::InverseDynamicsJvp, "dq") => tau.clone(),
-        (Function::InverseDynamicsJvp, "dqd") => qdd.clone(),
-        (Function::ForwardDynamicsJvp, "dqd") => tau.clone(),
-        (_, "dqdd" | "dtau") => qd.clone(),
-        (_, "qdd" | "cotangent" | "dq") => qdd.clone(),
-        (_, "tau") => tau.clone(),
-        (_, "costate") => values::costate(qdd, tau),
-        (_, "dt") => vec![values::time_step()],
-        (_, "uniforms") => (0..model.nv()).map(|_| uniform()).collect(),
-        (_, "forces") => {
-            let wrench = |link| values::wrench::<f64>(link);
-            let links = (0..model.frames().len()).map(wrench);
-            links.flat_map(|wrench| [wrench.moment.0, wrench.force.0].concat()).collect()
-        }
-        _ => panic!("{name} of {function:?}"),
-    }
-}
-
-/// Returns the interpreter's numbers of a function; for a function of one link, those of all links.
-fn expected(function: Function, values: &Values<f64>) -> Vec<f64> {
-    let several = |names: &[&str]| -> Vec<f64> {
-        names.iter().flat_map(|name| values.other(name)).copied().collect()
-    };
-    match function {
-        Function::ForwardDynamicsDerivatives => {
-            several(&["qdd", "dqdd_dq", "dqdd_dqd", "dqdd_dtau"])
-        }
-        Function::GeneralizedForces => several(&["generalized_forces", "generalized_forces_dq"]),
-        Function::GeneralizedForcesWorld => {
-            several(&["generalized_forces_world", "generalized_forces_world_dq"])
-        }
-        Function::InverseDynamicsDerivatives => several(&["dtau_dq", "dtau_dqd"]),
-        Function::InverseDynamicsVjp => {
-            several(&["inverse_vjp_tau", "inverse_vjp_dq", "inverse_vjp_dqd", "inverse_vjp_dqdd"])
-        }
-        Function::InverseDynamicsJvp => several(&["inverse_jvp_tau", "inverse_jvp_dtau"]),
-        Function::ForwardDynamicsVjp => {
-            several(&["forward_vjp_qdd", "forward_vjp_dq", "forward_vjp_dqd", "forward_vjp_dtau"])
-        }
-        Function::ForwardDynamicsJvp => several(&["forward_jvp_qdd", "forward_jvp_dqdd"]),
-        Function::StepSemiImplicit => several(&["semi_implicit_q", "semi_implicit_qd"]),
-        Function::StepSemiImplicitDerivatives => {
-            several(&["linear_step_q", "linear_step_qd", "linear_step_a", "linear_step_b"])
-        }
-        Function::StepRk4 => several(&["rk4_q", "rk4_qd"]),
-        Function::IntegrateDerivatives => several(&["integrate_dq", "integrate_dv"]),
-        Function::DifferenceDerivatives => several(&["difference_dfrom", "difference_dto"]),
-        _ => {
-            let named = values.named();
-            let found = named.iter().find(|(name, _)| *name == function.name());
-            found.unwrap_or_else(|| panic!("{}", function.name())).1.clone()
-        }
-    }
-}
+use modyn_tests::arguments::{arguments, interpreted};
 
 fn computed(call: &Call<'_, f64>, arguments: &[&[f64]], links: usize) -> Vec<f64> {
     let one = call.result().len();
@@ -115,11 +43,10 @@ fn close(name: &str, found: &[f64], expected: &[f64]) {
     }
 }
 
-/// All functions for which there are interpreter's values.
+/// All functions of one state of a tree.
 fn functions() -> Vec<Function> {
     let all = Function::ALL.iter().copied();
-    all.filter(|f| f.batched().is_none() && !f.is_of_constraints() && *f != Function::Brge)
-        .collect()
+    all.filter(|f| f.batched().is_none() && !f.row().of_constraints).collect()
 }
 
 fn agrees(model: &Model, seed: u64, functions: &[Function]) {
@@ -130,8 +57,8 @@ fn agrees(model: &Model, seed: u64, functions: &[Function]) {
         Err(errors) if errors.iter().all(|error| error.code == Code::TooLarge) => return,
         Err(errors) => panic!("{errors}"),
     };
-    let inputs = Inputs::from(&random::state(seed, model));
-    let values = values::interpreted(model, &ModuleTree::chains(model), &inputs, true);
+    let state = random::state(seed, model);
+    let mut interpreter = Interpreter::new(model.clone());
     for instruction_set in instruction_sets() {
         let mut options = Options::default();
         (options.instruction_set, options.batches) = (Some(instruction_set), true);
@@ -139,12 +66,11 @@ fn agrees(model: &Model, seed: u64, functions: &[Function]) {
         assert_eq!(compiled.functions().count(), functions.len());
         for function in compiled.functions() {
             let call = compiled.function(function).expect("compiled");
-            let names = call.arguments().iter().map(|(name, _)| *name);
-            let arguments: Vec<Vec<f64>> =
-                names.map(|name| argument(function, name, model, (&inputs, &values))).collect();
-            let arguments: Vec<&[f64]> = arguments.iter().map(Vec::as_slice).collect();
-            let found = computed(&call, &arguments, model.frames().len());
-            close(function.name(), &found, &expected(function, &values));
+            let arguments = arguments(function, model, &state);
+            let slices: Vec<&[f64]> = arguments.iter().map(Vec::as_slice).collect();
+            let found = computed(&call, &slices, model.frames().len());
+            let expected = interpreted(&mut interpreter, function, &arguments);
+            close(function.name(), &found, &expected);
         }
     }
 }
@@ -181,23 +107,21 @@ fn random_limbs() {
         let mut random = random::Random::new(seed);
         let mut functions = functions();
         functions.retain(|&one| {
-            let Row { packing, trace, .. } = one.row();
+            let Lowering { packing, source, .. } = Lowering::of(one);
             let part = if packing == Packing::Never { 0.1 } else { 0.3 };
-            let has_one_graph = matches!(trace, Trace::One(_));
+            let has_one_graph = !one.row().by_link && !matches!(source, GraphSource::Poses);
             has_one_graph && one != Function::StepRk4Derivatives && random.chance(part)
         });
-        let inputs = Inputs::from(&random::state(seed, &model));
-        let values = values::interpreted(&model, &ModuleTree::chains(&model), &inputs, true);
+        let state = random::state(seed, &model);
+        let mut interpreter = Interpreter::new(model.clone());
         for execution in [Execution::Vectors, Execution::Scalar] {
             let plan = plan(&model, &functions, execution);
             assert_eq!(plan.faults().next(), None, "{}", model.name());
             for planned in &plan.functions {
                 let function = planned.function.expect("of the table");
-                let arguments = planned
-                    .arguments
-                    .iter()
-                    .flat_map(|(own, _)| argument(function, own.name, &model, (&inputs, &values)));
-                let arguments: Vec<f64> = arguments.collect();
+                let arguments = arguments(function, &model, &state);
+                let expected = interpreted(&mut interpreter, function, &arguments);
+                let arguments = arguments.concat();
                 let (programs, kind) = match &planned.kernels {
                     Kernels::Dispatched { scalar, simd } => (vec![scalar, simd], 1),
                     Kernels::One(program) => {
@@ -207,7 +131,7 @@ fn random_limbs() {
                 };
                 let name = format!("{} of {}", function.name(), model.name());
                 for program in programs {
-                    close(&name, &program.evaluate(&arguments), &expected(function, &values));
+                    close(&name, &program.evaluate(&arguments), &expected);
                 }
                 compared[kind] += 1;
             }

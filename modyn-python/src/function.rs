@@ -119,7 +119,7 @@ impl<S: Number> Typed<S> {
 
     /// Returns whether the function is one of a link.
     fn is_by_link(&self) -> bool {
-        self.function.is_some_and(|function| function.row().is_by_link())
+        self.function.is_some_and(|function| function.row().by_link)
     }
 
     /// Returns the argument of this kind; where it is not given, its default.

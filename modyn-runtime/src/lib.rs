@@ -39,6 +39,7 @@ pub mod model;
 mod nalgebra;
 #[doc(hidden)]
 pub mod parameters;
+pub mod quantities;
 mod results;
 mod robot;
 mod scalar;

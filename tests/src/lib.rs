@@ -4,6 +4,7 @@
 //! [`golden`] (numbers of other software), the paper's printed numbers, physical identities on [`random`] robots, and
 //! [`naive`], which shares no code with the equations.
 
+pub mod arguments;
 pub mod cases;
 pub mod changed;
 pub mod close;

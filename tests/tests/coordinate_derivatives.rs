@@ -3,9 +3,7 @@
 use std::iter::zip;
 use std::path::Path;
 
-use modyn_codegen::trace::Tracer;
 use modyn_runtime::joint::JointType;
-use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{DEFAULT_GRAVITY, Frame, Inertial, Joint, Link, Model};
 use modyn_runtime::spatial::Pose;
 use modyn_runtime::{Interpreter, Scalar};
@@ -155,17 +153,4 @@ fn the_derivatives_are_inverse_to_each_other() {
         let unit: Vec<f64> = (0..n * n).map(|at| f64::from(u8::from(at % n == at / n))).collect();
         assert_close(&format!("the product at {angle}"), &found, &unit, 1e-12);
     }
-}
-
-#[test]
-fn graphs_compute_the_same() {
-    let model = robot();
-    let mechanism = Mechanism::new(&model);
-    let (robot, tracer) = (Interpreter::new(model.clone()), Tracer::new(&mechanism));
-    let (q, v) = state(&model, 1.3, &mut Random::new(3));
-    let to = moved(&robot, &q, &v);
-    let found = tracer.integrate_derivatives().evaluate::<f64>(&[&*q, &v].concat());
-    assert_close("integrate", &found, &of_integrate(&robot, &q, &v).concat(), 1e-14);
-    let found = tracer.difference_derivatives().evaluate::<f64>(&[&*q, &to].concat());
-    assert_close("difference", &found, &of_difference(&robot, &q, &to).concat(), 1e-14);
 }

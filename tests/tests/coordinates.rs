@@ -3,8 +3,6 @@
 use std::f64::consts::PI;
 use std::iter::zip;
 
-use modyn_codegen::graph::Graph;
-use modyn_codegen::trace::Tracer;
 use modyn_runtime::joint::JointType;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::mechanism::coordinates::CoordinateSpace;
@@ -417,30 +415,6 @@ fn normalizing_leaves_rotations_and_gives_zeros_the_identity() {
     let expected: Vec<f64> =
         (0..q.len()).map(|i| if ones.contains(&i) { 1.0 } else { 0.0 }).collect();
     assert_eq!(q, expected);
-}
-
-#[test]
-fn graphs_compute_the_same() {
-    let robot = robot();
-    let mechanism = Mechanism::new(robot.model());
-    let tracer = Tracer::new(&mechanism);
-    let random = &mut Random::new(10);
-    let (q, to) = (random_q(&robot, random), random_q(&robot, random));
-    let v = vector(random, robot.model().nv(), 1.0);
-    let same = |name: &str, graph: &Graph, groups: &[&[f64]], expected: &[f64]| {
-        assert_close(name, &graph.evaluate::<f64>(&groups.concat()), expected, 1e-15);
-    };
-    same("integrate", &tracer.integrate(), &[&q, &v], &moved(&robot, &q, &v));
-    same("difference", &tracer.difference(), &[&q, &to], &between(&robot, &q, &to));
-    same("rates", &tracer.velocity_to_qdot(), &[&q, &v], &rates(&robot, &q, &v));
-    let long: Vec<f64> = q.iter().map(|x| 3.0 * x).collect();
-    let mut normalized = long.clone();
-    robot.normalize(&mut normalized).expect(LENGTHS);
-    same("normalize", &tracer.normalize(), &[&long], &normalized);
-    let uniforms: Vec<f64> = (0..tracer.uniforms()).map(|_| random.between(0.0, 1.0)).collect();
-    let (mut drawn, mut next) = (vec![0.0; q.len()], uniforms.iter().copied());
-    robot.random(|| next.next().expect("a number left"), &mut drawn).expect(LENGTHS);
-    same("random", &tracer.random(), &[&uniforms], &drawn);
 }
 
 #[test]

@@ -1,8 +1,6 @@
 //! The implicit midpoint rule against its equations, which a plain Newton method with differences solves over textbook dynamics
 //! and matrix exponentials: the state, its order, A and B. Then its symmetry, its energy and its stability.
 
-use modyn_codegen::passes::optimize;
-use modyn_codegen::trace::Tracer;
 use modyn_runtime::joint::JointType;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Friction, JointDynamics, Model};
@@ -377,23 +375,6 @@ fn stiff_damping_is_stable() {
         }
         let energy = robot.kinetic(&exploding[0], &exploding[1]);
         assert!(energy > 1e3 * start, "{seed}: {energy} after {start}");
-    }
-}
-
-#[test]
-fn graphs_compute_the_same() {
-    for (model, State { q, qd, tau, .. }) in robots(18) {
-        let mechanism = Mechanism::new(&model);
-        let tracer = Tracer::new(&mechanism);
-        let mut robot = Interpreter::new(model);
-        let dt = 1e-3;
-        let inputs = [&*q, &qd, &tau, &[dt]].concat();
-        let found = optimize(tracer.step_implicit_midpoint()).evaluate::<f64>(&inputs);
-        let expected = step(&mut robot, [&q, &qd, &tau], dt).concat();
-        assert_close("state", &found, &expected, 1e-10);
-        let found = optimize(tracer.step_implicit_midpoint_derivatives());
-        let expected = derivatives(&mut robot, [&q, &qd, &tau], dt).concat();
-        assert_close("derivatives", &found.evaluate::<f64>(&inputs), &expected, 1e-9);
     }
 }
 

@@ -3,9 +3,10 @@
 
 use std::iter::zip;
 
+use modyn_codegen::Function;
 use modyn_codegen::graph::Node;
 use modyn_codegen::passes::optimize;
-use modyn_codegen::trace::Tracer;
+use modyn_codegen::trace::{LinkFrame, Tracer};
 use modyn_runtime::equations::kinematics::Axes;
 use modyn_runtime::equations::{Forces, Workspace, dynamics::inverse_dynamics};
 use modyn_runtime::joint::JointType;
@@ -669,59 +670,6 @@ fn calls_allocate_nothing() {
 // Compiled
 
 #[test]
-fn traces_agree_with_the_interpreter() {
-    everywhere(|interpreter, State { q, qd, qdd }| {
-        let mechanism = Mechanism::new(interpreter.model());
-        let tracer = Tracer::new(&mechanism);
-        let inputs = [&q[..], qd, qdd].concat();
-        let n = interpreter.model().nv();
-        let frame = interpreter.model().frames().len() - 2;
-        let check = |what: &str, graph, expected: &[f64]| {
-            assert_close(what, &optimize(graph).evaluate(&inputs), expected, EXACT);
-        };
-        let pose = interpreter.link_pose(q, frame).expect(FINE);
-        check("pose", tracer.link_pose(frame), &numbers(&pose));
-        for axes in [Axes::World, Axes::Link] {
-            let columns = jacobian(interpreter, q, frame, axes);
-            let columns: Vec<f64> = columns.iter().flat_map(Twist::components).collect();
-            check("J", tracer.jacobian(frame, axes), &columns);
-            let [velocity, acceleration, rate] = match axes {
-                Axes::World => [
-                    interpreter.link_velocity(q, qd, frame),
-                    interpreter.link_acceleration(q, qd, qdd, frame),
-                    interpreter.bias_acceleration(q, qd, frame),
-                ],
-                Axes::Link => [
-                    interpreter.local_link_velocity(q, qd, frame),
-                    interpreter.local_link_acceleration(q, qd, qdd, frame),
-                    interpreter.local_bias_acceleration(q, qd, frame),
-                ],
-            }
-            .map(|twist| twist.expect(FINE).components());
-            check("velocity", tracer.link_velocity(frame, axes), &velocity);
-            check("acceleration", tracer.link_acceleration(frame, axes), &acceleration);
-            check("J' qd", tracer.bias_acceleration(frame, axes), &rate);
-        }
-        let center = interpreter.center_of_mass(q).expect(FINE);
-        check("centre of mass", tracer.center_of_mass(), &center);
-        let mut columns = vec![Vector3::zero(); n];
-        interpreter.center_of_mass_jacobian(q, &mut columns).expect(FINE);
-        let columns: Vec<f64> = columns.iter().flat_map(|column| column.0).collect();
-        check("its Jacobian", tracer.center_of_mass_jacobian(), &columns);
-        let mut columns = vec![Momentum::zero(); n];
-        interpreter.centroidal_momentum_matrix(q, &mut columns).expect(FINE);
-        let columns: Vec<f64> = columns.iter().flat_map(Momentum::components).collect();
-        check("A", tracer.centroidal_momentum_matrix(), &columns);
-        let momentum = interpreter.centroidal_momentum(q, qd).expect(FINE);
-        check("momentum", tracer.centroidal_momentum(), &momentum.components());
-        let rate = interpreter.centroidal_momentum_rate((q, qd, qdd)).expect(FINE);
-        check("its rate", tracer.centroidal_momentum_rate(), &rate.components());
-        let derivatives = interpreter.centroidal_derivatives((q, qd, qdd));
-        check("their derivatives", tracer.centroidal_momentum_derivatives(), &derivatives);
-    });
-}
-
-#[test]
 fn a_link_depends_on_its_chain_alone() {
     let model = golden::model(&golden::urdf("solo12"));
     let frame = model.frame_index("HR_FOOT").expect("a foot");
@@ -732,19 +680,23 @@ fn a_link_depends_on_its_chain_alone() {
         at = model.links()[i].parent;
     }
     assert_eq!(own.len(), 3, "joints of a leg");
-    let mechanism = Mechanism::new(&model);
-    let tracer = Tracer::new(&mechanism);
+    let mut mechanism = Mechanism::new(&model);
+    let link = LinkFrame::Known(mechanism.frames[frame]);
+    mechanism.frames.clear();
+    let tracer = Tracer::with_link(&mechanism, link);
     let n = model.nv();
-    let mut graphs = vec![("pose", tracer.link_pose(frame), 27)];
-    for (axes, [jacobian, velocity, acceleration, rate]) in
-        [(Axes::World, [29, 36, 77, 60]), (Axes::Link, [20, 20, 65, 31])]
-    {
-        graphs.push(("J", tracer.jacobian(frame, axes), jacobian));
-        graphs.push(("velocity", tracer.link_velocity(frame, axes), velocity));
-        graphs.push(("acceleration", tracer.link_acceleration(frame, axes), acceleration));
-        graphs.push(("J' qd", tracer.bias_acceleration(frame, axes), rate));
-    }
-    for (what, graph, most) in graphs {
+    for (function, most) in [
+        (Function::LinkPose, 27),
+        (Function::Jacobian, 29),
+        (Function::LinkVelocity, 36),
+        (Function::LinkAcceleration, 77),
+        (Function::BiasAcceleration, 60),
+        (Function::LocalJacobian, 20),
+        (Function::LocalLinkVelocity, 20),
+        (Function::LocalLinkAcceleration, 65),
+        (Function::LocalBiasAcceleration, 31),
+    ] {
+        let (what, graph) = (function.name(), tracer.evaluation(function, &model, None));
         // No node has a forbidden input, not even a node that no result needs.
         for node in graph.nodes() {
             if let Node::Input(input) = node {

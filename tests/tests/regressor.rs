@@ -1,9 +1,7 @@
 //! The regressor of inverse dynamics, which is linear in the inertias, and the base parameters.
 
-use modyn_codegen::trace::Tracer;
 use modyn_runtime::equations::identification::BaseParameters;
 use modyn_runtime::joint::JointType;
-use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{
     DEFAULT_GRAVITY, Friction, Inertial, Joint, JointDynamics, Link, Mimic, Model,
 };
@@ -127,17 +125,6 @@ fn joint_dynamics_are_not_in_the_regressor() {
     let linear = regressor(&mut robot, &state) * parameters(robot.model());
     let joints = 0.3 * DVector::from_column_slice(qdd) + 0.7 * DVector::from_column_slice(qd);
     assert_close("driven", (linear + joints).as_slice(), &robot.tau(q, qd, qdd), 1e-10);
-}
-
-#[test]
-fn the_graph_computes_the_same() {
-    for seed in 0..20 {
-        let mut robot = Interpreter::new(varied(seed, 6));
-        let state = state(&robot, seed);
-        let graph = Tracer::new(&Mechanism::new(robot.model())).regressor();
-        let found = graph.evaluate::<f64>(&state.concat());
-        assert_close("regressor", &found, regressor(&mut robot, &state).as_slice(), 1e-11);
-    }
 }
 
 /// Returns the regressors at many states, one below the other, with columns of length 1 (or 0).

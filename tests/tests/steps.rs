@@ -1,12 +1,7 @@
 //! Discrete dynamics: steps against the accelerations, the order of the Runge-Kutta method, and derivatives against dual
 //! numbers and differences.
 
-use modyn_codegen::passes::optimize;
-use modyn_codegen::trace::Tracer;
-use modyn_runtime::equations::brge::UduLayout;
-use modyn_runtime::equations::dynamics::Elimination;
-use modyn_runtime::mechanism::Mechanism;
-use modyn_runtime::model::{Model, ModuleTree};
+use modyn_runtime::model::Model;
 use modyn_runtime::{Interpreter, Scalar, ShapeError, StepOutputs};
 use modyn_tests::close::assert_close;
 use modyn_tests::dual::{Tangent, along, along_velocity, constant};
@@ -221,32 +216,6 @@ fn compare_with_dual_numbers(method: Method) {
         }
         assert_close("A", &a, &expected[0], 1e-9);
         assert_close("B", &b, &expected[1], 1e-9);
-    }
-}
-
-#[test]
-fn graphs_compute_the_same() {
-    for (model, State { q, qd, tau, .. }) in robots(20) {
-        let mechanism = Mechanism::new(&model);
-        let tracer = Tracer::new(&mechanism);
-        let chains = ModuleTree::chains(&model);
-        let elimination = Elimination::new(&mechanism, &chains);
-        let mut robot = Interpreter::new(model);
-        let inputs = [&*q, &qd, &tau, &[0.03]].concat();
-        let state = [&*q, &qd, &tau];
-        let found = optimize(tracer.step_semi_implicit(&elimination)).evaluate::<f64>(&inputs);
-        let expected = step(&mut robot, Method::SemiImplicit, state, 0.03).concat();
-        assert_close("semi-implicit", &found, &expected, 1e-9);
-        let found = optimize(tracer.step_rk4(&elimination)).evaluate::<f64>(&inputs);
-        let expected = step(&mut robot, Method::Rk4, state, 0.03).concat();
-        assert_close("Runge-Kutta", &found, &expected, 1e-8);
-        let layout = UduLayout::new(&mechanism, &chains);
-        let found = optimize(tracer.step_semi_implicit_derivatives(&layout));
-        let expected = derivatives(&mut robot, Method::SemiImplicit, state, 0.03).concat();
-        assert_close("derivatives", &found.evaluate::<f64>(&inputs), &expected, 1e-9);
-        let found = optimize(tracer.step_rk4_derivatives(&layout));
-        let expected = derivatives(&mut robot, Method::Rk4, state, 0.03).concat();
-        assert_close("of Runge-Kutta", &found.evaluate::<f64>(&inputs), &expected, 1e-8);
     }
 }
 

@@ -8,10 +8,10 @@ use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_codegen::diagnostics::{Diagnostics, Severity};
 use serde_json::json;
 
+use crate::command::description::Description;
 use crate::command::diagnostics;
 use crate::command::options::ReadingOptions;
 use crate::command::outcome::{Failure, to_stdout};
-use crate::command::robot::Description;
 
 /// Report the errors and warnings of descriptions
 ///

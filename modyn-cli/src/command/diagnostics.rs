@@ -5,7 +5,7 @@ use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_codegen::diagnostics::{Diagnostic, Diagnostics, Position, Severity, Subject};
 use serde_json::{Value, json};
 
-use crate::command::robot::Description;
+use crate::command::description::Description;
 
 /// The longest line that is shown; a file may be one line of a million characters.
 const MAX_LINE_LENGTH: usize = 10_000;

@@ -10,10 +10,11 @@ use modyn_codegen::{Builder, GpuLanguage, RolloutForces, RolloutOptions, names};
 use modyn_jit::object::{ObjectBuilder, ObjectFormat, ObjectOptions};
 use modyn_jit::{CompileError, InstructionSet};
 
+use crate::command::description::Description;
 use crate::command::options::CodeOptions;
 use crate::command::outcome::{Failure, to_file, to_stderr, to_stdout};
 use crate::command::progress::Progress;
-use crate::command::robot::{Description, Robot};
+use crate::command::robot::Robot;
 
 /// The report on a file that differs from what would be written.
 const STALE: &str = "stale: it is missing or was edited, or the description, an option or modyn has changed; \

@@ -3,6 +3,7 @@
 mod check;
 mod choices;
 mod compare;
+mod description;
 mod diagnostics;
 mod explain;
 mod generate;

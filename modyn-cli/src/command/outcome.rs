@@ -8,8 +8,8 @@ use std::process::ExitCode;
 use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_codegen::diagnostics::{Code, Diagnostics};
 
+use crate::command::description::Description;
 use crate::command::diagnostics;
-use crate::command::robot::Description;
 
 /// The reason why a command failed.
 #[derive(Debug)]

@@ -182,7 +182,7 @@ pub(super) fn without_casadi_form(selected: &[Function]) -> Option<Diagnostic> {
     let is_of_a_group = |function: &Function| {
         selected.len() == Function::ALL.len() || Function::DEFAULT.contains(function)
     };
-    let missing = selected.iter().filter(|one| !one.is_for_casadi() && !is_of_a_group(one));
+    let missing = selected.iter().filter(|one| !one.row().casadi && !is_of_a_group(one));
     let missing: Vec<String> = missing.map(|one| format!("`{}`", one.name())).collect();
     (!missing.is_empty()).then(|| {
         let message = format!("{} has no form for CasADi, and is left out", missing.join(", "));

@@ -201,11 +201,11 @@ impl Member {
             );
             return Some((message, help));
         }
-        if row.of_random_numbers {
+        if function.is_of_random_numbers() {
             let message = format!("`{name}` has no state as argument");
             return found(message, "call it by itself");
         }
-        match (link, row.is_by_link()) {
+        match (link, row.by_link) {
             (None, true) => {
                 let help = format!("name the link: `{name}(\"link\")`");
                 return Some((format!("`{name}` is a function of one link"), help));

@@ -6,7 +6,7 @@ use super::value::{OptionError, Value, ValueKind};
 use crate::FloatType;
 use crate::description::{Base, Contact, Loop, LoopEnd, Mimic, Package, Rotor, XacroArg};
 use crate::diagnostics::Severity;
-use crate::plan::{CodeForm, Function};
+use crate::plan::{CodeForm, Function, unknown_function};
 
 /// The kinematic modules to compile with.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -225,7 +225,7 @@ impl OptionValue for Vec<Function> {
                 "default" => functions.extend(Function::DEFAULT),
                 name => functions.push(
                     Function::from_name(name)
-                        .ok_or_else(|| OptionError::new(item.at, Function::unknown(name)))?,
+                        .ok_or_else(|| OptionError::new(item.at, unknown_function(name)))?,
                 ),
             }
         }

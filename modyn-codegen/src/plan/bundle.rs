@@ -5,8 +5,9 @@
 
 use std::collections::BTreeMap;
 
-use super::functions::{ARGUMENTS, Argument, CForm, Function, Row, Trace};
-use super::shape::{Record, Shape, Sizes};
+use modyn_runtime::quantities::{ARGUMENTS, Argument, Function, Record, Shape, Sizes};
+
+use super::functions::{CForm, Lowering};
 use super::tracing::Tracing;
 use super::user::TracedForm;
 use super::wrapped::wrapped;
@@ -83,7 +84,7 @@ impl MemberFunction {
 
     fn depends_on_parameters(&self) -> bool {
         match self {
-            Self::Table { function, .. } => function.depends_on_parameters(),
+            Self::Table { function, .. } => function.row().depends_on_parameters,
             Self::User { depends_on_parameters, .. } => *depends_on_parameters,
         }
     }
@@ -118,9 +119,9 @@ impl Bundle {
     }
 
     /// Returns whether a member of the table has this property.
-    pub(super) fn any(&self, property: impl Fn(&Row) -> bool) -> bool {
+    pub(super) fn any(&self, property: impl Fn(Function) -> bool) -> bool {
         let mut of_table = self.members.iter().filter_map(|member| member.function.of_table());
-        of_table.any(|function| property(&function.row()))
+        of_table.any(property)
     }
 
     /// Returns whether a member depends on run-time parameters.
@@ -130,7 +131,7 @@ impl Bundle {
 
     /// Returns the forms that C can call: those of all members.
     pub(super) fn c_form(&self) -> CForm {
-        match self.any(|row| row.c_form == CForm::Source) {
+        match self.any(|function| Lowering::of(function).c_form == CForm::Source) {
             true => CForm::Source,
             false => CForm::SourceAndExport,
         }
@@ -173,8 +174,8 @@ impl<'a> Graphs<'a> {
             arguments += length;
         }
         let graphs = |member: &Member| {
-            let (row, link) = match &member.function {
-                MemberFunction::Table { function, link } => (function.row(), *link),
+            let (function, link) = match &member.function {
+                MemberFunction::Table { function, link } => (*function, *link),
                 MemberFunction::User { form, .. } => {
                     return [Some(&form.graph), form.in_bundles.as_ref()]
                         .into_iter()
@@ -183,16 +184,11 @@ impl<'a> Graphs<'a> {
                         .collect();
                 }
             };
-            let of_link = |trace: fn(&Tracer<'_>) -> Graph| {
-                tracing.frames.of_link(link.expect("a function of one link has it"), trace)
-            };
-            match row.trace {
-                Trace::One(trace) => vec![trace(&tracing.tracer, tracing)],
-                Trace::ByLink(trace) => {
-                    [Some(trace), row.in_bundles].into_iter().flatten().map(of_link).collect()
-                }
-                Trace::Poses => vec![tracing.all_links.link_poses()],
-            }
+            let Some(link) = link else { return vec![tracing.graph(function, &tracing.tracer)] };
+            let evaluation = |tracer: &Tracer<'_>| tracing.evaluation(function, tracer);
+            let other = Lowering::of(function).in_bundles;
+            let other = other.map(|trace| tracing.frames.of_link(link, trace));
+            [tracing.frames.of_link(link, evaluation)].into_iter().chain(other).collect()
         };
         let candidates: Vec<Vec<Graph>> = bundle.members.iter().map(graphs).collect();
         let count = arguments + parameters;
@@ -237,18 +233,12 @@ impl<'a> Graphs<'a> {
 
     /// Returns the union of the graphs of all members before all passes. `packed` returns the packed graph of a member,
     /// if it has one; `None` if no member has one.
-    pub(super) fn packed(
-        &self,
-        packed: impl Fn(&Row, fn(&Tracer<'_>, &Tracing<'_>) -> Graph) -> Option<Graph>,
-    ) -> Option<Graph> {
+    pub(super) fn packed(&self, packed: impl Fn(Function) -> Option<Graph>) -> Option<Graph> {
         let packed: Vec<Option<Graph>> = self
             .bundle
             .members
             .iter()
-            .map(|member| match member.function.of_table()?.row() {
-                row @ Row { trace: Trace::One(trace), .. } => packed(&row, trace),
-                _ => None,
-            })
+            .map(|member| member.function.of_table().and_then(&packed))
             .collect();
         packed.iter().any(Option::is_some).then(|| {
             let all = packed.iter().zip(&self.members);

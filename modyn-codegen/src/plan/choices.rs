@@ -2,8 +2,8 @@
 
 use modyn_runtime::model::Model;
 
+use super::Function;
 use super::bundle::Bundle;
-use super::functions::Function;
 use super::strategy::CodeForm;
 use super::user::TracedFunction;
 use crate::trace::Parameters;

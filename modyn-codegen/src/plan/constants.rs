@@ -5,8 +5,8 @@ use modyn_runtime::equations::kinematics::coordinates;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::Model;
 
+use super::Function;
 use super::choices::Choices;
-use super::functions::Function;
 
 /// Constants of a robot that its description implies.
 #[derive(Clone, Debug)]

@@ -2,9 +2,9 @@
 
 use modyn_runtime::equations::brge::UduLayout;
 
-use super::functions::{Argument, FACTORS, RHS};
+use super::functions::{FACTORS, RHS};
 use super::programs::shapes_of;
-use super::shape::{Shape, Sizes};
+use super::{Argument, Shape, Sizes};
 use crate::graph::Graph;
 use crate::passes::optimize;
 use crate::program::{Program, Target};

@@ -1,6 +1,7 @@
 //! The choice between straight-line code and loops over the bodies.
 
-use super::functions::Function;
+use super::Function;
+use super::functions::Lowering;
 use super::strategy::CodeForm;
 use super::tracing::Tracing;
 use crate::graph::Graph;
@@ -25,7 +26,7 @@ pub(super) fn recursion(
     tracing: &Tracing<'_>,
     (straight, packed): (&Graph, Option<&Graph>),
 ) -> Option<Recursion> {
-    let recursion = function.row().recursion?();
+    let recursion = Lowering::of(function).recursion?();
     let is_wanted = match tracing.code {
         CodeForm::Fast => false,
         CodeForm::Small => true,

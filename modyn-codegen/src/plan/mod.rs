@@ -20,7 +20,6 @@ mod packing;
 pub mod partition;
 mod planned;
 mod programs;
-mod shape;
 mod strategy;
 mod tracing;
 mod user;
@@ -29,6 +28,10 @@ mod wrapped;
 use modyn_runtime::OperationCount;
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::model::{Model, ModuleTree};
+pub(crate) use modyn_runtime::quantities::ARGUMENTS;
+pub use modyn_runtime::quantities::{
+    Argument, ArgumentKind, BatchForm, Elements, Function, Record, Row, Shape, Sizes,
+};
 
 pub use bundle::{Bundle, Member, MemberFunction};
 pub use casadi::{CasadiFunction, CasadiMatrix, CasadiPlan};
@@ -36,12 +39,11 @@ pub use choices::Choices;
 pub use constants::{BaseParameterTable, Constants};
 pub use factorization::FactorFunction;
 pub use frames::{Frames, LinkCode};
-pub(crate) use functions::ARGUMENTS;
-pub use functions::{Argument, ArgumentKind, BatchForm, CForm, Function, Packing, Row, Trace};
+pub use functions::{CForm, GraphSource, Lowering, Packing, unknown_function};
+pub(crate) use functions::{estimated_length, signatures};
 pub use measures::Measures;
 pub use packing::{COLUMN_LANES, LIMB_LIMITS};
 pub use planned::{Kernels, Planned};
-pub use shape::{Elements, Record, Shape, Sizes};
 pub use strategy::{CodeForm, Execution};
 pub use tracing::Tracing;
 pub use user::{

@@ -1,9 +1,10 @@
 //! Packing within one state: which limbs or columns are packed into vectors, and when that is profitable.
 
 use modyn_runtime::equations::dynamics::Elimination;
+use modyn_runtime::quantities::Function;
 
 use super::bundle::{Bundle, Graphs};
-use super::functions::{Function, Packing, Trace};
+use super::functions::{Lowering, Packing};
 use super::strategy::Strategy;
 use super::tracing::{TracedRobot, Tracing};
 use crate::graph::Graph;
@@ -39,16 +40,12 @@ pub(super) fn limbs(robot: &TracedRobot, strategy: Strategy) -> Vec<LimbPacking>
     if packs { LimbPacking::candidates(&robot.mechanism, &LIMB_LIMITS, joins) } else { Vec::new() }
 }
 
-/// Returns the optimized graph of a function of one state on scalars, which `trace` traces.
-pub(super) fn on_scalars(
-    function: Function,
-    tracing: &Tracing<'_>,
-    trace: fn(&Tracer<'_>, &Tracing<'_>) -> Graph,
-) -> Graph {
+/// Returns the optimized graph of a function of one state on scalars.
+pub(super) fn on_scalars(function: Function, tracing: &Tracing<'_>) -> Graph {
     match function {
         // The search for the partition has already optimized this graph.
         Function::ForwardDynamics => tracing.forward_dynamics.graph.clone(),
-        _ => optimize(trace(&tracing.tracer, tracing)),
+        _ => optimize(tracing.graph(function, &tracing.tracer)),
     }
 }
 
@@ -61,16 +58,16 @@ pub(super) fn balanced(graph: Graph) -> Graph {
 /// not packed is compiled for vector instruction sets unchanged: products are fused into sums there, even if the program
 /// is compiled for processors without fused multiply-add.
 pub(super) fn packed(function: Function, tracing: &Tracing<'_>, scalar: &Graph) -> Option<Graph> {
-    let row = function.row();
-    let Trace::One(trace) = row.trace else { return None };
+    let packing = Lowering::of(function).packing;
     let by_limbs = tracing.limbs.iter().flat_map(|limbs| {
         let tracer = tracing.tracer.packed(limbs);
-        candidates(row.packing, trace, tracing, (limbs, &tracer))
+        candidates(function, tracing, (limbs, &tracer))
     });
     let has_columns =
-        row.packing.has_columns() && tracing.has_vectors() && operations(scalar) <= MAX_COLUMNS;
-    let columns = has_columns.then(|| trace(&tracing.tracer.column_lanes(COLUMN_LANES), tracing));
-    profitable(by_limbs.chain(columns), row.hot, tracing, scalar)
+        packing.has_columns() && tracing.has_vectors() && operations(scalar) <= MAX_COLUMNS;
+    let columns =
+        has_columns.then(|| tracing.graph(function, &tracing.tracer.column_lanes(COLUMN_LANES)));
+    profitable(by_limbs.chain(columns), function.row().hot, tracing, scalar)
 }
 
 /// Returns the packed graph of a bundle, as [`packed`] does: of each member its packed graph, if it has one, else its graph
@@ -83,20 +80,20 @@ pub(super) fn packed_bundle(
 ) -> Option<Graph> {
     let by_limbs = tracing.limbs.iter().filter_map(|limbs| {
         let tracer = tracing.tracer.packed(limbs);
-        graphs.packed(|row, trace| {
-            let all = candidates(row.packing, trace, tracing, (limbs, &tracer));
+        graphs.packed(|function| {
+            let all = candidates(function, tracing, (limbs, &tracer));
             all.into_iter().min_by_key(operations)
         })
     });
     let has_columns = tracing.has_vectors() && operations(scalar) <= MAX_COLUMNS;
     let columns = || {
-        graphs.packed(|row, trace| {
-            let columns = row.packing.has_columns();
-            columns.then(|| trace(&tracing.tracer.column_lanes(COLUMN_LANES), tracing))
+        graphs.packed(|function| {
+            let columns = Lowering::of(function).packing.has_columns();
+            columns.then(|| tracing.graph(function, &tracing.tracer.column_lanes(COLUMN_LANES)))
         })
     };
     let columns = has_columns.then(columns).flatten();
-    profitable(by_limbs.chain(columns), bundle.any(|row| row.hot), tracing, scalar)
+    profitable(by_limbs.chain(columns), bundle.any(|function| function.row().hot), tracing, scalar)
 }
 
 fn operations(graph: &Graph) -> usize {
@@ -122,12 +119,11 @@ fn profitable(
 
 /// Returns the graphs with packed limbs; the cheapest is taken.
 fn candidates(
-    packing: Packing,
-    trace: fn(&Tracer<'_>, &Tracing<'_>) -> Graph,
+    function: Function,
     tracing: &Tracing<'_>,
     (limbs, tracer): (&LimbPacking, &Tracer<'_>),
 ) -> Vec<Graph> {
-    match packing {
+    match Lowering::of(function).packing {
         Packing::ByModules => {
             let by = |partition| Elimination::Recursive(limbs.partition(partition));
             let partitions = tracing.partitions.iter();
@@ -148,5 +144,5 @@ fn candidates(
         Packing::OnRootPath | Packing::Derivatives | Packing::Columns | Packing::Contacts => {}
         Packing::Never | Packing::ConstrainedColumns => return Vec::new(),
     }
-    vec![trace(tracer, tracing)]
+    vec![tracing.graph(function, tracer)]
 }

@@ -2,8 +2,8 @@
 
 use modyn_runtime::OperationCount;
 
-use super::functions::{Argument, CForm, Function};
-use super::shape::Shape;
+use super::functions::CForm;
+use super::{Argument, Function, Record, Shape};
 use crate::program::{InvalidProgram, Program, Recursion};
 
 /// A function or a bundle of functions, planned for a robot.
@@ -64,7 +64,7 @@ impl Planned {
     /// Returns whether the function computes the state after a time step, from `q`, `qd`, `tau` and `dt`.
     #[must_use]
     pub fn is_step(&self) -> bool {
-        self.function.is_some_and(|function| function.row().is_step)
+        self.function.is_some() && matches!(self.result, Shape::Record(Record::Each("Step"), _))
     }
 
     /// Returns the operations of one call on scalars; for a function of one link, those of the most expensive link.

@@ -2,13 +2,14 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use modyn_runtime::quantities::{Argument, Function, Shape, Sizes};
+
 use super::bundle::{Bundle, Graphs, Member};
 use super::frames::Frames;
-use super::functions::{Argument, CForm, Function, Trace};
+use super::functions::{CForm, GraphSource, Lowering};
 use super::looped;
 use super::packing;
 use super::planned::{Kernels, Planned};
-use super::shape::{Shape, Sizes};
 use super::strategy::Strategy;
 use super::tracing::Tracing;
 use super::user::{TracedForm, TracedFunction};
@@ -33,17 +34,12 @@ impl ScalarGraphs {
     }
 
     /// Returns the optimized and balanced graph of a function or of its batch form. The first call traces the graph.
-    fn scalar(
-        &mut self,
-        function: Function,
-        trace: fn(&Tracer<'_>, &Tracing<'_>) -> Graph,
-        tracing: &Tracing<'_>,
-    ) -> Graph {
+    fn scalar(&mut self, function: Function, tracing: &Tracing<'_>) -> Graph {
         let one = function.batched().unwrap_or(function);
         if let Some(graph) = self.kept.get(&one) {
             return graph.clone();
         }
-        let graph = packing::balanced(packing::on_scalars(one, tracing, trace));
+        let graph = packing::balanced(packing::on_scalars(one, tracing));
         if self.batched.contains(&one) {
             self.kept.insert(one, graph.clone());
         }
@@ -58,14 +54,16 @@ impl Planned {
         tracing: &Tracing<'_>,
         graphs: &mut ScalarGraphs,
     ) -> Self {
-        let (row, sizes, strategy) = (function.row(), &tracing.sizes, tracing.strategy);
+        let (row, lowering) = (function.row(), Lowering::of(function));
+        let (sizes, strategy) = (&tracing.sizes, tracing.strategy);
         let arguments = shapes_of(row.arguments, sizes);
         let parameters = tracing.parameters(row.depends_on_parameters);
         let scalars = count(&arguments, parameters);
         let mut fault = None;
-        let kernels = match row.trace {
-            Trace::ByLink(trace) => {
-                let graphs = tracing.frames.kernels(|tracer| optimize(trace(tracer)));
+        let kernels = match lowering.source {
+            _ if row.by_link => {
+                let graph = |tracer: &Tracer<'_>| optimize(tracing.evaluation(function, tracer));
+                let graphs = tracing.frames.kernels(graph);
                 let (own, shared) =
                     graphs.split_at(tracing.frames.links_with_own_program().count());
                 let own = own.iter().map(|graph| strategy.scalar_program(graph, scalars));
@@ -73,7 +71,7 @@ impl Planned {
                 let shared = shared.iter().map(|graph| strategy.scalar_program(graph, placed));
                 Kernels::ByLink(own.chain(shared).collect())
             }
-            Trace::Poses if strategy != Strategy::Threads && tracing.frames.any_shared() => {
+            GraphSource::Poses if strategy != Strategy::Threads && tracing.frames.any_shared() => {
                 let [bodies, placed] = tracing.frames.poses().map(optimize);
                 let placed_arguments = Shape::pose().len() + Frames::PLACEMENT;
                 Kernels::Poses {
@@ -82,12 +80,12 @@ impl Planned {
                     rows: tracing.frames.rows(),
                 }
             }
-            Trace::Poses => {
+            GraphSource::Poses => {
                 let graph = packing::balanced(optimize(tracing.all_links.link_poses()));
                 Kernels::One(strategy.scalar_program(&graph, scalars))
             }
-            Trace::One(trace) => {
-                let graph = graphs.scalar(function, trace, tracing);
+            GraphSource::Traced(_) | GraphSource::Evaluation => {
+                let graph = graphs.scalar(function, tracing);
                 if row.batch_of.is_some() {
                     Kernels::One(Program::new(&graph, scalars, Target::Batch))
                 } else {
@@ -109,7 +107,7 @@ impl Planned {
             batch_of: row.batch_of.map(Function::name),
             docs: row.docs,
             fields: Vec::new(),
-            c_form: row.c_form,
+            c_form: lowering.c_form,
             arguments,
             parameters,
             result: (row.result)(sizes),

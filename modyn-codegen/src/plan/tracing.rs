@@ -5,10 +5,10 @@ use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
+use modyn_runtime::quantities::Sizes;
 
 use super::frames::Frames;
 use super::partition::{self, ChosenPartition};
-use super::shape::Sizes;
 use super::strategy::{CodeForm, Strategy};
 use crate::trace::{LimbPacking, Parameters, Tracer};
 
@@ -34,6 +34,8 @@ impl TracedRobot {
 
 /// The inputs of tracing.
 pub struct Tracing<'a> {
+    /// The robot as it is described.
+    pub(super) model: &'a Model,
     /// The robot on expressions.
     pub tracer: Tracer<'a>,
     /// The robot on expressions, with all its links. `tracer` has links only if some are run-time parameters.
@@ -66,7 +68,7 @@ impl<'a> Tracing<'a> {
     /// Returns the inputs of tracing `robot`. `modules` is the user's partition, `limbs` are the candidates for packing.
     pub(super) fn new(
         robot: &'a TracedRobot,
-        (model, modules): (&Model, &ModuleTree),
+        (model, modules): (&'a Model, &ModuleTree),
         (strategy, code): (Strategy, CodeForm),
         limbs: Vec<LimbPacking>,
     ) -> Self {
@@ -87,6 +89,7 @@ impl<'a> Tracing<'a> {
         let partitions = partitions.map(|m| ModulePartition::new(mechanism, m)).collect();
         let layout = UduLayout::new(mechanism, modules);
         Self {
+            model,
             tracer,
             all_links,
             frames,

@@ -8,10 +8,9 @@ use modyn_runtime::{
     Interpreter, UserArgument, UserArgumentKind, UserDerivatives, UserError, UserFunction,
 };
 
-use super::functions::{Argument, ArgumentKind};
-use super::shape::{Record, Shape, Sizes};
 use super::tracing::TracedRobot;
 use super::wrapped::wrapped;
+use super::{Argument, ArgumentKind, Record, Shape, Sizes};
 use crate::graph::{Expr, Graph};
 use crate::intern::intern;
 use crate::names;

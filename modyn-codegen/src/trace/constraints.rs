@@ -57,23 +57,6 @@ impl Tracer<'_> {
         })
     }
 
-    /// Returns the graph of the displacement, then the velocity of each constraint. Inputs: `q`, `qd` and
-    /// settings.
-    #[must_use]
-    pub fn constraint_residual(&self, layout: &UduLayout) -> Graph {
-        let groups = [self.model.nq, self.model.nv, settings_count(self.model)];
-        self.trace_groups(groups, |model, [q, qd, settings]| {
-            let twists = || vec![Twist::zero(); model.constraints.len()];
-            let (mut displacements, mut velocities) = (twists(), twists());
-            let results = (&mut *displacements, &mut *velocities);
-            let workspaces =
-                (&mut Workspace::new(model), &mut ConstraintWorkspace::new(model, layout));
-            let targets = settings_of(&settings).contacts;
-            constraints::constraint_residual(model, (&q, &qd), &targets, workspaces, results);
-            displacements.iter().chain(&velocities).flat_map(Twist::components).collect()
-        })
-    }
-
     /// Returns the graph of the step, the change of the velocities and the rank. Inputs: `q`, `qd`, active
     /// contacts and settings.
     #[must_use]
@@ -125,56 +108,6 @@ impl Tracer<'_> {
                 wrenches.skip(count).flat_map(Wrench::components).collect(),
             );
             [qdd, first, matrices.concat(), rest, vec![rank]].concat()
-        })
-    }
-
-    /// Returns the graph of the joint forces, a wrench for each constraint and the rank. Inputs: `q`, `qd`,
-    /// `qdd`, active contacts and settings.
-    #[must_use]
-    pub fn constrained_inverse_dynamics(&self, layout: &UduLayout) -> Graph {
-        let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
-        let groups = [nq, nv, nv, contacts, settings_count(self.model)];
-        self.trace_groups(groups, |model, [q, qd, qdd, active, settings]| {
-            let (mut tau, mut wrenches) =
-                (self.vector(), vec![Wrench::zero(); model.constraints.len()]);
-            let memory = &mut ConstraintWorkspace::new(model, layout);
-            let rank = constraints::constrained_inverse_dynamics(
-                model,
-                (&q, &qd, &qdd),
-                (&active, &settings_of(&settings)),
-                (&mut Workspace::new(model), memory),
-                (&mut tau, &mut wrenches),
-            );
-            let wrenches = wrenches.iter().flat_map(Wrench::components);
-            tau.into_iter().chain(wrenches).chain([rank]).collect()
-        })
-    }
-
-    /// Returns the graph of the Jacobian of each constraint by columns. Input: `q`.
-    #[must_use]
-    pub fn constraint_jacobian(&self, layout: &UduLayout) -> Graph {
-        self.trace(|model, [q]| {
-            let mut columns = vec![Twist::zero(); model.constraints.len() * model.nv];
-            let memory = &mut ConstraintWorkspace::new(model, layout);
-            let workspaces = (&mut Workspace::new(model), memory);
-            constraints::constraint_jacobian(model, &q, workspaces, &mut columns);
-            columns.iter().flat_map(Twist::components).collect()
-        })
-    }
-
-    /// Returns the graph of the bias acceleration of each constraint. Inputs: `q`, `qd`.
-    #[must_use]
-    pub fn constraint_bias_acceleration(&self) -> Graph {
-        self.trace(|model, [q, qd]| {
-            let mut accelerations = vec![Twist::zero(); model.constraints.len()];
-            let workspace = &mut Workspace::new(model);
-            constraints::constraint_bias_acceleration(
-                model,
-                (&q, &qd),
-                workspace,
-                &mut accelerations,
-            );
-            accelerations.iter().flat_map(Twist::components).collect()
         })
     }
 

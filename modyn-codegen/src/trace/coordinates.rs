@@ -17,16 +17,6 @@ impl Tracer<'_> {
         })
     }
 
-    /// Returns the graph of the tangent vector between coordinates. Inputs: `from` and `to`.
-    #[must_use]
-    pub fn difference(&self) -> Graph {
-        self.trace_groups([self.model.nq; 2], |model, [from, to]| {
-            let mut v = self.vector();
-            coordinates::difference(model, (&from, &to), &mut v);
-            v
-        })
-    }
-
     /// Returns the graph of the derivatives of the moved coordinates by `q`, then by `v`, by columns. Inputs: `q` and `v`.
     #[must_use]
     pub fn integrate_derivatives(&self) -> Graph {
@@ -34,17 +24,6 @@ impl Tracer<'_> {
             let (mut dq, mut dv) = (self.square(), self.square());
             coordinates::integrate_derivatives(model, &v, (&mut dq, &mut dv));
             [dq, dv].concat()
-        })
-    }
-
-    /// Returns the graph of the derivatives of the tangent vector between coordinates by `from`, then by `to`, by
-    /// columns. Inputs: `from` and `to`.
-    #[must_use]
-    pub fn difference_derivatives(&self) -> Graph {
-        self.trace_groups([self.model.nq; 2], |model, [from, to]| {
-            let (mut dfrom, mut dto) = (self.square(), self.square());
-            coordinates::difference_derivatives(model, (&from, &to), (&mut dfrom, &mut dto));
-            [dfrom, dto].concat()
         })
     }
 
@@ -65,24 +44,6 @@ impl Tracer<'_> {
             coordinates::normalize(model, &mut q);
             q
         })
-    }
-
-    /// Returns the graph of random coordinates. Inputs: [`uniforms`](Self::uniforms) numbers in 0..1.
-    #[must_use]
-    pub fn random(&self) -> Graph {
-        self.trace_groups([self.uniforms()], |model, [uniforms]| {
-            let mut q = self.coordinates();
-            let mut next = uniforms.into_iter();
-            let mut uniform = || next.next().unwrap_or_else(Expr::zero);
-            coordinates::random(model, &mut uniform, &mut q);
-            q
-        })
-    }
-
-    /// Returns the number of inputs of [`random`](Self::random): one for each degree of freedom.
-    #[must_use]
-    pub fn uniforms(&self) -> usize {
-        self.model.nv
     }
 
     fn square(&self) -> Vec<Expr> {

@@ -23,17 +23,6 @@ impl Tracer<'_> {
         })
     }
 
-    /// Returns the graph of the Coriolis matrix by columns. Inputs: `q`, `qd`.
-    #[must_use]
-    pub fn coriolis_matrix(&self) -> Graph {
-        self.trace(|model, [q, qd]| {
-            let mut columns = vec![Expr::zero(); model.nv * model.nv];
-            let workspace = &mut Workspace::new(model);
-            derivatives::coriolis_matrix(model, (&q, &qd), workspace, &mut columns);
-            columns
-        })
-    }
-
     /// Returns the graph of the accelerations and their derivatives by q, qd and tau, by columns. Inputs: `q`, `qd`,
     /// `tau`. The mass matrix is factorized with `layout`.
     #[must_use]

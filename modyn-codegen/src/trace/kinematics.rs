@@ -3,10 +3,8 @@
 //! A pose is nine numbers of the rotation by rows, then three of the translation. A twist or a momentum is three
 //! angular, then three linear components. Columns follow each other.
 
-use modyn_runtime::equations::derivatives::{CentroidalOutputs, centroidal_momentum_derivatives};
-use modyn_runtime::equations::kinematics::{self, Axes};
-use modyn_runtime::equations::{Workspace, dynamics};
-use modyn_runtime::spatial::{Momentum, Pose, Twist, Vector3};
+use modyn_runtime::equations::{Workspace, kinematics};
+use modyn_runtime::spatial::Pose;
 
 use super::Tracer;
 use crate::graph::{Expr, Graph};
@@ -50,12 +48,6 @@ impl Tracer<'_> {
         })
     }
 
-    /// Returns the graph of a link's pose. Inputs: `q`.
-    #[must_use]
-    pub fn link_pose(&self, frame: usize) -> Graph {
-        self.trace(|model, [q]| numbers(&kinematics::link_pose(model, frame, &q)))
-    }
-
     /// Returns the graph of a link's pose by the axes of the bodies in the world. Inputs: `q`.
     #[must_use]
     pub fn link_pose_from_world(&self, frame: usize) -> Graph {
@@ -83,124 +75,6 @@ impl Tracer<'_> {
             let (motion, workspace) = ((&*q, &*qd, None), &mut Workspace::new(model));
             let acceleration = kinematics::link_acceleration_from_world;
             acceleration(model, frame, motion, workspace).components().to_vec()
-        })
-    }
-
-    /// Returns the graph of a link's velocity. Inputs: `q`, `qd`.
-    #[must_use]
-    pub fn link_velocity(&self, frame: usize, axes: Axes) -> Graph {
-        self.trace(|model, [q, qd]| {
-            let workspace = &mut Workspace::new(model);
-            let velocity = kinematics::link_velocity(model, frame, (&q, &qd), axes, workspace);
-            velocity.components().to_vec()
-        })
-    }
-
-    /// Returns the graph of a link's acceleration. Inputs: `q`, `qd`, `qdd`.
-    #[must_use]
-    pub fn link_acceleration(&self, frame: usize, axes: Axes) -> Graph {
-        self.trace(|model, [q, qd, qdd]| {
-            let (motion, workspace) = ((&*q, &*qd, &*qdd), &mut Workspace::new(model));
-            let acceleration = kinematics::link_acceleration(model, frame, motion, axes, workspace);
-            acceleration.components().to_vec()
-        })
-    }
-
-    /// Returns the graph of a link's Jacobian. Inputs: `q`.
-    #[must_use]
-    pub fn jacobian(&self, frame: usize, axes: Axes) -> Graph {
-        self.trace(|model, [q]| {
-            let mut columns = vec![Twist::zero(); model.nv];
-            let workspace = &mut Workspace::new(model);
-            kinematics::jacobian(model, frame, &q, axes, workspace, &mut columns);
-            columns.iter().flat_map(Twist::components).collect()
-        })
-    }
-
-    /// Returns the graph of the time derivative of a link's Jacobian. Inputs: `q`, `qd`.
-    #[must_use]
-    pub fn jacobian_time_derivative(&self, frame: usize, axes: Axes) -> Graph {
-        self.trace(|model, [q, qd]| {
-            let mut columns = vec![Twist::zero(); model.nv];
-            let (state, workspace) = ((&*q, &*qd), &mut Workspace::new(model));
-            let derive = kinematics::jacobian_time_derivative;
-            derive(model, frame, state, axes, workspace, &mut columns);
-            columns.iter().flat_map(Twist::components).collect()
-        })
-    }
-
-    /// Returns the graph of a link's bias acceleration. Inputs: `q`, `qd`.
-    #[must_use]
-    pub fn bias_acceleration(&self, frame: usize, axes: Axes) -> Graph {
-        self.trace(|model, [q, qd]| {
-            let workspace = &mut Workspace::new(model);
-            let rate = kinematics::bias_acceleration(model, frame, (&q, &qd), axes, workspace);
-            rate.components().to_vec()
-        })
-    }
-
-    /// Returns the graph of the momentum about the centre of mass, its time derivative, and the derivatives of both. Inputs:
-    /// `q`, `qd`, `qdd`.
-    #[must_use]
-    pub fn centroidal_momentum_derivatives(&self) -> Graph {
-        self.trace(|model, [q, qd, qdd]| {
-            let mut values = [Momentum::zero(); 2];
-            let mut columns = [0; 3].map(|_| vec![Momentum::zero(); model.nv]);
-            let ([momentum, rate], [momentum_dq, rate_dq, rate_dqd]) = (&mut values, &mut columns);
-            let outputs = CentroidalOutputs { momentum, rate, momentum_dq, rate_dq, rate_dqd };
-            let workspace = &mut Workspace::new(model);
-            centroidal_momentum_derivatives(model, (&q, &qd, &qdd), workspace, outputs);
-            values.iter().chain(columns.iter().flatten()).flat_map(Momentum::components).collect()
-        })
-    }
-
-    /// Returns the graph of the centre of mass. Inputs: `q`.
-    #[must_use]
-    pub fn center_of_mass(&self) -> Graph {
-        self.trace(|model, [q]| {
-            let workspace = &mut Workspace::new(model);
-            kinematics::center_of_mass(model, &q, workspace).0.to_vec()
-        })
-    }
-
-    /// Returns the graph of the Jacobian of the centre of mass. Inputs: `q`.
-    #[must_use]
-    pub fn center_of_mass_jacobian(&self) -> Graph {
-        self.trace(|model, [q]| {
-            let mut columns = vec![Vector3::zero(); model.nv];
-            let workspace = &mut Workspace::new(model);
-            kinematics::center_of_mass_jacobian(model, &q, workspace, &mut columns);
-            columns.iter().flat_map(|column| column.0).collect()
-        })
-    }
-
-    /// Returns the graph of the centroidal momentum matrix. Inputs: `q`.
-    #[must_use]
-    pub fn centroidal_momentum_matrix(&self) -> Graph {
-        self.trace(|model, [q]| {
-            let mut columns = vec![Momentum::zero(); model.nv];
-            let workspace = &mut Workspace::new(model);
-            dynamics::centroidal_momentum_matrix(model, &q, workspace, &mut columns);
-            columns.iter().flat_map(Momentum::components).collect()
-        })
-    }
-
-    /// Returns the graph of the momentum about the centre of mass. Inputs: `q`, `qd`.
-    #[must_use]
-    pub fn centroidal_momentum(&self) -> Graph {
-        self.trace(|model, [q, qd]| {
-            let workspace = &mut Workspace::new(model);
-            dynamics::centroidal_momentum(model, (&q, &qd), workspace).components().to_vec()
-        })
-    }
-
-    /// Returns the graph of the time derivative of the momentum about the centre of mass. Inputs: `q`, `qd`, `qdd`.
-    #[must_use]
-    pub fn centroidal_momentum_rate(&self) -> Graph {
-        self.trace(|model, [q, qd, qdd]| {
-            let workspace = &mut Workspace::new(model);
-            let rate = dynamics::centroidal_momentum_rate(model, (&q, &qd, &qdd), workspace);
-            rate.components().to_vec()
         })
     }
 }

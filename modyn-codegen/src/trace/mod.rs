@@ -8,6 +8,7 @@ mod coordinates;
 mod derivatives;
 mod dynamics;
 mod entries;
+mod evaluation;
 mod factorization;
 mod hessians;
 mod kinematics;
@@ -17,9 +18,7 @@ mod looped;
 mod merge;
 mod parameters;
 mod products;
-mod regressor;
 mod step_hessians;
-mod steps;
 mod tangent;
 mod user;
 
@@ -29,6 +28,7 @@ use modyn_runtime::mechanism::{BodyFrame, Mechanism, MergedMechanism};
 use crate::graph::{Expr, ForeignExpr, Graph};
 
 pub use entries::EntryDerivatives;
+pub use evaluation::Solvers;
 pub use limbs::{LimbLimits, LimbPacking};
 pub use looped::{BodyGraphs, BodyKind, LoopedBody};
 pub use parameters::Parameters;

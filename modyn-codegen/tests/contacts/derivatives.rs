@@ -117,8 +117,11 @@ fn derivatives_under_external_wrenches_are_those_of_differences() {
         let graph = optimize(
             tracer.column_lanes(COLUMN_LANES).constrained_forward_dynamics_derivatives(&layout),
         );
-        for axes in [Axes::Link, Axes::World] {
-            let pushes = optimize(tracer.generalized_forces(axes));
+        for (axes, function) in [
+            (Axes::Link, Function::GeneralizedForces),
+            (Axes::World, Function::GeneralizedForcesWorld),
+        ] {
+            let pushes = optimize(tracer.evaluation(function, &model, None));
             let active: Vec<bool> = model.contacts().iter().map(|_| random.next() > -0.5).collect();
             let state = state(&model, &mut random);
             let settings = general(&model, &mut random, 0.01);

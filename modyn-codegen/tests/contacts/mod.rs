@@ -481,7 +481,7 @@ fn what_gets_compiled_is_what_the_interpreter_computes() {
         let tracer = Tracer::new(&mechanism);
         let layout = UduLayout::new(&mechanism, &ModuleTree::chains(&model));
         let dynamics = optimize(tracer.constrained_forward_dynamics(&layout));
-        let residual = optimize(tracer.constraint_residual(&layout));
+        let residual = optimize(tracer.evaluation(Function::ConstraintResidual, &model, None));
         let projection = optimize(tracer.project_constraints(&layout));
         println!("{}: {:?}", model.name(), dynamics.count());
         let mut interpreter = Interpreter::new(model.clone());
@@ -835,7 +835,7 @@ fn what_gets_compiled_of_the_other_functions_is_what_the_interpreter_computes() 
         let into = (&mut *tau, &mut *wrenches);
         let all = (&*state.q, &*state.qd, &*state.tau);
         let rank = interpreter.constrained_inverse_dynamics(all, active, settings, into);
-        let graph = optimize(tracer.constrained_inverse_dynamics(&layout));
+        let graph = optimize(tracer.evaluation(Function::ConstrainedInverseDynamics, model, None));
         let found = graph.evaluate(&[&*state.q, &state.qd, &state.tau, &on, &numbers].concat());
         let expected = [tau, components(&wrenches), vec![rank.expect("fits")]].concat();
         assert_near(&found, &expected, 1e-8);
@@ -843,13 +843,14 @@ fn what_gets_compiled_of_the_other_functions_is_what_the_interpreter_computes() 
         let mut columns = vec![Twist::zero(); nv * count];
         interpreter.constraint_jacobian(&state.q, &mut columns).expect("fits");
         let expected: Vec<f64> = columns.iter().flat_map(Twist::components).collect();
-        let found = optimize(tracer.constraint_jacobian(&layout)).evaluate(&state.q);
+        let graph = optimize(tracer.evaluation(Function::ConstraintJacobian, model, None));
+        let found = graph.evaluate(&state.q);
         assert_near(&found, &expected, 1e-12);
 
         let mut bias = vec![Twist::zero(); count];
         interpreter.constraint_bias_acceleration(motion, &mut bias).expect("fits");
         let expected: Vec<f64> = bias.iter().flat_map(Twist::components).collect();
-        let graph = optimize(tracer.constraint_bias_acceleration());
+        let graph = optimize(tracer.evaluation(Function::ConstraintBiasAcceleration, model, None));
         assert_near(&graph.evaluate(&[&*state.q, &state.qd].concat()), &expected, 1e-11);
 
         let (mut inverse, mut inertia) = (vec![0.0; rows * rows], vec![0.0; rows * rows]);
@@ -1112,6 +1113,7 @@ fn operation_counts_are_as_frozen() {
     let (tracer, layout) =
         (Tracer::new(&mechanism), UduLayout::new(&mechanism, &ModuleTree::chains(&model)));
     let limbs = LimbPacking::find(&mechanism, &LIMB_LIMITS).expect("four legs");
+    let evaluation = |function| tracer.evaluation(function, &model, None);
     let found = [
         ("constrained_forward_dynamics", tracer.constrained_forward_dynamics(&layout)),
         (
@@ -1129,15 +1131,15 @@ fn operation_counts_are_as_frozen() {
             tracer.column_lanes(COLUMN_LANES).constrained_forward_dynamics_derivatives(&layout),
         ),
         ("contact_impulse", tracer.contact_impulse(&layout)),
-        ("constrained_inverse_dynamics", tracer.constrained_inverse_dynamics(&layout)),
+        ("constrained_inverse_dynamics", evaluation(Function::ConstrainedInverseDynamics)),
         ("operational_inertia", tracer.operational_inertia(&layout)),
         (
             "operational_inertia in lanes",
             tracer.column_lanes(COLUMN_LANES).operational_inertia(&layout),
         ),
-        ("constraint_jacobian", tracer.constraint_jacobian(&layout)),
-        ("constraint_bias_acceleration", tracer.constraint_bias_acceleration()),
-        ("constraint_residual", tracer.constraint_residual(&layout)),
+        ("constraint_jacobian", evaluation(Function::ConstraintJacobian)),
+        ("constraint_bias_acceleration", evaluation(Function::ConstraintBiasAcceleration)),
+        ("constraint_residual", evaluation(Function::ConstraintResidual)),
         ("project_constraints", tracer.project_constraints(&layout)),
     ]
     .map(|(name, graph)| (name, optimize(graph).count().total()));

@@ -98,7 +98,7 @@ impl GpuRobot {
         let function = function_named(name)?;
         let own = self.kernels(py, function)?;
         let link = link.map(|link| self.robot.get().link(link)).transpose()?;
-        if function.row().is_by_link() != link.is_some() {
+        if function.row().by_link != link.is_some() {
             let takes = if link.is_some() { "takes no link" } else { "needs `link`" };
             return Err(PyTypeError::new_err(format!("`{name}` {takes}")));
         }

@@ -54,17 +54,36 @@ impl<S: Scalar> Interpreter<S> {
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
         outputs: ConstrainedHessianOutputs<'_, S>,
     ) -> Result<S, ShapeError> {
-        let ConstrainedHessianOutputs { qdd, wrenches, gradients, hessian } = outputs;
         let (n, count) = (self.model.nv(), self.model.constraints());
+        check("q", q, self.model.nq())?;
+        check("qd", qd, n)?;
+        check("tau", tau, n)?;
+        check("qdd", outputs.qdd, n)?;
+        check("wrenches", outputs.wrenches, count)?;
         check("cotangent", cotangent, n)?;
         check("wrench_cotangent", wrench_cotangent, count)?;
-        for gradient in &gradients {
+        for gradient in &outputs.gradients {
             check("gradients", gradient, n)?;
         }
-        self.check_hessian(&hessian)?;
+        self.check_hessian(&outputs.hessian)?;
+        self.set_active(active, settings)?;
+        let weights = (cotangent, wrench_cotangent);
+        Ok(self.solve_hessian((q, qd, tau), weights, settings, outputs))
+    }
+
+    /// Computes the Hessian with the set of active contacts that was stored last. Lengths are not checked.
+    pub(crate) fn solve_hessian(
+        &mut self,
+        (q, qd, tau): (&[S], &[S], &[S]),
+        (cotangent, wrench_cotangent): (&[S], &[Wrench<S>]),
+        settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
+        outputs: ConstrainedHessianOutputs<'_, S>,
+    ) -> S {
+        let ConstrainedHessianOutputs { qdd, wrenches, gradients, hessian } = outputs;
+        let (n, count) = (self.model.nv(), self.model.constraints());
         let residuals = &mut vec![Twist::zero(); count];
         let value = (&mut *qdd, &mut *wrenches, &mut **residuals);
-        let rank = self.constrained_forward_dynamics((q, qd, tau), active, settings, value)?;
+        let rank = self.solve_constrained((q, qd, tau), settings, value);
 
         let mechanism = self.mechanism.map(Tangent::constant);
         let layout = UduLayout::new(&mechanism, &ModuleTree::links(&self.model));
@@ -111,6 +130,6 @@ impl<S: Scalar> Interpreter<S> {
             gradient.iter_mut().zip(found).for_each(|(entry, found)| *entry = found.x);
         }
         self.differentiate((q, qd, tau), derive, hessian);
-        Ok(rank)
+        rank
     }
 }

@@ -53,10 +53,7 @@ impl<S: Scalar> Interpreter<S> {
         check("wrenches", wrenches, self.model.constraints())?;
         check("residuals", residuals, self.model.constraints())?;
         self.set_active(active, settings)?;
-        let Constraints { mechanism, layout, active, rooms } = self.constraints();
-        let settings = (active, settings);
-        let solve = constraints::constrained_forward_dynamics;
-        Ok(solve(mechanism, layout, (q, qd, tau), settings, rooms, (qdd, wrenches, residuals)))
+        Ok(self.solve_constrained((q, qd, tau), settings, (qdd, wrenches, residuals)))
     }
 
     /// Computes the smallest step `dq` (rad or m, in tangent space) that closes the loops at `q` and moves the
@@ -84,13 +81,11 @@ impl<S: Scalar> Interpreter<S> {
         check("dq", dq, n)?;
         check("dqd", dqd, n)?;
         self.set_active(active, settings)?;
-        let Constraints { mechanism, layout, active, rooms } = self.constraints();
-        let project = constraints::project_constraints;
-        Ok(project(mechanism, layout, (q, qd), (active, settings), rooms, (dq, dqd)))
+        Ok(self.solve_projection((q, qd), settings, (dq, dqd)))
     }
 
     /// Stores the set of active contacts, and checks the number of targets.
-    fn set_active(
+    pub(super) fn set_active(
         &mut self,
         active: &[bool],
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
@@ -170,9 +165,7 @@ impl<S: Scalar> Interpreter<S> {
         check("after", after, n)?;
         check("impulses", impulses, self.model.constraints())?;
         self.set_active(active, settings)?;
-        let Constraints { mechanism, layout, active, rooms } = self.constraints();
-        let solve = constraints::contact_impulse;
-        Ok(solve(mechanism, layout, (q, qd), (active, settings), rooms, (after, impulses)))
+        Ok(self.solve_impulse((q, qd), settings, (after, impulses)))
     }
 
     /// Computes the joint forces `tau` (N m or N) of the accelerations `qdd`, and the wrenches of the active
@@ -201,9 +194,7 @@ impl<S: Scalar> Interpreter<S> {
         check("tau", tau, n)?;
         check("wrenches", wrenches, self.model.constraints())?;
         self.set_active(active, settings)?;
-        let Constraints { mechanism, active, rooms, .. } = self.constraints();
-        let solve = constraints::constrained_inverse_dynamics;
-        Ok(solve(mechanism, (q, qd, qdd), (active, settings), rooms, (tau, wrenches)))
+        Ok(self.solve_torques((q, qd, qdd), settings, (tau, wrenches)))
     }
 
     /// Computes the Jacobian of each constraint into `columns`: a column for each entry of qd, constraint by
@@ -269,9 +260,7 @@ impl<S: Scalar> Interpreter<S> {
         check("inverse", inverse, rows * rows)?;
         check("inertia", inertia, rows * rows)?;
         self.set_active(active, settings)?;
-        let Constraints { mechanism, layout, active, rooms } = self.constraints();
-        let solve = constraints::operational_inertia;
-        Ok(solve(mechanism, layout, q, (active, settings), rooms, (inverse, inertia)))
+        Ok(self.solve_inertia(q, settings, (inverse, inertia)))
     }
 
     /// Computes the accelerations and the wrenches of
@@ -305,8 +294,84 @@ impl<S: Scalar> Interpreter<S> {
         check("dwrenches_dqd", outputs.dwrenches_dqd, n * count)?;
         check("dwrenches_dtau", outputs.dwrenches_dtau, n * count)?;
         self.set_active(active, settings)?;
+        Ok(self.solve_derivatives((q, qd, tau), settings, outputs))
+    }
+}
+
+/// The functions of constraints with the set of active contacts that was stored last. Lengths are not checked.
+impl<S: Scalar> Interpreter<S> {
+    /// Stores the set of active contacts: for each contact 1 or 0.
+    pub(crate) fn activate(&mut self, active: &[S]) {
+        self.active.copy_from_slice(active);
+    }
+
+    pub(crate) fn solve_constrained(
+        &mut self,
+        state: (&[S], &[S], &[S]),
+        settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
+        results: (&mut [S], &mut [Wrench<S>], &mut [Twist<S>]),
+    ) -> S {
         let Constraints { mechanism, layout, active, rooms } = self.constraints();
-        let derive = constraints::constrained_forward_dynamics_derivatives;
-        Ok(derive(mechanism, layout, (q, qd, tau), (active, settings), rooms, outputs))
+        let settings = (active, settings);
+        constraints::constrained_forward_dynamics(
+            mechanism, layout, state, settings, rooms, results,
+        )
+    }
+
+    pub(crate) fn solve_projection(
+        &mut self,
+        state: (&[S], &[S]),
+        settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
+        steps: (&mut [S], &mut [S]),
+    ) -> S {
+        let Constraints { mechanism, layout, active, rooms } = self.constraints();
+        let settings = (active, settings);
+        constraints::project_constraints(mechanism, layout, state, settings, rooms, steps)
+    }
+
+    pub(crate) fn solve_impulse(
+        &mut self,
+        state: (&[S], &[S]),
+        settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
+        results: (&mut [S], &mut [Wrench<S>]),
+    ) -> S {
+        let Constraints { mechanism, layout, active, rooms } = self.constraints();
+        let settings = (active, settings);
+        constraints::contact_impulse(mechanism, layout, state, settings, rooms, results)
+    }
+
+    pub(crate) fn solve_torques(
+        &mut self,
+        motion: (&[S], &[S], &[S]),
+        settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
+        results: (&mut [S], &mut [Wrench<S>]),
+    ) -> S {
+        let Constraints { mechanism, active, rooms, .. } = self.constraints();
+        let settings = (active, settings);
+        constraints::constrained_inverse_dynamics(mechanism, motion, settings, rooms, results)
+    }
+
+    pub(crate) fn solve_inertia(
+        &mut self,
+        q: &[S],
+        settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
+        matrices: (&mut [S], &mut [S]),
+    ) -> S {
+        let Constraints { mechanism, layout, active, rooms } = self.constraints();
+        let settings = (active, settings);
+        constraints::operational_inertia(mechanism, layout, q, settings, rooms, matrices)
+    }
+
+    pub(crate) fn solve_derivatives(
+        &mut self,
+        state: (&[S], &[S], &[S]),
+        settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
+        outputs: ConstrainedDerivatives<'_, S>,
+    ) -> S {
+        let Constraints { mechanism, layout, active, rooms } = self.constraints();
+        let settings = (active, settings);
+        constraints::constrained_forward_dynamics_derivatives(
+            mechanism, layout, state, settings, rooms, outputs,
+        )
     }
 }

@@ -75,8 +75,9 @@ impl<S: Scalar> Interpreter<S> {
     }
 
     pub(super) fn check_forces(&self, forces: Option<Forces<'_, S>>) -> Result<(), ShapeError> {
-        forces
-            .map_or(Ok(()), |forces| check("forces", forces.wrenches(), self.model.frames().len()))
+        forces.map_or(Ok(()), |forces| {
+            check("forces", forces.wrenches(), self.mechanism.frames.len())
+        })
     }
 
     /// Computes the joint forces `tau` (N m or N) of the accelerations `qdd`, by the recursive Newton-Euler

@@ -31,7 +31,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If `q` does not have the model's length.
     pub fn brge(&self, q: &[S]) -> Result<UduFactorization<S>, ShapeError> {
         check("q", q, self.model.nq())?;
-        let layout = UduLayout::new(&self.mechanism, &self.modules);
+        let layout = self.layout.clone();
         let factors = vec![S::zero(); layout.size()];
         let workspace = Workspace::new(&self.mechanism);
         let modules = self.modules.clone();
@@ -40,6 +40,12 @@ impl<S: Scalar> Interpreter<S> {
         let mut brge = UduFactorization { modules, layout, factors, workspace, structure, nq, n };
         brge.factorize(self, q);
         Ok(brge)
+    }
+
+    /// Computes the packed factors of the mass matrix.
+    pub(crate) fn factorize(&mut self, q: &[S], factors: &mut [S]) {
+        let Self { mechanism, layout, workspace, .. } = self;
+        brge::factorize(mechanism, layout, q, workspace, factors);
     }
 }
 

@@ -12,7 +12,7 @@ use crate::spatial::{Pose, Twist};
 /// depth of the link, apart from zero columns.
 impl<S: Scalar> Interpreter<S> {
     fn check_frame(&self, frame: usize) -> Result<(), FrameError> {
-        let count = self.model.frames().len();
+        let count = self.mechanism.frames.len();
         if frame < count { Ok(()) } else { Err(FrameError::NoFrame { frame, count }) }
     }
 
@@ -315,7 +315,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn link_poses(&mut self, q: &[S], poses: &mut [Pose<S>]) -> Result<(), ShapeError> {
         check("q", q, self.model.nq())?;
-        check("poses", poses, self.model.frames().len())?;
+        check("poses", poses, self.mechanism.frames.len())?;
         let Self { mechanism, workspace, body_poses, .. } = self;
         kinematics::link_poses(mechanism, q, workspace, body_poses, poses);
         Ok(())

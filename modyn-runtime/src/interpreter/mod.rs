@@ -79,7 +79,10 @@ pub struct Interpreter<S = f64> {
     body_poses: Vec<Pose<S>>,
     /// Created when an inertia is first changed.
     inertias: Option<Inertias<S>>,
-    /// The layout with modules of one link, created when derivatives are first computed.
+    /// The layout of `modules`.
+    layout: UduLayout,
+    /// The layout for derivatives and constraints: with modules of one link unless chosen otherwise. Created when it is first
+    /// needed.
     links: Option<UduLayout>,
     /// Created when constrained dynamics is first computed.
     constraints: Option<ConstraintWorkspace<S>>,
@@ -134,6 +137,7 @@ impl<S: Scalar> Interpreter<S> {
         let mut workspace = Workspace::new(&mechanism);
         elimination.reserve(&mechanism, &mut workspace);
         let body_poses = vec![Pose::identity(); mechanism.bodies.len()];
+        let layout = UduLayout::new(&mechanism, &modules);
         let (inertias, links, constraints) = (None, None, None);
         let (steps, runge_kutta, midpoint) = (None, None, None);
         let active = vec![S::zero(); model.contacts().len()];
@@ -145,6 +149,7 @@ impl<S: Scalar> Interpreter<S> {
             workspace,
             body_poses,
             inertias,
+            layout,
             links,
             constraints,
             steps,
@@ -152,6 +157,27 @@ impl<S: Scalar> Interpreter<S> {
             midpoint,
             active,
         }
+    }
+
+    /// Returns the interpreter with this solver of forward dynamics, the layout of [`brge`](Self::brge), and the layout for
+    /// derivatives and constraints.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn with_solvers(
+        mut self,
+        elimination: Elimination,
+        layout: UduLayout,
+        for_derivatives: UduLayout,
+    ) -> Self {
+        self.elimination = elimination;
+        self.elimination.reserve(&self.mechanism, &mut self.workspace);
+        (self.layout, self.links) = (layout, Some(for_derivatives));
+        self
+    }
+
+    /// Returns the layout of the factors of the mass matrix.
+    pub(crate) fn layout(&self) -> &UduLayout {
+        &self.layout
     }
 
     /// Returns the interpreter with forward dynamics by these modules.

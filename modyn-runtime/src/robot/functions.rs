@@ -1,18 +1,19 @@
-//! The functions of the trait of robots, from the table of functions.
+//! The functions of the trait of robots, from the table of quantities.
 
 /// Declares the functions of the trait.
 macro_rules! declare_functions {
-    ($($group:ident { $(
-        $(#[$documentation:meta])*
-        $name:ident $(/ $with:ident)? ($($arguments:tt)*) -> $result:ty,
-            if $function:ident, else $message:literal;
-    )* })*) => {
-        $($(
+    ($(
+        $function:ident $name:ident $(/ $with:ident)? ($($argument:ident),* $(; $link:ident)?)
+        -> $result:ident $(as $named:literal)?, [$($flag:ident)*], $docs:literal, $message:literal
+        $(, batch $batch:ident $batch_message:literal)?
+        => |$robot:ident, [$($out:ident),*]| $body:expr;
+    )*) => {
+        $(
             declare_function! {
-                $(#[$documentation])*
-                $name $(/ $with)? ($($arguments)*) -> $result, if $function
+                $docs $function $name $(/ $with)?
+                ($($argument: argument_type!($argument),)* $($link: Self::Link,)?) -> result_type!($result)
             }
-        )*)*
+        )*
     };
 }
 
@@ -20,10 +21,10 @@ macro_rules! declare_functions {
 /// functions, one with run-time parameters and one with the default parameters.
 macro_rules! declare_function {
     (
-        $(#[$documentation:meta])*
-        $name:ident / $with:ident($($argument:ident: $of:ty),*) -> $result:ty, if $function:ident
+        $docs:literal $function:ident $name:ident / $with:ident
+        ($($argument:ident: $of:ty,)*) -> $result:ty
     ) => {
-        $(#[$documentation])*
+        #[doc = $docs]
         #[allow(clippy::too_many_arguments)]
         fn $with<T: Scalar>(params: &Self::Params<T>, $($argument: $of),*) -> $result
         where
@@ -42,10 +43,10 @@ macro_rules! declare_function {
         }
     };
     (
-        $(#[$documentation:meta])*
-        $name:ident($($argument:ident: $of:ty),*) -> $result:ty, if $function:ident
+        $docs:literal $function:ident $name:ident
+        ($($argument:ident: $of:ty,)*) -> $result:ty
     ) => {
-        $(#[$documentation])*
+        #[doc = $docs]
         fn $name<T: Scalar>($($argument: $of),*) -> $result
         where
             Self: crate::functions::$function,

@@ -5,12 +5,14 @@ mod array;
 mod embedded_model;
 mod factorization;
 mod functions;
+#[macro_use]
+mod types;
 
 use crate::Scalar;
 use crate::configuration::{self, ConfigurationError};
 use crate::constants::{JointLimits, KinematicModule};
 use crate::constraint_settings::{ConstraintSettings, ContactSet, ContactTarget};
-use crate::functions::robot_functions;
+use crate::quantities::table;
 use crate::results::{
     CentroidalMomentumDerivatives, ConstrainedForwardDynamics,
     ConstrainedForwardDynamicsDerivatives, ConstrainedForwardDynamicsHessian,
@@ -29,50 +31,6 @@ pub use {
     array::Array,
     factorization::{Factorization, NotGenerated},
 };
-
-/// The result of constrained forward dynamics for robot `R`, with accelerations as `V`.
-pub(crate) type Constrained<R, V, T> = ConstrainedForwardDynamics<
-    V,
-    <R as Robot>::PerConstraint<Wrench<T>>,
-    <R as Robot>::PerConstraint<Twist<T>>,
-    T,
->;
-
-/// The derivatives of constrained forward dynamics for robot `R`.
-pub(crate) type ConstrainedDerivatives<R, T> = ConstrainedForwardDynamicsDerivatives<
-    <R as Robot>::V<T>,
-    <R as Robot>::PerConstraint<Wrench<T>>,
-    <R as Robot>::M<T>,
-    <R as Robot>::PerConstraint<<R as Robot>::PerVelocity<Wrench<T>>>,
-    T,
->;
-
-/// The second derivatives of constrained forward dynamics for robot `R`.
-pub(crate) type ConstrainedHessian<R, T> = ConstrainedForwardDynamicsHessian<
-    <R as Robot>::V<T>,
-    <R as Robot>::PerConstraint<Wrench<T>>,
-    <R as Robot>::M<T>,
-    T,
->;
-
-/// The state of robot `R` after a step, and its derivatives.
-pub(crate) type LinearStep<R, T> = StepDerivatives<
-    <R as Robot>::Q<T>,
-    <R as Robot>::V<T>,
-    <R as Robot>::PerState<<R as Robot>::PerState<T>>,
-    <R as Robot>::PerVelocity<<R as Robot>::PerState<T>>,
->;
-
-/// The state of robot `R` after a step, and the derivatives of its product with a costate.
-pub(crate) type CurvedStep<R, T> = StepHessian<
-    <R as Robot>::Q<T>,
-    <R as Robot>::V<T>,
-    <R as Robot>::PerState<T>,
-    <R as Robot>::V<T>,
-    <R as Robot>::PerState<<R as Robot>::PerState<T>>,
-    <R as Robot>::PerVelocity<<R as Robot>::PerState<T>>,
-    <R as Robot>::M<T>,
->;
 
 /// The settings of the constraints of robot `R`.
 pub(crate) type Settings<R, T> = ConstraintSettings<T, <R as Robot>::PerContact<ContactTarget<T>>>;
@@ -165,7 +123,7 @@ pub trait Robot {
     /// The type of the factorization by modules.
     type UduFactorization<T: Scalar>: Factorization<T, V = Self::V<T>, M = Self::M<T>>;
 
-    robot_functions!(declare_functions);
+    table::quantities!(declare_functions);
 
     /// Checks that the quaternions of spherical and floating joints in `q` have length 1.
     ///

@@ -1,7 +1,7 @@
 //! The table of functions in `docs/functions.md`.
 
 use modyn_codegen::Function;
-use modyn_codegen::plan::CForm;
+use modyn_codegen::plan::{CForm, Lowering};
 
 use super::data::markdown;
 
@@ -19,7 +19,7 @@ pub(super) fn table() -> String {
             (default, _) => of(default),
         };
         let batch = Function::ALL.iter().any(|other| other.batched() == Some(*function));
-        let c = match row.c_form {
+        let c = match Lowering::of(*function).c_form {
             CForm::SourceAndExport => "yes",
             CForm::Source => "C99 alone",
             CForm::None => "",

@@ -140,7 +140,7 @@ fn documentation(row: &Row) -> Vec<String> {
     let mut arguments: Vec<String> = (row.arguments.iter())
         .map(|own| format!("`{}`: {}", python(own.name), argument(own.name, &own.shape(&SIZES))))
         .collect();
-    if row.is_by_link() {
+    if row.by_link {
         arguments.push("`link`: the name of a link, or its index in `link_names`".into());
     }
     let result = match result(row) {
@@ -202,7 +202,7 @@ pub(super) fn methods() -> String {
             given.push(value);
         }
         let mut link = "None";
-        if row.is_by_link() {
+        if row.by_link {
             signature += "link, ";
             types += "link: &Bound<'py, PyAny>, ";
             link = "Some(link)";
@@ -310,7 +310,7 @@ pub(super) fn method_stubs() -> String {
                 name => format!("{}: ArrayLike", python(name)),
             })
             .collect();
-        if row.is_by_link() {
+        if row.by_link {
             arguments.push("link: str | int".into());
         }
         let result = match result(&row) {

@@ -14,7 +14,7 @@ use modyn_codegen::diagnostics::Diagnostics;
 use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_codegen::{Function, ModuleChoice, condition_number};
 use modyn_runtime::model::Model;
-use modyn_runtime::{Interpreter, ShapeError};
+use modyn_runtime::{FrameError, Interpreter};
 use serde_json::{Value, json};
 
 use crate::command::choices::module_tree;
@@ -195,7 +195,8 @@ impl Arguments {
     }
 }
 
-fn shape(error: ShapeError) -> Failure {
+fn shape(error: impl Into<FrameError>) -> Failure {
+    let error = error.into();
     Failure::usage(format!("error: {error}"))
 }
 
@@ -205,22 +206,15 @@ fn interpret(
     quantity: &Quantity,
     states: &[State],
 ) -> Result<(Vec<Vec<f64>>, f64), Failure> {
-    let mut results = Vec::with_capacity(states.len());
-    for state in states {
-        let mut out = Vec::new();
-        (quantity.interpret)(interpreter, state, &mut out).map_err(shape)?;
-        results.push(out);
-    }
-    let (mut out, mut result) = (Vec::new(), Ok(()));
+    let results: Result<Vec<Vec<f64>>, _> =
+        states.iter().map(|state| quantity.interpret(interpreter, state)).collect();
+    let results = results.map_err(shape)?;
     let some = &states[..states.len().min(100)];
     let nanoseconds = timing::nanoseconds(some.len(), || {
         for state in some {
-            out.clear();
-            let done = (quantity.interpret)(interpreter, black_box(state), &mut out);
-            result = result.and(done);
+            let _ = black_box(quantity.interpret(interpreter, black_box(state)));
         }
     });
-    result.map_err(shape)?;
     Ok((results, nanoseconds))
 }
 

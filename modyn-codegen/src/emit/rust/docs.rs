@@ -121,7 +121,7 @@ fn example(lines: &mut String, robot: &Robot<'_>) {
     for function in shown {
         let mut arguments: Vec<String> =
             function.row().arguments.iter().map(|argument| format!("&{}", argument.name)).collect();
-        if function.row().is_by_link() {
+        if function.row().by_link {
             let variants = names::variants(&robot.link_names());
             let tip = robot.model.links().last().and_then(|l| robot.model.frame_index(&l.name));
             let link = tip.map_or("", |tip| variants[tip].as_str());

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::Robot;
-use crate::plan::Function;
+use crate::plan::{Function, signatures};
 
 impl Robot<'_> {
     /// Prints the traits of `modyn::functions` that the robot implements; and for each function that the robot does not
@@ -17,7 +17,7 @@ impl Robot<'_> {
         for &function in Function::ALL.iter().filter(|function| !generated.contains(function)) {
             let with_parameters =
                 function.depends_on_parameters() && !self.plan.parameters.is_empty();
-            for (called, arguments) in function.signatures() {
+            for (called, arguments) in signatures(function) {
                 missing(text, function, &called, arguments);
                 if with_parameters {
                     missing(text, function, &format!("{called}_with"), arguments + 1);

@@ -3,9 +3,8 @@
 use super::matrix::CasadiMatrix;
 use super::nonzeros::{matrix_blocks, second_derivatives, weighted, with_outputs};
 use crate::graph::Graph;
-use crate::plan::functions::{ArgumentKind, Function};
-use crate::plan::shape::{Elements, Record, Shape, Sizes};
 use crate::plan::tracing::Tracing;
+use crate::plan::{ArgumentKind, Elements, Function, Record, Shape, Sizes};
 use crate::trace::{EntryDerivatives, Tracer};
 
 /// The inputs and results that a function and its derivatives have in common.

@@ -4,25 +4,23 @@
 //! `adj1_f`, and the Jacobian of the latter `jac_adj1_f`, which has the second derivatives of a weighted sum of the results.
 
 mod family;
-mod functions;
 mod matrix;
 mod nonzeros;
 
 use modyn_runtime::model::{Model, ModuleTree};
+use modyn_runtime::quantities::Function;
 
 pub use matrix::CasadiMatrix;
 
 use super::choices::Choices;
-use super::functions::{Function, Trace};
 use super::packing;
 use super::strategy::{CodeForm, Strategy};
 use super::tracing::{TracedRobot, Tracing};
 use crate::names;
 use crate::passes::optimize;
 use crate::program::{Program, Target};
-use crate::trace::EntryDerivatives;
+use crate::trace::{EntryDerivatives, Tracer};
 use family::{Family, Member};
-use functions::FUNCTIONS;
 
 /// The largest number of operations of second derivatives. Longer code would take a C compiler minutes. The number depends
 /// on all zeros, so it is known from the graph alone; but no graph grows far beyond it.
@@ -61,24 +59,24 @@ impl CasadiPlan {
         let links: Vec<&str> = model.frames().iter().map(|frame| frame.name.as_str()).collect();
         let links = names::fields(&links, &[]);
         let mut plan = Self { functions: Vec::new(), without_hessian: Vec::new() };
-        for function in FUNCTIONS {
-            if !choices.functions.contains(function) {
-                continue;
-            }
+        let has_form = |f: &&Function| f.row().casadi && choices.functions.contains(f);
+        for function in Function::ALL.iter().filter(has_form) {
             let row = function.row();
             let own = Family::new(*function, &tracing);
             let name = format!("{prefix}_{}", function.name());
-            match row.trace {
-                Trace::ByLink(trace) => {
+            match row.by_link {
+                true => {
                     for (link, link_name) in links.iter().enumerate() {
-                        let graph = optimize(tracing.frames.of_link(link, trace));
+                        let evaluation =
+                            |tracer: &Tracer<'_>| tracing.evaluation(*function, tracer);
+                        let graph = optimize(tracing.frames.of_link(link, evaluation));
                         let name = format!("{name}_{link_name}");
                         let derivatives = own.differentiated(tracer, &graph, MAX_OPERATIONS);
                         plan.add(&name, row.docs, &own, derivatives);
                     }
                 }
-                Trace::One(trace) => {
-                    let graph = || packing::on_scalars(*function, &tracing, trace);
+                false => {
+                    let graph = || packing::on_scalars(*function, &tracing);
                     let derivatives = match function {
                         Function::ForwardDynamics => tracer.forward_dynamics_by_entries(
                             &graph(),
@@ -92,7 +90,6 @@ impl CasadiPlan {
                     };
                     plan.add(&name, row.docs, &own, derivatives);
                 }
-                Trace::Poses => unreachable!("the poses of all links have no form for CasADi"),
             }
         }
         plan

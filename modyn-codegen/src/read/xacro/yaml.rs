@@ -165,7 +165,8 @@ impl Reader<'_> {
             if let (Value::Text(merge), Value::Dict(others)) = (&key, &value)
                 && &**merge == "<<"
             {
-                let is_new = |(own, _): &&(Value, Value)| !entries.iter().any(|(key, _)| key.equals(own));
+                let is_new =
+                    |(own, _): &&(Value, Value)| !entries.iter().any(|(key, _)| key.equals(own));
                 let others: Vec<_> = others.iter().filter(is_new).cloned().collect();
                 entries.extend(others);
                 continue;

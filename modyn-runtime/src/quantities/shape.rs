@@ -1,6 +1,8 @@
 //! The layout of arguments and results: a sequence of scalars and its grouping, independent of any language.
 
-use modyn_runtime::model::Model;
+use alloc::{boxed::Box, format, string::String, vec, vec::Vec};
+
+use crate::model::Model;
 
 /// A layout of scalars.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -199,7 +201,8 @@ pub struct Sizes {
 
 impl Sizes {
     /// Returns the sizes of a model whose mass matrix has this number of factors.
-    pub(crate) fn new(model: &Model, factors: usize) -> Self {
+    #[must_use]
+    pub fn new(model: &Model, factors: usize) -> Self {
         Self {
             nq: model.nq(),
             nv: model.nv(),
@@ -213,35 +216,40 @@ impl Sizes {
     }
 }
 
-/// The layouts in the table of functions.
-#[rustfmt::skip]
-pub(super) mod shapes {
-    use modyn_runtime::model::PARAMETERS_PER_LINK;
+/// The layouts in the table of functions, by name.
+#[allow(missing_docs)]
+#[doc(hidden)]
+pub mod shapes {
+    use alloc::{vec, vec::Vec};
 
     use super::{Record, Shape, Sizes};
+    use crate::model::PARAMETERS_PER_LINK;
+    use crate::quantities::layouts;
 
-    pub fn scalar(_: &Sizes) -> Shape { Shape::Scalar }
-    pub fn coordinates(s: &Sizes) -> Shape { Shape::vector(s.nq) }
-    pub fn velocities(s: &Sizes) -> Shape { Shape::vector(s.nv) }
-    pub fn state(s: &Sizes) -> Shape { Shape::vector(2 * s.nv) }
-    pub fn square(s: &Sizes) -> Shape { Shape::matrix(s.nv, s.nv) }
-    pub fn regressor(s: &Sizes) -> Shape { Shape::matrix(PARAMETERS_PER_LINK * s.moving, s.nv) }
-    pub fn point(_: &Sizes) -> Shape { Shape::vector(3) }
-    pub fn vectors3(s: &Sizes) -> Shape { Shape::vector3().columns(s.nv) }
-    pub fn pose(_: &Sizes) -> Shape { Shape::pose() }
-    pub fn poses(s: &Sizes) -> Shape { Shape::pose().array(s.links) }
-    pub fn twist(_: &Sizes) -> Shape { Shape::twist() }
-    pub fn twists(s: &Sizes) -> Shape { Shape::twist().columns(s.nv) }
-    pub fn momentum(_: &Sizes) -> Shape { Shape::momentum() }
-    pub fn momenta(s: &Sizes) -> Shape { Shape::momentum().columns(s.nv) }
-    pub fn wrenches(s: &Sizes) -> Shape { Shape::wrench().array(s.links) }
-
-    fn named_fields(name: &'static str, fields: Vec<(&'static str, Shape)>) -> Shape {
-        Shape::Record(Record::Several(name), fields)
+    /// Defines a function for each layout.
+    macro_rules! declare_layouts {
+        ($($name:ident ($($type:tt)*) |$sizes:pat_param| $layout:expr;)*) => {
+            $(
+                #[must_use]
+                pub fn $name($sizes: &Sizes) -> Shape {
+                    $layout
+                }
+            )*
+        };
     }
 
-    pub fn factors(s: &Sizes) -> Shape {
-        Shape::Record(Record::Factorization, vec![("factors", Shape::vector(s.factors))])
+    layouts::layouts!(declare_layouts);
+
+    pub fn state(s: &Sizes) -> Shape {
+        Shape::vector(2 * s.nv)
+    }
+
+    pub fn wrenches(s: &Sizes) -> Shape {
+        Shape::wrench().array(s.links)
+    }
+
+    pub fn constraint_wrenches(s: &Sizes) -> Shape {
+        Shape::wrench().array(s.constraints)
     }
 
     pub fn contacts(s: &Sizes) -> Shape {
@@ -262,151 +270,35 @@ pub(super) mod shapes {
         named_fields("ConstraintSettings", fields)
     }
 
-    pub fn inverse_derivatives(s: &Sizes) -> Shape {
-        named_fields("InverseDynamicsDerivatives", vec![("dq", square(s)), ("dqd", square(s))])
+    fn named_fields(name: &'static str, fields: Vec<(&'static str, Shape)>) -> Shape {
+        Shape::Record(Record::Several(name), fields)
     }
 
-    pub fn forward_derivatives(s: &Sizes) -> Shape {
-        let matrices = ["dq", "dqd", "dtau"].map(|name| (name, square(s)));
-        named_fields("ForwardDynamicsDerivatives", [vec![("qdd", velocities(s))], matrices.into()].concat())
-    }
-
-    pub fn generalized_forces(s: &Sizes) -> Shape {
-        named_fields("GeneralizedForces", vec![("tau", velocities(s)), ("dq", square(s))])
-    }
-
-    pub fn centroidal_derivatives(s: &Sizes) -> Shape {
-        let fields = vec![
-            ("momentum", momentum(s)),
-            ("rate", momentum(s)),
-            ("momentum_dq", momenta(s)),
-            ("rate_dq", momenta(s)),
-            ("rate_dqd", momenta(s)),
-        ];
-        named_fields("CentroidalMomentumDerivatives", fields)
-    }
-
-    pub fn integrate_derivatives(s: &Sizes) -> Shape {
-        named_fields("IntegrateDerivatives", vec![("dq", square(s)), ("dv", square(s))])
-    }
-
-    pub fn difference_derivatives(s: &Sizes) -> Shape {
-        named_fields("DifferenceDerivatives", vec![("dfrom", square(s)), ("dto", square(s))])
-    }
-
+    /// Returns the layout of joint vectors.
     fn vectors(name: &'static str, fields: &[&'static str], s: &Sizes) -> Shape {
         named_fields(name, fields.iter().map(|&field| (field, velocities(s))).collect())
     }
 
-    pub fn inverse_vjp(s: &Sizes) -> Shape { vectors("InverseDynamicsVjp", &["tau", "dq", "dqd", "dqdd"], s) }
-    pub fn inverse_jvp(s: &Sizes) -> Shape { vectors("InverseDynamicsJvp", &["tau", "dtau"], s) }
-    pub fn forward_vjp(s: &Sizes) -> Shape { vectors("ForwardDynamicsVjp", &["qdd", "dq", "dqd", "dtau"], s) }
-    pub fn forward_jvp(s: &Sizes) -> Shape { vectors("ForwardDynamicsJvp", &["qdd", "dqdd"], s) }
-
-    fn hessian(name: &'static str, vectors: &[&'static str], matrices: &[&'static str], s: &Sizes) -> Shape {
+    /// Returns the layout of joint vectors, then square matrices.
+    fn hessian(
+        name: &'static str,
+        vectors: &[&'static str],
+        matrices: &[&'static str],
+        s: &Sizes,
+    ) -> Shape {
         let vectors = vectors.iter().map(|&field| (field, velocities(s)));
-        named_fields(name, vectors.chain(matrices.iter().map(|&field| (field, square(s)))).collect())
-    }
-
-    pub fn inverse_hessian(s: &Sizes) -> Shape {
-        let matrices = ["dq_dq", "dq_dqd", "dqd_dqd", "dq_dqdd"];
-        hessian("InverseDynamicsHessian", &["tau", "dq", "dqd", "dqdd"], &matrices, s)
-    }
-
-    pub fn forward_hessian(s: &Sizes) -> Shape {
-        let matrices = ["dq_dq", "dq_dqd", "dqd_dqd", "dq_dtau"];
-        hessian("ForwardDynamicsHessian", &["qdd", "dq", "dqd", "dtau"], &matrices, s)
-    }
-
-    pub fn step(s: &Sizes) -> Shape {
-        Shape::Record(Record::Each("Step"), vec![("q", coordinates(s)), ("qd", velocities(s))])
-    }
-
-    pub fn step_derivatives(s: &Sizes) -> Shape {
-        let matrices = [("a", Shape::matrix(2 * s.nv, 2 * s.nv)), ("b", Shape::matrix(s.nv, 2 * s.nv))];
-        let state = [("q", coordinates(s)), ("qd", velocities(s))];
-        Shape::Record(Record::Each("StepDerivatives"), [state, matrices].concat())
-    }
-
-    pub fn step_hessian(s: &Sizes) -> Shape {
-        let fields = vec![
-            ("q", coordinates(s)),
-            ("qd", velocities(s)),
-            ("dx", state(s)),
-            ("dtau", velocities(s)),
-            ("dx_dx", Shape::matrix(2 * s.nv, 2 * s.nv)),
-            ("dx_dtau", Shape::matrix(s.nv, 2 * s.nv)),
-            ("dtau_dtau", square(s)),
-        ];
-        Shape::Record(Record::Each("StepHessian"), fields)
-    }
-
-    pub fn constrained(s: &Sizes) -> Shape {
-        let wrenches = Shape::wrench().array(s.constraints);
-        let residuals = Shape::twist().array(s.constraints);
-        let fields = vec![
-            ("qdd", velocities(s)),
-            ("wrenches", wrenches),
-            ("residuals", residuals),
-            ("rank", Shape::Scalar),
-        ];
-        named_fields("ConstrainedForwardDynamics", fields)
-    }
-
-    pub fn constraint_residual(s: &Sizes) -> Shape {
-        let twists = || Shape::twist().array(s.constraints);
-        named_fields("ConstraintResidual", vec![("displacements", twists()), ("velocities", twists())])
-    }
-
-    pub fn constrained_derivatives(s: &Sizes) -> Shape {
-        let matrices = ["dq", "dqd", "dtau"].map(|name| (name, square(s)));
-        let changes = || Shape::wrench().columns(s.nv).array(s.constraints);
-        let changes = ["wrenches_dq", "wrenches_dqd", "wrenches_dtau"].map(|name| (name, changes()));
-        let first = [("qdd", velocities(s)), ("wrenches", Shape::wrench().array(s.constraints))];
-        let fields = [&first[..], &matrices, &changes, &[("rank", Shape::Scalar)]].concat();
-        named_fields("ConstrainedForwardDynamicsDerivatives", fields)
-    }
-
-    pub fn constraint_wrenches(s: &Sizes) -> Shape { Shape::wrench().array(s.constraints) }
-
-    pub fn constrained_hessian(s: &Sizes) -> Shape {
-        let first = [("qdd", velocities(s)), ("wrenches", constraint_wrenches(s))];
-        let vectors = ["dq", "dqd", "dtau"].map(|name| (name, velocities(s)));
-        let matrices = ["dq_dq", "dq_dqd", "dqd_dqd", "dq_dtau"].map(|name| (name, square(s)));
-        let fields = [&first[..], &vectors, &matrices, &[("rank", Shape::Scalar)]].concat();
-        named_fields("ConstrainedForwardDynamicsHessian", fields)
-    }
-
-    pub fn contact_impulse(s: &Sizes) -> Shape {
-        let impulses = Shape::wrench().array(s.constraints);
-        let fields = vec![("qd", velocities(s)), ("impulses", impulses), ("rank", Shape::Scalar)];
-        named_fields("ContactImpulse", fields)
-    }
-
-    pub fn constrained_torques(s: &Sizes) -> Shape {
-        let wrenches = Shape::wrench().array(s.constraints);
-        let fields = vec![("tau", velocities(s)), ("wrenches", wrenches), ("rank", Shape::Scalar)];
-        named_fields("ConstrainedInverseDynamics", fields)
-    }
-
-    pub fn constraint_jacobian(s: &Sizes) -> Shape { twists(s).array(s.constraints) }
-    pub fn constraint_twists(s: &Sizes) -> Shape { Shape::twist().array(s.constraints) }
-
-    pub fn operational_inertia(s: &Sizes) -> Shape {
-        let matrix = || Shape::matrix(s.constraint_rows, s.constraint_rows);
-        let fields = vec![("inverse", matrix()), ("inertia", matrix()), ("rank", Shape::Scalar)];
-        named_fields("OperationalInertia", fields)
-    }
-
-    pub fn constraint_projection(s: &Sizes) -> Shape {
-        let fields = vec![("dq", velocities(s)), ("dqd", velocities(s)), ("rank", Shape::Scalar)];
-        named_fields("ConstraintProjection", fields)
+        named_fields(
+            name,
+            vectors.chain(matrices.iter().map(|&field| (field, square(s)))).collect(),
+        )
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use modyn_runtime::{ConstraintSettings, ContactTarget};
+    use alloc::vec;
+
+    use crate::{ConstraintSettings, ContactTarget};
 
     use super::{Shape, Sizes, shapes};
 

@@ -1,6 +1,7 @@
 //! The arguments of functions: their names, kinds and order.
 
-use crate::plan::shape::{Shape, Sizes, shapes};
+use super::shape::{Shape, Sizes, shapes};
+use super::table;
 
 /// An argument of a function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,10 +76,6 @@ impl ArgumentKind {
 }
 
 impl Argument {
-    const fn new(name: &'static str, kind: ArgumentKind) -> Self {
-        Self { name, kind }
-    }
-
     /// Returns the layout.
     #[must_use]
     pub fn shape(&self, sizes: &Sizes) -> Shape {
@@ -97,52 +94,35 @@ impl Argument {
     }
 }
 
-pub(super) const Q: Argument = Argument::new("q", ArgumentKind::Coordinates);
-pub(super) const QD: Argument = Argument::new("qd", ArgumentKind::Velocities);
-pub(super) const QDD: Argument = Argument::new("qdd", ArgumentKind::Velocities);
-pub(super) const TAU: Argument = Argument::new("tau", ArgumentKind::Velocities);
-pub(super) const DQ: Argument = Argument::new("dq", ArgumentKind::Velocities);
-pub(super) const DQD: Argument = Argument::new("dqd", ArgumentKind::Velocities);
-pub(super) const DQDD: Argument = Argument::new("dqdd", ArgumentKind::Velocities);
-pub(super) const DTAU: Argument = Argument::new("dtau", ArgumentKind::Velocities);
-pub(super) const COTANGENT: Argument = Argument::new("cotangent", ArgumentKind::Velocities);
-pub(super) const WRENCH_COTANGENT: Argument =
-    Argument::new("wrench_cotangent", ArgumentKind::ConstraintWrenches);
-pub(super) const DT: Argument = Argument::new("dt", ArgumentKind::Time);
-pub(super) const COSTATE: Argument = Argument::new("costate", ArgumentKind::State);
-pub(super) const V: Argument = Argument::new("v", ArgumentKind::Velocities);
-pub(super) const FROM: Argument = Argument::new("from", ArgumentKind::Coordinates);
-pub(super) const TO: Argument = Argument::new("to", ArgumentKind::Coordinates);
-pub(super) const FORCES: Argument = Argument::new("forces", ArgumentKind::Wrenches);
-pub(super) const SETTINGS: Argument = Argument::new("settings", ArgumentKind::Settings);
-pub(super) const CONTACTS: Argument = Argument::new("contacts", ArgumentKind::Contacts);
-pub(super) const UNIFORMS: Argument = Argument::new("uniforms", ArgumentKind::RandomNumbers);
+/// Declares the arguments of the table in the order that they have in every function.
+macro_rules! declare_arguments {
+    ($($name:ident $kind:ident,)*) => {
+        /// The arguments of functions of the table, in the order that they have in every function.
+        pub const ARGUMENTS: &[Argument] =
+            &[$(Argument { name: stringify!($name), kind: ArgumentKind::$kind }),*];
+    };
+}
 
-/// The arguments of functions of the table, in the order that they have in every function.
-pub(crate) const ARGUMENTS: &[Argument] = &[
-    Q,
-    QD,
-    QDD,
-    TAU,
-    DQ,
-    DQD,
-    DQDD,
-    DTAU,
-    COTANGENT,
-    WRENCH_COTANGENT,
-    DT,
-    COSTATE,
-    V,
-    FROM,
-    TO,
-    FORCES,
-    CONTACTS,
-    SETTINGS,
-    UNIFORMS,
-];
+table::arguments!(declare_arguments);
 
-/// The factors of the mass matrix, an argument of the functions of the factors.
-pub(in crate::plan) const FACTORS: Argument = Argument::new("factors", ArgumentKind::Factors);
+/// Returns the argument of this name.
+pub(super) const fn argument(name: &str) -> Argument {
+    let mut i = 0;
+    while i < ARGUMENTS.len() {
+        if same(ARGUMENTS[i].name, name) {
+            return ARGUMENTS[i];
+        }
+        i += 1;
+    }
+    panic!("the table of arguments has no argument of this name")
+}
 
-/// The right-hand side of a linear equation, an argument of the functions of the factors.
-pub(in crate::plan) const RHS: Argument = Argument::new("rhs", ArgumentKind::Velocities);
+/// Returns whether two names are equal.
+pub(super) const fn same(a: &str, b: &str) -> bool {
+    let (a, b) = (a.as_bytes(), b.as_bytes());
+    let mut i = 0;
+    while i < a.len() && i < b.len() && a[i] == b[i] {
+        i += 1;
+    }
+    i == a.len() && i == b.len()
+}
