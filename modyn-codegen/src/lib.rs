@@ -43,4 +43,4 @@ pub use options::{Bundle, ModuleChoice};
 pub use plan::{CodeForm, Function};
 #[cfg(feature = "mjcf")]
 pub use read::read_mjcf;
-pub use read::{Format, Reading, read, read_urdf};
+pub use read::{Format, Reading, expand_xacro, read, read_urdf};

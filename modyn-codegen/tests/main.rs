@@ -30,3 +30,4 @@ mod single_precision;
 mod singular;
 mod type_page;
 mod user_functions;
+mod xacro;

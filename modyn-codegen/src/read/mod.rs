@@ -192,6 +192,27 @@ pub fn read(text: &str, file: &str, options: &ReadOptions) -> Result<Reading, Di
     Format::of(text, file).read(text, file, options)
 }
 
+/// Returns the URDF of a xacro, and the warnings. Diagnostics name the file `file`; the files that it includes are read if
+/// the options have its [`folder`](ReadOptions::folder).
+///
+/// # Errors
+///
+/// Returns the error of the xacro, with its place and the macro calls that led there.
+pub fn expand_xacro(
+    text: &str,
+    file: &str,
+    options: &ReadOptions,
+) -> Result<(String, Vec<Diagnostic>), Diagnostics> {
+    let mut report = Report::new(text, file);
+    let expanded = xml::document::within_limits(text, 0, &mut report)
+        .and_then(|text| xacro::expand(&text, options, &mut report));
+    let found = Diagnostics::new(report.finish());
+    match expanded {
+        Some(expanded) if !found.has_errors() => Ok((expanded, found.into_vec())),
+        _ => Err(found),
+    }
+}
+
 /// Reads a URDF. Diagnostics name the file `file`.
 ///
 /// # Errors
@@ -237,6 +258,10 @@ mod tests {
             ("", "robot.MJCF", Format::Mjcf),
             ("", "robot.xml", Format::Urdf),
             ("<sdf/>", "-", Format::Urdf),
+            ("<robot name='r'/>", "robot.urdf.xacro", Format::Xacro),
+            ("<robot name='r'><xacro:m/></robot>", "robot.urdf", Format::Xacro),
+            ("<robot xmlns:xacro='x' name='${r}'/>", "robot.urdf", Format::Urdf),
+            ("", "robot.xacro", Format::Xacro),
         ] {
             assert_eq!(Format::of(text, file), format, "{text} {file}");
         }

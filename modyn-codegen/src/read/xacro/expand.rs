@@ -469,7 +469,10 @@ impl<'e, 'r> Expander<'e, 'r> {
             return None;
         }
         let absolute = self.absolute(path);
-        read_named(&absolute, &path.display().to_string(), place.at, self.report)
+        // Relative as the name of the description is.
+        let shown = self.report.file_name(0).map(Path::new).and_then(Path::parent);
+        let shown = shown.unwrap_or(Path::new("")).join(path).display().to_string();
+        read_named(&absolute, &shown, place.at, self.report)
     }
 
     /// Returns the text of a file for an expression.

@@ -433,7 +433,6 @@ const TEXT_METHODS: &[&str] = &[
     "join",
     "find",
     "count",
-    "format",
     "title",
     "capitalize",
     "isdigit",
@@ -542,37 +541,9 @@ fn text_method(text: &Rc<str>, name: &str, arguments: &[Value]) -> Option<Called
             let parts: Vec<Rc<str>> = all.iter().map(Value::display).collect();
             Value::text(parts.join(text))
         }
-        ("format", _) => return Some(format(text, arguments)),
         _ => return None,
     };
     Some(Ok(found))
-}
-
-/// Returns a text with `{}` and `{0}` replaced, of which formats such as `{:.3f}` are those of numbers.
-fn format(text: &str, arguments: &[Value]) -> Called {
-    let (mut out, mut rest, mut next) = (String::new(), text, 0);
-    while let Some(at) = rest.find(['{', '}']) {
-        out += &rest[..at];
-        let brace = &rest[at..at + 1];
-        if rest[at + 1..].starts_with(brace) {
-            out += brace;
-            rest = &rest[at + 2..];
-            continue;
-        }
-        let field = rest[at..].strip_prefix('{').and_then(|field| field.split_once('}'));
-        let Some((field, after)) = field else { return Err("a brace is not closed".into()) };
-        let (index, spec) = field.split_once(':').unwrap_or((field, ""));
-        let index = if index.is_empty() {
-            next += 1;
-            next - 1
-        } else {
-            index.parse().map_err(|_| format!("`{{{field}}}` is not supported"))?
-        };
-        let value = arguments.get(index).ok_or("`format` has too few arguments")?;
-        out += &formatted(value, spec)?;
-        rest = after;
-    }
-    Ok(Value::text(out + rest))
 }
 
 /// Returns a value in a format such as `.3f`, `d` or `03d`.

@@ -58,14 +58,6 @@ impl Element {
     pub fn xacro_name(&self) -> Option<&str> {
         self.name.strip_prefix("xacro:")
     }
-
-    /// Returns the child elements.
-    pub fn elements(&self) -> impl Iterator<Item = &Rc<Self>> {
-        self.children.iter().filter_map(|child| match child {
-            Node::Element(element) => Some(element),
-            Node::Text(..) => None,
-        })
-    }
 }
 
 /// Returns the outermost element of a document, whose text starts at offset `start` of the report.

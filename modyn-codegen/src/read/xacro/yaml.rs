@@ -290,6 +290,7 @@ fn plain(text: &str) -> Value {
         }
         // A number has a point, and its exponent a sign.
         let is_float = unsigned.contains('.')
+            && (text == unsigned || !unsigned.starts_with('.'))
             && unsigned.split_once(['e', 'E']).is_none_or(|(_, e)| e.starts_with(['+', '-']))
             && unsigned.bytes().all(|b| b.is_ascii_digit() || b"._eE+-".contains(&b));
         if is_float && let Ok(value) = digits.parse() {
@@ -335,14 +336,16 @@ fn open_brackets(text: &str) -> i32 {
     if !text.starts_with(['[', '{']) {
         return 0;
     }
+    let mut escaped = false;
     for c in text.chars() {
         match (quote, c) {
             (None, '[' | '{') => open += 1,
             (None, ']' | '}') => open -= 1,
             (None, '"' | '\'') => quote = Some(c),
-            (Some(open), c) if open == c => quote = None,
+            (Some(open), c) if open == c && !escaped => quote = None,
             _ => {}
         }
+        escaped = c == '\\' && quote == Some('"') && !escaped;
     }
     open
 }
@@ -449,8 +452,8 @@ mod tests {
             "{'a': 1, 'b': [1.5, 'x', {'y': 2, 'z': 'q'}], 'c': {'d': True, 'e': [8, [1, 2], {'f': 1, 'g': None}]}}"
         );
         assert_eq!(
-            shown("x: 1e3\ny: 1.0e+3\nz: -.5\nw: 1:2\nv: 0x1F"),
-            "{'x': '1e3', 'y': 1000.0, 'z': -0.5, 'w': '1:2', 'v': 31}"
+            shown("x: 1e3\ny: 1.0e+3\nz: .5\nw: 1:2\nv: 0x1F"),
+            "{'x': '1e3', 'y': 1000.0, 'z': 0.5, 'w': '1:2', 'v': 31}"
         );
         assert_eq!(shown("a: \"b # c\"\n'd e': [1,\n  2]"), "{'a': 'b # c', 'd e': [1, 2]}");
         assert_eq!(

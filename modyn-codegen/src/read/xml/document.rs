@@ -95,7 +95,9 @@ pub fn parse<'t>(
             (Code::Dtd, message.into(), "remove `<!DOCTYPE ...>` and write entities out".into())
         }
         Error::UnknownNamespace(prefix, _) if prefix == "xacro" => {
-            (Code::Xacro, "this is a xacro file, not a URDF".into(), XACRO_HELP.into())
+            let message = "the namespace prefix `xacro` is not declared";
+            let help = "write `<robot xmlns:xacro=\"http://www.ros.org/wiki/xacro\" ...>`";
+            (Code::Xacro, message.into(), help.into())
         }
         Error::UnknownNamespace(prefix, _) => {
             let message = format!("the namespace prefix `{prefix}` is not declared");
@@ -124,10 +126,6 @@ pub fn parse<'t>(
     report.push(diagnostic);
     None
 }
-
-/// The advice for xacro files, some of which do not declare the namespace of xacro.
-pub const XACRO_HELP: &str =
-    "expand it first: `xacro robot.urdf.xacro -o robot.urdf` (ROS 2: `ros2 run xacro xacro ...`)";
 
 /// Returns the name of the first element, without parsing the text; `None` if there is no element.
 pub fn first_element(text: &str) -> Option<&str> {
