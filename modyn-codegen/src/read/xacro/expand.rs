@@ -19,11 +19,13 @@ use crate::read::{packages, xml};
 /// The largest depth of macro calls and includes.
 const MAX_CALLS: usize = 60;
 /// The largest depth of elements in each other, through all macros.
-const MAX_DEPTH: usize = 300;
+const MAX_DEPTH: usize = 150;
 /// The largest number of included files.
 const MAX_FILES: usize = 1000;
 /// The largest amount of work: elements, attributes, operations, and characters in hundreds.
-const MAX_WORK: usize = 4_000_000;
+const MAX_WORK: usize = 1_000_000;
+/// The largest number of properties that are evaluated for each other.
+const MAX_PROPERTIES: usize = 100;
 
 /// The reason why an expansion ended; it is in the report.
 pub struct Refused;
@@ -71,6 +73,8 @@ pub struct Expander<'e, 'r> {
     included: usize,
     open_calls: usize,
     depth: usize,
+    /// The number of properties that are being evaluated.
+    open_properties: usize,
     work: Cell<usize>,
 }
 
@@ -98,6 +102,7 @@ impl<'e, 'r> Expander<'e, 'r> {
             included: 0,
             open_calls: 0,
             depth: 0,
+            open_properties: 0,
             work: Cell::new(0),
         }
     }
@@ -677,11 +682,25 @@ impl<'e, 'r> Expander<'e, 'r> {
             }
             None => return Ok(None),
         };
+        self.open_properties += 1;
+        if self.open_properties > MAX_PROPERTIES {
+            let reason = format!("more than {MAX_PROPERTIES} properties need each other");
+            return Err(Fault::with_help(
+                reason,
+                "evaluate some where they are defined: `lazy_eval=\"false\"`",
+            ));
+        }
         self.scopes.set(holder, name.into(), Property::Open);
-        let value = self.text(&text, holder).map_err(|fault| Fault {
-            reason: format!("in the property `{name}`: {}", fault.reason),
-            ..fault
+        let value = self.text(&text, holder).map_err(|fault| match fault {
+            // The innermost property is that of the fault.
+            Fault { reason, .. } if reason.starts_with("in the property") => {
+                Fault { reason, ..fault }
+            }
+            Fault { reason, .. } => {
+                Fault { reason: format!("in the property `{name}`: {reason}"), ..fault }
+            }
         })?;
+        self.open_properties -= 1;
         let value = match value {
             Value::Text(text) => literal(&text),
             other => other,

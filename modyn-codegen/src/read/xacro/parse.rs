@@ -151,8 +151,9 @@ fn number(text: &str) -> Result<(Token, usize), String> {
             end = digits(start);
         }
     }
-    if text[end..].starts_with(|c: char| c.is_alphanumeric() || c == '_') {
-        return Err(format!("`{}` is not a number", &text[..end + 1]));
+    let letter = text[end..].chars().next().filter(|c| c.is_alphanumeric() || *c == '_');
+    if let Some(letter) = letter {
+        return Err(format!("`{}{letter}` is not a number", &text[..end]));
     }
     let plain = text[..end].replace('_', "");
     let token = if is_float {
@@ -516,5 +517,28 @@ impl Parser {
             }
         }
         Ok(Expression::Dict(entries))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrong_expressions_are_refused() {
+        for (text, reason) in [
+            ("1000\u{e9}.0", "`1000\u{e9}` is not a number"),
+            ("a b", "unexpected `b`"),
+            ("(1", "expected `)`, found the end"),
+            ("'a", "a text is not closed by '"),
+            ("a $ b", "unexpected `$`"),
+            ("f'a'", "texts with a prefix are not supported"),
+            ("99999999999999999999", "the integer `99999999999999999999` is too large"),
+            ("1 if 2", "expected `else`, found the end"),
+            ("[1, 2", "expected `]`, found the end"),
+            ("", "the expression is not complete"),
+        ] {
+            assert_eq!(parse(text).err().as_deref(), Some(reason), "{text}");
+        }
     }
 }
