@@ -517,6 +517,16 @@ impl Robot {
         self.call(py, 43, &[Some(q)], None, out)
     }
 
+    /// Returns the centroidal composite inertia. Its product with a twist is the momentum about the centre
+    /// of mass, in world axes, of all moving links as one rigid body with this twist at the centre of mass.
+    ///
+    /// Arguments: `q`: (nq,).
+    /// Result: (6, 6), angular before linear components. Several states have one more axis, the first.
+    #[pyo3(signature = (q, *, out=None))]
+    fn centroidal_composite_inertia<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.call(py, 44, &[Some(q)], None, out)
+    }
+
     /// Returns the momentum of the moving links about their centre of mass, in world axes. Rotors have
     /// energy, but no momentum: their axes are not described.
     ///
@@ -524,7 +534,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, *, out=None))]
     fn centroidal_momentum<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 44, &[Some(q), Some(qd)], None, out)
+        self.call(py, 45, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the time derivative of the centroidal momentum in world axes: the moment (N m) and the force
@@ -535,7 +545,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, *, out=None))]
     fn centroidal_momentum_rate<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 45, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 46, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the momentum of the moving links about their centre of mass, its time derivative at `qdd`
@@ -549,7 +559,7 @@ impl Robot {
     /// more axis, the first.
     #[pyo3(signature = (q, qd, qdd, *, out=None))]
     fn centroidal_momentum_derivatives<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 46, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 47, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the poses in the world of all links of the description, fixed links included, in the order
@@ -560,7 +570,7 @@ impl Robot {
     /// axis, the first.
     #[pyo3(signature = (q, *, out=None))]
     fn link_poses<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 47, &[Some(q)], None, out)
+        self.call(py, 48, &[Some(q)], None, out)
     }
 
     /// Returns the pose of a link in the world. Computes the link's kinematic path only.
@@ -569,7 +579,7 @@ impl Robot {
     /// Result: `Pose`: `rotation` (3, 3), `translation` (3,). Several states have one more axis, the first.
     #[pyo3(signature = (q, link, *, out=None))]
     fn link_pose<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 48, &[Some(q)], Some(link), out)
+        self.call(py, 49, &[Some(q)], Some(link), out)
     }
 
     /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in world axes.
@@ -579,7 +589,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn link_velocity<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 49, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 50, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in the link's own
@@ -589,7 +599,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn local_link_velocity<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 50, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 51, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
@@ -600,7 +610,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, link, *, out=None))]
     fn link_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 51, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
+        self.call(py, 52, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
     }
 
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
@@ -611,7 +621,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, link, *, out=None))]
     fn local_link_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 52, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
+        self.call(py, 53, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
     }
 
     /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its origin, in
@@ -621,7 +631,7 @@ impl Robot {
     /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, link, *, out=None))]
     fn jacobian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 53, &[Some(q)], Some(link), out)
+        self.call(py, 54, &[Some(q)], Some(link), out)
     }
 
     /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its origin, in
@@ -631,7 +641,7 @@ impl Robot {
     /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, link, *, out=None))]
     fn local_jacobian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 54, &[Some(q)], Some(link), out)
+        self.call(py, 55, &[Some(q)], Some(link), out)
     }
 
     /// Returns the time derivative of `jacobian`. Its product with `qd` is `bias_acceleration`. Computes
@@ -641,7 +651,7 @@ impl Robot {
     /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn jacobian_time_derivative<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 55, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 56, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the time derivative of `local_jacobian`. Its product with `qd` is `local_bias_acceleration`.
@@ -651,7 +661,7 @@ impl Robot {
     /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn local_jacobian_time_derivative<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 56, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 57, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the bias acceleration of a link in world axes: the time derivative of `jacobian` times `qd`,
@@ -662,7 +672,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn bias_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 57, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 58, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the bias acceleration of a link in its own axes: the time derivative of `local_jacobian`
@@ -672,7 +682,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn local_bias_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 58, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 59, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the coordinates after the displacement `v` (a velocity times a time) from `q`.
@@ -681,7 +691,7 @@ impl Robot {
     /// Result: (nq,). Several states have one more axis, the first.
     #[pyo3(signature = (q, v, *, out=None))]
     fn integrate<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, v: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 59, &[Some(q), Some(v)], None, out)
+        self.call(py, 60, &[Some(q), Some(v)], None, out)
     }
 
     /// Returns the displacement `v` with which `integrate` leads from `from_` to `to`. Rotations are the
@@ -691,7 +701,7 @@ impl Robot {
     /// Result: (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (from_, to, *, out=None))]
     fn difference<'py>(&self, py: Python<'py>, from_: &Bound<'py, PyAny>, to: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 60, &[Some(from_), Some(to)], None, out)
+        self.call(py, 61, &[Some(from_), Some(to)], None, out)
     }
 
     /// Returns the derivatives of `integrate` with respect to `q` and `v` in tangent space: displacements
@@ -702,7 +712,7 @@ impl Robot {
     /// first.
     #[pyo3(signature = (q, v, *, out=None))]
     fn integrate_derivatives<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, v: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 61, &[Some(q), Some(v)], None, out)
+        self.call(py, 62, &[Some(q), Some(v)], None, out)
     }
 
     /// Returns the derivatives of `difference` with respect to `from_` and `to` in tangent space:
@@ -713,7 +723,7 @@ impl Robot {
     /// axis, the first.
     #[pyo3(signature = (from_, to, *, out=None))]
     fn difference_derivatives<'py>(&self, py: Python<'py>, from_: &Bound<'py, PyAny>, to: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 62, &[Some(from_), Some(to)], None, out)
+        self.call(py, 63, &[Some(from_), Some(to)], None, out)
     }
 
     /// Returns dq/dt, the rates of the coordinates `q` at the velocities `qd`.
@@ -722,7 +732,7 @@ impl Robot {
     /// Result: (nq,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, *, out=None))]
     fn velocity_to_qdot<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 63, &[Some(q), Some(qd)], None, out)
+        self.call(py, 64, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the coordinates with quaternions scaled to length 1.
@@ -731,7 +741,7 @@ impl Robot {
     /// Result: (nq,). Several states have one more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
     fn normalize<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 64, &[Some(q)], None, out)
+        self.call(py, 65, &[Some(q)], None, out)
     }
 
     /// Returns coordinates within the joint limits, from random numbers uniformly distributed in [0, 1).
@@ -742,7 +752,7 @@ impl Robot {
     /// Result: (nq,). Several states have one more axis, the first.
     #[pyo3(signature = (uniforms, *, out=None))]
     fn random<'py>(&self, py: Python<'py>, uniforms: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 65, &[Some(uniforms)], None, out)
+        self.call(py, 66, &[Some(uniforms)], None, out)
     }
     // <!-- end -->
 }

@@ -230,6 +230,25 @@ impl<'a> Naive<'a> {
         sum
     }
 
+    /// Returns the inertia of all links as one rigid body about their centre of mass, in world axes: the momentum (angular, then
+    /// linear) of a twist at the centre of mass.
+    #[must_use]
+    pub fn centroidal_composite_inertia(&self) -> DMatrix<f64> {
+        let mass: f64 = self.links().map(|i| self.mass(i)).sum();
+        let moments = self.links().map(|i| self.mass(i) * self.center(i));
+        let center = moments.sum::<Vector3<f64>>() / mass;
+        let mut sum = DMatrix::zeros(6, 6);
+        for i in self.links() {
+            let r = self.center(i) - center;
+            let about = self.inertia(i)
+                + self.mass(i) * (r.norm_squared() * Matrix3::identity() - r * r.transpose());
+            let mut rotations = sum.view_mut((0, 0), (3, 3));
+            rotations += about;
+        }
+        sum.view_mut((3, 3), (3, 3)).copy_from(&(mass * Matrix3::identity()));
+        sum
+    }
+
     /// Returns the rotors' part of the mass matrix.
     #[must_use]
     pub fn rotors(&self) -> DMatrix<f64> {

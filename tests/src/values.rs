@@ -1,13 +1,17 @@
 //! All quantities of a robot at one state: from the interpreter, and from any generated robot.
 
-use modyn_runtime::model::{Model, ModuleTree, PARAMETERS_PER_LINK};
+use std::collections::BTreeSet;
+use std::sync::Mutex;
+
+use modyn_runtime::model::{Model, ModuleTree};
+use modyn_runtime::quantities::{Function, Record, Shape};
 use modyn_runtime::spatial::{Momentum, Twist, Vector3, Wrench};
 use modyn_runtime::{
-    Array, CentroidalMomentumDerivatives, Factorization, Forces, ForwardDerivatives,
-    ForwardDynamicsHessian, FrameError, HessianOutputs, Interpreter, InverseDynamicsHessian, Robot,
-    Scalar, StepDerivatives, StepHessian, StepHessianOutputs, StepOutputs, functions,
+    Array, CentroidalMomentumDerivatives, Factorization, ForwardDynamicsHessian, Interpreter,
+    InverseDynamicsHessian, Robot, Scalar, StepDerivatives, StepHessian, functions,
 };
 
+use crate::arguments::interpreted as interpreted_function;
 use crate::quantities::{Quantities, numbers};
 use crate::random::{Random, State};
 
@@ -288,52 +292,56 @@ macro_rules! other_quantities {
                 "inverse_dynamics_external_world",
                 list(&$robot::inverse_dynamics_external_world(q, qd, qdd, forces)),
             ),
-            ("generalized_forces", list(&generalized[0].tau)),
-            ("generalized_forces_dq", columns(&generalized[0].dq)),
-            ("generalized_forces_world", list(&generalized[1].tau)),
-            ("generalized_forces_world_dq", columns(&generalized[1].dq)),
-            ("dtau_dq", columns(&inverse.dq)),
-            ("dtau_dqd", columns(&inverse.dqd)),
-            ("qdd", list(&forward.qdd)),
-            ("dqdd_dq", columns(&forward.dq)),
-            ("dqdd_dqd", columns(&forward.dqd)),
-            ("dqdd_dtau", columns(&forward.dtau)),
-            ("inverse_vjp_tau", list(&inverse_vjp.tau)),
-            ("inverse_vjp_dq", list(&inverse_vjp.dq)),
-            ("inverse_vjp_dqd", list(&inverse_vjp.dqd)),
-            ("inverse_vjp_dqdd", list(&inverse_vjp.dqdd)),
-            ("inverse_jvp_tau", list(&inverse_jvp.tau)),
-            ("inverse_jvp_dtau", list(&inverse_jvp.dtau)),
-            ("forward_vjp_qdd", list(&forward_vjp.qdd)),
-            ("forward_vjp_dq", list(&forward_vjp.dq)),
-            ("forward_vjp_dqd", list(&forward_vjp.dqd)),
-            ("forward_vjp_dtau", list(&forward_vjp.dtau)),
-            ("forward_jvp_qdd", list(&forward_jvp.qdd)),
-            ("forward_jvp_dqdd", list(&forward_jvp.dqdd)),
+            ("generalized_forces.tau", list(&generalized[0].tau)),
+            ("generalized_forces.dq", columns(&generalized[0].dq)),
+            ("generalized_forces_world.tau", list(&generalized[1].tau)),
+            ("generalized_forces_world.dq", columns(&generalized[1].dq)),
+            ("inverse_dynamics_derivatives.dq", columns(&inverse.dq)),
+            ("inverse_dynamics_derivatives.dqd", columns(&inverse.dqd)),
+            ("forward_dynamics_derivatives.qdd", list(&forward.qdd)),
+            ("forward_dynamics_derivatives.dq", columns(&forward.dq)),
+            ("forward_dynamics_derivatives.dqd", columns(&forward.dqd)),
+            ("forward_dynamics_derivatives.dtau", columns(&forward.dtau)),
+            ("inverse_dynamics_vjp.tau", list(&inverse_vjp.tau)),
+            ("inverse_dynamics_vjp.dq", list(&inverse_vjp.dq)),
+            ("inverse_dynamics_vjp.dqd", list(&inverse_vjp.dqd)),
+            ("inverse_dynamics_vjp.dqdd", list(&inverse_vjp.dqdd)),
+            ("inverse_dynamics_jvp.tau", list(&inverse_jvp.tau)),
+            ("inverse_dynamics_jvp.dtau", list(&inverse_jvp.dtau)),
+            ("forward_dynamics_vjp.qdd", list(&forward_vjp.qdd)),
+            ("forward_dynamics_vjp.dq", list(&forward_vjp.dq)),
+            ("forward_dynamics_vjp.dqd", list(&forward_vjp.dqd)),
+            ("forward_dynamics_vjp.dtau", list(&forward_vjp.dtau)),
+            ("forward_dynamics_jvp.qdd", list(&forward_jvp.qdd)),
+            ("forward_dynamics_jvp.dqdd", list(&forward_jvp.dqdd)),
             ("inverse_dynamics_hessian", inverse_hessian_numbers(&inverse_hessian)),
             ("forward_dynamics_hessian", forward_hessian_numbers(&forward_hessian)),
-            ("semi_implicit_q", list(&semi_implicit.q)),
-            ("semi_implicit_qd", list(&semi_implicit.qd)),
-            ("linear_step_q", list(&linear_step.q)),
-            ("linear_step_qd", list(&linear_step.qd)),
-            ("linear_step_a", columns(&linear_step.a)),
-            ("linear_step_b", columns(&linear_step.b)),
+            ("step_semi_implicit.q", list(&semi_implicit.q)),
+            ("step_semi_implicit.qd", list(&semi_implicit.qd)),
+            ("step_semi_implicit_derivatives.q", list(&linear_step.q)),
+            ("step_semi_implicit_derivatives.qd", list(&linear_step.qd)),
+            ("step_semi_implicit_derivatives.a", columns(&linear_step.a)),
+            ("step_semi_implicit_derivatives.b", columns(&linear_step.b)),
             ("step_semi_implicit_hessian", $crate::values::step_hessian_numbers(&step_hessian)),
-            ("rk4_q", list(&rk4.q)),
-            ("rk4_qd", list(&rk4.qd)),
+            ("step_rk4.q", list(&rk4.q)),
+            ("step_rk4.qd", list(&rk4.qd)),
             ("step_rk4_derivatives", $crate::values::linear_step_numbers(&linear_rk4)),
             ("step_implicit_midpoint", [list(&midpoint.q), list(&midpoint.qd)].concat()),
             (
                 "step_implicit_midpoint_derivatives",
                 $crate::values::linear_step_numbers(&linear_midpoint),
             ),
-            ("integrate_dq", columns(&integrate.dq)),
-            ("integrate_dv", columns(&integrate.dv)),
-            ("difference_dfrom", columns(&difference.dfrom)),
-            ("difference_dto", columns(&difference.dto)),
+            ("integrate_derivatives.dq", columns(&integrate.dq)),
+            ("integrate_derivatives.dv", columns(&integrate.dv)),
+            ("difference_derivatives.dfrom", columns(&difference.dfrom)),
+            ("difference_derivatives.dto", columns(&difference.dto)),
             ("regressor", columns(&$robot::regressor(q, qd, qdd))),
             ("center_of_mass_jacobian", each(&$robot::center_of_mass_jacobian(q), vector)),
             ("centroidal_momentum_matrix", each(&$robot::centroidal_momentum_matrix(q), momentum)),
+            (
+                "centroidal_composite_inertia",
+                $robot::centroidal_composite_inertia(q).iter().flat_map(momentum).collect(),
+            ),
             ("centroidal_momentum", momentum(&$robot::centroidal_momentum(q, qd))),
             ("centroidal_momentum_rate", momentum(&$robot::centroidal_momentum_rate(q, qd, qdd))),
             (
@@ -492,10 +500,7 @@ pub fn interpreted<T: Scalar>(
         pivot_blocks: every.clone().filter_map(|m| brge.pivot_block(m)).collect(),
         condition_numbers: every.filter_map(|m| brge.condition_number(m)).collect(),
     };
-    let mut others = interpreted_defaults(&mut interpreter, inputs);
-    if all {
-        others.extend(interpreted_others(&mut interpreter, inputs));
-    }
+    let others = interpreted_others(&mut interpreter, inputs, all);
     Values {
         forward_dynamics: interpreter.qdd(q, qd, tau),
         inverse_dynamics: interpreter.tau(q, qd, qdd),
@@ -510,260 +515,115 @@ pub fn interpreted<T: Scalar>(
     }
 }
 
-/// Returns the numbers of each link.
-fn by_link<T, X>(links: usize, of: impl FnMut(usize) -> X) -> Vec<T>
-where
-    X: IntoIterator<Item = T>,
-{
-    (0..links).flat_map(of).collect()
-}
-
-fn interpreted_defaults<T: Scalar>(
-    interpreter: &mut Interpreter<T>,
-    Inputs { q, qd, .. }: &Inputs<T>,
-) -> Named<T> {
-    let (nq, nv) = (interpreter.model().nq(), interpreter.model().nv());
-    let links = interpreter.model().frames().len();
-    let [mut moved, mut rates, mut random] =
-        [const { Vec::new() }; 3].map(|_: Vec<T>| vec![T::zero(); nq]);
-    let mut difference = vec![T::zero(); nv];
-    let mut unit: Vec<T> = q.iter().map(|&x| x + x).collect();
-    let mut columns = vec![Twist::zero(); nv];
-    interpreter.integrate(q, qd, &mut moved).expect(LENGTHS);
-    interpreter.random(uniform(), &mut random).expect(LENGTHS);
-    interpreter.difference(q, &random, &mut difference).expect(LENGTHS);
-    interpreter.velocity_to_qdot(q, qd, &mut rates).expect(LENGTHS);
-    interpreter.normalize(&mut unit).expect(LENGTHS);
-    vec![
-        ("center_of_mass", interpreter.center_of_mass(q).expect(LENGTHS).to_vec()),
-        ("link_pose", by_link(links, |l| numbers(&interpreter.link_pose(q, l).expect(LENGTHS)))),
-        (
-            "jacobian",
-            by_link(links, |l| {
-                interpreter.jacobian(q, l, &mut columns).expect(LENGTHS);
-                columns.iter().flat_map(twist).collect::<Vec<_>>()
-            }),
-        ),
-        ("integrate", moved),
-        ("difference", difference),
-        ("velocity_to_qdot", rates),
-        ("normalize", unit),
-        ("random", random),
-    ]
-}
-
-/// A function that returns the motion of a link.
-type MotionOf<'a, T> = dyn Fn(&mut Interpreter<T>, usize) -> Result<Twist<T>, FrameError> + 'a;
-
+/// Returns the interpreter's results of all functions that have no field in [`Values`], or of the default ones: the fields of a
+/// result each by itself, and the results of all links one after the other.
 fn interpreted_others<T: Scalar>(
     interpreter: &mut Interpreter<T>,
-    Inputs { q, qd, qdd, tau }: &Inputs<T>,
+    inputs: &Inputs<T>,
+    all: bool,
 ) -> Named<T> {
-    let (n, links) = (interpreter.model().nv(), interpreter.model().frames().len());
-    let zeros = |length| vec![T::zero(); length];
-    let forces: Vec<Wrench<T>> = (0..links).map(wrench).collect();
-    let (local, world) = (Forces::InLinkAxes(&forces), Forces::InWorldAxes(&forces));
-    let (mut dtau_dq, mut dtau_dqd) = (zeros(n * n), zeros(n * n));
-    interpreter
-        .inverse_dynamics_derivatives(q, qd, qdd, &mut dtau_dq, &mut dtau_dqd)
-        .expect(LENGTHS);
-    let [
-        (mut generalized_forces, mut generalized_forces_dq),
-        (mut generalized_forces_world, mut generalized_forces_world_dq),
-    ] = [0; 2].map(|_| (zeros(n), zeros(n * n)));
-    let into = (&mut *generalized_forces, &mut *generalized_forces_dq);
-    interpreter.generalized_forces(q, local, into.0, into.1).expect(LENGTHS);
-    let into = (&mut *generalized_forces_world, &mut *generalized_forces_world_dq);
-    interpreter.generalized_forces(q, world, into.0, into.1).expect(LENGTHS);
-    let (mut at, mut dqdd_dq) = (zeros(n), zeros(n * n));
-    let (mut dqdd_dqd, mut dqdd_dtau) = (zeros(n * n), zeros(n * n));
-    let derivatives = ForwardDerivatives {
-        qdd: &mut at,
-        dqdd_dq: &mut dqdd_dq,
-        dqdd_dqd: &mut dqdd_dqd,
-        dqdd_dtau: &mut dqdd_dtau,
-    };
-    interpreter.forward_dynamics_derivatives(q, qd, tau, derivatives).expect(LENGTHS);
-    let mut random = q.clone();
+    let sizes = interpreter.sizes();
+    let mut random = inputs.q.clone();
     interpreter.random(uniform(), &mut random).expect(LENGTHS);
-    let (mut integrate_dq, mut integrate_dv) = (zeros(n * n), zeros(n * n));
-    let integrate = interpreter.integrate_derivatives(q, qd, &mut integrate_dq, &mut integrate_dv);
-    integrate.expect(LENGTHS);
-    let (mut dfrom, mut dto) = (zeros(n * n), zeros(n * n));
-    interpreter.difference_derivatives(q, &random, &mut dfrom, &mut dto).expect(LENGTHS);
-    let vectors = || [0; 4].map(|_| zeros(n));
-    let [mut inverse_vjp_tau, mut inverse_vjp_dq, mut inverse_vjp_dqd, mut inverse_vjp_dqdd] =
-        vectors();
-    let gradients = [&mut *inverse_vjp_dq, &mut inverse_vjp_dqd, &mut inverse_vjp_dqdd];
-    let motion = (&**q, &**qd, &**qdd);
-    interpreter.inverse_dynamics_vjp(motion, tau, &mut inverse_vjp_tau, gradients).expect(LENGTHS);
-    let [mut inverse_jvp_tau, mut inverse_jvp_dtau, mut forward_jvp_qdd, mut forward_jvp_dqdd] =
-        vectors();
-    let (changes, into) = ([&**tau, qdd, qd], (&mut inverse_jvp_tau, &mut inverse_jvp_dtau));
-    interpreter.inverse_dynamics_jvp(motion, changes, into.0, into.1).expect(LENGTHS);
-    let [mut forward_vjp_qdd, mut forward_vjp_dq, mut forward_vjp_dqd, mut forward_vjp_dtau] =
-        vectors();
-    let gradients = [&mut *forward_vjp_dq, &mut forward_vjp_dqd, &mut forward_vjp_dtau];
-    let state = (&**q, &**qd, &**tau);
-    interpreter.forward_dynamics_vjp(state, qdd, &mut forward_vjp_qdd, gradients).expect(LENGTHS);
-    let (changes, into) = ([&**qdd, tau, qd], (&mut forward_jvp_qdd, &mut forward_jvp_dqdd));
-    interpreter.forward_dynamics_jvp(state, changes, into.0, into.1).expect(LENGTHS);
-    let [mut inverse_hessian, mut forward_hessian] = [0; 2].map(|_| zeros(4 * n + 4 * n * n));
-    let into = hessian_outputs(&mut inverse_hessian, n);
-    interpreter.inverse_dynamics_hessian(motion, tau, into).expect(LENGTHS);
-    let into = hessian_outputs(&mut forward_hessian, n);
-    interpreter.forward_dynamics_hessian(state, qdd, into).expect(LENGTHS);
-    let dt = time_step();
-    let [mut semi_implicit_q, mut linear_step_q, mut rk4_q] = [0; 3].map(|_| q.clone());
-    let [mut semi_implicit_qd, mut linear_step_qd, mut rk4_qd, _] = vectors();
-    let into = (&mut semi_implicit_q, &mut semi_implicit_qd);
-    interpreter.step_semi_implicit(state, dt, into.0, into.1).expect(LENGTHS);
-    let (mut linear_step_a, mut linear_step_b) = (zeros(4 * n * n), zeros(2 * n * n));
-    let outputs = StepOutputs {
-        q: &mut linear_step_q,
-        qd: &mut linear_step_qd,
-        a: &mut linear_step_a,
-        b: &mut linear_step_b,
-    };
-    interpreter.step_semi_implicit_derivatives(state, dt, outputs).expect(LENGTHS);
-    interpreter.step_rk4(state, dt, &mut rk4_q, &mut rk4_qd).expect(LENGTHS);
-    let mut linear_rk4 = [q.len(), n, 4 * n * n, 2 * n * n].map(zeros);
-    let [next_q, next_qd, a, b] = &mut linear_rk4;
-    let outputs = StepOutputs { q: next_q, qd: next_qd, a, b };
-    interpreter.step_rk4_derivatives(state, dt, outputs).expect(LENGTHS);
-    let sizes = [q.len(), n, 2 * n, n, 4 * n * n, 2 * n * n, n * n];
-    let mut step_hessian = sizes.map(zeros);
-    let [next_q, next_qd, dx, dtau, dx_dx, dx_dtau, dtau_dtau] = &mut step_hessian;
-    let outputs =
-        StepHessianOutputs { q: next_q, qd: next_qd, dx, dtau, dx_dx, dx_dtau, dtau_dtau };
-    let multipliers = costate(qdd, tau);
-    interpreter.step_semi_implicit_hessian(state, dt, &multipliers, outputs).expect(LENGTHS);
-    let mut midpoint = [q.len(), n].map(zeros);
-    let [next_q, next_qd] = &mut midpoint;
-    interpreter.step_implicit_midpoint(state, dt, next_q, next_qd).expect(LENGTHS);
-    let mut linear_midpoint = [q.len(), n, 4 * n * n, 2 * n * n].map(zeros);
-    let [next_q, next_qd, a, b] = &mut linear_midpoint;
-    let outputs = StepOutputs { q: next_q, qd: next_qd, a, b };
-    interpreter.step_implicit_midpoint_derivatives(state, dt, outputs).expect(LENGTHS);
-    let mut regressor = zeros(n * PARAMETERS_PER_LINK * interpreter.model().links().len());
-    interpreter.regressor(q, qd, qdd, &mut regressor).expect(LENGTHS);
-    let mut center = vec![Vector3::zero(); n];
-    interpreter.center_of_mass_jacobian(q, &mut center).expect(LENGTHS);
-    let mut momenta = vec![Momentum::zero(); n];
-    interpreter.centroidal_momentum_matrix(q, &mut momenta).expect(LENGTHS);
-    let mut coriolis = zeros(n * n);
-    interpreter.coriolis_matrix(q, qd, &mut coriolis).expect(LENGTHS);
-    let mut columns = vec![Twist::zero(); n];
-    let mut each = |motion: &MotionOf<'_, T>| {
-        by_link(links, |l| twist(&motion(interpreter, l).expect(LENGTHS)))
-    };
-    let motions = [
-        ("link_velocity", each(&|i, l| i.link_velocity(q, qd, l))),
-        ("local_link_velocity", each(&|i, l| i.local_link_velocity(q, qd, l))),
-        ("link_acceleration", each(&|i, l| i.link_acceleration(q, qd, qdd, l))),
-        ("local_link_acceleration", each(&|i, l| i.local_link_acceleration(q, qd, qdd, l))),
-        ("bias_acceleration", each(&|i, l| i.bias_acceleration(q, qd, l))),
-        ("local_bias_acceleration", each(&|i, l| i.local_bias_acceleration(q, qd, l))),
-    ];
-    let mut named = vec![
-        ("forward_dynamics_external", interpreter.qdd_under(q, qd, tau, local)),
-        ("forward_dynamics_external_world", interpreter.qdd_under(q, qd, tau, world)),
-        ("inverse_dynamics_external", interpreter.tau_under(q, qd, qdd, local)),
-        ("inverse_dynamics_external_world", interpreter.tau_under(q, qd, qdd, world)),
-        ("generalized_forces", generalized_forces),
-        ("generalized_forces_dq", generalized_forces_dq),
-        ("generalized_forces_world", generalized_forces_world),
-        ("generalized_forces_world_dq", generalized_forces_world_dq),
-        ("dtau_dq", dtau_dq),
-        ("dtau_dqd", dtau_dqd),
-        ("qdd", at),
-        ("dqdd_dq", dqdd_dq),
-        ("dqdd_dqd", dqdd_dqd),
-        ("dqdd_dtau", dqdd_dtau),
-        ("inverse_vjp_tau", inverse_vjp_tau),
-        ("inverse_vjp_dq", inverse_vjp_dq),
-        ("inverse_vjp_dqd", inverse_vjp_dqd),
-        ("inverse_vjp_dqdd", inverse_vjp_dqdd),
-        ("inverse_jvp_tau", inverse_jvp_tau),
-        ("inverse_jvp_dtau", inverse_jvp_dtau),
-        ("forward_vjp_qdd", forward_vjp_qdd),
-        ("forward_vjp_dq", forward_vjp_dq),
-        ("forward_vjp_dqd", forward_vjp_dqd),
-        ("forward_vjp_dtau", forward_vjp_dtau),
-        ("forward_jvp_qdd", forward_jvp_qdd),
-        ("forward_jvp_dqdd", forward_jvp_dqdd),
-        ("inverse_dynamics_hessian", inverse_hessian),
-        ("forward_dynamics_hessian", forward_hessian),
-        ("semi_implicit_q", semi_implicit_q),
-        ("semi_implicit_qd", semi_implicit_qd),
-        ("linear_step_q", linear_step_q),
-        ("linear_step_qd", linear_step_qd),
-        ("linear_step_a", linear_step_a),
-        ("linear_step_b", linear_step_b),
-        ("step_semi_implicit_hessian", step_hessian.concat()),
-        ("rk4_q", rk4_q),
-        ("rk4_qd", rk4_qd),
-        ("step_rk4_derivatives", linear_rk4.concat()),
-        ("step_implicit_midpoint", midpoint.concat()),
-        ("step_implicit_midpoint_derivatives", linear_midpoint.concat()),
-        ("integrate_dq", integrate_dq),
-        ("integrate_dv", integrate_dv),
-        ("difference_dfrom", dfrom),
-        ("difference_dto", dto),
-        ("regressor", regressor),
-        ("center_of_mass_jacobian", center.iter().flat_map(vector).collect()),
-        ("centroidal_momentum_matrix", momenta.iter().flat_map(momentum).collect()),
-        ("centroidal_momentum", momentum(&interpreter.centroidal_momentum(q, qd).expect(LENGTHS))),
-        (
-            "centroidal_momentum_rate",
-            momentum(&interpreter.centroidal_momentum_rate((q, qd, qdd)).expect(LENGTHS)),
-        ),
-        ("centroidal_momentum_derivatives", interpreter.centroidal_derivatives(motion)),
-        ("coriolis_matrix", coriolis),
-        (
-            "local_jacobian",
-            by_link(links, |l| {
-                interpreter.local_jacobian(q, l, &mut columns).expect(LENGTHS);
-                columns.iter().flat_map(twist).collect::<Vec<_>>()
-            }),
-        ),
-        (
-            "jacobian_time_derivative",
-            by_link(links, |l| {
-                interpreter.jacobian_time_derivative(q, qd, l, &mut columns).expect(LENGTHS);
-                columns.iter().flat_map(twist).collect::<Vec<_>>()
-            }),
-        ),
-        (
-            "local_jacobian_time_derivative",
-            by_link(links, |l| {
-                interpreter.local_jacobian_time_derivative(q, qd, l, &mut columns).expect(LENGTHS);
-                columns.iter().flat_map(twist).collect::<Vec<_>>()
-            }),
-        ),
-    ];
-    named.extend(motions);
+    let mut named = Vec::new();
+    for &function in Function::ALL {
+        let row = function.row();
+        let is_other = !FIELDS.contains(&function) && function.batched().is_none();
+        if !is_other || row.of_constraints || !(all || row.default) {
+            continue;
+        }
+        let arguments: Vec<Vec<T>> = (row.arguments.iter())
+            .map(|argument| given(function, argument.name, inputs, &random, sizes.links))
+            .collect();
+        let result = interpreted_function(interpreter, function, &arguments);
+        let fields = match (row.result)(&sizes) {
+            Shape::Record(Record::Several(_) | Record::Each(_), fields) => fields,
+            shape => vec![("", shape)],
+        };
+        // The numbers of records with many fields are compared together.
+        if fields.len() == 1 || WHOLE.contains(&function) {
+            named.push((function.name(), result));
+            continue;
+        }
+        let mut rest = &result[..];
+        for (field, shape) in fields {
+            let (numbers, others) = rest.split_at(shape.len());
+            named.push((field_name(function, field), numbers.to_vec()));
+            rest = others;
+        }
+    }
     named
 }
 
-/// Returns the parts of `numbers` as the results of a Hessian, in the order of generated functions; `n` is the number of
-/// velocities.
-///
-/// # Panics
-///
-/// If there are not 4 `n` + 4 `n`^2 numbers.
-pub fn hessian_outputs<T>(numbers: &mut [T], n: usize) -> HessianOutputs<'_, T> {
-    assert_eq!(numbers.len(), 4 * n + 4 * n * n);
-    let (mut rest, length) = (numbers, [n, n * n]);
-    let mut next = |k: usize| {
-        let (part, others) = core::mem::take(&mut rest).split_at_mut(length[k]);
-        rest = others;
-        part
-    };
-    HessianOutputs {
-        value: next(0),
-        gradients: std::array::from_fn(|_| next(0)),
-        hessian: std::array::from_fn(|_| next(1)),
+/// The functions that have a field in [`Values`].
+const FIELDS: [Function; 9] = [
+    Function::ForwardDynamics,
+    Function::InverseDynamics,
+    Function::BiasForces,
+    Function::GravityTorques,
+    Function::MassMatrix,
+    Function::KineticEnergy,
+    Function::PotentialEnergy,
+    Function::LinkPoses,
+    Function::Brge,
+];
+
+/// The functions whose fields [`other_quantities`](crate::other_quantities) has in one list.
+const WHOLE: [Function; 7] = [
+    Function::InverseDynamicsHessian,
+    Function::ForwardDynamicsHessian,
+    Function::StepSemiImplicitHessian,
+    Function::StepRk4Derivatives,
+    Function::StepImplicitMidpoint,
+    Function::StepImplicitMidpointDerivatives,
+    Function::CentroidalMomentumDerivatives,
+];
+
+/// Returns the name of a field of a function's result.
+fn field_name(function: Function, field: &str) -> &'static str {
+    static NAMES: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
+    let name = format!("{}.{field}", function.name());
+    let mut names = NAMES.lock().expect("no panic");
+    if let Some(name) = names.get(&*name) {
+        return name;
+    }
+    let name: &'static str = name.leak();
+    names.insert(name);
+    name
+}
+
+/// Returns the argument that [`default_quantities`](crate::default_quantities) and
+/// [`other_quantities`](crate::other_quantities) give to a function.
+fn given<T: Scalar>(
+    function: Function,
+    name: &str,
+    Inputs { q, qd, qdd, tau }: &Inputs<T>,
+    random: &[T],
+    links: usize,
+) -> Vec<T> {
+    match (function, name) {
+        // Quaternions longer than 1.
+        (Function::Normalize, _) => q.iter().map(|&x| x + x).collect(),
+        (_, "q" | "from") => q.clone(),
+        (_, "to") => random.to_vec(),
+        (_, "qd" | "v") => qd.clone(),
+        (Function::InverseDynamicsVjp | Function::InverseDynamicsHessian, "cotangent")
+        | (Function::InverseDynamicsJvp, "dq")
+        | (Function::ForwardDynamicsJvp, "dqd")
+        | (_, "tau") => tau.clone(),
+        (_, "dqdd" | "dtau") => qd.clone(),
+        (_, "qdd" | "cotangent" | "dq" | "dqd") => qdd.clone(),
+        (_, "costate") => costate(qdd, tau),
+        (_, "dt") => vec![time_step()],
+        (_, "uniforms") => {
+            let mut next = uniform();
+            qd.iter().map(|_| next()).collect()
+        }
+        (_, "forces") => {
+            let wrenches = (0..links).map(wrench);
+            wrenches.flat_map(|wrench: Wrench<T>| wrench.components()).collect()
+        }
+        _ => panic!("{name} of {function:?}"),
     }
 }
 

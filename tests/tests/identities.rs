@@ -6,8 +6,10 @@ use std::ops::Range;
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{Friction, Link, Model, ModuleTree};
+use modyn_runtime::quantities::Function;
 use modyn_runtime::spatial::{Vector3, Wrench};
 use modyn_runtime::{Forces, Interpreter, ShapeError};
+use modyn_tests::arguments::interpreted;
 use modyn_tests::cases::{Robot, cases, robots, zoos};
 use modyn_tests::close::{assert_close, difference};
 use modyn_tests::dense::{dense, dot, identity, square, times};
@@ -438,6 +440,8 @@ proptest! {
         close("gravity", &interpreter.gravity(&q), &naive.inverse_dynamics(&rest, &rest));
         close("T", &[interpreter.kinetic(&q, &qd)], &[naive.kinetic_energy(&qd)]);
         close("V", &[interpreter.potential(&q)], &[naive.potential_energy()]);
+        let inertia = interpreted(&mut interpreter, Function::CentroidalCompositeInertia, &[q.clone()]);
+        close("I", &inertia, naive.centroidal_composite_inertia().as_slice());
     }
 
     #[test]

@@ -59,7 +59,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if unread {
         return Err(Failure::Usage(String::from("error: not all files could be read")));
     }
-    if outcomes.iter().all(|outcome| outcome.usable) { Ok(()) } else { Err(Failure::Said) }
+    if outcomes.iter().all(|outcome| outcome.usable) { Ok(()) } else { Err(Failure::Reported) }
 }
 
 fn check_one(description: Description, options: &ReadOptions, arguments: &Arguments) -> Outcome {

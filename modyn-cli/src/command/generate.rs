@@ -234,7 +234,7 @@ fn one_file(
     if arguments.check {
         let found = if current { "up to date" } else { "stale" };
         to_stderr(&format!("{} is {found}\n", sanitize_for_display(&output.display().to_string())));
-        return if current { Ok(()) } else { Err(Failure::Said) };
+        return if current { Ok(()) } else { Err(Failure::Reported) };
     }
     if current { Ok(()) } else { to_file(output, &text) }
 }
@@ -257,7 +257,7 @@ fn c_source(
         progress.stop();
         let found = if stale { STALE } else { "up to date" };
         to_stderr(&format!("{} is {found}\n", sanitize_for_display(&output.display().to_string())));
-        return if stale { Err(Failure::Said) } else { Ok(()) };
+        return if stale { Err(Failure::Reported) } else { Ok(()) };
     }
     let warnings = builder.write_c(output).map_err(named)?;
     progress.stop();
@@ -330,7 +330,7 @@ fn object(
         let found = if stale { "stale" } else { "up to date" };
         to_stderr(&format!("{} is {found}\n", sanitize_for_display(&output.display().to_string())));
     }
-    if stale { Err(Failure::Said) } else { Ok(()) }
+    if stale { Err(Failure::Reported) } else { Ok(()) }
 }
 
 fn stale(
@@ -350,7 +350,7 @@ fn stale(
         let found = std::fs::read_to_string(path);
         stale |= is(path, !found.is_ok_and(|found| found.replace("\r\n", "\n") == header));
     }
-    if stale { Err(Failure::Said) } else { Ok(()) }
+    if stale { Err(Failure::Reported) } else { Ok(()) }
 }
 
 impl Arguments {

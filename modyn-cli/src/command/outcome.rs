@@ -17,11 +17,11 @@ pub enum Failure {
     /// Diagnostics of the compiler about a description or about the options.
     Diagnostics(Diagnostics, Option<Description>),
     /// A negative result.
-    No(String),
+    Negative(String),
     /// The command line or a file is invalid.
     Usage(String),
     /// A negative result that was printed already.
-    Said,
+    Reported,
 }
 
 impl Failure {
@@ -36,8 +36,8 @@ impl Failure {
             Self::Diagnostics(found, description) => {
                 diagnostics::render(found.as_slice(), description.as_ref())
             }
-            Self::No(message) | Self::Usage(message) => format!("{message}\n"),
-            Self::Said => String::new(),
+            Self::Negative(message) | Self::Usage(message) => format!("{message}\n"),
+            Self::Reported => String::new(),
         };
         to_stderr(&text);
         ExitCode::from(self.code())
@@ -58,7 +58,7 @@ impl Failure {
                 ];
                 if found.iter().all(|one| options.contains(&one.code)) { 2 } else { 1 }
             }
-            Self::No(_) | Self::Said => 1,
+            Self::Negative(_) | Self::Reported => 1,
             Self::Usage(_) => 2,
         }
     }

@@ -141,15 +141,21 @@ impl Tracer<'_> {
         let count = WRENCH * constraints;
         let lengths = [nq, nv, nv, count, nv, count, settings_count(self.model)];
         self.trace_groups(lengths, |model, [q, qd, qdd, l, a, b, settings]| {
-            let rooms = &mut (Workspace::new(model), ConstraintWorkspace::new(model, layout));
+            let workspaces = &mut (Workspace::new(model), ConstraintWorkspace::new(model, layout));
             let mut tau = self.vector();
             let motion = (&*q, &*qd, &*qdd);
-            dynamics::inverse_dynamics(model, (&q, &qd, Some(&qdd)), None, &mut rooms.0, &mut tau);
+            dynamics::inverse_dynamics(
+                model,
+                (&q, &qd, Some(&qdd)),
+                None,
+                &mut workspaces.0,
+                &mut tau,
+            );
             let settings = settings_of(&settings);
             let targets = &*settings.contacts;
-            let moved = relative_velocities(model, targets, (&q, &a), rooms);
-            let accelerations = relative_accelerations(model, targets, motion, rooms);
-            let [displacements, velocities] = residuals(model, targets, (&q, &qd), rooms);
+            let moved = relative_velocities(model, targets, (&q, &a), workspaces);
+            let accelerations = relative_accelerations(model, targets, motion, workspaces);
+            let [displacements, velocities] = residuals(model, targets, (&q, &qd), workspaces);
             let mut phi = dot(&a, &tau);
             for k in 0..constraints {
                 let (alpha, beta) = match k.checked_sub(contacts(model).start) {
@@ -190,12 +196,13 @@ fn relative_velocities(
     model: &Mechanism<Expr>,
     targets: &[ContactTarget<Expr>],
     state: (&[Expr], &[Expr]),
-    rooms: &mut Rooms,
+    workspaces: &mut Rooms,
 ) -> Vec<Twist<Expr>> {
-    let [_, mut velocities] = residuals(model, targets, state, rooms);
+    let [_, mut velocities] = residuals(model, targets, state, workspaces);
     let frames = with_second_frames(model);
     for k in contacts(model) {
-        velocities[k] = kinematics::link_velocity(&frames, k, state, Axes::World, &mut rooms.0);
+        velocities[k] =
+            kinematics::link_velocity(&frames, k, state, Axes::World, &mut workspaces.0);
     }
     velocities
 }
@@ -205,17 +212,18 @@ fn relative_accelerations(
     model: &Mechanism<Expr>,
     targets: &[ContactTarget<Expr>],
     (q, qd, qdd): (&[Expr], &[Expr], &[Expr]),
-    rooms: &mut Rooms,
+    workspaces: &mut Rooms,
 ) -> Vec<Twist<Expr>> {
-    let mut accelerations = relative_velocities(model, targets, (q, qdd), rooms);
+    let mut accelerations = relative_velocities(model, targets, (q, qdd), workspaces);
     let mut biases = vec![Twist::zero(); accelerations.len()];
-    constraints::constraint_bias_acceleration(model, (q, qd), &mut rooms.0, &mut biases);
+    constraints::constraint_bias_acceleration(model, (q, qd), &mut workspaces.0, &mut biases);
     for (acceleration, &bias) in accelerations.iter_mut().zip(&biases) {
         *acceleration = *acceleration + bias;
     }
     let (frames, motion) = (with_second_frames(model), (q, qd, qdd));
     for k in contacts(model) {
-        let found = kinematics::link_acceleration(&frames, k, motion, Axes::World, &mut rooms.0);
+        let found =
+            kinematics::link_acceleration(&frames, k, motion, Axes::World, &mut workspaces.0);
         accelerations[k] = found;
     }
     accelerations

@@ -743,6 +743,15 @@ class Robot:
         Arguments: `q`: (nq,).
         Result: (6, nv), angular before linear components. Several states have one more axis, the first.
         """
+    def centroidal_composite_inertia(
+        self, q: ArrayLike, *, out: Array | None = None
+    ) -> Array:
+        """Returns the centroidal composite inertia. Its product with a twist is the momentum about the centre
+        of mass, in world axes, of all moving links as one rigid body with this twist at the centre of mass.
+
+        Arguments: `q`: (nq,).
+        Result: (6, 6), angular before linear components. Several states have one more axis, the first.
+        """
     def centroidal_momentum(
         self, q: ArrayLike, qd: ArrayLike, *, out: Array | None = None
     ) -> Array:

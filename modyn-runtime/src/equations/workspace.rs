@@ -30,15 +30,15 @@ pub struct Workspace<S> {
     /// The velocity moments of the composites relative to their bodies' frames.
     pub(super) velocities: Vec<VelocityMoments<S>>,
     /// Twice the velocity of each body's origin relative to its parent's origin, in the parent's axes.
-    pub(super) levers: Vec<Vector3<S>>,
+    pub(super) relative_velocities: Vec<Vector3<S>>,
     /// For each degree of freedom, the change of the accelerations of its body and the body's descendants.
     pub(super) perturbations: Vec<AccelerationPerturbation<S>>,
     /// For each body, the articulated inertia of its eliminated child modules; `None` without child modules.
     pub(super) articulated: Vec<Option<ArticulatedInertia<S>>>,
     /// For each component and degree of freedom: the wrench at its module's first body (Psi), reduced by the
-    /// pivot's factor V (`columns`), and divided by the pivot (`gains`).
+    /// pivot's factor V (`columns`), and divided by the pivot (`scaled_psi`).
     pub(super) columns: [Vec<S>; 6],
-    pub(super) gains: [Vec<S>; 6],
+    pub(super) scaled_psi: [Vec<S>; 6],
     /// For each degree of freedom, the reciprocal of its scalar pivot within the block.
     pub(super) reciprocals: Vec<S>,
     pub(super) torques: Vec<S>,
@@ -69,11 +69,11 @@ impl<S: Scalar> Workspace<S> {
             force_moments: vec![Matrix3::zero(); bodies],
             composite: vec![RigidInertia::zero(); bodies],
             velocities: vec![VelocityMoments::zero(); bodies],
-            levers: vec![Vector3::zero(); bodies],
+            relative_velocities: vec![Vector3::zero(); bodies],
             perturbations: vec![AccelerationPerturbation::zero(); dofs],
             articulated: vec![None; bodies],
             columns: core::array::from_fn(|_| vec![zero; dofs]),
-            gains: core::array::from_fn(|_| vec![zero; dofs]),
+            scaled_psi: core::array::from_fn(|_| vec![zero; dofs]),
             reciprocals: vec![zero; dofs],
             torques: vec![zero; dofs],
             pivots: Vec::new(),

@@ -106,10 +106,10 @@ impl<S: Scalar> Interpreter<S> {
                           by: &mut Gradients<S>| {
             let outputs =
                 ConstrainedDerivatives::new((&mut qdd, &mut wrenches), &mut found, &mut changes);
-            let rooms = (&mut *workspace, &mut memory);
+            let workspaces = (&mut *workspace, &mut memory);
             let given = (&*active, &settings);
             constraints::constrained_forward_dynamics_derivatives(
-                model, &layout, state, given, rooms, outputs,
+                model, &layout, state, given, workspaces, outputs,
             );
             add_weighted(&found, cotangent, by);
             for (changes, gradient) in changes.iter().zip(by) {

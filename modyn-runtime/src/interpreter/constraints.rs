@@ -18,7 +18,7 @@ struct Constraints<'a, S> {
     /// For each contact, 1 if it is active, else 0.
     active: &'a [S],
     /// The workspaces.
-    rooms: (&'a mut Workspace<S>, &'a mut ConstraintWorkspace<S>),
+    workspaces: (&'a mut Workspace<S>, &'a mut ConstraintWorkspace<S>),
 }
 
 /// Functions of closed loops and contacts: see
@@ -104,7 +104,7 @@ impl<S: Scalar> Interpreter<S> {
         let layout =
             links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));
         let memory = constraints.get_or_insert_with(|| ConstraintWorkspace::new(mechanism, layout));
-        Constraints { mechanism, layout, active, rooms: (workspace, memory) }
+        Constraints { mechanism, layout, active, workspaces: (workspace, memory) }
     }
 
     /// Computes the displacement (m) and the velocity (rad/s, m/s) of each loop constraint's second frame
@@ -129,12 +129,12 @@ impl<S: Scalar> Interpreter<S> {
         check("velocities", velocities, self.model.constraints())?;
         let targets = settings.contacts.as_ref();
         check("settings.contacts", targets, self.model.contacts().len())?;
-        let Constraints { mechanism, rooms, .. } = self.constraints();
+        let Constraints { mechanism, workspaces, .. } = self.constraints();
         constraints::constraint_residual(
             mechanism,
             (q, qd),
             targets,
-            rooms,
+            workspaces,
             (displacements, velocities),
         );
         Ok(())
@@ -212,8 +212,8 @@ impl<S: Scalar> Interpreter<S> {
     ) -> Result<(), ShapeError> {
         check("q", q, self.model.nq())?;
         check("columns", columns, self.model.constraints() * self.model.nv())?;
-        let Constraints { mechanism, rooms, .. } = self.constraints();
-        constraints::constraint_jacobian(mechanism, q, rooms, columns);
+        let Constraints { mechanism, workspaces, .. } = self.constraints();
+        constraints::constraint_jacobian(mechanism, q, workspaces, columns);
         Ok(())
     }
 
@@ -311,10 +311,10 @@ impl<S: Scalar> Interpreter<S> {
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
         results: (&mut [S], &mut [Wrench<S>], &mut [Twist<S>]),
     ) -> S {
-        let Constraints { mechanism, layout, active, rooms } = self.constraints();
+        let Constraints { mechanism, layout, active, workspaces } = self.constraints();
         let settings = (active, settings);
         constraints::constrained_forward_dynamics(
-            mechanism, layout, state, settings, rooms, results,
+            mechanism, layout, state, settings, workspaces, results,
         )
     }
 
@@ -324,9 +324,9 @@ impl<S: Scalar> Interpreter<S> {
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
         steps: (&mut [S], &mut [S]),
     ) -> S {
-        let Constraints { mechanism, layout, active, rooms } = self.constraints();
+        let Constraints { mechanism, layout, active, workspaces } = self.constraints();
         let settings = (active, settings);
-        constraints::project_constraints(mechanism, layout, state, settings, rooms, steps)
+        constraints::project_constraints(mechanism, layout, state, settings, workspaces, steps)
     }
 
     pub(crate) fn solve_impulse(
@@ -335,9 +335,9 @@ impl<S: Scalar> Interpreter<S> {
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
         results: (&mut [S], &mut [Wrench<S>]),
     ) -> S {
-        let Constraints { mechanism, layout, active, rooms } = self.constraints();
+        let Constraints { mechanism, layout, active, workspaces } = self.constraints();
         let settings = (active, settings);
-        constraints::contact_impulse(mechanism, layout, state, settings, rooms, results)
+        constraints::contact_impulse(mechanism, layout, state, settings, workspaces, results)
     }
 
     pub(crate) fn solve_torques(
@@ -346,9 +346,9 @@ impl<S: Scalar> Interpreter<S> {
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
         results: (&mut [S], &mut [Wrench<S>]),
     ) -> S {
-        let Constraints { mechanism, active, rooms, .. } = self.constraints();
+        let Constraints { mechanism, active, workspaces, .. } = self.constraints();
         let settings = (active, settings);
-        constraints::constrained_inverse_dynamics(mechanism, motion, settings, rooms, results)
+        constraints::constrained_inverse_dynamics(mechanism, motion, settings, workspaces, results)
     }
 
     pub(crate) fn solve_inertia(
@@ -357,9 +357,9 @@ impl<S: Scalar> Interpreter<S> {
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
         matrices: (&mut [S], &mut [S]),
     ) -> S {
-        let Constraints { mechanism, layout, active, rooms } = self.constraints();
+        let Constraints { mechanism, layout, active, workspaces } = self.constraints();
         let settings = (active, settings);
-        constraints::operational_inertia(mechanism, layout, q, settings, rooms, matrices)
+        constraints::operational_inertia(mechanism, layout, q, settings, workspaces, matrices)
     }
 
     pub(crate) fn solve_derivatives(
@@ -368,10 +368,10 @@ impl<S: Scalar> Interpreter<S> {
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
         outputs: ConstrainedDerivatives<'_, S>,
     ) -> S {
-        let Constraints { mechanism, layout, active, rooms } = self.constraints();
+        let Constraints { mechanism, layout, active, workspaces } = self.constraints();
         let settings = (active, settings);
         constraints::constrained_forward_dynamics_derivatives(
-            mechanism, layout, state, settings, rooms, outputs,
+            mechanism, layout, state, settings, workspaces, outputs,
         )
     }
 }

@@ -166,7 +166,7 @@ impl<S: Scalar> Interpreter<S> {
         self.step_semi_implicit((q, qd, tau), dt, next_q, next_qd)?;
         let model = self.mechanism.map(Tangent::constant);
         let layout = UduLayout::new(&self.mechanism, &ModuleTree::links(&self.model));
-        let rooms = &mut (Workspace::new(&model), StepWorkspace::new(&model));
+        let workspaces = &mut (Workspace::new(&model), StepWorkspace::new(&model));
         let numbers = |n: usize| vec![Tangent::<S>::zero(); n];
         let mut found = [numbers(q.len()), numbers(n), numbers(4 * n * n), numbers(2 * n * n)];
         // The changes of the 3 nv entries of the gradient along each of the 3 nv displacements.
@@ -184,7 +184,7 @@ impl<S: Scalar> Interpreter<S> {
             let [next_q, next_qd, a, b] = &mut found;
             let outputs = StepOutputs { q: next_q, qd: next_qd, a, b };
             let state = (&*q, &*qd, &*tau, Tangent::constant(dt));
-            let (workspace, memory) = rooms;
+            let (workspace, memory) = workspaces;
             step_semi_implicit_derivatives(&model, &layout, state, (workspace, memory), outputs);
             let columns = found[2].chunks(2 * n).chain(found[3].chunks(2 * n));
             for (i, (column, change)) in columns.zip(changes).enumerate() {

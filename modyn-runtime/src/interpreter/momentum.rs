@@ -5,7 +5,8 @@ use super::errors::{ShapeError, check};
 use crate::Scalar;
 use crate::equations::derivatives::{CentroidalOutputs, centroidal_momentum_derivatives};
 use crate::equations::dynamics::{
-    centroidal_momentum, centroidal_momentum_matrix, centroidal_momentum_rate,
+    centroidal_composite_inertia, centroidal_momentum, centroidal_momentum_matrix,
+    centroidal_momentum_rate,
 };
 use crate::equations::kinematics::{center_of_mass, center_of_mass_jacobian};
 use crate::spatial::{Momentum, Vector3};
@@ -63,6 +64,22 @@ impl<S: Scalar> Interpreter<S> {
         check("q", q, self.model.nq())?;
         check("columns", columns, self.model.nv())?;
         centroidal_momentum_matrix(&self.mechanism, q, &mut self.workspace, columns);
+        Ok(())
+    }
+
+    /// Computes the centroidal composite inertia I into `columns`, world axes: I t is the momentum about the centre of mass of
+    /// all moving links as one rigid body with the twist t at the centre of mass (Orin, Goswami and Lee 2013; Pinocchio's `Ig`).
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn centroidal_composite_inertia(
+        &mut self,
+        q: &[S],
+        columns: &mut [Momentum<S>; 6],
+    ) -> Result<(), ShapeError> {
+        check("q", q, self.model.nq())?;
+        centroidal_composite_inertia(&self.mechanism, q, &mut self.workspace, columns);
         Ok(())
     }
 

@@ -54,8 +54,8 @@ impl<S: Scalar> Interpreter<S> {
         let layout =
             links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));
         let memory = steps.get_or_insert_with(|| StepWorkspace::new(mechanism));
-        let (state, rooms) = ((q, qd, tau, dt), (workspace, memory));
-        steps::step_semi_implicit_derivatives(mechanism, layout, state, rooms, outputs);
+        let (state, workspaces) = ((q, qd, tau, dt), (workspace, memory));
+        steps::step_semi_implicit_derivatives(mechanism, layout, state, workspaces, outputs);
         Ok(())
     }
 
@@ -94,8 +94,8 @@ impl<S: Scalar> Interpreter<S> {
         let layout =
             links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));
         let memory = runge_kutta.get_or_insert_with(|| RungeKuttaWorkspace::new(mechanism));
-        let (state, rooms) = ((q, qd, tau, dt), (workspace, memory));
-        steps::step_rk4_derivatives(mechanism, layout, state, rooms, outputs);
+        let (state, workspaces) = ((q, qd, tau, dt), (workspace, memory));
+        steps::step_rk4_derivatives(mechanism, layout, state, workspaces, outputs);
         Ok(())
     }
 
@@ -116,8 +116,8 @@ impl<S: Scalar> Interpreter<S> {
         self.check_step((q, qd, tau), (next_q, next_qd))?;
         let Self { mechanism, workspace, midpoint, .. } = self;
         let memory = midpoint.get_or_insert_with(|| MidpointWorkspace::new(mechanism));
-        let (state, rooms) = ((q, qd, tau, dt), (workspace, memory));
-        steps::step_implicit_midpoint(mechanism, state, rooms, (next_q, next_qd));
+        let (state, workspaces) = ((q, qd, tau, dt), (workspace, memory));
+        steps::step_implicit_midpoint(mechanism, state, workspaces, (next_q, next_qd));
         Ok(())
     }
 
@@ -136,8 +136,8 @@ impl<S: Scalar> Interpreter<S> {
         self.check_linear_step((q, qd, tau), &outputs)?;
         let Self { mechanism, workspace, midpoint, .. } = self;
         let memory = midpoint.get_or_insert_with(|| MidpointWorkspace::new(mechanism));
-        let (state, rooms) = ((q, qd, tau, dt), (workspace, memory));
-        steps::step_implicit_midpoint_derivatives(mechanism, state, rooms, outputs);
+        let (state, workspaces) = ((q, qd, tau, dt), (workspace, memory));
+        steps::step_implicit_midpoint_derivatives(mechanism, state, workspaces, outputs);
         Ok(())
     }
 

@@ -18,6 +18,7 @@ macro_rules! layouts {
             twist (Twist<T>) |_| Shape::twist();
             twists (Self::PerVelocity<Twist<T>>) |s| Shape::twist().columns(s.nv);
             momentum (Momentum<T>) |_| Shape::momentum();
+            inertia ([Momentum<T>; 6]) |_| Shape::momentum().columns(6);
             momenta (Self::PerVelocity<Momentum<T>>) |s| Shape::momentum().columns(s.nv);
             factors (Self::UduFactorization<T>) |s|
                 Shape::Record(Record::Factorization, vec![("factors", Shape::vector(s.factors))]);

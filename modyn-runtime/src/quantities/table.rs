@@ -454,6 +454,16 @@ macro_rules! quantities {
              "`{Self}` has no function `centroidal_momentum_matrix`"
              => |robot, [columns]| fill(columns, |columns| robot.centroidal_momentum_matrix(q, columns))?;
 
+            CentroidalCompositeInertia centroidal_composite_inertia / centroidal_composite_inertia_with(q) -> inertia as "inertia", [casadi],
+             "Returns the centroidal composite inertia, an array of columns. Its product with a twist is the momentum about the\n\
+             centre of mass, in world axes, of all moving links as one rigid body with this twist at the centre of mass.",
+             "`{Self}` has no function `centroidal_composite_inertia`"
+             => |robot, [columns]| {
+                        let mut six = [Momentum::zero(); 6];
+                        robot.centroidal_composite_inertia(q, &mut six)?;
+                        write(&six, columns);
+                    };
+
             CentroidalMomentum centroidal_momentum / centroidal_momentum_with(q, qd) -> momentum as "momentum", [casadi],
              "Returns the momentum of the moving links about their centre of mass, in world axes. Rotors have energy, but no\n\
              momentum: their axes are not described.",

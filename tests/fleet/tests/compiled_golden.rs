@@ -173,13 +173,18 @@ fn derivatives() {
         if !robot.spec.all {
             return;
         }
-        assert_close(name, values.other("qdd"), &state.vector("qdd"), TOLERANCE);
+        assert_close(
+            name,
+            values.other("forward_dynamics_derivatives.qdd"),
+            &state.vector("qdd"),
+            TOLERANCE,
+        );
         for (found, expected) in [
-            ("dtau_dq", "dtau_dq"),
-            ("dtau_dqd", "dtau_dv"),
-            ("dqdd_dq", "dqdd_dq"),
-            ("dqdd_dqd", "dqdd_dv"),
-            ("dqdd_dtau", "dqdd_dtau"),
+            ("inverse_dynamics_derivatives.dq", "dtau_dq"),
+            ("inverse_dynamics_derivatives.dqd", "dtau_dv"),
+            ("forward_dynamics_derivatives.dq", "dqdd_dq"),
+            ("forward_dynamics_derivatives.dqd", "dqdd_dv"),
+            ("forward_dynamics_derivatives.dtau", "dqdd_dtau"),
         ] {
             let what = format!("{name}: {found}");
             assert_close(&what, values.other(found), state.matrix(expected).as_slice(), TOLERANCE);

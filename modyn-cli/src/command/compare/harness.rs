@@ -109,7 +109,7 @@ impl Harness<'_> {
             let kept = temporary.map(TempDir::keep).unwrap_or(folder);
             let said = String::from_utf8_lossy(&output.stderr);
             let said: Vec<String> = said.lines().take(40).map(sanitize_for_display).collect();
-            return Err(Failure::No(format!(
+            return Err(Failure::Negative(format!(
                 "{}\nerror: {} does not compile the generated code, which is kept in {}\n\
                  help: it needs Rust {} or later; if that is so, please report this with the description",
                 said.join("\n"),
@@ -166,7 +166,7 @@ impl Program {
         })?;
         if !output.status.success() {
             let said = sanitize_for_display(String::from_utf8_lossy(&output.stderr).trim());
-            return Err(Failure::No(format!("error: the compiled program fails: {said}")));
+            return Err(Failure::Negative(format!("error: the compiled program fails: {said}")));
         }
         let mut numbers = output
             .stdout
@@ -175,7 +175,7 @@ impl Program {
         let mut next = || {
             numbers
                 .next()
-                .ok_or_else(|| Failure::No("error: the compiled program broke off".into()))
+                .ok_or_else(|| Failure::Negative("error: the compiled program broke off".into()))
         };
         let mut all = Vec::new();
         for _ in 0..self.functions {

@@ -156,7 +156,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(folder) = &arguments.keep {
         to_stderr(&format!("kept in {}\n", sanitize_for_display(&folder.display().to_string())));
     }
-    if rows.iter().all(Row::agrees) { Ok(()) } else { Err(Failure::Said) }
+    if rows.iter().all(Row::agrees) { Ok(()) } else { Err(Failure::Reported) }
 }
 
 impl Arguments {

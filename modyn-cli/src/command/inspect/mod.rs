@@ -77,7 +77,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
                 "diagnostics": diagnostics::to_json(found.as_slice()),
             });
             to_stdout(&format!("{refused:#}\n"))?;
-            return Err(Failure::Said);
+            return Err(Failure::Reported);
         }
         reading => reading.map_err(|found| description.failure(found))?,
     };

@@ -141,7 +141,7 @@ impl Motion {
             };
             let time = settings.step * i as f64;
             if !state.q.iter().chain(&state.qd).all(|x| x.is_finite()) {
-                return Err(Failure::No(format!(
+                return Err(Failure::Negative(format!(
                     "error: the motion leaves all bounds at {time:.4} s: take a smaller `--step`, or \
                      smaller torques"
                 )));
@@ -246,7 +246,7 @@ impl Dynamics<'_> {
             }
             control.step = control.step.min(duration);
             if control.step < SHORTEST * duration {
-                return Err(Failure::No(format!(
+                return Err(Failure::Negative(format!(
                     "error: the tolerance {:e} cannot be kept at {time:.4} s, not even by steps of {:.1e} s: the motion is \
                      stiff, leaves all bounds, or the tolerance is below rounding: take a larger `--tolerance`, or fixed \
                      steps by `--step`",
@@ -408,7 +408,7 @@ pub fn closed(
     });
     match open {
         None => Ok((q, qd)),
-        Some((_, constraint)) => Err(Failure::No(format!(
+        Some((_, constraint)) => Err(Failure::Negative(format!(
             "error: the loop of joint `{}` cannot be closed from where the robot starts: give coordinates near \
              closed ones by `--q`, or others by `--random`",
             sanitize_for_display(&constraint.name)

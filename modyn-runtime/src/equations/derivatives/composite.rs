@@ -31,7 +31,7 @@ fn parent_angular_velocity<S: Scalar, T: BodyTree<S>>(
 }
 
 /// Computes composite inertias, the velocity moments of the composites relative to their bodies, and
-/// twice the velocity of each body's origin relative to its parent (`levers`). Expects angular
+/// twice the velocity of each body's origin relative to its parent (`relative_velocities`). Expects angular
 /// velocities.
 ///
 /// A rigid body does not move relative to its own frame. Velocity moments therefore arise at the joints
@@ -74,7 +74,7 @@ pub(super) fn accumulate_composites<S: Scalar, T: BodyTree<S>>(
         if let Some(drift) = motion.origin_velocity(&rates) {
             lever += to_parent(drift + drift);
         }
-        workspace.levers[i] = lever;
+        workspace.relative_velocities[i] = lever;
     }
 }
 

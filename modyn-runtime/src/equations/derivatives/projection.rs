@@ -120,7 +120,7 @@ fn project_group<S: Scalar, T: BodyTree<S>>(
         }
         let (body, motion) = (&model.bodies[at], &workspace.motions[at]);
         let (Some(parent), Some(whole)) = (body.parent, &swept) else { break };
-        let carried = whole.carried(body, motion, workspace.levers[at]);
+        let carried = whole.carried(body, motion, workspace.relative_velocities[at]);
         swept = Some(SweepState::of(path.accumulate(at, parent, carried.numbers())));
         at = parent;
     }

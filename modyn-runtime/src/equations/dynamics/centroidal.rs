@@ -12,7 +12,7 @@ use crate::equations::Workspace;
 use crate::equations::kinematics::acceleration::parent_motion_at_joint;
 use crate::equations::kinematics::{center_of_mass, kinematic_path, total_mass};
 use crate::mechanism::Mechanism;
-use crate::spatial::{Field, Momentum, Twist, Vector3, Wrench};
+use crate::spatial::{Field, Momentum, RigidInertia, Twist, Vector3, Wrench};
 
 /// Computes the matrix A of h = A(q) qd into `columns`. Column k is the momentum at unit rate k, in
 /// world axes about the centre of mass.
@@ -24,7 +24,8 @@ pub fn centroidal_momentum_matrix<S: Scalar>(
 ) {
     workspace.move_to(model, q);
     columns.fill(Momentum::zero());
-    let center = accumulate_composites(model, workspace);
+    let center = accumulate_composites(model, workspace).first_moment;
+    let center = center.scale(total_mass(model).recip());
     for (i, body) in model.bodies.iter().enumerate() {
         kinematic_path::rotate_axes(model, i, workspace);
         let axes = kinematic_path::joint_axes(model, i, workspace);
@@ -46,16 +47,35 @@ pub fn centroidal_momentum_matrix<S: Scalar>(
     }
 }
 
+/// Computes the centroidal composite inertia I into `columns`: I t is the momentum about the centre of mass, in world axes, of
+/// all moving links as one rigid body with the twist t at the centre of mass (Orin, Goswami and Lee 2013, equation 22).
+pub fn centroidal_composite_inertia<S: Scalar>(
+    model: &Mechanism<S>,
+    q: &[S],
+    workspace: &mut Workspace<S>,
+    columns: &mut [Momentum<S>; 6],
+) {
+    workspace.move_to(model, q);
+    let mass = total_mass(model);
+    let total = RigidInertia { mass, ..accumulate_composites(model, workspace) };
+    let center = total.first_moment.scale(mass.recip());
+    let centroidal = RigidInertia { first_moment: Vector3::zero(), ..total.shifted(-center) };
+    for (k, column) in columns.iter_mut().enumerate() {
+        let Wrench { moment, force } = centroidal.column(k);
+        *column = Momentum { angular: moment, linear: force };
+    }
+}
+
 /// Computes composite inertias in the frame of each body's degrees of freedom: before the joint if the
-/// joint has an axis, after it otherwise. Returns the centre of mass in world axes.
+/// joint has an axis, after it otherwise. Returns the inertia of all moving links about the world's origin.
 fn accumulate_composites<S: Scalar>(
     model: &Mechanism<S>,
     workspace: &mut Workspace<S>,
-) -> Vector3<S> {
+) -> RigidInertia<S> {
     for (composite, body) in workspace.composite.iter_mut().zip(&model.bodies) {
         *composite = body.base_inertia;
     }
-    let mut first_moment = model.static_inertia.first_moment;
+    let mut total = model.static_inertia;
     for (i, body) in model.bodies.iter().enumerate().rev() {
         let at_joint = workspace.motions[i].rigid_to_parent(&workspace.composite[i]);
         if body.elementary_joint.has_axis() {
@@ -64,10 +84,10 @@ fn accumulate_composites<S: Scalar>(
         let carried = body.placement.rigid_to_parent(&at_joint);
         match body.parent {
             Some(parent) => workspace.composite[parent] = workspace.composite[parent] + carried,
-            None => first_moment += carried.first_moment,
+            None => total = total + carried,
         }
     }
-    first_moment.scale(total_mass(model).recip())
+    total
 }
 
 /// Returns the momentum h of the moving links about their centre of mass, in world axes, kg m^2/s and

@@ -207,7 +207,7 @@ pub(super) fn accelerate<S: Scalar, T: BodyTree<S>>(
         if let Some(carried) = &carried {
             let force = (0..6)
                 .filter(|&row| subspace[row].is_none())
-                .map(|row| workspace.gains[row][d] * carried.components()[row])
+                .map(|row| workspace.scaled_psi[row][d] * carried.components()[row])
                 .reduce(|sum, x| sum + x);
             qdd[d] = force.map_or(qdd[d], |force| qdd[d] - force);
         }
@@ -252,7 +252,8 @@ fn remaining_wrench<S: Scalar>(
             *entry = torque(d);
             continue;
         }
-        let shares = block.dofs.clone().map(|d| workspace.gains[row][d] * workspace.torques[d]);
+        let shares =
+            block.dofs.clone().map(|d| workspace.scaled_psi[row][d] * workspace.torques[d]);
         if let Some(share) = shares.reduce(|sum, x| sum + x) {
             *entry = *entry + share;
         }

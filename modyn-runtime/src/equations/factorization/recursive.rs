@@ -99,7 +99,7 @@ pub(in crate::equations) fn motion_subspace<S: Scalar>(
     subspace
 }
 
-/// Replaces the columns Psi by V^-1 Psi^T, and computes `gains` = Psi V^-T Delta^-1. Both are stored by
+/// Replaces the columns Psi by V^-1 Psi^T, and computes `scaled_psi` = Psi V^-T Delta^-1. Both are stored by
 /// rows; rows of the motion subspace are skipped. Expects the factorized pivot block.
 pub(in crate::equations) fn reduce_columns<S: Scalar>(
     model: &Mechanism<S>,
@@ -111,7 +111,7 @@ pub(in crate::equations) fn reduce_columns<S: Scalar>(
     for row in (0..6).filter(|&row| subspace[row].is_none()) {
         solve_upper(v, &mut workspace.columns[row][block.dofs.clone()]);
         for d in block.dofs.clone() {
-            workspace.gains[row][d] = workspace.columns[row][d] * workspace.reciprocals[d];
+            workspace.scaled_psi[row][d] = workspace.columns[row][d] * workspace.reciprocals[d];
         }
     }
 }
@@ -137,7 +137,7 @@ pub(in crate::equations) fn eliminate<S: Scalar, T: BodyTree<S>>(
         let taken = block
             .dofs
             .clone()
-            .map(|d| workspace.columns[row][d] * workspace.gains[column][d])
+            .map(|d| workspace.columns[row][d] * workspace.scaled_psi[column][d])
             .reduce(|sum, x| sum + x);
         taken.map_or(whole.entry(row, column), |taken| whole.entry(row, column) - taken)
     });
@@ -187,7 +187,7 @@ pub(in crate::equations) fn factorize_tree<S: Scalar, T: BodyTree<S>>(
         finish_gains(model, block, workspace);
         for (j, d) in block.dofs.clone().enumerate() {
             let mut wrench =
-                Wrench::from_components(core::array::from_fn(|row| workspace.gains[row][d]));
+                Wrench::from_components(core::array::from_fn(|row| workspace.scaled_psi[row][d]));
             let (mut at, mut path) = (first, RootwardAccumulator::new(tree));
             for (other, row) in layout.rows(m).rev() {
                 while at != model.dofs[other].body {
@@ -205,7 +205,7 @@ pub(in crate::equations) fn factorize_tree<S: Scalar, T: BodyTree<S>>(
     }
 }
 
-/// Replaces the gains Psi V^-T Delta^-1 by Psi I_hat^-1, all six rows.
+/// Replaces the scaled_psi Psi V^-T Delta^-1 by Psi I_hat^-1, all six rows.
 fn finish_gains<S: Scalar>(
     model: &Mechanism<S>,
     block: &ModuleBlock,
@@ -213,13 +213,13 @@ fn finish_gains<S: Scalar>(
 ) {
     let subspace = motion_subspace(model, block);
     for (row, free) in subspace.into_iter().enumerate() {
-        let gains = &mut workspace.gains[row][block.dofs.clone()];
+        let scaled_psi = &mut workspace.scaled_psi[row][block.dofs.clone()];
         if let Some(d) = free {
             // Psi's row along a component of the motion subspace is a row of I_hat itself.
-            gains.fill(S::zero());
-            gains[d - block.dofs.start] = S::one();
+            scaled_psi.fill(S::zero());
+            scaled_psi[d - block.dofs.start] = S::one();
         } else {
-            solve_lower(factor(block, &workspace.pivots), gains);
+            solve_lower(factor(block, &workspace.pivots), scaled_psi);
         }
     }
 }
