@@ -216,6 +216,8 @@ fn good_files_are_read_with_exactly_the_marked_warnings() {
         Code::InactiveFriction,
         Code::MissingInertial,
         Code::ImplausibleMass,
+        Code::RepeatedElement,
+        Code::UnknownParent,
     ] {
         assert!(seen.contains(&code), "no file in good/ for {code}");
     }

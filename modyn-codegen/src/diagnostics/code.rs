@@ -218,7 +218,7 @@ codes! {
         mass. A point mass has an inertia of zeros.",
     /// A moving body has rotational inertia but no mass.
     InertiaWithoutMass = "inertia-without-mass":
-        "Give the link its mass, or remove its inertia.",
+        "Give the link its mass, or remove its inertia. `unphysical_inertia = warn` accepts it.",
     /// The rotational inertia of a moving body is not positive semidefinite.
     IndefiniteInertia = "indefinite-inertia":
         "Check the signs of `ixy`, `ixz`, `iyz` and the units (kg m^2), and that the inertia \

@@ -127,6 +127,33 @@ pub fn parse<'t>(
     None
 }
 
+/// Returns the text with `<prefix:name>` replaced by `<prefix_name>` for prefixes that are not declared, so that offsets do
+/// not change; `None` if all are declared. Such elements are extensions, which readers of URDF ignore.
+pub fn without_undeclared_prefixes(text: &str) -> Option<String> {
+    let is_name = |c: char| c.is_alphanumeric() || "_-.".contains(c);
+    let mut prefixes = std::collections::BTreeMap::new();
+    let mut places = Vec::new();
+    for (at, _) in text.match_indices('<') {
+        let start = at + 1 + usize::from(text[at + 1..].starts_with('/'));
+        let rest = &text[start..];
+        let end = rest.find(|c| !is_name(c)).unwrap_or(rest.len());
+        let prefix = &rest[..end];
+        if end == 0 || !rest[end..].starts_with(':') || prefix == "xacro" {
+            continue;
+        }
+        let declared = || text.contains(&format!("xmlns:{prefix}"));
+        if !*prefixes.entry(prefix).or_insert_with(declared) {
+            places.push(start + end);
+        }
+    }
+    if places.is_empty() {
+        return None;
+    }
+    let mut bytes = text.as_bytes().to_vec();
+    places.into_iter().for_each(|colon| bytes[colon] = b'_');
+    String::from_utf8(bytes).ok()
+}
+
 /// Returns the name of the first element, without parsing the text; `None` if there is no element.
 pub fn first_element(text: &str) -> Option<&str> {
     let mut rest = text;

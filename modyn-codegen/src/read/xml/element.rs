@@ -80,7 +80,7 @@ impl<'a> Elements<'a, '_, '_, '_> {
         node.children().filter(move |child| is(root, *child, name))
     }
 
-    /// Returns the child element of this name; several are an error.
+    /// Returns the child element of this name; several are an error, or a warning if they are axes.
     pub fn single<'t>(
         &mut self,
         node: Node<'a, 't>,
@@ -93,9 +93,14 @@ impl<'a> Elements<'a, '_, '_, '_> {
         };
         if let (Some(first), Some(second)) = (first, second) {
             let line = self.report.position(first.range().start).line;
-            let message = format!("a second `<{name}>`; the first is in line {line}");
-            let help = "keep one of them";
-            self.report.error(Code::RepeatedElement, second.range().start, subject, message, help);
+            let (severity, counts) = match name {
+                // Other readers take the first axis without a word.
+                "axis" => (Severity::Warning, ", which counts"),
+                _ => (Severity::Error, ""),
+            };
+            let message = format!("a second `<{name}>`; the first is in line {line}{counts}");
+            let (code, at) = (Code::RepeatedElement, second.range().start);
+            self.report.add(severity, code, at, subject, message, "keep one of them");
         }
         first
     }
