@@ -1,13 +1,11 @@
 //! The builder: from a description and options to text. The macro, build scripts and the command line use it.
 
 mod build_script;
-mod checks;
+pub(crate) mod checks;
 mod file;
 mod object;
 mod source;
-mod syntax;
-#[cfg(test)]
-mod tests;
+pub(crate) mod syntax;
 
 use std::path::PathBuf;
 

@@ -44,3 +44,34 @@ pub use plan::{CodeForm, Function};
 #[cfg(feature = "mjcf")]
 pub use read::read_mjcf;
 pub use read::{Format, Reading, expand_xacro, read, read_urdf};
+
+/// Parts that the tests of this crate reach, besides the public interface. They may change in any release.
+///
+/// The tests are another crate, so that the compiler is built once for all tests.
+#[doc(hidden)]
+pub mod internals {
+    pub use crate::assemble::cycles::cycles;
+    pub use crate::builder::checks::invalid_programs;
+    pub use crate::builder::syntax::{is_path, is_visibility};
+    pub use crate::check::check_model;
+    pub use crate::check::singular::{
+        CONFIGURATIONS, UNITS, Vec3, articulated, coordinates, motions, rotation, singular_joints,
+    };
+    pub use crate::diagnostics::line_index::LineIndex;
+    pub use crate::diagnostics::report::Report;
+    pub use crate::emit::rust::embedded::in_any_edition;
+    pub use crate::emit::rust::function::operations::literal;
+    pub use crate::emit::rust::layout::indented;
+    pub use crate::graph::table::{Table, hash};
+    pub use crate::names::KEYWORDS;
+    pub use crate::passes::balance::ready_times;
+    pub use crate::passes::factor::factor;
+    pub use crate::plan::strategy::Strategy;
+    pub use crate::program::argument_of;
+    pub use crate::read::file::{not_text, read_at_most};
+    pub use crate::read::xml::document::{blank_comments, first_element};
+    pub use crate::read::xml::limits::MAX_BYTES;
+    pub use crate::read::xml::numbers::numbers;
+    pub use crate::size::{Selected, estimate, too_large};
+    pub use crate::trace::limbs::groups::{groups, join};
+}

@@ -29,5 +29,6 @@ mod self_contained;
 mod single_precision;
 mod singular;
 mod type_page;
+mod units;
 mod user_functions;
 mod xacro;

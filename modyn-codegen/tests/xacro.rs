@@ -246,3 +246,111 @@ fn packages_are_those_of_the_option_first() {
     }
     let _ = std::fs::remove_dir_all(root);
 }
+
+/// Returns the value of an expression, as text.
+fn value(expression: &str) -> String {
+    let text = format!("<robot name='r'><a b=\"{expression}\"/></robot>");
+    let found = expand_xacro(&text, "r.xacro", &ReadOptions::default());
+    let (expanded, _) = found.unwrap_or_else(|found| panic!("{expression}: {found}"));
+    let document = roxmltree::Document::parse(&expanded).expect("XML");
+    let element = document.root_element().first_element_child().expect("an element");
+    element.attribute("b").expect("an attribute").into()
+}
+
+#[test]
+fn numbers_have_the_texts_of_python() {
+    for (expression, text) in [
+        ("-0.0", "-0.0"),
+        ("0.1 + 0.2", "0.30000000000000004"),
+        ("1e-4", "0.0001"),
+        ("1.5e-5", "1.5e-05"),
+        ("1e15", "1000000000000000.0"),
+        ("1e16", "1e+16"),
+        ("1.25e-100", "1.25e-100"),
+        ("-inf", "-inf"),
+        ("[1, True, None, (2.0,)]", "[1, True, None, (2.0,)]"),
+    ] {
+        assert_eq!(value(&format!("${{{expression}}}")), text);
+    }
+    assert_eq!(value("a$${b} $c$$d"), "a${b} $c$$d");
+}
+
+#[test]
+fn wrong_expressions_are_refused() {
+    for (expression, reason) in [
+        ("1000\u{e9}.0", "`1000\u{e9}` is not a number"),
+        ("a b", "unexpected `b`"),
+        ("(1", "expected `)`, found the end"),
+        ("'a", "a text is not closed by '"),
+        ("f'a'", "texts with a prefix are not supported"),
+        ("99999999999999999999", "the integer `99999999999999999999` is too large"),
+        ("1 if 2", "expected `else`, found the end"),
+        ("[1, 2", "expected `]`, found the end"),
+        ("", "the expression is not complete"),
+        ("1 / 0", "division by zero"),
+        ("acos(2)", "`math.acos` of 2.0 is not defined"),
+        ("[1][1]", "there is no item 1 of 1"),
+        ("1 < 'a'", "of an integer and a text"),
+    ] {
+        let found = refused(&format!("<a b=\"${{{}}}\"/>", expression.replace('<', "&lt;")));
+        assert!(found.contains(reason), "{expression}: {found}");
+    }
+}
+
+/// Returns the value of a YAML, as text, or the error.
+fn yaml(name: &str, content: &str) -> String {
+    let root = files(name, &[("a.yaml", content)]);
+    let options = ReadOptions { folder: Some(root.clone()), ..ReadOptions::default() };
+    let text = "<robot name='r'><a>${xacro.load_yaml('a.yaml')}</a></robot>";
+    let found = expand_xacro(text, "r.xacro", &options);
+    let _ = std::fs::remove_dir_all(root);
+    match found {
+        Ok((expanded, _)) => {
+            let document = roxmltree::Document::parse(&expanded).expect("XML");
+            document
+                .root_element()
+                .first_element_child()
+                .and_then(|a| a.text())
+                .unwrap_or("")
+                .into()
+        }
+        Err(found) => found.to_string(),
+    }
+}
+
+/// The expected texts are those of Python's reader of YAML.
+#[test]
+fn yaml_has_the_types_of_yaml() {
+    for (content, shown) in [
+        (
+            "a: 1\nb: [1.5, x, {y: 2, z: 'q'}] # c\n\nc:\n  d: yes\n  e:\n  - 010\n  - - 1\n    - 2\n  - f: 1\n    g: ~\n",
+            "{'a': 1, 'b': [1.5, 'x', {'y': 2, 'z': 'q'}], 'c': {'d': True, 'e': [8, [1, 2], {'f': 1, 'g': None}]}}",
+        ),
+        (
+            "x: 1e3\ny: 1.0e+3\nz: .5\nw: 1:2\nv: 0x1F",
+            "{'x': '1e3', 'y': 1000.0, 'z': 0.5, 'w': '1:2', 'v': 31}",
+        ),
+        ("a: \"b # c\"\n'd e': [1,\n  2]", "{'a': 'b # c', 'd e': [1, 2]}"),
+        ("{\"a\": [true, null], \"b\": \"\\\"\"}", "{'a': [True, None], 'b': '\"'}"),
+        ("limit: !degrees  180.0", "{'limit': 3.141592653589793}"),
+        ("# nothing\n", "None"),
+        (
+            "a: &x\n  b: 1\nc: *x\nd:\n  <<: *x\n  e: 2\nf: &y 3\ng: [*y]",
+            "{'a': {'b': 1}, 'c': {'b': 1}, 'd': {'b': 1, 'e': 2}, 'f': 3, 'g': [3]}",
+        ),
+    ] {
+        assert_eq!(yaml("yaml", content), shown);
+    }
+    for (content, reason) in [
+        ("a: 1\nb: *x", "a.yaml:2: there is no `&x`"),
+        ("a: |\n  text", "a.yaml:1: `|` is not supported"),
+        ("a: 1\n  b: 2", "a.yaml:2: this line does not belong"),
+        ("a: [1, 2", "expected `,` or `]`"),
+        (&"[".repeat(1000), "nested more than"),
+        (&"- ".repeat(1000), "nested more than"),
+        ("a: !unknown 1", "the tag `!unknown`"),
+    ] {
+        let found = yaml("bad-yaml", content);
+        assert!(found.contains(reason), "{content}: {found}");
+    }
+}

@@ -2,8 +2,8 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use modyn::batch::{SimdLevel, force_level};
 use modyn_runtime::Scalar;
+use modyn_runtime::batch::{SimdLevel, force_level};
 
 /// Locks the SIMD level, which belongs to the process, so that one test at a time changes it.
 pub fn alone() -> MutexGuard<'static, ()> {

@@ -1,4 +1,5 @@
-//! The cost of the tests, as far as it can be counted: each file of tests is part of a binary, and there are few binaries.
+//! The cost of the tests, as far as it can be counted: each file of tests is part of a binary, there are few binaries, and Cargo
+//! builds the compiler in few configurations. `.ci/run` counts the builds of all workspaces.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -22,6 +23,59 @@ fn tested() -> Vec<PathBuf> {
         packages.iter().flat_map(|package| package["targets"].as_array().expect("a list"));
     let tested = targets.filter(|target| target["test"] == true);
     tested.map(|target| target["src_path"].as_str().expect("a path").into()).collect()
+}
+
+/// Returns how often a command of Cargo builds the compiler, in different configurations: with other features, profiles or
+/// processors.
+fn builds_of_the_compiler(command: &str) -> usize {
+    let output = Command::new(env!("CARGO"))
+        .args(command.split(' '))
+        .args(["--offline", "--unit-graph", "-Zunstable-options"])
+        .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(".."))
+        // The graph is an unstable option of Cargo.
+        .env("RUSTC_BOOTSTRAP", "1")
+        .output()
+        .expect("Cargo runs");
+    let graph: Value = serde_json::from_slice(&output.stdout)
+        .unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+    let units = graph["units"].as_array().expect("a list").iter();
+    let is_build = |unit: &&Value| {
+        unit["target"]["name"] == "modyn_codegen"
+            && (unit["mode"] == "build" || unit["mode"] == "test")
+    };
+    units.filter(is_build).count()
+}
+
+/// The compiler of the macro, of build scripts and of tests is one, and has no unit tests, which would be another build of it.
+#[test]
+fn the_compiler_is_built_once() {
+    for command in [
+        "test --workspace",
+        "test --workspace --features modyn-fleet/whole",
+        "test -p modyn-tests",
+        "test -p modyn-jit",
+        "test -p modyn-cli",
+        "test -p modyn-codegen",
+        "build --release --example gripper",
+    ] {
+        assert_eq!(builds_of_the_compiler(command), 1, "cargo {command}");
+    }
+    // Without such a build, a unit test would never run.
+    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("../modyn-codegen/src")];
+    let mut files = 0;
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(&folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                let text = fs::read_to_string(&path).expect("a file");
+                assert!(!text.contains("#[test]"), "{}: tests are in tests/units", path.display());
+                files += 1;
+            }
+        }
+    }
+    assert!(files > 100, "{files}");
 }
 
 #[test]

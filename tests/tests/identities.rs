@@ -440,7 +440,7 @@ proptest! {
         close("gravity", &interpreter.gravity(&q), &naive.inverse_dynamics(&rest, &rest));
         close("T", &[interpreter.kinetic(&q, &qd)], &[naive.kinetic_energy(&qd)]);
         close("V", &[interpreter.potential(&q)], &[naive.potential_energy()]);
-        let inertia = interpreted(&mut interpreter, Function::CentroidalCompositeInertia, &[q.clone()]);
+        let inertia = interpreted(&mut interpreter, Function::CentroidalCompositeInertia, std::slice::from_ref(&q));
         close("I", &inertia, naive.centroidal_composite_inertia().as_slice());
     }
 

@@ -2,6 +2,7 @@
 //! `modyn` as Cargo has built it, so that nothing is built for them. `MODYN_UI=overwrite` renews the expected messages.
 
 use std::ffi::OsString;
+use std::fs::DirEntry;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -9,7 +10,6 @@ use std::sync::{Mutex, OnceLock};
 use std::{env, fs, thread};
 
 use modyn_codegen::diagnostics::Code;
-use serde_json::Value;
 
 /// The kinds of diagnostics that no input of the macro causes, and those that are only warnings.
 const ELSEWHERE: &[Code] = &[
@@ -44,28 +44,19 @@ fn cases(folder: &Path) -> Vec<PathBuf> {
     cases
 }
 
-/// Returns the compiled crate `modyn`, from the Cargo and the target folder of the tests themselves.
+/// Returns the compiled crate `modyn`, which Cargo has built for these tests. Builds of other features can be beside it: the
+/// last one is that of this run, or has the same sources.
 fn modyn() -> &'static Path {
     static ONCE: OnceLock<PathBuf> = OnceLock::new();
     ONCE.get_or_init(|| {
-        let target = Path::new(env!("CARGO_TARGET_TMPDIR")).parent().expect("the target folder");
-        let output = Command::new(env!("CARGO"))
-            .current_dir(folder())
-            .args(["build", "-p", "modyn", "--offline", "--message-format=json"])
-            .arg("--target-dir")
-            .arg(target)
-            .output()
-            .expect("Cargo runs");
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        let messages = String::from_utf8(output.stdout).expect("JSON");
-        let libraries = messages.lines().filter_map(|line| {
-            let message: Value = serde_json::from_str(line).expect("JSON");
-            (message["target"]["name"] == "modyn").then(|| message["filenames"].clone())
-        });
-        let files: Vec<Value> =
-            libraries.filter_map(|files| files.as_array().cloned()).flatten().collect();
-        let mut files = files.iter().filter_map(Value::as_str).map(PathBuf::from);
-        files.find(|file| file.extension().is_some_and(|end| end == "rlib")).expect("a library")
+        let own = env::current_exe().expect("a path");
+        let files = fs::read_dir(own.parent().expect("a folder")).expect("a folder");
+        let files = files.map(|file| file.expect("an entry"));
+        let is_modyn = |name: &str| name.starts_with("libmodyn-") && name.ends_with(".rlib");
+        let built = files.filter(|file| is_modyn(&file.file_name().to_string_lossy()));
+        let time =
+            |file: &DirEntry| file.metadata().and_then(|data| data.modified()).expect("a time");
+        built.max_by_key(time).expect("a library").path()
     })
 }
 
@@ -75,7 +66,7 @@ fn rustc(case: &Path) -> Command {
     let mut library = OsString::from("modyn=");
     library.push(modyn());
     let mut dependencies = OsString::from("dependency=");
-    dependencies.push(modyn().parent().expect("a folder").join("deps"));
+    dependencies.push(modyn().parent().expect("a folder"));
     let mut command = Command::new(rustc);
     command
         .current_dir(folder())

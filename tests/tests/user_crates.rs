@@ -79,7 +79,6 @@ fn without_the_standard_library() {
     succeeds(&folder, "build");
     if has("rustup", &["target", "list", "--installed"], FIRMWARE) {
         succeeds(&folder, &format!("build --target {FIRMWARE}"));
-        succeeds(&folder, &format!("build --release --target {FIRMWARE}"));
     }
 }
 

@@ -9,7 +9,7 @@
 
 mod bodies;
 mod contacts;
-mod cycles;
+pub(crate) mod cycles;
 mod loops;
 mod mimics;
 mod rotors;

@@ -192,7 +192,7 @@ pub(super) fn without_casadi_form(selected: &[Function]) -> Option<Diagnostic> {
 }
 
 /// Returns a warning for each function whose packed program is invalid.
-pub(super) fn invalid_programs(plan: &Plan) -> impl Iterator<Item = Diagnostic> {
+pub fn invalid_programs(plan: &Plan) -> impl Iterator<Item = Diagnostic> {
     plan.faults().map(|(name, fault)| {
         let message =
             format!("`{name}` is computed on scalars: its packed program is invalid ({})", fault.rule);

@@ -9,7 +9,7 @@ pub(super) fn is_c_prefix(name: &str) -> bool {
 }
 
 /// Returns whether a text is a visibility in Rust; nothing is private.
-pub(super) fn is_visibility(text: &str) -> bool {
+pub fn is_visibility(text: &str) -> bool {
     let text = text.trim();
     let Some(rest) = text.strip_prefix("pub").map(str::trim) else { return text.is_empty() };
     let inside = rest.strip_prefix('(').and_then(|rest| rest.strip_suffix(')')).map(str::trim);
@@ -25,7 +25,7 @@ pub(super) fn is_visibility(text: &str) -> bool {
 }
 
 /// Returns whether a text is the path of a module that `use .. as` accepts.
-pub(super) fn is_path(text: &str) -> bool {
+pub fn is_path(text: &str) -> bool {
     let text = text.trim();
     let (global, path) = text.strip_prefix("::").map_or((false, text), |path| (true, path));
     let segments: Vec<&str> = path.split("::").map(str::trim).collect();
@@ -57,95 +57,4 @@ fn is_identifier(text: &str) -> bool {
         None => names::KEYWORDS.contains(&name),
     };
     first && letters.all(unicode_ident::is_xid_continue) && name != "_" && !keyword
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn visibilities_and_paths_are_checked() {
-        for good in ["", " ", "pub", "pub(crate)", "pub ( in crate :: robots )", "pub(super)"] {
-            assert!(is_visibility(good), "{good}");
-        }
-        for bad in ["public", "pub struct X; pub", "crate", "pub()", "pub(in)", "pub(in 1)", "pub("]
-        {
-            assert!(!is_visibility(bad), "{bad}");
-        }
-        for good in ["pub(in self)", "pub(in super::super)", "pub(in crate)", "pub(in super::a)"] {
-            assert!(is_visibility(good), "{good}");
-        }
-        for bad in ["pub(in a)", "pub(in ::a)", "pub(in crate::fn)", "pub(in Self)"] {
-            assert!(!is_visibility(bad), "{bad}");
-        }
-    }
-
-    /// Accepted paths compile as imports, and paths that do not compile are rejected.
-    #[test]
-    fn paths_are_those_that_can_be_imported() {
-        let good = [
-            "::modyn",
-            "modyn",
-            "crate::a::b",
-            ":: a :: r#b",
-            "self::a",
-            "super::super::a",
-            "crate",
-            "self::super::a",
-            "r#fn::a",
-            "union::auto",
-            "\u{e9}t\u{e9}",
-            "a::_b",
-            "::r#gen",
-        ];
-        for path in good {
-            assert!(is_path(path), "{path}");
-            syn::parse_str::<syn::ItemUse>(&format!("use {path} as __modyn;")).expect(path);
-        }
-        let bad = [
-            "",
-            "::",
-            "a::",
-            "a b",
-            "a; b",
-            "a-b",
-            "1a",
-            "a::crate",
-            "_",
-            "a::<b>",
-            "$crate",
-            "fn",
-            "a::fn",
-            "::fn::a",
-            "self",
-            "super",
-            "a::self",
-            "a::super::b",
-            "::crate",
-            "::self::a",
-            "::super",
-            "Self",
-            "Self::a",
-            "crate::self::a",
-            "r#crate",
-            "r#self::a",
-            "r#_",
-            "gen",
-            "a::dyn::b",
-            "\u{24b6}",
-            "a\u{b2}",
-            "a::::b",
-            "super::crate",
-            "r#",
-            "r# a",
-            "a as b",
-        ];
-        for path in bad {
-            assert!(!is_path(path), "{path}");
-        }
-        let keywords = names::KEYWORDS.iter().filter(|&&word| word != "crate");
-        for word in keywords {
-            assert!(!is_path(word) && !is_path(&format!("a::{word}")), "{word}");
-        }
-    }
 }

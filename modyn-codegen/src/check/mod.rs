@@ -5,7 +5,7 @@ mod conditioning;
 pub mod inertia;
 pub mod motion;
 mod options;
-mod singular;
+pub(crate) mod singular;
 
 pub(crate) use conditioning::warning as conditioning_warning;
 pub use conditioning::{MAX_CONDITION_F32, condition_number};
@@ -127,54 +127,4 @@ pub fn check_model(model: &Model, unphysical: Severity) -> Result<Vec<Diagnostic
     let found = report.finish().into_iter().chain(gravity_error(model.gravity()));
     let found = Diagnostics::new(found.chain(friction_error(model.friction())).collect());
     if found.has_errors() { Err(found) } else { Ok(found.into_vec()) }
-}
-
-#[cfg(test)]
-mod tests {
-    use modyn_runtime::joint::JointType;
-    use modyn_runtime::model::{DEFAULT_GRAVITY, Inertial, Joint, JointDynamics, Link, Mimic};
-    use modyn_runtime::spatial::Pose;
-
-    use super::*;
-
-    /// Returns the codes of two bodies on the world, the first changed by `change`.
-    fn codes(change: impl Fn(&mut Link)) -> Vec<Code> {
-        let body =
-            Inertial { mass: 1.0, inertia: [1.0, 0.0, 0.0, 1.0, 0.0, 1.0], ..Inertial::default() };
-        let link = |i: usize| Link {
-            name: format!("l{i}"),
-            parent: None,
-            joint: Joint::new(
-                format!("j{i}"),
-                JointType::Revolute,
-                [0.0, 0.0, 1.0],
-                Pose::identity(),
-            ),
-            inertial: body,
-        };
-        let mut links = vec![link(0), link(1)];
-        change(&mut links[0]);
-        let model = Model::new("r", DEFAULT_GRAVITY, links, Vec::new()).expect("valid");
-        let warnings = check_model(&model, Severity::Error);
-        let found = warnings.unwrap_or_else(Diagnostics::into_vec);
-        found.iter().map(|found| found.code).collect()
-    }
-
-    #[test]
-    fn joints_are_checked_as_in_a_description() {
-        let mimic = |multiplier, offset| Some(Mimic { leader: 1, multiplier, offset });
-        assert_eq!(codes(|link| link.joint.mimic = mimic(-2.0, 1.0)), []);
-        assert_eq!(codes(|link| link.joint.mimic = mimic(1e70, 0.0)), [Code::NotFinite]);
-        assert_eq!(codes(|link| link.joint.mimic = mimic(1.0, -1e70)), [Code::NotFinite]);
-        let damped = |damping| JointDynamics { damping, ..JointDynamics::default() };
-        assert_eq!(codes(|link| link.joint.dynamics = damped(2.0)), []);
-        assert_eq!(codes(|link| link.joint.dynamics = damped(1e70)), [Code::NotFinite]);
-        assert_eq!(codes(|link| link.joint.joint_type = JointType::Floating), []);
-        let tip = |joint_type| {
-            codes(|link| (link.inertial, link.joint.joint_type) = (Inertial::default(), joint_type))
-        };
-        for joint_type in [JointType::Universal, JointType::Planar, JointType::Spherical] {
-            assert_eq!(tip(joint_type), [Code::SingularJoint]);
-        }
-    }
 }

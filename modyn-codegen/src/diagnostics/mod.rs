@@ -4,8 +4,8 @@ mod code;
 mod diagnostic;
 mod display;
 mod expansion;
-mod line_index;
-mod report;
+pub(crate) mod line_index;
+pub(crate) mod report;
 mod suggest;
 
 pub use code::Code;

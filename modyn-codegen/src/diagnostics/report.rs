@@ -230,30 +230,3 @@ impl<'a> Report<'a> {
         self.diagnostics
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_place_is_in_its_own_file() {
-        let mut report = Report::new("a\nb", "main.xml");
-        let second = report.add_file("empty.xml", "");
-        let third = report.add_file("part.xml", "\n  c");
-        for (offset, file, line, column) in [
-            (0, "main.xml", 1, 1),
-            (2, "main.xml", 2, 1),
-            (3, "main.xml", 2, 2),
-            (second, "empty.xml", 1, 1),
-            (third, "part.xml", 1, 1),
-            (third + 3, "part.xml", 2, 3),
-        ] {
-            report.error(Code::Option, offset, None, "m", "h");
-            let found = report.diagnostics.pop().expect("it was added");
-            let position = found.position.map(|at| (at.line, at.column));
-            assert_eq!((found.file.as_deref(), position), (Some(file), Some((line, column))));
-        }
-        report.error(Code::Option, None, None, "m", "h");
-        assert_eq!(report.finish()[0].file.as_deref(), Some("main.xml"));
-    }
-}

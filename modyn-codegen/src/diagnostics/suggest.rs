@@ -51,16 +51,3 @@ fn distance(a: &[char], b: &[char]) -> usize {
     }
     row[b.len()]
 }
-
-#[cfg(test)]
-mod tests {
-    use super::suggest;
-
-    #[test]
-    fn a_letter_or_two() {
-        assert_eq!(suggest("orgin", ["axis", "origin"]), Some("origin"));
-        assert_eq!(suggest("Axis", ["origin", "axis"]), Some("axis"));
-        assert_eq!(suggest("sensor", ["origin", "axis"]), None);
-        assert_eq!(suggest("", ["origin", ""]), Some(""));
-    }
-}

@@ -3,7 +3,7 @@
 mod c;
 mod casadi;
 mod gpu;
-mod rust;
+pub(crate) mod rust;
 mod support;
 
 pub use c::CSource;

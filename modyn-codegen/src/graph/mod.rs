@@ -10,7 +10,7 @@ mod count;
 mod evaluate;
 mod node;
 mod scalar;
-mod table;
+pub(crate) mod table;
 mod vectors;
 
 pub use arena::Graph;

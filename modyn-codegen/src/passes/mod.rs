@@ -1,10 +1,10 @@
 //! The passes: rewrites of whole graphs, one file for each, in the order of this list. `differentiate` makes graphs of
 //! products with derivatives, `directions` those along several directions in lanes, `jacobian` graphs of whole matrices. `balance` is for functions that are not long, which the plan decides.
 
-mod balance;
+pub(crate) mod balance;
 mod differentiate;
 mod directions;
-mod factor;
+pub(crate) mod factor;
 mod jacobian;
 
 use crate::graph::Graph;

@@ -20,7 +20,7 @@ mod packing;
 pub mod partition;
 mod planned;
 mod programs;
-mod strategy;
+pub(crate) mod strategy;
 mod tracing;
 mod user;
 mod wrapped;

@@ -42,7 +42,7 @@ pub enum CodeForm {
 
 /// The way equal limbs and columns of one state are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Strategy {
+pub enum Strategy {
     /// One after the other.
     Scalar,
     /// By one routine, with a table of constants for each limb.

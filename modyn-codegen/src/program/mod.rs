@@ -26,7 +26,7 @@ mod validate;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-pub(crate) use places::argument_of;
+pub use places::argument_of;
 pub use recursion::{Places, Read, Recursion, Run, Step, Sweep, Write};
 pub use validate::InvalidProgram;
 

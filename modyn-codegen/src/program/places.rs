@@ -7,7 +7,7 @@ use super::{Program, Value};
 /// # Errors
 ///
 /// If these arguments have fewer scalars: its index among the scalars after them.
-pub(crate) fn argument_of(
+pub fn argument_of(
     number: usize,
     lengths: impl IntoIterator<Item = usize>,
 ) -> Result<(usize, usize), usize> {
@@ -31,16 +31,5 @@ impl Program {
         let key = |value: &Value| (self.statements[value.statement].lanes, *value);
         let passed_on = &self.chunks.get(chunk)?.live_out;
         Some((chunk, passed_on.binary_search_by_key(&key(&value), key).ok()?))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::argument_of;
-
-    #[test]
-    fn scalars_are_counted_over_all_arguments() {
-        let places: Vec<_> = (0..5).map(|number| argument_of(number, [1, 0, 2])).collect();
-        assert_eq!(places, [Ok((0, 0)), Ok((2, 0)), Ok((2, 1)), Err(0), Err(1)]);
     }
 }

@@ -13,7 +13,7 @@ mod mjcf;
 mod packages;
 mod urdf;
 mod xacro;
-mod xml;
+pub(crate) mod xml;
 
 use std::path::PathBuf;
 
@@ -238,32 +238,4 @@ pub fn read_urdf(text: &str, file: &str, options: &ReadOptions) -> Result<Readin
 #[cfg(feature = "mjcf")]
 pub fn read_mjcf(text: &str, file: &str, options: &ReadOptions) -> Result<Reading, Diagnostics> {
     Format::Mjcf.read(text, file, options)
-}
-
-#[cfg(all(test, feature = "mjcf"))]
-mod tests {
-    use super::Format;
-
-    #[test]
-    fn a_format_is_recognised_by_the_text_then_by_the_name() {
-        for (text, file, format) in [
-            ("<mujoco/>", "robot.urdf", Format::Mjcf),
-            (
-                "<?xml version='1.0'?>\n<!-- <robot> --><mujoco model='m'>",
-                "robot.xml",
-                Format::Mjcf,
-            ),
-            ("<robot name='r'/>", "robot.xml", Format::Urdf),
-            ("<robot name='mujoco'/>", "robot.mjcf", Format::Urdf),
-            ("", "robot.MJCF", Format::Mjcf),
-            ("", "robot.xml", Format::Urdf),
-            ("<sdf/>", "-", Format::Urdf),
-            ("<robot name='r'/>", "robot.urdf.xacro", Format::Xacro),
-            ("<robot name='r'><xacro:m/></robot>", "robot.urdf", Format::Xacro),
-            ("<robot xmlns:xacro='x' name='${r}'/>", "robot.urdf", Format::Urdf),
-            ("", "robot.xacro", Format::Xacro),
-        ] {
-            assert_eq!(Format::of(text, file), format, "{text} {file}");
-        }
-    }
 }

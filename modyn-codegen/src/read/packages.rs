@@ -37,31 +37,3 @@ pub fn find(name: &str, options: &ReadOptions) -> Option<PathBuf> {
         })
     })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn packages_are_found() {
-        let root = std::env::temp_dir().join(format!("modyn-packages-{}", std::process::id()));
-        let package = root.join("arm_description");
-        std::fs::create_dir_all(package.join("urdf")).expect("a folder");
-        std::fs::create_dir_all(root.join("grippers/hand")).expect("a folder");
-        for folder in [&package, &root.join("grippers/hand")] {
-            std::fs::write(folder.join("package.xml"), "<package/>").expect("a file");
-        }
-        let mut options = ReadOptions { folder: Some(package.join("urdf")), ..Default::default() };
-        assert_eq!(find("arm_description", &options), Some(package.clone()));
-        for name in ["urdf", "hand", "..", "/", "", "../arm_description", "grippers/hand"] {
-            assert_eq!(find(name, &options), None, "{name}");
-        }
-        options.folder = Some(root.join("grippers"));
-        assert_eq!(find("hand", &options), Some(root.join("grippers/hand")));
-        options.packages = vec![Package::new("hand", "left_hands")];
-        assert!(find("hand", &options).is_some_and(|folder| folder.ends_with("left_hands")));
-        options.folder = None;
-        assert_eq!(find("arm_description", &options), None);
-        let _ = std::fs::remove_dir_all(&root);
-    }
-}

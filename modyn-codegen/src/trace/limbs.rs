@@ -9,7 +9,7 @@
 //! extended by joints that move nothing.
 
 mod contacts;
-mod groups;
+pub(crate) mod groups;
 mod merged;
 mod unpack;
 

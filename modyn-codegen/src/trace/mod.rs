@@ -13,7 +13,7 @@ mod factorization;
 mod hessians;
 mod kinematics;
 mod limb_products;
-mod limbs;
+pub(crate) mod limbs;
 mod looped;
 mod merge;
 mod parameters;

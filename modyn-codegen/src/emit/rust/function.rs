@@ -3,7 +3,7 @@
 //! Scopes become blocks, `let (live, ...) = { ... };`. Chunks become functions (`name_chunk0` and so on) that return the
 //! values that later chunks read. The last chunk has the function's own name.
 
-mod operations;
+pub(crate) mod operations;
 mod vectors;
 
 use std::cell::{Cell, OnceCell};

@@ -1,7 +1,7 @@
 //! Indentation by the depth of brackets.
 
 /// Returns `text` indented by its brackets. Strings must end on the line they start on.
-pub(super) fn indented(text: &str) -> String {
+pub fn indented(text: &str) -> String {
     let mut depth = 0_usize;
     let mut out = String::with_capacity(text.len() * 5 / 4);
     for line in text.lines().map(str::trim) {
@@ -35,17 +35,4 @@ fn brackets(line: &str) -> (usize, isize) {
         }
     }
     (closing, change)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::indented;
-
-    #[test]
-    fn lines_are_indented_by_their_brackets() {
-        let text = "fn f() {\nlet x = [\n\"(\\\"[\",\n];\n// }\n}\n\nstruct S;\n";
-        let expected =
-            "fn f() {\n    let x = [\n        \"(\\\"[\",\n    ];\n    // }\n}\n\nstruct S;\n";
-        assert_eq!(indented(text), expected);
-    }
 }

@@ -149,7 +149,7 @@ fn empty(prefix: &str, matrices: &[CasadiMatrix]) -> Vec<CasadiMatrix> {
 
 /// Returns the matrices that a function's result consists of, with their names. `CasADi` refuses a result with the name of
 /// an input: the fields of a state are those of the next state.
-pub(super) fn results(function: Function, sizes: &Sizes) -> Vec<(String, Shape)> {
+pub fn results(function: Function, sizes: &Sizes) -> Vec<(String, Shape)> {
     let row = function.row();
     match (row.result)(sizes) {
         Shape::Record(Record::Several(_) | Record::Each(_) | Record::Pose, fields) => {

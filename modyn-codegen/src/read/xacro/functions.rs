@@ -8,8 +8,14 @@ use super::value::{Value, float};
 
 type Called = Result<Value, String>;
 
+/// A function of one number, by its name.
+type Unary = (&'static str, fn(f64) -> f64);
+
+/// A function of two numbers, by its name.
+type Binary = (&'static str, fn(f64, f64) -> f64);
+
 /// Functions of one number.
-const UNARY: &[(&str, fn(f64) -> f64)] = &[
+const UNARY: &[Unary] = &[
     ("math.acos", libm::acos),
     ("math.acosh", libm::acosh),
     ("math.asin", libm::asin),
@@ -35,7 +41,7 @@ const UNARY: &[(&str, fn(f64) -> f64)] = &[
 ];
 
 /// Functions of two numbers.
-const BINARY: &[(&str, fn(f64, f64) -> f64)] = &[
+const BINARY: &[Binary] = &[
     ("math.atan2", libm::atan2),
     ("math.copysign", libm::copysign),
     ("math.fmod", libm::fmod),

@@ -287,21 +287,3 @@ impl Names for Constants {
         None
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn texts_have_parts() {
-        let parts = |text| parts(text).expect("closed");
-        assert_eq!(
-            parts("a${b}c$(d e)"),
-            [Part::Plain("a"), Part::Expression("b"), Part::Plain("c"), Part::Substitution("d e"),]
-        );
-        assert_eq!(parts("$${a} $"), [Part::Plain("${"), Part::Plain("a} "), Part::Plain("$")]);
-        assert_eq!(parts("$a$$b"), [Part::Plain("$a"), Part::Plain("$$b")]);
-        assert_eq!(parts(""), []);
-        assert!(super::parts("${a").is_err());
-    }
-}

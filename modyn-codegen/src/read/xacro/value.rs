@@ -204,29 +204,3 @@ pub fn float(value: f64) -> String {
     let _ = write!(out, "e{sign}{:02}", exponent.abs());
     out
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_have_the_texts_of_python() {
-        for (value, text) in [
-            (0.0, "0.0"),
-            (-0.0, "-0.0"),
-            (1.0, "1.0"),
-            (0.1 + 0.2, "0.30000000000000004"),
-            (1e-4, "0.0001"),
-            (1.5e-5, "1.5e-05"),
-            (1e15, "1000000000000000.0"),
-            (1e16, "1e+16"),
-            (1.25e-100, "1.25e-100"),
-            (f64::NEG_INFINITY, "-inf"),
-        ] {
-            assert_eq!(float(value), text);
-        }
-        let items = vec![Value::Int(1), Value::text("it's"), Value::Bool(true), Value::None];
-        assert_eq!(Value::list(items).repr(), "[1, \"it's\", True, None]");
-        assert_eq!(Value::Tuple(Rc::new(vec![Value::Float(2.0)])).repr(), "(2.0,)");
-    }
-}

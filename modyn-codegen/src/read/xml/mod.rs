@@ -3,4 +3,4 @@
 pub mod document;
 pub mod element;
 pub mod limits;
-mod numbers;
+pub mod numbers;

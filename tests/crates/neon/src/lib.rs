@@ -4,6 +4,7 @@
 
 modyn::modyn! {
     pub Arm = "../../../../robots/arm7.urdf",
+    embed_model = true,
     friction = none,
     functions = [
         forward_dynamics, inverse_dynamics, mass_matrix, forward_dynamics_derivatives, random,
@@ -13,6 +14,7 @@ modyn::modyn! {
 
 modyn::modyn! {
     pub SingleArm = "../../../../robots/arm7.urdf",
+    embed_model = true,
     friction = none,
     scalar = f32,
     functions = [
@@ -23,6 +25,7 @@ modyn::modyn! {
 
 modyn::modyn! {
     pub Quadruped = "../../../../robots/quadruped.urdf",
+    embed_model = true,
     functions = [
         forward_dynamics, inverse_dynamics, mass_matrix, forward_dynamics_derivatives, random,
         forward_dynamics_batch, inverse_dynamics_batch
@@ -31,6 +34,7 @@ modyn::modyn! {
 
 modyn::modyn! {
     pub Flying = "../../../../robots/quadruped.urdf",
+    embed_model = true,
     base = floating,
     functions = [
         forward_dynamics, inverse_dynamics, mass_matrix, random, forward_dynamics_batch, inverse_dynamics_batch
@@ -39,6 +43,7 @@ modyn::modyn! {
 
 modyn::modyn! {
     pub SingleFlying = "../../../../robots/quadruped.urdf",
+    embed_model = true,
     base = floating,
     scalar = f32,
     functions = [
@@ -48,5 +53,6 @@ modyn::modyn! {
 
 modyn::modyn! {
     pub Humanoid = "../../../../robots/humanoid.urdf",
+    embed_model = true,
     functions = [forward_dynamics, inverse_dynamics, mass_matrix, random]
 }

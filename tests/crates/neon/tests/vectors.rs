@@ -1,22 +1,11 @@
 //! Generated code on vectors compared with the interpreter, which uses no vectors.
 
-use std::path::Path;
-
-use modyn::{Interpreter, batch::SimdLevel};
-use modyn_codegen::{Base, ReadOptions, read};
+use modyn::{EmbeddedModel, Interpreter, batch::SimdLevel};
 use modyn_neon::{Arm, Flying, Humanoid, Quadruped, SingleArm, SingleFlying};
 
 /// The tolerance relative to the largest number of a result: for `f64`, and for `f32` against `f64` at the same state.
 const DOUBLE: f64 = 1e-11;
 const SINGLE: f64 = 2e-3;
-
-/// Returns the interpreter of a robot in `robots`.
-fn interpreter(name: &str, base: Base) -> Interpreter {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../robots").join(name);
-    let text = std::fs::read_to_string(&path).expect("the robot's file");
-    let options = ReadOptions { base, ..ReadOptions::default() };
-    Interpreter::new(read(&text, name, &options).expect("a sound robot").model)
-}
 
 /// Returns numbers in 0..1.
 fn uniform() -> impl FnMut() -> f64 {
@@ -41,9 +30,9 @@ fn close(what: &str, found: &[impl Into<f64> + Copy], expected: &[f64], toleranc
 
 /// Compares functions of one state, and batches with each remainder, of a robot in a precision.
 macro_rules! check {
-    ($Robot:ident, $T:ty, $tolerance:expr, $file:literal, $base:expr $(, $batches:ident)?) => {{
+    ($Robot:ident, $T:ty, $tolerance:expr $(, $batches:ident)?) => {{
         const NV: usize = $Robot::NV;
-        let mut interpreter = interpreter($file, $base);
+        let mut interpreter = Interpreter::new($Robot::model());
         let mut number = uniform();
         let states = 9;
         let q: Vec<_> = (0..states).map(|_| $Robot::random(|| number() as $T)).collect();
@@ -88,9 +77,9 @@ macro_rules! check {
 
 /// Compares the derivatives of forward dynamics.
 macro_rules! derivatives {
-    ($Robot:ident, $file:literal) => {{
+    ($Robot:ident) => {{
         const NV: usize = $Robot::NV;
-        let mut interpreter = interpreter($file, Base::Fixed);
+        let mut interpreter = Interpreter::new($Robot::model());
         let mut number = uniform();
         for _ in 0..3 {
             let [q, qd, tau]: [[f64; NV]; 3] =
@@ -122,24 +111,24 @@ fn the_level_is_the_targets() {
 
 #[test]
 fn arms() {
-    check!(Arm, f64, DOUBLE, "arm7.urdf", Base::Fixed, batches);
-    check!(SingleArm, f32, SINGLE, "arm7.urdf", Base::Fixed, batches);
+    check!(Arm, f64, DOUBLE, batches);
+    check!(SingleArm, f32, SINGLE, batches);
 }
 
 #[test]
 fn equal_limbs() {
-    check!(Quadruped, f64, DOUBLE, "quadruped.urdf", Base::Fixed, batches);
-    check!(Humanoid, f64, DOUBLE, "humanoid.urdf", Base::Fixed);
+    check!(Quadruped, f64, DOUBLE, batches);
+    check!(Humanoid, f64, DOUBLE);
 }
 
 #[test]
 fn equal_limbs_on_a_floating_base() {
-    check!(Flying, f64, DOUBLE, "quadruped.urdf", Base::Floating, batches);
-    check!(SingleFlying, f32, SINGLE, "quadruped.urdf", Base::Floating, batches);
+    check!(Flying, f64, DOUBLE, batches);
+    check!(SingleFlying, f32, SINGLE, batches);
 }
 
 #[test]
 fn columns_of_derivatives() {
-    derivatives!(Arm, "arm7.urdf");
-    derivatives!(Quadruped, "quadruped.urdf");
+    derivatives!(Arm);
+    derivatives!(Quadruped);
 }

@@ -1,15 +1,10 @@
-//! Tests of the builder.
+//! The builder: models, options, and texts that are too large.
 
+use modyn_codegen::diagnostics::{Code, Severity};
+use modyn_codegen::internals::{Selected, invalid_programs, too_large};
+use modyn_codegen::program::InvalidProgram;
+use modyn_codegen::{Builder, Function, ModuleChoice, ReadOptions, read_urdf};
 use modyn_runtime::model::{Model, ModuleTree};
-
-use super::Builder;
-use super::checks::invalid_programs;
-use crate::description::ReadOptions;
-use crate::diagnostics::{Code, Severity};
-use crate::options::ModuleChoice;
-use crate::plan::Function;
-use crate::program::InvalidProgram;
-use crate::size::{Selected, too_large};
 
 /// Returns a model of this number of chains with this number of links.
 fn comb(chains: usize, length: usize) -> Model {
@@ -22,7 +17,7 @@ fn comb(chains: usize, length: usize) -> Model {
              <inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>",
         );
     }
-    let read = crate::read_urdf(&(urdf + "</robot>"), "comb.urdf", &ReadOptions::default());
+    let read = read_urdf(&(urdf + "</robot>"), "comb.urdf", &ReadOptions::default());
     read.expect("a good robot").model
 }
 
