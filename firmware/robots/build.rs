@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::path::Path;
 
-use modyn_codegen::{Builder, FloatType, Function};
+use modyn_codegen::{Builder, FloatType, Function, Target};
 use modyn_codegen::{ReadOptions, read};
 use modyn_runtime::model::Model;
 
@@ -48,9 +48,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         if name == "arm7" {
             for (float, scalar) in [(FloatType::F32, "f32"), (FloatType::F64, "f64")] {
                 let builder = Builder::new().model(model.clone()).scalar(float);
-                let (c, _) = builder.functions(FUNCTIONS).generate_c()?;
-                std::fs::write(Path::new(&out).join(format!("arm7_{scalar}.h")), c.header)?;
-                std::fs::write(Path::new(&out).join(format!("arm7_{scalar}.c")), c.source)?;
+                let c = Path::new(&out).join(format!("arm7_{scalar}.c"));
+                builder.functions(FUNCTIONS).write_as(Target::C, c)?;
                 let builder = Builder::new().model(model.clone()).crate_("::modyn_runtime");
                 let file = Path::new(&out).join(format!("ordinary_{scalar}.rs"));
                 let builder = builder.scalar(float).functions([Function::ForwardDynamics]);

@@ -16,17 +16,15 @@ use crate::check::conditioning_warning;
 use crate::description::{Base, Contact, Loop, Mimic, Package, ReadOptions, Rotor, XacroArg};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity};
 use crate::emit::{
-    CSource, CasadiSource, EmitOptions, Emitted, FloatType, GpuLanguage, GpuSource, RolloutOptions,
-    RolloutSource, emit, emit_c, emit_casadi, emit_gpu, emit_rollouts,
+    EmitOptions, File, FloatType, GpuKernel, GpuLanguage, PlannedRobot, Refused, RolloutOptions,
+    RolloutSource, Target, emit_rollouts,
 };
 use crate::options::{Bundle, ModuleChoice, OptionError, Options, Value, option_table, user};
-use crate::plan::{
-    CasadiPlan, Choices, CodeForm, Constants, Execution, Function, NamedFunction, Plan,
-    TracedFunction,
-};
+use crate::plan::{Choices, CodeForm, Function, NamedFunction, Plan, TracedFunction};
+use crate::program::Execution;
 use crate::read::{Format, Reading};
 use crate::size::{Selected, too_large};
-use checks::{invalid_programs, moving_frames, without_casadi_form, without_hessian};
+use checks::{invalid_programs, left_out, moving_frames, without_hessian};
 pub use object::ObjectPlanning;
 use source::Source;
 
@@ -71,7 +69,45 @@ pub struct Builder {
     options: Options,
 }
 
-/// The result of a compilation.
+/// The generated text of a robot in a language.
+#[non_exhaustive]
+pub struct Emitted {
+    /// The language.
+    pub target: Target,
+    /// The files, the main one first.
+    pub files: Vec<File>,
+    /// The kernels, in the order of the text, if the language is one of graphics processors.
+    pub kernels: Vec<GpuKernel>,
+    /// The name of the type in Rust.
+    pub type_name: String,
+    /// The prefix of names outside of Rust.
+    pub prefix: String,
+    /// The programs.
+    pub plan: Plan,
+    /// The robot.
+    pub model: Model,
+    /// The warnings about the description.
+    pub warnings: Vec<Diagnostic>,
+    /// The files that were read.
+    pub read: Vec<PathBuf>,
+}
+
+impl Emitted {
+    /// Returns the text of the main file.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        self.files.first().map_or("", |file| &file.text)
+    }
+
+    /// Returns the name by which [`Builder::write_as`] writes the files: that of the main file, or of the folder of all files.
+    #[must_use]
+    pub fn output(&self) -> &str {
+        let name = self.files.first().map_or("", |file| &file.name);
+        name.split_once('/').map_or(name, |(folder, _)| folder)
+    }
+}
+
+/// The generated Rust of a robot.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Generated {
@@ -123,9 +159,10 @@ struct Inputs {
 }
 
 impl Inputs {
-    /// Returns the plan for a back end that runs programs in this way, after adding its warnings to those of the description.
-    fn plan(&mut self, execution: Execution) -> Plan {
-        let plan = Plan::new(&self.model, &self.modules, &self.choices, execution);
+    /// Returns the plan for machine code, after adding its warnings to those of the description.
+    fn machine_code(&mut self) -> Plan {
+        self.choices = std::mem::take(&mut self.choices).of_one_state();
+        let plan = Plan::new(&self.model, &self.modules, &self.choices, Execution::Simd);
         self.options.warnings.extend(invalid_programs(&plan));
         plan
     }
@@ -257,46 +294,78 @@ impl Builder {
         &self.options.read
     }
 
-    /// Returns the generated text, without writing a file.
+    /// Returns the generated text in a language, without writing a file.
+    ///
+    /// Names outside of Rust begin with the type's name in snake case. Options of other languages have no effect.
+    ///
+    /// ```no_run
+    /// # fn main() -> Result<(), modyn_codegen::diagnostics::Diagnostics> {
+    /// use modyn_codegen::{Builder, Target};
+    ///
+    /// let emitted = Builder::new().urdf("robots/arm.urdf").emit(Target::C)?;
+    /// let [source, header] = &*emitted.files else { panic!("two files") };
+    /// assert_eq!((&*source.name, &*header.name), ("arm.c", "arm.h"));
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Returns all errors of the description and the options, and an error for each option that the language refuses.
+    pub fn emit(&self, target: Target) -> Result<Emitted, Diagnostics> {
+        self.emit_as(target, None)
+    }
+
+    /// Returns the generated text in files with this name, without an ending; `None` takes the prefix of names.
+    fn emit_as(&self, target: Target, stem: Option<&str>) -> Result<Emitted, Diagnostics> {
+        let backend = target.backend();
+        let (plan, inputs) = self.planned(target)?;
+        let Inputs { model, modules, options, files: read, .. } = inputs;
+        let prefix = options.prefix(&model);
+        let stem = stem.unwrap_or(&prefix);
+        let robot =
+            PlannedRobot { model: &model, modules: &modules, plan: &plan, options: &options, stem };
+        let (files, kernels) = (backend.print(&robot), backend.kernels(&robot));
+        let type_name = options.type_name(&model);
+        let warnings = options.warnings;
+        Ok(Emitted { target, files, kernels, type_name, prefix, plan, model, warnings, read })
+    }
+
+    /// Returns the plan for a language, and its inputs.
+    fn planned(&self, target: Target) -> Result<(Plan, Inputs), Diagnostics> {
+        let backend = target.backend();
+        let builder = self.clone().scalar(backend.scalar(self.options.code.scalar));
+        let mut inputs = builder.inputs_without(backend.refused())?;
+        let robot = (&inputs.model, &inputs.modules);
+        let plan = backend.plan(robot, &inputs.choices, &inputs.options);
+        let lacking = left_out(target, &inputs.choices.functions);
+        let casadi = without_hessian(&plan.casadi.without_hessian, &inputs.options.prefix(robot.0));
+        inputs.options.warnings.extend(lacking.into_iter().chain(casadi));
+        inputs.options.warnings.extend(invalid_programs(&plan));
+        Ok((plan, inputs))
+    }
+
+    /// Returns the generated Rust, without writing a file: [`emit`](Self::emit) for [`Target::Rust`].
     ///
     /// # Errors
     ///
     /// Returns all errors of the description and the options.
     pub fn generate(&self) -> Result<Generated, Diagnostics> {
-        let mut inputs = self.inputs()?;
-        // Self-contained files have neither vectors nor batches, which need the runtime.
-        let self_contained = inputs.options.self_contained;
-        let plan = inputs.plan(if self_contained { Execution::Scalar } else { Execution::Vectors });
-        let Inputs { model, modules, choices, options, files } = inputs;
-        let constants = Constants::new(&model, &choices);
-        let Emitted { text, c_header, type_name } =
-            emit((&model, &modules), &plan, &constants, &options);
+        let Emitted { files, type_name, model, plan, warnings, read, .. } =
+            self.emit(Target::Rust)?;
+        let mut texts = files.into_iter().map(|file| file.text);
         Ok(Generated {
-            text,
-            c_header,
+            text: texts.next().unwrap_or_default(),
+            c_header: texts.next(),
             type_name,
             model,
-            warnings: options.warnings,
-            files,
+            warnings,
+            files: read,
             operations: plan.operations_per_call(),
             static_operations: plan.static_operations(),
             partition: plan.elimination_modules,
             partition_costs: plan.candidates,
         })
-    }
-
-    /// Returns the generated C99 text, a header and a source file that need `<math.h>` only, and the warnings. Writes no
-    /// file.
-    ///
-    /// Names start with the type's name in snake case. Options of Rust (visibility, crate,
-    /// [`c_functions`](Self::c_functions)) have no effect.
-    ///
-    /// # Errors
-    ///
-    /// Returns all errors of the description and the options.
-    pub fn generate_c(&self) -> Result<(CSource, Vec<Diagnostic>), Diagnostics> {
-        let (source, warnings, _) = self.c_source(None)?;
-        Ok((source, warnings))
     }
 
     /// Returns the programs of the robot's functions with its model and the warnings, for back ends that print no text.
@@ -308,24 +377,9 @@ impl Builder {
     /// Returns all errors of the description and the options.
     pub fn plan(&self) -> Result<Planning, Diagnostics> {
         let mut inputs = self.inputs()?;
-        inputs.choices = inputs.choices.of_one_state();
-        let plan = inputs.plan(Execution::Vectors);
+        let plan = inputs.machine_code();
         let Inputs { model, files, options, .. } = inputs;
         Ok(Planning { plan, model, warnings: options.warnings, files })
-    }
-
-    /// Returns kernels for graphics processors, without writing anything, and the warnings. The text is CUDA C++ or WGSL,
-    /// with a kernel for each function, which computes it for many states with a thread for each state.
-    ///
-    /// # Errors
-    ///
-    /// Returns all errors of the description and the options; WGSL has single precision alone.
-    pub fn generate_gpu(
-        &self,
-        language: GpuLanguage,
-    ) -> Result<(GpuSource, Vec<Diagnostic>), Diagnostics> {
-        let (plan, Inputs { model, options, .. }) = self.threads(language)?;
-        Ok((emit_gpu(&model, &plan, &options, language), options.warnings))
     }
 
     /// Returns kernels for graphics processors that integrate motions over many time steps, without writing anything, and
@@ -335,7 +389,7 @@ impl Builder {
     /// # Errors
     ///
     /// Returns all errors of the description and the options, also if there is no function of a time step or no control.
-    pub fn generate_rollouts(
+    pub fn emit_rollouts(
         &self,
         language: GpuLanguage,
         rollouts: &RolloutOptions,
@@ -347,8 +401,10 @@ impl Builder {
             let message = "a rollout whose forces are a function of controls has no control";
             return Err(error(message, "give the number of controls of a step, at least 1"));
         }
-        let (plan, Inputs { model, options, .. }) = self.threads(language)?;
-        let source = emit_rollouts(&model, &plan, &options, language, rollouts);
+        let (plan, Inputs { model, modules, options, .. }) = self.planned(language.into())?;
+        let (model, stem) = (&model, "");
+        let robot = PlannedRobot { model, modules: &modules, plan: &plan, options: &options, stem };
+        let source = emit_rollouts(&robot, language, rollouts);
         if rollouts.contacts.is_some() && source.settings == 0 {
             let message =
                 "a rollout holds contacts by constrained forward dynamics, and there is none";
@@ -363,53 +419,18 @@ impl Builder {
         Ok((source, options.warnings))
     }
 
-    /// Returns the plan of programs that run in the threads of a graphics processor, and its inputs.
-    fn threads(&self, language: GpuLanguage) -> Result<(Plan, Inputs), Diagnostics> {
-        let builder = match language {
-            GpuLanguage::Wgsl => self.clone().scalar(FloatType::F32),
-            GpuLanguage::Cuda => self.clone(),
-        };
-        let mut inputs = builder.inputs()?;
-        let plan = inputs.plan(Execution::Threads);
-        Ok((plan, inputs))
-    }
-
-    /// Returns the C99 text of the functions that `CasADi` loads with `casadi.external`, with their derivatives under the
-    /// names that `CasADi` looks for, and the warnings. Writes no file.
-    ///
-    /// Names start with the type's name in snake case. Options of Rust have no effect. Run-time parameters are a further
-    /// input `params` of the functions that depend on them.
-    ///
-    /// # Errors
-    ///
-    /// Returns all errors of the description and the options. There are no bundles, since `CasADi` composes functions by
-    /// itself, and no single precision, which `CasADi` does not have.
-    pub fn generate_casadi(&self) -> Result<(CasadiSource, Vec<Diagnostic>), Diagnostics> {
-        let mut errors = self.casadi_errors();
-        let Inputs { model, modules, choices, mut options, .. } = match self.inputs() {
-            Ok(inputs) if errors.is_empty() => inputs,
-            Ok(_) => return Err(Diagnostics::new(errors)),
-            Err(found) => {
-                errors.extend(found);
-                return Err(Diagnostics::new(errors));
-            }
-        };
-        let prefix = options.prefix(&model);
-        let plan = CasadiPlan::new(&model, &modules, &choices, &prefix);
-        options.warnings.extend(without_casadi_form(&choices.functions));
-        options.warnings.extend(without_hessian(&plan.without_hessian));
-        Ok((emit_casadi(&model, plan, prefix), options.warnings))
-    }
-
-    /// Returns the C source whose header file has this name, the warnings, and the other files that were read.
-    fn c_source(
-        &self,
-        header: Option<&str>,
-    ) -> Result<(CSource, Vec<Diagnostic>, Vec<PathBuf>), Diagnostics> {
-        let mut inputs = self.inputs()?;
-        let plan = inputs.plan(Execution::Scalar);
-        let Inputs { model, files, options, .. } = inputs;
-        Ok((emit_c(&model, &plan, &options, header), options.warnings, files))
+    /// Returns the inputs of the plan and of the back ends, for a back end that refuses these options.
+    fn inputs_without(&self, refused: &[Refused]) -> Result<Inputs, Diagnostics> {
+        let refused = refused.iter().filter(|refused| self.options.has(refused.option));
+        let error =
+            |one: &Refused| Diagnostic::error(Code::Option, one.message).with_help(one.help);
+        let mut errors: Vec<Diagnostic> = refused.map(error).collect();
+        match self.inputs() {
+            Ok(inputs) if errors.is_empty() => return Ok(inputs),
+            Ok(_) => {}
+            Err(found) => errors.extend(found),
+        }
+        Err(Diagnostics::new(errors))
     }
 
     /// Returns the inputs of the plan and of the back ends.

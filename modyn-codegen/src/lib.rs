@@ -28,12 +28,12 @@ pub mod read;
 mod size;
 pub mod trace;
 
-pub use builder::{Builder, Generated, ObjectPlanning, Planning};
+pub use builder::{Builder, Emitted, Generated, ObjectPlanning, Planning};
 pub use check::{MAX_CONDITION_F32, condition_number};
 pub use description::{Base, Contact, Loop, LoopEnd, Mimic, Package, ReadOptions, Rotor, XacroArg};
 pub use emit::{
-    CSource, CasadiSource, FloatType, GpuLanguage, GpuSource, MachineCode, MachineTarget,
-    RolloutForces, RolloutOptions, RolloutSource,
+    File, FloatType, GpuLanguage, MachineCode, MachineTarget, RolloutForces, RolloutOptions,
+    RolloutSource, Target,
 };
 pub use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
 pub use modyn_runtime::{
@@ -66,7 +66,6 @@ pub mod internals {
     pub use crate::names::KEYWORDS;
     pub use crate::passes::balance::ready_times;
     pub use crate::passes::factor::factor;
-    pub use crate::plan::strategy::Strategy;
     pub use crate::program::argument_of;
     pub use crate::read::file::{not_text, read_at_most};
     pub use crate::read::xml::document::{blank_comments, first_element};

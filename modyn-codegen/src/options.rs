@@ -307,6 +307,15 @@ impl Options {
         }
     }
 
+    /// Returns whether the option of this name differs from its default; `function` is the user's functions.
+    pub fn has(&self, name: &str) -> bool {
+        let row = OPTIONS.iter().find(|row| row.name == name);
+        match row {
+            Some(row) => (row.arguments)(self).is_some(),
+            None => name == "function" && !self.user_functions.is_empty(),
+        }
+    }
+
     /// The calls of `Builder` that set the options which differ from their defaults.
     pub fn calls(&self) -> impl Iterator<Item = String> {
         let of_the_table = OPTIONS.iter().filter_map(|row| {

@@ -2,7 +2,7 @@
 
 use modyn_codegen::options::Value;
 use modyn_codegen::plan::{Kernels, Planned};
-use modyn_codegen::{Base, Builder, Bundle, Function, Generated, Planning};
+use modyn_codegen::{Base, Builder, Bundle, Function, Generated, Planning, Target};
 
 fn robot(name: &str) -> Builder {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../robots");
@@ -18,10 +18,9 @@ fn with(builder: Builder, bundles: &str) -> Builder {
 /// Returns the operations of a planned function on scalars; those of a link for a function of one link.
 fn operations(planning: &Planning, planned: &Planned, link: Option<usize>) -> usize {
     let program = match (&planned.kernels, link) {
-        (Kernels::One(program) | Kernels::Dispatched { scalar: program, .. }, _) => program,
+        (Kernels::Straight { scalar, .. }, _) => scalar,
         (Kernels::ByLink(programs), Some(link)) => {
-            let mut own = planning.plan.frames.links_with_own_program();
-            &programs[own.position(|other| other == link).expect("a program of its own")]
+            &programs[planning.plan.frames.programs()[link].program]
         }
         _ => panic!("{}", planned.name),
     };
@@ -242,9 +241,9 @@ fn hostile_names_stay_in_comments() {
     let text = builder.clone().c_functions("r").generate().expect("good").text;
     syn::parse_file(&text).expect("Rust");
     assert!(text.contains("    pub jacobian_a_b_x: [::modyn::spatial::Twist<T>; 1],"), "{text}");
-    let source = builder.generate_c().expect("good").0;
-    assert!(source.header.contains("`jacobian` of link `a__b_ __x_`"), "{}", source.header);
-    for text in [source.header, source.source] {
+    let files = builder.emit(Target::C).expect("good").files;
+    assert!(files[1].text.contains("`jacobian` of link `a__b_ __x_`"), "{}", files[1].text);
+    for text in files.into_iter().map(|file| file.text) {
         assert_eq!(text.matches("/*").count(), text.matches("*/").count());
     }
 }

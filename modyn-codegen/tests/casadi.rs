@@ -2,12 +2,11 @@
 //! with spherical and floating joints, run-time inertias and payloads. `tests/casadi` compares with `CasADi` itself.
 
 use std::path::Path;
-use std::process::Command;
 
 use modyn_codegen::passes::optimize;
-use modyn_codegen::plan::{CasadiFunction, CasadiMatrix, CasadiPlan, Choices};
+use modyn_codegen::plan::{CasadiFunction, CasadiMatrix, Choices, Plan};
 use modyn_codegen::trace::{EntryDerivatives, Tracer};
-use modyn_codegen::{Base, Builder, CodeForm, FloatType, Function, ReadOptions, read_urdf};
+use modyn_codegen::{Base, Builder, Emitted, FloatType, Function, ReadOptions, Target, read_urdf};
 use modyn_runtime::Interpreter;
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::dynamics::Elimination;
@@ -88,7 +87,7 @@ fn check(family: &[CasadiFunction], x: &[f64], numbers: &mut Numbers) {
     let [value, jacobian, forward, adjoint, second] = family else { panic!("a family of five") };
     let name = &value.name;
     for (prefix, function) in ["jac_", "fwd1_", "adj1_", "jac_adj1_"].iter().zip(&family[1..]) {
-        assert_eq!(function.name, format!("{prefix}{name}"));
+        assert_eq!((function.derivative, &function.name), (*prefix, name));
     }
     let all = |found: Vec<Vec<f64>>| found.concat();
     let y = all(evaluate(value, x));
@@ -166,15 +165,12 @@ const FUNCTIONS: [Function; 9] = [
 fn compare(model: &Model, gravity: bool, inertias: &[usize], payload: &[usize]) {
     let choices = Choices {
         functions: FUNCTIONS.to_vec(),
-        bundles: Vec::new(),
-        user_functions: Vec::new(),
-        share: false,
-        code: CodeForm::default(),
         runtime_gravity: gravity,
         runtime_inertia: inertias.to_vec(),
         payload: payload.to_vec(),
+        ..Choices::default()
     };
-    let plan = CasadiPlan::new(model, &ModuleTree::links(model), &choices, "robot");
+    let plan = Plan::for_casadi(model, &ModuleTree::links(model), &choices).casadi;
     assert_eq!(plan.without_hessian, [""; 0]);
     let mut numbers = Numbers(7);
     for family in plan.functions.chunks(5) {
@@ -222,17 +218,8 @@ fn a_pose_in_the_middle_of_a_tree_is_differentiated() {
 #[test]
 fn quaternions_have_any_length() {
     let model = model("double_pendulum", Base::Floating);
-    let choices = Choices {
-        functions: [Function::ForwardDynamics].to_vec(),
-        bundles: Vec::new(),
-        user_functions: Vec::new(),
-        share: false,
-        code: CodeForm::default(),
-        runtime_gravity: false,
-        runtime_inertia: Vec::new(),
-        payload: Vec::new(),
-    };
-    let plan = CasadiPlan::new(&model, &ModuleTree::links(&model), &choices, "robot");
+    let choices = Choices { functions: [Function::ForwardDynamics].to_vec(), ..Choices::default() };
+    let plan = Plan::for_casadi(&model, &ModuleTree::links(&model), &choices).casadi;
     let mut numbers = Numbers(3);
     let x = numbers.vector(model.nq() + 2 * model.nv());
     let mut interpreter = Interpreter::new(model.clone());
@@ -254,15 +241,9 @@ fn patterns_have_the_zeros_of_the_structure() {
     let model = model("solo12", Base::Fixed);
     let choices = Choices {
         functions: [Function::ForwardDynamics, Function::MassMatrix].to_vec(),
-        bundles: Vec::new(),
-        user_functions: Vec::new(),
-        share: false,
-        code: CodeForm::default(),
-        runtime_gravity: false,
-        runtime_inertia: Vec::new(),
-        payload: Vec::new(),
+        ..Choices::default()
     };
-    let plan = CasadiPlan::new(&model, &ModuleTree::links(&model), &choices, "solo");
+    let plan = Plan::for_casadi(&model, &ModuleTree::links(&model), &choices).casadi;
     // Four legs of three joints: blocks on the diagonal.
     let blocks = |matrix: &CasadiMatrix| {
         for (column, rows) in matrix.nonzeros.iter().enumerate() {
@@ -270,8 +251,10 @@ fn patterns_have_the_zeros_of_the_structure() {
         }
         matrix.len()
     };
-    let [jacobian, mass] = ["jac_solo_forward_dynamics", "solo_mass_matrix"]
-        .map(|name| plan.functions.iter().find(|one| one.name == name).expect("it is there"));
+    let [jacobian, mass] = ["jac_solo_forward_dynamics", "solo_mass_matrix"].map(|name| {
+        let mut all = plan.functions.iter();
+        all.find(|one| one.full_name("solo") == name).expect("it is there")
+    });
     assert!(jacobian.outputs.iter().map(blocks).all(|nonzeros| (28..=36).contains(&nonzeros)));
     let mass = &mass.outputs[0];
     assert!((28..=36).contains(&blocks(mass)));
@@ -284,7 +267,9 @@ fn patterns_have_the_zeros_of_the_structure() {
 #[test]
 fn other_options_are_refused_or_warned_of() {
     let builder = || Builder::new().urdf_text(text("double_pendulum"), "double_pendulum.urdf");
-    let refused = |builder: Builder| builder.generate_casadi().expect_err("refused").to_string();
+    let refused = |builder: Builder| {
+        builder.emit(Target::Casadi).map(|_| ()).expect_err("refused").to_string()
+    };
     let single = refused(builder().scalar(FloatType::F32));
     assert!(single.contains("`CasADi` computes in double precision"), "{single}");
     let bundle = modyn_codegen::Bundle::new("both")
@@ -294,46 +279,37 @@ fn other_options_are_refused_or_warned_of() {
     assert!(bundled.contains("bundles") && bundled.contains("gravity"), "{bundled}");
 
     let functions = [Function::ForwardDynamics, Function::Regressor];
-    let (source, warnings) = builder().functions(functions).generate_casadi().expect("good");
-    assert!(warnings.iter().any(|warning| warning.message.contains("`regressor` has no form")));
+    let names = |emitted: &Emitted| -> Vec<String> {
+        let functions = emitted.plan.casadi.functions.iter();
+        functions.map(|function| function.full_name(&emitted.prefix)).collect()
+    };
+    let emit = |builder: Builder| builder.emit(Target::Casadi).expect("good");
+    let source = emit(builder().functions(functions));
+    assert!(
+        source.warnings.iter().any(|warning| warning.message.contains("`regressor` has no form"))
+    );
     let name = "double_pendulum_forward_dynamics";
     let expected =
         ["", "jac_", "fwd1_", "adj1_", "jac_adj1_"].map(|prefix| format!("{prefix}{name}"));
-    assert_eq!(source.functions, expected);
-    let (again, _) = builder().functions(functions).generate_casadi().expect("good");
-    assert_eq!(source, again);
-    let (all, warnings) =
-        builder().functions(Function::ALL.to_vec()).generate_casadi().expect("good");
-    assert!(
-        all.functions.len() > 100 && warnings.iter().all(|one| !one.message.contains("no form"))
-    );
-}
-
-/// C has one name space, in which no function may be defined twice.
-#[test]
-fn the_text_of_all_functions_compiles() {
-    let builder = Builder::new().urdf_text(text("double_pendulum"), "double_pendulum.urdf");
-    let functions = Function::ALL.to_vec();
-    let (source, _) = builder.functions(functions).generate_casadi().expect("good");
-    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("all_casadi_functions.c");
-    std::fs::write(&file, source.text).expect("writes");
-    let mut command = Command::new("cc");
-    command.args(["-std=c99", "-Wall", "-Werror", "-fsyntax-only"]).arg(&file);
-    let output = command.output().expect("a C compiler (Debian: gcc)");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(names(&source), expected);
+    assert_eq!(source.files, emit(builder().functions(functions)).files);
+    let all = emit(builder().functions(Function::ALL.to_vec()));
+    assert!(names(&all).len() > 100);
+    assert!(all.warnings.iter().all(|one| !one.message.contains("no form")));
 }
 
 #[test]
 fn long_second_derivatives_are_left_out_with_a_warning() {
     let functions = [Function::StepSemiImplicit, Function::StepRk4];
     let builder = Builder::new().urdf_text(text("panda"), "panda.urdf").type_name("Panda");
-    let (source, warnings) = builder.functions(functions).generate_casadi().expect("good");
-    assert_eq!(source.without_hessian, ["panda_step_rk4"]);
-    let of = |end: &str| source.functions.iter().filter(|name| name.ends_with(end)).count();
-    assert_eq!((of("_step_semi_implicit"), of("_step_rk4")), (5, 4));
-    assert!(!source.text.contains("jac_adj1_panda_step_rk4"));
+    let source = builder.functions(functions).emit(Target::Casadi).expect("good");
+    let casadi = &source.plan.casadi;
+    assert_eq!(casadi.without_hessian, ["step_rk4"]);
+    let of = |name: &str| casadi.functions.iter().filter(|one| one.name == name).count();
+    assert_eq!((of("step_semi_implicit"), of("step_rk4")), (5, 4));
+    assert!(!source.text().contains("jac_adj1_panda_step_rk4"));
     let said = "`panda_step_rk4` has no second derivatives: their code would be too long";
-    assert_eq!(warnings.iter().filter(|warning| warning.message == said).count(), 1);
+    assert_eq!(source.warnings.iter().filter(|warning| warning.message == said).count(), 1);
 }
 
 #[test]

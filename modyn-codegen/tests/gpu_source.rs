@@ -1,14 +1,12 @@
-//! Kernels for graphics processors. CUDA's text, compiled for the host, computes what generated C does; C is compared
-//! with Rust in `c_source`. `modyn-gpu` runs WGSL's.
+//! Kernels for graphics processors. CUDA's rollouts, compiled for the host, compute what loops of generated C do; The suite
+//! `conformance` compares the numbers of functions. `modyn-gpu` runs WGSL's.
 
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use modyn_codegen::emit::{GpuKernel, GpuSource};
 use modyn_codegen::{
-    Base, Builder, Contact, ContactKind, FloatType, Function, GpuLanguage, LoopEnd, RolloutForces,
-    RolloutOptions,
+    Base, Builder, Contact, ContactKind, Function, GpuLanguage, LoopEnd, RolloutForces,
+    RolloutOptions, Target,
 };
 
 fn robot(name: &str) -> Builder {
@@ -32,110 +30,13 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// Functions whose results C returns as they are; the only one that is left out takes random numbers.
-fn compared(kernel: &GpuKernel) -> bool {
-    kernel.function != "random"
-}
-
-const STATES: usize = 37;
-
-/// A program that runs the kernels on `STATES` states in general position, a fourth of them `far` from zero, and compares
-/// each with the C function. Quaternions, which begin at the coordinates `quaternions`, have length one.
-///
-/// The bound of a state follows how sensitive it is: `tolerance` of its largest number, and 64 times the change of the C
-/// function's result when each argument changes by a rounding error.
-fn harness(
-    source: &GpuSource,
-    quaternions: &[usize],
-    real: &str,
-    (far, tolerance): (&str, &str),
-) -> String {
-    let mut text = format!(
-        "#include <cmath>\n#include <cstdio>\n#include <limits>\n#include <vector>\n#include \"shim.h\"\nusing namespace std;\n\
-         extern \"C\" {{\n#include \"ours.h\"\n}}\n#include \"kernels.cu\"\n\
-         typedef {real} real;\n\
-         static const real epsilon = numeric_limits<real>::epsilon();\n\
-         static unsigned long long seed = 1;\n\
-         static real number(int state) {{\n\
-         seed = seed * 6364136223846793005ULL + 1442695040888963407ULL;\n\
-         real x = (real)(seed >> 33) / (real)2147483648.0 * (real)4.0 - (real)2.0;\n\
-         static const real scales[4] = {{ 1.0, 1.0, 2.0, {far} }};\n\
-         return x * scales[state % 4];\n}}\n\
-         int main() {{\nconst unsigned n = {STATES};\nblockDim.x = 8;\nint moved = 0;\n"
-    );
-    for kernel in source.kernels.iter().filter(|kernel| compared(kernel)) {
-        let (name, result) = (&kernel.name, kernel.result);
-        text += "{\n";
-        let (mut buffers, mut one) = (String::new(), String::new());
-        for (a, argument) in kernel.arguments.iter().enumerate() {
-            let len = argument.len;
-            let number = match argument.name.as_str() {
-                // A contact is active (1) or not (0).
-                "contacts" => "number(i) > 0",
-                // The limits of dependent rows are small, since results are not continuous there.
-                "settings" => "j == 2 || j == 3 ? 1e-10 : number(i)",
-                // Within longer steps, velocities would become so large that rounding errors decide.
-                "dt" => "(i % 4 == 3 ? 1e-8 : 0.01) * number(0)",
-                _ => "number(i)",
-            };
-            let _ = writeln!(
-                text,
-                "vector<real> a{a}({len} * n);\nfor (unsigned i = 0; i < n; ++i) for (int j = 0; j < {len}; ++j) \
-                 a{a}[j * n + i] = {number};"
-            );
-            for at in quaternions.iter().filter(|_| argument.name == "q") {
-                let _ = writeln!(
-                    text,
-                    "for (unsigned i = 0; i < n; ++i) {{ real s = 0;\n\
-                     for (int j = {at}; j < {at} + 4; ++j) s += a{a}[j * n + i] * a{a}[j * n + i];\n\
-                     for (int j = {at}; j < {at} + 4; ++j) a{a}[j * n + i] /= sqrt(s); }}"
-                );
-            }
-            let _ = write!(buffers, "a{a}.data(), ");
-            let _ = write!(one, "s{a}, ");
-        }
-        let _ = writeln!(
-            text,
-            "vector<real> out({result} * n);\nfor (unsigned i = 0; i < 8 * ((n + 7) / 8); ++i) {{ \
-             blockIdx.x = i / 8; threadIdx.x = i % 8; {name}({buffers}out.data(), n); }}"
-        );
-        text += "for (unsigned i = 0; i < n; ++i) {\n";
-        let mut shake = String::new();
-        for (a, argument) in kernel.arguments.iter().enumerate() {
-            let len = argument.len;
-            let _ = writeln!(
-                shake,
-                "for (int j = 0; j < {len}; ++j) s{a}[j] *= 1 + epsilon * number(0) / 4;"
-            );
-            let _ = writeln!(
-                text,
-                "real s{a}[{len}];\nfor (int j = 0; j < {len}; ++j) s{a}[j] = a{a}[j * n + i];"
-            );
-        }
-        let function = kernel.function;
-        let link = kernel.link.map(|link| format!("{link}u, ")).unwrap_or_default();
-        let _ = writeln!(
-            text,
-            "real y[{result}];\nours_{function}({one}{link}y);\nreal largest = 1, worst = 0, spread = 0;\n\
-             for (int j = 0; j < {result}; ++j) {{ largest = fmax(largest, fabs(y[j])); }}\n\
-             for (int j = 0; j < {result}; ++j) {{ real e = fabs(out[j * n + i] - y[j]); \
-             moved += y[j] != 0; worst = e <= worst ? worst : e; }}\n\
-             for (int k = 0; k < 4; ++k) {{\n{shake}real z[{result}];\nours_{function}({one}{link}z);\n\
-             for (int j = 0; j < {result}; ++j) spread = fmax(spread, fabs(z[j] - y[j]));\n}}\n\
-             if (!(worst < {tolerance} * largest + 64 * spread)) {{ \
-             printf(\"{name} %u: %g, %g\\n\", i, (double)(worst / largest), (double)(spread / largest)); }}\n}}\n}}"
-        );
-    }
-    text + "printf(\"%s\\n\", moved > 1000 ? \"done\" : \"nothing moved\");\nreturn 0;\n}\n"
-}
-
 /// Compiles the C text of `builder`, a text of CUDA and a program that includes both, and runs the program.
 fn build(name: &str, builder: &Builder, (kernels, main): (&str, &str)) {
     let folder = folder(name);
-    let (c, _) = builder.clone().type_name("Ours").generate_c().expect("good");
+    let c = builder.clone().type_name("Ours").emit(Target::C).expect("good").files;
     let files = [
-        ("ours.h", &*c.header),
-        ("ours.c", &*c.source),
+        ("ours.h", &*c[1].text),
+        ("ours.c", &*c[0].text),
         ("kernels.cu", kernels),
         ("shim.h", include_str!("cuda_shim.h")),
         ("main.cpp", main),
@@ -151,57 +52,6 @@ fn build(name: &str, builder: &Builder, (kernels, main): (&str, &str)) {
     assert_eq!(run(&mut Command::new(folder.join("main"))), "done\n", "{name}");
 }
 
-fn compare(name: &str, builder: &Builder, float: FloatType, numbers: (&str, &str)) -> GpuSource {
-    let builder = builder.clone().scalar(float);
-    let planned = builder.plan().expect("good");
-    let theirs = builder.clone().type_name("Theirs");
-    let (source, _) = theirs.generate_gpu(GpuLanguage::Cuda).expect("good");
-    let model = planned.model;
-    let quaternions: Vec<usize> = model.quaternions().map(|(_, at)| at).collect();
-    let real = if float == FloatType::F64 { "double" } else { "float" };
-    let main = harness(&source, &quaternions, real, numbers);
-    build(name, &builder, (&source.text, &main));
-    source
-}
-
-fn all(builder: Builder) -> Builder {
-    builder.functions(Function::ALL.iter().copied())
-}
-
-/// All functions but Hessians and implicit steps, the longest ones.
-fn all_but_the_longest(builder: Builder) -> Builder {
-    let is_long = |function: &Function| {
-        ["hessian", "midpoint", "rk4_derivatives"].iter().any(|word| function.name().contains(word))
-    };
-    builder.functions(Function::ALL.iter().copied().filter(|function| !is_long(function)))
-}
-
-#[test]
-#[ignore = "slow: g++ compiles robots with all functions"]
-fn kernels_agree_with_c() {
-    compare("arm", &all(robot("ur5")), FloatType::F64, ("1e5", "1e-11"));
-    compare("zoo", &all_but_the_longest(robot("joint_zoo")), FloatType::F64, ("3.0", "1e-11"));
-    compare("loops", &all(robot("five_bar")), FloatType::F64, ("3.0", "1e-11"));
-}
-
-#[test]
-#[ignore = "slow: g++ compiles a robot"]
-fn single_precision_agrees_with_c() {
-    let functions = [Function::InverseDynamics, Function::MassMatrix, Function::LinkPoses];
-    compare("single", &robot("ur5").functions(functions), FloatType::F32, ("100.0", "4e-6f"));
-}
-
-/// A floating base's derivatives are cut into functions, whose values go through memory.
-#[test]
-#[ignore = "slow: g++ compiles a robot"]
-fn long_functions_are_cut() {
-    let functions = [Function::ForwardDynamicsDerivatives, Function::Jacobian];
-    let builder = robot("quadruped").functions(functions).base(Base::Floating);
-    let source = compare("cut", &builder, FloatType::F64, ("3.0", "1e-11"));
-    assert!(source.text.contains("__noinline__"), "no function was cut");
-    assert!(source.kernels.iter().any(|kernel| kernel.statements > 5000));
-}
-
 /// Two feet of the quadruped.
 fn feet() -> [Contact; 2] {
     let point = |name: &str, link: &str, xyz: [f64; 3]| Contact {
@@ -215,32 +65,20 @@ fn feet() -> [Contact; 2] {
     ]
 }
 
-/// The set of active contacts is a buffer of numbers; states have sets of their own.
-#[test]
-#[ignore = "slow: g++ compiles a robot"]
-fn contacts_compute_what_c_does() {
-    let functions = [Function::ConstrainedForwardDynamics, Function::ContactImpulse];
-    let builder = robot("quadruped").functions(functions).base(Base::Floating).contacts(feet());
-    let source = compare("contacts", &builder, FloatType::F64, ("3.0", "1e-11"));
-    let kernel = &source.kernels[0];
-    let names: Vec<&str> = kernel.arguments.iter().map(|argument| argument.name.as_str()).collect();
-    assert_eq!(names, ["q", "qd", "tau", "contacts", "settings"]);
-}
-
 /// Run-time parameters are common to all states; WGSL has them as a buffer, too.
 #[test]
 fn texts_name_their_buffers() {
     let builder = robot("arm6").functions([Function::GravityTorques]).runtime_gravity();
-    let (cuda, _) = builder.generate_gpu(GpuLanguage::Cuda).expect("good");
-    assert!(cuda.text.contains("arm6_gravity_torques(const double *__restrict__ q, const double *__restrict__ params, double *__restrict__ out, unsigned int count)"), "{}", cuda.text);
-    assert!(cuda.text.contains("params[2]") && cuda.text.contains("q[1 * n]"));
-    let (wgsl, _) = builder.generate_gpu(GpuLanguage::Wgsl).expect("good");
+    let cuda = builder.emit(Target::Cuda).expect("good");
+    assert!(cuda.text().contains("arm6_gravity_torques(const double *__restrict__ q, const double *__restrict__ params, double *__restrict__ out, unsigned int count)"), "{}", cuda.text());
+    assert!(cuda.text().contains("params[2]") && cuda.text().contains("q[1 * n]"));
+    let wgsl = builder.emit(Target::Wgsl).expect("good");
     for line in [
         "@group(0) @binding(1) var<storage, read> arm6_gravity_torques_params: array<f32>;",
         "@group(0) @binding(2) var<storage, read_write> arm6_gravity_torques_out: array<f32>;",
         "@group(0) @binding(3) var<uniform> arm6_gravity_torques_count: vec4<u32>;",
     ] {
-        assert!(wgsl.text.contains(line), "{line}");
+        assert!(wgsl.text().contains(line), "{line}");
     }
     let [kernel] = &*wgsl.kernels else { panic!("one kernel") };
     assert_eq!((kernel.result, kernel.arguments.len()), (6, 2));
@@ -258,9 +96,9 @@ fn texts_begin_with_names_and_sizes() {
         (GpuLanguage::Cuda, ["#define QUADRUPED_NQ 19", "#define QUADRUPED_NV 18"]),
         (GpuLanguage::Wgsl, ["const QUADRUPED_NQ = 19u;", "const QUADRUPED_NV = 18u;"]),
     ] {
-        let (kernels, _) = builder.generate_gpu(language).expect("good");
-        let (rollouts, _) = builder.generate_rollouts(language, &options).expect("good");
-        for text in [kernels.text, rollouts.text] {
+        let kernels = builder.emit(language.into()).expect("good");
+        let (rollouts, _) = builder.emit_rollouts(language, &options).expect("good");
+        for text in [kernels.text(), &rollouts.text] {
             let (head, _) = text.split_once("\n\n").expect("an empty line after the head");
             let names = |title: &str| {
                 let (_, list) = head.split_once(&format!("// {title}: ")).expect(title);
@@ -292,7 +130,7 @@ fn states_that_are_not_finite() {
     let functions = [Function::ForwardDynamics, Function::InverseDynamics];
     let builder = Builder::new().urdf_text(text, "pendulum.urdf").functions(functions);
     let theirs = builder.clone().type_name("Theirs");
-    let (source, _) = theirs.generate_gpu(GpuLanguage::Cuda).expect("good");
+    let source = theirs.emit(Target::Cuda).expect("good");
     // The inertia about the pivot is 1.1 kg m^2.
     let main = "#include <cmath>\n#include <cstdio>\n#include <limits>\n#include \"shim.h\"\n#include \"kernels.cu\"\n\
         int main() {\nconst unsigned n = 4;\nblockDim.x = n;\n\
@@ -311,18 +149,7 @@ fn states_that_are_not_finite() {
         theirs_inverse_dynamics(&zero, &zero, &tiny, &torque, 1);\n\
         if (!(std::fabs(torque - 1.1e-310) < 1e-320)) printf(\"subnormal: %g\\n\", torque);\n\
         printf(\"done\\n\");\nreturn 0;\n}\n";
-    build("not_finite", &builder, (&source.text, main));
-}
-
-/// The derivatives of a humanoid with a floating base are cut into functions.
-#[test]
-#[ignore = "slow: g++ compiles a humanoid"]
-fn derivatives_of_a_humanoid() {
-    let builder = robot("humanoid").functions([Function::ForwardDynamicsDerivatives]);
-    let builder = builder.base(Base::Floating);
-    let source = compare("humanoid_derivatives", &builder, FloatType::F64, ("3.0", "1e-11"));
-    let [kernel] = &*source.kernels else { panic!("one kernel") };
-    assert!(kernel.statements > 5000 && source.text.contains("__noinline__"));
+    build("not_finite", &builder, (source.text(), main));
 }
 
 /// A program that computes rollouts by the kernel, and by C's functions in a loop. The first quaternion of `q` begins at
@@ -404,7 +231,7 @@ fn rollouts_are_loops_of_steps() {
     );
     let options = RolloutOptions { cost: Some(cost), forces: Some(forces), contacts: None };
     let theirs = builder.clone().type_name("Theirs");
-    let (source, _) = theirs.generate_rollouts(GpuLanguage::Cuda, &options).expect("good");
+    let (source, _) = theirs.emit_rollouts(GpuLanguage::Cuda, &options).expect("good");
     let names: Vec<&str> = source.rollouts.iter().map(|rollout| &*rollout.name).collect();
     assert_eq!(names, ["theirs_rollout_semi_implicit", "theirs_rollout_rk4"]);
     let forces = "ours_gravity_torques_with(s, params.data(), tau);\n\
@@ -432,7 +259,7 @@ fn rollouts_of_a_floating_robot() {
     let builder = robot("quadruped").functions([Function::StepSemiImplicit]).base(Base::Floating);
     let theirs = builder.clone().type_name("Theirs");
     let options = RolloutOptions::default();
-    let (source, _) = theirs.generate_rollouts(GpuLanguage::Cuda, &options).expect("good");
+    let (source, _) = theirs.emit_rollouts(GpuLanguage::Cuda, &options).expect("good");
     let model = builder.plan().expect("good").model;
     let quaternion = model.quaternions().next().expect("a floating base").1;
     let quaternion = i32::try_from(quaternion).expect("small");
@@ -456,7 +283,7 @@ fn rollouts_that_hold_contacts() {
                     theirs_link_pose_front_left_foot(q, pose);\n    active[0] = pose[11] < data[1] ? 1 : 0;\n    \
                     active[1] = step % 3 != 0 ? 1 : 0;\n}\n";
     let options = RolloutOptions { contacts: Some(proposed.into()), ..RolloutOptions::default() };
-    let (source, _) = theirs.generate_rollouts(GpuLanguage::Cuda, &options).expect("good");
+    let (source, _) = theirs.emit_rollouts(GpuLanguage::Cuda, &options).expect("good");
     let [rollout] = &*source.rollouts else { panic!("one kernel") };
     assert_eq!((&*rollout.name, source.settings), ("theirs_rollout_constrained", 52));
     let model = builder.plan().expect("good").model;
@@ -498,7 +325,7 @@ fn rollouts_that_close_loops() {
     let builder = robot("five_bar").functions(functions);
     let theirs = builder.clone().type_name("Theirs");
     let options = RolloutOptions::default();
-    let (source, _) = theirs.generate_rollouts(GpuLanguage::Cuda, &options).expect("good");
+    let (source, _) = theirs.emit_rollouts(GpuLanguage::Cuda, &options).expect("good");
     assert_eq!((&*source.rollouts[0].name, source.settings), ("theirs_rollout_constrained", 4));
     let step = "static const double settings[4] = { 20, 15, 1e-10, 1e-10 };\n\
         static void ours_step_constrained(const double *q, const double *qd, const double *tau, const double *dt, double *next)\n{\n\
@@ -519,7 +346,7 @@ fn rollouts_that_close_loops() {
 fn contacts_of_rollouts_need_their_functions() {
     let builder = robot("arm6").functions([Function::StepSemiImplicit]);
     let options = RolloutOptions { contacts: Some(String::new()), ..RolloutOptions::default() };
-    let error = builder.generate_rollouts(GpuLanguage::Wgsl, &options).expect_err("no contacts");
+    let error = builder.emit_rollouts(GpuLanguage::Wgsl, &options).expect_err("no contacts");
     assert!(error.to_string().contains("`constrained_forward_dynamics` and"), "{error}");
 }
 
@@ -528,11 +355,11 @@ fn contacts_of_rollouts_need_their_functions() {
 fn rollouts_need_a_step_and_controls() {
     let builder = robot("arm6").functions([Function::ForwardDynamics]);
     let options = RolloutOptions::default();
-    let error = builder.generate_rollouts(GpuLanguage::Wgsl, &options).expect_err("no step");
+    let error = builder.emit_rollouts(GpuLanguage::Wgsl, &options).expect_err("no step");
     assert!(error.to_string().contains("step_semi_implicit"), "{error}");
     let forces = Some(RolloutForces { text: String::new(), controls: 0 });
     let options = RolloutOptions { forces, ..options };
     let builder = builder.functions([Function::StepSemiImplicit]);
-    let error = builder.generate_rollouts(GpuLanguage::Wgsl, &options).expect_err("no control");
+    let error = builder.emit_rollouts(GpuLanguage::Wgsl, &options).expect_err("no control");
     assert!(error.to_string().contains("at least 1"), "{error}");
 }

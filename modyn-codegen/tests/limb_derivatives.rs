@@ -211,7 +211,9 @@ fn hessians_with_packs_of_two_widths_are_planned() {
     let Planning { plan, warnings, .. } = builder.functions(functions).plan().expect("good");
     assert!(plan.faults().next().is_none() && warnings.is_empty(), "{warnings:?}");
     for planned in &plan.functions {
-        let Kernels::Dispatched { simd, .. } = &planned.kernels else { panic!("{}", planned.name) };
+        let Kernels::Straight { simd: Some(simd), .. } = &planned.kernels else {
+            panic!("{}", planned.name)
+        };
         assert_eq!(Vec::from_iter(simd.widths()), [1, 2, 4], "{}", planned.name);
     }
 }

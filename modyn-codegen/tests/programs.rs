@@ -3,7 +3,7 @@
 use modyn_codegen::graph::{Expr, Graph};
 use modyn_codegen::passes::{balance, optimize};
 use modyn_codegen::plan::LIMB_LIMITS;
-use modyn_codegen::program::{Operation, Program, Source, Target};
+use modyn_codegen::program::{Execution, Operation, Program, Source};
 use modyn_codegen::trace::{LimbPacking, Tracer};
 use modyn_codegen::{ReadOptions, read};
 use modyn_runtime::Scalar;
@@ -26,6 +26,7 @@ fn inputs(count: usize) -> Vec<f64> {
 /// Asserts that the program returns the same bits as the graph, for each target; this build fuses no product.
 fn same(graph: &Graph, program: &Program) {
     assert_eq!(program.validate(), Ok(()));
+    assert_eq!(program.to_string().parse(), Ok(program.clone()));
     let inputs = inputs(program.arguments);
     let (expected, found) = (graph.evaluate(&inputs), program.evaluate(&inputs));
     assert!(expected.iter().any(|x| *x != 0.0) && expected.iter().all(|x| x.is_finite()));
@@ -48,14 +49,14 @@ fn programs_on_scalars_agree_with_graphs() {
         let tracer = Tracer::new(&mechanism);
         let layout = UduLayout::new(&mechanism, &ModuleTree::links(&model));
         let graph = optimize(tracer.forward_dynamics_derivatives(&layout));
-        for target in [Target::Scalar, Target::Batch] {
+        for target in [Execution::Scalar, Execution::Batch] {
             let program = Program::new(&graph, model.nq() + 2 * model.nv(), target);
             cut += usize::from(program.chunks.len() > 1);
             assert_eq!(program.operations_per_call(), graph.count(), "{name}");
             same(&graph, &program);
         }
         let graph = balance(&optimize(tracer.inverse_dynamics()));
-        same(&graph, &Program::new(&graph, model.nq() + 2 * model.nv(), Target::Scalar));
+        same(&graph, &Program::new(&graph, model.nq() + 2 * model.nv(), Execution::Scalar));
     }
     assert!(cut >= 4, "{cut} programs were cut");
 }
@@ -71,7 +72,7 @@ fn packed_and_repeated_programs_agree_with_graphs() {
             let elimination = Elimination::Recursive(limbs.partition(&partition));
             let graph = optimize(tracer.packed(&limbs).forward_dynamics(&elimination));
             let count = model.nq() + 2 * model.nv();
-            let simd = Program::try_new(&graph, count, Target::Simd).expect("valid");
+            let simd = Program::try_new(&graph, count, Execution::Simd).expect("valid");
             assert!(simd.widths().len() > 1, "{name}");
             same(&graph, &simd);
             let repeated = Program::repeated(&graph, count).expect("valid");
@@ -83,6 +84,35 @@ fn packed_and_repeated_programs_agree_with_graphs() {
             assert!(each.total() < all.total(), "{name}");
             same(&graph, &repeated);
         }
+    }
+}
+
+#[test]
+fn texts_of_programs_are_as_documented() {
+    let text = "program scalar, 3 arguments\nx0 = sin_cos(a0)\nx1 = x0.1 * a1\n\
+                x2 = fused(-[x0 * a2] + x1)\nresults x2, -x1\n";
+    let program: Program = text.parse().expect("a program");
+    assert_eq!(program.to_string(), text);
+    let (sine, cosine) = (libm::sin(0.3), libm::cos(0.3));
+    let found = program.evaluate(&[0.3, 2.0, 5.0]);
+    assert!((found[0] - (2.0 * cosine - 5.0 * sine)).abs() < 1e-15 && found[1] == -2.0 * cosine);
+}
+
+#[test]
+fn texts_that_are_no_programs_are_refused_at_their_line() {
+    for (text, line, message) in [
+        ("", 1, "the text ends"),
+        ("program scalar, x arguments", 1, "does not begin a program"),
+        ("program scalar, 1 arguments\nx0 = a0 ? a0\nresults x0", 2, "no operation"),
+        ("program scalar, 1 arguments\nx1 = a0 + a0\nresults x0", 2, "the next one is `x0`"),
+        ("program scalar, 1 arguments\nx0 = x0 + a0\nresults x0", 2, "no statement before"),
+        ("program scalar, 1 arguments\nx0 = fused(a0)\nresults x0", 2, "no fused sum"),
+        ("program scalar, 1 arguments\nx0 = a0 + a1\nresults x0", 3, "arguments are counted"),
+        ("program scalar, 1 arguments\nx0<4> = pack(a0, a0)\nresults a0", 3, "operands have"),
+        ("program scalar, 1 arguments\nresults a0\nx0 = a0 + a0", 3, "ended with"),
+    ] {
+        let error = text.parse::<Program>().expect_err(text);
+        assert!(error.line == line && error.message.contains(message), "{text}\n{error}");
     }
 }
 
@@ -108,7 +138,7 @@ fn every_operation_is_lowered() {
             -x[5],
         ]
     });
-    same(&graph, &Program::new(&graph, 6, Target::Simd));
+    same(&graph, &Program::new(&graph, 6, Execution::Simd));
 }
 
 #[test]
@@ -117,7 +147,7 @@ fn broken_programs_are_found() {
     let mechanism = Mechanism::new(&model);
     let layout = UduLayout::new(&mechanism, &ModuleTree::links(&model));
     let graph = optimize(Tracer::new(&mechanism).forward_dynamics_derivatives(&layout));
-    let good = Program::new(&graph, model.nq() + 2 * model.nv(), Target::Scalar);
+    let good = Program::new(&graph, model.nq() + 2 * model.nv(), Execution::Scalar);
     let broken = |change: fn(&mut Program)| {
         let mut program = good.clone();
         change(&mut program);

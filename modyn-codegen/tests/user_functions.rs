@@ -2,8 +2,8 @@
 
 use modyn_codegen::graph::Expr;
 use modyn_codegen::{
-    Builder, Bundle, Function, Interpreter, Scalar, UserArgument, UserDerivatives, UserError,
-    UserFunction,
+    Builder, Bundle, Function, Interpreter, Scalar, Target, UserArgument, UserDerivatives,
+    UserError, UserFunction,
 };
 
 fn robot(name: &str) -> Builder {
@@ -261,7 +261,8 @@ fn the_text_has_functions_and_types() {
 
 #[test]
 fn casadi_has_no_functions_of_users() {
-    let errors = robot("arm7").function("reach", REACH).generate_casadi().expect_err("an error");
+    let errors = robot("arm7").function("reach", REACH).emit(Target::Casadi);
+    let errors = errors.map(|_| ()).expect_err("an error");
     assert!(errors.to_string().contains("`CasADi` has no functions of users"), "{errors}");
 }
 

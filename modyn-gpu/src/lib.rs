@@ -40,5 +40,5 @@ mod rollout;
 pub use array::GpuArray;
 pub use error::GpuError;
 pub use processor::Gpu;
-pub use robot::GpuRobot;
+pub use robot::{GpuRobot, GpuSource};
 pub use rollout::{Rollout, RolloutArguments, RolloutResults};

@@ -1,10 +1,22 @@
 //! The kernels of a robot.
 
-use modyn_codegen::Builder;
-use modyn_codegen::emit::{GpuKernel, GpuLanguage, GpuSource};
+use modyn_codegen::emit::GpuKernel;
+use modyn_codegen::{Builder, Emitted, Target};
 
 use crate::kernel::Pipelines;
 use crate::{Gpu, GpuArray, GpuError};
+
+/// The text of a robot's kernels.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct GpuSource {
+    /// The prefix of all names.
+    pub prefix: String,
+    /// The text.
+    pub text: String,
+    /// The kernels, in the order of the text.
+    pub kernels: Vec<GpuKernel>,
+}
 
 /// The kernels of a robot on a processor. A kernel is compiled when it first runs.
 #[derive(Debug)]
@@ -23,7 +35,10 @@ impl GpuRobot {
     ///
     /// If the description or the options are wrong, or the processor refuses the kernels.
     pub fn new(gpu: &Gpu, builder: &Builder) -> Result<Self, GpuError> {
-        let (source, _) = builder.generate_gpu(GpuLanguage::Wgsl)?;
+        let emitted = builder.emit(Target::Wgsl)?;
+        let text = emitted.text().into();
+        let Emitted { prefix, kernels, .. } = emitted;
+        let source = GpuSource { prefix, text, kernels };
         let module = gpu.module(&source.prefix, &source.text)?;
         Ok(Self { gpu: gpu.clone(), source, module, pipelines: Pipelines::default() })
     }
@@ -59,7 +74,7 @@ impl GpuRobot {
     /// Returns the kernel of that name, and its index.
     fn find(&self, name: &str) -> Result<(usize, &GpuKernel), GpuError> {
         let source = &self.source;
-        let own_names = || source.kernels.iter().map(|kernel| source.own_name(kernel));
+        let own_names = || source.kernels.iter().map(|kernel| kernel.own_name(&source.prefix));
         let index = own_names().position(|own| own == name).ok_or_else(|| GpuError::NoKernel {
             name: name.into(),
             kernels: own_names().map(String::from).collect(),

@@ -113,7 +113,7 @@ impl Rollout {
     ///
     /// If the description or the options are wrong, or the processor refuses the user's functions.
     pub fn new(gpu: &Gpu, builder: &Builder, options: &RolloutOptions) -> Result<Self, GpuError> {
-        let (source, _) = builder.generate_rollouts(GpuLanguage::Wgsl, options)?;
+        let (source, _) = builder.emit_rollouts(GpuLanguage::Wgsl, options)?;
         let module = gpu.module(&source.prefix, &source.text)?;
         let absent = [gpu.empty(1, 1)?, gpu.empty(1, 1)?];
         let settings = (source.settings > 0).then(|| gpu.upload(&settings(source.settings), 1));

@@ -4,7 +4,7 @@ use crate::common;
 
 use std::path::Path;
 
-use modyn_codegen::{Base, Builder, Contact, ContactKind, Function, GpuLanguage, LoopEnd};
+use modyn_codegen::{Base, Builder, Contact, ContactKind, Function, LoopEnd, Target};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use common::robot;
@@ -13,14 +13,14 @@ use common::robot;
 fn validate(name: &str, builder: &Builder, functions: impl Fn(Function) -> bool) -> usize {
     let functions = Function::ALL.iter().copied().filter(|&function| functions(function));
     let builder = builder.clone().functions(functions);
-    let (source, _) = builder.generate_gpu(GpuLanguage::Wgsl).expect("good");
-    let module = naga::front::wgsl::parse_str(&source.text)
-        .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(&source.text)));
+    let source = builder.emit(Target::Wgsl).expect("good");
+    let module = naga::front::wgsl::parse_str(source.text())
+        .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(source.text())));
     // What every processor has: no capability is optional.
     let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
     validator
         .validate(&module)
-        .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(&source.text)));
+        .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(source.text())));
     let entries = module.entry_points.iter().map(|entry| entry.name.as_str());
     let kernels = source.kernels.iter().map(|kernel| kernel.name.as_str());
     assert!(entries.eq(kernels), "{name}: the kernels are the entry points");

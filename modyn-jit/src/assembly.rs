@@ -1,7 +1,7 @@
 //! The machine code of all functions of a robot, one after another.
 
 use modyn_codegen::Planning;
-use modyn_codegen::plan::{Frames, Kernels, LinkCode, Plan, Planned, Shape};
+use modyn_codegen::plan::{Frames, Kernels, Plan, Planned, Shape};
 use modyn_codegen::program::Program;
 
 use crate::code_size::CodeSize;
@@ -81,18 +81,15 @@ impl<S: Real> Assembly<S> {
     }
 
     fn function(&mut self, planned: &Planned, plan: &Plan) -> CompiledFunction {
-        let mut arrays: Vec<usize> =
-            planned.arguments.iter().map(|(_, shape)| shape.len()).collect();
-        arrays.extend((planned.parameters > 0).then_some(planned.parameters));
+        let arrays = planned.lengths();
         let mut size = CodeSize::default();
         let mut kernel = |program: &Program, simd: Option<&Program>, arrays: &[usize]| {
             self.kernel(program, simd, arrays, &mut size)
         };
         let placed = [&*arrays, &[Frames::PLACEMENT]].concat();
         let kernels = match &planned.kernels {
-            Kernels::One(program) => CompiledKernels::One(kernel(program, None, &arrays)),
-            Kernels::Dispatched { scalar, simd } => {
-                CompiledKernels::One(kernel(scalar, Some(simd), &arrays))
+            Kernels::Straight { scalar, simd } => {
+                CompiledKernels::One(kernel(scalar, simd.as_ref(), &arrays))
             }
             Kernels::Looped(_) => unreachable!("plans for machine code have no loops"),
             Kernels::ByLink(programs) => {
@@ -100,12 +97,12 @@ impl<S: Real> Assembly<S> {
                 let arrays = |k: usize| if k < own { &arrays } else { &placed };
                 let programs = programs.iter().enumerate();
                 let kernels = programs.map(|(k, program)| kernel(program, None, arrays(k)));
-                CompiledKernels::ByLink(by_link(&plan.frames), kernels.collect())
+                CompiledKernels::ByLink(plan.frames.programs().to_vec(), kernels.collect())
             }
             Kernels::Poses { bodies, placed, .. } => CompiledKernels::Poses {
                 bodies: kernel(bodies, None, &arrays),
                 placed: kernel(placed, None, &[Shape::pose().len(), Frames::PLACEMENT]),
-                links: by_link(&plan.frames),
+                links: plan.frames.programs().to_vec(),
             },
         };
         let arguments = planned.arguments.iter();
@@ -155,18 +152,4 @@ impl<S: Real> Assembly<S> {
         let arguments = arrays.iter().map(|length| length * lanes).collect();
         (Code { entry, arguments, results: program.results.len() * lanes }, generated.size)
     }
-}
-
-/// For each link the number of its program, and the row of its placement if it shares the program.
-fn by_link(frames: &Frames) -> Vec<(usize, Option<usize>)> {
-    let own = frames.links_with_own_program().count();
-    let mut next = 0;
-    let program = |code: &LinkCode| match *code {
-        LinkCode::Own => {
-            next += 1;
-            (next - 1, None)
-        }
-        LinkCode::Shared { body, row } => (own + body, Some(row)),
-    };
-    frames.codes().iter().map(program).collect()
 }

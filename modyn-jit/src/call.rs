@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use modyn_codegen::plan::Shape;
+use modyn_codegen::plan::{LinkProgram, Shape};
 
 use crate::code_size::CodeSize;
 use crate::error::CallError;
@@ -145,20 +145,20 @@ impl<S: Real> Call<'_, S> {
                 kernel.code(lanes).call(self.pages, &all[..count], result);
             }
             CompiledKernels::ByLink(links, kernels) => {
-                let (kernel, row) = links[link.unwrap_or_default()];
+                let LinkProgram { program, placement: row } = links[link.unwrap_or_default()];
                 let placement = row.map(|row| spread(&self.placements[row], lanes));
                 all[count] = placement.as_deref().unwrap_or_default();
                 let count = count + usize::from(row.is_some());
-                kernels[kernel].code(lanes).call(self.pages, &all[..count], result);
+                kernels[program].code(lanes).call(self.pages, &all[..count], result);
             }
             CompiledKernels::Poses { bodies, placed, links } => {
                 let bodies = bodies.code(lanes);
                 let mut poses = vec![S::default(); bodies.results];
                 bodies.call(self.pages, &all[..count], &mut poses);
                 let length = Shape::pose().len() * lanes;
-                for (&(at, row), pose) in links.iter().zip(result.chunks_exact_mut(length)) {
-                    let body = &poses[at * length..][..length];
-                    match row {
+                for (link, pose) in links.iter().zip(result.chunks_exact_mut(length)) {
+                    let body = &poses[link.program * length..][..length];
+                    match link.placement {
                         None => pose.copy_from_slice(body),
                         Some(row) => {
                             let placement = spread(&self.placements[row], lanes);

@@ -1,7 +1,7 @@
 //! The code of a function.
 
 use modyn_codegen::Function;
-use modyn_codegen::plan::Shape;
+use modyn_codegen::plan::{LinkProgram, Shape};
 
 use crate::code_size::CodeSize;
 use crate::machine::Code;
@@ -23,11 +23,11 @@ pub(crate) struct CompiledFunction {
 pub(crate) enum CompiledKernels {
     /// One program.
     One(Kernel),
-    /// For each link its program, and the row of its placement if it shares the program with other links.
-    ByLink(Vec<(usize, Option<usize>)>, Vec<Kernel>),
+    /// The program of each link, and the code of the programs.
+    ByLink(Vec<LinkProgram>, Vec<Kernel>),
     /// The poses of some links and bodies, and the pose of a link from that of its body. Each link has the index of its
     /// own pose, or the index of its body's pose and the row of its placement.
-    Poses { bodies: Kernel, placed: Kernel, links: Vec<(usize, Option<usize>)> },
+    Poses { bodies: Kernel, placed: Kernel, links: Vec<LinkProgram> },
 }
 
 /// The code of a program.

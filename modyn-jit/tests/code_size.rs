@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use modyn_codegen::plan::Kernels;
 use modyn_codegen::program::Program;
 use modyn_codegen::{Base, Builder, Function};
 use modyn_jit::{CodeSize, InstructionSet, code_sizes};
@@ -66,11 +65,7 @@ fn counts_are_those_of_the_page() {
         let sizes =
             PROCESSORS.map(|(name, set)| (name, code_sizes::<f64>(&planning, set).expect("code")));
         for (k, planned) in planning.plan.functions.iter().enumerate() {
-            let (Kernels::One(program) | Kernels::Dispatched { simd: program, .. }) =
-                &planned.kernels
-            else {
-                panic!("one program for all links");
-            };
+            let (_, program) = planned.kernels.straight().expect("one program for all links");
             let alive = alive(program);
             for (processor, sizes) in &sizes {
                 let (name, CodeSize { instructions, spills, loads, bytes, .. }) = &sizes[k];

@@ -221,7 +221,7 @@ fn random_limbs() {
         let contacts = vec![ContactTarget::<f64>::EXACT; model.contacts().len()];
         let settings = numbers(&ConstraintSettings { alpha, beta, tolerance, rounding, contacts });
         for planned in &planning.plan.functions {
-            let Kernels::Dispatched { scalar, simd } = &planned.kernels else { continue };
+            let Kernels::Straight { scalar, simd: Some(simd) } = &planned.kernels else { continue };
             let arguments = planned.arguments.iter().flat_map(|(own, shape)| match own.name {
                 "q" => state.q.clone(),
                 "qd" => state.qd.clone(),

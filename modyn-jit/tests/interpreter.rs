@@ -4,7 +4,8 @@ use crate::common;
 
 use common::{instruction_sets, random};
 use modyn_codegen::diagnostics::Code;
-use modyn_codegen::plan::{Choices, Execution, GraphSource, Kernels, Lowering, Packing, Plan};
+use modyn_codegen::plan::{Choices, GraphSource, Lowering, Packing, Plan};
+use modyn_codegen::program::Execution;
 use modyn_codegen::{Base, Builder, CodeForm, Function, ReadOptions};
 use modyn_jit::{Call, Compiled, InstructionSet, Options};
 use modyn_runtime::Interpreter;
@@ -86,13 +87,9 @@ fn every_function_of_trees() {
 fn plan(model: &Model, functions: &[Function], execution: Execution) -> Plan {
     let choices = Choices {
         functions: functions.to_vec(),
-        bundles: Vec::new(),
-        user_functions: Vec::new(),
         share: execution == Execution::Scalar,
         code: CodeForm::Fast,
-        runtime_gravity: false,
-        runtime_inertia: Vec::new(),
-        payload: Vec::new(),
+        ..Choices::default()
     };
     Plan::new(model, &ModuleTree::chains(model), &choices, execution)
 }
@@ -114,7 +111,7 @@ fn random_limbs() {
         });
         let state = random::state(seed, &model);
         let mut interpreter = Interpreter::new(model.clone());
-        for execution in [Execution::Vectors, Execution::Scalar] {
+        for execution in [Execution::Simd, Execution::Scalar] {
             let plan = plan(&model, &functions, execution);
             assert_eq!(plan.faults().next(), None, "{}", model.name());
             for planned in &plan.functions {
@@ -122,15 +119,13 @@ fn random_limbs() {
                 let arguments = arguments(function, &model, &state);
                 let expected = interpreted(&mut interpreter, function, &arguments);
                 let arguments = arguments.concat();
-                let (programs, kind) = match &planned.kernels {
-                    Kernels::Dispatched { scalar, simd } => (vec![scalar, simd], 1),
-                    Kernels::One(program) => {
-                        (vec![program], if program.routines.is_empty() { 0 } else { 2 })
-                    }
-                    _ => panic!("{}", function.name()),
+                let (scalar, simd) = planned.kernels.straight().expect("straight-line code");
+                let kind = match scalar.routines.is_empty() {
+                    true => usize::from(simd.execution == Execution::Simd),
+                    false => 2,
                 };
                 let name = format!("{} of {}", function.name(), model.name());
-                for program in programs {
+                for program in [scalar, simd] {
                     close(&name, &program.evaluate(&arguments), &expected);
                 }
                 compared[kind] += 1;

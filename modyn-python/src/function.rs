@@ -362,7 +362,7 @@ fn default_settings<S: Number>(length: usize) -> Vec<S> {
 fn evaluated<S: Number>(planning: Planning) -> Option<Evaluated<S>> {
     let Planning { mut plan, model, .. } = planning;
     let planned: Planned = plan.functions.drain(..).next()?;
-    Some(Evaluated::new(planned, &plan, model.gravity()))
+    Some(Evaluated::new(planned, plan, model.gravity()))
 }
 
 /// Returns the number of threads for a batch.

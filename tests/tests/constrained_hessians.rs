@@ -220,7 +220,7 @@ fn floating_robots_have_the_hessians_of_dual_numbers() {
     let mut ranks = Vec::new();
     for seed in 0..5 {
         let random = &mut Random::new(seed + 40);
-        let tree = floated(&random::mixed_tree(seed, 6), random.inertial());
+        let tree = floated(&random::mixed_tree(seed, 4), random.inertial());
         let last = tree.frames().len() - 1;
         let contacts: &[_] = match seed % 2 {
             0 => &[(OfPoint, last), (OfPoint, last - 2)],
@@ -293,8 +293,8 @@ fn closed_loops_have_the_hessians_of_dual_numbers() {
         ];
         let kind = seed as usize % 4;
         let tree = match seed / 4 % 2 {
-            0 => floated(&random::chain(seed, 7), random.inertial()),
-            _ => random::mixed_zoo(seed, 8),
+            0 => floated(&random::chain(seed, 5), random.inertial()),
+            _ => random::mixed_zoo(seed, 6),
         };
         let model = looped(&tree, kinds[kind], random);
         let model = match seed % 3 {

@@ -141,7 +141,7 @@ fn compare(name: &str, model: &Model, seed: u64) {
 #[test]
 fn hessians_of_random_robots_are_those_of_dual_numbers() {
     let models = (0..24)
-        .map(|seed| random::mixed_zoo(seed, 1 + usize::try_from(seed % 6).expect("a digit")));
+        .map(|seed| random::mixed_zoo(seed, 1 + usize::try_from(seed % 5).expect("a digit")));
     random::for_all_kinds(models, |seed, model| compare(&format!("seed {seed}"), model, seed));
 }
 

@@ -249,7 +249,7 @@ fn steps_are_symmetric() {
 fn derivatives_are_differences_of_the_rule() {
     let dt = 2e-3;
     let (mut floating, mut compared) = (0, 0);
-    for (seed, (model, State { q, qd, tau, .. })) in robots(45).enumerate() {
+    for (seed, (model, State { q, qd, tau, .. })) in robots(30).enumerate() {
         let n = model.nv();
         if n > 8 {
             continue;

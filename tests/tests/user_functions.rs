@@ -85,7 +85,7 @@ fn evaluated(
     let planning = builder.functions([]).function("terms", function).plan().expect("good");
     let mut found = BTreeMap::new();
     for Planned { name, arguments, parameters, result, kernels, .. } in &planning.plan.functions {
-        let Kernels::One(program) = kernels else { panic!("{name}") };
+        let Kernels::Straight { scalar: program, simd: None } = kernels else { panic!("{name}") };
         let mut numbers: Vec<f64> = Vec::new();
         for (argument, shape) in arguments {
             let own = &inputs[argument.name];

@@ -1,12 +1,14 @@
-//! `modyn generate`: writes a robot's dynamics as Rust, C, CUDA, WGSL, C for CasADi or machine code, and a header for Rust
+//! `modyn generate`: writes a robot's dynamics as Rust, C, CUDA, WGSL, C for CasADi, MATLAB or machine code, and a header for Rust
 //! functions that C calls.
 
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
+use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
+use modyn_codegen::diagnostics::Diagnostics;
 use modyn_codegen::diagnostics::sanitize_for_display;
-use modyn_codegen::diagnostics::{Diagnostic, Diagnostics};
-use modyn_codegen::{Builder, GpuLanguage, RolloutForces, RolloutOptions, names};
+use modyn_codegen::{Builder, GpuLanguage, RolloutForces, RolloutOptions, Target, names};
 use modyn_jit::object::{ObjectBuilder, ObjectFormat, ObjectOptions};
 use modyn_jit::{CompileError, InstructionSet};
 
@@ -20,7 +22,7 @@ use crate::command::robot::Robot;
 const STALE: &str = "stale: it is missing or was edited, or the description, an option or modyn has changed; \
                      generate it again without `--check`";
 
-/// Compile a description to Rust, C, CUDA, WGSL, C for CasADi or machine code
+/// Compile a description to Rust, C, CUDA, WGSL, C for CasADi, MATLAB or machine code
 ///
 /// The exit code is 0 if the file was written (with `--check`, if it is up to date), 1 if the description is rejected
 /// (with `--check`, if the file is stale), 2 if an option or a file is invalid.
@@ -34,10 +36,10 @@ pub struct Arguments {
     check: bool,
     /// The language: Rust; C99 that needs `<math.h>` only, FILE.c with its header FILE.h; kernels for graphics
     /// processors, CUDA C++ or WGSL, with a thread for each state; C99 for `casadi.external`, one file with all
-    /// derivatives; or an object file of x86-64 machine code, FILE.o (or a static library, FILE.a) with a C header FILE.h
+    /// derivatives; MATLAB (and GNU Octave), the folder of a package, +FILE; or an object file of x86-64 machine code, FILE.o (or a static library, FILE.a) with a C header FILE.h
     /// and a Rust text FILE.rs that calls it
     #[arg(long, value_enum, default_value_t)]
-    target: Target,
+    target: Output,
     /// Write the header of the functions for C; without `--c-functions` their prefix is the robot's name
     #[arg(long, value_name = "FILE.h", requires = "output")]
     c_header: Option<PathBuf>,
@@ -97,15 +99,48 @@ impl Rollout {
     }
 }
 
-#[derive(Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
-enum Target {
-    #[default]
-    Rust,
-    C,
-    Cuda,
-    Wgsl,
-    Casadi,
+/// The value of `--target`: a language, or machine code.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Output {
+    Text(Target),
     Object,
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        Self::Text(Target::default())
+    }
+}
+
+impl ValueEnum for Output {
+    fn value_variants<'a>() -> &'a [Self] {
+        static ALL: LazyLock<Vec<Output>> = LazyLock::new(|| {
+            Target::ALL.map(Output::Text).into_iter().chain([Output::Object]).collect()
+        });
+        &ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.name()))
+    }
+}
+
+impl Output {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Text(target) => target.name(),
+            Self::Object => "object",
+        }
+    }
+
+    /// Returns the language, if it is one for graphics processors.
+    fn gpu(self) -> Option<GpuLanguage> {
+        match self {
+            Self::Text(Target::Cuda) => Some(GpuLanguage::Cuda),
+            Self::Text(Target::Wgsl) => Some(GpuLanguage::Wgsl),
+            Self::Text(_) | Self::Object => None,
+        }
+    }
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -122,17 +157,6 @@ enum Format {
     Coff,
 }
 
-impl Target {
-    /// The language, if it is one for graphics processors.
-    fn gpu(self) -> Option<GpuLanguage> {
-        match self {
-            Self::Rust | Self::C | Self::Casadi | Self::Object => None,
-            Self::Cuda => Some(GpuLanguage::Cuda),
-            Self::Wgsl => Some(GpuLanguage::Wgsl),
-        }
-    }
-}
-
 /// Writes, or compares.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let description = arguments.robot.open()?;
@@ -142,9 +166,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let message = "error: `--rollout` is about `--target cuda` and `--target wgsl`";
         return Err(Failure::usage(message));
     }
-    if arguments.target == Target::Object {
+    let Output::Text(target) = arguments.target else {
         return object(arguments, &builder, &description, &named);
-    }
+    };
     let of_objects = [
         ("instruction-set", arguments.instruction_set.is_some()),
         ("object-format", arguments.object_format.is_some()),
@@ -153,24 +177,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let message = format!("error: `--{option}` is about `--target object`");
         return Err(Failure::usage(message));
     }
-    if arguments.target == Target::C {
-        return c_source(arguments, &builder, &description, &named);
-    }
     let rollouts = arguments.rollout.options()?;
     if let (Some(language), Some(rollouts)) = (arguments.target.gpu(), &rollouts) {
-        let text = || {
-            let source = builder.generate_rollouts(language, rollouts);
-            source.map(|(source, found)| (source.text, found))
-        };
-        return one_file(arguments, text, &description, &named);
+        return rollout(arguments, &builder, (language, rollouts), &description, &named);
     }
-    if let Some(language) = arguments.target.gpu() {
-        let text = || builder.generate_gpu(language).map(|(source, found)| (source.text, found));
-        return one_file(arguments, text, &description, &named);
-    }
-    if arguments.target == Target::Casadi {
-        let text = || builder.generate_casadi().map(|(source, found)| (source.text, found));
-        return one_file(arguments, text, &description, &named);
+    if target != Target::Rust {
+        return source(arguments, &builder, target, &description, &named);
     }
     let mut progress = Progress::start("compiling");
     let result = match &arguments.output {
@@ -205,64 +217,83 @@ fn write(
 }
 
 /// Refuses options that only Rust has.
-fn refuse_rust_options(arguments: &Arguments, target: &str) -> Result<(), Failure> {
+fn refuse_rust_options(arguments: &Arguments) -> Result<(), Failure> {
     let of_rust = ["c_functions", "visibility", "crate", "self_contained", "embed_model"];
     let given = of_rust.into_iter().find(|name| arguments.code.has(name));
     if let Some(option) = given.or(arguments.c_header.as_ref().map(|_| "c_header")) {
         let option = option.replace('_', "-");
-        let message = format!("error: `--{option}` is about Rust, not `--target {target}`");
+        let message = format!(
+            "error: `--{option}` is about Rust, not `--target {}`",
+            arguments.target.name()
+        );
         return Err(Failure::usage(message));
     }
     Ok(())
 }
 
-/// Writes a text that is one file, or checks the file.
-fn one_file(
-    arguments: &Arguments,
-    text: impl FnOnce() -> Result<(String, Vec<Diagnostic>), Diagnostics>,
-    description: &Description,
-    named: &impl Fn(Diagnostics) -> Failure,
-) -> Result<(), Failure> {
-    let target = arguments.target.to_possible_value();
-    refuse_rust_options(arguments, target.as_ref().map_or("c", |value| value.get_name()))?;
-    let mut progress = Progress::start("compiling");
-    let (text, warnings) = text().map_err(named)?;
-    progress.stop();
-    description.warn(arguments.robot.named(Diagnostics::new(warnings)));
-    let Some(output) = &arguments.output else { return to_stdout(&text) };
-    let current = std::fs::read_to_string(output).is_ok_and(|found| found == text);
-    if arguments.check {
-        let found = if current { "up to date" } else { "stale" };
-        to_stderr(&format!("{} is {found}\n", sanitize_for_display(&output.display().to_string())));
-        return if current { Ok(()) } else { Err(Failure::Reported) };
-    }
-    if current { Ok(()) } else { to_file(output, &text) }
-}
-
-/// Writes the C files, or checks them.
-fn c_source(
+/// Writes the text of rollouts, or checks the file.
+fn rollout(
     arguments: &Arguments,
     builder: &Builder,
+    (language, rollouts): (GpuLanguage, &RolloutOptions),
     description: &Description,
     named: &impl Fn(Diagnostics) -> Failure,
 ) -> Result<(), Failure> {
-    refuse_rust_options(arguments, "c")?;
+    refuse_rust_options(arguments)?;
+    let mut progress = Progress::start("compiling");
+    let (source, warnings) = builder.emit_rollouts(language, rollouts).map_err(named)?;
+    progress.stop();
+    description.warn(arguments.robot.named(Diagnostics::new(warnings)));
+    let Some(output) = &arguments.output else { return to_stdout(&source.text) };
+    let current = std::fs::read_to_string(output).is_ok_and(|found| found == source.text);
+    match (current, arguments.check) {
+        (_, true) => checked(output, !current),
+        (true, false) => Ok(()),
+        (false, false) => to_file(output, &source.text),
+    }
+}
+
+/// Writes the files of a language, or checks them; a text that is one file goes to standard output without `--output`.
+fn source(
+    arguments: &Arguments,
+    builder: &Builder,
+    target: Target,
+    description: &Description,
+    named: &impl Fn(Diagnostics) -> Failure,
+) -> Result<(), Failure> {
+    refuse_rust_options(arguments)?;
+    let mut progress = Progress::start("compiling");
     let Some(output) = &arguments.output else {
-        let message = "error: `--target c` writes two files: name the first with `--output FILE.c`";
+        let emitted = builder.emit(target).map_err(named)?;
+        progress.stop();
+        if let [file] = &*emitted.files {
+            description.warn(arguments.robot.named(Diagnostics::new(emitted.warnings)));
+            return to_stdout(&file.text);
+        }
+        let message = format!(
+            "error: `--target {}` writes {} files: name them with `--output {}`",
+            target.name(),
+            emitted.files.len(),
+            emitted.output()
+        );
         return Err(Failure::usage(message));
     };
-    let mut progress = Progress::start("compiling");
     if arguments.check {
-        let stale = builder.is_stale_c(output).map_err(named)?;
+        let stale = builder.is_stale_as(target, output).map_err(named)?;
         progress.stop();
-        let found = if stale { STALE } else { "up to date" };
-        to_stderr(&format!("{} is {found}\n", sanitize_for_display(&output.display().to_string())));
-        return if stale { Err(Failure::Reported) } else { Ok(()) };
+        return checked(output, stale);
     }
-    let warnings = builder.write_c(output).map_err(named)?;
+    let warnings = builder.write_as(target, output).map_err(named)?;
     progress.stop();
     description.warn(arguments.robot.named(Diagnostics::new(warnings)));
     Ok(())
+}
+
+/// Reports whether a file is stale.
+fn checked(output: &Path, stale: bool) -> Result<(), Failure> {
+    let found = if stale { STALE } else { "up to date" };
+    to_stderr(&format!("{} is {found}\n", sanitize_for_display(&output.display().to_string())));
+    if stale { Err(Failure::Reported) } else { Ok(()) }
 }
 
 /// Writes the object file or the static library, the header and the Rust text, or checks them.

@@ -8,7 +8,7 @@ use super::syntax::{is_c_prefix, is_path, is_visibility};
 use crate::check::gravity_error;
 use crate::description::{Base, Mimic};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity, Subject, suggest};
-use crate::emit::FloatType;
+use crate::emit::Target;
 use crate::names;
 use crate::options::{Bundle, ModuleChoice, shared_names, user};
 use crate::plan::{Function, Plan};
@@ -108,32 +108,6 @@ impl Builder {
         errors
     }
 
-    /// Returns the errors of options that `CasADi` does not have.
-    pub(super) fn casadi_errors(&self) -> Vec<Diagnostic> {
-        let code = &self.options.code;
-        let refused = [
-            (
-                code.scalar == FloatType::F32,
-                "`CasADi` computes in double precision",
-                "remove the option `scalar`",
-            ),
-            (
-                !code.bundles.is_empty(),
-                "`CasADi` has no bundles",
-                "select the functions of the bundle by `functions`",
-            ),
-            (
-                !self.options.user_functions.is_empty(),
-                "`CasADi` has no functions of users",
-                "write the function in CasADi, of the functions that modyn generates",
-            ),
-        ];
-        let refused = refused.into_iter().filter(|(refused, ..)| *refused);
-        refused
-            .map(|(_, message, help)| Diagnostic::error(Code::Option, message).with_help(help))
-            .collect()
-    }
-
     /// Returns a warning for a type `Robot`, which would collide with the trait that users import.
     pub(super) fn name_conflict(
         &self,
@@ -176,17 +150,22 @@ impl Builder {
     }
 }
 
-/// Returns a warning for selected functions that have no form for `CasADi`.
-pub(super) fn without_casadi_form(selected: &[Function]) -> Option<Diagnostic> {
+/// Returns a warning for selected functions that a language does not have.
+pub(super) fn left_out(target: Target, selected: &[Function]) -> Option<Diagnostic> {
     // `default` and `all` are requests for the functions that there are.
     let is_of_a_group = |function: &Function| {
         selected.len() == Function::ALL.len() || Function::DEFAULT.contains(function)
     };
-    let missing = selected.iter().filter(|one| !one.row().casadi && !is_of_a_group(one));
+    let mut help = None;
+    let missing = selected.iter().filter(|function| !is_of_a_group(function)).filter(|function| {
+        let lacks = target.backend().lacks(**function);
+        help = help.or(lacks);
+        lacks.is_some()
+    });
     let missing: Vec<String> = missing.map(|one| format!("`{}`", one.name())).collect();
-    (!missing.is_empty()).then(|| {
-        let message = format!("{} has no form for CasADi, and is left out", missing.join(", "));
-        let help = "differentiate the functions in CasADi, by `jacobian` or `gradient`";
+    help.map(|help| {
+        let message =
+            format!("{} has no form for {}, and is left out", missing.join(", "), target.title());
         Diagnostic::new(Severity::Warning, Code::Option, message).with_help(help)
     })
 }
@@ -202,9 +181,10 @@ pub fn invalid_programs(plan: &Plan) -> impl Iterator<Item = Diagnostic> {
 }
 
 /// Returns a warning for functions whose second derivatives were left out.
-pub(super) fn without_hessian(functions: &[String]) -> Option<Diagnostic> {
+pub(super) fn without_hessian(functions: &[String], prefix: &str) -> Option<Diagnostic> {
     (!functions.is_empty()).then(|| {
-        let names = functions.join("`, `");
+        let names: Vec<String> = functions.iter().map(|name| format!("{prefix}_{name}")).collect();
+        let names = names.join("`, `");
         let message = format!("`{names}` has no second derivatives: their code would be too long");
         let help = "use a Hessian approximation (IPOPT: `hessian_approximation`)";
         Diagnostic::new(Severity::Warning, Code::Option, message).with_help(help)

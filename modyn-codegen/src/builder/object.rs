@@ -4,8 +4,29 @@ use modyn_runtime::model::ModuleTree;
 
 use super::{Builder, Inputs, Planning};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity};
-use crate::emit::{EmitOptions, FloatType, MachineCode, emit_object_header, emit_wrapper};
-use crate::plan::{Constants, Execution, Function};
+use crate::emit::{
+    EmitOptions, FloatType, MachineCode, PlannedRobot, Refused, emit_object_header, emit_wrapper,
+};
+use crate::plan::Function;
+
+/// The options that the Rust text beside an object file does not have.
+const REFUSED: [Refused; 3] = [
+    Refused {
+        option: "embed_model",
+        message: "the Rust text beside an object file has no description",
+        help: "remove the option `embed_model`",
+    },
+    Refused {
+        option: "self_contained",
+        message: "the Rust text beside an object file needs the crate `modyn`",
+        help: "remove the option `self_contained`",
+    },
+    Refused {
+        option: "c_functions",
+        message: "the functions of an object file are C functions already",
+        help: "remove the option `c_functions`",
+    },
+];
 
 /// The programs of a robot whose machine code goes to an object file, and the texts beside it; see
 /// [`Builder::plan_object`].
@@ -14,7 +35,6 @@ pub struct ObjectPlanning {
     /// The programs, the model and the warnings.
     pub planning: Planning,
     modules: ModuleTree,
-    constants: Constants,
     options: EmitOptions,
 }
 
@@ -28,48 +48,14 @@ impl Builder {
     /// `c_functions` are refused: the Rust text needs the crate `modyn` and has functions alone, and the object's functions
     /// are C functions already.
     pub fn plan_object(&self) -> Result<ObjectPlanning, Diagnostics> {
-        let code = &self.options.code;
-        let refused = [
-            (
-                code.embed_model,
-                "embed_model",
-                "the Rust text beside an object file has no description",
-            ),
-            (
-                code.self_contained,
-                "self_contained",
-                "the Rust text beside an object file needs the crate `modyn`",
-            ),
-            (
-                code.c_functions.is_some(),
-                "c_functions",
-                "the functions of an object file are C functions already",
-            ),
-        ];
-        let refused = refused.into_iter().filter(|(given, ..)| *given);
-        let mut errors: Vec<Diagnostic> = refused
-            .map(|(_, option, message)| {
-                let help = format!("remove the option `{option}`");
-                Diagnostic::error(Code::Option, message).with_help(help)
-            })
-            .collect();
-        let mut inputs = match self.inputs() {
-            Ok(inputs) if errors.is_empty() => inputs,
-            Ok(_) => return Err(Diagnostics::new(errors)),
-            Err(found) => {
-                errors.extend(found);
-                return Err(Diagnostics::new(errors));
-            }
-        };
-        let constants = Constants::new(&inputs.model, &inputs.choices);
-        inputs.choices = inputs.choices.of_one_state();
-        let mut plan = inputs.plan(Execution::Vectors);
+        let mut inputs = self.inputs_without(&REFUSED)?;
+        let mut plan = inputs.machine_code();
         let Inputs { model, files, modules, mut options, .. } = inputs;
         let functions = plan.functions.len();
         plan.functions.retain(|planned| planned.function != Some(Function::Brge));
         plan.factorization.clear();
         // `default` and `all` are requests for the functions that there are.
-        let is_wanted = code.functions.as_ref().is_some_and(|selected| {
+        let is_wanted = self.options.code.functions.as_ref().is_some_and(|selected| {
             Function::DEFAULT.iter().any(|function| !selected.contains(function))
         });
         if plan.functions.len() < functions && is_wanted {
@@ -81,7 +67,7 @@ impl Builder {
         }
         let warnings = options.warnings.clone();
         let planning = Planning { plan, model, warnings, files };
-        Ok(ObjectPlanning { planning, modules, constants, options })
+        Ok(ObjectPlanning { planning, modules, options })
     }
 }
 
@@ -107,15 +93,18 @@ impl ObjectPlanning {
     /// Returns the C header of the machine code.
     #[must_use]
     pub fn header(&self, code: &MachineCode) -> String {
-        let Planning { plan, model, .. } = &self.planning;
-        emit_object_header(model, plan, &self.options, code)
+        emit_object_header(&self.robot(), code)
     }
 
     /// Returns the Rust text that calls the machine code: the robot's type with its functions of one state in its own
     /// scalar, as in the text of [`Builder::generate`]. The text has unsafe code: these calls.
     #[must_use]
     pub fn wrapper(&self, code: &MachineCode) -> String {
-        let Planning { plan, model, .. } = &self.planning;
-        emit_wrapper((model, &self.modules), plan, &self.constants, &self.options, code)
+        emit_wrapper(&self.robot(), code)
+    }
+
+    fn robot(&self) -> PlannedRobot<'_> {
+        let (Planning { plan, model, .. }, options) = (&self.planning, &self.options);
+        PlannedRobot { model, modules: &self.modules, plan, options, stem: "" }
     }
 }

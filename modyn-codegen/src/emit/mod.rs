@@ -1,23 +1,25 @@
-//! Back ends: from a [`Plan`] to text, one folder for each language. Back ends make no decisions.
+//! Back ends: from a [`Plan`] to text, one folder for each language ([`Target`]), which implements [`Backend`]. Back ends
+//! make no decisions.
 
 mod c;
 mod casadi;
 mod gpu;
+mod matlab;
 pub(crate) mod rust;
+mod statements;
 mod support;
 
-pub use c::CSource;
-pub use casadi::CasadiSource;
 pub use gpu::{
-    GpuArgument, GpuKernel, GpuLanguage, GpuRollout, GpuSource, RolloutBuffer, RolloutForces,
-    RolloutOptions, RolloutSource,
+    GpuArgument, GpuKernel, GpuLanguage, GpuRollout, RolloutBuffer, RolloutForces, RolloutOptions,
+    RolloutSource,
 };
 
 use modyn_runtime::model::{Model, ModuleTree};
 
 use crate::diagnostics::Diagnostic;
 use crate::names;
-use crate::plan::{CasadiPlan, Constants, Plan};
+use crate::plan::{Choices, Function, Plan};
+use crate::program::Execution;
 
 /// The scalar of the generated type's own functions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -119,90 +121,181 @@ pub struct MachineTarget {
     pub cfg: &'static str,
 }
 
-/// The generated text of a robot.
+/// A generated file.
+#[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
-pub struct Emitted {
-    /// Rust items.
+pub struct File {
+    /// The path, relative to the folder of all files.
+    pub name: String,
+    /// The text.
     pub text: String,
-    /// The header of the functions for C; `None` without such functions.
-    pub c_header: Option<String>,
-    /// The name of the type.
-    pub type_name: String,
 }
 
-/// Returns the Rust text of a robot with its programs and constants.
-#[must_use]
-pub fn emit(
-    robot: (&Model, &ModuleTree),
-    plan: &Plan,
-    constants: &Constants,
-    options: &EmitOptions,
-) -> Emitted {
-    let type_name = options.type_name(robot.0);
-    let (text, c_header) = rust::print(robot, (plan, constants), options, &type_name);
-    Emitted { text, c_header, type_name }
+impl File {
+    fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
+        Self { name: name.into(), text: text.into() }
+    }
 }
 
-/// Returns the C99 text of a robot: a header and a source file. `header` is the name of the header's file; by default it
-/// is derived from the type's name.
-#[must_use]
-pub fn emit_c(model: &Model, plan: &Plan, options: &EmitOptions, header: Option<&str>) -> CSource {
-    let prefix = options.prefix(model);
-    let header = header.map_or_else(|| format!("{prefix}.h"), String::from);
-    c::print(plan, model, (&prefix, &header), options.scalar)
+/// A robot with its programs, as back ends print it.
+#[derive(Clone, Copy)]
+#[non_exhaustive]
+pub struct PlannedRobot<'a> {
+    /// The robot.
+    pub model: &'a Model,
+    /// The user's partition into modules.
+    pub modules: &'a ModuleTree,
+    /// The programs.
+    pub plan: &'a Plan,
+    /// The options that the text depends on.
+    pub options: &'a EmitOptions,
+    /// The name of the files, without an ending.
+    pub stem: &'a str,
+}
+
+impl PlannedRobot<'_> {
+    /// Returns the prefix of names outside of Rust: the type's name in snake case.
+    #[must_use]
+    pub fn prefix(&self) -> String {
+        self.options.prefix(self.model)
+    }
+}
+
+/// An option that a language does not have.
+#[derive(Clone, Copy, Debug)]
+pub struct Refused {
+    /// The option's name; `function` for the user's functions.
+    pub option: &'static str,
+    /// The message of the error.
+    pub message: &'static str,
+    /// The remedy.
+    pub help: &'static str,
+}
+
+/// A back end: how it runs programs, which options and functions it does not have, and the printer.
+pub trait Backend: Sync {
+    /// Returns the way that programs run.
+    fn execution(&self, options: &EmitOptions) -> Execution;
+
+    /// Prints a robot: all files, the main one first.
+    fn print(&self, robot: &PlannedRobot<'_>) -> Vec<File>;
+
+    /// Returns a comment.
+    fn comment(&self, text: &str) -> String;
+
+    /// Returns the plan of a robot.
+    fn plan(
+        &self,
+        (model, modules): (&Model, &ModuleTree),
+        choices: &Choices,
+        options: &EmitOptions,
+    ) -> Plan {
+        Plan::new(model, modules, choices, self.execution(options))
+    }
+
+    /// Returns the scalar of the text, for the scalar that the user chose.
+    fn scalar(&self, chosen: FloatType) -> FloatType {
+        chosen
+    }
+
+    /// Returns the options that are errors.
+    fn refused(&self) -> &'static [Refused] {
+        &[]
+    }
+
+    /// Returns a replacement for a function that the language does not have; `None` for the functions that it has.
+    fn lacks(&self, _: Function) -> Option<&'static str> {
+        None
+    }
+
+    /// Returns the kernels of a text for graphics processors; none for other languages.
+    fn kernels(&self, _: &PlannedRobot<'_>) -> Vec<GpuKernel> {
+        Vec::new()
+    }
+}
+
+/// A language of generated code.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Target {
+    /// Rust: the type of a robot.
+    #[default]
+    Rust,
+    /// C99 that needs `<math.h>` only: a source file and a header.
+    C,
+    /// CUDA C++, for NVRTC or nvcc: a kernel for each function, with a thread for each state.
+    Cuda,
+    /// WGSL, for `WebGPU`, in single precision: a kernel for each function, with a thread for each state.
+    Wgsl,
+    /// C99 for `casadi.external`: functions with all derivatives.
+    Casadi,
+    /// MATLAB, which GNU Octave runs as well: a package with a file for each function, for one state or many.
+    Matlab,
+}
+
+impl Target {
+    /// All languages.
+    pub const ALL: [Self; 6] =
+        [Self::Rust, Self::C, Self::Cuda, Self::Wgsl, Self::Casadi, Self::Matlab];
+
+    /// Returns the name of the option `target` of the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        self.row().0
+    }
+
+    /// Returns the name in texts.
+    #[must_use]
+    pub fn title(self) -> &'static str {
+        self.row().1
+    }
+
+    /// Returns the back end.
+    #[must_use]
+    pub fn backend(self) -> &'static dyn Backend {
+        self.row().2
+    }
+
+    fn row(self) -> (&'static str, &'static str, &'static dyn Backend) {
+        match self {
+            Self::Rust => ("rust", "Rust", &rust::Rust),
+            Self::C => ("c", "C", &c::C),
+            Self::Cuda => ("cuda", "CUDA", &gpu::Gpu(GpuLanguage::Cuda)),
+            Self::Wgsl => ("wgsl", "WGSL", &gpu::Gpu(GpuLanguage::Wgsl)),
+            Self::Casadi => ("casadi", "CasADi", &casadi::Casadi),
+            Self::Matlab => ("matlab", "MATLAB", &matlab::Matlab),
+        }
+    }
+}
+
+impl From<GpuLanguage> for Target {
+    fn from(language: GpuLanguage) -> Self {
+        match language {
+            GpuLanguage::Cuda => Self::Cuda,
+            GpuLanguage::Wgsl => Self::Wgsl,
+        }
+    }
 }
 
 /// Returns the Rust text of a robot whose functions are in an object file.
 #[must_use]
-pub fn emit_wrapper(
-    robot: (&Model, &ModuleTree),
-    plan: &Plan,
-    constants: &Constants,
-    options: &EmitOptions,
-    code: &MachineCode,
-) -> String {
-    rust::print_for_object(robot, (plan, constants), options, &options.type_name(robot.0), code)
+pub fn emit_wrapper(robot: &PlannedRobot<'_>, code: &MachineCode) -> String {
+    rust::print_for_object(robot, code)
 }
 
 /// Returns the C header of a robot whose functions are in an object file.
 #[must_use]
-pub fn emit_object_header(
-    model: &Model,
-    plan: &Plan,
-    options: &EmitOptions,
-    code: &MachineCode,
-) -> String {
-    c::print_object_header(plan, model, options.scalar, code)
-}
-
-/// Returns kernels of a robot for graphics processors, whose names begin with the type's name in snake case.
-#[must_use]
-pub fn emit_gpu(
-    model: &Model,
-    plan: &Plan,
-    options: &EmitOptions,
-    language: GpuLanguage,
-) -> GpuSource {
-    let prefix = options.prefix(model);
-    gpu::print(plan, model, &prefix, language, options.scalar)
+pub fn emit_object_header(robot: &PlannedRobot<'_>, code: &MachineCode) -> String {
+    c::print_object_header(robot, code)
 }
 
 /// Returns kernels for graphics processors that integrate motions over many time steps, whose names begin with the type's
 /// name in snake case.
 #[must_use]
 pub fn emit_rollouts(
-    model: &Model,
-    plan: &Plan,
-    options: &EmitOptions,
+    robot: &PlannedRobot<'_>,
     language: GpuLanguage,
     rollouts: &RolloutOptions,
 ) -> RolloutSource {
-    let prefix = options.prefix(model);
-    gpu::print_rollout(plan, model, &prefix, (language, options.scalar), rollouts)
-}
-
-/// Returns the C99 text of the functions that `CasADi` loads. `prefix` is the one of their names.
-#[must_use]
-pub fn emit_casadi(model: &Model, plan: CasadiPlan, prefix: String) -> CasadiSource {
-    casadi::print(plan, model, prefix)
+    gpu::print_rollout(robot, language, rollouts)
 }

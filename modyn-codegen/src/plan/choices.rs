@@ -4,12 +4,12 @@ use modyn_runtime::model::Model;
 
 use super::Function;
 use super::bundle::Bundle;
-use super::strategy::CodeForm;
+use super::code_form::CodeForm;
 use super::user::TracedFunction;
 use crate::trace::Parameters;
 
 /// The choices of a user that a plan depends on.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Choices {
     /// The selected functions.
     pub functions: Vec<Function>,

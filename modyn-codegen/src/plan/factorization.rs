@@ -7,7 +7,7 @@ use super::programs::shapes_of;
 use super::{Argument, Shape, Sizes};
 use crate::graph::Graph;
 use crate::passes::optimize;
-use crate::program::{Program, Target};
+use crate::program::{Execution, Program};
 use crate::trace::Tracer;
 
 /// A function of the factors.
@@ -30,7 +30,7 @@ pub(super) fn plan(tracer: &Tracer<'_>, layout: &UduLayout, sizes: &Sizes) -> Ve
     let function = |name, docs, arguments: &[Argument], result, graph: Graph| {
         let arguments = shapes_of(arguments, sizes);
         let scalars = arguments.iter().map(|(_, shape)| shape.len()).sum();
-        let program = Program::new(&optimize(graph), scalars, Target::Scalar);
+        let program = Program::new(&optimize(graph), scalars, Execution::Scalar);
         FactorFunction { name, docs, arguments, result, program }
     };
     let of_factors = |name, docs, result, graph| function(name, docs, &[FACTORS], result, graph);

@@ -16,16 +16,12 @@ pub(crate) const MAX_OWN_FUNCTIONS: usize = 8;
 
 /// The program that a link has for a function of one link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LinkCode {
-    /// A program of the link's own.
-    Own,
-    /// The program that all further links of the body share.
-    Shared {
-        /// The index of the body among the bodies with a shared program.
-        body: usize,
-        /// The row of the table of placements.
-        row: usize,
-    },
+pub struct LinkProgram {
+    /// The index of the program: first those of links with a program of their own, then those of bodies whose further links
+    /// share one.
+    pub program: usize,
+    /// The row of the table of placements, for a program that links share.
+    pub placement: Option<usize>,
 }
 
 /// The links of a robot, grouped by their programs.
@@ -33,7 +29,7 @@ pub struct Frames {
     /// The robot without its links; a program's link is added to it.
     bare: Mechanism<f64>,
     frames: Vec<BodyFrame<f64>>,
-    codes: Vec<LinkCode>,
+    programs: Vec<LinkProgram>,
     /// The bodies with a shared program.
     shared: Vec<Option<usize>>,
 }
@@ -45,23 +41,27 @@ impl Frames {
     pub(super) fn new(mechanism: &Mechanism<f64>) -> Self {
         // For each body, the world first.
         let mut counts = vec![0; mechanism.bodies.len() + 1];
-        let (mut codes, mut shared, mut rows) = (Vec::new(), Vec::new(), 0);
+        let (mut programs, mut shared, mut own, mut rows) = (Vec::new(), Vec::new(), 0, 0);
         for frame in &mechanism.frames {
             let count = &mut counts[frame.body.map_or(0, |body| body + 1)];
             *count += 1;
             if *count == MAX_OWN_FUNCTIONS + 1 {
                 shared.push(frame.body);
             }
-            codes.push(if *count <= MAX_OWN_FUNCTIONS {
-                LinkCode::Own
+            programs.push(if *count <= MAX_OWN_FUNCTIONS {
+                own += 1;
+                LinkProgram { program: own - 1, placement: None }
             } else {
                 rows += 1;
                 let place = shared.iter().position(|&other| other == frame.body);
-                LinkCode::Shared { body: place.unwrap_or_default(), row: rows - 1 }
+                LinkProgram { program: place.unwrap_or_default(), placement: Some(rows - 1) }
             });
         }
+        for link in programs.iter_mut().filter(|link| link.placement.is_some()) {
+            link.program += own;
+        }
         let bare = Mechanism { frames: Vec::new(), ..mechanism.clone() };
-        Self { bare, frames: mechanism.frames.clone(), codes, shared }
+        Self { bare, frames: mechanism.frames.clone(), programs, shared }
     }
 
     /// Returns the robot without its links.
@@ -71,8 +71,8 @@ impl Frames {
 
     /// Returns the program of each link of the description.
     #[must_use]
-    pub fn codes(&self) -> &[LinkCode] {
-        &self.codes
+    pub fn programs(&self) -> &[LinkProgram] {
+        &self.programs
     }
 
     /// Returns whether any links share a program.
@@ -83,19 +83,19 @@ impl Frames {
 
     /// Returns the indices of the links with programs of their own.
     pub fn links_with_own_program(&self) -> impl Iterator<Item = usize> {
-        (0..self.codes.len()).filter(|&link| self.codes[link] == LinkCode::Own)
+        (0..self.programs.len()).filter(|&link| self.programs[link].placement.is_none())
     }
 
     /// Returns the number of links that share a program with others.
     #[must_use]
     pub fn rows(&self) -> usize {
-        self.codes.iter().filter(|code| **code != LinkCode::Own).count()
+        self.programs.iter().filter(|link| link.placement.is_some()).count()
     }
 
     /// Returns the table of placements: the pose on its body of each link with a shared program.
     pub fn placements(&self) -> impl Iterator<Item = [f64; Self::PLACEMENT]> {
-        let shared =
-            self.frames.iter().zip(&self.codes).filter(|(_, code)| **code != LinkCode::Own);
+        let shared = self.frames.iter().zip(&self.programs);
+        let shared = shared.filter(|(_, link)| link.placement.is_some());
         shared.map(|(BodyFrame { pose, .. }, _)| {
             let mut numbers = pose.rotation.iter().flatten().chain(&pose.translation);
             std::array::from_fn(|_| *numbers.next().expect("twelve"))
@@ -105,7 +105,7 @@ impl Frames {
     /// Returns the layout of the results of the first program of `poses`.
     #[must_use]
     pub fn poses_of_bodies(&self) -> Shape {
-        Shape::pose().array(self.codes.len() - self.rows() + self.shared.len())
+        Shape::pose().array(self.programs.len() - self.rows() + self.shared.len())
     }
 
     /// Returns the graphs of `trace` on tracers with one link: first for links of their own, then for shared ones.

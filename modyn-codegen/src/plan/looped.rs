@@ -1,8 +1,8 @@
 //! The choice between straight-line code and loops over the bodies.
 
 use super::Function;
+use super::code_form::CodeForm;
 use super::functions::Lowering;
-use super::strategy::CodeForm;
 use super::tracing::Tracing;
 use crate::graph::Graph;
 use crate::passes::{balance, optimize};

@@ -10,6 +10,7 @@
 mod bundle;
 mod casadi;
 mod choices;
+mod code_form;
 mod constants;
 mod factorization;
 mod frames;
@@ -20,7 +21,6 @@ mod packing;
 pub mod partition;
 mod planned;
 mod programs;
-pub(crate) mod strategy;
 mod tracing;
 mod user;
 mod wrapped;
@@ -36,22 +36,22 @@ pub use modyn_runtime::quantities::{
 pub use bundle::{Bundle, Member, MemberFunction};
 pub use casadi::{CasadiFunction, CasadiMatrix, CasadiPlan};
 pub use choices::Choices;
+pub use code_form::CodeForm;
 pub use constants::{BaseParameterTable, Constants};
 pub use factorization::FactorFunction;
-pub use frames::{Frames, LinkCode};
+pub use frames::{Frames, LinkProgram};
 pub use functions::{CForm, GraphSource, Lowering, Packing, unknown_function};
 pub(crate) use functions::{estimated_length, signatures};
 pub use measures::Measures;
-pub use packing::{COLUMN_LANES, LIMB_LIMITS};
+pub use packing::COLUMN_LANES;
 pub use planned::{Kernels, Planned};
-pub use strategy::{CodeForm, Execution};
-pub use tracing::Tracing;
+pub use tracing::{LIMB_LIMITS, Tracing};
 pub use user::{
     MAX_USER_OPERATIONS, NamedFunction, TracedForm, TracedFunction, UserForm, UserPlanError,
 };
 
 use crate::passes::optimize;
-use crate::program::{InvalidProgram, Program, Target};
+use crate::program::{Execution, InvalidProgram, Program};
 use crate::trace::Parameters;
 use partition::ChosenPartition;
 use programs::ScalarGraphs;
@@ -80,12 +80,15 @@ pub struct Plan {
     pub frames: Frames,
     /// The modules of forward dynamics.
     pub elimination_modules: ModuleTree,
+    /// The functions of `CasADi`; empty for other back ends.
+    pub casadi: CasadiPlan,
     /// The partitions that were considered, with their operations; the chosen one is first.
     pub candidates: Vec<(&'static str, usize)>,
 }
 
 impl Plan {
     /// Returns the plan of `model`'s functions for a back end that runs them in this way; `modules` is the user's partition.
+    /// For [`Execution::Simd`] functions of many states have programs as well.
     #[must_use]
     pub fn new(
         model: &Model,
@@ -93,12 +96,33 @@ impl Plan {
         choices: &Choices,
         execution: Execution,
     ) -> Self {
-        let strategy = execution.strategy(choices.share);
-        let batches = execution == Execution::Vectors;
+        Self::traced(model, modules, choices, execution, |_| CasadiPlan::default())
+    }
+
+    /// Returns the plan of `model`'s functions for `CasADi`, with their derivatives: the selected ones that `CasADi` can have.
+    #[must_use]
+    pub fn for_casadi(model: &Model, modules: &ModuleTree, choices: &Choices) -> Self {
+        let straight = Choices {
+            functions: Vec::new(),
+            share: false,
+            code: CodeForm::Fast,
+            ..choices.clone()
+        };
+        let casadi = |tracing: &Tracing<'_>| CasadiPlan::new(tracing, model, &choices.functions);
+        Self::traced(model, modules, &straight, Execution::Scalar, casadi)
+    }
+
+    fn traced(
+        model: &Model,
+        modules: &ModuleTree,
+        choices: &Choices,
+        execution: Execution,
+        casadi: impl Fn(&Tracing<'_>) -> CasadiPlan,
+    ) -> Self {
+        let batches = execution == Execution::Simd;
         let robot = TracedRobot::new(model, choices.parameters(model));
-        let limbs = packing::limbs(&robot, strategy);
-        let code = execution.code_form(choices.code);
-        let tracing = Tracing::new(&robot, (model, modules), (strategy, code), limbs);
+        let tracing =
+            Tracing::new(&robot, (model, modules), execution, (choices.share, choices.code));
         let sizes = tracing.sizes;
         let selected = |function: &Function| {
             let row = function.row();
@@ -134,8 +158,9 @@ impl Plan {
         };
         let pivots = tracing.tracer.inertia_pivots().map(|(entries, graph)| {
             let arguments = 1 + robot.parameters.len();
-            (entries, Program::new(&optimize(graph), arguments, Target::Scalar))
+            (entries, Program::new(&optimize(graph), arguments, Execution::Scalar))
         });
+        let casadi = casadi(&tracing);
         let Tracing { layout, forward_dynamics, .. } = tracing;
         let ChosenPartition { modules: elimination_modules, candidates, .. } = forward_dynamics;
         let TracedRobot { parameters, frames, .. } = robot;
@@ -150,6 +175,7 @@ impl Plan {
             inertia_pivots: pivots,
             frames,
             elimination_modules,
+            casadi,
             candidates,
         }
     }

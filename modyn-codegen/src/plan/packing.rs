@@ -5,19 +5,14 @@ use modyn_runtime::quantities::Function;
 
 use super::bundle::{Bundle, Graphs};
 use super::functions::{Lowering, Packing};
-use super::strategy::Strategy;
-use super::tracing::{TracedRobot, Tracing};
+use super::tracing::Tracing;
 use crate::graph::Graph;
 use crate::passes::{balance, optimize};
-use crate::trace::{LimbLimits, LimbPacking, Tracer};
+use crate::trace::{LimbPacking, Tracer};
 
 /// The largest number of operations on scalars for which sums are balanced along the critical path. A longer function
 /// keeps all units of a processor busy without balancing.
 const MAX_BALANCED: usize = 2000;
-
-/// The limits of merging limbs: the lanes of the longest vectors, and for limbs on different bodies those of a vector on most
-/// processors. The lanes of a joint that a shorter chain lacks do nothing.
-pub const LIMB_LIMITS: LimbLimits = LimbLimits { packed: 8, joined: 4, missing: 2 };
 
 /// The number of derivative columns that are computed at a time: the lanes of a vector on most processors.
 pub const COLUMN_LANES: usize = 4;
@@ -32,13 +27,6 @@ const DISPATCHED: std::ops::Range<usize> = 100..5000;
 
 /// A packed function is profitable if it needs fewer than this many fifths of the operations on scalars.
 const MAX_FIFTHS: usize = 4;
-
-/// Returns the candidates for packing limbs. Limbs with run-time inertias are never equal.
-pub(super) fn limbs(robot: &TracedRobot, strategy: Strategy) -> Vec<LimbPacking> {
-    let packs = matches!(strategy, Strategy::Routines | Strategy::Vectors) && robot.is_described();
-    let joins = strategy == Strategy::Vectors;
-    if packs { LimbPacking::candidates(&robot.mechanism, &LIMB_LIMITS, joins) } else { Vec::new() }
-}
 
 /// Returns the optimized graph of a function of one state on scalars.
 pub(super) fn on_scalars(function: Function, tracing: &Tracing<'_>) -> Graph {

@@ -1,7 +1,8 @@
 //! A planned function: the arguments, the result and the programs that a printer receives.
 
-use modyn_runtime::OperationCount;
+use modyn_runtime::{OperationCount, Scalar};
 
+use super::frames::{Frames, LinkProgram};
 use super::functions::CForm;
 use super::{Argument, Function, Record, Shape};
 use crate::program::{InvalidProgram, Program, Recursion};
@@ -34,24 +35,21 @@ pub struct Planned {
 
 /// The programs of a function.
 pub enum Kernels {
-    /// One program.
-    One(Program),
+    /// Straight-line code.
+    Straight {
+        /// The program without packs.
+        scalar: Program,
+        /// The same function on vectors, if that is profitable; the processor's features decide at run time.
+        simd: Option<Program>,
+    },
     /// Loops over the bodies.
     Looped(Recursion),
-    /// A program on scalars and a program on vectors; the processor's features decide at run time.
-    Dispatched {
-        /// The program on scalars.
-        scalar: Program,
-        /// The program on vectors.
-        simd: Program,
-    },
-    /// The programs of a function of one link: one for each link with a program of its own, in the order of
-    /// [`Frames::links_with_own_program`](super::Frames::links_with_own_program), then one for each body with a shared program. Shared programs have the
-    /// link's placement as a further argument.
+    /// The programs of a function of one link, with the indices of [`LinkProgram`](super::LinkProgram). A program that links
+    /// share has the link's placement as a further argument.
     ByLink(Vec<Program>),
     /// The programs of the poses of all links, if some links share a program.
     Poses {
-        /// The poses in the order of [`Frames::links_with_own_program`](super::Frames::links_with_own_program), then of the bodies with a shared program.
+        /// The poses with the indices of [`LinkProgram`](super::LinkProgram).
         bodies: Program,
         /// The pose of a link with a shared program, from the pose of its body and the link's placement.
         placed: Program,
@@ -60,7 +58,72 @@ pub enum Kernels {
     },
 }
 
+impl Kernels {
+    /// Returns straight-line code without a form on vectors.
+    pub(super) fn of(scalar: Program) -> Self {
+        Self::Straight { scalar, simd: None }
+    }
+
+    /// Returns straight-line code as two programs: without packs, and on vectors where that is profitable, else without packs.
+    /// Returns `None` for loops and functions of links.
+    #[must_use]
+    pub fn straight(&self) -> Option<(&Program, &Program)> {
+        match self {
+            Self::Straight { scalar, simd } => Some((scalar, simd.as_ref().unwrap_or(scalar))),
+            Self::Looped(_) | Self::ByLink(_) | Self::Poses { .. } => None,
+        }
+    }
+}
+
 impl Planned {
+    /// Returns whether the function has a link as a further argument.
+    #[must_use]
+    pub fn is_by_link(&self) -> bool {
+        matches!(self.kernels, Kernels::ByLink(_))
+    }
+
+    /// Returns the lengths of the arrays of arguments, with that of the run-time parameters if there are some.
+    #[must_use]
+    pub fn lengths(&self) -> Vec<usize> {
+        let lengths = self.arguments.iter().map(|(_, shape)| shape.len());
+        lengths.chain((self.parameters > 0).then_some(self.parameters)).collect()
+    }
+
+    /// Returns the result for these arguments, one after the other, by the evaluation of programs without packs: the
+    /// reference for back ends. `link` is that of a function of one link.
+    ///
+    /// # Panics
+    ///
+    /// If an argument that is read is missing, or there is no such link.
+    #[must_use]
+    pub fn evaluate<S: Scalar>(&self, frames: &Frames, link: usize, arguments: &[S]) -> Vec<S> {
+        let placed = |program: &Program, arguments: &[S], placement: Option<usize>| {
+            let row = placement.and_then(|row| frames.placements().nth(row));
+            let row = row.iter().flatten().map(|&x| S::from_f64(x));
+            program.evaluate(&arguments.iter().copied().chain(row).collect::<Vec<S>>())
+        };
+        match &self.kernels {
+            Kernels::Straight { scalar, .. } => scalar.evaluate(arguments),
+            Kernels::Looped(recursion) => recursion.evaluate(arguments),
+            Kernels::ByLink(programs) => {
+                let LinkProgram { program, placement } = frames.programs()[link];
+                placed(&programs[program], arguments, placement)
+            }
+            Kernels::Poses { bodies, placed: on_body, .. } => {
+                let poses = bodies.evaluate(arguments);
+                let pose = |link: &LinkProgram| {
+                    let length = Shape::pose().len();
+                    let own = &poses[link.program * length..][..length];
+                    match link.placement {
+                        None => own.to_vec(),
+                        Some(_) => placed(on_body, own, link.placement),
+                    }
+                };
+                frames.programs().iter().flat_map(pose).collect()
+            }
+        }
+    }
+
     /// Returns whether the function computes the state after a time step, from `q`, `qd`, `tau` and `dt`.
     #[must_use]
     pub fn is_step(&self) -> bool {
@@ -71,9 +134,7 @@ impl Planned {
     #[must_use]
     pub fn operations_per_call(&self) -> OperationCount {
         match &self.kernels {
-            Kernels::One(program) | Kernels::Dispatched { scalar: program, .. } => {
-                program.operations_per_call()
-            }
+            Kernels::Straight { scalar, .. } => scalar.operations_per_call(),
             Kernels::Looped(recursion) => recursion.operations_per_call(),
             Kernels::ByLink(all) => {
                 let counts = all.iter().map(Program::operations_per_call);
@@ -90,11 +151,12 @@ impl Planned {
     #[must_use]
     pub fn static_operations(&self) -> OperationCount {
         match &self.kernels {
-            Kernels::One(program) => program.static_operations(),
             Kernels::Looped(recursion) => recursion.static_operations(),
-            Kernels::Dispatched { scalar, simd } => {
-                scalar.static_operations() + simd.static_operations()
-            }
+            Kernels::Straight { scalar, simd } => [Some(scalar), simd.as_ref()]
+                .into_iter()
+                .flatten()
+                .map(Program::static_operations)
+                .sum(),
             Kernels::ByLink(all) => all.iter().map(Program::static_operations).sum(),
             Kernels::Poses { bodies, placed, .. } => {
                 bodies.static_operations() + placed.static_operations()

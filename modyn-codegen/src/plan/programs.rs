@@ -10,13 +10,12 @@ use super::functions::{CForm, GraphSource, Lowering};
 use super::looped;
 use super::packing;
 use super::planned::{Kernels, Planned};
-use super::strategy::Strategy;
 use super::tracing::Tracing;
 use super::user::{TracedForm, TracedFunction};
 use crate::graph::Graph;
 use crate::intern::intern;
 use crate::passes::optimize;
-use crate::program::{InvalidProgram, Program, Target};
+use crate::program::{Execution, InvalidProgram, Program};
 use crate::trace::Tracer;
 
 /// The scalar graphs of the selected functions that also have a selected batch form. Each graph is traced once, for
@@ -54,8 +53,7 @@ impl Planned {
         tracing: &Tracing<'_>,
         graphs: &mut ScalarGraphs,
     ) -> Self {
-        let (row, lowering) = (function.row(), Lowering::of(function));
-        let (sizes, strategy) = (&tracing.sizes, tracing.strategy);
+        let (row, lowering, sizes) = (function.row(), Lowering::of(function), &tracing.sizes);
         let arguments = shapes_of(row.arguments, sizes);
         let parameters = tracing.parameters(row.depends_on_parameters);
         let scalars = count(&arguments, parameters);
@@ -64,36 +62,36 @@ impl Planned {
             _ if row.by_link => {
                 let graph = |tracer: &Tracer<'_>| optimize(tracing.evaluation(function, tracer));
                 let graphs = tracing.frames.kernels(graph);
-                let (own, shared) =
-                    graphs.split_at(tracing.frames.links_with_own_program().count());
-                let own = own.iter().map(|graph| strategy.scalar_program(graph, scalars));
-                let placed = scalars + Frames::PLACEMENT;
-                let shared = shared.iter().map(|graph| strategy.scalar_program(graph, placed));
-                Kernels::ByLink(own.chain(shared).collect())
+                let own = tracing.frames.links_with_own_program().count();
+                let program = |(k, graph): (usize, &Graph)| {
+                    let placement = if k < own { 0 } else { Frames::PLACEMENT };
+                    tracing.program(graph, scalars + placement)
+                };
+                Kernels::ByLink(graphs.iter().enumerate().map(program).collect())
             }
-            GraphSource::Poses if strategy != Strategy::Threads && tracing.frames.any_shared() => {
+            GraphSource::Poses if !tracing.has_threads() && tracing.frames.any_shared() => {
                 let [bodies, placed] = tracing.frames.poses().map(optimize);
                 let placed_arguments = Shape::pose().len() + Frames::PLACEMENT;
                 Kernels::Poses {
-                    bodies: strategy.scalar_program(&bodies, scalars),
-                    placed: Program::new(&placed, placed_arguments, Target::Scalar),
+                    bodies: tracing.program(&bodies, scalars),
+                    placed: Program::new(&placed, placed_arguments, Execution::Scalar),
                     rows: tracing.frames.rows(),
                 }
             }
             GraphSource::Poses => {
                 let graph = packing::balanced(optimize(tracing.all_links.link_poses()));
-                Kernels::One(strategy.scalar_program(&graph, scalars))
+                Kernels::of(tracing.program(&graph, scalars))
             }
             GraphSource::Traced(_) | GraphSource::Evaluation => {
                 let graph = graphs.scalar(function, tracing);
                 if row.batch_of.is_some() {
-                    Kernels::One(Program::new(&graph, scalars, Target::Batch))
+                    Kernels::of(Program::new(&graph, scalars, Execution::Batch))
                 } else {
                     let packed = packing::packed(function, tracing, &graph);
                     match looped::recursion(function, tracing, (&graph, packed.as_ref())) {
                         Some(recursion) => Kernels::Looped(recursion),
                         None => {
-                            let (kernels, found) = strategy.kernels(&graph, packed, scalars);
+                            let (kernels, found) = tracing.kernels(&graph, packed, scalars);
                             fault = found;
                             kernels
                         }
@@ -129,7 +127,7 @@ impl Planned {
         let graphs = Graphs::new(bundle, tracing, parameters);
         let graph = packing::balanced(optimize(graphs.scalar()));
         let packed = packing::packed_bundle(bundle, &graphs, tracing, &graph);
-        let (kernels, fault) = tracing.strategy.kernels(&graph, packed, scalars);
+        let (kernels, fault) = tracing.kernels(&graph, packed, scalars);
         let one = Self {
             function: None,
             name: bundle.name,
@@ -158,7 +156,7 @@ impl Planned {
         let parameters = tracing.parameters(function.depends_on_parameters);
         let scalars = count(&arguments, parameters);
         let graph = packing::balanced(optimize(form.graph.clone()));
-        let (kernels, fault) = tracing.strategy.kernels(&graph, None, scalars);
+        let (kernels, fault) = tracing.kernels(&graph, None, scalars);
         let one = Self {
             function: None,
             name: form.name,
@@ -188,45 +186,56 @@ impl Planned {
             arguments: self.arguments.clone(),
             parameters: self.parameters,
             result: self.result.clone(),
-            kernels: Kernels::One(Program::new(graph, scalars, Target::Batch)),
+            kernels: Kernels::of(Program::new(graph, scalars, Execution::Batch)),
             fault: None,
         }
     }
 }
 
-impl Strategy {
-    /// Returns the program of a graph on scalars.
-    fn scalar_program(self, graph: &Graph, scalars: usize) -> Program {
-        match self {
-            Self::Threads => Program::for_threads(graph, scalars),
-            _ => Program::new(graph, scalars, Target::Scalar),
-        }
+impl Tracing<'_> {
+    /// Returns the program of a graph without packs.
+    fn program(&self, graph: &Graph, scalars: usize) -> Program {
+        Program::new(graph, scalars, without_packs(self.execution))
     }
 
-    /// Returns the programs of a graph on scalars and, if packing is profitable, of the same function packed. If the packed
-    /// program is invalid, returns the program on scalars alone, and the violation.
-    pub fn kernels(
-        self,
+    /// Returns the programs of a graph, as [`Kernels::lowered`] does.
+    fn kernels(
+        &self,
         graph: &Graph,
         packed: Option<Graph>,
         scalars: usize,
     ) -> (Kernels, Option<InvalidProgram>) {
-        let packed = packed.map(|packed| match self {
-            Self::Routines => Program::repeated(&packed, scalars),
-            _ => Program::try_new(&packed, scalars, Target::Simd),
+        Kernels::lowered(graph, packed, scalars, (self.execution, self.share))
+    }
+}
+
+impl Kernels {
+    /// Returns the programs of a graph without packs and, if packing is profitable, of the same function packed: as routines for
+    /// equal limbs if they `share` one, else on vectors. If the packed program is invalid, returns the program without packs
+    /// alone, and the violation.
+    #[must_use]
+    pub fn lowered(
+        graph: &Graph,
+        packed: Option<Graph>,
+        scalars: usize,
+        (execution, share): (Execution, bool),
+    ) -> (Self, Option<InvalidProgram>) {
+        let packed = packed.map(|packed| match share {
+            true => Program::repeated(&packed, scalars),
+            false => Program::try_new(&packed, scalars, Execution::Simd),
         });
+        let scalar = || Program::new(graph, scalars, without_packs(execution));
         match packed {
-            Some(Ok(program)) if self == Self::Routines => (Kernels::One(program), None),
-            Some(Ok(simd)) => {
-                let scalar = Program::new(graph, scalars, Target::Scalar);
-                (Kernels::Dispatched { scalar, simd }, None)
-            }
-            invalid => {
-                let fault = invalid.and_then(Result::err);
-                (Kernels::One(self.scalar_program(graph, scalars)), fault)
-            }
+            Some(Ok(program)) if share => (Self::of(program), None),
+            Some(Ok(simd)) => (Self::Straight { scalar: scalar(), simd: Some(simd) }, None),
+            invalid => (Self::of(scalar()), invalid.and_then(Result::err)),
         }
     }
+}
+
+/// Returns the way that programs without packs run where packed ones run in this way.
+fn without_packs(execution: Execution) -> Execution {
+    if execution == Execution::Simd { Execution::Scalar } else { execution }
 }
 
 /// Returns arguments with their layouts.

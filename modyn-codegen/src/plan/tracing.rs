@@ -7,10 +7,15 @@ use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 use modyn_runtime::quantities::Sizes;
 
+use super::code_form::CodeForm;
 use super::frames::Frames;
 use super::partition::{self, ChosenPartition};
-use super::strategy::{CodeForm, Strategy};
-use crate::trace::{LimbPacking, Parameters, Tracer};
+use crate::program::Execution;
+use crate::trace::{LimbLimits, LimbPacking, Parameters, Tracer};
+
+/// The limits of merging limbs: the lanes of the longest vectors, and for limbs on different bodies those of a vector on most
+/// processors. The lanes of a joint that a shorter chain lacks do nothing.
+pub const LIMB_LIMITS: LimbLimits = LimbLimits { packed: 8, joined: 4, missing: 2 };
 
 /// A robot in the forms that tracers read.
 pub(super) struct TracedRobot {
@@ -29,6 +34,15 @@ impl TracedRobot {
     /// Returns whether all links have their described inertias.
     pub fn is_described(&self) -> bool {
         self.parameters.inertias.is_empty() && self.parameters.payloads.is_empty()
+    }
+
+    /// Returns the candidates for packing limbs. Limbs with run-time inertias are never equal.
+    fn limbs(&self, execution: Execution, share: bool) -> Vec<LimbPacking> {
+        let joins = execution == Execution::Simd && !share;
+        match (joins || share) && self.is_described() {
+            true => LimbPacking::candidates(&self.mechanism, &LIMB_LIMITS, joins),
+            false => Vec::new(),
+        }
     }
 }
 
@@ -52,8 +66,10 @@ pub struct Tracing<'a> {
     pub layout: UduLayout,
     /// The layout of the factorization that derivatives and constrained dynamics use.
     pub for_derivatives: UduLayout,
-    /// The way equal limbs and columns are computed.
-    pub(super) strategy: Strategy,
+    /// The way that programs run.
+    pub(super) execution: Execution,
+    /// Whether equal limbs share one routine, with a table of constants for each limb.
+    pub(super) share: bool,
     /// The form of the code of recursions.
     pub(super) code: CodeForm,
     /// The candidates for packing limbs.
@@ -65,13 +81,18 @@ pub struct Tracing<'a> {
 }
 
 impl<'a> Tracing<'a> {
-    /// Returns the inputs of tracing `robot`. `modules` is the user's partition, `limbs` are the candidates for packing.
+    /// Returns the inputs of tracing `robot` for a back end that runs programs in this way. `modules` is the user's partition.
     pub(super) fn new(
         robot: &'a TracedRobot,
         (model, modules): (&'a Model, &ModuleTree),
-        (strategy, code): (Strategy, CodeForm),
-        limbs: Vec<LimbPacking>,
+        execution: Execution,
+        (share, code): (bool, CodeForm),
     ) -> Self {
+        // Threads run straight-line code, one limb after another.
+        let has_threads = execution == Execution::Threads;
+        let share = share && !has_threads;
+        let code = if has_threads { CodeForm::Fast } else { code };
+        let limbs = robot.limbs(execution, share);
         let TracedRobot { mechanism, frames, parameters } = robot;
         let all_links = Tracer::with_parameters(mechanism, parameters.clone());
         // Few functions need links, of which there may be very many. But a link's inertia may be an argument.
@@ -98,7 +119,8 @@ impl<'a> Tracing<'a> {
             forward_dynamics,
             layout,
             for_derivatives: UduLayout::new(mechanism, &partition::whole_chains(model)),
-            strategy,
+            execution,
+            share,
             code,
             independent: limbs.first().is_some_and(|limbs| limbs.independent(mechanism)),
             limbs,
@@ -111,8 +133,13 @@ impl<'a> Tracing<'a> {
         if depends { self.tracer.parameters().len() } else { 0 }
     }
 
-    /// Returns whether the target language has vectors.
+    /// Returns whether limbs and columns of one state can be packed into vectors.
     pub(super) fn has_vectors(&self) -> bool {
-        self.strategy == Strategy::Vectors
+        self.execution == Execution::Simd && !self.share
+    }
+
+    /// Returns whether programs run in threads of a graphics processor.
+    pub(super) fn has_threads(&self) -> bool {
+        self.execution == Execution::Threads
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::{
-    Addend, InvalidProgram, MultiplyAdd, Operand, Operation, Program, Source, Statement, Target,
+    Addend, Execution, InvalidProgram, MultiplyAdd, Operand, Operation, Program, Source, Statement,
     Value, outline,
 };
 use crate::graph::{Graph, Id, Node};
@@ -18,8 +18,8 @@ impl Program {
     ///
     /// If the program is invalid, which no program of a graph on scalars is.
     #[must_use]
-    pub fn new(graph: &Graph, arguments: usize, target: Target) -> Self {
-        Self::try_new(graph, arguments, target).expect(FAULT)
+    pub fn new(graph: &Graph, arguments: usize, execution: Execution) -> Self {
+        Self::try_new(graph, arguments, execution).expect(FAULT)
     }
 
     /// Returns the program of a graph, which may have packs of lanes, over `arguments` scalars.
@@ -30,46 +30,26 @@ impl Program {
     pub fn try_new(
         graph: &Graph,
         arguments: usize,
-        target: Target,
+        execution: Execution,
     ) -> Result<Self, InvalidProgram> {
-        Self::lowered(graph, arguments, target).finished(None)
-    }
-
-    /// The program of a graph for a thread of a graphics processor, which stores results as soon as they are known, as
-    /// a [`Target::Batch`] does, but takes longer functions.
-    ///
-    /// # Panics
-    ///
-    /// If the program is invalid, which no program of a graph on scalars is.
-    #[must_use]
-    pub fn for_threads(graph: &Graph, arguments: usize) -> Self {
-        let program = Self::lowered(graph, arguments, Target::Batch);
-        program.finished(Some(&outline::THREAD)).expect(FAULT)
-    }
-
-    /// The statements and results.
-    fn lowered(graph: &Graph, arguments: usize, target: Target) -> Self {
         let lowering = Lowering::new(graph);
         let statements = lowering.order.iter().map(|item| lowering.statement(item)).collect();
         let results = graph.outputs.iter().map(|&id| lowering.operand(id, 1)).collect();
-        Self {
-            target,
+        let program = Self {
+            execution,
             arguments,
             statements,
             results,
             first_stores: Vec::new(),
             chunks: Vec::new(),
             routines: Vec::new(),
-        }
+        };
+        program.finished()
     }
 
-    /// Computes the last use of each value, cuts the statements into chunks of the lengths `limits` (`None` takes the target's
-    /// lengths), and checks the program.
-    pub(super) fn finished(
-        mut self,
-        limits: Option<&outline::Limits>,
-    ) -> Result<Self, InvalidProgram> {
-        if self.target == Target::Batch {
+    /// Computes the last use of each value, cuts the statements into chunks, and checks the program.
+    pub(super) fn finished(mut self) -> Result<Self, InvalidProgram> {
+        if self.execution.has_many_states() {
             for result in 0..self.results.len() {
                 match self.results[result].value() {
                     Some(value) => self.statements[value.statement].stores.push(result),
@@ -82,12 +62,12 @@ impl Program {
                 self.statements[read].last_use = s;
             }
         }
-        if self.target != Target::Batch {
+        if !self.execution.has_many_states() {
             for value in self.results.iter().filter_map(Operand::value) {
                 self.statements[value.statement].last_use = usize::MAX;
             }
         }
-        self.chunks = outline::chunks(&self, limits);
+        self.chunks = outline::chunks(&self);
         self.validate().map(|()| self)
     }
 }

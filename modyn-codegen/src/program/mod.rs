@@ -12,6 +12,8 @@
 //! many lanes as the operation has. A printer therefore needs no expression trees. Machine code can be made from a
 //! program directly: it is one basic block with known last uses ([`Statement::last_use`]).
 //!
+//! A program has a text, which can be read again: [`Program`] implements `Display` and `FromStr`.
+//!
 //! A [`Recursion`] is the short form of code: loops over bodies, each of which runs a program.
 
 mod count;
@@ -21,6 +23,7 @@ mod outline;
 mod places;
 mod recursion;
 mod repeat;
+mod text;
 mod validate;
 
 use std::collections::BTreeSet;
@@ -28,24 +31,35 @@ use std::ops::Range;
 
 pub use places::argument_of;
 pub use recursion::{Places, Read, Recursion, Run, Step, Sweep, Write};
+pub use text::ParseProgramError;
 pub use validate::InvalidProgram;
 
-/// The kind of numbers that a program runs on.
+/// The way that programs run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Target {
-    /// Scalars of one state.
+pub enum Execution {
+    /// One state at a time, on scalars.
     Scalar,
-    /// Vectors with a state in each lane; results are stored as soon as they are computed.
-    Batch,
-    /// Scalars of one state, some of them packed into vectors.
+    /// One state at a time, on scalars of which some are packed into vectors.
     Simd,
+    /// Many states, one in each lane of vectors.
+    Batch,
+    /// Many states, one in each thread of a graphics processor.
+    Threads,
+}
+
+impl Execution {
+    /// Returns whether there are many states. Results are then stored as soon as they are computed.
+    #[must_use]
+    pub fn has_many_states(self) -> bool {
+        matches!(self, Self::Batch | Self::Threads)
+    }
 }
 
 /// A program from scalars to scalars.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Program {
-    /// The kind of numbers.
-    pub target: Target,
+    /// The way that the program runs.
+    pub execution: Execution,
     /// The number of scalar arguments.
     pub arguments: usize,
     /// The operations, each after the operations that it reads.
@@ -62,7 +76,7 @@ pub struct Program {
 }
 
 /// An operation in its place in the program.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Statement {
     /// The operation.
     pub operation: Operation,
@@ -86,7 +100,7 @@ pub enum Operation {
     Subtract(Operand, Operand),
     /// a b
     Multiply(Operand, Operand),
-    /// A product plus or minus an addend, rounded once if the target has an instruction for it.
+    /// A product plus or minus an addend, rounded once if the processor has an instruction for it.
     MultiplyAdd(MultiplyAdd),
     /// 1 / a
     Reciprocal(Operand),
@@ -168,7 +182,7 @@ pub struct Value {
 }
 
 /// Statements that become one function in languages with functions.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Chunk {
     /// The statements.
     pub statements: Range<usize>,
@@ -181,7 +195,7 @@ pub struct Chunk {
 }
 
 /// Statements in a scope: only the `live_out` values are visible afterwards.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Scope {
     /// The statements.
     pub statements: Range<usize>,
@@ -191,7 +205,7 @@ pub struct Scope {
 
 /// A program that is called several times, each time with other constants. Its arguments are the constants of one
 /// repetition, then the repetition's own operands, then operands that all repetitions share.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Routine {
     /// The program.
     pub program: Program,

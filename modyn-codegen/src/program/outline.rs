@@ -7,13 +7,13 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use super::{Chunk, Program, Scope, Target, Value};
+use super::{Chunk, Execution, Program, Scope, Value};
 
 /// The largest number of statements in one scope.
 const MAX_SCOPE: usize = 250;
 
 /// The lengths of functions, in statements.
-pub(super) struct Limits {
+struct Limits {
     /// A program up to this length stays one chunk.
     whole: usize,
     /// The largest number of statements in a chunk of a longer program.
@@ -33,18 +33,17 @@ const PACKED: Limits = Limits { whole: 3000, chunk: 800 };
 
 /// In a thread of a graphics processor: values that cross a cut go through memory, and compilers take a function of
 /// 5,000 statements well.
-pub(super) const THREAD: Limits = Limits { whole: 5000, chunk: 2500 };
+const THREAD: Limits = Limits { whole: 5000, chunk: 2500 };
 
-/// Returns the statements of a program in chunks of about equal length. The lengths are those of `limits`, else those of
-/// the target.
-pub(super) fn chunks(program: &Program, limits: Option<&Limits>) -> Vec<Chunk> {
+/// Returns the statements of a program in chunks of about equal length.
+pub(super) fn chunks(program: &Program) -> Vec<Chunk> {
     let count = program.statements.len();
-    let of_target = match program.target {
-        Target::Batch => BATCH,
-        Target::Simd if program.widths().len() > 1 => PACKED,
-        Target::Scalar | Target::Simd => SCALAR,
+    let Limits { whole, chunk } = match program.execution {
+        Execution::Batch => BATCH,
+        Execution::Threads => THREAD,
+        Execution::Simd if program.widths().len() > 1 => PACKED,
+        Execution::Scalar | Execution::Simd => SCALAR,
     };
-    let Limits { whole, chunk } = *limits.unwrap_or(&of_target);
     let chunks = if count <= whole { 1 } else { count.div_ceil(chunk) };
     let ranges: Vec<Range<usize>> =
         (0..chunks).map(|k| k * count / chunks..(k + 1) * count / chunks).collect();

@@ -15,7 +15,7 @@ use std::collections::BTreeSet;
 use modyn_runtime::OperationCount;
 pub use modyn_runtime::equations::dynamics::Sweep;
 
-use super::{Operand, Program, Target};
+use super::{Execution, Operand, Program};
 use crate::graph::Graph;
 use crate::trace::BodyGraphs;
 use cut::{Kind, Number};
@@ -128,7 +128,7 @@ impl Recursion {
             sweeps.iter().enumerate().map(step).collect()
         });
         let world = graphs.world.iter().enumerate().map(|(sweep, graph)| {
-            let program = Program::new(graph, graphs.parameters, Target::Scalar);
+            let program = Program::new(graph, graphs.parameters, Execution::Scalar);
             assert!(program.statements.is_empty(), "the world computes nothing");
             let slot = |k| slots.first()?.of(&Number::Exchanged(sweep, k));
             let numbers = program.results.iter().enumerate();

@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::validate::COPIED;
 use super::{
-    Call, InvalidProgram, Operand, Operation, Program, Routine, Source, Statement, Target, Value,
+    Call, Execution, InvalidProgram, Operand, Operation, Program, Routine, Source, Statement, Value,
 };
 use crate::graph::{Graph, Id, Node};
 
@@ -47,7 +47,7 @@ impl Program {
                 constants.iter().map(|id| number(id).expect("a constant")).collect()
             };
             routines.push(Routine {
-                program: Self::try_new(&stage.graph, stage.inputs.len(), Target::Scalar)?,
+                program: Self::try_new(&stage.graph, stage.inputs.len(), Execution::Scalar)?,
                 tables: (0..stage.calls).map(table).collect(),
                 own: own.len(),
                 common: common.len(),
@@ -56,7 +56,7 @@ impl Program {
         }
         let results = graph.outputs.iter().map(|&id| operand(graph, &stages, id, 0)).collect();
         let program = Self {
-            target: Target::Scalar,
+            execution: Execution::Scalar,
             arguments,
             statements,
             results,
@@ -64,7 +64,7 @@ impl Program {
             chunks: Vec::new(),
             routines,
         };
-        program.finished(None)
+        program.finished()
     }
 }
 

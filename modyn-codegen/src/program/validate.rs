@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::{Call, Chunk, Operand, Operation, Program, Routine, Source, Target, Value};
+use super::{Call, Chunk, Execution, Operand, Operation, Program, Routine, Source, Value};
 
 /// The rule about operands with other lanes than their operation.
 pub(super) const COPIED: &str = "only scalars are copied to lanes";
@@ -65,7 +65,8 @@ impl Program {
         if statement.used.len() != results || !statement.used.contains(&true) {
             return Some("a statement knows which of its results are used, and one is");
         }
-        (self.target != Target::Simd && statement.lanes != 1).then_some("the target has no lanes")
+        (self.execution != Execution::Simd && statement.lanes != 1)
+            .then_some("only programs on vectors have lanes")
     }
 
     /// Returns the rule that an operand of statement `s` breaks.
@@ -105,7 +106,7 @@ impl Program {
         let stored = self.statements.iter().flat_map(|statement| &statement.stores);
         let mut stored: Vec<usize> = stored.chain(&self.first_stores).copied().collect();
         stored.sort_unstable();
-        let all = if self.target == Target::Batch { self.results.len() } else { 0 };
+        let all = if self.execution.has_many_states() { self.results.len() } else { 0 };
         (!stored.iter().copied().eq(0..all)).then_some("each result is stored once")
     }
 

@@ -11,7 +11,6 @@ pub const PACKAGE_PATHS: [&str; 2] = ["ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"];
 /// neighbours, of which one has this name and a `package.xml`; or by `ROS_PACKAGE_PATH` and `AMENT_PREFIX_PATH`.
 ///
 /// A description without a folder has the packages of the options alone.
-#[allow(dead_code, reason = "formats of several files use it")]
 pub fn find(name: &str, options: &ReadOptions) -> Option<PathBuf> {
     if let Some(Package { folder, .. }) = options.packages.iter().find(|own| own.name == name) {
         let root = std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default();

@@ -6,7 +6,7 @@ mod stretched;
 
 use modyn_codegen::passes::optimize;
 use modyn_codegen::plan::{COLUMN_LANES, LIMB_LIMITS};
-use modyn_codegen::program::{Program, Target};
+use modyn_codegen::program::{Execution, Program};
 use modyn_codegen::trace::{LimbPacking, Tracer};
 use modyn_codegen::{Base, Builder, Contact, ContactKind, Function, LoopEnd, ReadOptions, read};
 use modyn_runtime::equations::brge::UduLayout;
@@ -995,7 +995,7 @@ fn programs_of_batches_are_the_interpreters() {
                 [&*state.q, &state.qd, &state.tau, &switches(&active), &numbers(&settings)];
             let inputs = inputs.concat();
             let program =
-                program.get_or_insert_with(|| Program::new(&graph, inputs.len(), Target::Batch));
+                program.get_or_insert_with(|| Program::new(&graph, inputs.len(), Execution::Batch));
             let expected = interpreted(&model, &state, &active, &settings);
             let found = program.evaluate(&inputs);
             let (qdd, wrenches) = (expected.qdd, expected.wrenches.concat());

@@ -9,7 +9,7 @@ use std::cell::Cell;
 
 use mechanisms::{Mechanism, Random, all, lengths, rotated};
 use modyn_codegen::passes::optimize;
-use modyn_codegen::program::{Program, Target};
+use modyn_codegen::program::{Execution, Program};
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::joint::JointType;
@@ -103,7 +103,8 @@ impl Compiled {
         let layout = UduLayout::new(&mechanism, &ModuleTree::chains(model));
         let settings = numbers(&<f64 as Precision>::settings()).len();
         let (state, forces) = (model.nq() + model.nv(), model.nv());
-        let program = |graph, arguments| Program::new(&optimize(graph), arguments, Target::Scalar);
+        let program =
+            |graph, arguments| Program::new(&optimize(graph), arguments, Execution::Scalar);
         Self {
             forward_dynamics: program(
                 tracer.constrained_forward_dynamics(&layout),

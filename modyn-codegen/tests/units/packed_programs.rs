@@ -1,9 +1,8 @@
 //! Programs on scalars in place of invalid packed programs.
 
 use modyn_codegen::graph::{Graph, Node};
-use modyn_codegen::internals::Strategy;
 use modyn_codegen::plan::Kernels;
-use modyn_codegen::program::Target;
+use modyn_codegen::program::Execution;
 
 /// x0 (x1 + x2 + x3 + x4) on scalars; and packed, where `mixed` adds a pack of two lanes to one of four.
 fn graphs(mixed: bool) -> [Graph; 2] {
@@ -28,25 +27,19 @@ fn graphs(mixed: bool) -> [Graph; 2] {
 #[test]
 fn an_invalid_packed_program_leaves_the_program_on_scalars() {
     let point = [2.0, 1.0, 3.0, 5.0, 7.0];
-    for strategy in [Strategy::Vectors, Strategy::Routines] {
-        let [scalar, packed] = graphs(false);
-        let (kernels, fault) = strategy.kernels(&scalar, Some(packed), 5);
+    for share in [false, true] {
+        let lowered = |[scalar, packed]: [Graph; 2]| {
+            Kernels::lowered(&scalar, Some(packed), 5, (Execution::Simd, share))
+        };
+        let (kernels, fault) = lowered(graphs(false));
         assert_eq!(fault, None);
-        match (strategy, kernels) {
-            (Strategy::Vectors, Kernels::Dispatched { simd, .. }) => {
-                assert_eq!(simd.evaluate::<f64>(&point), [32.0]);
-            }
-            (Strategy::Routines, Kernels::One(program)) => {
-                assert!(!program.routines.is_empty());
-                assert_eq!(program.evaluate::<f64>(&point), [32.0]);
-            }
-            _ => panic!("{strategy:?}"),
-        }
-        let [scalar, packed] = graphs(true);
-        let (kernels, fault) = strategy.kernels(&scalar, Some(packed), 5);
+        let Kernels::Straight { scalar, simd } = kernels else { panic!("straight-line code") };
+        assert_eq!((simd.is_some(), scalar.routines.is_empty()), (!share, !share));
+        assert_eq!(simd.unwrap_or(scalar).evaluate::<f64>(&point), [32.0]);
+        let (kernels, fault) = lowered(graphs(true));
         assert_eq!(fault.map(|fault| fault.rule), Some("only scalars are copied to lanes"));
-        let Kernels::One(program) = kernels else { panic!("{strategy:?}") };
-        assert!(program.routines.is_empty() && program.target == Target::Scalar);
-        assert_eq!(program.evaluate::<f64>(&point), [32.0]);
+        let Kernels::Straight { scalar, simd: None } = kernels else { panic!("on scalars") };
+        assert!(scalar.routines.is_empty() && scalar.execution == Execution::Scalar);
+        assert_eq!(scalar.evaluate::<f64>(&point), [32.0]);
     }
 }

@@ -1,7 +1,7 @@
 //! The code of an object: programs, the helpers that they call, tables, entries and default parameters, in one section. Distances
 //! within it are constants, so the code works at any address without relocations.
 
-use modyn_codegen::plan::Plan;
+use modyn_codegen::plan::{LinkProgram, Plan};
 use modyn_runtime::model::Model;
 
 use super::assembler::{Assembler, Label};
@@ -135,8 +135,8 @@ impl<S: Real> Writer<S> {
             CompiledKernels::ByLink(links, kernels) => {
                 self.a.align(16);
                 let rows = self.a.label_at(self.a.code.len());
-                for &(kernel, row) in links {
-                    let program = self.a.label_at(kernels[kernel].single.entry);
+                for &LinkProgram { program, placement: row } in links {
+                    let program = self.a.label_at(kernels[program].single.entry);
                     self.a.offset(rows, program);
                     // Without a placement the distance is that of the table, which is never read.
                     self.a.offset(rows, row.map_or(rows, |row| placements[row]));
@@ -147,7 +147,9 @@ impl<S: Real> Writer<S> {
         };
         let links: Vec<(usize, Option<Label>)> = match &function.kernels {
             CompiledKernels::Poses { links, .. } => {
-                links.iter().map(|&(pose, row)| (pose, row.map(|row| placements[row]))).collect()
+                let link =
+                    |link: &LinkProgram| (link.program, link.placement.map(|row| placements[row]));
+                links.iter().map(link).collect()
             }
             CompiledKernels::One(_) | CompiledKernels::ByLink(..) => Vec::new(),
         };

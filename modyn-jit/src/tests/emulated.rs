@@ -4,8 +4,7 @@
 
 use modyn_codegen::Function;
 use modyn_codegen::graph::{Expr, Graph};
-use modyn_codegen::plan::Kernels;
-use modyn_codegen::program::{Program, Target};
+use modyn_codegen::program::{Execution, Program};
 use modyn_runtime::Scalar;
 
 use super::common::{
@@ -97,13 +96,8 @@ fn robots() {
     for name in ["arm6", "joint_zoo", "quadruped", "gripper"] {
         let planning = plan(name, &functions);
         for planned in &planning.plan.functions {
-            let (scalar, simd) = match &planned.kernels {
-                Kernels::One(program) => (program, program),
-                Kernels::Dispatched { scalar, simd } => (scalar, simd),
-                Kernels::Looped(_) | Kernels::ByLink(_) | Kernels::Poses { .. } => continue,
-            };
-            let arrays: Vec<usize> =
-                planned.arguments.iter().map(|(_, shape)| shape.len()).collect();
+            let Some((scalar, simd)) = planned.kernels.straight() else { continue };
+            let arrays = planned.lengths();
             let count = arrays.iter().sum();
             for scale in [1.5, 3e5] {
                 all_levels::<f64>(scalar, simd, &arrays, &numbers(1, count, scale));
@@ -169,7 +163,7 @@ fn random_program(seed: u64, inputs: usize) -> Program {
         })
         .collect()
     });
-    Program::new(&graph, inputs, Target::Simd)
+    Program::new(&graph, inputs, Execution::Simd)
 }
 
 #[test]
@@ -203,7 +197,7 @@ fn long_functions() {
         let total = sums.iter().fold(Expr::from_f64(0.5), |total, &sum| total * sum + sum);
         sums.iter().map(|&sum| sum * total.recip()).collect()
     });
-    let program = Program::new(&graph, COUNT, Target::Simd);
+    let program = Program::new(&graph, COUNT, Execution::Simd);
     for instruction_set in instruction_sets() {
         for batch in [false, true] {
             compare::<f64>(&program, &[COUNT], instruction_set, batch, &numbers(1, COUNT, 1.5));

@@ -14,7 +14,6 @@ mod page;
 use std::mem::size_of;
 
 use modyn_codegen::Function;
-use modyn_codegen::plan::Kernels;
 
 use crate::generate::{Generated, generate};
 use crate::helper::Linkage;
@@ -31,12 +30,8 @@ fn check_functions<S: Real>(
 ) {
     let functions = [Function::ForwardDynamics, Function::Difference, Function::MassMatrix];
     for planned in &common::plan(robot, &functions).plan.functions {
-        let (scalar, simd) = match &planned.kernels {
-            Kernels::One(program) => (program, program),
-            Kernels::Dispatched { scalar, simd } => (scalar, simd),
-            _ => continue,
-        };
-        let arrays: Vec<usize> = planned.arguments.iter().map(|(_, shape)| shape.len()).collect();
+        let Some((scalar, simd)) = planned.kernels.straight() else { continue };
+        let arrays = planned.lengths();
         for (program, batch) in [(scalar, false), (simd, false), (scalar, true)] {
             let values = lower::<S>(program, &arrays, instruction_set, batch);
             let bytes = size_of::<S>();

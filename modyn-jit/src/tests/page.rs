@@ -12,7 +12,7 @@ use modyn_codegen::graph::Graph;
 use modyn_codegen::passes::{balance, optimize};
 use modyn_codegen::plan::Kernels;
 use modyn_codegen::program::{
-    Addend, MultiplyAdd, Operand, Operation as Statement, Program, Source, Target,
+    Addend, Execution, MultiplyAdd, Operand, Operation as Statement, Program, Source,
 };
 use modyn_codegen::trace::Tracer;
 use modyn_codegen::{Builder, Function};
@@ -50,7 +50,7 @@ fn program(builder: &Builder) -> (Program, Vec<usize>) {
     let planned = planning.plan.functions.remove(0);
     let arrays = planned.arguments.iter().map(|(_, shape)| shape.len()).collect();
     match planned.kernels {
-        Kernels::One(program) | Kernels::Dispatched { scalar: program, .. } => (program, arrays),
+        Kernels::Straight { scalar, .. } => (scalar, arrays),
         _ => panic!("a function of the whole robot"),
     }
 }
@@ -347,7 +347,7 @@ fn the_page_shows_what_the_compiler_does() {
     let (program, arrays) = program(&builder);
     let graph = graph(&builder);
     // The picture of the graph is that of this program.
-    let again = Program::new(&graph, program.arguments, Target::Scalar);
+    let again = Program::new(&graph, program.arguments, Execution::Scalar);
     assert_eq!(format!("{:?}", again.statements), format!("{:?}", program.statements));
     let code = Code::new(&program, &arrays);
     assert_eq!(code.generated.size.spills, 0, "the text says that the example needs no spill");

@@ -6,7 +6,6 @@ pub use modyn_tests::random;
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use modyn_codegen::plan::Kernels;
 use modyn_codegen::program::Program;
 use modyn_codegen::{Builder, Function, Planning, ReadOptions, read};
 use modyn_jit::{InstructionSet, Real};
@@ -76,11 +75,7 @@ pub fn has_vectors<F>(instruction_set: InstructionSet) -> bool {
 /// Returns the programs that an instruction set runs for one state; `None` for functions of a link.
 pub fn program(planning: &Planning, function: Function, vectors: bool) -> Option<&Program> {
     let planned = planning.plan.functions.iter().find(|p| p.function == Some(function))?;
-    match &planned.kernels {
-        Kernels::One(program) => Some(program),
-        Kernels::Dispatched { scalar, simd } => Some(if vectors { simd } else { scalar }),
-        Kernels::Looped(_) | Kernels::ByLink(_) | Kernels::Poses { .. } => None,
-    }
+    planned.kernels.straight().map(|(scalar, simd)| if vectors { simd } else { scalar })
 }
 
 /// A number that fuses products with sums, whatever the tests were compiled for.

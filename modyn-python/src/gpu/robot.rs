@@ -123,7 +123,7 @@ impl GpuRobot {
             let parameters = self.robot.get().changed(&own.parameters)?;
             uploaded.push(upload(py, &self.gpu, parameters.as_slice(), 1)?);
         }
-        let kernel = source.own_name(kernel).to_owned();
+        let kernel = kernel.own_name(&source.prefix).to_owned();
         let arguments: Vec<&modyn_gpu::GpuArray> = uploaded.iter().collect();
         let result = py.detach(|| own.kernels.run(&kernel, &arguments));
         let result = result.map_err(|error| exception(py, error))?;

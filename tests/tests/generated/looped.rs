@@ -1,8 +1,8 @@
 //! Code in loops over bodies: the values of straight-line code and of the interpreter, and an amount of code that does not
 //! depend on the number of bodies.
 
-use modyn_codegen::plan::{Choices, Execution, Kernels, Plan};
-use modyn_codegen::program::Recursion;
+use modyn_codegen::plan::{Choices, Kernels, Plan};
+use modyn_codegen::program::{Execution, Recursion};
 use modyn_codegen::{CodeForm, Function};
 use modyn_runtime::Interpreter;
 use modyn_runtime::joint::JointType;
@@ -15,16 +15,8 @@ const FUNCTIONS: [Function; 2] = [Function::ForwardDynamics, Function::InverseDy
 
 /// Returns the plan of forward and inverse dynamics.
 fn plan(model: &Model, code: CodeForm, runtime_gravity: bool) -> Plan {
-    let choices = Choices {
-        functions: FUNCTIONS.into(),
-        bundles: Vec::new(),
-        user_functions: Vec::new(),
-        share: false,
-        code,
-        runtime_gravity,
-        runtime_inertia: Vec::new(),
-        payload: Vec::new(),
-    };
+    let choices =
+        Choices { functions: FUNCTIONS.into(), code, runtime_gravity, ..Choices::default() };
     Plan::new(model, &ModuleTree::links(model), &choices, Execution::Scalar)
 }
 

@@ -7,7 +7,7 @@ use std::error::Error;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use modyn_codegen::{Builder, Function};
+use modyn_codegen::{Builder, Function, Target, names};
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed=../robots.txt");
@@ -37,10 +37,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             .base(robot.base)
             .contacts(robot.contacts.clone())
             .type_name(&type_name);
-        let (c, _) = builder.clone().functions(functions.clone()).generate_c()?;
-        let (name, prefix) = (&robot.name, c.prefix);
-        std::fs::write(folder.join(format!("{name}.h")), c.header)?;
-        std::fs::write(folder.join(format!("{name}.c")), c.source)?;
+        let (name, text) = (&robot.name, builder.clone().functions(functions.clone()));
+        text.write_as(Target::C, folder.join(format!("{name}.c")))?;
+        let prefix = names::snake(&type_name);
         let [header, source] = ["h", "c"]
             .map(|kind| format!("include_str!(concat!(env!(\"OUT_DIR\"), \"/{name}.{kind}\"))"));
         writeln!(sources, "    ({name:?}, {prefix:?}, {header}, {source}),")?;

@@ -4,11 +4,10 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::{Array, FloatType, Printer, literal};
+use super::{Array, Printer, literal};
+use crate::emit::statements::{Body, Syntax, sum_of_products};
 use crate::emit::support::Support;
-use crate::program::{
-    Addend, MultiplyAdd, Operand, Operation, Program, Source, Value, argument_of,
-};
+use crate::program::{Call, Chunk, MultiplyAdd, Operand, Program, Source, argument_of};
 
 impl Printer {
     /// Prints the function of one program: its routines, its chunks, and the function itself.
@@ -36,13 +35,15 @@ impl Printer {
             );
         }
         let last = program.chunks.len() - 1;
+        let lengths: Vec<usize> = given.iter().map(|array| array.len).collect();
         for (k, chunk) in program.chunks.iter().enumerate() {
             let live_out = |k: usize| Array {
                 name: format!("chunk{k}"),
                 len: program.chunks[k].live_out.len(),
             };
-            let body =
-                Body { printer: &*self, name, given, program, first: chunk.statements.start };
+            let syntax = C { printer: &*self, name, given };
+            let (syntax, first) = (&syntax, chunk.statements.start);
+            let body = Body { syntax, program, lengths: &lengths, first };
             let mut text = String::new();
             let (linkage, name, arrays, out) = if k == last {
                 for k in 0..last {
@@ -60,12 +61,11 @@ impl Printer {
                 let arrays = given.iter().cloned().chain(live_in).collect();
                 ("static ", format!("{name}_chunk{k}"), arrays, chunk.live_out.len())
             };
-            let mut read = BTreeSet::new();
             for s in chunk.statements.clone() {
-                body.statement(&mut text, s, &mut read);
+                body.statement(&mut text, s);
             }
             let stored: Vec<String> = if k == last {
-                program.results.iter().map(|result| body.operand(result, &mut read)).collect()
+                program.results.iter().map(|result| body.operand(result)).collect()
             } else {
                 chunk.live_out.iter().map(|&value| body.value(value)).collect()
             };
@@ -74,7 +74,11 @@ impl Printer {
             }
             let mut unread = String::new();
             let calls = k == last && last > 0;
-            let read = |name: &str| read.contains(name) || calls || name.starts_with("chunk");
+            let stored_operands = if k == last { &*program.results } else { &[] };
+            let read = arguments_read(program, chunk, stored_operands, &lengths);
+            let read = |name: &str| {
+                read.iter().any(|&i| given[i].name == name) || calls || name.starts_with("chunk")
+            };
             for array in arrays.iter().filter(|array| !read(&array.name)) {
                 let _ = writeln!(unread, "    (void){};", array.name);
             }
@@ -90,131 +94,86 @@ impl Printer {
     }
 }
 
-/// The statements of one function.
-struct Body<'a> {
+/// The syntax of C in one function.
+struct C<'a> {
     printer: &'a Printer,
     name: &'a str,
     given: &'a [Array],
-    program: &'a Program,
-    /// The index of the chunk's first statement.
-    first: usize,
 }
 
-impl Body<'_> {
-    /// Prints a statement; the names of the arrays that it reads are added to `read`.
-    fn statement(&self, text: &mut String, s: usize, read: &mut BTreeSet<String>) {
-        let (real, double) = (self.printer.real(), self.printer.float == FloatType::F64);
-        let operation = &self.program.statements[s].operation;
-        let mut t = |operand: &Operand| self.operand(operand, read);
-        let f = |name: &str| if double { name.to_string() } else { format!("{name}f") };
-        let value = match operation {
-            Operation::Add(a, b) => format!("{} + {}", t(a), t(b)),
-            Operation::Subtract(a, b) => format!("{} - {}", t(a), t(b)),
-            Operation::Multiply(a, b) => format!("{} * {}", t(a), t(b)),
-            Operation::MultiplyAdd(MultiplyAdd {
-                negative_product,
-                factors,
-                negative_addend,
-                addend,
-            }) => {
-                let product = format!("({} * {})", t(&factors[0]), t(&factors[1]));
-                let addend = match addend {
-                    Addend::Value(a) => t(a),
-                    Addend::Product(a, b) => format!("({} * {})", t(a), t(b)),
-                };
-                match (negative_product, negative_addend) {
-                    (false, false) => format!("{product} + {addend}"),
-                    (false, true) => format!("{product} - {addend}"),
-                    (true, false) => format!("{addend} - {product}"),
-                    (true, true) => format!("-{product} - {addend}"),
-                }
-            }
-            Operation::Reciprocal(a) => format!("{} / {}", literal(1.0, self.printer.float), t(a)),
-            Operation::SinCos(angles) => {
-                for (i, angle) in angles.iter().enumerate() {
-                    let (angle, sine, cosine) =
-                        (t(angle), self.local(s, 2 * i), self.local(s, 2 * i + 1));
-                    let _ = writeln!(
-                        text,
-                        "    {real} {sine};\n    {real} {cosine};\n    modyn_sin_cos({angle}, &{sine}, &{cosine});"
-                    );
-                }
-                return;
-            }
-            Operation::Atan2(a, b) => format!("modyn_atan2({}, {})", t(a), t(b)),
-            Operation::SquareRoot(a) => format!("{}({})", f("sqrt"), t(a)),
-            Operation::Logarithm(a) => format!("modyn_ln({})", t(a)),
-            Operation::Absolute(a) => format!("{}({})", f("fabs"), t(a)),
-            Operation::Maximum(a, b) => format!("modyn_maximum({}, {})", t(a), t(b)),
-            Operation::Select(a, b, c) => {
-                let zero = literal(0.0, self.printer.float);
-                format!("({} >= {zero}) ? {} : {}", t(a), t(b), t(c))
-            }
-            Operation::Call(call) => {
-                let (p, k) = (call.routine, call.repetition);
-                let routine = &self.program.routines[p];
-                let mut array = |name: &str, list: Vec<String>| {
-                    let (name, len, list) = (format!("{name}{p}_{k}"), list.len(), list.join(", "));
-                    let kind = if list.is_empty() { return None } else { format!("const {real}") };
-                    let _ = writeln!(text, "    {kind} {name}[{len}] = {{ {list} }};");
-                    Some(name)
-                };
-                let table = routine.tables[k].iter().map(|&x| literal(x, self.printer.float));
-                let table = array("table", table.collect());
-                let own = array("own", call.own.iter().map(&mut t).collect());
-                let common = array("common", call.common.iter().map(&mut t).collect());
-                let result = format!("p{p}_{k}");
-                let _ = writeln!(
-                    text,
-                    "    {real} {result}[{}];",
-                    routine.program.results.len().max(1)
-                );
-                let all: Vec<String> =
-                    [table, own, common, Some(result)].into_iter().flatten().collect();
-                let _ = writeln!(text, "    {}_routine{p}({});", self.name, all.join(", "));
-                return;
-            }
-            Operation::Pack(_) | Operation::Constants(_) | Operation::Unpack(_) => {
-                unreachable!("a program on scalars has no lanes")
-            }
-        };
-        let _ = writeln!(text, "    const {real} x{s} = {value};");
+impl Syntax for C<'_> {
+    fn literal(&self, value: f64) -> String {
+        literal(value, self.printer.float)
     }
 
-    fn operand(&self, operand: &Operand, read: &mut BTreeSet<String>) -> String {
-        let text = match operand.source {
-            Source::Constant(value) if value.is_sign_negative() => {
-                format!("({})", literal(value, self.printer.float))
-            }
-            Source::Constant(value) => literal(value, self.printer.float),
-            Source::Argument(number) => {
-                let lengths = self.given.iter().map(|array| array.len);
-                let (array, i) = argument_of(number, lengths).expect("arguments are counted");
-                let name = &self.given[array].name;
-                read.insert(name.clone());
-                format!("{name}[{i}]")
-            }
-            Source::Result(value) => self.value(value),
-        };
-        if operand.negated { format!("(-{text})") } else { text }
+    fn define(&self, name: &str, value: &str) -> String {
+        format!("const {} {name} = {value};", self.printer.real())
     }
 
-    /// Returns the text of a value: a local variable, or an entry of an earlier chunk's array.
-    fn value(&self, value: Value) -> String {
-        if value.statement >= self.first {
-            return self.local(value.statement, value.place);
-        }
-        let place = self.program.place_of(value);
-        let (chunk, i) = place.expect("a value that crosses a cut is named there");
+    fn sin_cos(&self, angle: &str, sine: &str, cosine: &str) -> String {
+        let real = self.printer.real();
+        format!(
+            "{real} {sine};\n    {real} {cosine};\n    modyn_sin_cos({angle}, &{sine}, &{cosine});"
+        )
+    }
+
+    fn multiply_add(&self, fused: &MultiplyAdd, text: &dyn Fn(&Operand) -> String) -> String {
+        sum_of_products(fused, "*", text)
+    }
+
+    fn square_root(&self, x: &str) -> String {
+        format!("{}({x})", self.printer.library("sqrt"))
+    }
+
+    fn absolute(&self, x: &str) -> String {
+        format!("{}({x})", self.printer.library("fabs"))
+    }
+
+    fn select(&self, x: &str, then: &str, otherwise: &str) -> String {
+        format!("({x} >= {}) ? {then} : {otherwise}", self.literal(0.0))
+    }
+
+    fn argument(&self, argument: usize, i: usize) -> String {
+        format!("{}[{i}]", self.given[argument].name)
+    }
+
+    fn live_value(&self, chunk: usize, i: usize) -> String {
         format!("chunk{chunk}[{i}]")
     }
 
-    fn local(&self, s: usize, place: usize) -> String {
-        match &self.program.statements[s].operation {
-            Operation::SinCos(_) if place.is_multiple_of(2) => format!("s{s}_{}", place / 2),
-            Operation::SinCos(_) => format!("c{s}_{}", place / 2),
-            Operation::Call(call) => format!("p{}_{}[{place}]", call.routine, call.repetition),
-            _ => format!("x{s}"),
-        }
+    fn call(&self, program: &Program, call: &Call, t: &dyn Fn(&Operand) -> String) -> String {
+        let (p, k, real) = (call.routine, call.repetition, self.printer.real());
+        let (routine, mut text) = (&program.routines[p], String::new());
+        let mut array = |name: &str, list: Vec<String>| {
+            let (name, len, list) = (format!("{name}{p}_{k}"), list.len(), list.join(", "));
+            let kind = if list.is_empty() { return None } else { format!("const {real}") };
+            let _ = writeln!(text, "    {kind} {name}[{len}] = {{ {list} }};");
+            Some(name)
+        };
+        let table = routine.tables[k].iter().map(|&x| self.literal(x));
+        let table = array("table", table.collect());
+        let own = array("own", call.own.iter().map(t).collect());
+        let common = array("common", call.common.iter().map(t).collect());
+        let (result, results) = (format!("p{p}_{k}"), routine.program.results.len().max(1));
+        let _ = writeln!(text, "    {real} {result}[{results}];");
+        let all: Vec<String> = [table, own, common, Some(result)].into_iter().flatten().collect();
+        let _ = writeln!(text, "    {}_routine{p}({});", self.name, all.join(", "));
+        text
     }
+}
+
+/// Returns the indices of the arguments, of these lengths, that the statements of a chunk or the `stored` operands read.
+fn arguments_read(
+    program: &Program,
+    chunk: &Chunk,
+    stored: &[Operand],
+    lengths: &[usize],
+) -> BTreeSet<usize> {
+    let statements = program.statements[chunk.statements.clone()].iter();
+    let operands = statements.flat_map(|statement| statement.operation.operands());
+    let number = |operand: Operand| match operand.source {
+        Source::Argument(number) => Some(argument_of(number, lengths.iter().copied()).ok()?.0),
+        _ => None,
+    };
+    operands.chain(stored.iter().copied()).filter_map(number).collect()
 }

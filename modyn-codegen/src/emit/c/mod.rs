@@ -14,22 +14,30 @@ use std::fmt::Write as _;
 use modyn_runtime::model::Model;
 
 use super::support::Support;
-use super::{FloatType, MachineCode, coordinates_in_c};
+use super::{Backend, EmitOptions, File, FloatType, MachineCode, PlannedRobot, coordinates_in_c};
 use crate::names;
-use crate::plan::{Argument, Frames, Function, Kernels, LinkCode, Plan, Shape};
-use crate::program::{Program, Recursion};
+use crate::plan::{Argument, Frames, Function, Kernels, LinkProgram, Plan, Shape};
+use crate::program::{Execution, Program, Recursion};
 pub(super) use support::{Qualifiers, text as support};
 
-/// The generated source file and header.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct CSource {
-    /// The prefix of all names.
-    pub prefix: String,
-    /// The text of the header.
-    pub header: String,
-    /// The text of the source file.
-    pub source: String,
+/// The back end.
+pub(super) struct C;
+
+impl Backend for C {
+    fn execution(&self, _: &EmitOptions) -> Execution {
+        Execution::Scalar
+    }
+
+    fn print(&self, robot: &PlannedRobot<'_>) -> Vec<File> {
+        let (source, header) = (format!("{}.c", robot.stem), format!("{}.h", robot.stem));
+        let printer = Printer::new(&robot.prefix(), robot.options.scalar);
+        let (source_text, header_text) = printer.print(robot.plan, robot.model, &header);
+        vec![File::new(source, source_text), File::new(header, header_text)]
+    }
+
+    fn comment(&self, text: &str) -> String {
+        format!("/* {text} */")
+    }
 }
 
 /// An array argument of a function.
@@ -85,25 +93,11 @@ pub(super) struct Printer {
     support: BTreeSet<Support>,
 }
 
-/// Returns both files; the source includes the header as `file`.
-pub(super) fn print(
-    plan: &Plan,
-    model: &Model,
-    (prefix, header): (&str, &str),
-    float: FloatType,
-) -> CSource {
-    Printer::new(prefix, float).print(plan, model, header)
-}
-
 /// Returns the header of functions that are machine code in an object file.
-pub(super) fn print_object_header(
-    plan: &Plan,
-    model: &Model,
-    float: FloatType,
-    code: &MachineCode,
-) -> String {
+pub(super) fn print_object_header(robot: &PlannedRobot<'_>, code: &MachineCode) -> String {
+    let PlannedRobot { model, plan, .. } = *robot;
     let prefix = &code.prefix;
-    let mut printer = Printer::new(prefix, float);
+    let mut printer = Printer::new(prefix, robot.options.scalar);
     printer.constants(plan, model, &prefix.to_uppercase());
     let needs = if code.needs.is_empty() { "those of every x86-64 processor" } else { code.needs };
     let _ = writeln!(
@@ -136,7 +130,8 @@ impl Printer {
         support(&self.support, self.float, &Qualifiers::C)
     }
 
-    fn print(mut self, plan: &Plan, model: &Model, file: &str) -> CSource {
+    /// Returns the texts of the source file and of the header, which the source includes as `file`.
+    fn print(mut self, plan: &Plan, model: &Model, file: &str) -> (String, String) {
         let (upper, prefix) = (self.prefix.to_uppercase(), self.prefix.clone());
         self.constants(plan, model, &upper);
         let items = items(plan, &prefix);
@@ -152,7 +147,7 @@ impl Printer {
             self.support(),
             self.source
         );
-        CSource { prefix, header, source }
+        (source, header)
     }
 
     /// Returns the header file: the declarations so far, after `notes`.
@@ -222,6 +217,14 @@ impl Printer {
         }
     }
 
+    /// Returns the name of a function of the mathematical library in this precision.
+    fn library(&self, name: &str) -> String {
+        match self.float {
+            FloatType::F64 => name.into(),
+            FloatType::F32 => format!("{name}f"),
+        }
+    }
+
     /// Prints the table of placements: the pose on its body of each link with a shared program.
     fn placements(&mut self, frames: &Frames) {
         if !frames.any_shared() {
@@ -282,40 +285,36 @@ impl Printer {
                 format!("    {}({names}, out);\n", item.own_name())
             }
             Programs::ByLink(_) => {
-                let case = |(i, code): (usize, &LinkCode)| match code {
-                    LinkCode::Own => {
-                        format!("    case {i}U: {name}_{i}({names}, out); return 1;\n")
-                    }
-                    LinkCode::Shared { body, row } => format!(
-                        "    case {i}U: {name}_on_{body}({names}, {table}[{row}], out); return 1;\n"
+                let own = frames.links_with_own_program().count();
+                let case = |(i, link): (usize, &LinkProgram)| match link.placement {
+                    None => format!("    case {i}U: {name}_{i}({names}, out); return 1;\n"),
+                    Some(row) => format!(
+                        "    case {i}U: {name}_on_{}({names}, {table}[{row}], out); return 1;\n",
+                        link.program - own
                     ),
                 };
-                let cases: String = frames.codes().iter().enumerate().map(case).collect();
+                let cases: String = frames.programs().iter().enumerate().map(case).collect();
                 format!("    switch (link) {{\n{cases}    default: return 0;\n    }}\n")
             }
             Programs::Poses { .. } => {
-                let (pose, own) = (Shape::pose().len(), frames.links_with_own_program().count());
+                let pose = Shape::pose().len();
                 let mut text = format!(
                     "    {} bodies[{}];\n    int i;\n    {name}_of_bodies({names}, bodies);\n",
                     self.real(),
                     frames.poses_of_bodies().len()
                 );
-                let mut next = 0;
-                for (link, code) in frames.codes().iter().enumerate() {
-                    let to = pose * link;
-                    let _ = match code {
-                        LinkCode::Own => {
-                            next += 1;
-                            let from = pose * (next - 1);
-                            writeln!(
-                                text,
-                                "    for (i = 0; i < {pose}; i++) {{ out[{to} + i] = bodies[{from} + i]; }}"
-                            )
-                        }
-                        LinkCode::Shared { body, row } => writeln!(
+                for (link, LinkProgram { program, placement }) in
+                    frames.programs().iter().enumerate()
+                {
+                    let (to, from) = (pose * link, pose * program);
+                    let _ = match placement {
+                        None => writeln!(
                             text,
-                            "    {name}_placed(&bodies[{}], {table}[{row}], &out[{to}]);",
-                            pose * (own + body)
+                            "    for (i = 0; i < {pose}; i++) {{ out[{to} + i] = bodies[{from} + i]; }}"
+                        ),
+                        Some(row) => writeln!(
+                            text,
+                            "    {name}_placed(&bodies[{from}], {table}[{row}], &out[{to}]);"
                         ),
                     };
                 }
@@ -401,9 +400,7 @@ fn items<'a>(plan: &'a Plan, prefix: &str) -> Vec<Item<'a>> {
     let mut items = Vec::new();
     for planned in &plan.functions {
         let programs = match &planned.kernels {
-            Kernels::One(program) | Kernels::Dispatched { scalar: program, .. } => {
-                Programs::One(program)
-            }
+            Kernels::Straight { scalar, .. } => Programs::One(scalar),
             Kernels::Looped(recursion) => Programs::Looped(recursion),
             Kernels::ByLink(programs) => Programs::ByLink(programs),
             Kernels::Poses { bodies, placed, .. } => Programs::Poses { bodies, placed },

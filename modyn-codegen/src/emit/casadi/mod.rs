@@ -7,24 +7,62 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use modyn_runtime::model::Model;
+use modyn_runtime::model::{Model, ModuleTree};
 
-use super::FloatType;
 use super::c::{Array, Printer};
-use crate::plan::{CasadiFunction, CasadiMatrix, CasadiPlan};
+use super::{Backend, EmitOptions, File, FloatType, PlannedRobot, Refused};
+use crate::plan::{CasadiFunction, CasadiMatrix, Choices, Function, Plan};
+use crate::program::Execution;
 
-/// The generated source file.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct CasadiSource {
-    /// The prefix of the names of all functions, without derivatives' prefixes.
-    pub prefix: String,
-    /// The names of the functions and of their derivatives, in the order of the text.
-    pub functions: Vec<String>,
-    /// The functions without second derivatives, whose code would be too long.
-    pub without_hessian: Vec<String>,
-    /// The text.
-    pub text: String,
+/// The back end.
+pub(super) struct Casadi;
+
+impl Backend for Casadi {
+    fn execution(&self, _: &EmitOptions) -> Execution {
+        Execution::Scalar
+    }
+
+    fn print(&self, robot: &PlannedRobot<'_>) -> Vec<File> {
+        vec![File::new(format!("{}.c", robot.stem), print(robot))]
+    }
+
+    fn comment(&self, text: &str) -> String {
+        format!("/* {text} */")
+    }
+
+    fn plan(
+        &self,
+        (model, modules): (&Model, &ModuleTree),
+        choices: &Choices,
+        _: &EmitOptions,
+    ) -> Plan {
+        Plan::for_casadi(model, modules, choices)
+    }
+
+    fn refused(&self) -> &'static [Refused] {
+        &[
+            Refused {
+                option: "scalar",
+                message: "`CasADi` computes in double precision",
+                help: "remove the option `scalar`",
+            },
+            Refused {
+                option: "bundles",
+                message: "`CasADi` has no bundles",
+                help: "select the functions of the bundle by `functions`",
+            },
+            Refused {
+                option: "function",
+                message: "`CasADi` has no functions of users",
+                help: "write the function in CasADi, of the functions that modyn generates",
+            },
+        ]
+    }
+
+    fn lacks(&self, function: Function) -> Option<&'static str> {
+        let help = "differentiate the functions in CasADi, by `jacobian` or `gradient`";
+        (!function.row().casadi).then_some(help)
+    }
 }
 
 /// The types, and the visibility of functions.
@@ -65,27 +103,26 @@ CASADI_SYMBOL_EXPORT casadi_real NAME_default_in(casadi_int i) { (void)i; return
 ";
 
 /// Returns the text of all functions.
-pub(super) fn print(plan: CasadiPlan, model: &Model, prefix: String) -> CasadiSource {
-    let inputs = || plan.functions.iter().flat_map(|function| &function.inputs);
-    let zeros = inputs().map(CasadiMatrix::len).max().unwrap_or(0).max(1);
+fn print(robot: &PlannedRobot<'_>) -> String {
+    let (functions, prefix) = (&robot.plan.casadi.functions, robot.prefix());
+    let inputs = functions.iter().flat_map(|function| &function.inputs);
+    let zeros = inputs.map(CasadiMatrix::len).max().unwrap_or(0).max(1);
     let mut printer = Printer::new(&prefix, FloatType::F64);
     let mut patterns = Patterns::default();
-    for function in &plan.functions {
-        print_function(&mut printer, &mut patterns, function);
+    for function in functions {
+        print_function(&mut printer, &mut patterns, (&function.full_name(&prefix), function));
     }
-    let text = format!(
+    format!(
         "/* Dynamics of a robot, compiled by modyn for CasADi. SI units, radians; gravity {:?} m/s^2 in world axes.\n   \
          Vectors are in the order of the description's joints, depth first. Quaternions of any length but 0 are scaled to\n   \
          length 1; one of length 0 is the identity, without derivatives. Results must not overlap inputs. */\n\
          #include <math.h>\n\n{HEAD}{}{}\
          /* The inputs that are null. */\nstatic const double modyn_zeros[{zeros}] = {{ 0 }};\n\n{}",
-        model.gravity(),
+        robot.model.gravity(),
         printer.support(),
         patterns.text,
         printer.source
-    );
-    let functions = plan.functions.into_iter().map(|function| function.name).collect();
-    CasadiSource { prefix, functions, without_hessian: plan.without_hessian, text }
+    )
 }
 
 /// The table of patterns, each once.
@@ -115,8 +152,12 @@ impl Patterns {
 }
 
 /// Prints a function and the functions that describe it.
-fn print_function(printer: &mut Printer, patterns: &mut Patterns, function: &CasadiFunction) {
-    let CasadiFunction { name, docs, inputs, outputs, program } = function;
+fn print_function(
+    printer: &mut Printer,
+    patterns: &mut Patterns,
+    (name, function): (&str, &CasadiFunction),
+) {
+    let CasadiFunction { docs, inputs, outputs, program, .. } = function;
     let given = inputs.iter().filter(|input| !input.is_empty());
     let given: Vec<Array> =
         given.map(|input| Array { name: input.name.clone(), len: input.len() }).collect();

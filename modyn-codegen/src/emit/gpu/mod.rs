@@ -22,12 +22,12 @@ use std::collections::BTreeSet;
 
 use modyn_runtime::model::Model;
 
-use super::FloatType;
 use super::support::Support;
+use super::{Backend, EmitOptions, File, FloatType, PlannedRobot};
 use crate::diagnostics::sanitize_for_display;
 use crate::names;
-use crate::plan::{Argument, Frames, Kernels, LinkCode, Plan, Planned, Shape};
-use crate::program::Program;
+use crate::plan::{Argument, Frames, Kernels, LinkProgram, Plan, Planned, Shape};
+use crate::program::{Execution, Program};
 
 /// A language for graphics processors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,18 +39,34 @@ pub enum GpuLanguage {
     Wgsl,
 }
 
-/// The text of a robot's kernels.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct GpuSource {
-    /// The language.
-    pub language: GpuLanguage,
-    /// The prefix of all names.
-    pub prefix: String,
-    /// The text of one file.
-    pub text: String,
-    /// The kernels, in the order of the text.
-    pub kernels: Vec<GpuKernel>,
+/// The back end of a language.
+pub(super) struct Gpu(pub GpuLanguage);
+
+impl Backend for Gpu {
+    fn execution(&self, _: &EmitOptions) -> Execution {
+        Execution::Threads
+    }
+
+    fn print(&self, robot: &PlannedRobot<'_>) -> Vec<File> {
+        let ending = match self.0 {
+            GpuLanguage::Cuda => "cu",
+            GpuLanguage::Wgsl => "wgsl",
+        };
+        vec![File::new(format!("{}.{ending}", robot.stem), print(robot, self.0))]
+    }
+
+    fn comment(&self, text: &str) -> String {
+        format!("// {text}")
+    }
+
+    fn scalar(&self, chosen: FloatType) -> FloatType {
+        if self.0 == GpuLanguage::Wgsl { FloatType::F32 } else { chosen }
+    }
+
+    fn kernels(&self, robot: &PlannedRobot<'_>) -> Vec<GpuKernel> {
+        let kernels = kernels(robot.plan, robot.model, &robot.prefix());
+        kernels.into_iter().map(|kernel| kernel.description).collect()
+    }
 }
 
 /// A kernel: a function for many states. Its buffers are the arguments in their order, then the result. In WGSL their
@@ -184,12 +200,12 @@ trait Dialect {
     fn shared_buffers(&self) -> &'static [RolloutBuffer];
 }
 
-impl GpuSource {
-    /// Returns the name of a kernel without the robot's: that of the function, and for a function of a link the link's.
+impl GpuKernel {
+    /// Returns the name without that of the robot, `prefix`: the function's, and for a function of a link the link's.
     #[must_use]
-    pub fn own_name<'k>(&self, kernel: &'k GpuKernel) -> &'k str {
-        let name = kernel.name.strip_prefix(&self.prefix);
-        name.and_then(|name| name.strip_prefix('_')).unwrap_or(&kernel.name)
+    pub fn own_name(&self, prefix: &str) -> &str {
+        let name = self.name.strip_prefix(prefix);
+        name.and_then(|name| name.strip_prefix('_')).unwrap_or(&self.name)
     }
 }
 
@@ -219,23 +235,15 @@ fn dialect(
 /// Prints a rollout: a kernel for each time step among the functions of a plan.
 pub(super) use rollout::print as print_rollout;
 
-/// Returns the text of all kernels of a plan; all names start with `prefix`.
-pub(super) fn print(
-    plan: &Plan,
-    model: &Model,
-    prefix: &str,
-    language: GpuLanguage,
-    float: FloatType,
-) -> GpuSource {
-    let dialect = dialect(language, float, Storage::Buffers, prefix);
-    let kernels = kernels(plan, model, prefix);
+/// Returns the text of all kernels.
+fn print(robot: &PlannedRobot<'_>, language: GpuLanguage) -> String {
+    let (PlannedRobot { model, plan, options, .. }, prefix) = (*robot, robot.prefix());
+    let dialect = dialect(language, options.scalar, Storage::Buffers, &prefix);
     let (mut used, mut text) = (BTreeSet::new(), String::new());
-    for kernel in &kernels {
+    for kernel in &kernels(plan, model, &prefix) {
         text += &function::print(&*dialect, kernel, &mut used);
     }
-    let text = head(&*dialect, model, prefix) + &dialect.preamble(&used) + &text;
-    let kernels = kernels.into_iter().map(|kernel| kernel.description).collect();
-    GpuSource { language, prefix: prefix.into(), text, kernels }
+    head(&*dialect, model, &prefix) + &dialect.preamble(&used) + &text
 }
 
 /// The largest number of columns of a list of names.
@@ -282,21 +290,16 @@ fn kernels<'a>(plan: &'a Plan, model: &Model, prefix: &str) -> Vec<Kernel<'a>> {
     for planned in plan.functions.iter().filter(|planned| !planned.result.is_empty()) {
         let name = format!("{prefix}_{}", planned.name);
         match &planned.kernels {
-            Kernels::One(program) | Kernels::Dispatched { scalar: program, .. } => {
-                kernels.push(kernel(planned, (name, None), program, Vec::new()));
+            Kernels::Straight { scalar, .. } => {
+                kernels.push(kernel(planned, (name, None), scalar, Vec::new()));
             }
             Kernels::ByLink(programs) => {
-                let mut own = 0..;
-                for (link, code) in plan.frames.codes().iter().enumerate() {
-                    let (place, known) = match *code {
-                        LinkCode::Own => (own.next().unwrap_or_default(), Vec::new()),
-                        LinkCode::Shared { body, row } => (
-                            plan.frames.links_with_own_program().count() + body,
-                            placements[row].to_vec(),
-                        ),
-                    };
+                for (link, LinkProgram { program, placement }) in
+                    plan.frames.programs().iter().enumerate()
+                {
+                    let known = placement.map_or(Vec::new(), |row| placements[row].to_vec());
                     let named = (format!("{name}_{}", links[link]), Some(link));
-                    kernels.push(kernel(planned, named, &programs[place], known));
+                    kernels.push(kernel(planned, named, &programs[*program], known));
                 }
             }
             Kernels::Looped(_) => unreachable!("plans for threads have no loops"),

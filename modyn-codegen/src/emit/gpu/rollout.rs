@@ -6,11 +6,9 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use modyn_runtime::model::Model;
-
 use super::constrained::ConstrainedStep;
 use super::{Dialect, GpuKernel, GpuLanguage, Kernel, Storage, dialect, function, head, kernels};
-use crate::emit::FloatType;
+use crate::emit::PlannedRobot;
 use crate::plan::{Function, Plan};
 
 /// The functions of the user in rollouts, as texts in the language of the kernels.
@@ -143,13 +141,12 @@ pub(super) struct Rollout<'a> {
 
 /// Returns the text of the rollouts of a plan.
 pub(in crate::emit) fn print(
-    plan: &Plan,
-    model: &Model,
-    prefix: &str,
-    (language, float): (GpuLanguage, FloatType),
+    robot: &PlannedRobot<'_>,
+    language: GpuLanguage,
     options: &RolloutOptions,
 ) -> RolloutSource {
-    let dialect = dialect(language, float, Storage::Own, prefix);
+    let (PlannedRobot { model, plan, .. }, prefix) = (*robot, &*robot.prefix());
+    let dialect = dialect(language, robot.options.scalar, Storage::Own, prefix);
     let (mut used, mut functions) = (BTreeSet::new(), String::new());
     let kernels = kernels(plan, model, prefix);
     for kernel in &kernels {

@@ -19,7 +19,7 @@ use crate::plan::{self, ArgumentKind, BatchForm, Function, Kernels, Record};
 impl Robot<'_> {
     /// Prints everything for the batches of a quantity.
     pub(super) fn batches(&self, text: &mut String, quantity: &Quantity<'_>) {
-        let Kernels::One(program) = quantity.kernels else { return };
+        let Kernels::Straight { scalar: program, .. } = quantity.kernels else { return };
         let (name, parameters) = (name(quantity), quantity.all_parameters());
         let inlined = format!("{name}_lanes");
         *text += &function(&inlined, &parameters, &quantity.shape, program, self.options.scalar);

@@ -7,7 +7,7 @@ use super::parameter::Parameter;
 use super::quantity::Quantity;
 use super::shape::Shape;
 use super::{FloatType, Robot};
-use crate::plan::{Frames, LinkCode};
+use crate::plan::{Frames, LinkProgram};
 use crate::program::Program;
 
 /// The name of the table of placements in the generated text.
@@ -40,9 +40,11 @@ impl Robot<'_> {
 
     /// Returns the call of the function that has the code for `link`.
     pub(super) fn link_call(&self, name: &str, link: usize, arguments: &str) -> String {
-        match self.plan.frames.codes()[link] {
-            LinkCode::Own => format!("{name}_{link}({arguments})"),
-            LinkCode::Shared { body, row } => {
+        let LinkProgram { program, placement } = self.plan.frames.programs()[link];
+        match placement {
+            None => format!("{name}_{link}({arguments})"),
+            Some(row) => {
+                let body = program - self.plan.frames.links_with_own_program().count();
                 format!("{name}_on_{body}({arguments}, &{TABLE}[{row}])")
             }
         }
@@ -62,16 +64,11 @@ impl Robot<'_> {
         let pose = Shape::new(&crate::plan::Shape::pose(), self.name);
         let of_placed = [Parameter::new("body", pose.clone()), placement(float)];
         *text += &function(&format!("{name}_placed"), &of_placed, &pose, placed, float);
-        let (own, mut next) = (frames.links_with_own_program().count(), 0);
-        let poses = frames.codes().iter().map(|code| match code {
-            LinkCode::Own => {
-                next += 1;
-                format!("bodies[{}],\n", next - 1)
-            }
-            LinkCode::Shared { body, row } => {
-                format!("{name}_placed(&bodies[{}], &{TABLE}[{row}]),\n", own + body)
-            }
-        });
+        let pose = |LinkProgram { program, placement }: &LinkProgram| match placement {
+            None => format!("bodies[{program}],\n"),
+            Some(row) => format!("{name}_placed(&bodies[{program}], &{TABLE}[{row}]),\n"),
+        };
+        let poses = frames.programs().iter().map(pose);
         let poses: String = poses.collect();
         let typed: Vec<String> = parameters.iter().map(|p| p.typed("T")).collect();
         let names: Vec<&str> = parameters.iter().map(|p| p.name).collect();

@@ -14,23 +14,23 @@ use super::FloatType;
 use super::parameter::{Parameter, unpacked};
 use super::shape::Shape;
 use crate::names::helper_type;
-use crate::program::{Chunk, Program, Routine, Scope, Target, Value};
+use crate::program::{Chunk, Execution, Program, Routine, Scope, Value};
 use vectors::VectorType;
 
 pub(super) use operations::literal;
 
-/// Returns the number of vector types among the type parameters of a function for [`Target::Simd`], before `V`.
+/// Returns the number of vector types among the type parameters of a function for [`Execution::Simd`], before `V`.
 pub(super) fn vector_types(program: &Program) -> usize {
     program.widths().len()
 }
 
 /// Returns the text of a private function `name` that computes `program`.
 ///
-/// - [`Target::Scalar`]: generic over `T: Scalar`.
-/// - [`Target::Batch`]: over `T: Lanes`. The function is always inlined into code that is compiled for the vector
+/// - [`Execution::Scalar`]: generic over `T: Scalar`.
+/// - [`Execution::Batch`]: over `T: Lanes`. The function is always inlined into code that is compiled for the vector
 ///   instructions; chunks are outlined by the lanes. It returns nothing, and stores each entry of the `result` into
 ///   `outputs` as soon as it is computed: returned through the chunks, a matrix would be copied several times.
-/// - [`Target::Simd`]: over vectors `V`, inlined in the same way.
+/// - [`Execution::Simd`]: over vectors `V`, inlined in the same way.
 pub(super) fn function(
     name: &str,
     parameters: &[Parameter],
@@ -75,11 +75,13 @@ impl Printer<'_> {
 
     /// Prints the last chunk, which has the function's name, calls the other chunks, and returns the result.
     fn entry_chunk(&self, text: &mut String, chunk: &Chunk, others: &[Chunk]) {
-        let target = self.program.target;
-        let (bounds, returned) = match target {
-            Target::Scalar => ("T: __modyn::Scalar".into(), self.result.type_of("T")),
-            Target::Batch => ("T: __modyn::batch::Lanes".into(), "()".into()),
-            Target::Simd => {
+        let execution = self.program.execution;
+        let (bounds, returned) = match execution {
+            Execution::Scalar => ("T: __modyn::Scalar".into(), self.result.type_of("T")),
+            Execution::Batch | Execution::Threads => {
+                ("T: __modyn::batch::Lanes".into(), "()".into())
+            }
+            Execution::Simd => {
                 let of = self.vectors().map(|kind| format!("{} = {}", kind.of, kind.name));
                 let of = of.collect::<Vec<_>>().join(", ");
                 let bounds =
@@ -87,7 +89,7 @@ impl Printer<'_> {
                 (bounds, self.result.type_of("V::Number"))
             }
         };
-        if target != Target::Scalar {
+        if execution != Execution::Scalar {
             *text += "#[inline(always)]\n";
         }
         *text += &head(self.name, &bounds, &self.inputs(), &returned);
@@ -95,13 +97,13 @@ impl Printer<'_> {
         *text += &self.stores(&self.program.first_stores);
         self.call_chunks(text, others);
         self.scopes(text, chunk);
-        let results = self.program.results.iter().map(|result| match target {
-            Target::Simd => format!("V::number({})", self.operand(result)),
-            Target::Scalar | Target::Batch => self.operand(result),
+        let results = self.program.results.iter().map(|result| match execution {
+            Execution::Simd => format!("V::number({})", self.operand(result)),
+            _ => self.operand(result),
         });
-        let value = match target {
-            Target::Batch => String::new(),
-            Target::Scalar | Target::Simd => self.result.value(&results.collect::<Vec<_>>()),
+        let value = match execution {
+            Execution::Batch => String::new(),
+            _ => self.result.value(&results.collect::<Vec<_>>()),
         };
         let _ = writeln!(text, "    {value}\n}}\n");
     }
@@ -114,12 +116,12 @@ impl Printer<'_> {
         });
         let inputs: Vec<String> = self.inputs().into_iter().chain(live_in).collect();
         let returned = self.types(&chunk.live_out);
-        let end = match self.program.target {
-            Target::Scalar => {
+        let end = match self.program.execution {
+            Execution::Scalar => {
                 *text += &head(&name, "T: __modyn::Scalar", &inputs, &returned);
                 "}"
             }
-            Target::Batch | Target::Simd => {
+            _ => {
                 *text += &self.outlined_head(&name, &inputs, &returned);
                 "}\n}"
             }
@@ -135,9 +137,9 @@ impl Printer<'_> {
         let mut fields: Vec<String> = inputs.iter().map(in_field).collect();
         let names: Vec<&str> = inputs.iter().filter_map(|i| i.split(':').next()).collect();
         let kind = helper_type(name);
-        let (bounds, own) = match self.program.target {
-            Target::Simd => (self.vector_bounds(), self.vector_names()),
-            Target::Scalar | Target::Batch => ("T: __modyn::batch::Lanes".into(), "T".into()),
+        let (bounds, own) = match self.program.execution {
+            Execution::Simd => (self.vector_bounds(), self.vector_names()),
+            _ => ("T: __modyn::batch::Lanes".into(), "T".into()),
         };
         fields.push(format!("of: ::core::marker::PhantomData<({own},)>"));
         format!(
@@ -154,7 +156,7 @@ impl Printer<'_> {
     fn inputs(&self) -> Vec<String> {
         let scalar = self.kind(1);
         let mut inputs: Vec<String> = self.parameters.iter().map(|p| p.typed(scalar)).collect();
-        if self.program.target == Target::Batch {
+        if self.program.execution == Execution::Batch {
             let count = self.result.len();
             inputs.push(format!("outputs: &__modyn::batch::Outputs<'_, T, {count}>"));
         }
@@ -164,10 +166,10 @@ impl Printer<'_> {
     /// Prints the start of a function's body: the functions of constants, and the names of the arguments.
     fn prelude(&self, text: &mut String) {
         for VectorType { lanes, name, .. } in self.vectors() {
-            let (lanes, kind) = match (self.program.target, *lanes) {
-                (Target::Simd, 1) => (String::new(), *name),
-                (Target::Simd, lanes) => (lanes.to_string(), *name),
-                (Target::Scalar | Target::Batch, _) => (String::new(), "T"),
+            let (lanes, kind) = match (self.program.execution, *lanes) {
+                (Execution::Simd, 1) => (String::new(), *name),
+                (Execution::Simd, lanes) => (lanes.to_string(), *name),
+                (_, _) => (String::new(), "T"),
             };
             let _ = writeln!(text, "    let k{lanes} = {kind}::from_f64;");
         }
@@ -181,19 +183,19 @@ impl Printer<'_> {
         for (k, chunk) in chunks.iter().enumerate() {
             let mut arguments: Vec<String> =
                 self.parameters.iter().map(|p| p.name.to_string()).collect();
-            if self.program.target == Target::Batch {
+            if self.program.execution == Execution::Batch {
                 arguments.push("outputs".into());
             }
-            let scalar = self.program.target == Target::Scalar;
+            let scalar = self.program.execution == Execution::Scalar;
             let name = |earlier: &usize| match scalar {
                 true => format!("&chunk{earlier}"),
                 false => format!("chunk{earlier}: &chunk{earlier}"),
             };
             arguments.extend(chunk.live_in.iter().map(name));
             let (name, arguments) = (format!("{}_chunk{k}", self.name), arguments.join(", "));
-            let (by, own) = match self.program.target {
-                Target::Simd => ("V", self.vector_names()),
-                Target::Scalar | Target::Batch => ("T", "T".into()),
+            let (by, own) = match self.program.execution {
+                Execution::Simd => ("V", self.vector_names()),
+                _ => ("T", "T".into()),
             };
             let call = if scalar {
                 format!("{name}({arguments})")

@@ -33,23 +33,40 @@ use std::fmt::Write as _;
 
 use modyn_runtime::model::{Model, ModuleTree};
 
-use super::{EmitOptions, FloatType, MachineCode};
+use super::{Backend, EmitOptions, File, FloatType, MachineCode, PlannedRobot};
 use crate::names;
 use crate::plan::{Constants, Kernels, Plan, Planned};
-use crate::program::Program;
+use crate::program::{Execution, Program};
 use function::function;
 use quantity::Quantity;
 use recursion::looped;
 
+/// The back end.
+pub(super) struct Rust;
+
+impl Backend for Rust {
+    /// Self-contained files have neither vectors nor batches, which need the runtime.
+    fn execution(&self, options: &EmitOptions) -> Execution {
+        if options.self_contained { Execution::Scalar } else { Execution::Simd }
+    }
+
+    fn print(&self, robot: &PlannedRobot<'_>) -> Vec<File> {
+        let (text, c_header) = print(robot);
+        let header = c_header.map(|header| File::new(format!("{}.h", robot.stem), header));
+        [File::new(format!("{}.rs", robot.stem), text)].into_iter().chain(header).collect()
+    }
+
+    fn comment(&self, text: &str) -> String {
+        format!("// {text}")
+    }
+}
+
 /// Returns the items of a robot, and the header of its functions for C if the options request them.
-#[must_use]
-pub(super) fn print(
-    (model, modules): (&Model, &ModuleTree),
-    (plan, constants): (&Plan, &Constants),
-    options: &EmitOptions,
-    name: &str,
-) -> (String, Option<String>) {
-    let mut options = options.clone();
+fn print(robot: &PlannedRobot<'_>) -> (String, Option<String>) {
+    let PlannedRobot { model, modules, plan, .. } = *robot;
+    let (name, constants) =
+        (&*robot.options.type_name(model), &Constants::new(model, &plan.choices));
+    let mut options = robot.options.clone();
     if options.self_contained {
         options.crate_path = format!("self::{}", embedded::MODULE);
     }
@@ -95,14 +112,9 @@ pub(super) fn print(
 }
 
 /// Returns the items of a robot whose functions are in an object file.
-#[must_use]
-pub(super) fn print_for_object(
-    (model, modules): (&Model, &ModuleTree),
-    (plan, constants): (&Plan, &Constants),
-    options: &EmitOptions,
-    name: &str,
-    code: &MachineCode,
-) -> String {
+pub(super) fn print_for_object(robot: &PlannedRobot<'_>, code: &MachineCode) -> String {
+    let PlannedRobot { model, modules, plan, options, .. } = *robot;
+    let (name, constants) = (&*options.type_name(model), &Constants::new(model, &plan.choices));
     let robot = Robot { model, modules, options, plan, constants, name, code: Some(code) };
     let quantities: Vec<Quantity<'_>> =
         plan.functions.iter().map(|planned| Quantity::new(planned, name)).collect();
@@ -172,12 +184,12 @@ impl Robot<'_> {
             function(name, &parameters, &quantity.shape, program, self.options.scalar)
         };
         match quantity.kernels {
-            Kernels::One(program) => *text += &function(name, program),
+            Kernels::Straight { scalar, simd: None } => *text += &function(name, scalar),
+            Kernels::Straight { scalar, simd: Some(simd) } => {
+                self.dispatched(text, quantity, &parameters, (scalar, simd));
+            }
             Kernels::Looped(recursion) => {
                 *text += &looped(name, &parameters, recursion, self.options.scalar);
-            }
-            Kernels::Dispatched { scalar, simd } => {
-                self.dispatched(text, quantity, &parameters, (scalar, simd));
             }
             Kernels::ByLink(programs) => self.link_functions(text, quantity, programs),
             Kernels::Poses { bodies, placed, .. } => {

@@ -7,18 +7,16 @@ mod family;
 mod matrix;
 mod nonzeros;
 
-use modyn_runtime::model::{Model, ModuleTree};
+use modyn_runtime::model::Model;
 use modyn_runtime::quantities::Function;
 
 pub use matrix::CasadiMatrix;
 
-use super::choices::Choices;
 use super::packing;
-use super::strategy::{CodeForm, Strategy};
-use super::tracing::{TracedRobot, Tracing};
+use super::tracing::Tracing;
 use crate::names;
 use crate::passes::optimize;
-use crate::program::{Program, Target};
+use crate::program::{Execution, Program};
 use crate::trace::{EntryDerivatives, Tracer};
 use family::{Family, Member};
 
@@ -28,7 +26,9 @@ const MAX_OPERATIONS: usize = 250_000;
 
 /// A function that `CasADi` loads.
 pub struct CasadiFunction {
-    /// The name.
+    /// The beginning of the name of a derivative, such as `jac_`; empty for the function itself.
+    pub derivative: &'static str,
+    /// The name of the function, without the robot's.
     pub name: String,
     /// The documentation, in lines; `None` for a derivative.
     pub docs: Option<&'static str>,
@@ -40,7 +40,16 @@ pub struct CasadiFunction {
     pub program: Program,
 }
 
+impl CasadiFunction {
+    /// Returns the name in a text whose functions have this prefix.
+    #[must_use]
+    pub fn full_name(&self, prefix: &str) -> String {
+        format!("{}{prefix}_{}", self.derivative, self.name)
+    }
+}
+
 /// The functions of a robot that `CasADi` loads.
+#[derive(Default)]
 pub struct CasadiPlan {
     /// The functions, each followed by its derivatives.
     pub functions: Vec<CasadiFunction>,
@@ -49,21 +58,17 @@ pub struct CasadiPlan {
 }
 
 impl CasadiPlan {
-    /// Returns the functions of `model`, whose names begin with `prefix`; `modules` is the user's partition.
-    #[must_use]
-    pub fn new(model: &Model, modules: &ModuleTree, choices: &Choices, prefix: &str) -> Self {
-        let robot = TracedRobot::new(model, choices.parameters(model));
-        let form = (Strategy::Scalar, CodeForm::Fast);
-        let tracing = Tracing::new(&robot, (model, modules), form, Vec::new());
+    /// Returns the functions of `model` among the selected ones.
+    pub(super) fn new(tracing: &Tracing<'_>, model: &Model, selected: &[Function]) -> Self {
         let tracer = &tracing.tracer;
         let links: Vec<&str> = model.frames().iter().map(|frame| frame.name.as_str()).collect();
         let links = names::fields(&links, &[]);
-        let mut plan = Self { functions: Vec::new(), without_hessian: Vec::new() };
-        let has_form = |f: &&Function| f.row().casadi && choices.functions.contains(f);
+        let mut plan = Self::default();
+        let has_form = |f: &&Function| f.row().casadi && selected.contains(f);
         for function in Function::ALL.iter().filter(has_form) {
             let row = function.row();
-            let own = Family::new(*function, &tracing);
-            let name = format!("{prefix}_{}", function.name());
+            let own = Family::new(*function, tracing);
+            let name = function.name();
             match row.by_link {
                 true => {
                     for (link, link_name) in links.iter().enumerate() {
@@ -76,7 +81,7 @@ impl CasadiPlan {
                     }
                 }
                 false => {
-                    let graph = || packing::on_scalars(*function, &tracing);
+                    let graph = || packing::on_scalars(*function, tracing);
                     let derivatives = match function {
                         Function::ForwardDynamics => tracer.forward_dynamics_by_entries(
                             &graph(),
@@ -88,7 +93,7 @@ impl CasadiPlan {
                         }
                         _ => own.differentiated(tracer, &graph(), MAX_OPERATIONS),
                     };
-                    plan.add(&name, row.docs, &own, derivatives);
+                    plan.add(name, row.docs, &own, derivatives);
                 }
             }
         }
@@ -112,11 +117,12 @@ impl CasadiPlan {
             let graph = packing::balanced(optimize(graph));
             let scalars = inputs.iter().map(CasadiMatrix::len).sum();
             self.functions.push(CasadiFunction {
-                name: format!("{prefix}{name}"),
+                derivative: prefix,
+                name: name.into(),
                 docs: prefix.is_empty().then_some(docs),
                 inputs,
                 outputs,
-                program: Program::new(&graph, scalars, Target::Scalar),
+                program: Program::new(&graph, scalars, Execution::Scalar),
             });
         }
     }

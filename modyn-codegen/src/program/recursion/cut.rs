@@ -9,7 +9,7 @@ use modyn_runtime::equations::dynamics::Sweep;
 
 use super::{Read, Step, Write};
 use crate::graph::{Graph, Id, Node};
-use crate::program::{Program, Target, argument_of};
+use crate::program::{Execution, Program, argument_of};
 use crate::trace::BodyKind;
 
 /// The equations of a kind of bodies, cut into sweeps.
@@ -145,7 +145,7 @@ impl Kind {
             _ => Write::Own(slot(number)),
         };
         Step {
-            program: Program::new(&pass(graph), constants + reads.len(), Target::Scalar),
+            program: Program::new(&pass(graph), constants + reads.len(), Execution::Scalar),
             reads: reads.iter().map(read).collect(),
             writes: writes.iter().map(write).collect(),
             is_shared,

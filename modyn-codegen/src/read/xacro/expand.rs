@@ -8,9 +8,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use super::scopes::{Macro, Parameter, Property, ScopeId, Scopes};
+use super::scopes::{Macro, Parameter, Property, Scopes};
 use super::tree::{self, Attribute, Call, Element, Node, Place};
-use super::value::Value;
+use super::value::{ScopeId, Value};
 use crate::description::ReadOptions;
 use crate::diagnostics::{Code, ExpansionCall, Report, Severity, suggest};
 use crate::read::file::read_named;

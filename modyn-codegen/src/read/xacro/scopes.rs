@@ -4,11 +4,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use super::tree::Element;
-use super::value::Value;
-
-/// A scope by its number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ScopeId(pub usize);
+use super::value::{ScopeId, Value};
 
 /// A property.
 #[derive(Clone, Debug)]

@@ -6,8 +6,7 @@ use std::rc::Rc;
 use super::evaluate::{Names, evaluate};
 use super::expand::{Expander, Fault};
 use super::parse::parse;
-use super::scopes::ScopeId;
-use super::value::Value;
+use super::value::{ScopeId, Value};
 use super::yaml;
 use crate::diagnostics::suggest;
 

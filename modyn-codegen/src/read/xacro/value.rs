@@ -4,8 +4,11 @@ use std::cmp::Ordering;
 use std::fmt::Write;
 use std::rc::Rc;
 
-use super::scopes::ScopeId;
 use super::tree::Element;
+
+/// A scope of properties by its number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ScopeId(pub usize);
 
 /// A value.
 #[derive(Clone, Debug)]

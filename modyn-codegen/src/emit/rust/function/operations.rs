@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use super::{Printer, table_name};
 use crate::emit::FloatType;
 use crate::program::{
-    Addend, Call, MultiplyAdd, Operand, Operation, Source, Target, Value, argument_of,
+    Addend, Call, Execution, MultiplyAdd, Operand, Operation, Source, Value, argument_of,
 };
 
 impl Printer<'_> {
@@ -149,9 +149,9 @@ impl Printer<'_> {
             for (k, chunk) in self.program.chunks.iter().enumerate() {
                 for (group, values) in self.by_width(&chunk.live_out).iter().enumerate() {
                     for (i, &value) in values.iter().enumerate() {
-                        let group = match self.program.target {
-                            Target::Simd => format!(".{group}"),
-                            Target::Scalar | Target::Batch => String::new(),
+                        let group = match self.program.execution {
+                            Execution::Simd => format!(".{group}"),
+                            _ => String::new(),
                         };
                         places.insert(value, format!("chunk{k}{group}[{i}]"));
                     }

@@ -1,7 +1,7 @@
-//! The vector types of functions for [`Target::Simd`], and lists of values by their types.
+//! The vector types of functions for [`Execution::Simd`], and lists of values by their types.
 
 use super::Printer;
-use crate::program::{Target, Value};
+use crate::program::{Execution, Value};
 
 /// A vector type of `V` with this number of lanes.
 pub(super) struct VectorType {
@@ -38,15 +38,15 @@ impl Printer<'_> {
             let names: Vec<String> = values.iter().map(|&value| self.name(value)).collect();
             format!("[{}]", names.join(", "))
         });
-        match self.program.target {
-            Target::Simd => format!("({})", lists.join(", ")),
-            Target::Scalar | Target::Batch => lists[0].clone(),
+        match self.program.execution {
+            Execution::Simd => format!("({})", lists.join(", ")),
+            _ => lists[0].clone(),
         }
     }
 
     /// Returns the type of the values that a chunk returns.
     pub(super) fn types(&self, values: &[Value]) -> String {
-        if self.program.target != Target::Simd {
+        if self.program.execution != Execution::Simd {
             return format!("[T; {}]", values.len());
         }
         let groups = self.by_width(values);
@@ -61,8 +61,8 @@ impl Printer<'_> {
     /// Returns the type for this number of lanes.
     pub(super) fn kind(&self, lanes: u8) -> &'static str {
         let vector = VECTORS.iter().find(|kind| kind.lanes == lanes);
-        match (self.program.target, vector) {
-            (Target::Simd, Some(vector)) => vector.name,
+        match (self.program.execution, vector) {
+            (Execution::Simd, Some(vector)) => vector.name,
             _ => "T",
         }
     }

@@ -1,0 +1,438 @@
+//! MATLAB: a package with a file for each function, which GNU Octave runs as well.
+//!
+//! Arguments and results have a column for each state, so a call computes one state or many. Operations act on rows: entry
+//! `i` of an argument is `q(i, :)`. Matrices and lists of a result have the states as their last dimension. Results with
+//! several parts are structs.
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+
+use modyn_runtime::model::{Model, ModuleTree};
+
+use super::statements::{Body, Syntax, sum_of_products};
+use super::support::Support;
+use super::{Backend, EmitOptions, File, PlannedRobot, Refused};
+use crate::names;
+use crate::plan::{
+    Choices, CodeForm, Elements, FactorFunction, Frames, Function, Kernels, LinkProgram, Plan,
+    Planned, Shape,
+};
+use crate::program::{Execution, MultiplyAdd, Operand, Operation, Program};
+
+/// The back end.
+pub(super) struct Matlab;
+
+impl Backend for Matlab {
+    fn execution(&self, _: &EmitOptions) -> Execution {
+        Execution::Scalar
+    }
+
+    fn print(&self, robot: &PlannedRobot<'_>) -> Vec<File> {
+        let package = names::snake(robot.stem);
+        let links: Vec<&str> =
+            robot.model.frames().iter().map(|frame| frame.name.as_str()).collect();
+        let printer = Printer {
+            package: &package,
+            frames: &robot.plan.frames,
+            links: names::fields(&links, &[]),
+        };
+        let functions = robot.plan.functions.iter().map(|planned| printer.function(planned));
+        let factors = robot.plan.factorization.iter().map(|function| printer.factors(function));
+        let mut files: Vec<File> = functions.chain(factors).collect();
+        if !robot.plan.parameters.is_empty() {
+            let numbers = robot.plan.parameters.described(robot.model.gravity());
+            files.push(printer.default_parameters(&numbers));
+        }
+        files
+    }
+
+    fn comment(&self, text: &str) -> String {
+        format!("% {text}")
+    }
+
+    /// Straight-line code: a loop or a call of a routine takes the interpreter longer.
+    fn plan(
+        &self,
+        (model, modules): (&Model, &ModuleTree),
+        choices: &Choices,
+        options: &EmitOptions,
+    ) -> Plan {
+        let choices = Choices { share: false, code: CodeForm::Fast, ..choices.clone() };
+        Plan::new(model, modules, &choices, self.execution(options))
+    }
+
+    fn refused(&self) -> &'static [Refused] {
+        &[Refused {
+            option: "scalar",
+            message: "MATLAB's functions compute in the class of their arguments",
+            help: "remove the option `scalar`, and pass arrays of the class `single`",
+        }]
+    }
+}
+
+/// Names of local variables besides those of values, and keywords of the language that are no keywords of Rust.
+const RESERVED: [&str; 15] = [
+    "case",
+    "catch",
+    "classdef",
+    "elseif",
+    "end",
+    "function",
+    "global",
+    "link",
+    "otherwise",
+    "out",
+    "parfor",
+    "persistent",
+    "spmd",
+    "states",
+    "switch",
+];
+
+/// An argument of a function.
+struct Argument {
+    name: String,
+    len: usize,
+    /// Whether it is a matrix or a list, which users may pass as an array of more dimensions.
+    is_array: bool,
+}
+
+impl Argument {
+    fn new(name: &str, shape: &Shape) -> Self {
+        let is_value = |first: char, name: &str| {
+            name.strip_prefix(first)
+                .is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
+        };
+        let taken = RESERVED.contains(&name)
+            || name.starts_with("chunk")
+            || ['x', 's', 'c'].iter().any(|first| is_value(*first, name));
+        let name = if taken { format!("{name}_") } else { name.into() };
+        Self { name, len: shape.len(), is_array: !shape.is_vector() && *shape != Shape::Scalar }
+    }
+}
+
+struct Printer<'a> {
+    package: &'a str,
+    frames: &'a Frames,
+    /// The names of the links.
+    links: Vec<String>,
+}
+
+impl Printer<'_> {
+    /// Returns the file of a function.
+    fn function(&self, planned: &Planned) -> File {
+        let of_plan = planned.arguments.iter().map(|(own, shape)| Argument::new(own.name, shape));
+        let given: Vec<Argument> = of_plan.filter(|argument| argument.len > 0).collect();
+        let names: Vec<&str> = given.iter().map(|argument| argument.name.as_str()).collect();
+        let mut parameters = names.clone();
+        parameters.extend(planned.is_by_link().then_some("link"));
+        let (mut text, mut locals) = (String::new(), Locals::default());
+        let mut arguments: Vec<(String, usize)> =
+            given.iter().map(|argument| (argument.name.clone(), argument.len)).collect();
+        if planned.parameters > 0 {
+            arguments.push(("params".into(), planned.parameters));
+            parameters.push("params");
+            let _ = writeln!(
+                text,
+                "    if nargin < {}, params = {}.default_parameters(); end",
+                parameters.len(),
+                self.package
+            );
+        }
+        for argument in given.iter().filter(|argument| argument.is_array) {
+            let Argument { name, len, .. } = argument;
+            let _ = writeln!(text, "    {name} = reshape({name}, {len}, []);");
+        }
+        let passed: Vec<&str> = arguments.iter().map(|(name, _)| name.as_str()).collect();
+        let passed = passed.join(", ");
+        match &planned.kernels {
+            Kernels::Straight { scalar, .. } => {
+                locals.program("compute", &arguments, scalar);
+                let _ = writeln!(text, "    out = compute({passed});");
+            }
+            Kernels::ByLink(programs) => {
+                let own = self.frames.links_with_own_program().count();
+                for (k, program) in programs.iter().enumerate() {
+                    let mut arguments = arguments.clone();
+                    arguments.extend((k >= own).then(|| ("placement".into(), Frames::PLACEMENT)));
+                    locals.program(&format!("compute{k}"), &arguments, program);
+                }
+                text += "    switch link\n";
+                for (name, LinkProgram { program, placement }) in
+                    self.links.iter().zip(self.frames.programs())
+                {
+                    let placement = self.placement(*placement);
+                    let _ = writeln!(
+                        text,
+                        "        case '{name}', out = compute{program}({passed}{placement});"
+                    );
+                }
+                text += "        otherwise, error('there is no link `%s`', link);\n    end\n";
+            }
+            Kernels::Poses { bodies, placed, .. } => {
+                locals.program("compute", &arguments, bodies);
+                let pose = Shape::pose().len();
+                let body = [("body".into(), pose), ("placement".into(), Frames::PLACEMENT)];
+                locals.program("placed", &body, placed);
+                let _ = writeln!(
+                    text,
+                    "    poses = compute({passed});\n    out = zeros({}, size(poses, 2), class(poses));",
+                    planned.result.len()
+                );
+                for (link, LinkProgram { program, placement }) in
+                    self.frames.programs().iter().enumerate()
+                {
+                    let rows = |k: usize| format!("{}:{}", pose * k + 1, pose * (k + 1));
+                    let own = format!("poses({}, :)", rows(*program));
+                    let value = match placement {
+                        None => own,
+                        Some(_) => format!("placed({own}{})", self.placement(*placement)),
+                    };
+                    let _ = writeln!(text, "    out({}, :) = {value};", rows(link));
+                }
+            }
+            Kernels::Looped(_) => unreachable!("the plan has no loops"),
+        }
+        self.file((planned.name, planned.docs), &parameters, (&planned.result, &text), &locals)
+    }
+
+    /// Returns the file of a function of the mass matrix's factors.
+    fn factors(&self, function: &FactorFunction) -> File {
+        let given = function.arguments.iter();
+        let given: Vec<Argument> =
+            given.map(|(own, shape)| Argument::new(own.name, shape)).collect();
+        let arguments: Vec<(String, usize)> =
+            given.iter().map(|argument| (argument.name.clone(), argument.len)).collect();
+        let names: Vec<&str> = given.iter().map(|argument| argument.name.as_str()).collect();
+        let mut locals = Locals::default();
+        locals.program("compute", &arguments, &function.program);
+        let text = format!("    out = compute({});\n", names.join(", "));
+        let name = format!("{}_{}", Function::Brge.name(), function.name);
+        self.file((&name, function.docs), &names, (&function.result, &text), &locals)
+    }
+
+    /// Returns the file of a function with this body, which computes the numbers of its result.
+    fn file(
+        &self,
+        (name, docs): (&str, &str),
+        parameters: &[&str],
+        (result, body): (&Shape, &str),
+        locals: &Locals,
+    ) -> File {
+        let mut docs = docs.replace('\n', "\n%   ");
+        if parameters.contains(&"link") {
+            docs += "\n%   `link` is the name of a link.";
+        }
+        let value = match value(result, 0, true) {
+            same if same == "out" => String::new(),
+            value => format!("    out = {value};\n"),
+        };
+        let text = format!(
+            "function out = {name}({})\n%{} {docs}\n%   Numbers of the result: {}. Arguments and results have a column for each state.\n\
+             {body}{value}end\n{}{}",
+            parameters.join(", "),
+            name.to_uppercase(),
+            result.in_words(),
+            locals.text,
+            locals.support()
+        );
+        File::new(format!("+{}/{name}.m", self.package), text)
+    }
+
+    /// Returns the file of the default run-time parameters.
+    fn default_parameters(&self, numbers: &[f64]) -> File {
+        let numbers: Vec<String> = numbers.iter().map(|&x| literal(x)).collect();
+        let text = format!(
+            "function params = default_parameters()\n%DEFAULT_PARAMETERS Returns the run-time parameters of the description.\n    \
+             params = [{}];\nend\n",
+            numbers.join("; ")
+        );
+        File::new(format!("+{}/default_parameters.m", self.package), text)
+    }
+
+    /// Returns the placement of a link as a further argument.
+    fn placement(&self, row: Option<usize>) -> String {
+        let numbers = row.and_then(|row| self.frames.placements().nth(row));
+        numbers.map_or(String::new(), |numbers| {
+            let numbers = numbers.map(literal);
+            format!(", [{}]", numbers.join("; "))
+        })
+    }
+}
+
+/// Returns the value of a result with this layout, whose numbers are rows of `out` from row `first` on; `whole` if they are all
+/// rows.
+fn value(shape: &Shape, first: usize, whole: bool) -> String {
+    let rows = match whole {
+        true => "out".into(),
+        false => format!("out({}:{}, :)", first + 1, first + shape.len()),
+    };
+    match shape {
+        Shape::Scalar => rows,
+        Shape::Array(of, _, _) if **of == Shape::Scalar => rows,
+        Shape::Array(of, n, Elements::Rows) => {
+            format!("permute(reshape({rows}, {}, {n}, []), [2 1 3])", of.len())
+        }
+        Shape::Array(of, n, _) => format!("reshape({rows}, {}, {n}, [])", of.len()),
+        Shape::Record(record, _) if record.result_type().is_none() => rows,
+        Shape::Record(_, fields) => {
+            let mut first = first;
+            let fields = fields.iter().map(|(name, shape)| {
+                let value = value(shape, first, false);
+                first += shape.len();
+                format!("'{name}', {value}")
+            });
+            format!("struct({})", fields.collect::<Vec<String>>().join(", "))
+        }
+    }
+}
+
+/// The functions inside of a file.
+#[derive(Default)]
+struct Locals {
+    text: String,
+    used: BTreeSet<Helper>,
+}
+
+/// Functions of real numbers, which the language's own are not where their results would be complex or choose by rows.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Helper {
+    Root,
+    Logarithm,
+    Select,
+}
+
+impl Locals {
+    /// Adds the function of a program over arrays of these names and lengths.
+    fn program(&mut self, name: &str, given: &[(String, usize)], program: &Program) {
+        let lengths: Vec<usize> = given.iter().map(|(_, len)| *len).collect();
+        let names: Vec<&str> = given.iter().map(|(name, _)| name.as_str()).collect();
+        let (last, syntax) = (program.chunks.len() - 1, Statements { given });
+        // Run-time parameters may be one column for all states.
+        let states = names.first().map_or("1".into(), |name| format!("size({name}, 2)"));
+        let class = names.first().map_or("'double'".into(), |name| format!("class({name})"));
+        for (k, chunk) in program.chunks.iter().enumerate() {
+            let (syntax, first) = (&syntax, chunk.statements.start);
+            let body = Body { syntax, program, lengths: &lengths, first };
+            let with = |chunks: &[usize]| {
+                let chunks = chunks.iter().map(|k| format!("chunk{k}"));
+                names.iter().map(|name| (*name).into()).chain(chunks).collect::<Vec<String>>()
+            };
+            let (head, mut text, stored) = if k == last {
+                let calls = (0..last).map(|k| {
+                    let arguments = with(&program.chunks[k].live_in).join(", ");
+                    format!("    chunk{k} = {name}_chunk{k}({arguments});\n")
+                });
+                let results = program.results.iter().map(|result| body.operand(result));
+                (format!("{name}({})", names.join(", ")), calls.collect(), results.collect())
+            } else {
+                let arguments = with(&chunk.live_in).join(", ");
+                let live = chunk.live_out.iter().map(|&value| body.value(value));
+                (format!("{name}_chunk{k}({arguments})"), String::new(), live.collect::<Vec<_>>())
+            };
+            for s in chunk.statements.clone() {
+                body.statement(&mut text, s);
+            }
+            let _ = writeln!(text, "    out = zeros({}, {states}, {class});", stored.len());
+            for (i, value) in stored.iter().enumerate() {
+                let _ = writeln!(text, "    out({}, :) = {value};", i + 1);
+            }
+            let _ = write!(self.text, "\nfunction out = {head}\n{text}end\n");
+        }
+        self.used.extend(program.statements.iter().filter_map(|s| match s.operation {
+            Operation::SquareRoot(_) => Some(Helper::Root),
+            Operation::Logarithm(_) => Some(Helper::Logarithm),
+            Operation::Select(..) => Some(Helper::Select),
+            _ => None,
+        }));
+    }
+
+    /// Returns the functions that the programs call.
+    fn support(&self) -> String {
+        let text = |helper: &Helper| match helper {
+            Helper::Root => {
+                "\nfunction y = modyn_sqrt(x)\n    x(x < 0) = NaN;\n    y = sqrt(x);\nend\n"
+            }
+            Helper::Logarithm => {
+                "\nfunction y = modyn_ln(x)\n    x(x < 0) = NaN;\n    y = log(x);\nend\n"
+            }
+            Helper::Select => {
+                "\n% Returns `a` where `x` is at least zero, else `b`.\n\
+                 function y = modyn_select(x, a, b)\n    \
+                 all = zeros(1, max([numel(x), numel(a), numel(b)]), class(x + a + b));\n    \
+                 y = all + b;\n    a = all + a;\n    chosen = (all + x) >= 0;\n    \
+                 y(chosen) = a(chosen);\nend\n"
+            }
+        };
+        self.used.iter().map(text).collect()
+    }
+}
+
+/// The syntax of statements, over arguments of these names and lengths.
+struct Statements<'a> {
+    given: &'a [(String, usize)],
+}
+
+impl Syntax for Statements<'_> {
+    fn literal(&self, value: f64) -> String {
+        literal(value)
+    }
+
+    fn define(&self, name: &str, value: &str) -> String {
+        format!("{name} = {value};")
+    }
+
+    fn sin_cos(&self, angle: &str, sine: &str, cosine: &str) -> String {
+        format!("{sine} = sin({angle}); {cosine} = cos({angle});")
+    }
+
+    fn multiply(&self, a: &str, b: &str) -> String {
+        format!("{a} .* {b}")
+    }
+
+    fn reciprocal(&self, x: &str) -> String {
+        format!("1 ./ {x}")
+    }
+
+    fn multiply_add(&self, fused: &MultiplyAdd, text: &dyn Fn(&Operand) -> String) -> String {
+        sum_of_products(fused, ".*", text)
+    }
+
+    fn square_root(&self, x: &str) -> String {
+        format!("modyn_sqrt({x})")
+    }
+
+    fn absolute(&self, x: &str) -> String {
+        format!("abs({x})")
+    }
+
+    fn select(&self, x: &str, then: &str, otherwise: &str) -> String {
+        format!("modyn_select({x}, {then}, {otherwise})")
+    }
+
+    fn argument(&self, argument: usize, i: usize) -> String {
+        format!("{}({}, :)", self.given[argument].0, i + 1)
+    }
+
+    fn live_value(&self, chunk: usize, i: usize) -> String {
+        format!("chunk{chunk}({}, :)", i + 1)
+    }
+
+    fn function(&self, support: Support) -> &'static str {
+        match support {
+            Support::SinCos => "sin",
+            Support::Atan2 => "atan2",
+            Support::Logarithm => "modyn_ln",
+            Support::Maximum => "max",
+        }
+    }
+}
+
+/// Returns a number.
+fn literal(value: f64) -> String {
+    match value {
+        _ if value.is_nan() => "NaN".into(),
+        _ if value.is_infinite() => if value > 0.0 { "Inf" } else { "-Inf" }.into(),
+        _ => format!("{value:?}"),
+    }
+}

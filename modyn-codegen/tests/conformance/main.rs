@@ -1,0 +1,64 @@
+//! Every back end of text runs every function on robots of every kind, and gives the results of the programs' evaluation.
+//! Machine code is in `modyn-jit/tests`, WGSL in `modyn-gpu/tests`.
+
+mod c;
+mod casadi;
+mod cuda;
+mod matlab;
+#[allow(dead_code)]
+#[path = "../../../tests/src/random.rs"]
+mod random;
+mod rust;
+mod suite;
+
+use modyn_codegen::FloatType;
+
+use suite::{conforms, is_installed, kinds, large, small};
+
+/// Tests of a back end: robots of every kind, a small robot with all functions, and a large robot.
+macro_rules! conformance {
+    ($($name:ident: $back_end:expr;)*) => {$(
+        mod $name {
+            use super::*;
+
+            #[test]
+            fn robots_of_every_kind() {
+                if !is_installed(&$back_end) {
+                    return;
+                }
+                let compared: usize =
+                    kinds().iter().map(|case| conforms(&$back_end, case, FloatType::F64)).sum();
+                assert!(compared > 200, "{compared}");
+            }
+
+            #[test]
+            #[ignore = "slow: a compiler sees all functions"]
+            fn all_functions() {
+                assert!(is_installed(&$back_end));
+                conforms(&$back_end, &small(), FloatType::F64);
+            }
+
+            #[test]
+            #[ignore = "slow: a compiler sees a large robot"]
+            fn a_large_robot() {
+                conforms(&$back_end, &large(), FloatType::F64);
+            }
+        }
+    )*};
+}
+
+conformance! {
+    of_gcc: c::C::gcc();
+    of_clang: c::C::clang();
+    of_aarch64: c::C::aarch64();
+    of_rust: rust::Rust;
+    of_cuda: cuda::Cuda;
+    of_matlab: matlab::Matlab;
+}
+
+#[test]
+fn c_in_single_precision() {
+    kinds().iter().for_each(|case| {
+        conforms(&c::C::gcc(), case, FloatType::F32);
+    });
+}

@@ -1,0 +1,548 @@
+//! The suite of all back ends: each computes every function of a plan on robots of every kind, and gives the results of the
+//! plan's evaluation. The evaluation itself is compared with the interpreter elsewhere.
+//!
+//! A back end is a [`BackEnd`]: the language of its text, the arithmetic of its results, and a function that runs calls.
+
+use std::fmt::Write as _;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use modyn_codegen::plan::{Frames, Planned, Shape};
+use modyn_codegen::program::Program;
+use modyn_codegen::{
+    Base, Builder, Bundle, CodeForm, Contact, ContactKind, Emitted, FloatType, Function,
+    Interpreter, LoopEnd, Target, UserArgument, UserError, UserFunction,
+};
+use modyn_runtime::Scalar;
+use modyn_runtime::model::Model;
+
+use crate::random::{Random, normalize};
+
+/// The number of states of each function.
+pub const STATES: usize = 6;
+
+/// A robot with options.
+pub struct Case {
+    /// The name.
+    pub name: &'static str,
+    /// The robot.
+    pub builder: Builder,
+}
+
+/// Functions that most users need, without long derivatives.
+pub const USED: [Function; 21] = [
+    Function::ForwardDynamics,
+    Function::InverseDynamics,
+    Function::BiasForces,
+    Function::GravityTorques,
+    Function::MassMatrix,
+    Function::KineticEnergy,
+    Function::PotentialEnergy,
+    Function::CenterOfMass,
+    Function::CenterOfMassJacobian,
+    Function::CentroidalMomentum,
+    Function::CentroidalMomentumMatrix,
+    Function::LinkPoses,
+    Function::LinkPose,
+    Function::LinkVelocity,
+    Function::Jacobian,
+    Function::BiasAcceleration,
+    Function::LocalJacobian,
+    Function::Integrate,
+    Function::Difference,
+    Function::VelocityToQdot,
+    Function::Normalize,
+];
+
+/// Returns the builder of a robot of the repository.
+///
+/// # Panics
+///
+/// If there is no such robot.
+#[must_use]
+pub fn robot(name: &str) -> Builder {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let file =
+        ["robots", "tests/golden"].map(|folder| root.join(folder).join(format!("{name}.urdf")));
+    Builder::new().urdf(file.iter().find(|file| file.exists()).expect("a robot"))
+}
+
+fn contact(name: &str, kind: ContactKind, link: &str, xyz: [f64; 3]) -> Contact {
+    let end = LoopEnd { link: link.into(), xyz, rpy: [0.1, 0.2, 0.3] };
+    Contact { name: name.into(), kind, end }
+}
+
+/// Returns a small robot with a contact and all functions.
+#[must_use]
+pub fn small() -> Case {
+    let toe = contact("toe", ContactKind::Point, "lower", [0.1, 0.2, -0.3]);
+    let builder = robot("double_pendulum").contacts([toe]);
+    Case { name: "double_pendulum", builder: builder.functions(Function::ALL.iter().copied()) }
+}
+
+/// Returns a large robot on a floating base with the functions of [`USED`] and those of its two contacts.
+#[must_use]
+pub fn large() -> Case {
+    let functions = USED.into_iter().chain([
+        Function::ConstrainedForwardDynamics,
+        Function::ConstraintResidual,
+        Function::ContactImpulse,
+        Function::ConstraintJacobian,
+    ]);
+    let feet = [
+        contact("left", ContactKind::Point, "front_left_foot", [0.0, 0.01, -0.02]),
+        contact("right", ContactKind::Surface, "hind_right_foot", [0.03, -0.01, 0.02]),
+    ];
+    let builder = robot("quadruped").base(Base::Floating).contacts(feet).functions(functions);
+    Case { name: "quadruped", builder }
+}
+
+/// Returns robots of every other kind: all joint types, closed loops, mimic joints, run-time parameters, equal limbs in
+/// routines, loops over bodies, many links on one
+/// body, bundles and functions of the user.
+///
+/// # Panics
+///
+/// If a robot of the repository has other links.
+#[must_use]
+pub fn kinds() -> Vec<Case> {
+    let case = |name, builder: Builder| Case { name, builder };
+    let looped = [Function::ForwardDynamics, Function::InverseDynamics];
+    let gripper = robot("gripper").runtime_gravity();
+    let links = gripper.generate().expect("good").model.links().to_vec();
+    let [replaced, loaded] = [1, 2].map(|link: usize| links[link].name.clone());
+    vec![
+        case("joint_zoo", robot("joint_zoo").functions(USED)),
+        case("five_bar", robot("five_bar")),
+        case("mimic_gripper", robot("mimic_gripper").functions(USED)),
+        case("parameters", gripper.runtime_inertia([replaced]).payload([loaded])),
+        case("routines", robot("quadruped").share().functions(USED)),
+        case("loops", robot("joint_zoo").functions(looped).code(CodeForm::Small).runtime_gravity()),
+        case("comb", comb().functions(USED)),
+        case("own_functions", own_functions()),
+    ]
+}
+
+/// Returns an arm with a bundle, of which some functions are of one link and one has several results, and a function of the
+/// user with its derivatives.
+fn own_functions() -> Builder {
+    let bundle = Bundle::new("control")
+        .function(Function::MassMatrix)
+        .function(Function::ForwardDynamicsDerivatives)
+        .of_link(Function::Jacobian, "wrist_3_link")
+        .function(Function::KineticEnergy)
+        .of_link(Function::LinkPose, "forearm_link");
+    let builder = robot("ur5").functions([Function::GravityTorques]);
+    builder.bundles([bundle]).function("reach", Reach).runtime_gravity()
+}
+
+/// A cost of reaching a target.
+struct Reach;
+
+impl UserFunction<3> for Reach {
+    fn docs(&self) -> String {
+        "Returns the squared distance of the wrist to `target`, times `weight`.".into()
+    }
+
+    fn arguments(&self) -> [UserArgument; 3] {
+        let weight = UserArgument::number("weight").variable();
+        [UserArgument::Q, UserArgument::numbers("target", 3), weight]
+    }
+
+    fn evaluate<S: Scalar>(
+        &self,
+        robot: &mut Interpreter<S>,
+        [q, target, weight]: [&[S]; 3],
+    ) -> Result<Vec<S>, UserError> {
+        let link = robot.model().frame_index("wrist_3_link").ok_or("there is no wrist")?;
+        let pose = robot.link_pose(q, link)?;
+        let squares = pose.translation.iter().zip(target).map(|(&x, &t)| (x - t) * (x - t));
+        Ok(vec![weight[0] * squares.fold(S::zero(), |sum, square| sum + square)])
+    }
+}
+
+/// Returns three bodies with 11, 1 and 11 links: on each body, the links after the eighth share a function.
+fn comb() -> Builder {
+    let mut text = String::from("<robot name='comb'><link name='b0'/>");
+    for (body, links) in [11, 0, 10].into_iter().enumerate() {
+        for i in 0..links {
+            let x = 0.1 * f64::from(i) + 0.3 * [0.0, 1.0, 2.0][body];
+            let _ = write!(
+                text,
+                "<link name='f{body}_{i}'/><joint name='fix{body}_{i}' type='fixed'><parent link='b{body}'/>\
+                 <child link='f{body}_{i}'/><origin xyz='{x} {} {}' rpy='{} {x} {}'/></joint>",
+                0.2 - x,
+                0.5 * x,
+                0.7 - x,
+                1.1 * x,
+            );
+        }
+        if body < 2 {
+            let _ = write!(
+                text,
+                "<joint name='j{body}' type='continuous'><parent link='b{body}'/><child link='b{next}'/>\
+                 <origin xyz='0.1 -0.2 0.3' rpy='0.4 0.5 -0.9'/><axis xyz='0.6 0.48 0.64'/></joint>\
+                 <link name='b{next}'><inertial><origin xyz='0.1 0.02 -0.03'/><mass value='1.5'/>\
+                 <inertia ixx='0.3' iyy='0.4' izz='0.5' ixy='0.01' ixz='0.02' iyz='-0.03'/></inertial></link>",
+                next = body + 1,
+            );
+        }
+    }
+    Builder::new().urdf_text(text + "</robot>", "comb.urdf")
+}
+
+/// The arithmetic of a back end, by which the reference is computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Arithmetic {
+    /// Products and sums are rounded apart: the same bits.
+    Separate,
+    /// Products are fused into sums, except within sines: the same bits.
+    Fused,
+    /// The language has its own sine: a part of the largest number of the result differs.
+    Own(f64),
+}
+
+/// A back end of the suite.
+pub trait BackEnd {
+    /// Returns the name.
+    fn name(&self) -> String;
+
+    /// The language of the text.
+    const TARGET: Target;
+
+    /// The arithmetic of the results.
+    const ARITHMETIC: Arithmetic;
+
+    /// Returns the programs besides gcc that must be installed; without them the tests of the back end do not run.
+    fn programs(&self) -> &[&'static str] {
+        &[]
+    }
+
+    /// Returns whether the back end has a function.
+    fn has(&self, _: &Planned) -> bool {
+        true
+    }
+
+    /// Returns the robot with the options of this back end.
+    fn configure(&self, builder: Builder) -> Builder {
+        builder.type_name("Ours")
+    }
+
+    /// Runs all calls, one after another. There are [`STATES`] calls of each function and link.
+    fn run(&self, subject: &Subject, folder: &Path) -> Vec<Vec<f64>>;
+}
+
+/// A robot with calls.
+pub struct Subject {
+    /// The text and the programs.
+    pub emitted: Emitted,
+    /// The precision.
+    pub float: FloatType,
+    /// The calls.
+    pub calls: Vec<Call>,
+}
+
+/// A call of a function for one state.
+pub struct Call {
+    /// The name of the function.
+    pub function: String,
+    /// The link of a function of a link.
+    pub link: Option<usize>,
+    /// Whether the last array is the run-time parameters.
+    pub has_parameters: bool,
+    /// The arrays of arguments that have numbers.
+    pub arguments: Vec<Vec<f64>>,
+    /// The layout of the result.
+    pub shape: Shape,
+    /// The numbers of the result.
+    pub expected: Vec<f64>,
+}
+
+/// Returns whether the programs of a back end are installed.
+pub fn is_installed(back_end: &impl BackEnd) -> bool {
+    let runs = |name: &str| Command::new(name).arg("--version").output().is_ok();
+    let missing = back_end.programs().iter().find(|name| !runs(name));
+    if let Some(name) = missing {
+        println!("not compared: {name} is not installed");
+    }
+    missing.is_none()
+}
+
+/// Compares a back end with the evaluation of its programs. Returns the number of compared results.
+///
+/// # Panics
+///
+/// If a result differs.
+pub fn conforms<B: BackEnd>(back_end: &B, case: &Case, float: FloatType) -> usize {
+    let builder = back_end.configure(case.builder.clone().scalar(float));
+    let emitted =
+        builder.emit(B::TARGET).unwrap_or_else(|errors| panic!("{}: {errors}", case.name));
+    let mut calls = Vec::new();
+    for planned in emitted.plan.functions.iter().filter(|planned| back_end.has(planned)) {
+        if !planned.result.is_empty() {
+            calls.extend(calls_of::<B>(&emitted, planned, float));
+        }
+    }
+    let subject = Subject { emitted, float, calls };
+    let folder = folder(&format!("{}_{}_{float:?}", back_end.name(), case.name));
+    let found = back_end.run(&subject, &folder);
+    compare(&format!("{}, {}", back_end.name(), case.name), &subject.calls, &found, B::ARITHMETIC);
+    subject.calls.len()
+}
+
+/// Compares the results of calls with the expected ones.
+///
+/// # Panics
+///
+/// If a result differs.
+pub fn compare(name: &str, calls: &[Call], found: &[Vec<f64>], arithmetic: Arithmetic) {
+    assert_eq!(calls.len(), found.len(), "{name}");
+    let mut moving = 0;
+    for (number, (call, found)) in calls.iter().zip(found).enumerate() {
+        let Call { function, link, expected, .. } = call;
+        let place = format!("{name}, {function} of link {link:?}, state {}", number % STATES);
+        assert_eq!(found.len(), expected.len(), "{place}");
+        let largest = expected.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
+        for (i, (a, b)) in found.iter().zip(expected).enumerate() {
+            let same = match arithmetic {
+                Arithmetic::Own(part) => (a - b).abs() <= part * largest,
+                _ => a.to_bits() == b.to_bits(),
+            };
+            assert!(same || a.is_nan() && b.is_nan(), "{place}, number {i}: {a:e}, not {b:e}");
+            moving += usize::from(*b != 0.0);
+        }
+    }
+    assert!(moving >= calls.len() / 2, "{name}: nothing moves");
+}
+
+/// Returns the calls of a function: each link in each state.
+fn calls_of<B: BackEnd>(emitted: &Emitted, planned: &Planned, float: FloatType) -> Vec<Call> {
+    let Emitted { plan, model, .. } = emitted;
+    let links = if planned.is_by_link() { plan.frames.programs().len() } else { 1 };
+    let defaults = plan.parameters.described(model.gravity());
+    let mut random = Random::new(planned.name.bytes().map(u64::from).sum());
+    let mut calls = Vec::new();
+    for link in 0..links {
+        for state in 0..STATES {
+            // Far angles have a reduction of their own; a language's own sine is not compared there.
+            let scale = match B::ARITHMETIC {
+                Arithmetic::Own(_) => 1.0,
+                _ => [1.0, 2.0, 50.0, 1500.0, 1e7, 1.0][state],
+            };
+            let arguments = arguments(&mut random, (model, planned, &defaults), scale, float);
+            let all = arguments.concat();
+            let frames = &plan.frames;
+            let expected = reference(planned, frames, link, &all, B::ARITHMETIC, float);
+            calls.push(Call {
+                function: planned.name.into(),
+                link: planned.is_by_link().then_some(link),
+                has_parameters: planned.parameters > 0,
+                arguments: arguments.into_iter().filter(|array| !array.is_empty()).collect(),
+                shape: planned.result.clone(),
+                expected,
+            });
+        }
+    }
+    calls
+}
+
+/// Returns numbers in general position for the arguments of a function, each an array.
+#[must_use]
+pub fn arguments(
+    random: &mut Random,
+    (model, planned, defaults): (&Model, &Planned, &[f64]),
+    scale: f64,
+    float: FloatType,
+) -> Vec<Vec<f64>> {
+    let mut arrays = Vec::new();
+    for (argument, shape) in &planned.arguments {
+        let mut numbers: Vec<f64> =
+            (0..shape.len()).map(|_| random.between(-scale, scale)).collect();
+        match argument.name {
+            // Quaternions have length one, except where they are scaled to it.
+            "q" | "from" | "to" if planned.name != "normalize" => normalize(model, &mut numbers),
+            // A contact is active or not.
+            "contacts" => {
+                numbers.iter_mut().for_each(|x| *x = if *x > 0.0 { 1.0 } else { 0.0 });
+            }
+            // The limits of dependent rows are small, since results are not continuous there.
+            "settings" => numbers[2..4].fill(1e-10),
+            "dt" => numbers[0] = 0.01 * numbers[0] / scale,
+            "uniforms" => numbers.iter_mut().for_each(|x| *x = (x.abs() / scale).min(0.99)),
+            _ => {}
+        }
+        arrays.push(numbers);
+    }
+    if planned.parameters > 0 {
+        let near = |x: &f64| x + 0.01 * random.between(0.0, 1.0);
+        arrays.push(defaults.iter().map(near).collect());
+    }
+    if float == FloatType::F32 {
+        arrays.iter_mut().flatten().for_each(|x| *x = f64::from(*x as f32));
+    }
+    arrays
+}
+
+/// Returns the result of a function by the evaluation of its programs.
+#[must_use]
+pub fn reference(
+    planned: &Planned,
+    frames: &Frames,
+    link: usize,
+    arguments: &[f64],
+    arithmetic: Arithmetic,
+    float: FloatType,
+) -> Vec<f64> {
+    match (float, arithmetic) {
+        (FloatType::F32, _) => {
+            let numbers: Vec<f32> = arguments.iter().map(|&x| x as f32).collect();
+            let found = planned.evaluate(frames, link, &numbers);
+            found.into_iter().map(f64::from).collect()
+        }
+        (FloatType::F64, Arithmetic::Fused) => {
+            let numbers: Vec<Fused> = arguments.iter().map(|&x| Fused(x)).collect();
+            planned.evaluate(frames, link, &numbers).into_iter().map(|x| x.0).collect()
+        }
+        (FloatType::F64, _) => planned.evaluate(frames, link, arguments),
+    }
+}
+
+/// Returns the result of a program.
+#[must_use]
+pub fn evaluate(program: &Program, arguments: &[f64]) -> Vec<f64> {
+    program.evaluate(arguments)
+}
+
+/// Returns the folder of this name.
+///
+/// # Panics
+///
+/// If it cannot be made.
+#[must_use]
+pub fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("conformance").join(name);
+    std::fs::create_dir_all(&folder).expect("a folder");
+    folder
+}
+
+/// Runs a command without errors and warnings, and returns its output.
+///
+/// # Panics
+///
+/// If the command fails or prints warnings.
+pub fn command(command: &mut Command) -> String {
+    let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    let (out, errors) = (text(&output.stdout), text(&output.stderr));
+    assert!(output.status.success(), "{command:?}\n{out}\n{errors}");
+    assert_eq!(errors, "", "{command:?}");
+    out
+}
+
+/// Writes numbers in a precision, one after another.
+///
+/// # Panics
+///
+/// If the file cannot be written.
+pub fn write_numbers<'a>(
+    file: &Path,
+    numbers: impl IntoIterator<Item = &'a f64>,
+    float: FloatType,
+) {
+    let bytes = numbers.into_iter().flat_map(|&x| match float {
+        FloatType::F64 => x.to_ne_bytes().to_vec(),
+        FloatType::F32 => (x as f32).to_ne_bytes().to_vec(),
+    });
+    std::fs::write(file, bytes.collect::<Vec<u8>>()).expect("writes");
+}
+
+/// Reads the results of calls, one after another.
+///
+/// # Panics
+///
+/// If the file is missing or has another length.
+#[must_use]
+pub fn read_results(file: &Path, calls: &[Call], float: FloatType) -> Vec<Vec<f64>> {
+    let bytes = std::fs::read(file).expect("the results");
+    let numbers: Vec<f64> = match float {
+        FloatType::F64 => bytes.as_chunks().0.iter().map(|x| f64::from_ne_bytes(*x)).collect(),
+        FloatType::F32 => {
+            bytes.as_chunks().0.iter().map(|x| f32::from_ne_bytes(*x).into()).collect()
+        }
+    };
+    let mut rest = &*numbers;
+    let results = calls.iter().map(|call| {
+        let (own, after) = rest.split_at(call.expected.len());
+        rest = after;
+        own.to_vec()
+    });
+    let results = results.collect();
+    assert!(rest.is_empty(), "{} numbers too many", rest.len());
+    results
+}
+
+/// A number that fuses products with sums, except within sines.
+#[derive(Clone, Copy, Debug)]
+pub struct Fused(pub f64);
+
+macro_rules! operator {
+    ($($operator:ident $function:ident,)*) => {$(
+        impl $operator for Fused {
+            type Output = Self;
+
+            fn $function(self, other: Self) -> Self {
+                Self(self.0.$function(other.0))
+            }
+        }
+    )*};
+}
+
+operator!(Add add, Sub sub, Mul mul, Div div,);
+
+impl Neg for Fused {
+    type Output = Self;
+
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+}
+
+impl Scalar for Fused {
+    fn from_f64(value: f64) -> Self {
+        Self(value)
+    }
+
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        Self(f64::mul_add(self.0, factor.0, term.0))
+    }
+
+    fn sin_cos(self) -> (Self, Self) {
+        let (sine, cosine) = Scalar::sin_cos(self.0);
+        (Self(sine), Self(cosine))
+    }
+
+    fn atan2(self, x: Self) -> Self {
+        Self(Scalar::atan2(self.0, x.0))
+    }
+
+    fn sqrt(self) -> Self {
+        Self(Scalar::sqrt(self.0))
+    }
+
+    fn ln(self) -> Self {
+        Self(Scalar::ln(self.0))
+    }
+
+    fn abs(self) -> Self {
+        Self(Scalar::abs(self.0))
+    }
+
+    fn max(self, other: Self) -> Self {
+        Self(Scalar::max(self.0, other.0))
+    }
+
+    fn select_nonnegative(self, then: Self, otherwise: Self) -> Self {
+        Self(self.0.select_nonnegative(then.0, otherwise.0))
+    }
+}
