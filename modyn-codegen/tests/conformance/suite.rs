@@ -436,7 +436,10 @@ pub fn command(command: &mut Command) -> String {
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     let (out, errors) = (text(&output.stdout), text(&output.stderr));
     assert!(output.status.success(), "{command:?}\n{out}\n{errors}");
-    assert_eq!(errors, "", "{command:?}");
+    // GNU Octave sometimes says this at its end, after all work.
+    let is_said = |line: &str| !line.starts_with("error: ignoring const execution_exception&");
+    let errors: Vec<&str> = errors.lines().filter(|line| is_said(line)).collect();
+    assert!(errors.is_empty(), "{command:?}: {errors:?}");
     out
 }
 
