@@ -83,7 +83,7 @@ fn flat(value: &str, shape: &Shape, whole: bool) -> String {
                 fields.iter().map(|(name, shape)| flat(&format!("{value}.{name}"), shape, false));
             format!("[{}]", fields.collect::<Vec<String>>().join("; "))
         }
-        _ if whole || shape.len() > 1 => format!("reshape({value}, {}, [])", shape.len()),
+        _ if whole || *shape != Shape::Scalar => format!("reshape({value}, {}, [])", shape.len()),
         _ => value.into(),
     }
 }
