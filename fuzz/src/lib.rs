@@ -20,7 +20,7 @@ pub fn text(data: &[u8]) -> (String, u8) {
 pub fn read_options(choice: u8) -> ReadOptions {
     let flag = |bit: u8| choice >> bit & 1 == 1;
     ReadOptions {
-        base: if flag(0) { Base::Floating } else { Base::Fixed },
+        base: [Base::Described, Base::Floating, Base::Fixed][usize::from(choice) % 3],
         mimic: [Mimic::Follow, Mimic::Follow, Mimic::Independent, Mimic::Refuse]
             [usize::from(choice >> 1 & 3)],
         unphysical_inertia: if flag(3) { Severity::Warning } else { Severity::Error },

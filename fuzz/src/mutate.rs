@@ -114,11 +114,19 @@ fn limb(text: &[u8], random: &mut Random) -> Option<String> {
     Some(format!("{}{more}{}", &text[..end], &text[end..]))
 }
 
-/// Returns the ranges of the texts between quotes.
+/// Returns the ranges of the texts between quotes and between tags.
 fn values(text: &[u8]) -> Vec<Range<usize>> {
     let mut values = Vec::new();
-    let mut open = None;
+    let (mut open, mut tag_end) = (None, None);
     for (i, &byte) in text.iter().enumerate() {
+        if byte == b'<'
+            && let Some(start) = tag_end.take()
+            && text[start..i].iter().any(|byte| !byte.is_ascii_whitespace())
+        {
+            values.push(start..i);
+        } else if byte == b'>' {
+            tag_end = Some(i + 1);
+        }
         match open {
             None if byte == b'"' || byte == b'\'' => open = Some((i + 1, byte)),
             Some((start, quote)) if byte == quote => {

@@ -7,11 +7,12 @@
 //!
 //! The output begins with a line for each joint that has coordinates (the number of its coordinates and velocities, its
 //! type, its name), then an empty line. A line for each state follows: accelerations under the torques tau, bias forces, and
-//! the mass matrix by columns. Words after the path: `floating`, `independent` (mimics) and `warn` (of inertias that no rigid
+//! the mass matrix by columns. Words after the path: `fixed`, `floating`, `independent` (mimics) and `warn` (of inertias that no rigid
 //! body has).
 
 use std::error::Error;
 use std::io::{BufRead as _, Write as _};
+use std::path::Path;
 
 use modyn_codegen::diagnostics::Severity;
 use modyn_codegen::{Base, Mimic, ReadOptions, read};
@@ -19,10 +20,11 @@ use modyn_runtime::Interpreter;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
-    let path = arguments.next().ok_or("evaluate ROBOT.urdf [floating] [independent] [warn]")?;
+    let path = arguments.next().ok_or("evaluate ROBOT [fixed] [floating] [independent] [warn]")?;
     let mut options = ReadOptions::default();
     for word in arguments {
         match word.as_str() {
+            "fixed" => options.base = Base::Fixed,
             "floating" => options.base = Base::Floating,
             "independent" => options.mimic = Mimic::Independent,
             "warn" => options.unphysical_inertia = Severity::Warning,
@@ -30,6 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     let text = std::fs::read_to_string(&path)?;
+    options.folder = Path::new(&path).parent().map(Path::to_owned);
     let model = read(&text, &path, &options)?.model;
     let mut out = std::io::BufWriter::new(std::io::stdout().lock());
     for (i, link) in model.links().iter().enumerate().filter(|(i, _)| model.mimic(*i).is_none()) {

@@ -1,4 +1,4 @@
-//! modyn's compiler: from a robot description (URDF, MJCF) to specialised code.
+//! modyn's compiler: from a robot description (URDF, SDF, MJCF) to specialised code.
 //!
 //! ```text
 //! text ─ read ─▶ Description ─ assemble, check ─▶ Model ─ modules ─▶ equations on Expr (trace) ─▶ Graph ─ passes, plan ─▶ Program ─ emit ─▶ Rust, C99, CUDA, WGSL, CasADi's C

@@ -93,10 +93,11 @@ macro_rules! option_table {
                 "gravity" gravity(gravity: [f64; 3])
                     gravity: Option<[f64; 3]>, field => *field = Some(gravity),
                     "[x, y, z]", "`[0.0, 0.0, -9.81]`, or the MJCF's or the model's own", "[0, 0, -1.62]";
-                /// Whether the root link is fixed to the world or floats.
+                /// Whether the root link is fixed to the world or floats. As described, that of a URDF is fixed, and a link
+                /// of an SDF floats unless a joint connects it to the world.
                 "base" base(base: Base)
                     base: Base, field => *field = base,
-                    "fixed | floating", "`fixed`", "floating";
+                    "described | fixed | floating", "`described`", "floating";
                 /// How joints that mimic another one are read: they follow it and have no coordinate of their own, have
                 /// one, or are refused.
                 "mimic" mimic(mimic: Mimic)

@@ -12,10 +12,19 @@
 use std::{collections::BTreeSet, fs, path::Path};
 
 use modyn_codegen::{
-    Base, Friction, Mimic, ReadOptions, Rotor,
-    diagnostics::{Code, Diagnostic, Severity},
-    read_urdf as read,
+    Base, Format, Friction, Mimic, ReadOptions, Reading, Rotor,
+    diagnostics::{Code, Diagnostic, Diagnostics, Severity},
+    read_urdf,
 };
+
+/// Reads a file as the format of its extension, whatever its first element is.
+fn read(text: &str, name: &str, options: &ReadOptions) -> Result<Reading, Diagnostics> {
+    if name.ends_with(".sdf") {
+        Format::Sdf.read(text, name, options)
+    } else {
+        read_urdf(text, name, options)
+    }
+}
 
 /// The marks of a file.
 #[derive(Debug)]

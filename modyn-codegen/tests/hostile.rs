@@ -189,3 +189,73 @@ fn a_forest_of_joints() {
     let found = Builder::new().model(model).generate().expect_err("refused");
     assert_eq!(codes(&found), [Code::TooLarge]);
 }
+
+fn sdf(inside: &str) -> String {
+    format!("<sdf version='1.12'><model name='m'>{inside}</model></sdf>")
+}
+
+/// Each pose is relative to the next one; the last is relative to the first, or to the model.
+#[test]
+fn poses_relative_to_poses_without_end() {
+    let n = many();
+    let frames = (0..n).fold(String::from("<link name='l'/>"), |text, i| {
+        text + &format!(
+            "<frame name='f{i}'><pose relative_to='f{}'>0 0 1e-9 0 0 0</pose></frame>",
+            i + 1
+        )
+    });
+    let cycle = sdf(&format!("{frames}<frame name='f{n}'><pose relative_to='f0'/></frame>"));
+    assert!(codes(&refused(&cycle)).contains(&Code::FrameCycle));
+    let chain = sdf(&format!("{frames}<frame name='f{n}'/>"));
+    let model = read(&chain, "hostile.sdf", &ReadOptions::default()).expect("a long chain").model;
+    let first = model.frames().iter().find(|frame| frame.name == "f0").expect("the first");
+    let z = first.pose.translation[2];
+    assert!((z - 1e-9 * n as f64).abs() < 1e-9, "{z}");
+    // The same for links that frames are attached to.
+    let frames = (0..n).fold(String::from("<link name='l'/>"), |text, i| {
+        text + &format!(
+            "<frame name='f{i}' attached_to='f{}'><pose relative_to='l'/></frame>",
+            i + 1
+        )
+    });
+    let cycle = sdf(&format!(
+        "{frames}<frame name='f{n}' attached_to='f0'><pose relative_to='l'/></frame>"
+    ));
+    assert!(codes(&refused(&cycle)).contains(&Code::FrameCycle));
+}
+
+#[test]
+fn models_in_models_without_end() {
+    let n = 5000;
+    let deep = "<model name='a'><link name='l'/>".repeat(n) + &"</model>".repeat(n);
+    assert!(codes(&refused(&sdf(&deep))).contains(&Code::Excessive));
+    // Each part repeats the names of the models around it.
+    let long = "n".repeat(many());
+    let links = repeated(many() / 10, "<link name='l#'/>");
+    let text = sdf(&format!("<model name='{long}'>{links}</model>"));
+    assert!(codes(&refused(&text)).contains(&Code::Excessive));
+    let name = "a::".repeat(many());
+    let text = sdf(&format!("<link name='l'/><frame name='f' attached_to='{name}'/>"));
+    assert!(codes(&refused(&text)).contains(&Code::FrameName));
+}
+
+/// Files that include files twice: a thousand are read, not 2^40.
+#[test]
+fn includes_without_end() {
+    let folder = std::env::temp_dir().join(format!("modyn-includes-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    for i in 0..40 {
+        let include =
+            |name| format!("<include><uri>f{}.sdf</uri><name>{name}</name></include>", i + 1);
+        let text = sdf(&format!("<link name='l'/>{}{}", include("a"), include("b")));
+        std::fs::write(folder.join(format!("f{i}.sdf")), text).expect("a file");
+    }
+    std::fs::write(folder.join("f40.sdf"), sdf("<link name='l'/>")).expect("a file");
+    let text = std::fs::read_to_string(folder.join("f0.sdf")).expect("a file");
+    let options = ReadOptions { folder: Some(folder.clone()), ..ReadOptions::default() };
+    let found = read(&text, "f0.sdf", &options).expect_err("refused");
+    let _ = std::fs::remove_dir_all(&folder);
+    let shown = found.to_string();
+    assert!(shown.contains("more than 1000 files are included"), "{shown}");
+    assert!(found.iter().count() < 2000, "{}", found.iter().count());
+}

@@ -25,6 +25,7 @@ mod programs;
 mod reading;
 mod runtime_parameters;
 mod same_text;
+mod sdf;
 mod self_contained;
 mod single_precision;
 mod singular;

@@ -36,7 +36,7 @@ use pyo3::types::{PyDict, PyList};
 use crate::errors::description_error;
 use crate::robot::Robot;
 
-/// Reads the robot of a file, URDF or MJCF.
+/// Reads the robot of a file, URDF, SDF or MJCF.
 ///
 /// The keyword arguments are modyn's options about a robot: `gravity`, `base`, `mimic`, `rotors`, `loops`, `contacts`,
 /// `friction`, `unphysical_inertia`, `packages`, `xacro_args`, `bundles`, `modules`, `scalar`, `runtime_gravity`, `runtime_inertia` and `payload`;
@@ -66,7 +66,7 @@ fn unreadable(py: Python<'_>, path: &Path, error: std::io::Error) -> PyErr {
     }
 }
 
-/// Reads the robot of a text, URDF or MJCF; `file` is the name in diagnostics, and `folder` that of files which the text
+/// Reads the robot of a text, URDF, SDF or MJCF; `file` is the name in diagnostics, and `folder` that of files which the text
 /// names: without it, no other file is read. The other keyword arguments are those of `load`.
 #[pyfunction]
 #[pyo3(signature = (text, /, file="robot", *, folder=None, **options))]

@@ -24,7 +24,7 @@ use crate::options;
 #[cfg(feature = "gpu")]
 use crate::parameters::ParameterNumbers;
 
-/// A robot: a description (URDF or MJCF) whose functions are compiled to machine code, each at its first use.
+/// A robot: a description (URDF, SDF or MJCF) whose functions are compiled to machine code, each at its first use.
 ///
 /// `load` and `loads` make robots. Arguments and results are in SI units and radians, and joint vectors have the order of
 /// `coordinate_names` and `velocity_names`. Each argument has one state, or n states as n rows; the result then has n

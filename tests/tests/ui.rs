@@ -22,6 +22,8 @@ const ELSEWHERE: &[Code] = &[
     Code::InvertedLimits,
     Code::MimicMultiplier,
     Code::NotMjcf,
+    Code::NotSdf,
+    Code::Sdf,
     Code::Include,
     Code::MissingLimit,
     Code::NegativeLimit,

@@ -1,3 +1,3 @@
-modyn::modyn!("sdf.urdf");
+modyn::modyn!("sdf.sdf");
 
 fn main() {}

@@ -18,7 +18,7 @@ use crate::command::outcome::{Failure, to_stdout};
 /// The exit code is 0 if all descriptions are valid, 1 if one is rejected, 2 if a file cannot be read.
 #[derive(Args)]
 pub struct Arguments {
-    /// The descriptions (URDF or MJCF); `-` for standard input
+    /// The descriptions (URDF, SDF or MJCF); `-` for standard input
     #[arg(value_name = "ROBOT.urdf", required = true)]
     paths: Vec<PathBuf>,
     /// Also reject descriptions with warnings

@@ -20,8 +20,14 @@ pub fn leaders(
         match option {
             Mimic::Follow => *leader = search.leader(joint, mimic, report),
             Mimic::Independent => search.independent(joint, mimic, report),
-            // Each mimic joint is already an error.
-            Mimic::Refuse => {}
+            Mimic::Refuse => {
+                let message =
+                    format!("it mimics joint `{}`, which is refused here", mimic.leader.text);
+                let help = "remove `<mimic>`, or set the option `mimic = follow`, or `mimic = independent`: the joint \
+                            is then moved by its own coordinate";
+                let (at, subject) = (mimic.leader.at, joint.subject());
+                report.error(Code::Mimic, at, Some(&subject), message, help);
+            }
         }
     }
     for cycle in cycles(&leaders) {

@@ -18,7 +18,7 @@ pub struct ReadOptions {
     pub unphysical_inertia: Severity,
     /// The treatment of mimic joints.
     pub mimic: Mimic,
-    /// Whether the root link is fixed or floats.
+    /// Whether a root link is fixed or floats.
     pub base: Base,
     /// The rotors of joints; each replaces the armature in the description.
     pub rotors: Vec<Rotor>,
@@ -52,8 +52,10 @@ pub enum Mimic {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Base {
-    /// The root link is fixed to the world.
+    /// As the format says: the root link of a URDF is fixed; a link of an SDF or an MJCF floats where the file says so.
     #[default]
+    Described,
+    /// The root link is fixed to the world.
     Fixed,
     /// The root link floats: a joint of type floating, named `floating_base`, connects it to the world.
     Floating,

@@ -26,3 +26,12 @@ pub fn normalized(axis: [f64; 3]) -> Option<([f64; 3], f64)> {
     let length = libm::sqrt(scaled.iter().map(|x| x * x).sum());
     Some((scaled.map(|x| x / length), largest * length))
 }
+
+/// Returns whether two unit vectors are parallel, or nearly so, as for the axes of a universal joint.
+pub fn are_parallel(a: [f64; 3], b: [f64; 3]) -> bool {
+    let cos: f64 = a.iter().zip(&b).map(|(a, b)| a * b).sum();
+    cos.abs() > PARALLEL
+}
+
+/// The cosine above which two axes count as parallel, as in [`modyn_runtime::model::Model`].
+const PARALLEL: f64 = 1.0 - 1e-6;

@@ -72,7 +72,7 @@ codes! {
         the option `xacro_args` gives.",
     /// The document is an SDF.
     Sdf = "sdf":
-        "Convert the model to URDF, or export it as URDF from the tool that created it.",
+        "Read the file as the format that it has: `modyn!`, `Builder::file` and the command `modyn` find it out.",
     /// The document is a `MuJoCo` model.
     Mjcf = "mjcf":
         "Enable the feature `mjcf`: the macro, `Builder::file` and `Builder::mjcf` then read the file. The command \
@@ -84,9 +84,26 @@ codes! {
     /// The document is not a `MuJoCo` model.
     NotMjcf = "not-mjcf":
         "Give a file whose root element is `<mujoco>`, or read the file as the format that it has.",
+    /// The document is not an SDF.
+    NotSdf = "not-sdf":
+        "Give a file whose root element is `<sdf version=\"...\">`, or read the file as the format that it has.",
+    /// The version of an SDF is missing, or is not read.
+    SdfVersion = "sdf-version":
+        "Write `<sdf version=\"1.12\">`, or the version that the file has. Versions from 1.2 are read; elements of \
+        newer versions than 1.12 may be missing.",
+    /// An SDF has no model that can move, or several.
+    SdfModel = "sdf-model":
+        "Give a file with one model that is not `<static>`, alone or in a `<world>` with static models.",
+    /// A name of an SDF does not mean a frame, is reserved, or means two things.
+    FrameName = "frame-name":
+        "Name a link, joint, `<frame>` or model of the same model, or a part of a nested model as in `model::link`. \
+        Elements beside each other need different names.",
+    /// Poses of an SDF depend on each other, or a frame is attached to itself.
+    FrameCycle = "frame-cycle":
+        "Write one of the poses relative to `__model__`, or attach one of the frames to a link.",
     /// The file is not text.
     NotText = "not-text":
-        "Save the file as UTF-8. URDF and MJCF are text.",
+        "Save the file as UTF-8. URDF, SDF and MJCF are text.",
     /// An attribute that URDF requires is missing or empty.
     MissingAttribute = "missing-attribute":
         "Write the attribute that the message names. URDF has no default for it.",
@@ -102,8 +119,8 @@ codes! {
         element has no effect: check the spelling, or do what the help says.",
     /// The description includes another file, which is not read: parts of the robot are missing.
     Include = "include":
-        "Copy the contents of that file into this one. Files that a tool has expanded (`xacro`, or the \
-        exporter of a CAD program) have no includes.",
+        "MJCF: write a path relative to the folder of the model, and include each file once. URDF has no includes: copy \
+        the contents of that file into this one; files that a tool has expanded (`xacro`) have none.",
     /// A text is not a number.
     BadNumber = "bad-number":
         "Write a decimal number, such as `0.25` or `2.5e-1`: with a point, without a unit, \

@@ -126,7 +126,7 @@ macro_rules! choices {
 }
 
 choices! {
-    Base: "fixed" Fixed, "floating" Floating;
+    Base: "described" Described, "fixed" Fixed, "floating" Floating;
     CodeForm: "auto" Auto, "fast" Fast, "small" Small;
     FloatType: "f64" F64, "f32" F32;
     Mimic: "follow" Follow, "independent" Independent, "refuse" Refuse;

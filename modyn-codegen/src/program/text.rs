@@ -283,8 +283,9 @@ impl<'a> Parser<'a> {
             }
             _ => 1,
         };
-        // All results of routines are outputs of their stage.
-        let used = vec![matches!(operation, Operation::Call(_)); results];
+        // All results of routines are outputs of their stage. A statement with one result has it, also if nothing reads it, as the
+        // constants within wider constants.
+        let used = vec![results == 1 || matches!(operation, Operation::Call(_)); results];
         Ok(Statement { operation, lanes, used, last_use: 0, stores: Vec::new() })
     }
 

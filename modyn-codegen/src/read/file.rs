@@ -5,6 +5,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use super::xml::document::USD_HELP;
 use super::xml::limits::MAX_BYTES;
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Position, Report};
 
@@ -105,6 +106,10 @@ pub fn not_text(wanted: impl Display, error: &std::string::FromUtf8Error) -> Dia
         line: 1 + good.iter().filter(|&&b| b == b'\n').count(),
         column: 1 + line.chars().count(),
     };
+    if good.starts_with(b"PXR-USDC") {
+        let error = Diagnostic::error(Code::NotText, "this is a USD, which is not read");
+        return error.in_file(wanted.to_string()).with_help(USD_HELP).into();
+    }
     let byte = rest.first().copied().unwrap_or_default();
     Diagnostic::error(Code::NotText, format!("this is not UTF-8 text: byte 0x{byte:02x}"))
         .in_file(wanted.to_string())

@@ -1,7 +1,7 @@
 //! From a text to a [`Reading`]: a model and its warnings.
 //!
 //! ```text
-//! text ─ xml ─▶ XML ─ urdf, xacro, mjcf ─▶ Description ─ assemble, check ─▶ Model
+//! text ─ xml ─▶ XML ─ urdf, xacro, mjcf, sdf ─▶ Description ─ assemble, check ─▶ Model
 //! ```
 //!
 //! Each format has a folder, which produces a description and does not know the model. One table has the formats: the macro, the
@@ -11,6 +11,7 @@ pub mod file;
 #[cfg(feature = "mjcf")]
 mod mjcf;
 mod packages;
+mod sdf;
 mod urdf;
 mod xacro;
 pub(crate) mod xml;
@@ -21,7 +22,7 @@ use modyn_runtime::model::{Friction, Model};
 
 use crate::assemble::assemble;
 use crate::check::{friction_error, gravity_error};
-use crate::description::{Description, ReadOptions};
+use crate::description::{Base, Description, ReadOptions};
 use crate::diagnostics::{Diagnostic, Diagnostics, Report};
 pub(crate) use packages::PACKAGE_PATHS;
 
@@ -49,6 +50,8 @@ pub enum Format {
     /// `MuJoCo`'s models (MJCF).
     #[cfg(feature = "mjcf")]
     Mjcf,
+    /// Gazebo's models and worlds (SDF).
+    Sdf,
 }
 
 /// A row of the table of formats.
@@ -95,6 +98,14 @@ const FORMATS: &[Row] = &[
         mark: None,
         extension: "mjcf",
         describe: mjcf::describe,
+    },
+    Row {
+        format: Format::Sdf,
+        name: "sdf",
+        root: "sdf",
+        mark: None,
+        extension: "sdf",
+        describe: sdf::describe,
     },
 ];
 
@@ -152,7 +163,11 @@ impl Format {
         }
         let model = xml::document::within_limits(text, 0, &mut report)
             .and_then(|text| (self.row().describe)(&text, &options, &mut report))
-            .and_then(|description| assemble(description, &options, &mut report));
+            .and_then(|description| {
+                // The reader of an SDF has connected the base to the world.
+                let base = if self == Self::Sdf { Base::Described } else { options.base };
+                assemble(description, &ReadOptions { base, ..options.clone() }, &mut report)
+            });
         let of_options = gravity.into_iter().chain(friction);
         let files = report.take_dependencies();
         let found = Diagnostics::new(report.finish().into_iter().chain(of_options).collect());
@@ -222,15 +237,17 @@ pub fn read_urdf(text: &str, file: &str, options: &ReadOptions) -> Result<Readin
     Format::Urdf.read(text, file, options)
 }
 
-/// Reads a `MuJoCo` model (MJCF). Diagnostics name the file `file`. No other file is read.
+/// Reads a `MuJoCo` model (MJCF). Diagnostics name the file `file`. Included files, attached models and meshes are read if
+/// the options have the [`folder`](ReadOptions::folder).
 ///
 /// - Bodies become links of a tree whose root link is `world`. If a body has several joints, there are massless links
 ///   between them. A body's frame is its link's frame. Coordinates are those of `docs/conventions.md`, not `MuJoCo`'s;
-///   `modyn::conventions::mujoco` converts them.
-/// - A body without `<inertial>` has the inertia of its geoms, unless these are meshes.
+///   `modyn::conventions::mujoco` converts them. Named sites are frames.
+/// - A body without `<inertial>` has the inertia of its geoms. A mesh is only read if its mass is needed.
+/// - Constraints of `<equality>` are exact: mimic joints and loops.
 /// - Gravity is that of `<option>`, unless the options set another one.
-/// - Contacts, actuators, sensors and visual elements are ignored. Damping and friction act if the options say so, as
-///   in a URDF.
+/// - Contacts, sensors and visual elements are ignored. Controllers of actuators, springs and `gravcomp` do not act, with a
+///   warning. Damping and friction act if the options say so, as in a URDF.
 ///
 /// # Errors
 ///

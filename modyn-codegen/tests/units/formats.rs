@@ -11,7 +11,7 @@ fn a_format_is_recognised_by_the_text_then_by_the_name() {
         ("<robot name='mujoco'/>", "robot.mjcf", Format::Urdf),
         ("", "robot.MJCF", Format::Mjcf),
         ("", "robot.xml", Format::Urdf),
-        ("<sdf/>", "-", Format::Urdf),
+        ("<sdf/>", "-", Format::Sdf),
         ("<robot name='r'/>", "robot.urdf.xacro", Format::Xacro),
         ("<robot name='r'><xacro:m/></robot>", "robot.urdf", Format::Xacro),
         ("<robot xmlns:xacro='x' name='${r}'/>", "robot.urdf", Format::Urdf),

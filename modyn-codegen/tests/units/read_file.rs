@@ -57,4 +57,7 @@ fn bytes_that_are_no_text_have_a_place() {
         not_text("a.urdf", &error).to_string().lines().next(),
         Some("a.urdf:2:2: error[not-text]: this is not UTF-8 text: byte 0xff")
     );
+    let usd = String::from_utf8(b"PXR-USDC\0\xff".to_vec()).expect_err("0xff");
+    let shown = not_text("a.usd", &usd).to_string();
+    assert!(shown.contains("usd_to_urdf robot.usd"), "{shown}");
 }

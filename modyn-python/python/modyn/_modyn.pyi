@@ -20,7 +20,8 @@ class Options(TypedDict, total=False):
     """The acceleration of free fall in world axes, m/s^2; an MJCF or a model has its own. By default [0.0, 0.0,
     -9.81], or the MJCF's or the model's own. For example: `[0, 0, -1.62]`."""
     base: str | None
-    """Whether the root link is fixed to the world or floats. By default fixed. For example: `"floating"`."""
+    """Whether the root link is fixed to the world or floats. As described, that of a URDF is fixed, and a link of
+    an SDF floats unless a joint connects it to the world. By default described. For example: `"floating"`."""
     mimic: str | None
     """How joints that mimic another one are read: they follow it and have no coordinate of their own, have one, or
     are refused. By default follow. For example: `"independent"`."""
@@ -75,7 +76,7 @@ class Options(TypedDict, total=False):
     """Whether functions are compiled to machine code; without, they are evaluated. By default True."""
 
 def load(path: str | os.PathLike[str], /, **options: Unpack[Options]) -> Robot:
-    """Reads the robot of a file, URDF or MJCF.
+    """Reads the robot of a file, URDF, SDF or MJCF.
 
     The keyword arguments are modyn's options about a robot: `gravity`, `base`, `mimic`, `rotors`, `loops`, `contacts`,
     `friction`, `unphysical_inertia`, `packages`, `xacro_args`, `bundles`, `modules`, `scalar`, `runtime_gravity`, `runtime_inertia` and `payload`;
@@ -87,7 +88,7 @@ def load(path: str | os.PathLike[str], /, **options: Unpack[Options]) -> Robot:
 def loads(
     text: str, /, file: str = "robot", *, folder: str | os.PathLike[str] | None = None, **options: Unpack[Options]
 ) -> Robot:
-    """Reads the robot of a text, URDF or MJCF; `file` is the name in diagnostics, and `folder` that of files which the
+    """Reads the robot of a text, URDF, SDF or MJCF; `file` is the name in diagnostics, and `folder` that of files which the
     text names: without it, no other file is read. The other keyword arguments are those of `load`."""
 
 def functions() -> list[str]:
@@ -197,7 +198,7 @@ class GpuRollout:
 
 @final
 class Robot:
-    """A robot: a description (URDF or MJCF) whose functions are compiled to machine code, each at its first use.
+    """A robot: a description (URDF, SDF or MJCF) whose functions are compiled to machine code, each at its first use.
 
     `load` and `loads` make robots. Arguments and results are in SI units and radians, and joint vectors have the order of
     `coordinate_names` and `velocity_names`. Each argument has one state, or n states as n rows; the result then has n

@@ -1,165 +1,557 @@
 //! From bodies with any number of joints to links with one joint each, as in a URDF.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
+use std::rc::Rc;
 
-use mjcf_rs::body::{Body, InertiaSpec, Joint, JointType as Type};
-use mjcf_rs::compiler::InertiaFromGeom;
-use modyn_runtime::conventions::rotation_from_quaternion;
-use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Inertial, JointDynamics, Limits};
+use modyn_runtime::model::{Inertial, JointDynamics};
 use modyn_runtime::spatial::Pose;
-use roxmltree::Node;
 
-use super::classes::Classes;
+use super::element::{Element, MAX_DEPTH};
 use super::geoms;
-use super::pose::pose;
-use crate::description::{
-    Description, InertialRecord, JointRecord, Kind, LinkRecord, Located, MAX_NUMBER, normalized,
-};
-use crate::diagnostics::{Code, Report, Severity, Subject};
+use super::inertia;
+use super::item::{Item, Naming};
+use super::joints::{self, has_spring, is_free};
+use super::mesh::Meshes;
+use super::models::{Model, Source};
+use super::pose::euler;
+use crate::description::{Description, InertialRecord, JointRecord, Kind, LinkRecord, Located};
+use crate::diagnostics::{Code, Place, Report, Severity, Subject};
 
-/// Returns the description of a model that was read from the XML under `root`; `None` with an error in the report. Names
-/// that the file lacks are generated. The elements of `unread` bodies have stand-ins for some of their numbers.
-pub fn describe(
-    model: &mjcf_rs::Model,
-    root: Node,
-    unread: &BTreeSet<usize>,
-    report: &mut Report<'_>,
-) -> Option<Description> {
-    Bodies::read(model, root, unread, report).map(|bodies| bodies.description)
-}
+/// The largest number of bodies, joints, geoms and sites: models and replicas in each other have exponentially many.
+const MAX_ITEMS: usize = 1_000_000;
 
 /// The description so far.
-struct Bodies {
-    description: Description,
-    /// For each link, whether it or one of its ancestors has a moving joint.
-    moves: Vec<bool>,
+pub struct Bodies<'e, 'r, 'f> {
+    pub models: Vec<Model<'e>>,
+    meshes: Meshes<'e>,
+    pub description: Description,
+    /// For each link, the moving link that carries it, which may be itself; 0 is the world.
+    pub carriers: Vec<usize>,
+    /// The link of each body, and the pose in which it is drawn, in the world.
+    pub places: BTreeMap<String, (usize, Pose<f64>)>,
+    /// The link and the pose on the link of each site.
+    pub sites: BTreeMap<String, (usize, Pose<f64>, usize)>,
+    /// For each joint of the description, its coordinate in the pose in which the model is drawn.
+    pub drawn: Vec<f64>,
+    /// The models and their names in the whole model: the main model first, then each that was attached.
+    pub attached: Vec<(usize, Rc<Naming>)>,
+    /// The models in which the present element is.
+    open: Vec<usize>,
+    /// The number of elements so far.
+    items: usize,
+    /// The joints with springs.
+    springs: Vec<Place>,
+    /// The bodies with compensated gravity.
+    compensated: Vec<Place>,
+    pub report: &'r mut Report<'f>,
 }
 
-impl Bodies {
-    fn read(
-        model: &mjcf_rs::Model,
-        root: Node,
-        unread: &BTreeSet<usize>,
-        report: &mut Report<'_>,
-    ) -> Option<Self> {
-        let at = root.range().start;
-        let named = model.name.as_deref().filter(|name| !name.trim().is_empty());
+/// The elements of a body, in the order of the text; frames are resolved.
+#[derive(Default)]
+struct Parts<'e> {
+    inertials: Vec<Item<'e>>,
+    joints: Vec<Item<'e>>,
+    geoms: Vec<Item<'e>>,
+    sites: Vec<Item<'e>>,
+    bodies: Vec<Item<'e>>,
+    /// The models to attach that `bodies` come from.
+    sound: bool,
+}
+
+/// The place of a body's frame.
+#[derive(Clone, Copy)]
+struct Parent {
+    link: usize,
+    /// Its pose in the world in the drawn pose.
+    drawn: Pose<f64>,
+    depth: usize,
+}
+
+impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
+    /// Returns the bodies and sites of the first of these models, with all models that it attaches. Names that the file
+    /// lacks are generated.
+    pub fn read(sources: &'e [Source], report: &'r mut Report<'f>) -> Self {
+        let models: Vec<Model<'e>> =
+            sources.iter().map(|source| Model::new(source, report)).collect();
+        let root = &sources[0].root;
+        let named = root.text("model").filter(|name| !name.trim().is_empty());
         if named.is_none() {
             let message = "the model has no name";
             let help = "write `<mujoco model=\"...\">`; it is called `robot` here";
-            report.add(Severity::Warning, Code::MissingAttribute, at, None, message, help);
+            report.add(Severity::Warning, Code::MissingAttribute, root.at, None, message, help);
         }
-        let name = named.unwrap_or("robot").into();
         let description = Description {
-            name,
-            at,
-            gravity: None,
+            name: named.unwrap_or("robot").into(),
+            at: root.at,
+            gravity: Some(models[0].settings.gravity),
             links: Vec::new(),
             joints: Vec::new(),
             loops: Vec::new(),
             contacts: Vec::new(),
         };
-        let mut bodies = Self { description, moves: Vec::new() };
-        bodies.link("world".into(), at, false);
-        // mjcf-rs keeps the order of the text.
-        let nodes: Vec<Node> = root
-            .children()
-            .filter(|node| node.has_tag_name("worldbody"))
-            .flat_map(|world| world.descendants().filter(|node| node.has_tag_name("body")))
-            .collect();
-        if nodes.len() + 1 != model.bodies.len() {
-            let message = "its bodies are not those of the text";
-            let help = "this is a fault of modyn: please report it with the file";
-            report.error(Code::InvalidModel, at, None, message, help);
-            return None;
+        let naming = Rc::new(Naming::default());
+        let mut bodies = Self {
+            models,
+            meshes: Meshes::default(),
+            description,
+            carriers: Vec::new(),
+            places: BTreeMap::new(),
+            sites: BTreeMap::new(),
+            drawn: Vec::new(),
+            attached: vec![(0, naming.clone())],
+            open: vec![0],
+            items: 0,
+            springs: Vec::new(),
+            compensated: Vec::new(),
+            report,
+        };
+        bodies.link("world".into(), root.at, 0);
+        bodies.places.insert("world".into(), (0, Pose::identity()));
+        let mut parts = Parts { sound: true, ..Parts::default() };
+        for world in root.named("worldbody") {
+            let item = Item {
+                chain: vec![world],
+                frame: Pose::identity(),
+                inherited: None,
+                naming: naming.clone(),
+                model: 0,
+            };
+            bodies.collect(&item, 0, &mut parts);
         }
-        let classes = Classes::new(root);
-        let classes_place_geoms = root
-            .descendants()
-            .filter(|node| node.has_tag_name("geom"))
-            .filter(|node| node.parent().is_some_and(|up| up.has_tag_name("default")))
-            .any(|node| node.attributes().any(|one| PLACES.contains(&one.name())));
-        // For each body, its link.
-        let mut links = vec![0];
-        for (entry, node) in model.bodies.iter().skip(1).zip(nodes) {
-            let parent = entry.parent.unwrap_or(0);
-            let is_read = !unread.contains(&node.range().start);
-            let classes = &classes;
-            let mut reader = Reader { model, node, is_read, classes, classes_place_geoms, report };
-            links.push(bodies.body(&mut reader, &entry.body, links[parent], links.len()));
+        if let Some(joint) = parts.joints.first().or(parts.inertials.first()) {
+            let message = format!("`<{}>` in `<worldbody>` is not read", joint.element().name);
+            let help = "write it in a `<body>`";
+            bodies.report.error(Code::NotRead, joint.element().at, None, message, help);
         }
-        Some(bodies)
+        let world = Parent { link: 0, drawn: Pose::identity(), depth: 0 };
+        bodies.sites(&parts.sites, 0);
+        for body in parts.bodies {
+            bodies.body(body, world);
+        }
+        bodies.add_sites();
+        bodies.scale_to_total_mass();
+        bodies.warn_of_forces();
+        bodies
     }
 
-    /// Adds a body and its joints, and returns the body's link.
-    fn body(&mut self, reader: &mut Reader, body: &Body, parent: usize, index: usize) -> usize {
-        let at = reader.node.range().start;
-        let name = body.name.clone().unwrap_or_else(|| format!("body_{index}"));
-        let is_joint = |node: &Node| ["joint", "freejoint"].contains(&node.tag_name().name());
-        let nodes: Vec<Node> = reader.node.children().filter(is_joint).collect();
-        reader.pose(&body.pose, &name, at);
-        let mut above = parent;
+    /// Adds the elements in `container` to the parts of its body.
+    fn collect(&mut self, container: &Item<'e>, depth: usize, parts: &mut Parts<'e>) {
+        let element = container.element();
+        if depth > MAX_DEPTH {
+            let message = format!("elements are nested more than {MAX_DEPTH} deep");
+            self.report.error(
+                Code::NotRead,
+                element.at,
+                None,
+                message,
+                "attach fewer models in each other",
+            );
+            return;
+        }
+        let inherited = element.text("childclass").or(container.inherited);
+        self.check_class(element.attribute("childclass"), container.model);
+        parts.sound &= self.models[container.model].is_sound(&[element]);
+        for child in &element.children {
+            self.items += 1;
+            if self.items > MAX_ITEMS {
+                return;
+            }
+            let model = container.model;
+            let is_body = matches!(
+                child.name.as_str(),
+                "body" | "frame" | "replicate" | "attach" | "freejoint"
+            );
+            self.check_class(child.attribute("class"), model);
+            let classes = &self.models[model].classes;
+            let chain = if is_body { vec![child] } else { classes.chain(child, inherited) };
+            let inherited = if is_body { child.text("class").or(inherited) } else { inherited };
+            let (frame, naming) = (container.frame, container.naming.clone());
+            let item = Item { chain, frame, inherited, naming, model };
+            match child.name.as_str() {
+                "inertial" => parts.inertials.push(item),
+                "joint" | "freejoint" => parts.joints.push(item),
+                "geom" => parts.geoms.push(item),
+                "site" => parts.sites.push(item),
+                "body" => parts.bodies.push(item),
+                "frame" => {
+                    let frame = item.pose(&self.models[model].settings, self.report);
+                    self.collect(&Item { frame, ..item }, depth + 1, parts);
+                }
+                "replicate" => self.replicate(&item, depth, parts),
+                "attach" => self.attach(&item, depth, parts),
+                _ => {}
+            }
+        }
+    }
+
+    /// Reports a class that the model does not have.
+    fn check_class(&mut self, class: Option<&super::element::Attribute>, model: usize) {
+        if let Some(class) = class
+            && !self.models[model].classes.contains(&class.value)
+        {
+            let message = format!("the class `{}` does not exist", class.value);
+            let help = "write the class of a `<default>` of this file";
+            self.report.error(Code::NotRead, class.at, None, message, help);
+        }
+    }
+
+    /// Adds copies of the elements in `<replicate>`, each displaced from the one before.
+    fn replicate(&mut self, item: &Item<'e>, depth: usize, parts: &mut Parts<'e>) {
+        let count = item.number("count").unwrap_or(0.0);
+        let (offset, angles) =
+            (item.numbers("offset").unwrap_or([0.0; 3]), item.numbers("euler").unwrap_or([0.0; 3]));
+        let digits = format!("{count}").len();
+        let mut position = [0.0; 3];
+        for i in 0..count.clamp(0.0, MAX_ITEMS as f64) as usize {
+            self.items += 1;
+            if self.items > MAX_ITEMS {
+                return;
+            }
+            let rotation =
+                euler(angles.map(|angle| i as f64 * angle), &self.models[item.model].settings);
+            let step = Pose { rotation, translation: position };
+            position = step.transform_point(offset);
+            let separator = item.text("sep").unwrap_or("");
+            let Naming { prefix, suffix } = &*item.naming;
+            let naming = Naming {
+                prefix: prefix.clone(),
+                suffix: format!("{separator}{i:0digits$}{suffix}"),
+            };
+            let copy =
+                Item { frame: item.frame.compose(&step), naming: Rc::new(naming), ..item.clone() };
+            self.collect(&copy, depth + 1, parts);
+        }
+    }
+
+    /// Adds the elements of another model, or a part of this model again.
+    fn attach(&mut self, item: &Item<'e>, depth: usize, parts: &mut Parts<'e>) {
+        let element = item.element();
+        let mut refuse = |message: String, help: &str| {
+            self.report.error(Code::NotRead, element.at, None, message, help);
+        };
+        let index = match element.text("model") {
+            None => Some(item.model),
+            Some(name) => self.models[item.model].attached(name),
+        };
+        let Some(index) = index else {
+            let message = format!(
+                "the model `{}` is not in `<asset>`",
+                element.text("model").unwrap_or_default()
+            );
+            return refuse(message, "write `<asset><model name=\"...\" file=\"...\"/></asset>`");
+        };
+        if element.text("model").is_some() && self.open.contains(&index) {
+            let message = "a model is attached to itself".into();
+            return refuse(message, "attach a model that does not contain this one");
+        }
+        let prefix =
+            format!("{}{}", item.naming.prefix, element.text("prefix").unwrap_or_default());
+        let naming = Rc::new(Naming { prefix, suffix: item.naming.suffix.clone() });
+        let root = &self.models[index].source.root;
+        let part = ["body", "frame"].iter().find_map(|kind| Some((*kind, element.text(kind)?)));
+        let of_model = |element, inherited| Item {
+            chain: vec![element],
+            frame: item.frame,
+            inherited,
+            naming: naming.clone(),
+            model: index,
+        };
+        self.attached.push((index, naming.clone()));
+        self.open.push(index);
+        match part {
+            None => {
+                for world in root.named("worldbody") {
+                    self.collect(&of_model(world, None), depth + 1, parts);
+                }
+            }
+            Some((kind, name)) => {
+                let found = root.named("worldbody").find_map(|world| find(world, kind, name, None));
+                match found {
+                    Some((body, inherited)) if kind == "body" => {
+                        parts.bodies.push(of_model(body, inherited))
+                    }
+                    Some((frame, inherited)) => {
+                        let item = of_model(frame, inherited);
+                        let frame = item.pose(&self.models[index].settings, self.report);
+                        self.collect(&Item { frame, ..item }, depth + 1, parts);
+                    }
+                    None => {
+                        let message = format!("the {kind} `{name}` is not in the model");
+                        let help = "write the name of a part of the attached model";
+                        self.report.error(Code::NotRead, element.at, None, message, help);
+                    }
+                }
+            }
+        }
+        self.open.pop();
+    }
+
+    /// Adds a body with its joints and everything in it.
+    fn body(&mut self, item: Item<'e>, parent: Parent) {
+        let element = item.element();
+        let at = element.at;
+        if parent.depth > MAX_DEPTH {
+            let message = format!("bodies are nested more than {MAX_DEPTH} deep");
+            self.report.error(
+                Code::NotRead,
+                at,
+                None,
+                message,
+                "attach fewer models in each other",
+            );
+            return;
+        }
+        let pose = item.pose(&self.models[item.model].settings, self.report);
+        let name = item.name().unwrap_or_else(|| format!("body_{}", self.places.len()));
+        let mut parts = Parts { sound: true, ..Parts::default() };
+        let inside = Item { frame: Pose::identity(), ..item.clone() };
+        self.collect(&inside, 0, &mut parts);
+        let mut above = parent.link;
         // The pose of the body's frame in the link that was added last.
-        let mut frame = pose(&body.pose);
-        for (k, joint) in body.joints.iter().enumerate() {
-            let node = nodes.get(k).copied().unwrap_or(reader.node);
-            let place = node.range().start;
-            let joint_name = joint.name.clone().unwrap_or_else(|| match k {
+        let mut frame = pose;
+        let first_joint = self.description.joints.len();
+        for (k, joint) in parts.joints.iter().enumerate() {
+            let place = joint.element().at;
+            let joint_name = joint.name().unwrap_or_else(|| match k {
                 0 => format!("{name}_joint"),
                 _ => format!("{name}_joint_{}", k + 1),
             });
-            let is_only_joint = parent == 0 && body.joints.len() == 1;
-            let made = reader.joint(joint, &joint_name, node, is_only_joint);
-            let free = joint.type_ == Type::Free;
-            let is_sound = joint.pos.iter().all(|x| x.is_finite());
-            let anchor = if free || !is_sound { [0.0; 3] } else { joint.pos };
-            let origin = if free {
+            let model = &self.models[joint.model];
+            let (made, reference) = joints::joint(joint, &joint_name, model, self.report);
+            if has_spring(joint, model) {
+                self.springs.push((Some(place), Some(Subject::Joint(joint_name.clone()))));
+            }
+            if is_free(joint) {
+                let alone = parent.link == 0 && parts.joints.len() == 1;
+                joints::check_free(
+                    joint,
+                    &joint_name,
+                    alone,
+                    parts.bodies.is_empty(),
+                    model,
+                    self.report,
+                );
+            }
+            let at_joint = |position: [f64; 3]| joint.frame.transform_point(position);
+            let anchor = if is_free(joint) {
+                [0.0; 3]
+            } else {
+                at_joint(joint.numbers("pos").unwrap_or([0.0; 3]))
+            };
+            let origin = if is_free(joint) {
                 Pose::identity()
             } else {
-                frame.compose(&translation(anchor)).compose(&to_zero_coordinate(joint, made.axis))
+                frame
+                    .compose(&translation(anchor))
+                    .compose(&joints::displacement(made.kind, made.axis, -reference))
             };
-            let last = k + 1 == body.joints.len() && anchor == [0.0; 3];
+            let last = k + 1 == parts.joints.len() && anchor == [0.0; 3];
             let link = if last { name.clone() } else { format!("{name}_behind_{joint_name}") };
-            let child = self.link(link, place, true);
+            let child = self.link(link, place, self.carriers.len());
             self.description.links[child].auxiliary = !last;
-            self.push(JointRecord { origin, ..made }, above, child);
+            self.push(JointRecord { origin, ..made }, reference, above, child);
             above = child;
             frame = translation(anchor.map(|x| -x));
         }
         // A body without joints, or whose frame is not at its last joint, is fixed to the last link.
-        if body.joints.is_empty() || self.description.links[above].name.text != name {
-            let child = self.link(name.clone(), at, self.moves[above]);
+        if parts.joints.is_empty() || self.description.links[above].name.text != name {
+            let child = self.link(name.clone(), at, self.carriers[above]);
             let fixed = JointRecord { origin: frame, ..joint(format!("{name}_fixed"), at) };
-            self.push(fixed, above, child);
+            self.push(fixed, 0.0, above, child);
             above = child;
         }
-        let errors = reader.report.errors();
-        let inertial = reader.inertial(body, &name, self.moves[above]);
-        let sound = reader.is_read && reader.report.errors() == errors;
-        let inertial = inertial.or_else(|| (!sound).then_some((Inertial::default(), at)));
-        self.description.links[above].inertial =
-            inertial.map(|(inertial, at)| InertialRecord { inertial, at, mass_at: at, sound });
-        above
+        let drawn = parent.drawn.compose(&pose);
+        self.places.entry(name.clone()).or_insert((above, drawn));
+        let moves = self.carriers[above] != 0;
+        if moves && item.number("gravcomp").is_some_and(|factor| factor != 0.0) {
+            self.compensated.push((Some(at), Some(Subject::Link(name.clone()))));
+        }
+        let inertial = self.inertial(&item, &name, &parts, moves);
+        self.description.links[above].inertial = inertial;
+        if parts.joints.iter().any(is_free) && parts.joints.len() == 1 {
+            // The pose of a floating body is its coordinates.
+            self.drawn[first_joint] = 0.0;
+        }
+        self.sites(&parts.sites, above);
+        let parent = Parent { link: above, drawn, depth: parent.depth + 1 };
+        for body in parts.bodies {
+            self.body(body, parent);
+        }
     }
 
-    fn link(&mut self, name: String, at: usize, moves: bool) -> usize {
+    fn link(&mut self, name: String, at: usize, carrier: usize) -> usize {
         let name = Located { text: name, at };
         self.description.links.push(LinkRecord { name, inertial: None, auxiliary: false });
-        self.moves.push(moves);
-        self.moves.len() - 1
+        self.carriers.push(carrier);
+        self.carriers.len() - 1
     }
 
-    /// Adds a joint between two links.
-    fn push(&mut self, joint: JointRecord, parent: usize, child: usize) {
+    /// Adds a joint between two links; in the drawn pose it has this coordinate.
+    fn push(&mut self, joint: JointRecord, drawn: f64, parent: usize, child: usize) {
         let name = |link: usize| Some(self.description.links[link].name.clone());
         let (parent, child) = (name(parent), name(child));
         self.description.joints.push(JointRecord { parent, child, ..joint });
+        self.drawn.push(drawn);
+    }
+
+    /// Keeps the named sites of a link, which become frames after all bodies have their names.
+    fn sites(&mut self, sites: &[Item<'e>], link: usize) {
+        for site in sites {
+            let Some(name) = site.name() else { continue };
+            let pose = site.pose(&self.models[site.model].settings, self.report);
+            let pose = match site.numbers("fromto").and_then(geoms::between) {
+                Some((between, _)) => site.frame.compose(&between),
+                None => pose,
+            };
+            self.sites.entry(name).or_insert((link, pose, site.element().at));
+        }
+    }
+
+    /// Adds a link without inertia for each site.
+    fn add_sites(&mut self) {
+        let mut taken: BTreeSet<String> = self.description.link_names().map(String::from).collect();
+        let mut sites: Vec<_> =
+            self.sites.iter().map(|(name, site)| (name.clone(), *site)).collect();
+        sites.sort_by_key(|(_, (link, _, at))| (*at, *link));
+        for (name, (link, origin, at)) in sites {
+            let name = unique(&name, "site", &mut taken);
+            let child = self.link(name.clone(), at, self.carriers[link]);
+            let fixed = JointRecord { origin, ..joint(format!("{name}_fixed"), at) };
+            self.push(fixed, 0.0, link, child);
+        }
+    }
+
+    /// Returns the inertia of a body in its frame.
+    fn inertial(
+        &mut self,
+        item: &Item<'e>,
+        name: &str,
+        parts: &Parts<'e>,
+        moves: bool,
+    ) -> Option<InertialRecord> {
+        // Bodies that are fixed to the world have no effect on the dynamics, except by the total mass.
+        if !moves && self.models[0].settings.total_mass.is_none() {
+            return None;
+        }
+        let model = &self.models[item.model];
+        let settings = &model.settings;
+        let own = parts.inertials.first();
+        let at = own.map_or(item.element().at, |own| own.element().at);
+        if let Some(second) = parts.inertials.get(1) {
+            let message = "a second `<inertial>` in one body";
+            self.report.error(
+                Code::RepeatedElement,
+                second.element().at,
+                None,
+                message,
+                "keep one of them",
+            );
+        }
+        let heavy: Vec<&Item> = parts
+            .geoms
+            .iter()
+            .filter(|geom| geoms::has_mass(geom, &self.models[geom.model]))
+            .collect();
+        let is_explicit =
+            own.is_some() && (settings.inertia_from_geom != Some(true) || heavy.is_empty());
+        let mut sound = parts.sound;
+        let record = |inertial, sound| Some(InertialRecord { inertial, at, mass_at: at, sound });
+        let inertial = match own.filter(|_| is_explicit) {
+            Some(own) => {
+                sound &= model.is_sound(&own.chain);
+                inertia::explicit(own, name, model, self.report).map(Some).unwrap_or_else(|| {
+                    sound = false;
+                    Some(Inertial::default())
+                })
+            }
+            None if heavy.is_empty() || settings.inertia_from_geom == Some(false) => None,
+            None => {
+                let mut whole = Inertial::default();
+                for geom in heavy {
+                    let model = &self.models[geom.model];
+                    if !model.is_sound(&geom.chain) {
+                        sound = false;
+                        continue;
+                    }
+                    match geoms::inertial(geom, model, &mut self.meshes, self.report) {
+                        Ok(inertial) => whole = whole.merged(&inertial),
+                        Err(why) => {
+                            inertia::report_missing(name, at, &why, self.report);
+                            sound = false;
+                            break;
+                        }
+                    }
+                }
+                Some(whole)
+            }
+        };
+        if !sound {
+            return record(inertial.unwrap_or_default(), false);
+        }
+        let inertial = inertia::bounded(inertial, settings);
+        inertial.and_then(|inertial| record(inertial, true))
+    }
+
+    /// Warns once of each kind of force that does not act, and of keyframes.
+    fn warn_of_forces(&mut self) {
+        let message = "its spring does not act";
+        let help = "add `-stiffness * (q - springref)` to the joint force `tau`";
+        self.report.warn_once(Code::NotRead, &self.springs, message, help);
+        let message = "its gravity is not compensated: `gravcomp` does not act";
+        let help =
+            "add the joint forces that carry `gravcomp` times the weight of the body to `tau`";
+        self.report.warn_once(Code::NotRead, &self.compensated, message, help);
+        let keys = self.of_section("keyframe");
+        let keys: Vec<Place> = keys.iter().map(|key| (Some(key.element().at), None)).collect();
+        let help = "copy its `qpos` and `qvel` into the program, and convert those of free and ball joints by the functions \
+                    of `modyn::conventions::mujoco`";
+        self.report.warn_once(Code::NotRead, &keys, "the keyframe is not read", help);
+    }
+
+    /// Scales all masses and inertias, if the model has a total mass.
+    fn scale_to_total_mass(&mut self) {
+        let Some(total) = self.models[0].settings.total_mass else { return };
+        let mut records: Vec<_> =
+            self.description.links.iter_mut().filter_map(|link| link.inertial.as_mut()).collect();
+        let sum: f64 = records.iter().map(|record| record.inertial.mass).sum();
+        if sum > 0.0 {
+            for record in &mut records {
+                record.inertial.mass *= total / sum;
+                record.inertial.inertia =
+                    record.inertial.inertia.map(|moment| moment * total / sum);
+            }
+        }
     }
 }
 
+/// Returns the element of this kind and name in `element`, and the class that it inherits.
+fn find<'e>(
+    element: &'e Element,
+    kind: &str,
+    name: &str,
+    inherited: Option<&'e str>,
+) -> Option<(&'e Element, Option<&'e str>)> {
+    let inherited = element.text("childclass").or(inherited);
+    element.children.iter().find_map(|child| {
+        if child.name == kind && child.text("name") == Some(name) {
+            return Some((child, inherited));
+        }
+        let is_container = ["body", "frame", "replicate"].contains(&child.name.as_str());
+        if is_container { find(child, kind, name, inherited) } else { None }
+    })
+}
+
+/// Returns a name that is not taken: this one, or with an ending. It is taken then.
+pub fn unique(name: &str, ending: &str, taken: &mut BTreeSet<String>) -> String {
+    let numbered = (2..).map(|n| format!("{name}_{ending}_{n}"));
+    let mut names = [name.to_owned(), format!("{name}_{ending}")].into_iter().chain(numbered);
+    let name = names.find(|name| !taken.contains(name)).unwrap_or_default();
+    taken.insert(name.clone());
+    name
+}
+
 /// Returns a fixed joint without its links.
-fn joint(name: String, at: usize) -> JointRecord {
+pub fn joint(name: String, at: usize) -> JointRecord {
     JointRecord {
         name: Located { text: name, at },
         kind: Kind::Fixed,
@@ -173,215 +565,6 @@ fn joint(name: String, at: usize) -> JointRecord {
         dynamics: JointDynamics::default(),
         dynamics_at: at,
         sound: true,
-    }
-}
-
-/// The attributes that define a pose.
-const PLACES: [&str; 6] = ["pos", "quat", "axisangle", "euler", "xyaxes", "zaxis"];
-
-/// The reader of one body's element.
-struct Reader<'m, 'n, 'r, 'f> {
-    model: &'m mjcf_rs::Model,
-    node: Node<'n, 'n>,
-    /// Whether all numbers of the body could be read.
-    is_read: bool,
-    classes: &'m Classes<'n>,
-    /// Whether a class sets the position or rotation of geoms: mjcf-rs then loses the other of the two.
-    classes_place_geoms: bool,
-    report: &'r mut Report<'f>,
-}
-
-impl<'n> Reader<'_, 'n, '_, '_> {
-    /// Reports an invalid pose.
-    fn pose(&mut self, pose: &mjcf_rs::Pose, name: &str, at: usize) {
-        let length: f64 = pose.rotation.to_array().iter().map(|x| x * x).sum();
-        let finite = pose.translation.to_array().iter().all(|x| x.is_finite());
-        let is_rotation = (length - 1.0).abs() < 1e-9;
-        if !finite || !is_rotation {
-            let (message, help) = ("its pose is not finite", "write finite numbers in m and rad");
-            self.report.error(
-                Code::NotFinite,
-                at,
-                Some(&Subject::Link(name.into())),
-                message,
-                help,
-            );
-        }
-    }
-
-    /// Returns a joint without its links.
-    fn joint(
-        &mut self,
-        joint: &Joint,
-        name: &str,
-        node: Node<'n, 'n>,
-        is_only_joint: bool,
-    ) -> JointRecord {
-        let (subject, at) = (Subject::Joint(name.into()), node.range().start);
-        let errors = self.report.errors();
-        let single = matches!(joint.type_, Type::Hinge | Type::Slide);
-        let effort = if single { self.effort(node, &subject) } else { None };
-        let mut refuse = |code, message: &str, help: &str| {
-            self.report.error(code, at, Some(&subject), message, help);
-        };
-        if joint.stiffness != 0.0 || joint.springdamper.is_some() {
-            let help = "remove `stiffness` and `springdamper`, and give the spring's torque with the others";
-            refuse(Code::NotRead, "its spring is not read", help);
-        }
-        let Joint { armature, damping, frictionloss: friction, .. } = *joint;
-        let numbers = [armature, damping, friction];
-        if numbers.iter().any(|&number| number < 0.0) {
-            let help = "write numbers of at least 0: damping and friction oppose the motion";
-            refuse(
-                Code::NegativeJointDynamics,
-                "`armature`, `damping` or `frictionloss` is negative",
-                help,
-            );
-        }
-        if !single && numbers.iter().any(|&number| number != 0.0) {
-            let message =
-                "`armature`, `damping` and `frictionloss` of a ball or free joint are not read";
-            refuse(Code::NotRead, message, "write 0, or the class that the joint should have");
-        }
-        let dynamics = if single {
-            JointDynamics { armature, damping, friction }
-        } else {
-            JointDynamics::default()
-        };
-        if joint.type_ == Type::Free && !is_only_joint {
-            let message = "a free joint must be the only joint of a body of the world";
-            refuse(Code::NotRead, message, "write the body in `<worldbody>`, with this joint only");
-        }
-        let mut numbers = numbers
-            .into_iter()
-            .chain(joint.pos)
-            .chain(joint.axis)
-            .chain([joint.ref_])
-            .chain(joint.range.into_iter().flatten());
-        if !numbers.all(|number| number.abs() < MAX_NUMBER) {
-            refuse(Code::NotFinite, "a number is not finite", "write finite numbers in SI units");
-        }
-        let axis = if single {
-            normalized(joint.axis).map(|(unit, _)| unit)
-        } else {
-            Some([0.0, 0.0, 1.0])
-        };
-        if axis.is_none() {
-            refuse(
-                Code::ZeroAxis,
-                "the axis is zero",
-                "write the direction of the axis, such as `0 0 1`",
-            );
-        }
-        let range = joint
-            .range
-            .filter(|_| {
-                joint.limited.resolve(self.model.compiler.autolimits, joint.range.is_some())
-            })
-            .filter(|_| single);
-        let kind = Kind::Moving(match joint.type_ {
-            Type::Hinge if range.is_none() => JointType::Continuous,
-            Type::Hinge => JointType::Revolute,
-            Type::Slide => JointType::Prismatic,
-            Type::Ball => JointType::Spherical,
-            Type::Free => JointType::Floating,
-        });
-        if range.is_some_and(|[lower, upper]| lower > upper) {
-            let help = "write the lower limit first";
-            refuse(Code::InvertedLimits, "the lower limit is above the upper one", help);
-        }
-        let limits = (range.is_some() || effort.is_some()).then(|| Limits {
-            lower: range.map(|[lower, _]| lower),
-            upper: range.map(|[_, upper]| upper),
-            velocity: None,
-            effort,
-        });
-        let axis = axis.unwrap_or([0.0, 0.0, 1.0]);
-        let sound = self.is_read && self.report.errors() == errors;
-        JointRecord { kind, axis, limits, dynamics, sound, ..self::joint(name.into(), at) }
-    }
-
-    /// Returns the largest force of a joint, N m or N, which is the bound of a symmetric `actuatorfrcrange`.
-    fn effort(&mut self, node: Node<'n, 'n>, subject: &Subject) -> Option<f64> {
-        let attribute = |name| self.classes.attribute(node, name);
-        let range = attribute("actuatorfrcrange")?;
-        let is_limited = match attribute("actuatorfrclimited") {
-            Some("true") => true,
-            Some("false") => false,
-            _ => self.model.compiler.autolimits,
-        };
-        // Words that are not numbers are already reported.
-        let mut numbers = range.split_ascii_whitespace().filter_map(|word| word.parse().ok());
-        let (lower, upper): (f64, f64) = (numbers.next()?, numbers.next()?);
-        if !is_limited || lower == 0.0 && upper == 0.0 {
-            return None;
-        }
-        if -lower == upper && upper > 0.0 && upper < MAX_NUMBER {
-            return Some(upper);
-        }
-        let message = "its `actuatorfrcrange` is not read";
-        let help = "write the same limit for both directions, as `actuatorfrcrange=\"-20 20\"`, or limit the joint force \
-                    where it is computed";
-        self.report.add(
-            Severity::Warning,
-            Code::NotRead,
-            node.range().start,
-            Some(subject),
-            message,
-            help,
-        );
-        None
-    }
-
-    /// Returns the inertia of a body in its frame, and the place of the `<inertial>`.
-    fn inertial(&mut self, body: &Body, name: &str, moves: bool) -> Option<(Inertial, usize)> {
-        let node = self.node.children().find(|node| node.has_tag_name("inertial"));
-        let at = node.unwrap_or(self.node).range().start;
-        let from_geoms = self.model.compiler.inertia_from_geom;
-        let heavy = body.geoms.iter().any(geoms::has_mass);
-        if let Some(own) =
-            body.inertial.as_ref().filter(|_| from_geoms != InertiaFromGeom::True || !heavy)
-        {
-            let inertia = match own.inertia {
-                InertiaSpec::Diagonal([xx, yy, zz]) => [xx, 0.0, 0.0, yy, 0.0, zz],
-                InertiaSpec::Full([xx, yy, zz, xy, xz, yz]) => [xx, xy, xz, yy, yz, zz],
-            };
-            self.pose(&own.pose, name, at);
-            let inertial = Inertial { mass: own.mass, center_of_mass: [0.0; 3], inertia };
-            return Some((inertial.transformed(&pose(&own.pose)), at));
-        }
-        // Bodies that are fixed to the world have no effect on the dynamics.
-        if !moves || !heavy || from_geoms == InertiaFromGeom::False {
-            return None;
-        }
-        let inertial = if self.classes_place_geoms {
-            Err("the poses of its geoms come from a class, which is not read")
-        } else {
-            geoms::inertial(&body.geoms, &self.model.assets)
-        };
-        inertial.map(|inertial| (inertial, at)).map_err(|why| self.no_inertial(name, at, why)).ok()
-    }
-
-    fn no_inertial(&mut self, name: &str, at: usize, why: &str) {
-        let message = format!("it has no `<inertial>`, and {why}");
-        let help = "write `<inertial>`, or give the geoms `mass=\"0\"`; MuJoCo writes each `<inertial>` if it reads the file \
-                    with `<compiler saveinertial=\"true\"/>` and `mj_saveLastXML` saves the model";
-        let subject = Subject::Link(name.into());
-        self.report.error(Code::MissingElement, at, Some(&subject), message, help);
-    }
-}
-
-/// Returns the displacement from the coordinate `ref`, at which a joint is drawn, to zero.
-fn to_zero_coordinate(joint: &Joint, axis: [f64; 3]) -> Pose<f64> {
-    let [x, y, z] = axis;
-    match joint.type_ {
-        Type::Slide => translation(axis.map(|x| -joint.ref_ * x)),
-        Type::Hinge if joint.ref_ != 0.0 => {
-            let (sin, cos) = libm::sincos(-0.5 * joint.ref_);
-            let rotation = rotation_from_quaternion([x * sin, y * sin, z * sin, cos]);
-            Pose { rotation, ..Pose::identity() }
-        }
-        _ => Pose::identity(),
     }
 }
 

@@ -1,36 +1,89 @@
-//! Attributes of elements and of their default classes, for those that mjcf-rs does not read.
+//! Attributes of elements and of their default classes.
 
 use std::collections::BTreeMap;
 
-use roxmltree::Node;
+use super::element::Element;
+use super::table::ACTUATORS;
+use crate::diagnostics::{Code, Report};
+
+/// The name of the outermost class, which all elements have.
+const MAIN: &str = "main";
 
 /// The classes of a model.
-pub struct Classes<'n> {
-    by_name: BTreeMap<&'n str, Node<'n, 'n>>,
-    /// The outermost classes, which all elements have.
-    main: Vec<Node<'n, 'n>>,
+pub struct Classes<'e> {
+    by_name: BTreeMap<&'e str, Class<'e>>,
 }
 
-impl<'n> Classes<'n> {
-    /// Returns the classes under `root`.
-    pub fn new(root: Node<'n, 'n>) -> Self {
-        let is_class = |node: &Node| node.has_tag_name("default");
-        let named = root.descendants().filter(is_class);
-        let by_name = named.filter_map(|node| Some((node.attribute("class")?, node))).collect();
-        Self { by_name, main: root.children().filter(is_class).collect() }
+struct Class<'e> {
+    /// The class around it; `None` for the outermost one.
+    parent: Option<&'e str>,
+    /// The `<default>` elements.
+    sections: Vec<&'e Element>,
+}
+
+impl<'e> Classes<'e> {
+    /// Returns the classes of the model whose root element is `root`; their errors are in the report.
+    pub fn new(root: &'e Element, report: &mut Report<'_>) -> Self {
+        let mut classes = Self { by_name: BTreeMap::new() };
+        classes.by_name.insert(MAIN, Class { parent: None, sections: Vec::new() });
+        for section in root.named("default") {
+            if let Some(class) = section.attribute("class").filter(|class| class.value != MAIN) {
+                let message =
+                    format!("`class=\"{}\"` of the outermost `<default>` is not read", class.value);
+                let help = "the outermost `<default>` is the class `main`: write the class in it";
+                report.error(Code::NotRead, class.at, None, message, help);
+            }
+            classes.add(section, MAIN, report);
+        }
+        classes
     }
 
-    /// Returns the value of an attribute: of the element, or of its class, or of the class around that.
-    pub fn attribute(&self, node: Node<'n, 'n>, name: &str) -> Option<&'n str> {
-        let of_bodies = || node.ancestors().skip(1).find_map(|up| up.attribute("childclass"));
-        let class = node.attribute("class").or_else(of_bodies);
-        let own = class.and_then(|class| self.by_name.get(class));
-        let around = own.into_iter().flat_map(|class| class.ancestors());
-        let mut chain = around.chain(self.main.iter().copied());
-        let of_class = |class: Node<'n, 'n>| {
-            let elements = class.children().filter(|child| child.tag_name() == node.tag_name());
-            elements.filter_map(|element| element.attribute(name)).next_back()
-        };
-        node.attribute(name).or_else(|| chain.find_map(of_class))
+    fn add(&mut self, section: &'e Element, name: &'e str, report: &mut Report<'_>) {
+        if let Some(class) = self.by_name.get_mut(name) {
+            class.sections.push(section);
+        }
+        for inner in section.named("default") {
+            let Some(class) = inner.attribute("class").filter(|class| !class.value.is_empty())
+            else {
+                let message = "`<default>` in `<default>` has no `class`";
+                report.error(Code::NotRead, inner.at, None, message, "write its `class`");
+                continue;
+            };
+            let entry = Class { parent: Some(name), sections: Vec::new() };
+            if self.by_name.insert(&class.value, entry).is_some() {
+                let message = format!("another `<default>` has the class `{}`", class.value);
+                let help = "give each class its own name";
+                report.error(Code::NotRead, class.at, None, message, help);
+            }
+            self.add(inner, &class.value, report);
+        }
     }
+
+    /// Returns whether there is a class of this name.
+    pub fn contains(&self, name: &str) -> bool {
+        self.by_name.contains_key(name)
+    }
+
+    /// Returns the elements whose attributes an element has, the nearest first: the element itself, those of its class or
+    /// else of the class `inherited` from the bodies around it, and those of the classes around that.
+    pub fn chain(&self, element: &'e Element, inherited: Option<&str>) -> Vec<&'e Element> {
+        let mut chain = vec![element];
+        let mut next = Some(element.text("class").or(inherited).unwrap_or(MAIN));
+        while let Some(class) = next.and_then(|name| self.by_name.get(name)) {
+            let elements =
+                class.sections.iter().rev().flat_map(|section| section.children.iter().rev());
+            chain.extend(elements.filter(|child| is_default_of(&child.name, &element.name)));
+            next = class.parent;
+        }
+        chain
+    }
+}
+
+/// Returns whether the attributes of the element `class` in a `<default>` are those of elements of this name.
+fn is_default_of(class: &str, name: &str) -> bool {
+    let both = |names: &[&str]| names.contains(&class) && names.contains(&name);
+    class == name && name != "default"
+        || both(ACTUATORS)
+        || class == "tendon" && ["spatial", "fixed"].contains(&name)
+        || class == "equality" && ["connect", "weld"].contains(&name)
 }

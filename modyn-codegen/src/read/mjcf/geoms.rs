@@ -1,72 +1,169 @@
-//! The inertia of a body without `<inertial>`, from its geoms as in `MuJoCo`: each is a solid of uniform density.
+//! The inertia of geoms as in `MuJoCo`: each is a solid or a shell of uniform density.
 
 use core::f64::consts::PI;
 
-use mjcf_rs::assets::Assets;
-use mjcf_rs::body::{Geom, GeomType};
 use modyn_runtime::model::Inertial;
 use modyn_runtime::spatial::Pose;
 
-use super::pose::pose;
+use super::item::Item;
+use super::mesh::{Meshes, Principal};
+use super::models::Model;
+use super::pose::to_z_axis;
 use crate::description::normalized;
+use crate::diagnostics::Report;
 
 /// The default density, that of water, kg/m^3.
 const DENSITY: f64 = 1000.0;
 
-/// Returns the inertia of all geoms together, in the body's frame.
-///
-/// # Errors
-///
-/// Returns the reason why a geom's inertia is not computed.
-pub fn inertial(geoms: &[Geom], assets: &Assets) -> Result<Inertial, &'static str> {
-    let mut whole = Inertial::default();
-    for geom in geoms.iter().filter(|geom| has_mass(geom)) {
-        whole = whole.merged(&solid(geom, assets)?);
-    }
-    Ok(whole)
+/// Returns whether a geom has a mass.
+pub fn has_mass(geom: &Item, model: &Model) -> bool {
+    let [low, high] = model.settings.inertia_groups;
+    let group = geom.number("group").unwrap_or(0.0);
+    let weightless = geom.number("mass").or_else(|| geom.number("density")) == Some(0.0);
+    !weightless && geom.text("type") != Some("plane") && (low..=high).contains(&group)
 }
 
-/// Returns whether a geom has a mass.
-pub fn has_mass(geom: &Geom) -> bool {
-    let weightless = geom.mass.or(geom.density) == Some(0.0);
-    !weightless && geom.type_ != GeomType::Plane
+/// Volume or area, and the moments of inertia about the axes of the centre, divided by the mass.
+struct Shape {
+    measure: f64,
+    moments: [f64; 3],
 }
 
 /// Returns a geom's inertia in its body's frame.
-fn solid(geom: &Geom, assets: &Assets) -> Result<Inertial, &'static str> {
-    if geom.mesh.is_some() {
-        return Err("the mass of a mesh is not computed");
+///
+/// # Errors
+///
+/// Returns the reason why it is not computed.
+pub fn inertial<'e>(
+    geom: &Item<'e>,
+    model: &Model<'e>,
+    meshes: &mut Meshes<'e>,
+    report: &mut Report<'_>,
+) -> Result<Inertial, String> {
+    let kind = geom.text("type").unwrap_or("sphere");
+    let density = geom.number("density").unwrap_or(DENSITY);
+    let mass = |measure: f64| geom.number("mass").unwrap_or(density * measure);
+    let is_shell = geom.text("shellinertia") == Some("true");
+    if kind == "sdf" {
+        return Err("the mass of a signed distance field is not computed".into());
     }
-    let (place, [x, y, z]) = pose_and_size(geom)?;
-    // The volume, and the second moments divided by the volume: the integrals of x^2, y^2 and z^2.
-    let (volume, squares) = match geom.type_ {
-        GeomType::Sphere => (4.0 / 3.0 * PI * x * x * x, [x * x / 5.0; 3]),
-        GeomType::Ellipsoid => {
-            (4.0 / 3.0 * PI * x * y * z, [x * x / 5.0, y * y / 5.0, z * z / 5.0])
-        }
-        GeomType::Box => (8.0 * x * y * z, [x * x / 3.0, y * y / 3.0, z * z / 3.0]),
-        GeomType::Cylinder => (2.0 * PI * x * x * z, [x * x / 4.0, x * x / 4.0, z * z / 3.0]),
-        GeomType::Capsule => capsule(x, z),
-        // The mass of a height field is that of the box with its half lengths and its mean height, about the geom's origin.
-        GeomType::Hfield => {
-            let field = geom.hfield.as_deref().and_then(|name| assets.hfield(name));
-            let [x, y, top, bottom] =
-                field.ok_or("the height field of a geom is not in the file")?.size;
-            let z = 0.25 * top + 0.5 * bottom;
-            (8.0 * x * y * z, [x * x / 3.0, y * y / 3.0, z * z / 3.0])
-        }
-        _ => return Err("the mass of a mesh is not computed"),
+    let mesh = match geom.text("mesh") {
+        Some(name) => Some(meshes.get(name, geom.model, model, report)?),
+        None if kind == "mesh" => return Err("a geom of type `mesh` has no `mesh`".into()),
+        None => None,
     };
-    if !(volume > 0.0 && volume.is_finite()) {
-        return Err("a geom has no volume: its `size` must be above 0");
+    let mut place = geom.pose(&model.settings, report);
+    if let Some(mesh) = &mesh
+        && kind == "mesh"
+    {
+        let mass = mass(mesh.measure);
+        let inertia = mesh.inertia.map(|moment| moment * mass / mesh.measure);
+        let inertial = Inertial { mass, center_of_mass: [0.0; 3], inertia };
+        let center = Pose { translation: mesh.center_of_mass, ..Pose::identity() };
+        return Ok(inertial.transformed(&place.compose(&center)));
     }
-    let mass = geom.mass.unwrap_or_else(|| geom.density.unwrap_or(DENSITY) * volume);
-    let [xx, yy, zz] = squares.map(|square| mass * square);
-    let inertia = [yy + zz, 0.0, 0.0, xx + zz, 0.0, xx + yy];
+    let size = if let Some(mesh) = mesh {
+        let principal = mesh.principal();
+        let scale = geom.number("fitscale").unwrap_or(1.0);
+        let (center, size) =
+            fitted(kind, &principal, model.settings.fit_box.then(|| mesh.bounds(&principal)));
+        let own = Pose { rotation: principal.axes, translation: mesh.center_of_mass };
+        place = place.compose(&own).compose(&Pose { translation: center, ..Pose::identity() });
+        size.map(|size| scale * size)
+    } else if let Some(ends) = geom.numbers("fromto") {
+        let (between, half) = between(ends).ok_or("the ends of a geom's `fromto` coincide")?;
+        place = geom.frame.compose(&between);
+        let radius = sizes(geom)[0];
+        if kind == "cylinder" || kind == "capsule" {
+            [radius, half, 0.0]
+        } else {
+            [radius, radius, half]
+        }
+    } else if kind == "hfield" {
+        // The mass of a height field is that of the box with its half lengths and its mean height, about the geom's origin.
+        let field = geom.text("hfield").and_then(|name| {
+            let assets = model.source.root.in_sections("asset");
+            let mut fields = assets.filter(|asset| asset.name == "hfield");
+            let name_of = |field: &super::element::Element| {
+                let stem = || field.text("file").map(super::mesh::stem);
+                field.text("name").map(str::to_owned).or_else(stem)
+            };
+            fields.find(|field| name_of(field).as_deref() == Some(name))
+        });
+        let field = field.and_then(|field| field.text("size")).and_then(super::check::numbers);
+        let [x, y, top, bottom] = field.ok_or("the height field of a geom is not in the file")?;
+        [x, y, 0.25 * top + 0.5 * bottom]
+    } else {
+        sizes(geom)
+    };
+    let shape = if is_shell { shell(kind, size) } else { solid(kind, size) };
+    if !(shape.measure > 0.0 && shape.measure.is_finite()) {
+        return Err("a geom has no volume: its `size` must be above 0".into());
+    }
+    let mass = mass(shape.measure);
+    let [xx, yy, zz] = shape.moments.map(|moment| mass * moment);
+    let inertia = [xx, 0.0, 0.0, yy, 0.0, zz];
     Ok(Inertial { mass, center_of_mass: [0.0; 3], inertia }.transformed(&place))
 }
 
-/// Returns volume and moments of a cylinder of this radius and half length with a hemisphere on each end.
+/// Returns the numbers of `size`, with zeros for missing ones.
+fn sizes(geom: &Item) -> [f64; 3] {
+    let sizes = geom.text("size").and_then(super::check::list).unwrap_or_default();
+    let size = |i| sizes.get(i).copied().unwrap_or(0.0);
+    [size(0), size(1), size(2)]
+}
+
+/// Returns the pose between two points, with the z axis along their line, and half their distance; `None` if they coincide.
+pub fn between([x1, y1, z1, x2, y2, z2]: [f64; 6]) -> Option<(Pose<f64>, f64)> {
+    let (axis, length) = normalized([x1 - x2, y1 - y2, z1 - z2])?;
+    let translation = [(x1 + x2) / 2.0, (y1 + y2) / 2.0, (z1 + z2) / 2.0];
+    Some((Pose { rotation: to_z_axis(axis), translation }, length / 2.0))
+}
+
+/// Returns the centre, in the principal frame of a mesh, and the sizes of a shape that is fitted to the mesh: to its bounding
+/// box (the lowest and the highest corner), or else to the box with the mesh's inertia.
+fn fitted(kind: &str, mesh: &Principal, bounds: Option<[[f64; 3]; 2]>) -> ([f64; 3], [f64; 3]) {
+    let Some([low, high]) = bounds else {
+        let [x, y, z] = mesh.half_lengths;
+        let radius = (x + y) / 2.0;
+        let size = match kind {
+            "sphere" => [(x + y + z) / 3.0, 0.0, 0.0],
+            "capsule" => [radius, (z - radius / 2.0).max(0.0), 0.0],
+            "cylinder" => [radius, z, 0.0],
+            _ => [x, y, z],
+        };
+        return ([0.0; 3], size);
+    };
+    let center = core::array::from_fn(|i| (low[i] + high[i]) / 2.0);
+    let [x, y, z]: [f64; 3] = core::array::from_fn(|i| (high[i] - low[i]) / 2.0);
+    let size = match kind {
+        "sphere" => [x.max(y).max(z), 0.0, 0.0],
+        "capsule" => [x.max(y), z - x.max(y), 0.0],
+        "cylinder" => [x.max(y), z, 0.0],
+        _ => [x, y, z],
+    };
+    (center, size)
+}
+
+/// Returns volume and moments of a solid.
+fn solid(kind: &str, [x, y, z]: [f64; 3]) -> Shape {
+    // The integrals of the squared coordinates, divided by the volume.
+    let (measure, squares) = match kind {
+        "sphere" => (4.0 / 3.0 * PI * x * x * x, [x * x / 5.0; 3]),
+        "ellipsoid" => (4.0 / 3.0 * PI * x * y * z, [x * x / 5.0, y * y / 5.0, z * z / 5.0]),
+        "cylinder" => (2.0 * PI * x * x * y, [x * x / 4.0, x * x / 4.0, y * y / 3.0]),
+        "capsule" => capsule(x, y),
+        // A box or a height field.
+        _ => (8.0 * x * y * z, [x * x / 3.0, y * y / 3.0, z * z / 3.0]),
+    };
+    shape(measure, squares)
+}
+
+fn shape(measure: f64, [xx, yy, zz]: [f64; 3]) -> Shape {
+    Shape { measure, moments: [yy + zz, xx + zz, xx + yy] }
+}
+
+/// Returns volume and squares of a cylinder of this radius and half length with a hemisphere on each end.
 fn capsule(radius: f64, half: f64) -> (f64, [f64; 3]) {
     let square = radius * radius;
     let (cylinder, ball) = (2.0 * PI * square * half, 4.0 / 3.0 * PI * square * radius);
@@ -78,28 +175,45 @@ fn capsule(radius: f64, half: f64) -> (f64, [f64; 3]) {
     (volume, [across, across, along])
 }
 
-/// Returns the pose and the sizes of a geom. The z axis of a geom between two points is along their line.
-fn pose_and_size(geom: &Geom) -> Result<(Pose<f64>, [f64; 3]), &'static str> {
-    let Some([x1, y1, z1, x2, y2, z2]) = geom.fromto else {
-        let [x, y, z] = geom.size;
-        // Radius and half length.
-        let round = matches!(geom.type_, GeomType::Cylinder | GeomType::Capsule);
-        return Ok((pose(&geom.pose), if round { [x, x, y] } else { [x, y, z] }));
-    };
-    let along = [x2 - x1, y2 - y1, z2 - z1];
-    let (axis, length) = normalized(along).ok_or("the ends of a geom's `fromto` coincide")?;
-    let radius = geom.size[0];
-    let translation = [(x1 + x2) / 2.0, (y1 + y2) / 2.0, (z1 + z2) / 2.0];
-    // The geom is symmetric about its z axis, so any x axis will do.
-    let rotation = rotation_with_z(axis);
-    Ok((Pose { rotation, translation }, [radius, radius, length / 2.0]))
-}
-
-/// Returns a rotation with this z axis.
-fn rotation_with_z([x, y, z]: [f64; 3]) -> [[f64; 3]; 3] {
-    // Without a singularity: Duff et al. 2017, "Building an Orthonormal Basis, Revisited".
-    let sign = 1.0_f64.copysign(z);
-    let a = -1.0 / (sign + z);
-    let b = x * y * a;
-    [[1.0 + sign * x * x * a, b, x], [sign * b, sign + y * y * a, y], [-sign * x, -y, z]]
+/// Returns area and moments of a shell.
+fn shell(kind: &str, [x, y, z]: [f64; 3]) -> Shape {
+    match kind {
+        "sphere" => shape(4.0 * PI * x * x, [x * x / 3.0; 3]),
+        "cylinder" => {
+            let (side, disks) = (4.0 * PI * x * y, 2.0 * PI * x * x);
+            let area = side + disks;
+            let across = (side * x * x / 2.0 + disks * x * x / 4.0) / area;
+            shape(area, [across, across, (side * y * y / 3.0 + disks * y * y) / area])
+        }
+        "capsule" => {
+            let (side, caps) = (4.0 * PI * x * y, 4.0 * PI * x * x);
+            let area = side + caps;
+            let across = (side * x * x / 2.0 + caps * x * x / 3.0) / area;
+            // A hemisphere's centre of mass is half of the radius from its base.
+            let along = (side * y * y / 3.0 + caps * (y * y + x * y + x * x / 3.0)) / area;
+            shape(area, [across, across, along])
+        }
+        "ellipsoid" => {
+            // The area by Thomsen's formula, and the moments of the space between two solids, both as in MuJoCo.
+            const P: f64 = 1.6075;
+            const THICKNESS: f64 = 1e-6;
+            let power = |product: f64| libm::pow(product, P);
+            let mean = (power(x * y) + power(y * z) + power(z * x)) / 3.0;
+            let area = 4.0 * PI * libm::pow(mean, 1.0 / P);
+            let [a, b, c] = [x, y, z].map(|half| half + THICKNESS);
+            let (inner, outer) = (x * y * z, a * b * c);
+            let square = |inside: f64, outside: f64| {
+                (outer * outside * outside - inner * inside * inside) / (5.0 * (outer - inner))
+            };
+            shape(area, [square(x, a), square(y, b), square(z, c)])
+        }
+        _ => {
+            let [xy, yz, zx] = [x * y, y * z, z * x];
+            let sum = xy + yz + zx;
+            // Each side has a constant coordinate, or one that is uniform.
+            let square =
+                |half: f64, across: f64| half * half * (across + (sum - across) / 3.0) / sum;
+            shape(8.0 * sum, [square(x, yz), square(y, zx), square(z, xy)])
+        }
+    }
 }

@@ -30,7 +30,7 @@ pub fn robot<'a, 't>(document: &'a Document<'t>, report: &mut Report<'_>) -> Opt
         "sdf" | "gazebo" => (
             Code::Sdf,
             "this is an SDF, not a URDF".into(),
-            "use the URDF that it was made from, or convert it (`sdf2urdf`, `sdformat_urdf`)",
+            "`modyn!`, `Builder::file` and the command `modyn` read it as an SDF",
         ),
         "mujoco" | "mujocoinclude" => (
             Code::Mjcf,

@@ -5,7 +5,7 @@ use modyn_runtime::model::{JointDynamics, Limits};
 use roxmltree::Node;
 
 use super::reader::Reader;
-use crate::description::{JointRecord, Kind, Located, Mimic, MimicRecord, normalized};
+use crate::description::{JointRecord, Kind, Located, Mimic, MimicRecord, are_parallel};
 use crate::diagnostics::{Code, Severity, Subject};
 use crate::read::xml::element::{Attribute, attribute};
 
@@ -115,8 +115,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let (Some(first), Some(second)) = (first, second) else {
             return [X, Y];
         };
-        let cos: f64 = first.iter().zip(&second).map(|(a, b)| a * b).sum();
-        if cos.abs() > PARALLEL {
+        if are_parallel(first, second) {
             let place = ["axis2", "axis"].iter().find_map(|name| self.xml.named(node, name).next());
             let at = place.unwrap_or(node).range().start;
             let message = "its two axes are parallel";
@@ -141,24 +140,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         self.xml.warn_of_unknown_attributes(node, &["xyz"], subject);
         let text = self.xml.attribute(node, "xyz", subject)?;
         let axis = self.xml.numbers::<3>(text, subject)?;
-        let Some((unit, length)) = normalized(axis) else {
-            let help = "write the direction of the axis, such as `0 0 1`";
-            self.xml.report.error(Code::ZeroAxis, text.at, subject, "the axis is zero", help);
-            return None;
-        };
-        if (length - 1.0).abs() > 1e-6 {
-            let message = format!("the axis is of length {length}; it is normalised");
-            let help = format!("write `{} {} {}`", unit[0], unit[1], unit[2]);
-            self.xml.report.add(
-                Severity::Warning,
-                Code::AxisLength,
-                text.at,
-                subject,
-                message,
-                help,
-            );
-        }
-        Some(unit)
+        self.xml.unit(axis, text.at, subject)
     }
 
     /// Warns of a second axis of a joint that has one axis only.
@@ -253,12 +235,6 @@ impl<'a> Reader<'a, '_, '_, '_> {
             return self.mimic_record(node, subject);
         }
         let leader = attribute(node, "joint").unwrap_or(Attribute { text: "", at });
-        if self.options.mimic == Mimic::Refuse {
-            let message = format!("it mimics joint `{}`, which is refused here", leader.text);
-            let help = "remove `<mimic>`, or set the option `mimic = follow`, or \
-                        `mimic = independent`: the joint is then moved by its own coordinate";
-            self.xml.report.error(Code::Mimic, at, subject, message, help);
-        }
         Some(MimicRecord { leader: leader.located(), multiplier: 1.0, offset: 0.0 })
     }
 
@@ -333,6 +309,3 @@ impl<'a> Reader<'a, '_, '_, '_> {
         }
     }
 }
-
-/// The cosine above which two axes count as parallel, as in [`modyn_runtime::model::Model`].
-const PARALLEL: f64 = 1.0 - 1e-6;

@@ -16,17 +16,11 @@ mod reader;
 mod robot;
 
 use crate::description::{Description, ReadOptions};
-use crate::diagnostics::{Code, Report};
+use crate::diagnostics::Report;
 use crate::read::xml;
 
 /// Returns the description; `None` with errors in the report.
 pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> Option<Description> {
-    if text.trim_start().starts_with("#usda") {
-        let message = "this is a USD, not a URDF";
-        let help = "convert it to MJCF or URDF, by the exporter of the tool that made it";
-        report.error(Code::NotUrdf, 0, None, message, help);
-        return None;
-    }
     let replaced = xml::document::without_undeclared_prefixes(text);
     let text = replaced.as_deref().unwrap_or(text);
     let document = xml::document::parse(text, 0, "robot", report)?;

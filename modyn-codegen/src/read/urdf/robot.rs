@@ -11,8 +11,11 @@ use crate::read::xml::element::{Elements, is};
 /// Reads the elements of a `<robot>`.
 pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Description {
     let at = robot.range().start;
-    let mut reader =
-        Reader { xml: Elements { root: robot, report }, options, negative_limits: Vec::new() };
+    let mut reader = Reader {
+        xml: Elements { root: robot, start: 0, report },
+        options,
+        negative_limits: Vec::new(),
+    };
     let name = robot.attribute("name").unwrap_or("");
     if name.trim().is_empty() {
         let help = "write `<robot name=\"...\">`; it is called `robot` here, and its type `Robot` would \

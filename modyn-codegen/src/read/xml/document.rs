@@ -82,6 +82,10 @@ pub fn parse<'t>(
     root: &str,
     report: &mut Report<'_>,
 ) -> Option<Document<'t>> {
+    if text.starts_with("#usda") {
+        report.error(Code::NotUrdf, start, None, "this is a USD, which is not read", USD_HELP);
+        return None;
+    }
     let error = match Document::parse(text) {
         Ok(document) => return Some(document),
         Err(error) => error,
@@ -126,6 +130,9 @@ pub fn parse<'t>(
     report.push(diagnostic);
     None
 }
+
+/// The advice for files of Universal Scene Description.
+pub const USD_HELP: &str = "convert it to URDF: `pip install nvidia-srl-usd-to-urdf`, then `usd_to_urdf robot.usd -o FOLDER`";
 
 /// Returns the text with `<prefix:name>` replaced by `<prefix_name>` for prefixes that are not declared, so that offsets do
 /// not change; `None` if all are declared. Such elements are extensions, which readers of URDF ignore.

@@ -3,7 +3,7 @@
 use roxmltree::Node;
 
 use super::numbers::numbers;
-use crate::description::Located;
+use crate::description::{Located, normalized};
 use crate::diagnostics::{Code, Report, Severity, Subject, suggest};
 
 /// The value of an attribute and its place.
@@ -24,10 +24,32 @@ impl Attribute<'_> {
 pub struct Elements<'a, 't, 'r, 'f> {
     /// The root element; elements that are read have its namespace.
     pub root: Node<'a, 't>,
+    /// The start of the document's file in the report.
+    pub start: usize,
     pub report: &'r mut Report<'f>,
 }
 
 impl<'a> Elements<'a, '_, '_, '_> {
+    /// Returns the offset of an element in the report.
+    pub fn at(&self, node: Node) -> usize {
+        self.start + node.range().start
+    }
+
+    /// Returns an optional attribute.
+    pub fn optional(&self, node: Node<'a, '_>, name: &str) -> Option<Attribute<'a>> {
+        let Attribute { text, at } = attribute(node, name)?;
+        Some(Attribute { text, at: self.start + at })
+    }
+
+    /// Returns the text in an element, with the place of its first word; it is empty if there is none.
+    pub fn content(&self, node: Node<'a, '_>) -> Attribute<'a> {
+        let text = node.children().find(Node::is_text);
+        let words = text.and_then(|text| text.text()).unwrap_or_default();
+        let blank = words.len() - words.trim_start().len();
+        let at = text.filter(|_| blank < words.len()).map(|text| self.at(text) + blank);
+        Attribute { text: words, at: at.unwrap_or(self.at(node)) }
+    }
+
     /// Returns a required attribute, which must not be empty.
     pub fn attribute(
         &mut self,
@@ -35,7 +57,7 @@ impl<'a> Elements<'a, '_, '_, '_> {
         name: &str,
         subject: Option<&Subject>,
     ) -> Option<Attribute<'a>> {
-        let found = attribute(node, name);
+        let found = self.optional(node, name);
         if let Some(found) = found
             && !found.text.trim().is_empty()
         {
@@ -44,7 +66,7 @@ impl<'a> Elements<'a, '_, '_, '_> {
         let element = node.tag_name().name();
         let state = if found.is_some() { "is empty" } else { "is missing" };
         let message = format!("the attribute `{name}` of `<{element}>` {state}");
-        let at = found.map_or(node.range().start, |found| found.at);
+        let at = found.map_or(self.at(node), |found| found.at);
         let help = format!("write `<{element} {name}=\"...\">`");
         self.report.error(Code::MissingAttribute, at, subject, message, help);
         None
@@ -71,7 +93,27 @@ impl<'a> Elements<'a, '_, '_, '_> {
         name: &str,
         subject: Option<&Subject>,
     ) -> Option<f64> {
-        self.numbers::<1>(attribute(node, name)?, subject).map(|[value]| value)
+        self.numbers::<1>(self.optional(node, name)?, subject).map(|[value]| value)
+    }
+
+    /// Returns the direction of an axis, with a warning if its length is not one; `None` if it is zero.
+    pub fn unit(
+        &mut self,
+        axis: [f64; 3],
+        at: usize,
+        subject: Option<&Subject>,
+    ) -> Option<[f64; 3]> {
+        let Some((unit, length)) = normalized(axis) else {
+            let help = "write the direction of the axis, such as `0 0 1`";
+            self.report.error(Code::ZeroAxis, at, subject, "the axis is zero", help);
+            return None;
+        };
+        if (length - 1.0).abs() > 1e-6 {
+            let message = format!("the axis is of length {length}; it is normalised");
+            let help = format!("write `{} {} {}`", unit[0], unit[1], unit[2]);
+            self.report.add(Severity::Warning, Code::AxisLength, at, subject, message, help);
+        }
+        Some(unit)
     }
 
     /// Returns the child elements of this name.
@@ -92,14 +134,14 @@ impl<'a> Elements<'a, '_, '_, '_> {
             [found.next(), found.next()]
         };
         if let (Some(first), Some(second)) = (first, second) {
-            let line = self.report.position(first.range().start).line;
+            let line = self.report.position(self.at(first)).line;
             let (severity, counts) = match name {
                 // Other readers take the first axis without a word.
                 "axis" => (Severity::Warning, ", which counts"),
                 _ => (Severity::Error, ""),
             };
             let message = format!("a second `<{name}>`; the first is in line {line}{counts}");
-            let (code, at) = (Code::RepeatedElement, second.range().start);
+            let (code, at) = (Code::RepeatedElement, self.at(second));
             self.report.add(severity, code, at, subject, message, "keep one of them");
         }
         first
@@ -117,7 +159,8 @@ impl<'a> Elements<'a, '_, '_, '_> {
         if found.is_none() {
             let message = format!("`<{}>` has no `<{name}>`", node.tag_name().name());
             let help = format!("write `<{name} {example}/>`");
-            self.report.error(Code::MissingElement, node.range().start, subject, message, help);
+            let at = self.at(node);
+            self.report.error(Code::MissingElement, at, subject, message, help);
         }
         found
     }
@@ -135,7 +178,7 @@ impl<'a> Elements<'a, '_, '_, '_> {
                 let message =
                     format!("the attribute `{}` of `<{element}>` is not read", attribute.name());
                 let help = format!("`<{element}>` has: {}", names.join(", "));
-                let at = attribute.range().start;
+                let at = self.start + attribute.range().start;
                 self.report.add(Severity::Warning, Code::NotRead, at, subject, message, help);
             }
         }
@@ -158,7 +201,7 @@ impl<'a> Elements<'a, '_, '_, '_> {
                 let element = node.tag_name().name();
                 let message = format!("the attribute `{name}` of `<{element}>` is not read");
                 let help = format!("did you mean `{meant}`?");
-                let at = attribute.range().start;
+                let at = self.start + attribute.range().start;
                 self.report.add(Severity::Warning, Code::NotRead, at, subject, message, help);
             }
         }
@@ -182,7 +225,7 @@ impl<'a> Elements<'a, '_, '_, '_> {
             {
                 let message = format!("the element `<{name}>` is not read");
                 let help = format!("did you mean `<{meant}>`?");
-                let at = child.range().start;
+                let at = self.at(child);
                 self.report.add(Severity::Warning, Code::NotRead, at, subject, message, help);
             }
         }

@@ -1,0 +1,31 @@
+//! Any text that is read as an SDF becomes a model that the compiler accepts, or errors at places of the text. Nothing
+//! panics.
+#![no_main]
+
+use libfuzzer_sys::{fuzz_mutator, fuzz_target};
+use modyn_codegen::diagnostics::Severity;
+use modyn_codegen::{Builder, Format, Function};
+
+fuzz_target!(|data: &[u8]| {
+    let (text, choice) = modyn_fuzz::text(data);
+    let result = Format::Sdf.read(&text, "fuzz.sdf", &modyn_fuzz::read_options(choice));
+    modyn_fuzz::check(&text, &result);
+    // Compiling takes far longer than reading.
+    if let Ok(reading) = result
+        && choice >> 7 == 1
+        && reading.model.nv() < 30
+    {
+        let generated = Builder::new()
+            .model(reading.model)
+            .unphysical_inertia(Severity::Warning)
+            .functions([Function::InverseDynamics, Function::ForwardDynamics])
+            .generate()
+            .expect("a model that was read compiles");
+        syn::parse_file(&generated.text).expect("Rust");
+        assert!(!generated.text.contains("NaN"), "a constant is not a number");
+    }
+});
+
+fuzz_mutator!(|data: &mut [u8], size: usize, max_size: usize, seed: u32| {
+    modyn_fuzz::mutate(data, size, max_size, seed, &modyn_fuzz::vocabulary::SDF)
+});

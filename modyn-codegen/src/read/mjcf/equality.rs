@@ -1,0 +1,208 @@
+//! Constraints of `<equality>`: joints that follow others, and loops.
+
+use std::collections::BTreeSet;
+
+use modyn_runtime::model::LoopConstraintKind;
+use modyn_runtime::spatial::Pose;
+
+use super::bodies::{Bodies, unique};
+use super::check::list;
+use super::item::Item;
+use super::joints::displacement;
+use super::pose::{from_quaternion, relative};
+use super::table;
+use crate::description::{EndRecord, Kind, Located, LoopRecord, MimicRecord};
+use crate::diagnostics::{Code, Subject};
+
+/// A frame on a link, and its pose in the world as the model is drawn.
+struct End {
+    link: usize,
+    on_link: Pose<f64>,
+    drawn: Pose<f64>,
+}
+
+impl<'e> Bodies<'e, '_, '_> {
+    /// Adds the constraints of all models.
+    pub fn equality(&mut self) {
+        if !self.models[0].settings.equality {
+            return;
+        }
+        for item in self.of_section("equality") {
+            let element = item.element();
+            let is_sound = self.models[item.model].is_sound(&item.chain);
+            if !is_sound || item.text("active") == Some("false") {
+                continue;
+            }
+            match element.name.as_str() {
+                "joint" => self.coupling(&item),
+                "connect" | "weld" => self.closure(&item),
+                name if table::row("equality", name).is_some() => {
+                    let message = format!("the constraint `<{name}>` of `<equality>` is not read");
+                    let help = "remove it, or write `active=\"false\"`";
+                    self.report.error(Code::NotRead, element.at, None, message, help);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Adds a joint that follows another one, or that does not move.
+    fn coupling(&mut self, item: &Item<'e>) {
+        let at = item.element().at;
+        // A part of an attached model may lack the joint.
+        let is_main = item.naming.prefix.is_empty();
+        let Some(follower) = self.joint_of(item, "joint1", is_main) else { return };
+        let coefficients = item.text("polycoef").and_then(list).unwrap_or_else(|| vec![0.0, 1.0]);
+        let coefficient = |i: usize| coefficients.get(i).copied().unwrap_or(0.0);
+        let name = self.description.joints[follower].name.text.clone();
+        let subject = Subject::Joint(name);
+        let leader = match item.element().text("joint2") {
+            Some(_) => match self.joint_of(item, "joint2", is_main) {
+                Some(leader) => Some(leader),
+                None => return,
+            },
+            None => None,
+        };
+        let mut refuse = |message: &str, help: &str| {
+            self.report.error(Code::NotRead, at, Some(&subject), message, help);
+        };
+        if leader.is_some() && (2..5).any(|i| coefficient(i) != 0.0) {
+            let message =
+                "it follows another joint by a polynomial of a degree above one, which is not read";
+            let help = "write `polycoef=\"offset multiplier 0 0 0\"` for a linear relation, or `active=\"false\"`: both joints \
+                        then move freely";
+            return refuse(message, help);
+        }
+        let is_constrained = |joint: usize| {
+            let joint = &self.description.joints[joint];
+            joint.mimic.is_some() || joint.kind == Kind::Fixed
+        };
+        if is_constrained(follower) {
+            let message = "a second constraint of `<equality>` determines it";
+            return refuse(message, "keep one of them, or write `active=\"false\"`");
+        }
+        let drawn = self.drawn[follower];
+        match leader {
+            Some(leader) if coefficient(1) != 0.0 => {
+                let multiplier = coefficient(1);
+                let offset = drawn + coefficient(0) - multiplier * self.drawn[leader];
+                let leader =
+                    Located { text: self.description.joints[leader].name.text.clone(), at };
+                self.description.joints[follower].mimic =
+                    Some(MimicRecord { leader, multiplier, offset });
+            }
+            _ => {
+                let joint = &mut self.description.joints[follower];
+                let moved = displacement(joint.kind, joint.axis, drawn + coefficient(0));
+                joint.origin = joint.origin.compose(&moved);
+                joint.kind = Kind::Fixed;
+            }
+        }
+    }
+
+    /// Returns the index of the joint that an attribute names; `None` with an error in the report, if it `must` exist.
+    fn joint_of(&mut self, item: &Item<'e>, attribute: &str, must: bool) -> Option<usize> {
+        let own = item.element().attribute(attribute);
+        let name = own.map(|own| item.naming.name(&own.value)).unwrap_or_default();
+        let found = self.description.joints.iter().position(|joint| joint.name.text == name);
+        if found.is_none() && must {
+            let at = own.map_or(item.element().at, |own| own.at);
+            let message = format!(
+                "`{attribute}` of `<equality>` is the joint `{name}`, which does not exist"
+            );
+            self.report.error(Code::MimicTarget, at, None, message, "name a joint of a body");
+        }
+        found
+    }
+
+    /// Adds the loop of a `<connect>` or a `<weld>`.
+    fn closure(&mut self, item: &Item<'e>) {
+        let element = item.element();
+        let is_weld = element.name == "weld";
+        let has_sites = element.text("site1").is_some();
+        let kind = if has_sites { "site" } else { "body" };
+        let [Some(one), Some(other)] = [1, 2].map(|i| self.end(item, &format!("{kind}{i}"))) else {
+            return;
+        };
+        // A constraint between bodies that do not move relative to each other has no effect.
+        if self.carriers[one.link] == self.carriers[other.link] {
+            return;
+        }
+        let is_point = !is_weld || item.number("torquescale") == Some(0.0);
+        let at_point = |point: [f64; 3]| Pose { translation: point, ..Pose::identity() };
+        let (one_pose, other_pose) = if has_sites {
+            (one.on_link, other.on_link)
+        } else if !is_weld {
+            let anchor = at_point(item.numbers("anchor").unwrap_or([0.0; 3]));
+            let drawn = one.drawn.compose(&anchor);
+            (anchor, at_point(relative(&other.drawn, &drawn).translation))
+        } else {
+            let written: Option<[f64; 7]> = item.numbers("relpose");
+            let written = written.and_then(|[x, y, z, a, b, c, d]| {
+                Some(Pose { rotation: from_quaternion([a, b, c, d])?, translation: [x, y, z] })
+            });
+            let written = written.unwrap_or_else(|| relative(&one.drawn, &other.drawn));
+            let anchor = at_point(item.numbers("anchor").unwrap_or([0.0; 3]));
+            (written.compose(&anchor), anchor)
+        };
+        let mut taken: BTreeSet<String> =
+            self.description.joint_names().map(String::from).collect();
+        taken.extend(self.description.loops.iter().map(|record| record.name.clone()));
+        let number = self.description.loops.len() + 1;
+        let name = item.name().unwrap_or_else(|| format!("{}_{number}", element.name));
+        let end = |link: usize, pose| EndRecord {
+            link: Some(self.description.links[link].name.text.clone()),
+            at: Some(element.at),
+            pose,
+        };
+        let ends = [end(one.link, one_pose), end(other.link, other_pose)];
+        let kind = if is_point { LoopConstraintKind::Point } else { LoopConstraintKind::Rigid };
+        self.description.loops.push(LoopRecord {
+            name: unique(&name, "loop", &mut taken),
+            at: Some(element.at),
+            kind: Some(kind),
+            ends,
+        });
+    }
+
+    /// Returns the body or the site that an attribute names; without the attribute, the world. `None` with an error in the
+    /// report, or if an attached part lacks it.
+    fn end(&mut self, item: &Item<'e>, attribute: &str) -> Option<End> {
+        let is_site = attribute.starts_with("site");
+        let own = item.element().attribute(attribute);
+        let name = match own {
+            Some(own) if own.value == "world" && !is_site => "world".into(),
+            Some(own) => item.naming.name(&own.value),
+            None => "world".into(),
+        };
+        let found = if is_site {
+            self.sites.get(&name).map(|(link, pose, _)| End {
+                link: *link,
+                on_link: *pose,
+                drawn: Pose::identity(),
+            })
+        } else {
+            self.places.get(&name).map(|(link, drawn)| End {
+                link: *link,
+                on_link: Pose::identity(),
+                drawn: *drawn,
+            })
+        };
+        if found.is_none() && item.naming.prefix.is_empty() {
+            let at = own.map_or(item.element().at, |own| own.at);
+            let what = if is_site { "site" } else { "body" };
+            let message = format!(
+                "`{attribute}` of `<{}>` is the {what} `{name}`, which does not exist",
+                item.element().name
+            );
+            self.report.error(
+                Code::LoopLink,
+                at,
+                None,
+                message,
+                format!("name a {what} of the model"),
+            );
+        }
+        found
+    }
+}

@@ -1,0 +1,184 @@
+//! Joints of bodies.
+
+use modyn_runtime::joint::JointType;
+use modyn_runtime::model::{JointDynamics, Limits};
+use modyn_runtime::spatial::Pose;
+
+use super::item::Item;
+use super::models::Model;
+use super::pose::about;
+use crate::description::{JointRecord, Kind, MAX_NUMBER, normalized};
+use crate::diagnostics::{Code, Report, Severity, Subject};
+
+/// Returns whether a joint is free.
+pub fn is_free(joint: &Item) -> bool {
+    joint.element().name == "freejoint" || joint.text("type") == Some("free")
+}
+
+/// Reports a free joint whose body is not one of the world or has other joints, and a frame that MuJoCo moves.
+pub fn check_free(
+    joint: &Item,
+    name: &str,
+    alone: bool,
+    is_leaf: bool,
+    model: &Model,
+    report: &mut Report<'_>,
+) {
+    let subject = Subject::Joint(name.into());
+    let at = joint.element().at;
+    if !alone {
+        let message = "a free joint must be the only joint of a body of the world";
+        let help = "write the body in `<worldbody>`, with this joint only";
+        report.error(Code::NotRead, at, Some(&subject), message, help);
+    }
+    let align = joint.text("align").unwrap_or(if joint.element().name == "joint" {
+        "false"
+    } else {
+        "auto"
+    });
+    // The frame of a body with children is not aligned.
+    if is_leaf && (align == "true" || align == "auto" && model.settings.align_free) {
+        let message =
+            "its frame would be moved to the principal axes of inertia, which is not read";
+        let help = "write `align=\"false\"`: the coordinates are then those of the body's frame, not of the frame along its \
+                    principal axes of inertia";
+        report.error(Code::NotRead, at, Some(&subject), message, help);
+    }
+}
+
+/// Returns a joint without its links and origin, and its coordinate in the pose in which the model is drawn.
+pub fn joint(
+    item: &Item,
+    name: &str,
+    model: &Model,
+    report: &mut Report<'_>,
+) -> (JointRecord, f64) {
+    let (subject, at) = (Subject::Joint(name.into()), item.element().at);
+    let errors = report.errors();
+    let kind = if is_free(item) { "free" } else { item.text("type").unwrap_or("hinge") };
+    let single = matches!(kind, "hinge" | "slide");
+    let angle = if kind == "hinge" { model.settings.angle } else { 1.0 };
+    let effort = if single { effort(item, model, &subject, report) } else { None };
+    let mut refuse = |code, message: &str, help: &str| {
+        report.error(code, at, Some(&subject), message, help);
+    };
+    let damper: Option<[f64; 2]> = item.numbers("springdamper");
+    if damper.is_some_and(|[time, _]| time != 0.0) {
+        let help = "write the `stiffness` and the `damping` that MuJoCo computes from it (`mj_saveLastXML`)";
+        refuse(Code::NotRead, "`springdamper` is not read", help);
+    }
+    for name in ["damping", "stiffness"] {
+        if polynomial(item, name).1 {
+            let message = format!("coefficients of higher powers of `{name}` are not read");
+            let help = "write the first value alone, and give their torques with the others";
+            refuse(Code::NotRead, &message, help);
+        }
+    }
+    let [armature, damping, friction] =
+        ["armature", "damping", "frictionloss"].map(|name| polynomial(item, name).0);
+    let numbers = [armature, damping, friction];
+    if numbers.iter().any(|&number| number < 0.0) {
+        let help = "write numbers of at least 0: damping and friction oppose the motion";
+        let message = "`armature`, `damping` or `frictionloss` is negative";
+        refuse(Code::NegativeJointDynamics, message, help);
+    }
+    if kind == "free" && (armature != 0.0 || friction != 0.0) {
+        // MuJoCo's act along the axes of the world, those of modyn along the axes of the body.
+        let message = "`armature` and `frictionloss` of a free joint are not read";
+        refuse(Code::NotRead, message, "write 0, or the class that the joint should have");
+    }
+    let dynamics = JointDynamics { armature, damping, friction };
+    let direction = item.numbers("axis").unwrap_or([0.0, 0.0, 1.0]);
+    let axis =
+        if single { normalized(direction).map(|(unit, _)| unit) } else { Some([0.0, 0.0, 1.0]) };
+    if axis.is_none() {
+        refuse(
+            Code::ZeroAxis,
+            "the axis is zero",
+            "write the direction of the axis, such as `0 0 1`",
+        );
+    }
+    let range =
+        item.numbers("range").filter(|_| single && is_limited(item, "limited", "range", model));
+    let range = range.map(|range: [f64; 2]| range.map(|bound| angle * bound));
+    let joint_type = match kind {
+        "slide" => JointType::Prismatic,
+        "ball" => JointType::Spherical,
+        "free" => JointType::Floating,
+        _ if range.is_none() => JointType::Continuous,
+        _ => JointType::Revolute,
+    };
+    if range.is_some_and(|[lower, upper]| lower > upper) {
+        let help = "write the lower limit first";
+        refuse(Code::InvertedLimits, "the lower limit is above the upper one", help);
+    }
+    let limits = (range.is_some() || effort.is_some()).then(|| Limits {
+        lower: range.map(|[lower, _]| lower),
+        upper: range.map(|[_, upper]| upper),
+        velocity: None,
+        effort,
+    });
+    let axis = axis.unwrap_or([0.0, 0.0, 1.0]);
+    let axis = if single { item.frame.rotate(axis) } else { axis };
+    let sound = model.is_sound(&item.chain) && report.errors() == errors;
+    let kind = Kind::Moving(joint_type);
+    let record = super::bodies::joint(name.into(), at);
+    let reference = if single { angle * item.number("ref").unwrap_or(0.0) } else { 0.0 };
+    (JointRecord { kind, axis, limits, dynamics, sound, ..record }, reference)
+}
+
+/// Returns whether a joint has a spring, which does not act.
+pub fn has_spring(item: &Item, model: &Model) -> bool {
+    model.settings.springs && polynomial(item, "stiffness").0 != 0.0
+}
+
+/// Returns the first coefficient of a polynomial, and whether it has others.
+fn polynomial(item: &Item, name: &str) -> (f64, bool) {
+    let coefficients = item.text(name).and_then(super::check::list).unwrap_or_default();
+    let others = coefficients.iter().skip(1).any(|coefficient| *coefficient != 0.0);
+    (coefficients.first().copied().unwrap_or(0.0), others)
+}
+
+/// Returns whether a range holds: by the attribute `limited`, or if the range is there.
+pub fn is_limited(item: &Item, limited: &str, range: &str, model: &Model) -> bool {
+    match item.text(limited) {
+        Some("true") => true,
+        Some("false") => false,
+        _ => {
+            let range: Option<[f64; 2]> = item.numbers(range);
+            model.settings.autolimits && range.is_some_and(|range| range != [0.0; 2])
+        }
+    }
+}
+
+/// Returns the largest force of a joint, N m or N, which is the bound of a symmetric `actuatorfrcrange`.
+fn effort(item: &Item, model: &Model, subject: &Subject, report: &mut Report<'_>) -> Option<f64> {
+    let [lower, upper] = item.numbers("actuatorfrcrange")?;
+    if !is_limited(item, "actuatorfrclimited", "actuatorfrcrange", model)
+        || lower == 0.0 && upper == 0.0
+    {
+        return None;
+    }
+    if -lower == upper && upper > 0.0 && upper < MAX_NUMBER {
+        return Some(upper);
+    }
+    let message = "its `actuatorfrcrange` is not read";
+    let help = "write the same limit for both directions, as `actuatorfrcrange=\"-20 20\"`, or limit the joint force \
+                where it is computed";
+    report.add(Severity::Warning, Code::NotRead, item.element().at, Some(subject), message, help);
+    None
+}
+
+/// Returns the displacement of a joint by its coordinate.
+pub fn displacement(kind: Kind, axis: [f64; 3], coordinate: f64) -> Pose<f64> {
+    match kind {
+        _ if coordinate == 0.0 => Pose::identity(),
+        Kind::Moving(JointType::Prismatic) => {
+            Pose { translation: axis.map(|x| coordinate * x), ..Pose::identity() }
+        }
+        Kind::Moving(JointType::Revolute | JointType::Continuous) => {
+            Pose { rotation: about(axis, coordinate), ..Pose::identity() }
+        }
+        _ => Pose::identity(),
+    }
+}

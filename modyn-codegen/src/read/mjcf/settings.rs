@@ -1,0 +1,93 @@
+//! The settings of `<compiler>` and `<option>`.
+
+use super::check::numbers;
+use super::element::Element;
+use crate::diagnostics::{Code, Report};
+
+/// The settings of a model; the last of repeated attributes counts.
+pub struct Settings<'e> {
+    /// The factor of angles to rad.
+    pub angle: f64,
+    /// The axes of Euler angles.
+    pub euler: [u8; 3],
+    pub autolimits: bool,
+    /// Whether geoms replace an `<inertial>`, or never have an inertia; `None`: they have one without an `<inertial>`.
+    pub inertia_from_geom: Option<bool>,
+    /// The lowest and highest group of geoms that have a mass.
+    pub inertia_groups: [f64; 2],
+    pub bound_mass: f64,
+    pub bound_inertia: f64,
+    pub balance_inertia: bool,
+    /// The mass of the model, to which all masses and inertias are scaled; `None` if it is not positive.
+    pub total_mass: Option<f64>,
+    /// Whether a geom that is fitted to a mesh has its bounding box.
+    pub fit_box: bool,
+    /// Whether frames of free bodies are aligned if their joint does not say so.
+    pub align_free: bool,
+    /// The folder of meshes, relative to that of the model.
+    pub mesh_folder: &'e str,
+    /// Whether only the last part of a mesh's path counts.
+    pub strip_path: bool,
+    pub gravity: [f64; 3],
+    /// Whether springs exert forces.
+    pub springs: bool,
+    /// Whether constraints of `<equality>` hold.
+    pub equality: bool,
+}
+
+impl<'e> Settings<'e> {
+    /// Returns the settings of the model whose root element is `root`; their errors are in the report.
+    pub fn new(root: &'e Element, report: &mut Report<'_>) -> Self {
+        let last = |section: &'e str, name: &str| {
+            root.named(section).filter_map(|section| section.attribute(name)).last()
+        };
+        let text = |name| last("compiler", name).map(|attribute| attribute.value.as_str());
+        let number = |name| text(name).and_then(numbers::<1>).map(|[number]| number);
+        let flag = |name| text(name).map(|value| value == "true");
+        let disabled = |name| {
+            let flags = root.in_sections("option").filter(|child| child.name == "flag");
+            flags.filter_map(|flag| flag.text(name)).last() == Some("disable")
+        };
+        let euler = last("compiler", "eulerseq").map_or(Some(*b"xyz"), |attribute| {
+            let letters = <[u8; 3]>::try_from(attribute.value.as_bytes()).ok();
+            let axes =
+                letters.filter(|letters| letters.iter().all(|letter| b"xyzXYZ".contains(letter)));
+            if axes.is_none() {
+                let message =
+                    format!("`eulerseq=\"{}\"` of `<compiler>` is not read", attribute.value);
+                let help = "write three of the letters x, y, z, X, Y and Z";
+                report.error(Code::NotRead, attribute.at, None, message, help);
+            }
+            axes
+        });
+        let gravity = last("option", "gravity").and_then(|attribute| numbers(&attribute.value));
+        Self {
+            angle: if text("angle") == Some("radian") {
+                1.0
+            } else {
+                core::f64::consts::PI / 180.0
+            },
+            euler: euler.unwrap_or(*b"xyz"),
+            autolimits: flag("autolimits").unwrap_or(true),
+            inertia_from_geom: text("inertiafromgeom")
+                .filter(|value| *value != "auto")
+                .map(|value| value == "true"),
+            inertia_groups: text("inertiagrouprange").and_then(numbers).unwrap_or([0.0, 5.0]),
+            bound_mass: number("boundmass").unwrap_or(0.0),
+            bound_inertia: number("boundinertia").unwrap_or(0.0),
+            balance_inertia: flag("balanceinertia").unwrap_or(false),
+            total_mass: number("settotalmass").filter(|mass| *mass > 0.0),
+            fit_box: flag("fitaabb").unwrap_or(false),
+            align_free: flag("alignfree").unwrap_or(false),
+            mesh_folder: text("meshdir").or_else(|| text("assetdir")).unwrap_or(""),
+            strip_path: flag("strippath").unwrap_or(false),
+            gravity: if disabled("gravity") {
+                [0.0; 3]
+            } else {
+                gravity.unwrap_or([0.0, 0.0, -9.81])
+            },
+            springs: !disabled("spring"),
+            equality: !disabled("equality"),
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! Reads the file of an `<include>`.
+
+use std::path::{Component, Path, PathBuf};
+
+use roxmltree::Node;
+
+use super::model::Overrides;
+use super::reader::{Reader, trimmed};
+use super::world::WORLD;
+use super::{LAST_VERSION, version};
+use crate::diagnostics::{Code, Severity};
+use crate::read::file::read_named;
+use crate::read::xml::document;
+use crate::read::xml::element::{Elements, attribute};
+
+/// The files that were read, and the folders in which others are looked for.
+pub struct Files {
+    /// The folder of the current file; `None`: no other file is read.
+    pub folder: Option<PathBuf>,
+    /// The folder of the first file.
+    pub first: Option<PathBuf>,
+    /// The files that are being read, each included by the one before.
+    pub open: Vec<PathBuf>,
+    /// The number of files so far.
+    pub count: usize,
+}
+
+/// The largest number of included files.
+const MAX_FILES: usize = 1000;
+
+/// The environment variables with folders of models.
+const MODEL_PATHS: [&str; 4] =
+    ["SDF_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH"];
+
+impl<'a> Reader<'a, '_, '_, '_> {
+    /// Reads an `<include>` as a model of a scope.
+    pub fn include(&mut self, node: Node<'a, '_>, scope: usize, depth: usize) {
+        let at = self.xml.at(node);
+        let known = ["uri", "name", "static", "pose", "placement_frame", "plugin"];
+        self.warn_of_unknown(node, &known, None);
+        let Some(uri) =
+            self.xml.single(node, "uri", None).map(|uri| trimmed(self.xml.content(uri)))
+        else {
+            let (message, help) = ("`<include>` has no `<uri>`", "write `<uri>model://arm</uri>`");
+            self.xml.report.error(Code::MissingElement, at, None, message, help);
+            return;
+        };
+        let has_pose = self.xml.named(node, "pose").next().is_some();
+        let pose = self.pose(node, None);
+        let name = self.xml.single(node, "name", None).map(|name| trimmed(self.xml.content(name)));
+        let placement = self.xml.single(node, "placement_frame", None);
+        let placement = placement.map(|name| trimmed(self.xml.content(name)));
+        let merge = self.xml.optional(node, "merge");
+        let overrides = Overrides {
+            name: name.filter(|name| !name.text.is_empty()),
+            pose: has_pose.then_some(pose),
+            placement: placement.filter(|name| !name.text.is_empty()),
+            is_static: self.flag(node, "static", None),
+            merge: merge.and_then(|text| self.truth(text, "merge", None)) == Some(true),
+        };
+        let path = match self.file_of(&uri.text) {
+            Ok(path) => path,
+            Err(help) => {
+                let message = format!("`{}` is included, but not found", uri.text);
+                // The ground and the sun of a world are often installed with a simulator.
+                let severity = if scope == WORLD { Severity::Warning } else { Severity::Error };
+                self.xml.report.add(severity, Code::Include, uri.at, None, message, help);
+                return;
+            }
+        };
+        let full = std::fs::canonicalize(&path).unwrap_or_else(|_| path.clone());
+        let problem = if self.files.open.contains(&full) {
+            Some("the file includes itself".to_string())
+        } else if self.files.count >= MAX_FILES {
+            Some(format!("more than {MAX_FILES} files are included"))
+        } else {
+            None
+        };
+        if let Some(message) = problem {
+            let help = "check where the file comes from: each model should include its parts only";
+            self.xml.report.error(Code::Include, uri.at, None, message, help);
+            return;
+        }
+        self.files.count += 1;
+        let shown = path.display().to_string();
+        let Some((text, start)) = read_named(&path, &shown, uri.at, self.xml.report) else {
+            return;
+        };
+        let Some(text) = document::within_limits(&text, start, self.xml.report) else { return };
+        let folder = path.parent().map(Path::to_owned);
+        let outer = std::mem::replace(&mut self.files.folder, folder);
+        self.files.open.push(full);
+        self.included(&text, start, scope, depth, overrides);
+        self.files.open.pop();
+        self.files.folder = outer;
+    }
+
+    /// Reads the model of an included file, which starts at the offset `start`.
+    fn included(
+        &mut self,
+        text: &str,
+        start: usize,
+        scope: usize,
+        depth: usize,
+        overrides: Overrides,
+    ) {
+        let Some(document) = document::parse(text, start, "sdf", self.xml.report) else { return };
+        let root = document.root_element();
+        if root.tag_name().name() != "sdf" {
+            let message = format!("the root element is `<{}>`", root.tag_name().name());
+            let help = "only files whose root element is `<sdf version=\"...\">` can be included";
+            self.xml.report.error(Code::NotSdf, start + root.range().start, None, message, help);
+            return;
+        }
+        let Some(version) = version(root, start, self.xml.report) else { return };
+        let xml = Elements { root, start, report: &mut *self.xml.report };
+        let unread = std::mem::take(&mut self.unread);
+        let (world, files) = (&mut *self.world, &mut *self.files);
+        let mut reader = Reader { xml, world, files, version, unread };
+        let models: Vec<_> = reader.xml.named(root, "model").collect();
+        match models[..] {
+            [model] => {
+                reader.model(model, scope, depth + 1, overrides);
+            }
+            // A light of a world.
+            [] if scope == WORLD => {}
+            _ => {
+                let message = format!("the file has {} models beside each other", models.len());
+                let help = "include a file with one `<model>` and no `<world>`";
+                let at = reader.xml.at(root);
+                reader.xml.report.error(Code::SdfModel, at, None, message, help);
+            }
+        }
+        self.unread = reader.unread;
+    }
+
+    /// Returns the path of the file that a URI names.
+    ///
+    /// # Errors
+    ///
+    /// Returns what to do if there is no such file.
+    fn file_of(&mut self, uri: &str) -> Result<PathBuf, String> {
+        let Some(folder) = self.files.folder.clone() else {
+            return Err(
+                "give the path of this file instead of its text, so that others can be found"
+                    .into(),
+            );
+        };
+        let (scheme, rest) = uri.split_once("://").unwrap_or(("", uri));
+        let beside = folder.join(rest);
+        let place = match scheme {
+            "" | "file" if !rest.is_empty() && beside.exists() => beside,
+            "" | "file" | "model" | "package" => self.model_path(rest).ok_or_else(|| {
+                format!(
+                    "files are looked for beside this file, in the folders around the first file, and in the folders of \
+                     the variable {}",
+                    MODEL_PATHS[..2].join(" or ")
+                )
+            })?,
+            _ => return Err("download the model, and write `model://` and its name".into()),
+        };
+        let place = if place.is_dir() { self.file_in(&place) } else { place };
+        if place.is_file() {
+            Ok(place)
+        } else {
+            Err(format!("there is no file `{}`", place.display()))
+        }
+    }
+
+    /// Returns the path that starts with the name of a model; `None` if there is no such model.
+    fn model_path(&self, path: &str) -> Option<PathBuf> {
+        let first = self.files.first.as_deref()?;
+        // Other parts would leave the folders that are searched.
+        if !Path::new(path).components().all(|part| matches!(part, Component::Normal(_))) {
+            return None;
+        }
+        let absolute = std::path::absolute(first).unwrap_or_else(|_| first.into());
+        // The folders around the file, whose names may be part of the path.
+        let around = absolute.ancestors().map(Path::to_owned);
+        let of_variables = MODEL_PATHS.iter().filter_map(std::env::var_os);
+        let of_variables: Vec<PathBuf> = of_variables
+            .flat_map(|value| std::env::split_paths(&value).collect::<Vec<_>>())
+            .collect();
+        around.chain(of_variables).map(|folder| folder.join(path)).find(|place| place.exists())
+    }
+
+    /// Returns the file of the model in a folder: by `model.config` its newest version that is read, else `model.sdf`.
+    fn file_in(&mut self, folder: &Path) -> PathBuf {
+        let default = folder.join("model.sdf");
+        let config = folder.join("model.config");
+        let Ok(text) = std::fs::read_to_string(&config) else { return default };
+        self.xml.report.depends_on(config);
+        let Ok(document) = roxmltree::Document::parse(&text) else { return default };
+        let versions = document.root_element().children().filter(|node| node.has_tag_name("sdf"));
+        let newest = versions
+            .filter_map(|node| {
+                let version =
+                    attribute(node, "version").map_or("1.2", |version| version.text.trim());
+                let (_, minor) = version.split_once('.')?;
+                let minor: u32 = minor.parse().ok()?;
+                Some((minor, node.text()?.trim())).filter(|_| minor <= LAST_VERSION)
+            })
+            .max_by_key(|(minor, _)| *minor);
+        newest.map_or(default, |(_, file)| folder.join(file))
+    }
+}

@@ -1,0 +1,228 @@
+//! Reads a `<joint>`.
+
+use core::f64::consts::TAU;
+
+use modyn_runtime::model::{JointDynamics, Limits};
+use roxmltree::Node;
+
+use super::reader::{Reader, trimmed};
+use super::world::{Axis, FrameKind, Joint, JointKind, Mimic};
+use crate::description::Located;
+use crate::diagnostics::{Code, Severity, Subject};
+
+impl<'a> Reader<'a, '_, '_, '_> {
+    /// Reads a `<joint>` of a model or of the world.
+    pub fn joint(&mut self, node: Node<'a, '_>, scope: usize) {
+        let errors = self.xml.report.errors();
+        let name = self.xml.attribute(node, "name", None).map(trimmed);
+        let name = name.unwrap_or(Located { text: String::new(), at: self.xml.at(node) });
+        let subject = Subject::Joint(name.text.clone());
+        let subject = Some(&subject);
+        let known = [
+            "parent",
+            "child",
+            "gearbox_ratio",
+            "gearbox_reference_body",
+            "thread_pitch",
+            "screw_thread_pitch",
+            "axis",
+            "axis2",
+            "physics",
+            "pose",
+            "sensor",
+        ];
+        self.warn_of_unknown(node, &known, subject);
+        let kind = self.joint_kind(node, subject);
+        let parent = self.name_in(node, "parent", subject);
+        let child = self.name_in(node, "child", subject);
+        let pose = self.pose(node, subject);
+        let mut axes = match kind {
+            None | Some(JointKind::Fixed | JointKind::Ball) => [None, None],
+            Some(JointKind::Universal) => {
+                ["axis", "axis2"].map(|name| self.axis(node, name, subject))
+            }
+            Some(_) => [self.axis(node, "axis", subject), None],
+        };
+        let armature = self.armature(node, subject);
+        for axis in axes.iter_mut().flatten() {
+            axis.dynamics.armature = armature;
+        }
+        let pitch = if kind == Some(JointKind::Screw) { self.pitch(node, subject) } else { 0.0 };
+        let simbody = self.xml.named(node, "physics").flat_map(|physics| physics.children());
+        let cut = simbody
+            .flat_map(|engine| engine.children())
+            .find(|n| n.has_tag_name("must_be_loop_joint"));
+        let cut =
+            cut.and_then(|cut| self.truth(self.xml.content(cut), "must_be_loop_joint", subject));
+        let index = self.world.joints.len();
+        let frame = self.push(scope, &name, FrameKind::Joint(index), pose);
+        let sound = self.xml.report.errors() == errors;
+        let closes_loop = cut == Some(true);
+        self.world.joints.push(Joint {
+            frame,
+            kind,
+            parent,
+            child,
+            axes,
+            pitch,
+            closes_loop,
+            sound,
+        });
+    }
+
+    fn joint_kind(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> Option<JointKind> {
+        let text = self.xml.attribute(node, "type", subject)?;
+        let kind = match text.text.trim() {
+            "fixed" => JointKind::Fixed,
+            "revolute" => JointKind::Revolute,
+            "continuous" => JointKind::Continuous,
+            "prismatic" => JointKind::Prismatic,
+            "universal" | "revolute2" => JointKind::Universal,
+            "ball" => JointKind::Ball,
+            "screw" => JointKind::Screw,
+            other => {
+                let (message, help) = if other == "gearbox" {
+                    let help =
+                        "write two `revolute` joints, one of them with `<mimic>` in its `<axis>`";
+                    ("a joint of type `gearbox` is not read".into(), help)
+                } else {
+                    let help = "supported are: revolute, continuous, prismatic, universal, revolute2, ball, \
+                                screw, fixed";
+                    (format!("`{other}` is not a joint type"), help)
+                };
+                self.xml.report.error(Code::UnknownJointType, text.at, subject, message, help);
+                return None;
+            }
+        };
+        Some(kind)
+    }
+
+    /// Returns the armature by Drake's extensions `rotor_inertia` and `gear_ratio`; zero without them.
+    fn armature(&mut self, joint: Node<'a, '_>, subject: Option<&Subject>) -> f64 {
+        let mut extension = |name| {
+            let node = joint.children().find(|node| {
+                node.tag_name().name() == name
+                    && node.tag_name().namespace().is_some_and(|uri| uri.contains("drake"))
+            })?;
+            let [value] = self.xml.numbers::<1>(self.xml.content(node), subject)?;
+            Some(value)
+        };
+        let (rotor, gear) = (extension("rotor_inertia"), extension("gear_ratio").unwrap_or(1.0));
+        rotor.map_or(0.0, |rotor| gear * gear * rotor)
+    }
+
+    /// Returns the displacement of a screw, m/rad.
+    fn pitch(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> f64 {
+        if let Some(pitch) = self.number(node, "screw_thread_pitch", subject) {
+            return pitch / TAU;
+        }
+        // The older element is in rad/m, and positive for a left-handed thread.
+        let pitch = -1.0 / self.number(node, "thread_pitch", subject).unwrap_or(1.0);
+        if !pitch.is_finite() {
+            let message = "`<thread_pitch>` is 0 rad/m";
+            let help = "write `<screw_thread_pitch>` in m per revolution";
+            self.xml.report.error(Code::NotFinite, self.xml.at(node), subject, message, help);
+            return 0.0;
+        }
+        pitch
+    }
+
+    /// Returns an axis with its limits, damping and friction; `None` with an error in the report.
+    fn axis(&mut self, joint: Node<'a, '_>, name: &str, subject: Option<&Subject>) -> Option<Axis> {
+        let node = self.xml.required(joint, name, "><xyz>0 0 1</xyz></axis", subject)?;
+        let at = self.xml.at(node);
+        let known =
+            ["initial_position", "xyz", "use_parent_model_frame", "dynamics", "limit", "mimic"];
+        self.warn_of_unknown(node, &known, subject);
+        let (mut direction, mut expressed_in) = ([0.0, 0.0, 1.0], None);
+        if let Some(xyz) = self.xml.single(node, "xyz", subject) {
+            expressed_in = self.xml.optional(xyz, "expressed_in").map(trimmed);
+            let text = self.xml.content(xyz);
+            let axis = self.xml.numbers::<3>(text, subject)?;
+            direction = self.xml.unit(axis, text.at, subject)?;
+        }
+        // Before SDF 1.7, an axis was in the joint's frame or in the model's; before 1.5, always in the model's.
+        let of_model = self.flag(node, "use_parent_model_frame", subject) == Some(true);
+        if self.version < 105 || self.version < 107 && of_model {
+            expressed_in = Some(Located { text: "__model__".into(), at });
+        }
+        let (dynamics, dynamics_at) = self.dynamics(node, subject);
+        let limits = self.limits(node, subject);
+        let mimic = self.mimic(node, subject);
+        let expressed_in = expressed_in.filter(|frame| !frame.text.is_empty());
+        Some(Axis { direction, expressed_in, at, limits, dynamics, dynamics_at, mimic })
+    }
+
+    /// Returns damping and friction of an axis, and their place.
+    fn dynamics(
+        &mut self,
+        axis: Node<'a, '_>,
+        subject: Option<&Subject>,
+    ) -> (JointDynamics, usize) {
+        let Some(node) = self.xml.single(axis, "dynamics", subject) else {
+            return (JointDynamics::default(), self.xml.at(axis));
+        };
+        let at = self.xml.at(node);
+        let known = ["damping", "friction", "spring_reference", "spring_stiffness"];
+        self.warn_of_unknown(node, &known, subject);
+        let [damping, friction] = ["damping", "friction"].map(|name| {
+            let value = self.number(node, name, subject).unwrap_or(0.0);
+            if value < 0.0 {
+                let message = format!("`<{name}>` is {value}");
+                let help = "write a number of at least 0: damping and friction oppose the motion";
+                let code = Code::NegativeJointDynamics;
+                self.xml.report.error(code, at, subject, message, help);
+            }
+            value.max(0.0)
+        });
+        let stiffness = self.number(node, "spring_stiffness", subject).unwrap_or(0.0);
+        if stiffness != 0.0 {
+            let message =
+                "`<spring_stiffness>` is not read: the spring's force does not act".into();
+            let help = "add the spring's force to the joint forces";
+            self.unread.add(message, (Some(at), subject.cloned()), help);
+        }
+        (JointDynamics { damping, friction, ..JointDynamics::default() }, at)
+    }
+
+    /// Returns the limits of an axis. An infinite limit is none, and so is a negative one of effort or velocity.
+    fn limits(&mut self, axis: Node<'a, '_>, subject: Option<&Subject>) -> Limits {
+        let none = Limits { lower: None, upper: None, velocity: None, effort: None };
+        let Some(node) = self.xml.single(axis, "limit", subject) else { return none };
+        self.warn_of_unknown(
+            node,
+            &["lower", "upper", "effort", "velocity", "stiffness", "dissipation"],
+            subject,
+        );
+        let [lower, upper, velocity, effort] =
+            ["lower", "upper", "velocity", "effort"].map(|name| self.finite(node, name, subject));
+        if let (Some(lower), Some(upper)) = (lower, upper)
+            && lower > upper
+        {
+            let message = format!("the lower limit {lower} is above the upper limit {upper}");
+            let (at, code) = (self.xml.at(node), Code::InvertedLimits);
+            self.xml.report.add(Severity::Warning, code, at, subject, message, "exchange them");
+        }
+        let [velocity, effort] = [velocity, effort].map(|limit| limit.filter(|&most| most >= 0.0));
+        Limits { lower, upper, velocity, effort }
+    }
+
+    /// Returns the `<mimic>` of an axis.
+    fn mimic(&mut self, axis: Node<'a, '_>, subject: Option<&Subject>) -> Option<Mimic> {
+        let node = self.xml.single(axis, "mimic", subject)?;
+        self.warn_of_unknown(node, &["multiplier", "offset", "reference"], subject);
+        let leader = self.xml.attribute(node, "joint", subject).map(trimmed);
+        if let Some(axis) =
+            self.xml.optional(node, "axis").filter(|axis| axis.text.trim() != "axis")
+        {
+            let message = format!("it mimics `{}` of a joint with two axes", axis.text);
+            let help = "mimic a joint with one axis";
+            self.xml.report.error(Code::MimicCoordinates, axis.at, subject, message, help);
+        }
+        let [multiplier, offset, reference] =
+            [("multiplier", 1.0), ("offset", 0.0), ("reference", 0.0)]
+                .map(|(name, default)| self.number(node, name, subject).unwrap_or(default));
+        let offset = offset - multiplier * reference;
+        Some(Mimic { leader: leader?, multiplier, offset })
+    }
+}

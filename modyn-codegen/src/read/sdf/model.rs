@@ -1,0 +1,263 @@
+//! Reads a `<world>` and a `<model>` with all its elements.
+
+use modyn_runtime::spatial::Pose;
+use roxmltree::Node;
+
+use super::reader::{Reader, trimmed};
+use super::world::{Frame, FrameKind, Link, Scope, WORLD};
+use crate::description::Located;
+use crate::diagnostics::{Code, Subject};
+
+/// The deepest nesting of models.
+const MAX_DEPTH: usize = 64;
+
+/// The longest start of a full name, in bytes: each part of a model repeats it.
+const MAX_PREFIX: usize = 512;
+
+/// The properties of a model that the `<include>` of its file sets.
+#[derive(Default)]
+pub struct Overrides {
+    pub name: Option<Located>,
+    /// The pose, and the name of its frame.
+    pub pose: Option<(Pose<f64>, Option<Located>)>,
+    pub placement: Option<Located>,
+    pub is_static: Option<bool>,
+    /// Whether the elements of the model become those of the enclosing model.
+    pub merge: bool,
+}
+
+impl<'a> Reader<'a, '_, '_, '_> {
+    /// Reads a `<world>`: its gravity, models, frames and joints.
+    pub fn world(&mut self, node: Node<'a, '_>) {
+        let own = self.xml.single(node, "gravity", None);
+        // Before SDF 1.6, gravity was in `<physics>`.
+        let physics = self.xml.named(node, "physics").next();
+        let old = physics.and_then(|physics| self.xml.named(physics, "gravity").next());
+        let gravity = own.or(old).map(|node| self.xml.content(node));
+        let gravity = gravity.map(|text| self.xml.numbers::<3>(text, None));
+        self.world.gravity = Some(gravity.flatten().unwrap_or(DEFAULT_GRAVITY));
+        self.elements(node, WORLD, 0);
+    }
+
+    /// Reads a `<model>` of a scope.
+    pub fn model(&mut self, node: Node<'a, '_>, outer: usize, depth: usize, overrides: Overrides) {
+        let at = self.xml.at(node);
+        let name = self.xml.attribute(node, "name", None).map(trimmed);
+        let name = overrides.name.or(name).unwrap_or(Located { text: "model".into(), at });
+        let merge = overrides.merge && outer != WORLD;
+        let before = self.world.scopes[outer].prefix.clone();
+        // The names of the world's models are no part of the full names.
+        let prefix = match outer {
+            WORLD => String::new(),
+            _ if merge => before.clone(),
+            _ => format!("{before}{}::", name.text),
+        };
+        if depth > MAX_DEPTH || prefix.len() > MAX_PREFIX {
+            let message =
+                format!("models are nested more than {MAX_DEPTH} deep, or have long names");
+            let help = "check where the file comes from: no robot is nested this deeply";
+            self.xml.report.error(Code::Excessive, at, None, message, help);
+            return;
+        }
+        let subject = Subject::Robot(name.text.clone());
+        let subject = Some(&subject);
+        let own_pose = self.pose(node, subject);
+        let (pose, relative_to) = overrides.pose.unwrap_or(own_pose);
+        let own_static = self.flag(node, "static", subject);
+        let own_static = overrides.is_static.or(own_static) == Some(true);
+        let filled =
+            |name| self.xml.optional(node, name).map(trimmed).filter(|name| !name.text.is_empty());
+        let scope = self.world.scopes.len();
+        let frame = self.world.frames.len();
+        let full = Located { text: format!("{before}{}", name.text), at: name.at };
+        let mut new = Scope::new(frame, outer, prefix);
+        new.placement = overrides.placement.or(filled("placement_frame"));
+        new.canonical = filled("canonical_link");
+        new.is_static = own_static || self.world.scopes[outer].is_static;
+        if new.is_static && outer != WORLD && !self.world.scopes[outer].is_static {
+            let message = "a static model within one that moves is not read";
+            let help = "remove `<static>`; a `fixed` joint to `world` stops the model";
+            self.xml.report.error(Code::NotRead, at, subject, message, help);
+        }
+        self.world.scopes.push(new);
+        let kind = FrameKind::Model(scope);
+        self.world.frames.push(Frame { name: full, scope: outer, kind, pose, relative_to });
+        if !merge {
+            self.declare(outer, &name, frame);
+        }
+        let known = [
+            "static",
+            "self_collide",
+            "allow_auto_disable",
+            "include",
+            "model",
+            "enable_wind",
+            "frame",
+            "pose",
+            "link",
+            "joint",
+            "plugin",
+            "gripper",
+        ];
+        self.warn_of_unknown(node, &known, subject);
+        self.elements(node, scope, depth);
+        if merge {
+            for frame in self.world.scopes[scope].content.clone() {
+                let full = &self.world.frames[frame].name;
+                let name = Located { text: full.text[before.len()..].into(), at: full.at };
+                self.declare(outer, &name, frame);
+            }
+        }
+    }
+
+    /// Reads the models, links, joints and frames of a scope.
+    fn elements(&mut self, node: Node<'a, '_>, scope: usize, depth: usize) {
+        let root = self.xml.root;
+        for child in node.children().filter(Node::is_element) {
+            if child.tag_name().namespace() != root.tag_name().namespace() {
+                let message = format!("the extension `<{}>` is not read", child.tag_name().name());
+                self.unread.add(message, (Some(self.xml.at(child)), None), EXTENSION);
+                continue;
+            }
+            match child.tag_name().name() {
+                "model" => self.model(child, scope, depth + 1, Overrides::default()),
+                "link" if scope != WORLD => self.link(child, scope),
+                "joint" => self.joint(child, scope),
+                "frame" => self.frame(child, scope),
+                "include" => self.include(child, scope, depth),
+                "plugin" => {
+                    let message =
+                        "a `<plugin>` is not read: forces that it applies do not act".into();
+                    let help = "apply such forces in the program that uses the robot";
+                    self.unread.add(message, (Some(self.xml.at(child)), None), help);
+                }
+                "population" => {
+                    let (message, help) = ("`<population>` is not read", "write out its models");
+                    let at = self.xml.at(child);
+                    self.xml.report.error(Code::NotRead, at, None, message, help);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Reads a `<frame>`.
+    fn frame(&mut self, node: Node<'a, '_>, scope: usize) {
+        let Some(name) = self.xml.attribute(node, "name", None).map(trimmed) else { return };
+        let (pose, relative_to) = self.pose(node, None);
+        let attached_to = self.xml.optional(node, "attached_to").map(trimmed);
+        let kind = FrameKind::Frame(attached_to.filter(|name| !name.text.is_empty()));
+        self.push(scope, &name, kind, (pose, relative_to));
+    }
+
+    /// Reads a `<link>`.
+    fn link(&mut self, node: Node<'a, '_>, scope: usize) {
+        let name = self.xml.attribute(node, "name", None).map(trimmed);
+        let name = name.unwrap_or(Located { text: String::new(), at: self.xml.at(node) });
+        let subject = Subject::Link(name.text.clone());
+        let subject = Some(&subject);
+        let known = [
+            "gravity",
+            "enable_wind",
+            "self_collide",
+            "kinematic",
+            "must_be_base_link",
+            "velocity_decay",
+            "pose",
+            "inertial",
+            "collision",
+            "visual",
+            "sensor",
+            "projector",
+            "audio_sink",
+            "audio_source",
+            "battery",
+            "light",
+            "particle_emitter",
+        ];
+        self.warn_of_unknown(node, &known, subject);
+        let pose = self.pose(node, subject);
+        let weightless = self.flag(node, "gravity", subject) == Some(false);
+        let weightless = weightless.then(|| self.xml.named(node, "gravity").next()).flatten();
+        if self.flag(node, "kinematic", subject) == Some(true) {
+            let message =
+                "`<kinematic>` is not read: a link that ignores forces is no part of the dynamics";
+            let help = "remove it, and command the joints' accelerations instead";
+            self.xml.report.error(Code::NotRead, self.xml.at(node), subject, message, help);
+        }
+        if let Some(decay) = self.xml.named(node, "velocity_decay").next() {
+            let message =
+                "`<velocity_decay>` is not read: it damps a link in one simulator only".into();
+            let help = "write `<damping>` of the joints";
+            self.unread.add(message, (Some(self.xml.at(decay)), subject.cloned()), help);
+        }
+        let inertial = self.inertial(node, subject);
+        let weightless = weightless.map(|node| self.xml.at(node));
+        let index = self.world.links.len();
+        let frame = self.push(scope, &name, FrameKind::Link(index), pose);
+        self.world.links.push(Link { frame, inertial, weightless });
+    }
+
+    /// Adds a frame to a scope and returns its index.
+    pub fn push(
+        &mut self,
+        scope: usize,
+        name: &Located,
+        kind: FrameKind,
+        (pose, relative_to): (Pose<f64>, Option<Located>),
+    ) -> usize {
+        let frame = self.world.frames.len();
+        let text = format!("{}{}", self.world.scopes[scope].prefix, name.text);
+        let full = Located { text, at: name.at };
+        self.world.frames.push(Frame { name: full, scope, kind, pose, relative_to });
+        self.declare(scope, name, frame);
+        frame
+    }
+
+    /// Makes a frame known by its name among its siblings.
+    fn declare(&mut self, scope: usize, name: &Located, frame: usize) {
+        self.world.scopes[scope].content.push(frame);
+        // A missing name is an error already.
+        if name.text.is_empty() {
+            return;
+        }
+        let reserved =
+            name.text == "world" || name.text.starts_with("__") && name.text.ends_with("__");
+        if reserved {
+            let message = format!("the name `{}` is reserved", name.text);
+            let help = "give it another name; a joint to the world has `<parent>world</parent>`";
+            self.xml.report.error(Code::FrameName, name.at, None, message, help);
+            return;
+        }
+        let names = &mut self.world.scopes[scope].names;
+        let Some(&first) = names.get(name.text.as_str()) else {
+            names.insert(name.text.clone(), frame);
+            return;
+        };
+        let [first, new] = [first, frame].map(|frame| &self.world.frames[frame]);
+        let both = |kinds: fn(&FrameKind) -> bool| kinds(&first.kind) && kinds(&new.kind);
+        // The links and the joints are compared with all others of the robot later.
+        if both(|kind| matches!(kind, FrameKind::Link(_)))
+            || both(|kind| matches!(kind, FrameKind::Joint(_)))
+        {
+            return;
+        }
+        // Before SDF 1.7, only links had frames.
+        if self.version < 107 {
+            if matches!(new.kind, FrameKind::Link(_)) {
+                names.insert(name.text.clone(), frame);
+            }
+            return;
+        }
+        let place = self.xml.report.position(first.name.at);
+        let message = format!("`{}` is also the name of another element, at {place}", name.text);
+        let help = "links, joints, frames and models beside each other need different names";
+        self.xml.report.error(Code::FrameName, name.at, None, message, help);
+    }
+}
+
+/// The acceleration of free fall in a world that gives none, m/s^2.
+const DEFAULT_GRAVITY: [f64; 3] = [0.0, 0.0, -9.8];
+
+const EXTENSION: &str =
+    "extensions of SDF have no effect; joints and forces that they add are missing here";

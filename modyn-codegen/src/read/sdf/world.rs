@@ -1,0 +1,181 @@
+//! The models of a file before their names are resolved: scopes of names, frames, links and joints.
+
+use modyn_runtime::model::{JointDynamics, Limits};
+use modyn_runtime::spatial::Pose;
+use rustc_hash::FxHashMap;
+
+use crate::description::{InertialRecord, Located};
+
+/// The index of the world among the scopes, and of its frame among the frames.
+pub const WORLD: usize = 0;
+
+/// A world with its models. A file with one model is a world with one model.
+pub struct World {
+    /// The scopes: the world, then each model.
+    pub scopes: Vec<Scope>,
+    /// Everything that has a pose: the world, then each model, link, joint and `<frame>`.
+    pub frames: Vec<Frame>,
+    pub links: Vec<Link>,
+    pub joints: Vec<Joint>,
+    /// The acceleration of free fall, m/s^2; `None` in a file without a world.
+    pub gravity: Option<[f64; 3]>,
+}
+
+impl World {
+    /// Returns a world without models, whose element is at this byte.
+    pub fn new(at: usize) -> Self {
+        let name = Located { text: "world".into(), at };
+        let (pose, relative_to) = (Pose::identity(), None);
+        let frame = Frame { name, scope: WORLD, kind: FrameKind::World, pose, relative_to };
+        Self {
+            scopes: vec![Scope::new(WORLD, WORLD, String::new())],
+            frames: vec![frame],
+            links: Vec::new(),
+            joints: Vec::new(),
+            gravity: None,
+        }
+    }
+
+    /// Returns the frame that a name means in a scope: a sibling, or a part of a nested model, as in `model::link`.
+    pub fn find(&self, scope: usize, name: &str) -> Option<usize> {
+        let own = &self.scopes[scope];
+        match (name, scope) {
+            ("world", WORLD) => return Some(WORLD),
+            ("__model__", WORLD) => return None,
+            ("__model__", _) => return Some(own.frame),
+            _ => {}
+        }
+        own.names.get(name).copied().or_else(|| {
+            let (model, rest) = name.split_once("::")?;
+            match self.frames[*own.names.get(model)?].kind {
+                FrameKind::Model(inner) => self.find(inner, rest),
+                _ => None,
+            }
+        })
+    }
+
+    /// Returns the frames whose poses, from last to first, lead from a scope's frame to a frame inside the scope.
+    pub fn path(&self, scope: usize, frame: usize) -> Vec<usize> {
+        let mut path = Vec::new();
+        let mut at = frame;
+        while at != self.scopes[scope].frame && at != WORLD {
+            path.push(at);
+            let owner = self.frames[at].scope;
+            if owner == scope {
+                break;
+            }
+            at = self.scopes[owner].frame;
+        }
+        path
+    }
+}
+
+/// A model, or the world: the names that its elements can use.
+pub struct Scope {
+    /// The frame `__model__`.
+    pub frame: usize,
+    /// The enclosing scope.
+    pub outer: usize,
+    /// The frames by their names, with those of models that are merged into this one.
+    pub names: FxHashMap<String, usize>,
+    /// The frames in the order of the text, with those of merged models.
+    pub content: Vec<usize>,
+    /// The start of the full names, such as `arm::hand::`.
+    pub prefix: String,
+    /// The frame that the model's pose is about.
+    pub placement: Option<Located>,
+    /// The link that the model's frame is attached to.
+    pub canonical: Option<Located>,
+    /// Whether the model, or one that it is nested in, does not move.
+    pub is_static: bool,
+}
+
+impl Scope {
+    pub fn new(frame: usize, outer: usize, prefix: String) -> Self {
+        let (names, content) = (FxHashMap::default(), Vec::new());
+        let (placement, canonical, is_static) = (None, None, false);
+        Self { frame, outer, names, content, prefix, placement, canonical, is_static }
+    }
+}
+
+/// A frame.
+pub struct Frame {
+    /// The full name, with the names of the models around it.
+    pub name: Located,
+    /// The scope that resolves its names.
+    pub scope: usize,
+    pub kind: FrameKind,
+    /// The pose as it is written, in the frame `relative_to`.
+    pub pose: Pose<f64>,
+    /// The name of the frame of the pose; `None` for the default of its kind.
+    pub relative_to: Option<Located>,
+}
+
+/// The element that a frame belongs to.
+pub enum FrameKind {
+    World,
+    /// A model, by its scope.
+    Model(usize),
+    /// A link, by its index.
+    Link(usize),
+    /// A joint, by its index.
+    Joint(usize),
+    /// A `<frame>`, with the name that it is attached to.
+    Frame(Option<Located>),
+}
+
+/// A link.
+pub struct Link {
+    pub frame: usize,
+    pub inertial: Option<InertialRecord>,
+    /// The place where its gravity is switched off.
+    pub weightless: Option<usize>,
+}
+
+/// A joint.
+pub struct Joint {
+    pub frame: usize,
+    pub kind: Option<JointKind>,
+    pub parent: Option<Located>,
+    pub child: Option<Located>,
+    /// The axis and the second axis.
+    pub axes: [Option<Axis>; 2],
+    /// The displacement of a screw, m/rad.
+    pub pitch: f64,
+    /// Whether the joint closes a loop.
+    pub closes_loop: bool,
+    /// Whether all its numbers could be read.
+    pub sound: bool,
+}
+
+/// The joint types of SDF.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum JointKind {
+    Fixed,
+    Revolute,
+    Continuous,
+    Prismatic,
+    Universal,
+    Ball,
+    Screw,
+}
+
+/// An axis of a joint.
+pub struct Axis {
+    /// The direction, of unit length.
+    pub direction: [f64; 3],
+    /// The frame of the direction; `None` for the joint's.
+    pub expressed_in: Option<Located>,
+    pub at: usize,
+    pub limits: Limits,
+    pub dynamics: JointDynamics,
+    pub dynamics_at: usize,
+    pub mimic: Option<Mimic>,
+}
+
+/// The relation of an axis to that of another joint.
+pub struct Mimic {
+    pub leader: Located,
+    pub multiplier: f64,
+    pub offset: f64,
+}

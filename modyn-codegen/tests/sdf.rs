@@ -1,0 +1,231 @@
+//! Gazebo's models (SDF). The models of `sdf/` have mechanisms in general position, and give Drake's numbers. An element that
+//! would change the dynamics and is not supported is refused, with its line.
+
+use std::path::Path;
+
+use modyn_codegen::diagnostics::{Code, Diagnostics};
+use modyn_codegen::{Base, Format, Mimic, ReadOptions};
+use modyn_runtime::Interpreter;
+use modyn_runtime::joint::JointType;
+use modyn_runtime::model::{LoopConstraintKind, Model};
+
+fn folder() -> std::path::PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/sdf")
+}
+
+fn read(text: &str, options: &ReadOptions) -> Result<Model, Diagnostics> {
+    Format::Sdf.read(text, "robot.sdf", options).map(|reading| reading.model)
+}
+
+/// Returns a model with these elements.
+fn model(elements: &str) -> Result<Model, Diagnostics> {
+    read(
+        &format!("<sdf version='1.12'><model name='m'>{elements}</model></sdf>"),
+        &ReadOptions::default(),
+    )
+}
+
+/// Compares a model of `sdf/` with the numbers of Drake, which `sdf/golden.py` wrote.
+fn assert_drakes_numbers(name: &str) {
+    let file = |extension| folder().join(format!("{name}.{extension}"));
+    let text = std::fs::read_to_string(file("sdf")).expect("a model");
+    let golden = std::fs::read_to_string(file("txt")).expect("Drake's numbers");
+    let options = ReadOptions { folder: Some(folder()), ..ReadOptions::default() };
+    let robot = read(&text, &options).unwrap_or_else(|found| panic!("{found}"));
+    let (nq, nv) = (robot.nq(), robot.nv());
+    // For each entry of Drake's states, the entry of modyn's.
+    let (mut q_of, mut v_of) = (Vec::new(), Vec::new());
+    for line in golden.lines().filter_map(|line| line.strip_prefix("joint ")) {
+        let joint = line.split(' ').next().unwrap_or_default();
+        let link = robot.links().iter().position(|link| link.joint.name == joint);
+        let link = link.unwrap_or_else(|| panic!("{name}: no joint {joint}"));
+        q_of.extend(robot.q_range(link));
+        v_of.extend(robot.v_range(link));
+    }
+    assert_eq!((q_of.len(), v_of.len()), (nq, nv), "{name}");
+    let frames: Vec<String> = robot.frames().iter().map(|frame| frame.name.clone()).collect();
+    let mut interpreter = Interpreter::<f64>::new(robot);
+    let numbers = |line: &str| -> Vec<f64> {
+        line.split(' ').map(|word| word.parse().expect("a number")).collect()
+    };
+    let is_state =
+        |line: &&str| !["#", "joint ", "pose "].iter().any(|start| line.starts_with(start));
+    let states: Vec<Vec<f64>> = golden.lines().filter(is_state).map(numbers).collect();
+    let poses: Vec<&str> = golden.lines().filter_map(|line| line.strip_prefix("pose ")).collect();
+    assert_eq!((states.len(), poses.len() % 3), (12, 0), "{name}");
+    let near = |a: f64, b: f64, size: f64, what: &str| {
+        assert!((a - b).abs() < 1e-12 * size, "{name}: {what}: {a} is not {b}");
+    };
+    for (state, poses) in states.chunks(4).zip(poses.chunks(poses.len() / 3)) {
+        let [theirs_q, theirs_qd, theirs_bias, theirs_matrix] = state else { panic!("{name}") };
+        let (mut q, mut qd) = (vec![0.0; nq], vec![0.0; nv]);
+        q_of.iter().zip(theirs_q).for_each(|(&i, &x)| q[i] = x);
+        v_of.iter().zip(theirs_qd).for_each(|(&i, &x)| qd[i] = x);
+        let (mut bias, mut matrix) = (vec![0.0; nv], vec![0.0; nv * nv]);
+        interpreter.bias_forces(&q, &qd, &mut bias).expect("sizes");
+        interpreter.mass_matrix(&q, &mut matrix).expect("sizes");
+        let size = |values: &[f64]| values.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        for (i, &row) in v_of.iter().enumerate() {
+            near(bias[row], theirs_bias[i], size(theirs_bias), "bias");
+            for (j, &column) in v_of.iter().enumerate() {
+                let theirs = theirs_matrix[j * nv + i];
+                near(matrix[column * nv + row], theirs, size(theirs_matrix), "mass matrix");
+            }
+        }
+        for line in poses {
+            let (frame, rest) = line.split_once(' ').expect("a name");
+            let index = frames.iter().position(|name| name == frame);
+            let index = index.unwrap_or_else(|| panic!("{name}: no frame {frame}"));
+            let pose = interpreter.link_pose(&q, index).expect("a frame");
+            let ours = pose.rotation.iter().flatten().chain(&pose.translation);
+            ours.zip(numbers(rest)).for_each(|(&a, b)| near(a, b, 10.0, frame));
+        }
+    }
+}
+
+/// Poses relative to frames, joints and links that come later, axes in other frames, and each joint type.
+#[test]
+fn frames_are_drakes() {
+    assert_drakes_numbers("frames");
+}
+
+/// A world with nested models, placement frames, included and merged files.
+#[test]
+fn nested_models_are_drakes() {
+    assert_drakes_numbers("nested");
+}
+
+/// The axes of old versions are in the model's frame. A link without `<inertial>` has SDF's default.
+#[test]
+fn old_versions_are_drakes() {
+    assert_drakes_numbers("old");
+}
+
+/// Joints whose child is closer to the world than their parent.
+#[test]
+fn reversed_joints_are_drakes() {
+    assert_drakes_numbers("reversed");
+}
+
+/// Inertias of collisions, and a mimic joint.
+#[test]
+fn solids_are_drakes() {
+    assert_drakes_numbers("solids");
+}
+
+/// Drake does not read cones. The moments are integrated over slices here.
+#[test]
+fn a_cone_is_the_sum_of_its_slices() {
+    let robot = model(
+        "<link name='l'><inertial auto='true'/><collision name='c'>
+         <geometry><cone><radius>0.3</radius><length>0.8</length></cone></geometry></collision></link>",
+    )
+    .expect("a cone");
+    let (n, radius, length) = (100_000, 0.3, 0.8);
+    let (mut mass, mut first, mut xx, mut zz) = (0.0, 0.0, 0.0, 0.0);
+    for i in 0..n {
+        let height = (f64::from(i) + 0.5) / f64::from(n);
+        let (z, r) = ((height - 0.5) * length, (1.0 - height) * radius);
+        let slice = 1000.0 * std::f64::consts::PI * r * r * length / f64::from(n);
+        mass += slice;
+        first += slice * z;
+        xx += slice * (r * r / 4.0 + z * z);
+        zz += slice * r * r / 2.0;
+    }
+    let own = robot.links()[0].inertial;
+    let expected = [mass, first / mass, xx - first * first / mass, zz];
+    for (a, b) in
+        [own.mass, own.center_of_mass[2], own.inertia[0], own.inertia[5]].iter().zip(expected)
+    {
+        assert!((a - b).abs() < 1e-8 * b.abs(), "{a} is not {b}");
+    }
+}
+
+const ARM: &str = "<link name='base'/><link name='arm'><pose>0 0 1 0 0 0</pose></link>
+    <joint name='j' type='revolute'><parent>base</parent><child>arm</child><axis><xyz>0 1 0</xyz>
+    <limit><lower>-inf</lower><upper>2</upper><effort>inf</effort><velocity>3</velocity></limit></axis></joint>";
+
+/// The base floats unless a joint or an option fixes it. A model without weight has no gravity.
+#[test]
+fn the_base_and_gravity() {
+    let text = format!("<sdf version='1.12'><model name='m'>{ARM}</model></sdf>");
+    let with = |base| read(&text, &ReadOptions { base, ..ReadOptions::default() });
+    for base in [Base::Described, Base::Floating] {
+        let robot = with(base).expect("floats");
+        assert_eq!(robot.links()[0].joint.joint_type, JointType::Floating);
+        assert_eq!(robot.links()[0].joint.name, "floating_base");
+    }
+    let robot = with(Base::Fixed).expect("fixed");
+    assert_eq!(robot.nq(), 1);
+    let limits = robot.links()[0].joint.limits.expect("limits");
+    assert_eq!((limits.lower, limits.upper), (None, Some(2.0)));
+    assert_eq!((limits.velocity, limits.effort), (Some(3.0), None));
+    let weightless = text
+        .replace("'base'/>", "'base'><gravity>0</gravity></link>")
+        .replace("<pose>", "<gravity>false</gravity><pose>");
+    let robot = read(&weightless, &ReadOptions::default()).expect("weightless");
+    assert_eq!(robot.gravity(), [0.0; 3]);
+    let fixed = text.replace("base</parent>", "world</parent>").replace("<link name='base'/>", "");
+    let options = ReadOptions { base: Base::Floating, ..ReadOptions::default() };
+    assert_eq!(
+        read(&fixed, &options).expect_err("it does not float").iter().next().map(|one| one.code),
+        Some(Code::Option)
+    );
+}
+
+#[test]
+fn a_joint_closes_a_loop() {
+    let robot = model(&format!(
+        "{ARM}<link name='rod'/><joint name='k' type='revolute'><parent>base</parent><child>rod</child>
+         <axis><xyz>0 1 0</xyz></axis></joint>
+         <joint name='pin' type='revolute'><parent>rod</parent><child>arm</child><axis><xyz>0 1 0</xyz></axis>
+         <physics><simbody><must_be_loop_joint>true</must_be_loop_joint></simbody></physics></joint>"
+    ))
+    .expect("a loop");
+    let [pin] = robot.loop_constraints() else { panic!("one loop") };
+    assert_eq!(pin.kind, LoopConstraintKind::Revolute([0.0, 1.0, 0.0]));
+    assert_eq!(pin.ends[0].pose.translation, [0.0, 0.0, 1.0]);
+}
+
+/// Without its follower, a screw would be another joint.
+#[test]
+fn a_screw_follows() {
+    let text = "<sdf version='1.12'><model name='m'><link name='l'/><joint name='j' type='screw'>
+        <parent>world</parent><child>l</child><axis/></joint></model></sdf>";
+    assert_eq!(read(text, &ReadOptions::default()).expect("a screw").nv(), 1);
+    for mimic in [Mimic::Independent, Mimic::Refuse] {
+        let found = read(text, &ReadOptions { mimic, ..ReadOptions::default() });
+        assert!(found.expect_err("two joints").iter().any(|one| one.code == Code::Mimic));
+    }
+}
+
+/// Errors in an included file have its name and its lines.
+#[test]
+fn included_files_have_places() {
+    let include = |uri: &str| {
+        let text = format!(
+            "<sdf version='1.12'><model name='m'>\n<include><uri>{uri}</uri></include></model></sdf>"
+        );
+        let options =
+            ReadOptions { folder: Some(folder().join("wrong")), ..ReadOptions::default() };
+        read(&text, &options).expect_err(uri).to_string()
+    };
+    let shown = include("mass.sdf");
+    assert!(shown.contains("mass.sdf:3:") && shown.contains("error[bad-number]"), "{shown}");
+    let shown = include("itself.sdf");
+    assert!(
+        shown.contains("itself.sdf:3:") && shown.contains("the file includes itself"),
+        "{shown}"
+    );
+    let shown = include("model://none");
+    assert!(shown.contains("robot.sdf:2:") && shown.contains("SDF_PATH"), "{shown}");
+    for uri in
+        ["model://../sdf/finger.sdf", "https://x/y", "", "mass.sdf/x", "file:///dev/null", "."]
+    {
+        let shown = include(uri);
+        assert!(shown.contains("robot.sdf:2:") && shown.contains("error[include]"), "{shown}");
+    }
+    let text = "<sdf version='1.12'><model name='m'><include><uri>finger.sdf</uri></include></model></sdf>";
+    let shown = read(text, &ReadOptions::default()).expect_err("no folder").to_string();
+    assert!(shown.contains("give the path of this file"), "{shown}");
+}

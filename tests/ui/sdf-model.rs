@@ -1,0 +1,3 @@
+modyn::modyn!("sdf-model.sdf");
+
+fn main() {}

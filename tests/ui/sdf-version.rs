@@ -1,0 +1,3 @@
+modyn::modyn!("sdf-version.sdf");
+
+fn main() {}
