@@ -42,6 +42,49 @@ pub const URDF: Vocabulary = Vocabulary {
     containers: &[("<link", "</link>"), ("<joint", "</joint>"), ("<inertial", "</inertial>")],
 };
 
+/// The vocabulary of xacro.
+pub const XACRO: Vocabulary = Vocabulary {
+    values: &[
+        "${a}",
+        "${a + 1}",
+        "${1 / 0}",
+        "${'x' * 9}",
+        "${[x for x in range(9)]}",
+        "${dict(a=1)['a']}",
+        "${sin(radians(90))}",
+        "${a if a else b}",
+        "${xacro.load_yaml('a.yaml')}",
+        "$(arg a)",
+        "$(find a)",
+        "$(eval 1 + 1)",
+        "$$(x)",
+        "a b:=1 c:=^|2 *d **e",
+        "global",
+        "parent",
+    ],
+    elements: &[
+        "<xacro:property name='a' value='${b}'/>",
+        "<xacro:property name='b'><x/></xacro:property>",
+        "<xacro:arg name='a' default='1'/>",
+        "<xacro:macro name='m' params='a:=1 *b'><x y='${a}'/><xacro:insert_block name='b'/></xacro:macro>",
+        "<xacro:m a='2'><origin/></xacro:m>",
+        "<xacro:call macro='m'><z/></xacro:call>",
+        "<xacro:if value='${a == 1}'><x/></xacro:if>",
+        "<xacro:unless value='0'><x/></xacro:unless>",
+        "<xacro:insert_block name='b'/>",
+        "<xacro:include filename='a.xacro'/>",
+        "<xacro:element xacro:name='e${a}'/>",
+        "<xacro:attribute name='c' value='d'/>",
+        "<link name='l${a}'><inertial><mass value='${a}'/></inertial></link>",
+    ],
+    containers: &[
+        ("<xacro:macro", "</xacro:macro>"),
+        ("<xacro:if", "</xacro:if>"),
+        ("<link", "</link>"),
+        ("<joint", "</joint>"),
+    ],
+};
+
 /// The vocabulary of MJCF, the format of `MuJoCo`'s models.
 pub const MJCF: Vocabulary = Vocabulary {
     values: &[

@@ -166,7 +166,7 @@ fn a_build_script_would_write_the_same() {
     let found = options("robots/quadruped.urdf", &extra);
     assert_eq!(found.code, 0, "{}", found.err);
     let builder = modyn_codegen::Builder::new()
-        .urdf(root().join("robots/quadruped.urdf").canonicalize().expect("a robot"))
+        .file(root().join("robots/quadruped.urdf").canonicalize().expect("a robot"))
         .scalar(modyn_codegen::FloatType::F32)
         .base(modyn_codegen::Base::Floating)
         .rotors([modyn_codegen::Rotor::new("front_left_knee", 0.0001, 100.0)])

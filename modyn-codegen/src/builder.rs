@@ -13,7 +13,7 @@ use modyn_runtime::model::{Friction, Model, ModuleTree};
 use modyn_runtime::{OperationCount, UserFunction};
 
 use crate::check::conditioning_warning;
-use crate::description::{Base, Contact, Loop, Mimic, ReadOptions, Rotor};
+use crate::description::{Base, Contact, Loop, Mimic, Package, ReadOptions, Rotor, XacroArg};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity};
 use crate::emit::{
     EmitOptions, File, FloatType, GpuKernel, GpuLanguage, PlannedRobot, Refused, RolloutOptions,
@@ -145,6 +145,8 @@ pub struct Planning {
     pub model: Model,
     /// The warnings about the description.
     pub warnings: Vec<Diagnostic>,
+    /// The other files that were read, which the description names.
+    pub files: Vec<PathBuf>,
 }
 
 /// The inputs of the plan and of the back ends.
@@ -376,8 +378,8 @@ impl Builder {
     pub fn plan(&self) -> Result<Planning, Diagnostics> {
         let mut inputs = self.inputs()?;
         let plan = inputs.machine_code();
-        let Inputs { model, options, .. } = inputs;
-        Ok(Planning { plan, model, warnings: options.warnings })
+        let Inputs { model, files, options, .. } = inputs;
+        Ok(Planning { plan, model, warnings: options.warnings, files })
     }
 
     /// Returns kernels for graphics processors that integrate motions over many time steps, without writing anything, and

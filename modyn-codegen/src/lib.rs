@@ -30,7 +30,7 @@ pub mod trace;
 
 pub use builder::{Builder, Emitted, Generated, ObjectPlanning, Planning};
 pub use check::{MAX_CONDITION_F32, condition_number};
-pub use description::{Base, Contact, Loop, LoopEnd, Mimic, ReadOptions, Rotor};
+pub use description::{Base, Contact, Loop, LoopEnd, Mimic, Package, ReadOptions, Rotor, XacroArg};
 pub use emit::{
     File, FloatType, GpuLanguage, MachineCode, MachineTarget, RolloutForces, RolloutOptions,
     RolloutSource, Target,
@@ -43,7 +43,7 @@ pub use options::{Bundle, ModuleChoice};
 pub use plan::{CodeForm, Function};
 #[cfg(feature = "mjcf")]
 pub use read::read_mjcf;
-pub use read::{Format, Reading, read, read_urdf};
+pub use read::{Format, Reading, expand_xacro, read, read_urdf};
 
 /// Parts that the tests of this crate reach, besides the public interface. They may change in any release.
 ///

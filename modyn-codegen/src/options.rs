@@ -128,6 +128,16 @@ macro_rules! option_table {
                 "unphysical_inertia" unphysical_inertia(severity: Severity)
                     unphysical_inertia: Severity, field => *field = severity,
                     "error | warn", "`error`", "warn";
+                /// The folders of ROS packages, which a description names in `$(find ...)` and `package://`. Packages in the
+                /// folders above the description are found without this option, and so are those of `ROS_PACKAGE_PATH` and
+                /// `AMENT_PREFIX_PATH`.
+                "packages" packages(packages: impl IntoIterator<Item = Package>)
+                    packages: Vec<Package>, field => field.extend(packages),
+                    "[\"name\": \"folder\", ...]", "found by their names", "[\"arm_description\": \"robots/arm\"]";
+                /// The values of arguments of a xacro, `<xacro:arg>`, in place of their defaults.
+                "xacro_args" xacro_args(arguments: impl IntoIterator<Item = XacroArg>)
+                    xacro_args: Vec<XacroArg>, field => field.extend(arguments),
+                    "[\"name\": \"value\", ...]", "the defaults of the xacro", "[\"prefix\": \"left_\"]";
             }
             code {
                 /// The functions that the robot has; `default` and `all` stand for several. The dynamics of a large

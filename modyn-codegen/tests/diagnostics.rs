@@ -150,6 +150,7 @@ fn bad_files_are_refused_with_exactly_the_marked_diagnostics() {
         Code::ImplausibleMass,
         Code::NotMjcf,
         Code::NotText,
+        Code::XacroWarning,
     ];
     let missing: Vec<_> =
         Code::ALL.iter().filter(|code| !seen.contains(code) && !elsewhere.contains(code)).collect();
@@ -224,6 +225,8 @@ fn good_files_are_read_with_exactly_the_marked_warnings() {
         Code::InactiveFriction,
         Code::MissingInertial,
         Code::ImplausibleMass,
+        Code::RepeatedElement,
+        Code::UnknownParent,
     ] {
         assert!(seen.contains(&code), "no file in good/ for {code}");
     }

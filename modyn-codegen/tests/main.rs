@@ -32,3 +32,4 @@ mod singular;
 mod type_page;
 mod units;
 mod user_functions;
+mod xacro;

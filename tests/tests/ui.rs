@@ -30,6 +30,7 @@ const ELSEWHERE: &[Code] = &[
     Code::InactiveFriction,
     Code::MissingInertial,
     Code::ImplausibleMass,
+    Code::XacroWarning,
 ];
 
 /// Returns the folder of this package, where rustc runs: rustc then prints paths relative to it, as users see them.

@@ -57,6 +57,9 @@ fn group<'a>(diagnostic: &Diagnostic, lines: &[&str]) -> Group<'a> {
         (None, None) if !file.is_empty() => group = group.element(Origin::path(file)),
         (None, None) => {}
     }
+    for note in &diagnostic.notes {
+        group = group.element(Level::NOTE.message(sanitize_for_display(note)));
+    }
     match &diagnostic.help {
         Some(text) => group.element(Level::HELP.message(sanitize_for_display(text))),
         None => group,
@@ -117,6 +120,7 @@ fn one_to_json(diagnostic: &Diagnostic) -> Value {
         "column": diagnostic.position.map(|at| at.column),
         "subject": subject,
         "message": diagnostic.message,
+        "notes": diagnostic.notes,
         "help": diagnostic.help,
     })
 }

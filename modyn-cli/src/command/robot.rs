@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use clap::Args;
 use modyn_codegen::Builder;
-use modyn_codegen::Format;
 use modyn_codegen::diagnostics::Diagnostics;
 
 use crate::command::description::Description;
@@ -45,12 +44,9 @@ impl Robot {
         let Description { name, text, path } = description;
         let builder = Builder::new();
         // The path makes the comment of a generated file the same as that of a build script.
-        let builder = match (path, Format::of(text, name)) {
-            #[cfg(feature = "mjcf")]
-            (Some(path), Format::Mjcf) => builder.mjcf(path),
-            (Some(path), Format::Sdf) => builder.file(path),
-            (Some(path), _) => builder.urdf(path),
-            (None, _) => builder.text(text, name),
+        let builder = match path {
+            Some(path) => builder.file(path),
+            None => builder.text(text, name),
         };
         self.options.configure(builder)
     }

@@ -8,6 +8,7 @@ use super::source::{Source, resolve_path};
 use super::{Builder, Generated};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics};
 use crate::names;
+use crate::read::PACKAGE_PATHS;
 
 impl Builder {
     /// Compiles to `OUT_DIR` from a build script, for `modyn::include_model!`. Cargo runs the script again when the
@@ -22,16 +23,26 @@ impl Builder {
     pub fn compile(&self) -> Result<Generated, Diagnostics> {
         self.rerun_if_changed();
         let generated = self.generate()?;
-        for file in &generated.files {
-            println!("cargo::rerun-if-changed={}", file.display());
-        }
+        self.rerun_if_others_changed(&generated.files);
         self.write_to_out_dir(&generated.type_name, &generated.text, &generated.warnings)?;
         Ok(generated)
     }
+
     /// Makes Cargo run the build script again when the description's file changes, also if it is missing.
     pub fn rerun_if_changed(&self) {
         if let Source::File(path) = &self.source {
             println!("cargo::rerun-if-changed={}", resolve_path(path).display());
+        }
+    }
+
+    /// Makes Cargo run the build script again when one of the other files changes that the description names
+    /// ([`Generated::files`]), or a variable that names the folders of packages.
+    pub fn rerun_if_others_changed(&self, files: &[PathBuf]) {
+        for file in files {
+            println!("cargo::rerun-if-changed={}", file.display());
+        }
+        for variable in PACKAGE_PATHS.iter().filter(|_| !files.is_empty()) {
+            println!("cargo::rerun-if-env-changed={variable}");
         }
     }
 

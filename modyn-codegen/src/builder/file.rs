@@ -149,7 +149,7 @@ impl Builder {
         calls.iter().map(|text| text.replace(char::is_control, " ")).collect()
     }
 
-    /// Returns a hash of the description.
+    /// Returns a hash of the description and of the other files that it names.
     fn description_hash(&self) -> u64 {
         let text = match &self.source {
             Source::File(path) => std::fs::read_to_string(resolve_path(path)).unwrap_or_default(),
@@ -157,10 +157,15 @@ impl Builder {
             Source::Model(model) => format!("{model:?}"),
             Source::None | Source::Unread(_) => String::new(),
         };
+        let others = self.read().map_or(Vec::new(), |reading| reading.files);
+        let others = others.iter().flat_map(|path| std::fs::read(path).unwrap_or_default());
         // Line endings depend on the checkout.
-        text.bytes().filter(|&byte| byte != b'\r').fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-        })
+        text.bytes()
+            .chain(others)
+            .filter(|&byte| byte != b'\r')
+            .fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+                (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+            })
     }
 }
 

@@ -50,7 +50,7 @@ impl Builder {
     pub fn plan_object(&self) -> Result<ObjectPlanning, Diagnostics> {
         let mut inputs = self.inputs_without(&REFUSED)?;
         let mut plan = inputs.machine_code();
-        let Inputs { model, modules, mut options, .. } = inputs;
+        let Inputs { model, files, modules, mut options, .. } = inputs;
         let functions = plan.functions.len();
         plan.functions.retain(|planned| planned.function != Some(Function::Brge));
         plan.factorization.clear();
@@ -66,7 +66,7 @@ impl Builder {
             );
         }
         let warnings = options.warnings.clone();
-        let planning = Planning { plan, model, warnings };
+        let planning = Planning { plan, model, warnings, files };
         Ok(ObjectPlanning { planning, modules, options })
     }
 }

@@ -29,6 +29,10 @@ pub struct ReadOptions {
     pub loops: Vec<Loop>,
     /// The frames of links that can touch the world.
     pub contacts: Vec<Contact>,
+    /// The folders of ROS packages, for `$(find ...)` and `package://`.
+    pub packages: Vec<Package>,
+    /// The arguments of a xacro, in place of its defaults.
+    pub xacro_args: Vec<XacroArg>,
 }
 
 /// The treatment of mimic joints.
@@ -73,6 +77,40 @@ impl Rotor {
     #[must_use]
     pub fn new(joint: impl Into<String>, inertia: f64, gear_ratio: f64) -> Self {
         Self { joint: joint.into(), inertia, gear_ratio }
+    }
+}
+
+/// The folder of a ROS package.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Package {
+    /// The package's name.
+    pub name: String,
+    /// The folder; a relative path starts at the folder of `Cargo.toml`, or at the current folder.
+    pub folder: String,
+}
+
+impl Package {
+    /// Returns the package of this name in this folder.
+    #[must_use]
+    pub fn new(name: impl Into<String>, folder: impl Into<String>) -> Self {
+        Self { name: name.into(), folder: folder.into() }
+    }
+}
+
+/// An argument of a xacro: a value of `<xacro:arg>`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct XacroArg {
+    /// The argument's name.
+    pub name: String,
+    /// The value.
+    pub value: String,
+}
+
+impl XacroArg {
+    /// Returns the argument of this name with this value.
+    #[must_use]
+    pub fn new(name: impl Into<String>, value: impl Into<String>) -> Self {
+        Self { name: name.into(), value: value.into() }
     }
 }
 

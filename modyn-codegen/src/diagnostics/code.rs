@@ -62,10 +62,14 @@ codes! {
     Excessive = "excessive":
         "Check where the file comes from: it is damaged, or made to do harm. The limits are 256 attributes of an \
         element, 256 namespaces of a document and 1 GiB for a file. The number of joints and links is not limited.",
-    /// The document is a xacro file, which must be expanded first.
+    /// A xacro cannot be expanded.
     Xacro = "xacro":
-        "Expand the file first, `xacro robot.urdf.xacro > robot.urdf`, and give the result. \
-        Through a pipe: `xacro robot.urdf.xacro | modyn check -`.",
+        "Repair the element, expression or substitution at the position; the notes name the macro calls that led there. \
+        A xacro whose name does not end in `.xacro` and that has no `<xacro:...>` is read as a URDF: rename it.",
+    /// A xacro itself issues a warning, or reads a variable of the environment, which has its default here.
+    XacroWarning = "xacro-warning":
+        "Do what the message says. A variable of the environment becomes an argument, `$(arg name)`, whose value \
+        the option `xacro_args` gives.",
     /// The document is an SDF.
     Sdf = "sdf":
         "Read the file as the format that it has: `modyn!`, `Builder::file` and the command `modyn` find it out.",
@@ -231,7 +235,7 @@ codes! {
         mass. A point mass has an inertia of zeros.",
     /// A moving body has rotational inertia but no mass.
     InertiaWithoutMass = "inertia-without-mass":
-        "Give the link its mass, or remove its inertia.",
+        "Give the link its mass, or remove its inertia. `unphysical_inertia = warn` accepts it.",
     /// The rotational inertia of a moving body is not positive semidefinite.
     IndefiniteInertia = "indefinite-inertia":
         "Check the signs of `ixy`, `ixz`, `iyz` and the units (kg m^2), and that the inertia \

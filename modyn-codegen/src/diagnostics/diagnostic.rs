@@ -72,6 +72,8 @@ pub struct Diagnostic {
     pub subject: Option<Subject>,
     /// What is wrong.
     pub message: String,
+    /// How the place came to be: the calls of macros that led there, the innermost first.
+    pub notes: Vec<String>,
     /// What would be right.
     pub help: Option<String>,
 }
@@ -80,7 +82,8 @@ impl Diagnostic {
     /// Returns a diagnostic without a place.
     pub fn new(severity: Severity, code: Code, message: impl Into<String>) -> Self {
         let (file, position, subject, help) = (None, None, None, None);
-        Self { severity, code, file, position, subject, message: message.into(), help }
+        let (message, notes) = (message.into(), Vec::new());
+        Self { severity, code, file, position, subject, message, notes, help }
     }
 
     /// Returns an error without a place.
@@ -145,6 +148,7 @@ impl fmt::Display for Diagnostic {
         };
         write!(f, "{severity}[{}]: ", self.code)?;
         self.write_message(f)?;
+        self.write_notes(f)?;
         match &self.help {
             Some(help) => write!(f, "\n  help: {}", sanitize_for_display(help)),
             None => Ok(()),
@@ -168,6 +172,11 @@ impl Diagnostic {
             write!(f, "{position}:")?;
         }
         if self.file.is_some() || self.position.is_some() { f.write_str(" ") } else { Ok(()) }
+    }
+
+    fn write_notes(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut notes = self.notes.iter();
+        notes.try_for_each(|note| write!(f, "\n  note: {}", sanitize_for_display(note)))
     }
 
     fn write_message(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -200,6 +209,7 @@ impl fmt::Display for WithoutSeverity<'_> {
         diagnostic.write_place(f)?;
         diagnostic.write_message(f)?;
         write!(f, " [{}]", diagnostic.code)?;
+        diagnostic.write_notes(f)?;
         match &diagnostic.help {
             Some(help) => write!(f, "\nhelp: {}", sanitize_for_display(help)),
             None => Ok(()),

@@ -3,6 +3,7 @@
 mod code;
 mod diagnostic;
 mod display;
+mod expansion;
 pub(crate) mod line_index;
 pub(crate) mod report;
 mod suggest;
@@ -10,6 +11,7 @@ mod suggest;
 pub use code::Code;
 pub use diagnostic::{Diagnostic, Diagnostics, Position, Severity, Subject};
 pub use display::sanitize_for_display;
+pub(crate) use expansion::{Expansion, ExpansionCall};
 pub(crate) use report::{Place, Report};
 pub(crate) use suggest::Suggestions;
 pub use suggest::suggest;

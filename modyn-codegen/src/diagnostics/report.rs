@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Position, Severity, Subject};
+use super::expansion::{Expansion, ExpansionCall};
 use super::line_index::LineIndex;
 
 /// A byte offset in the text, if there is a text, and the joint or link at it.
@@ -12,6 +13,9 @@ pub type Place = (Option<usize>, Option<Subject>);
 
 /// The number of other places that a warning about several places names.
 const SHOWN_PLACES: usize = 3;
+
+/// The number of calls that led to a place that a diagnostic names.
+const SHOWN_CALLS: usize = 5;
 
 /// A file, whose bytes have the offsets from `start` on.
 struct File<'a> {
@@ -29,6 +33,8 @@ pub struct Report<'a> {
     end: usize,
     /// The other files that were read.
     dependencies: Vec<PathBuf>,
+    /// The origins of the text that offsets refer to, if macros made it.
+    expansion: Option<Expansion>,
     diagnostics: Vec<Diagnostic>,
     errors: usize,
 }
@@ -47,7 +53,8 @@ impl<'a> Report<'a> {
     pub fn without_file() -> Self {
         let nameless = File { name: None, start: 0, lines: LineIndex::of("") };
         let (dependencies, diagnostics) = (Vec::new(), Vec::new());
-        Self { files: vec![nameless], end: 1, dependencies, diagnostics, errors: 0 }
+        let files = vec![nameless];
+        Self { files, end: 1, dependencies, expansion: None, diagnostics, errors: 0 }
     }
 
     /// Adds a file, and returns its start: the offset of its first byte.
@@ -71,7 +78,17 @@ impl<'a> Report<'a> {
         std::mem::take(&mut self.dependencies)
     }
 
-    /// Returns the file of the byte at this offset.
+    /// Sets the origins of a text that macros made. From now on offsets are those of the text.
+    pub fn set_expansion(&mut self, expansion: Expansion) {
+        self.expansion = Some(expansion);
+    }
+
+    /// Returns the offset in the files of the byte at this offset of the text, and its call.
+    fn origin(&self, offset: usize) -> (usize, usize) {
+        self.expansion.as_ref().map_or((offset, 0), |expansion| expansion.origin(offset))
+    }
+
+    /// Returns the file of the byte at this offset of the files.
     fn file(&self, offset: usize) -> &File<'a> {
         let after = self.files.partition_point(|file| file.start <= offset);
         &self.files[after.saturating_sub(1)]
@@ -79,13 +96,57 @@ impl<'a> Report<'a> {
 
     /// Returns the name of the file of the byte at this offset; `None` for a model without a file.
     pub fn file_name(&self, offset: usize) -> Option<&str> {
-        self.file(offset).name.as_deref()
+        self.file(self.origin(offset).0).name.as_deref()
     }
 
     /// Returns the position of the byte at this offset, in its file.
     pub fn position(&self, offset: usize) -> Position {
-        let file = self.file(offset);
-        file.lines.position(offset - file.start)
+        self.position_in_files(self.origin(offset).0)
+    }
+
+    fn position_in_files(&self, at: usize) -> Position {
+        let file = self.file(at);
+        file.lines.position(at - file.start)
+    }
+
+    /// Returns the calls that led to a place, the innermost first, in words.
+    fn notes(&self, calls: &[ExpansionCall], call: usize) -> Vec<String> {
+        let parents = std::iter::successors(Some(call), |call| Some(calls.get(*call)?.parent));
+        let calls = parents.take_while(|call| *call > 0).filter_map(|call| calls.get(call));
+        let note = |call: &ExpansionCall| {
+            let file = self.file(call.at).name.as_deref().unwrap_or_default();
+            format!("in the {}, called at {file}:{}", call.name, self.position_in_files(call.at))
+        };
+        calls.take(SHOWN_CALLS).map(note).collect()
+    }
+
+    /// Adds an error at an offset of the files that was reached by a call, before the expansion is complete.
+    pub fn error_in_call(
+        &mut self,
+        code: Code,
+        at: usize,
+        calls: (&[ExpansionCall], usize),
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) {
+        self.add_in_call(Severity::Error, code, at, calls, message, help);
+    }
+
+    /// Adds a diagnostic at an offset of the files that was reached by a call.
+    pub fn add_in_call(
+        &mut self,
+        severity: Severity,
+        code: Code,
+        at: usize,
+        (calls, call): (&[ExpansionCall], usize),
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) {
+        let mut diagnostic = Diagnostic::new(severity, code, message).with_help(help);
+        diagnostic.position = Some(self.position_in_files(at));
+        diagnostic.file = self.file(at).name.as_deref().map(String::from);
+        diagnostic.notes = self.notes(calls, call);
+        self.push(diagnostic);
     }
 
     /// Adds an error at this byte; without a place, it is about an option or a model.
@@ -112,9 +173,14 @@ impl<'a> Report<'a> {
     ) {
         let mut diagnostic = Diagnostic::new(severity, code, message).with_help(help);
         let offset = offset.into();
-        diagnostic.position = offset.map(|offset| self.position(offset));
-        diagnostic.file = offset.and_then(|offset| self.file_name(offset)).map(String::from);
         diagnostic.subject = subject.cloned();
+        if let Some(offset) = offset {
+            let (at, call) = self.origin(offset);
+            diagnostic.position = Some(self.position_in_files(at));
+            diagnostic.file = self.file(at).name.as_deref().map(String::from);
+            let calls = self.expansion.as_ref().map_or(&[][..], |expansion| expansion.calls());
+            diagnostic.notes = self.notes(calls, call);
+        }
         self.push(diagnostic);
     }
 

@@ -4,7 +4,7 @@ use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
 
 use super::value::{OptionError, Value, ValueKind};
 use crate::FloatType;
-use crate::description::{Base, Contact, Loop, LoopEnd, Mimic, Rotor};
+use crate::description::{Base, Contact, Loop, LoopEnd, Mimic, Package, Rotor, XacroArg};
 use crate::diagnostics::Severity;
 use crate::plan::{CodeForm, Function, unknown_function};
 
@@ -291,6 +291,33 @@ impl OptionValue for Rotor {
 
     fn rust(&self) -> String {
         format!("Rotor::new({:?}, {:?}, {:?})", self.joint, self.inertia, self.gear_ratio)
+    }
+}
+
+/// `"name": "value"`, where a number or a word needs no quotes
+impl OptionValue for XacroArg {
+    fn read(value: &Value) -> Result<Self, OptionError> {
+        let (name, value) = pair(value, "expected `\"name\": \"value\"`")?;
+        match value.kind {
+            ValueKind::Number(number) => Ok(Self::new(name, number.to_string())),
+            _ => Ok(Self::new(name, String::read(value)?)),
+        }
+    }
+
+    fn rust(&self) -> String {
+        format!("XacroArg::new({:?}, {:?})", self.name, self.value)
+    }
+}
+
+/// `"name": "folder"`
+impl OptionValue for Package {
+    fn read(value: &Value) -> Result<Self, OptionError> {
+        let (name, folder) = pair(value, "expected `\"name\": \"folder\"`")?;
+        Ok(Self::new(name, String::read(folder)?))
+    }
+
+    fn rust(&self) -> String {
+        format!("Package::new({:?}, {:?})", self.name, self.folder)
     }
 }
 

@@ -47,7 +47,6 @@ pub fn read_first(
 /// with an error in the report. Diagnostics name the file `shown`.
 ///
 /// The robot depends on the file, whether it can be read or not.
-#[allow(dead_code, reason = "formats of several files use it")]
 pub(crate) fn read_named(
     path: &Path,
     shown: &str,

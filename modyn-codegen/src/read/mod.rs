@@ -1,17 +1,19 @@
 //! From a text to a [`Reading`]: a model and its warnings.
 //!
 //! ```text
-//! text ─ xml ─▶ XML ─ urdf, mjcf, sdf ─▶ Description ─ assemble, check ─▶ Model
+//! text ─ xml ─▶ XML ─ urdf, xacro, mjcf, sdf ─▶ Description ─ assemble, check ─▶ Model
 //! ```
 //!
-//! Each format has a folder, which produces a description and does not know the model. Only [`Format::of`] decides which
-//! format a text has.
+//! Each format has a folder, which produces a description and does not know the model. One table has the formats: the macro, the
+//! builder, the command and the Python package find a text's format by [`Format::of`].
 
 pub mod file;
 #[cfg(feature = "mjcf")]
 mod mjcf;
+mod packages;
 mod sdf;
 mod urdf;
+mod xacro;
 pub(crate) mod xml;
 
 use std::path::PathBuf;
@@ -22,6 +24,7 @@ use crate::assemble::assemble;
 use crate::check::{friction_error, gravity_error};
 use crate::description::{Base, Description, ReadOptions};
 use crate::diagnostics::{Diagnostic, Diagnostics, Report};
+pub(crate) use packages::PACKAGE_PATHS;
 
 /// A robot that was read.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +45,8 @@ pub enum Format {
     /// URDF.
     #[default]
     Urdf,
+    /// A xacro, which is expanded to a URDF.
+    Xacro,
     /// `MuJoCo`'s models (MJCF).
     #[cfg(feature = "mjcf")]
     Mjcf,
@@ -49,30 +54,89 @@ pub enum Format {
     Sdf,
 }
 
+/// A row of the table of formats.
+struct Row {
+    format: Format,
+    /// The name in lower case.
+    name: &'static str,
+    /// The name of the outermost element.
+    root: &'static str,
+    /// A text that tells a format from others with the same outermost element.
+    mark: Option<&'static str>,
+    /// The extension of files. It decides if the text has no element, or several formats have its element.
+    extension: &'static str,
+    describe: Describe,
+}
+
+/// Makes a description of a text; `None` with errors in the report.
+type Describe = fn(&str, &ReadOptions, &mut Report<'_>) -> Option<Description>;
+
+/// The formats. The first row that fits a text is its format; a text that fits none is read as a URDF, whose reader reports
+/// what is wrong.
+const FORMATS: &[Row] = &[
+    Row {
+        format: Format::Xacro,
+        name: "xacro",
+        root: "robot",
+        mark: Some("<xacro:"),
+        extension: "xacro",
+        describe: xacro::describe,
+    },
+    Row {
+        format: Format::Urdf,
+        name: "urdf",
+        root: "robot",
+        mark: None,
+        extension: "urdf",
+        describe: urdf::describe,
+    },
+    #[cfg(feature = "mjcf")]
+    Row {
+        format: Format::Mjcf,
+        name: "mjcf",
+        root: "mujoco",
+        mark: None,
+        extension: "mjcf",
+        describe: mjcf::describe,
+    },
+    Row {
+        format: Format::Sdf,
+        name: "sdf",
+        root: "sdf",
+        mark: None,
+        extension: "sdf",
+        describe: sdf::describe,
+    },
+];
+
+impl Row {
+    /// Returns whether a text with this outermost element, in a file with this extension, is of the format.
+    fn fits(&self, text: &str, element: Option<&str>, extension: &str) -> bool {
+        let named = extension.eq_ignore_ascii_case(self.extension);
+        let marked = || self.mark.is_none_or(|mark| text.contains(mark));
+        element.map_or(named, |element| element == self.root && (named || marked()))
+    }
+}
+
 impl Format {
     /// Returns the format of a text, by its first element, or by the file's extension if it has no element. Unknown
     /// formats are read as URDF, whose reader reports what is wrong.
     #[must_use]
     pub fn of(text: &str, file: &str) -> Self {
-        let extension = file.rsplit_once('.').map(|(_, extension)| extension);
-        let (name, extension) = (xml::document::first_element(text), extension.unwrap_or_default());
-        match name.unwrap_or(&extension.to_ascii_lowercase()) {
-            "sdf" => Self::Sdf,
-            #[cfg(feature = "mjcf")]
-            "mujoco" | "mjcf" => Self::Mjcf,
-            _ => Self::Urdf,
-        }
+        let element = xml::document::first_element(text);
+        let extension = file.rsplit_once('.').map_or("", |(_, extension)| extension);
+        let found = FORMATS.iter().find(|row| row.fits(text, element, extension));
+        found.map_or(Self::Urdf, |row| row.format)
     }
 
     /// Returns the format's name in lower case.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Urdf => "urdf",
-            #[cfg(feature = "mjcf")]
-            Self::Mjcf => "mjcf",
-            Self::Sdf => "sdf",
-        }
+        self.row().name
+    }
+
+    fn row(self) -> &'static Row {
+        FORMATS.iter().find(|row| row.format == self).unwrap_or(&FORMATS[0])
     }
 
     /// Reads a text of this format. Diagnostics name the file `file`.
@@ -97,11 +161,13 @@ impl Format {
         if friction.is_some() {
             options.friction = Some(Friction::None);
         }
-        let model = self.describe(text, &options, &mut report).and_then(|description| {
-            // The reader of an SDF has connected the base to the world.
-            let base = if self == Self::Sdf { Base::Described } else { options.base };
-            assemble(description, &ReadOptions { base, ..options }, &mut report)
-        });
+        let model = xml::document::within_limits(text, 0, &mut report)
+            .and_then(|text| (self.row().describe)(&text, &options, &mut report))
+            .and_then(|description| {
+                // The reader of an SDF has connected the base to the world.
+                let base = if self == Self::Sdf { Base::Described } else { options.base };
+                assemble(description, &ReadOptions { base, ..options.clone() }, &mut report)
+            });
         let of_options = gravity.into_iter().chain(friction);
         let files = report.take_dependencies();
         let found = Diagnostics::new(report.finish().into_iter().chain(of_options).collect());
@@ -110,21 +176,6 @@ impl Format {
                 Ok(Reading { model, warnings: found.into_vec(), files })
             }
             _ => Err(found),
-        }
-    }
-
-    fn describe(
-        self,
-        text: &str,
-        options: &ReadOptions,
-        report: &mut Report<'_>,
-    ) -> Option<Description> {
-        let text = xml::document::within_limits(text, 0, report)?;
-        match self {
-            Self::Urdf => urdf::describe(&text, options, report),
-            #[cfg(feature = "mjcf")]
-            Self::Mjcf => mjcf::describe(&text, options, report),
-            Self::Sdf => sdf::describe(&text, options, report),
         }
     }
 }
@@ -154,6 +205,27 @@ impl Format {
 /// Returns all errors of the text, and its warnings.
 pub fn read(text: &str, file: &str, options: &ReadOptions) -> Result<Reading, Diagnostics> {
     Format::of(text, file).read(text, file, options)
+}
+
+/// Returns the URDF of a xacro, and the warnings. Diagnostics name the file `file`; the files that it includes are read if
+/// the options have its [`folder`](ReadOptions::folder).
+///
+/// # Errors
+///
+/// Returns the error of the xacro, with its place and the macro calls that led there.
+pub fn expand_xacro(
+    text: &str,
+    file: &str,
+    options: &ReadOptions,
+) -> Result<(String, Vec<Diagnostic>), Diagnostics> {
+    let mut report = Report::new(text, file);
+    let expanded = xml::document::within_limits(text, 0, &mut report)
+        .and_then(|text| xacro::expand(&text, options, &mut report));
+    let found = Diagnostics::new(report.finish());
+    match expanded {
+        Some(expanded) if !found.has_errors() => Ok((expanded, found.into_vec())),
+        _ => Err(found),
+    }
 }
 
 /// Reads a URDF. Diagnostics name the file `file`.

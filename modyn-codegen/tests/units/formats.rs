@@ -12,6 +12,10 @@ fn a_format_is_recognised_by_the_text_then_by_the_name() {
         ("", "robot.MJCF", Format::Mjcf),
         ("", "robot.xml", Format::Urdf),
         ("<sdf/>", "-", Format::Sdf),
+        ("<robot name='r'/>", "robot.urdf.xacro", Format::Xacro),
+        ("<robot name='r'><xacro:m/></robot>", "robot.urdf", Format::Xacro),
+        ("<robot xmlns:xacro='x' name='${r}'/>", "robot.urdf", Format::Urdf),
+        ("", "robot.xacro", Format::Xacro),
     ] {
         assert_eq!(Format::of(text, file), format, "{text} {file}");
     }

@@ -39,6 +39,7 @@ pub(super) fn compile(
     let mut options = options_of_cargo()?;
     options.instruction_set = instruction_set.unwrap_or(options.instruction_set);
     let object = super::generate(builder, &options, true)?;
+    builder.rerun_if_others_changed(&object.files);
     let name = builder.write_to_out_dir(&object.type_name, &object.wrapper, &object.warnings)?;
     let folder = std::env::var_os("OUT_DIR").unwrap_or_default();
     let msvc = std::env::var("CARGO_CFG_TARGET_ENV").is_ok_and(|environment| environment == "msvc");

@@ -32,6 +32,8 @@ mod tests;
 mod text;
 mod unwind;
 
+use std::path::PathBuf;
+
 use modyn_codegen::diagnostics::{Code, Diagnostic, Diagnostics};
 use modyn_codegen::{Builder, FloatType, MachineCode, MachineTarget, ObjectPlanning};
 
@@ -128,6 +130,8 @@ pub struct Object {
     pub type_name: String,
     /// The warnings about the description.
     pub warnings: Vec<Diagnostic>,
+    /// The other files that were read, which the description names.
+    pub files: Vec<PathBuf>,
     /// Counts of the code of each function.
     pub sizes: Vec<(&'static str, CodeSize)>,
 }
@@ -222,6 +226,7 @@ fn generate(
         prefix: code.prefix,
         type_name: planned.type_name(),
         warnings: planned.planning.warnings,
+        files: planned.planning.files,
         sizes: text.sizes,
     })
 }

@@ -44,6 +44,13 @@ class Options(TypedDict, total=False):
     unphysical_inertia: str | None
     """How inertias that no rigid body has are reported. A negative mass is always an error. By default error. For
     example: `"warn"`."""
+    packages: Mapping[str, Any] | str | None
+    """The folders of ROS packages, which a description names in `$(find ...)` and `package://`. Packages in the
+    folders above the description are found without this option, and so are those of `ROS_PACKAGE_PATH` and
+    `AMENT_PREFIX_PATH`. By default found by their names. For example: `{"arm_description": "robots/arm"}`."""
+    xacro_args: Mapping[str, Any] | str | None
+    """The values of arguments of a xacro, `<xacro:arg>`, in place of their defaults. By default the defaults of
+    the xacro. For example: `{"prefix": "left_"}`."""
     bundles: Mapping[str, Any] | str | None
     """Bundles of functions: one call computes all functions of a bundle, and does their common work once. A bundle
     is a function of this name over the arguments of all its functions; its result is a type with a field for
@@ -72,7 +79,7 @@ def load(path: str | os.PathLike[str], /, **options: Unpack[Options]) -> Robot:
     """Reads the robot of a file, URDF, SDF or MJCF.
 
     The keyword arguments are modyn's options about a robot: `gravity`, `base`, `mimic`, `rotors`, `loops`, `contacts`,
-    `friction`, `unphysical_inertia`, `bundles`, `modules`, `scalar`, `runtime_gravity`, `runtime_inertia` and `payload`;
+    `friction`, `unphysical_inertia`, `packages`, `xacro_args`, `bundles`, `modules`, `scalar`, `runtime_gravity`, `runtime_inertia` and `payload`;
     with `machine_code=False`, functions are evaluated instead of compiled.
 
     `OSError` if the file cannot be read, `DescriptionError` with file, line and column if the description is wrong.

@@ -21,6 +21,8 @@ use crate::read::xml;
 
 /// Returns the description; `None` with errors in the report.
 pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> Option<Description> {
+    let replaced = xml::document::without_undeclared_prefixes(text);
+    let text = replaced.as_deref().unwrap_or(text);
     let document = xml::document::parse(text, 0, "robot", report)?;
     let robot = document::robot(&document, report)?;
     Some(robot::read(robot, options, report))

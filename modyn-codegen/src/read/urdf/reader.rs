@@ -4,8 +4,8 @@ use modyn_runtime::spatial::Pose;
 use roxmltree::Node;
 
 use crate::description::{ReadOptions, roll_pitch_yaw};
-use crate::diagnostics::{Code, Place, Subject};
-use crate::read::xml::element::{Elements, attribute};
+use crate::diagnostics::{Code, Place, Severity, Subject};
+use crate::read::xml::element::{Attribute, Elements, attribute};
 
 /// Reads elements: `<link>` in `link`, `<joint>` in `joint`, `<loop_joint>` in `loops`,
 /// `<contact_frame>` in `contacts`.
@@ -26,19 +26,54 @@ impl<'a> Reader<'a, '_, '_, '_> {
         self.pose(node, subject)
     }
 
-    /// Returns the pose of an element's `xyz` and `rpy`.
+    /// Returns the pose of an element's `xyz` and `rpy`, or `quat_xyzw` of URDF 1.2.
     pub fn pose(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> Pose<f64> {
-        if let Some(attribute) = node.attribute_node("quat_xyzw") {
-            let message = "`quat_xyzw` is not read, so the rotation would be lost";
-            let help = "write the rotation as `rpy=\"roll pitch yaw\"`";
-            self.xml.report.error(Code::NotRead, attribute.range().start, subject, message, help);
-        }
         let mut three = |name| {
             let text = attribute(node, name)?;
             self.xml.numbers(text, subject)
         };
         let translation = three("xyz").unwrap_or_default();
-        let rotation = roll_pitch_yaw(three("rpy").unwrap_or_default());
+        let angles = three("rpy");
+        let rotation = match attribute(node, "quat_xyzw") {
+            Some(text) => self.quaternion(text, angles.is_some(), subject),
+            None => None,
+        };
+        let rotation = rotation.unwrap_or_else(|| roll_pitch_yaw(angles.unwrap_or_default()));
         Pose { rotation, translation }
+    }
+
+    /// Returns the rotation of a quaternion of any length.
+    fn quaternion(
+        &mut self,
+        text: Attribute,
+        has_angles: bool,
+        subject: Option<&Subject>,
+    ) -> Option<[[f64; 3]; 3]> {
+        if has_angles {
+            let message = "the rotation is given twice, by `rpy` and by `quat_xyzw`";
+            self.xml.report.error(Code::NotRead, text.at, subject, message, "keep one of them");
+            return None;
+        }
+        let [x, y, z, w] = self.xml.numbers(text, subject)?;
+        let length = libm::sqrt(x * x + y * y + z * z + w * w);
+        if length < 1e-6 || !length.is_finite() {
+            let message = "the quaternion is not of length 1";
+            let help = "write four numbers whose squares sum up to 1: `quat_xyzw=\"0 0 0 1\"`";
+            self.xml.report.error(Code::NotFinite, text.at, subject, message, help);
+            return None;
+        }
+        if (length - 1.0).abs() > 1e-3 {
+            let message = format!("the quaternion is of length {length}; it is normalised");
+            let [x, y, z, w] = [x, y, z, w].map(|number| number / length);
+            let help = format!("write `{x} {y} {z} {w}`");
+            let severity = Severity::Warning;
+            self.xml.report.add(severity, Code::AxisLength, text.at, subject, message, help);
+        }
+        let [x, y, z, w] = [x, y, z, w].map(|number| number / length);
+        Some([
+            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+            [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+            [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+        ])
     }
 }

@@ -4,7 +4,7 @@ use modyn_runtime::joint::JointType;
 use roxmltree::Node;
 
 use super::reader::Reader;
-use crate::description::{Description, Kind, ReadOptions};
+use crate::description::{Description, Kind, LinkRecord, ReadOptions};
 use crate::diagnostics::{Code, Place, Report, Severity};
 use crate::read::xml::element::{Elements, is};
 
@@ -50,11 +50,31 @@ pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Desc
             description.contacts.push(reader.contact_frame(node));
         }
     }
+    reader.add_world(&mut description);
     reader.warn_of_unread_values(&description);
     description
 }
 
+/// The link that Drake's descriptions name without describing it.
+const WORLD: &str = "world";
+
 impl<'a> Reader<'a, '_, '_, '_> {
+    /// Adds the link `world` if joints name it as their parent and it is not described, as Drake does.
+    fn add_world(&mut self, description: &mut Description) {
+        if description.link_names().any(|name| name == WORLD) {
+            return;
+        }
+        let parents = description.joints.iter().filter_map(|joint| joint.parent.as_ref());
+        let Some(name) = parents.into_iter().find(|parent| parent.text == WORLD).cloned() else {
+            return;
+        };
+        let message = "the link `world` is not described, and is taken as the world";
+        let (severity, code, help) =
+            (Severity::Warning, Code::UnknownParent, "write `<link name=\"world\"/>`");
+        self.xml.report.add(severity, code, name.at, None, message, help);
+        description.links.insert(0, LinkRecord { name, inertial: None, auxiliary: false });
+    }
+
     /// Warns, once for each kind, of elements whose meaning probably differs from what the author expects.
     fn warn_of_unread_values(&mut self, description: &Description) {
         let (message, help) = (

@@ -99,7 +99,9 @@ pub fn parse<'t>(
             (Code::Dtd, message.into(), "remove `<!DOCTYPE ...>` and write entities out".into())
         }
         Error::UnknownNamespace(prefix, _) if prefix == "xacro" => {
-            (Code::Xacro, "this is a xacro file, not a URDF".into(), XACRO_HELP.into())
+            let message = "the namespace prefix `xacro` is not declared";
+            let help = "write `<robot xmlns:xacro=\"http://www.ros.org/wiki/xacro\" ...>`";
+            (Code::Xacro, message.into(), help.into())
         }
         Error::UnknownNamespace(prefix, _) => {
             let message = format!("the namespace prefix `{prefix}` is not declared");
@@ -132,9 +134,32 @@ pub fn parse<'t>(
 /// The advice for files of Universal Scene Description.
 pub const USD_HELP: &str = "convert it to URDF: `pip install nvidia-srl-usd-to-urdf`, then `usd_to_urdf robot.usd -o FOLDER`";
 
-/// The advice for xacro files, some of which do not declare the namespace of xacro.
-pub const XACRO_HELP: &str =
-    "expand it first: `xacro robot.urdf.xacro -o robot.urdf` (ROS 2: `ros2 run xacro xacro ...`)";
+/// Returns the text with `<prefix:name>` replaced by `<prefix_name>` for prefixes that are not declared, so that offsets do
+/// not change; `None` if all are declared. Such elements are extensions, which readers of URDF ignore.
+pub fn without_undeclared_prefixes(text: &str) -> Option<String> {
+    let is_name = |c: char| c.is_alphanumeric() || "_-.".contains(c);
+    let mut prefixes = std::collections::BTreeMap::new();
+    let mut places = Vec::new();
+    for (at, _) in text.match_indices('<') {
+        let start = at + 1 + usize::from(text[at + 1..].starts_with('/'));
+        let rest = &text[start..];
+        let end = rest.find(|c| !is_name(c)).unwrap_or(rest.len());
+        let prefix = &rest[..end];
+        if end == 0 || !rest[end..].starts_with(':') || prefix == "xacro" {
+            continue;
+        }
+        let declared = || text.contains(&format!("xmlns:{prefix}"));
+        if !*prefixes.entry(prefix).or_insert_with(declared) {
+            places.push(start + end);
+        }
+    }
+    if places.is_empty() {
+        return None;
+    }
+    let mut bytes = text.as_bytes().to_vec();
+    places.into_iter().for_each(|colon| bytes[colon] = b'_');
+    String::from_utf8(bytes).ok()
+}
 
 /// Returns the name of the first element, without parsing the text; `None` if there is no element.
 pub fn first_element(text: &str) -> Option<&str> {

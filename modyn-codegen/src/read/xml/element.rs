@@ -122,7 +122,7 @@ impl<'a> Elements<'a, '_, '_, '_> {
         node.children().filter(move |child| is(root, *child, name))
     }
 
-    /// Returns the child element of this name; several are an error.
+    /// Returns the child element of this name; several are an error, or a warning if they are axes.
     pub fn single<'t>(
         &mut self,
         node: Node<'a, 't>,
@@ -135,10 +135,14 @@ impl<'a> Elements<'a, '_, '_, '_> {
         };
         if let (Some(first), Some(second)) = (first, second) {
             let line = self.report.position(self.at(first)).line;
-            let message = format!("a second `<{name}>`; the first is in line {line}");
-            let help = "keep one of them";
-            let at = self.at(second);
-            self.report.error(Code::RepeatedElement, at, subject, message, help);
+            let (severity, counts) = match name {
+                // Other readers take the first axis without a word.
+                "axis" => (Severity::Warning, ", which counts"),
+                _ => (Severity::Error, ""),
+            };
+            let message = format!("a second `<{name}>`; the first is in line {line}{counts}");
+            let (code, at) = (Code::RepeatedElement, self.at(second));
+            self.report.add(severity, code, at, subject, message, "keep one of them");
         }
         first
     }

@@ -1,0 +1,38 @@
+//! The folders of ROS packages, which descriptions name.
+
+use std::path::{Component, Path, PathBuf};
+
+use crate::description::{Package, ReadOptions};
+
+/// The environment variables with folders of packages, in the order of their precedence.
+pub const PACKAGE_PATHS: [&str; 2] = ["ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"];
+
+/// Returns the folder of a package: by the option `packages`; by the folders that contain the description and their
+/// neighbours, of which one has this name and a `package.xml`; or by `ROS_PACKAGE_PATH` and `AMENT_PREFIX_PATH`.
+///
+/// A description without a folder has the packages of the options alone.
+pub fn find(name: &str, options: &ReadOptions) -> Option<PathBuf> {
+    if let Some(Package { folder, .. }) = options.packages.iter().find(|own| own.name == name) {
+        let root = std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default();
+        return Some(Path::new(&root).join(folder));
+    }
+    let folder = options.folder.as_deref()?;
+    // A name of several parts would leave the folders that are searched.
+    let mut parts = Path::new(name).components();
+    let (Some(Component::Normal(_)), None) = (parts.next(), parts.next()) else { return None };
+    let is_package = |folder: &PathBuf| {
+        folder.file_name().is_some_and(|own| own == name) && folder.join("package.xml").is_file()
+    };
+    let absolute = std::path::absolute(folder).unwrap_or_else(|_| folder.into());
+    let around = absolute.ancestors().flat_map(|folder| [folder.to_owned(), folder.join(name)]);
+    around.into_iter().find(is_package).or_else(|| {
+        PACKAGE_PATHS.iter().find_map(|variable| {
+            let folders = std::env::var_os(variable)?;
+            std::env::split_paths(&folders).find_map(|folder| {
+                [folder.clone(), folder.join(name), folder.join("share").join(name)]
+                    .into_iter()
+                    .find(is_package)
+            })
+        })
+    })
+}

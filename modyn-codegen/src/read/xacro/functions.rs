@@ -1,0 +1,618 @@
+//! The functions of expressions: those of Python and of its module `math` that xacro has, and the methods of values.
+
+use std::cmp::Ordering;
+use std::f64::consts::{E, PI, TAU};
+use std::rc::Rc;
+
+use super::value::{Value, float};
+
+type Called = Result<Value, String>;
+
+/// A function of one number, by its name.
+type Unary = (&'static str, fn(f64) -> f64);
+
+/// A function of two numbers, by its name.
+type Binary = (&'static str, fn(f64, f64) -> f64);
+
+/// Functions of one number.
+const UNARY: &[Unary] = &[
+    ("math.acos", libm::acos),
+    ("math.acosh", libm::acosh),
+    ("math.asin", libm::asin),
+    ("math.asinh", libm::asinh),
+    ("math.atan", libm::atan),
+    ("math.atanh", libm::atanh),
+    ("math.cbrt", libm::cbrt),
+    ("math.cos", libm::cos),
+    ("math.cosh", libm::cosh),
+    ("math.degrees", |x| x * (180.0 / PI)),
+    ("math.exp", libm::exp),
+    ("math.expm1", libm::expm1),
+    ("math.fabs", f64::abs),
+    ("math.log10", libm::log10),
+    ("math.log1p", libm::log1p),
+    ("math.log2", libm::log2),
+    ("math.radians", |x| x * (PI / 180.0)),
+    ("math.sin", libm::sin),
+    ("math.sinh", libm::sinh),
+    ("math.sqrt", libm::sqrt),
+    ("math.tan", libm::tan),
+    ("math.tanh", libm::tanh),
+];
+
+/// Functions of two numbers.
+const BINARY: &[Binary] = &[
+    ("math.atan2", libm::atan2),
+    ("math.copysign", libm::copysign),
+    ("math.fmod", libm::fmod),
+    ("math.pow", libm::pow),
+];
+
+/// Functions with other arguments or results.
+const OTHER: &[&str] = &[
+    "math.ceil",
+    "math.floor",
+    "math.trunc",
+    "math.hypot",
+    "math.log",
+    "math.fsum",
+    "math.isnan",
+    "math.isinf",
+    "math.isfinite",
+    "abs",
+    "all",
+    "any",
+    "bool",
+    "dict",
+    "enumerate",
+    "float",
+    "int",
+    "len",
+    "list",
+    "map",
+    "max",
+    "min",
+    "range",
+    "repr",
+    "reversed",
+    "round",
+    "set",
+    "sorted",
+    "str",
+    "sum",
+    "tuple",
+    "zip",
+    "xacro.load_yaml",
+    "xacro.load_json",
+    "xacro.arg",
+    "xacro.abs_filename",
+    "xacro.dotify",
+    "xacro.message",
+    "xacro.warning",
+    "xacro.error",
+    "xacro.fatal",
+    "xacro.print_location",
+    "xacro.tokenize",
+];
+
+/// The functions of Python that have no name of their own, but one in the namespace `python`.
+const IN_PYTHON: &[&str] =
+    &["abs", "all", "any", "enumerate", "repr", "reversed", "set", "sum", "tuple", "zip"];
+
+/// Returns the function of this full name.
+fn function(name: &str) -> Option<Value> {
+    let names = UNARY.iter().map(|(name, _)| *name).chain(BINARY.iter().map(|(name, _)| *name));
+    let found = names.chain(OTHER.iter().copied()).find(|own| *own == name)?;
+    Some(Value::Function(found))
+}
+
+/// Returns the value of a name that every expression has.
+pub fn global(name: &str) -> Option<Value> {
+    match name {
+        "math" => Some(Value::Module("math")),
+        "python" => Some(Value::Module("python")),
+        "xacro" => Some(Value::Module("xacro")),
+        "load_yaml" | "abs_filename" | "dotify" => function(&format!("xacro.{name}")),
+        _ if IN_PYTHON.contains(&name) => None,
+        _ if name.contains('.') => None,
+        _ => function(name).or_else(|| member("math", name)),
+    }
+}
+
+/// Returns a member of `math`, `python` or `xacro`.
+pub fn member(module: &str, name: &str) -> Option<Value> {
+    match (module, name) {
+        ("math", "pi") => Some(Value::Float(PI)),
+        ("math", "e") => Some(Value::Float(E)),
+        ("math", "tau") => Some(Value::Float(TAU)),
+        ("math", "inf") => Some(Value::Float(f64::INFINITY)),
+        ("math", "nan") => Some(Value::Float(f64::NAN)),
+        ("python", "True") => Some(Value::Bool(true)),
+        ("python", "False") => Some(Value::Bool(false)),
+        ("python", _) if !name.contains('.') => function(name),
+        ("python", _) => None,
+        _ => function(&format!("{module}.{name}")),
+    }
+}
+
+/// Returns the number of items, or of characters.
+pub fn length(value: &Value) -> usize {
+    match value {
+        Value::Text(text) => text.chars().count(),
+        Value::List(items) | Value::Tuple(items) => items.len(),
+        Value::Dict(entries) => entries.len(),
+        _ => 0,
+    }
+}
+
+/// Returns the items of a list, the characters of a text, or the keys of a dictionary.
+pub fn items(value: &Value) -> Result<Vec<Value>, String> {
+    match value {
+        Value::List(items) | Value::Tuple(items) => Ok(items.to_vec()),
+        Value::Text(text) => Ok(text.chars().map(|c| Value::text(String::from(c))).collect()),
+        Value::Dict(entries) => Ok(entries.iter().map(|(key, _)| key.clone()).collect()),
+        other => Err(format!("{} has no items", other.kind())),
+    }
+}
+
+fn number(value: &Value) -> Result<f64, String> {
+    value.number().ok_or_else(|| format!("expected a number, found {}", value.kind()))
+}
+
+/// Returns the integer of a number without its fraction.
+fn truncated(value: f64) -> Called {
+    #[allow(clippy::cast_possible_truncation)] // The range is checked.
+    if value.abs() < 9.0e18 {
+        Ok(Value::Int(value as i64))
+    } else {
+        Err("an integer is too large".into())
+    }
+}
+
+/// Calls a function without named arguments.
+pub fn call(name: &str, arguments: &[Value]) -> Called {
+    if let Some((_, function)) = UNARY.iter().find(|(own, _)| *own == name) {
+        let [x] = arguments else { return Err(format!("`{name}` has one argument")) };
+        let x = number(x)?;
+        let found = function(x);
+        if found.is_nan() && !x.is_nan() || found.is_infinite() && x.is_finite() {
+            return Err(format!("`{name}` of {} is not defined", float(x)));
+        }
+        return Ok(Value::Float(found));
+    }
+    if let Some((_, function)) = BINARY.iter().find(|(own, _)| *own == name) {
+        let [x, y] = arguments else { return Err(format!("`{name}` has two arguments")) };
+        let found = function(number(x)?, number(y)?);
+        if !found.is_finite() {
+            return Err(format!("`{name}` of {} and {} is not defined", x.repr(), y.repr()));
+        }
+        return Ok(Value::Float(found));
+    }
+    match (name, arguments) {
+        ("math.ceil", [x]) => truncated(number(x)?.ceil()),
+        ("math.floor", [x]) => truncated(number(x)?.floor()),
+        ("math.trunc", [x]) => truncated(number(x)?.trunc()),
+        ("math.log", [x]) if number(x)? > 0.0 => Ok(Value::Float(libm::log(number(x)?))),
+        ("math.log", [x, base]) if number(x)? > 0.0 && number(base)? > 0.0 => {
+            Ok(Value::Float(libm::log(number(x)?) / libm::log(number(base)?)))
+        }
+        ("math.hypot", [x, y]) => Ok(Value::Float(libm::hypot(number(x)?, number(y)?))),
+        ("math.isnan", [x]) => Ok(Value::Bool(number(x)?.is_nan())),
+        ("math.isinf", [x]) => Ok(Value::Bool(number(x)?.is_infinite())),
+        ("math.isfinite", [x]) => Ok(Value::Bool(number(x)?.is_finite())),
+        ("math.fsum", [all]) => {
+            let sum = items(all)?.iter().map(number).sum::<Result<f64, _>>()?;
+            Ok(Value::Float(sum))
+        }
+        ("abs", [Value::Float(x)]) => Ok(Value::Float(x.abs())),
+        ("abs", [x]) => {
+            let x = x.integer().ok_or_else(|| format!("`abs` of {}", x.kind()))?;
+            x.checked_abs().map(Value::Int).ok_or_else(|| "an integer is too large".into())
+        }
+        ("all", [all]) => Ok(Value::Bool(items(all)?.iter().all(Value::is_true))),
+        ("any", [all]) => Ok(Value::Bool(items(all)?.iter().any(Value::is_true))),
+        ("bool", []) => Ok(Value::Bool(false)),
+        ("bool", [x]) => Ok(Value::Bool(x.is_true())),
+        ("float", [x]) => to_float(x),
+        ("int", [x]) => to_int(x),
+        ("int", [Value::Text(text), base]) => {
+            let base = base.integer().and_then(|base| u32::try_from(base).ok());
+            let base =
+                base.filter(|base| (2..=36).contains(base)).ok_or("the base is not 2 to 36")?;
+            let digits = text.trim().trim_start_matches("0x").trim_start_matches("0X");
+            let value = i64::from_str_radix(digits, base);
+            value.map(Value::Int).map_err(|_| format!("'{text}' is not an integer"))
+        }
+        ("len", [Value::Text(_) | Value::List(_) | Value::Tuple(_) | Value::Dict(_)]) => {
+            Ok(Value::Int(i64::try_from(length(&arguments[0])).unwrap_or(i64::MAX)))
+        }
+        ("list", []) => Ok(Value::list(Vec::new())),
+        ("list", [all]) => items(all).map(Value::list),
+        ("tuple", []) => Ok(Value::Tuple(Rc::default())),
+        ("tuple", [all]) => items(all).map(|items| Value::Tuple(Rc::new(items))),
+        ("set", [all]) => {
+            let mut unique: Vec<Value> = Vec::new();
+            for item in items(all)? {
+                if !unique.iter().any(|own| own.equals(&item)) {
+                    unique.push(item);
+                }
+            }
+            Ok(Value::list(unique))
+        }
+        ("max", _) => extreme(arguments, Ordering::Greater),
+        ("min", _) => extreme(arguments, Ordering::Less),
+        ("range", _) => range(arguments),
+        ("repr", [x]) => Ok(Value::text(x.repr())),
+        ("reversed", [all]) => {
+            let mut all = items(all)?;
+            all.reverse();
+            Ok(Value::list(all))
+        }
+        ("round", [x]) => match x {
+            Value::Float(x) => truncated(libm::rint(*x)),
+            other => to_int(other),
+        },
+        ("round", [x, digits]) => {
+            let digits = digits.integer().ok_or("the number of digits is an integer")?;
+            rounded(x, digits)
+        }
+        ("sorted", [_]) => sorted(arguments, &[]),
+        ("str", []) => Ok(Value::text("")),
+        ("str", [x]) => Ok(Value::Text(x.display())),
+        ("sum", [all]) => sum(&items(all)?),
+        ("enumerate", [all]) => {
+            let pairs = items(all)?.into_iter().zip(0_i64..);
+            let pairs = pairs.map(|(item, i)| Value::Tuple(Rc::new(vec![Value::Int(i), item])));
+            Ok(Value::list(pairs.collect()))
+        }
+        ("zip", lists) => {
+            let lists = lists.iter().map(items).collect::<Result<Vec<_>, _>>()?;
+            let count = lists.iter().map(Vec::len).min().unwrap_or(0);
+            let row = |i: usize| lists.iter().map(|list| list[i].clone()).collect();
+            Ok(Value::list((0..count).map(|i| Value::Tuple(Rc::new(row(i)))).collect()))
+        }
+        _ => {
+            let kinds: Vec<&str> = arguments.iter().map(Value::kind).collect();
+            Err(format!("`{name}` cannot be called with ({})", kinds.join(", ")))
+        }
+    }
+}
+
+/// Returns the dictionary of entries, of pairs, and of named arguments.
+pub fn dict(arguments: &[Value], named: Vec<(Rc<str>, Value)>) -> Called {
+    let mut entries: Vec<(Value, Value)> = match arguments {
+        [] => Vec::new(),
+        [Value::Dict(entries)] => entries.to_vec(),
+        [pairs] => {
+            let pair = |pair: Value| match items(&pair)?.as_slice() {
+                [key, value] => Ok((key.clone(), value.clone())),
+                _ => Err(String::from("`dict` of a list needs pairs")),
+            };
+            items(pairs)?.into_iter().map(pair).collect::<Result<_, _>>()?
+        }
+        _ => return Err("`dict` has at most one argument without a name".into()),
+    };
+    for (name, value) in named {
+        let key = Value::Text(name);
+        entries.retain(|(own, _)| !own.equals(&key));
+        entries.push((key, value));
+    }
+    Ok(Value::Dict(Rc::new(entries)))
+}
+
+/// Returns the items in order.
+pub fn sorted(arguments: &[Value], named: &[(Rc<str>, Value)]) -> Called {
+    let [all] = arguments else { return Err("`sorted` has one list".into()) };
+    let mut all = items(all)?;
+    let comparable = all.windows(2).all(|pair| pair[0].compare(&pair[1]).is_some());
+    if !comparable {
+        return Err("`sorted` of values without an order".into());
+    }
+    all.sort_by(|a, b| a.compare(b).unwrap_or(Ordering::Equal));
+    match named {
+        [] => {}
+        [(name, reverse)] if &**name == "reverse" => {
+            if reverse.is_true() {
+                all.reverse();
+            }
+        }
+        [(name, _), ..] => return Err(format!("the named argument `{name}` is not supported")),
+    }
+    Ok(Value::list(all))
+}
+
+fn to_float(x: &Value) -> Called {
+    if let Value::Text(text) = x {
+        return match literal_float(text) {
+            Some(value) => Ok(Value::Float(value)),
+            None => Err(format!("'{text}' is not a number")),
+        };
+    }
+    number(x).map(Value::Float)
+}
+
+fn to_int(x: &Value) -> Called {
+    match x {
+        Value::Float(x) => truncated(x.trunc()),
+        Value::Text(text) => match literal_int(text) {
+            Some(value) => Ok(Value::Int(value)),
+            None => Err(format!("'{text}' is not an integer")),
+        },
+        other => {
+            other.integer().map(Value::Int).ok_or_else(|| format!("`int` of {}", other.kind()))
+        }
+    }
+}
+
+/// Returns the integer of a text, as Python's `int` reads it.
+pub fn literal_int(text: &str) -> Option<i64> {
+    let text = text.trim();
+    let digits = text.strip_prefix(['+', '-']).unwrap_or(text);
+    let plain = !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit());
+    if plain { text.parse().ok() } else { None }
+}
+
+/// Returns the number of a text, as Python's `float` reads it.
+pub fn literal_float(text: &str) -> Option<f64> {
+    // Rust reads the same forms, of which Python has `infinity`, `inf` and `nan` as well.
+    text.trim().parse().ok()
+}
+
+fn extreme(arguments: &[Value], wanted: Ordering) -> Called {
+    let all = match arguments {
+        [all] => items(all)?,
+        several => several.to_vec(),
+    };
+    let mut all = all.into_iter();
+    let mut best = all.next().ok_or("`min` and `max` need a value")?;
+    for item in all {
+        let order = item.compare(&best);
+        let order =
+            order.ok_or_else(|| format!("{} and {} have no order", item.kind(), best.kind()))?;
+        if order == wanted {
+            best = item;
+        }
+    }
+    Ok(best)
+}
+
+/// The largest number of values of a range.
+const MAX_RANGE: i64 = 100_000;
+
+fn range(arguments: &[Value]) -> Called {
+    let integers: Option<Vec<i64>> = arguments.iter().map(Value::integer).collect();
+    let (from, to, step) = match integers.as_deref() {
+        Some([to]) => (0, *to, 1),
+        Some([from, to]) => (*from, *to, 1),
+        Some([from, to, step]) if *step != 0 => (*from, *to, *step),
+        _ => return Err("`range` has one to three integers".into()),
+    };
+    let distance = i128::from(to) - i128::from(from);
+    if distance / i128::from(step) > i128::from(MAX_RANGE) {
+        return Err(format!("a range has at most {MAX_RANGE} values"));
+    }
+    let mut values = Vec::new();
+    let mut at = from;
+    while if step > 0 { at < to } else { at > to } {
+        values.push(Value::Int(at));
+        let Some(next) = at.checked_add(step) else { break };
+        at = next;
+    }
+    Ok(Value::list(values))
+}
+
+fn rounded(x: &Value, digits: i64) -> Called {
+    if let Value::Int(_) | Value::Bool(_) = x
+        && digits >= 0
+    {
+        return Ok(x.clone());
+    }
+    let x = number(x)?;
+    let Some(digits) = usize::try_from(digits).ok().filter(|digits| *digits < 300) else {
+        return Err("the number of digits is not between 0 and 300".into());
+    };
+    // The text is exact, and its last digit is rounded to even, as Python's.
+    format!("{x:.digits$}").parse().map(Value::Float).map_err(|_| "a number is not finite".into())
+}
+
+fn sum(all: &[Value]) -> Called {
+    let mut exact = Some(0_i64);
+    let mut sum = 0.0;
+    for item in all {
+        exact = exact.and_then(|sum| sum.checked_add(item.integer()?));
+        sum += number(item)?;
+    }
+    Ok(exact.map_or(Value::Float(sum), Value::Int))
+}
+
+/// The methods of texts, lists and dictionaries.
+const TEXT_METHODS: &[&str] = &[
+    "lower",
+    "upper",
+    "strip",
+    "lstrip",
+    "rstrip",
+    "split",
+    "replace",
+    "startswith",
+    "endswith",
+    "join",
+    "find",
+    "count",
+    "title",
+    "capitalize",
+    "isdigit",
+];
+const LIST_METHODS: &[&str] = &["index", "count"];
+const DICT_METHODS: &[&str] = &["get", "keys", "values", "items"];
+
+/// Returns whether a value has a method of this name.
+pub fn is_method(value: &Value, name: &str) -> bool {
+    let methods = match value {
+        Value::Text(_) => TEXT_METHODS,
+        Value::List(_) | Value::Tuple(_) => LIST_METHODS,
+        Value::Dict(_) => DICT_METHODS,
+        _ => return false,
+    };
+    methods.contains(&name)
+}
+
+/// Calls a method.
+pub fn call_method(of: &Value, name: &str, arguments: &[Value]) -> Called {
+    let wrong = || {
+        let kinds: Vec<&str> = arguments.iter().map(Value::kind).collect();
+        format!("`{name}` of {} cannot be called with ({})", of.kind(), kinds.join(", "))
+    };
+    match of {
+        Value::Text(text) => text_method(text, name, arguments).unwrap_or_else(|| Err(wrong())),
+        Value::Dict(entries) => match (name, arguments) {
+            ("get", [key]) => Ok(of.entry(key).unwrap_or(Value::None)),
+            ("get", [key, default]) => Ok(of.entry(key).unwrap_or_else(|| default.clone())),
+            ("keys", []) => items(of).map(Value::list),
+            ("values", []) => {
+                Ok(Value::list(entries.iter().map(|(_, value)| value.clone()).collect()))
+            }
+            ("items", []) => {
+                let pair = |(key, value): &(Value, Value)| {
+                    Value::Tuple(Rc::new(vec![key.clone(), value.clone()]))
+                };
+                Ok(Value::list(entries.iter().map(pair).collect()))
+            }
+            _ => Err(wrong()),
+        },
+        Value::List(all) | Value::Tuple(all) => {
+            let [item] = arguments else { return Err(wrong()) };
+            let found = match name {
+                "index" => all.iter().position(|own| own.equals(item)),
+                _ => Some(all.iter().filter(|own| own.equals(item)).count()),
+            };
+            let found = found.and_then(|found| i64::try_from(found).ok());
+            found.map(Value::Int).ok_or_else(|| format!("{} is not in the list", item.repr()))
+        }
+        _ => Err(wrong()),
+    }
+}
+
+fn text_method(text: &Rc<str>, name: &str, arguments: &[Value]) -> Option<Called> {
+    let texts: Option<Vec<&str>> = arguments
+        .iter()
+        .map(|argument| if let Value::Text(text) = argument { Some(&**text) } else { None })
+        .collect();
+    let found = match (name, texts.as_deref()) {
+        ("lower", Some([])) => Value::text(text.to_lowercase()),
+        ("upper", Some([])) => Value::text(text.to_uppercase()),
+        ("strip", Some([])) => Value::text(text.trim()),
+        ("lstrip", Some([])) => Value::text(text.trim_start()),
+        ("rstrip", Some([])) => Value::text(text.trim_end()),
+        ("strip", Some([set])) => Value::text(text.trim_matches(|c| set.contains(c))),
+        ("lstrip", Some([set])) => Value::text(text.trim_start_matches(|c| set.contains(c))),
+        ("rstrip", Some([set])) => Value::text(text.trim_end_matches(|c| set.contains(c))),
+        ("split", Some([])) => Value::list(text.split_whitespace().map(Value::text).collect()),
+        ("split", Some([by])) if !by.is_empty() => {
+            Value::list(text.split(by).map(Value::text).collect())
+        }
+        ("replace", Some([from, to])) => {
+            if text.len().saturating_mul(to.len().max(1)) > 1 << 20 {
+                return Some(Err("a text is too long".into()));
+            }
+            Value::text(text.replace(from, to))
+        }
+        ("startswith", Some([start])) => Value::Bool(text.starts_with(start)),
+        ("endswith", Some([end])) => Value::Bool(text.ends_with(end)),
+        ("find", Some([part])) => {
+            let at = text.find(part).map(|at| text[..at].chars().count());
+            Value::Int(at.and_then(|at| i64::try_from(at).ok()).unwrap_or(-1))
+        }
+        ("count", Some([part])) if !part.is_empty() => {
+            Value::Int(i64::try_from(text.matches(part).count()).unwrap_or(i64::MAX))
+        }
+        ("isdigit", Some([])) => {
+            Value::Bool(!text.is_empty() && text.chars().all(|c| c.is_ascii_digit()))
+        }
+        ("capitalize", Some([])) => {
+            let mut chars = text.chars();
+            let first: String = chars.next().into_iter().flat_map(char::to_uppercase).collect();
+            Value::text(first + &chars.as_str().to_lowercase())
+        }
+        ("join", _) => {
+            let [all] = arguments else { return None };
+            let all = match items(all) {
+                Ok(all) => all,
+                Err(reason) => return Some(Err(reason)),
+            };
+            let length: usize = all.iter().map(|item| length(item) + text.len()).sum();
+            if length > 1 << 20 {
+                return Some(Err("a text is too long".into()));
+            }
+            let parts: Vec<Rc<str>> = all.iter().map(Value::display).collect();
+            Value::text(parts.join(text))
+        }
+        _ => return None,
+    };
+    Some(Ok(found))
+}
+
+/// Returns a value in a format such as `.3f`, `d` or `03d`.
+fn formatted(value: &Value, spec: &str) -> Result<String, String> {
+    let wrong = || format!("the format `{spec}` of {} is not supported", value.kind());
+    if spec.is_empty() {
+        return Ok(value.display().to_string());
+    }
+    let (digits, kind) = match spec.chars().next_back() {
+        Some(kind) if kind.is_ascii_alphabetic() => (&spec[..spec.len() - 1], kind),
+        _ => (spec, 's'),
+    };
+    let (width, precision) = digits.split_once('.').unwrap_or((digits, ""));
+    let zeros = width.starts_with('0');
+    let parsed = |text: &str, default: usize| {
+        if text.is_empty() { Ok(default) } else { text.parse().map_err(|_| wrong()) }
+    };
+    let (width, precision) = (parsed(width, 0)?, parsed(precision, 6)?);
+    if width > 100 || precision > 100 {
+        return Err(wrong());
+    }
+    let text = match kind {
+        'f' => format!("{:.precision$}", number(value)?),
+        'd' => value.integer().ok_or_else(wrong)?.to_string(),
+        's' => value.display().to_string(),
+        _ => return Err(wrong()),
+    };
+    Ok(match (zeros, kind) {
+        (true, _) => match text.strip_prefix('-') {
+            Some(digits) => format!("-{digits:0>width$}", width = width.saturating_sub(1)),
+            None => format!("{text:0>width$}"),
+        },
+        (false, 's') => format!("{text:<width$}"),
+        (false, _) => format!("{text:>width$}"),
+    })
+}
+
+/// Returns a text with `%s`, `%d` and `%.3f` replaced.
+pub fn percent(text: &str, values: &Value) -> Called {
+    let values = match values {
+        Value::Tuple(values) => values.to_vec(),
+        one => vec![one.clone()],
+    };
+    let (mut out, mut rest, mut values) = (String::new(), text, values.iter());
+    while let Some(at) = rest.find('%') {
+        out += &rest[..at];
+        let after = &rest[at + 1..];
+        let end = after.find(|c: char| c.is_ascii_alphabetic() || c == '%');
+        let end = end.ok_or("a `%` in the text has no format")?;
+        if &after[end..=end] == "%" {
+            out.push('%');
+        } else {
+            let value = values.next().ok_or("`%` has too few values")?;
+            let value = match (&after[end..=end], value) {
+                ("d" | "i", Value::Float(x)) => &truncated(x.trunc())?,
+                _ => value,
+            };
+            out += &formatted(value, &after[..=end].replace('i', "d"))?;
+        }
+        rest = &after[end + 1..];
+    }
+    match values.next() {
+        Some(_) => Err("`%` has too many values".into()),
+        None => Ok(Value::text(out + rest)),
+    }
+}
