@@ -48,8 +48,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         if name == "arm7" {
             for (float, scalar) in [(FloatType::F32, "f32"), (FloatType::F64, "f64")] {
                 let builder = Builder::new().model(model.clone()).scalar(float);
-                let c = Path::new(&out).join(format!("arm7_{scalar}.c"));
-                builder.functions(FUNCTIONS).write_as(Target::C, c)?;
+                for file in builder.functions(FUNCTIONS).emit(Target::C)?.files {
+                    let end = file.name.rsplit('.').next().unwrap_or_default();
+                    std::fs::write(
+                        Path::new(&out).join(format!("arm7_{scalar}.{end}")),
+                        file.text,
+                    )?;
+                }
                 let builder = Builder::new().model(model.clone()).crate_("::modyn_runtime");
                 let file = Path::new(&out).join(format!("ordinary_{scalar}.rs"));
                 let builder = builder.scalar(float).functions([Function::ForwardDynamics]);
