@@ -87,7 +87,7 @@ struct Typed<S: Number> {
 
 enum Code<S: Number> {
     Machine(Compiled<S>),
-    Evaluated(Evaluated<S>),
+    Evaluated(Box<Evaluated<S>>),
 }
 
 impl<S: Number> Typed<S> {
@@ -109,7 +109,7 @@ impl<S: Number> Typed<S> {
             Some(Ok(compiled)) => (Code::Machine(compiled), None),
             other => {
                 let reason = other.and_then(Result::err).map(|error| error.to_string());
-                (Code::Evaluated(evaluated(planning)?), reason)
+                (Code::Evaluated(Box::new(evaluated(planning)?)), reason)
             }
         };
         let (code, single) = (RwLock::new(code), arrays::single(&result, length));
