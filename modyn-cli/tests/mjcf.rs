@@ -25,7 +25,11 @@ fn every_command_takes_mjcf() {
     assert_eq!(modyn(&["check", &good]).code, 0);
     let refused = modyn(&["check", &bad]);
     assert_eq!(refused.code, 1);
-    assert!(refused.out.contains("error[not-read]: `<spatial>` is not read"), "{}", refused.out);
+    assert!(
+        refused.out.contains("error[not-read]: a tendon with `stiffness` is not read"),
+        "{}",
+        refused.out
+    );
 
     let shown = modyn(&["inspect", &good, "--json"]).json();
     assert_eq!(shown["coordinates"], serde_json::json!(["slide", "pivot"]));

@@ -86,7 +86,7 @@ struct Typed<S: Number> {
 }
 
 enum Code<S: Number> {
-    Machine(Compiled<S>),
+    Machine(Box<Compiled<S>>),
     Evaluated(Box<Evaluated<S>>),
 }
 
@@ -106,7 +106,7 @@ impl<S: Number> Typed<S> {
         options.batches = true;
         let compiled = machine_code.then(|| Compiled::from_plan(&planning, options));
         let (code, reason) = match compiled {
-            Some(Ok(compiled)) => (Code::Machine(compiled), None),
+            Some(Ok(compiled)) => (Code::Machine(Box::new(compiled)), None),
             other => {
                 let reason = other.and_then(Result::err).map(|error| error.to_string());
                 (Code::Evaluated(Box::new(evaluated(planning)?)), reason)

@@ -1,0 +1,3 @@
+modyn::modyn!("frame-cycle.sdf");
+
+fn main() {}

@@ -1,0 +1,3 @@
+modyn::modyn!("frame-name.sdf");
+
+fn main() {}

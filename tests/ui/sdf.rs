@@ -1,3 +1,0 @@
-modyn::modyn!("sdf.sdf");
-
-fn main() {}
