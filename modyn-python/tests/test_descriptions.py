@@ -110,7 +110,7 @@ def test_options(tmp_path):
     [
         ({"bse": "fixed"}, TypeError, "no option `bse`; did you mean `base`"),
         ({"functions": "all"}, TypeError, "no option `functions`; there are: gravity, base"),
-        ({"base": "flying"}, ValueError, "option `base`: expected `fixed` or `floating`"),
+        ({"base": "flying"}, ValueError, "option `base`: expected `described` or `fixed` or `floating`"),
         ({"gravity": 3}, ValueError, "option `gravity`: expected three numbers"),
         ({"rotors": {"pivot": object()}}, ValueError, "option `rotors`: the value has another type"),
         ({"rotors": {"pivit": (1, 1)}}, modyn.DescriptionError, "pivit"),
