@@ -41,7 +41,8 @@ fn the_format_is_that_of_the_ending_or_of_the_option() {
     let out = modyn(&["convert", "modyn-codegen/tests/bad/cycle.urdf", "-", "--to", "urdf"]);
     assert!(out.code == 1 && out.err.contains("error[cycle]"), "{}", out.err);
     let gravity = ["--gravity", "[0, 0, -1.62]"];
-    let out = modyn(&[&["convert", "robots/arm7.urdf", "-", "--to", "urdf"][..], &gravity].concat());
+    let out =
+        modyn(&[&["convert", "robots/arm7.urdf", "-", "--to", "urdf"][..], &gravity].concat());
     let note = "note: The format has no gravity: read the robot with the option `gravity = [0, 0, -1.62]`.";
     assert!(out.code == 0 && out.err.contains(note), "{}", out.err);
 }

@@ -10,28 +10,46 @@ const ROBOT: &str = "modyn-codegen/tests/good/kinematics_only.urdf";
 #[test]
 fn a_robot_without_inertia_has_kinematics() {
     let checked = modyn(&["check", ROBOT]);
-    assert!(checked.code == 0 && checked.out.contains("warning[kinematics-only]"), "{}", checked.out);
+    assert!(
+        checked.code == 0 && checked.out.contains("warning[kinematics-only]"),
+        "{}",
+        checked.out
+    );
 
     let inspected = modyn(&["inspect", ROBOT, "--json"]);
     assert_eq!(inspected.code, 0, "{}", inspected.err);
     let json = inspected.json();
     assert!(json["has_dynamics"] == false && json["condition_number"].is_null(), "{json}");
-    let names: Vec<&str> =
-        json["functions"].as_array().expect("a list").iter().filter_map(|f| f["name"].as_str()).collect();
+    let names: Vec<&str> = json["functions"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .filter_map(|f| f["name"].as_str())
+        .collect();
     assert!(names.contains(&"jacobian") && names.contains(&"regressor"), "{names:?}");
-    assert!(!names.contains(&"forward_dynamics") && !names.contains(&"center_of_mass"), "{names:?}");
+    assert!(
+        !names.contains(&"forward_dynamics") && !names.contains(&"center_of_mass"),
+        "{names:?}"
+    );
     let inspected = modyn(&["inspect", ROBOT, "--functions", "default"]);
     assert!(inspected.code == 0 && inspected.out.contains("has no dynamics"), "{}", inspected.err);
 
     let compared = modyn(&["compare", ROBOT]);
-    assert!(compared.code == 0 && compared.out.contains("link_poses"), "{}{}", compared.out, compared.err);
+    assert!(
+        compared.code == 0 && compared.out.contains("link_poses"),
+        "{}{}",
+        compared.out,
+        compared.err
+    );
 
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("r.rs");
     let generated = modyn(&["generate", ROBOT, "-o", out.to_str().expect("UTF-8")]);
     assert_eq!(generated.code, 0, "{}", generated.err);
     let text = std::fs::read_to_string(out).expect("a text");
-    assert!(text.contains("functions::Jacobian for") && !text.contains("functions::MassMatrix for"));
+    assert!(
+        text.contains("functions::Jacobian for") && !text.contains("functions::MassMatrix for")
+    );
 }
 
 #[test]
@@ -40,7 +58,10 @@ fn dynamics_is_refused_by_name() {
     let simulated = ["simulate", ROBOT];
     let compared = ["compare", ROBOT, "--functions", "forward_dynamics"];
     for (arguments, message) in [
-        (&named[..], "function `mass_matrix` needs inertia, and joints `shoulder`, `wrist` move none"),
+        (
+            &named[..],
+            "function `mass_matrix` needs inertia, and joints `shoulder`, `wrist` move none",
+        ),
         (&simulated, "`simulate` needs dynamics, and joint `shoulder` moves no inertia"),
         (&compared, "function `forward_dynamics` needs inertia"),
     ] {

@@ -12,8 +12,9 @@ use modyn_runtime::model::{
 use modyn_runtime::spatial::Pose;
 
 use super::xml::Element;
-use super::{Document, Names, is_massless, range, relative};
+use super::{Document, Names, is_massless, range};
 use crate::check::motion::listed;
+use crate::diagnostics::{Code, Diagnostic};
 
 /// The mass and the moment of inertia that MuJoCo requires of a moving body, kg and kg m^2.
 const MUJOCO_MINIMUM: f64 = 1e-15;
@@ -241,14 +242,14 @@ impl Writer<'_> {
                 "the floating joint `{}` starts at another frame than the world's, which MJCF has no words for",
                 joint.name
             );
-            self.document.refuse(message, "write a URDF");
+            self.refuse(message);
         }
         if armature != 0.0 || friction != 0.0 {
             let message = format!(
                 "the floating joint `{}` has armature or friction, which MuJoCo applies in other axes",
                 joint.name
             );
-            self.document.refuse(message, "write a URDF");
+            self.refuse(message);
         }
         if damping == 0.0 {
             return vec![
@@ -297,7 +298,7 @@ impl Writer<'_> {
                         constraint.name,
                         constraint.kind.name()
                     );
-                    self.document.refuse(message, "write a URDF");
+                    self.refuse(message);
                     continue;
                 }
             };
@@ -339,6 +340,12 @@ impl Writer<'_> {
         }
     }
 
+    /// Adds an error: the dynamics of the robot that is read again would differ.
+    fn refuse(&mut self, message: String) {
+        let error = Diagnostic::error(Code::Inexpressible, message).with_help("write a URDF");
+        self.document.errors.push(error);
+    }
+
     /// Notes links without a body, and bodies that MuJoCo refuses.
     fn say_what_mujoco_refuses(&mut self) {
         let links = self.model.links();
@@ -356,8 +363,8 @@ impl Writer<'_> {
         }
         let is_refused = |i: &usize| {
             let Inertial { mass, .. } = links[*i].inertial;
-            let least = links[*i].inertial.principal_moments()[0];
-            !self.joints[*i].is_empty() && !(mass > MUJOCO_MINIMUM && least > MUJOCO_MINIMUM)
+            let moves = mass.min(links[*i].inertial.principal_moments()[0]) > MUJOCO_MINIMUM;
+            !self.joints[*i].is_empty() && !moves
         };
         let refused: Vec<usize> = (0..links.len()).filter(is_refused).collect();
         if !refused.is_empty() {
@@ -398,4 +405,16 @@ fn placed(mut element: Element, pose: &Pose<f64>) -> Element {
         element = element.numbers("quat", &quaternion);
     }
     element
+}
+
+/// Returns the pose of a frame `inner` in the frame `outer`, both given in the same frame.
+fn relative(outer: &Pose<f64>, inner: &Pose<f64>) -> Pose<f64> {
+    inverse(outer).compose(inner)
+}
+
+/// Returns the inverse of a pose.
+fn inverse(pose: &Pose<f64>) -> Pose<f64> {
+    let transposed = std::array::from_fn(|i| std::array::from_fn(|j| pose.rotation[j][i]));
+    let back = Pose { rotation: transposed, translation: [0.0; 3] };
+    Pose { translation: back.rotate(pose.translation).map(|x| -x), ..back }
 }

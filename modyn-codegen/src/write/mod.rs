@@ -15,7 +15,6 @@ mod xml;
 use std::collections::BTreeSet;
 
 use modyn_runtime::model::{DEFAULT_GRAVITY, Friction, Inertial, Limits, Model};
-use modyn_runtime::spatial::Pose;
 
 use crate::description::UNLIMITED;
 use crate::diagnostics::{Code, Diagnostic, Diagnostics};
@@ -42,11 +41,6 @@ struct Document {
 impl Document {
     fn new(root: Element) -> Self {
         Self { root, notes: Vec::new(), errors: Vec::new() }
-    }
-
-    /// Adds an error: the dynamics of the robot that is read again would differ.
-    fn refuse(&mut self, message: String, help: &str) {
-        self.errors.push(Diagnostic::error(Code::Inexpressible, message).with_help(help));
     }
 }
 
@@ -139,20 +133,6 @@ impl Names {
         self.0.insert(name.clone());
         name
     }
-}
-
-#[cfg(feature = "mjcf")]
-/// Returns the pose of a frame `inner` in the frame `outer`, both given in the same frame.
-fn relative(outer: &Pose<f64>, inner: &Pose<f64>) -> Pose<f64> {
-    inverse(outer).compose(inner)
-}
-
-#[cfg(feature = "mjcf")]
-/// Returns the inverse of a pose.
-fn inverse(pose: &Pose<f64>) -> Pose<f64> {
-    let transposed = std::array::from_fn(|i| std::array::from_fn(|j| pose.rotation[j][i]));
-    let back = Pose { rotation: transposed, translation: [0.0; 3] };
-    Pose { translation: back.rotate(pose.translation).map(|x| -x), ..back }
 }
 
 /// Returns whether a link has neither mass nor rotational inertia.
