@@ -259,10 +259,11 @@ mod objects {
         }
 
         fn make(&self, builder: &Builder) -> Result<ObjectRobot, Diagnostics> {
-            let mut options = ObjectOptions::default();
-            options.instruction_set = self.instruction_set;
-            options.format = ObjectFormat::Elf;
-            options.prefix = Some("ours".into());
+            let options = ObjectOptions {
+                instruction_set: self.instruction_set,
+                format: ObjectFormat::Elf,
+                prefix: Some("ours".into()),
+            };
             let object = builder.generate_object(&options).expect("an object");
             Ok(ObjectRobot { object, planning: builder.plan()? })
         }

@@ -74,9 +74,8 @@ int main(void)
 #[test]
 fn debuggers_find_the_caller_at_each_instruction() {
     for instruction_set in InstructionSet::available() {
-        let mut options = ObjectOptions::default();
-        (options.instruction_set, options.format) = (instruction_set, ObjectFormat::Elf);
-        options.prefix = Some("robot".into());
+        let prefix = Some("robot".into());
+        let options = ObjectOptions { instruction_set, format: ObjectFormat::Elf, prefix };
         let builder = robot("arm6").functions([Function::ForwardDynamics]);
         let object = builder.generate_object(&options).expect("an object");
         let folder = folder(&format!("steps_{instruction_set:?}"));
