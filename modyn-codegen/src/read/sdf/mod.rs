@@ -49,7 +49,7 @@ pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> O
     reader.root(root);
     let unread = reader.unread;
     unread.warn(report);
-    build::describe(&world, at, options, report)
+    build::describe(world, at, options, report)
 }
 
 /// Returns the version of an SDF, times 100; `None` with an error in the report.
