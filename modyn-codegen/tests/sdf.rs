@@ -245,6 +245,28 @@ fn a_joint_closes_a_loop() {
     assert_eq!(pin.ends[0].pose.translation, [0.0, 0.0, 1.0]);
 }
 
+/// The first joints between links are the tree; a joint between connected links closes a loop, without saying so.
+#[test]
+fn a_joint_between_connected_links_closes_a_loop() {
+    let text = format!(
+        "<sdf version='1.12'><model name='m'>{ARM}<link name='rod'><inertial/></link>
+         <joint name='k' type='revolute'><parent>base</parent><child>rod</child><axis><xyz>0 1 0</xyz></axis></joint>
+         <joint name='pin' type='revolute'><parent>rod</parent><child>arm</child><axis><xyz>0 1 0</xyz>
+         <dynamics><damping>1</damping></dynamics></axis></joint></model></sdf>"
+    );
+    let reading = Format::Sdf.read(&text, "robot.sdf", &ReadOptions::default()).expect("a loop");
+    let [pin] = reading.model.loop_constraints() else { panic!("one loop") };
+    assert_eq!(pin.kind, LoopConstraintKind::Revolute([0.0, 1.0, 0.0]));
+    let found: Vec<_> = reading.warnings.iter().map(|warning| warning.code).collect();
+    assert!(found.contains(&Code::LoopEnds) && found.contains(&Code::NotRead), "{found:?}");
+    let mimic = text.replace(
+        "<dynamics><damping>1</damping></dynamics>",
+        "<mimic joint='k'><multiplier>1</multiplier></mimic>",
+    );
+    let error = read(&mimic, &ReadOptions::default()).expect_err("a mimic joint has a coordinate");
+    assert!(error.to_string().contains("it closes a loop and mimics another joint"), "{error}");
+}
+
 /// Without its follower, a screw would be another joint.
 #[test]
 fn a_screw_follows() {

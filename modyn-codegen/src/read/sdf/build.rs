@@ -221,13 +221,9 @@ impl Build<'_, '_, '_> {
                 };
                 (link, pose)
             });
-            if joint.closes_loop {
-                let axis = self.direction(joint, joint.axes[0].as_ref());
-                self.closing(joint, axis, ends, &subject);
-            } else {
-                edges.push(Edge { joint, ends, subject });
-            }
+            edges.push(Edge { joint, ends, subject });
         }
+        let edges = self.tree(edges);
         let reversed = self.reversed(&edges);
         for (Edge { joint, ends, subject }, reversed) in edges.iter().zip(reversed) {
             let directions = joint.axes.each_ref().map(|axis| self.direction(joint, axis.as_ref()));
@@ -240,6 +236,42 @@ impl Build<'_, '_, '_> {
                 self.place(joint, made, directions, [parent, child], subject);
             }
         }
+    }
+
+    /// Returns the joints of a spanning tree, in order. The other joints close loops: those that say so, and those between links
+    /// that joints before them connect.
+    fn tree<'w>(&mut self, edges: Vec<Edge<'w>>) -> Vec<Edge<'w>> {
+        // For each frame, a frame of the same connected part; a part's last frame leads to itself.
+        let mut next: Vec<usize> = (0..self.world.frames.len()).collect();
+        let mut tree = Vec::new();
+        let mut found = Vec::new();
+        for edge in edges {
+            let [parent, child] = edge.ends.each_ref().map(|(link, _)| *link);
+            let parts = [parent, child].map(|mut frame| {
+                while next[frame] != frame {
+                    next[frame] = next[next[frame]];
+                    frame = next[frame];
+                }
+                frame
+            });
+            // A joint between a link and itself is an error of the tree.
+            if edge.joint.closes_loop || parts[0] == parts[1] && parent != child {
+                if !edge.joint.closes_loop {
+                    let at = self.world.frames[edge.joint.frame].name.at;
+                    found.push((Some(at), Some(edge.subject.clone())));
+                }
+                self.closing(edge);
+            } else {
+                next[parts[0]] = parts[1];
+                tree.push(edge);
+            }
+        }
+        let message = "it connects links that other joints connect, so it closes a loop: it is a constraint, and has no \
+                       coordinate";
+        let help = "to choose another joint of the loop for this, write \
+                    `<physics><simbody><must_be_loop_joint>true</must_be_loop_joint></simbody></physics>` in it";
+        self.report.warn_once(Code::LoopEnds, &found, message, help);
+        tree
     }
 
     /// Returns for each joint whether its child is closer to the root than its parent. Such a joint is exchanged: about the
@@ -465,14 +497,22 @@ impl Build<'_, '_, '_> {
     }
 
     /// Adds a joint that closes a loop.
-    fn closing(
-        &mut self,
-        joint: &Joint,
-        axis: [f64; 3],
-        ends: [(usize, Pose<f64>); 2],
-        subject: &Subject,
-    ) {
+    fn closing(&mut self, Edge { joint, ends, subject }: Edge<'_>) {
+        let subject = &subject;
+        let axis = self.direction(joint, joint.axes[0].as_ref());
         let name = &self.world.frames[joint.frame].name;
+        let axes = joint.axes.iter().flatten();
+        if axes.clone().any(|axis| axis.mimic.is_some()) {
+            let message = "it closes a loop and mimics another joint, which is not supported";
+            let help = "remove `<mimic>`, or let another joint close the loop";
+            self.report.error(Code::NotRead, name.at, Some(subject), message, help);
+        }
+        if let Some(axis) = axes.clone().find(|axis| axis.dynamics != JointDynamics::default()) {
+            let message = "it closes a loop, so its damping and friction do not act";
+            let help = "remove them, or let another joint close the loop";
+            let (severity, code) = (Severity::Warning, Code::NotRead);
+            self.report.add(severity, code, axis.dynamics_at, Some(subject), message, help);
+        }
         let kind = match joint.kind {
             Some(JointKind::Fixed) => Some(LoopConstraintKind::Rigid),
             Some(JointKind::Revolute | JointKind::Continuous) => {
