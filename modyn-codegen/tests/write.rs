@@ -186,21 +186,23 @@ fn descriptions_are_written_and_read_again() {
             mjcf += usize::from(round(&name, &reading.model, Format::Mjcf, &mut random));
         }
     }
-    assert_eq!(urdf, all);
-    assert!(all > 80 && mjcf > 60, "{mjcf} of {all} written as MJCF");
+    assert!(all > 80 && urdf > all - 8 && mjcf > 60, "{urdf} and {mjcf} of {all} written");
 }
 
 #[test]
 fn random_robots_are_written_and_read_again() {
-    let mut mjcf = 0;
+    let (mut urdf, mut mjcf) = (0, 0);
     for seed in random::seeds(60) {
         let mut random = Random::new(seed);
         let model = random::mixed_zoo(seed, 1 + seed as usize % 9);
         let model = constrained(model, &mut random);
-        assert!(round("random", &model, Format::Urdf, &mut random));
+        let is_written = round("random", &model, Format::Urdf, &mut random);
+        let has_no_forces = model.springs().is_empty() && model.gravity_compensation().is_empty();
+        assert!(is_written || !has_no_forces, "seed {seed}");
+        urdf += usize::from(is_written);
         mjcf += usize::from(round("random", &model, Format::Mjcf, &mut random));
     }
-    assert!(mjcf > 10, "{mjcf} robots written as MJCF");
+    assert!(urdf > 20 && mjcf > 10, "{urdf} robots written as URDF, {mjcf} as MJCF");
 }
 
 /// Returns a pose in general position.

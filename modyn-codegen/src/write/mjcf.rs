@@ -4,10 +4,12 @@
 //! MuJoCo refuses a body that moves without mass. A link that is fixed to another one is a body without joints if it has mass,
 //! else a site.
 
-use modyn_runtime::conventions::{quaternion_from_rotation, wxyz_from_xyzw};
+use modyn_runtime::conventions::{
+    quaternion_from_rotation, rotation_from_quaternion, wxyz_from_xyzw,
+};
 use modyn_runtime::joint::{JointType, planar};
 use modyn_runtime::model::{
-    Frame, Inertial, Joint, JointDynamics, Link, LoopConstraintEnd, LoopConstraintKind, Model,
+    Frame, Inertial, Joint, JointDynamics, LoopConstraintEnd, LoopConstraintKind, Model,
 };
 use modyn_runtime::spatial::Pose;
 
@@ -145,21 +147,35 @@ impl Writer<'_> {
         let origins = own.iter().map(|&i| &links[i].joint.origin);
         let pose = origins.fold(Pose::identity(), |pose, origin| pose.compose(origin));
         let name = self.place_name(&links[link].name);
-        let mut body = placed(Element::new("body").with("name", name), &pose);
+        // The spring of a floating body is at rest where the body is drawn.
+        let rest = self.model.spring(link).and_then(|spring| match *spring.reference {
+            [x, y, z, a, b, c, d] => {
+                let rotation = rotation_from_quaternion([a, b, c, d]);
+                Some(Pose { rotation, translation: [x, y, z] })
+            }
+            _ => None,
+        });
+        let mut body = Element::new("body").with("name", name);
+        let compensation = self.compensation(self.model.frame_index(&links[link].name));
+        if compensation != 0.0 {
+            body = body.numbers("gravcomp", &[compensation]);
+        }
+        let mut body = placed(body, &rest.unwrap_or(pose));
         let mut reached = Pose::identity();
         for i in own {
             reached = reached.compose(&links[i].joint.origin);
             // The pose of the joint's frame in the body's.
             let place = relative(&pose, &reached);
-            let joints = self.joints_of(&links[i], &place);
+            let joints = self.joints_of(i, &place);
             body.children.extend(joints);
         }
         body.maybe(inertial(&own_inertial(self.model, link)))
     }
 
     /// Returns the elements of a link's joint, whose frame has this pose in the body.
-    fn joints_of(&mut self, link: &Link, place: &Pose<f64>) -> Vec<Element> {
-        let joint = &link.joint;
+    fn joints_of(&mut self, link: usize, place: &Pose<f64>) -> Vec<Element> {
+        let model = self.model;
+        let (joint, spring) = (&model.links()[link].joint, model.spring(link));
         let JointDynamics { armature, damping, friction } = joint.dynamics;
         if let Some(velocity) = joint.limits.and_then(|limits| limits.velocity) {
             let note =
@@ -204,9 +220,26 @@ impl Writer<'_> {
                     element = element.numbers(name, &[x]);
                 }
             }
+            if let Some(spring) = spring.filter(|spring| spring.stiffness != 0.0) {
+                element = element.numbers("stiffness", &[spring.stiffness]);
+                if kind != "ball" {
+                    element = element.numbers("springref", &[spring.reference[k]]);
+                } else if spring.reference != [0.0, 0.0, 0.0, 1.0] {
+                    self.refuse(format!(
+                        "the spring of joint `{}` is at rest at a rotation, which MJCF has no words for",
+                        joint.name
+                    ));
+                }
+            }
             elements.push(element);
         }
         elements
+    }
+
+    /// Returns the part of the weight of a link of the description that is compensated.
+    fn compensation(&self, frame: Option<usize>) -> f64 {
+        let factors = self.model.gravity_compensation();
+        frame.and_then(|frame| factors.get(frame)).copied().unwrap_or(0.0)
     }
 
     /// Returns the element of a joint with its limits.
@@ -234,30 +267,34 @@ impl Writer<'_> {
     }
 
     /// Returns the joint of a floating link.
-    fn floating(&mut self, link: &Link) -> Vec<Element> {
-        let joint = &link.joint;
+    fn floating(&mut self, link: usize) -> Vec<Element> {
+        let own = &self.model.links()[link];
+        let joint = &own.joint;
         let JointDynamics { armature, damping, friction } = joint.dynamics;
-        if link.parent.is_some() || joint.origin != Pose::identity() {
+        if own.parent.is_some() || joint.origin != Pose::identity() {
             let message = format!(
                 "the floating joint `{}` starts at another frame than the world's, which MJCF has no words for",
                 joint.name
             );
             self.refuse(message);
         }
-        if armature != 0.0 || friction != 0.0 {
+        if friction != 0.0 {
             let message = format!(
-                "the floating joint `{}` has armature or friction, which MuJoCo applies in other axes",
+                "the floating joint `{}` has friction, which MuJoCo applies in other axes",
                 joint.name
             );
             self.refuse(message);
         }
-        if damping == 0.0 {
+        let stiffness = self.model.spring(link).map_or(0.0, |spring| spring.stiffness);
+        let forces = [("damping", damping), ("armature", armature), ("stiffness", stiffness)];
+        if forces.iter().all(|(_, x)| *x == 0.0) {
             return vec![
                 Element::new("freejoint").with("name", &*joint.name).with("align", "false"),
             ];
         }
         let element = Element::new("joint").with("name", &*joint.name).with("type", "free");
-        vec![element.numbers("damping", &[damping])]
+        let acting = forces.into_iter().filter(|(_, x)| *x != 0.0);
+        vec![acting.fold(element, |element, (name, x)| element.numbers(name, &[x]))]
     }
 
     /// Returns a link that is fixed to another one, or to the world.
@@ -266,8 +303,12 @@ impl Writer<'_> {
         if is_massless(&frame.inertial) {
             return placed(Element::new("site").with("name", name), &frame.pose);
         }
-        let body = placed(Element::new("body").with("name", name), &frame.pose);
-        body.maybe(inertial(&frame.inertial))
+        let mut body = Element::new("body").with("name", name);
+        let compensation = self.compensation(self.model.frame_index(&frame.name));
+        if compensation != 0.0 {
+            body = body.numbers("gravcomp", &[compensation]);
+        }
+        placed(body, &frame.pose).maybe(inertial(&frame.inertial))
     }
 
     /// Returns the name of a body or a site: the link's, unless it is the reserved name of the world.

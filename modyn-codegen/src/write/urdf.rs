@@ -7,7 +7,9 @@ use modyn_runtime::spatial::Pose;
 
 use super::xml::Element;
 use super::{Document, Names, is_massless, range};
+use crate::check::motion::listed;
 use crate::description::UNLIMITED;
+use crate::diagnostics::{Code, Diagnostic};
 
 /// Returns the document of a robot.
 pub fn document(model: &Model) -> Document {
@@ -50,6 +52,7 @@ pub fn document(model: &Model) -> Document {
                 .child(end("child", &frame.name)),
         );
     }
+    refuse_passive_forces(model, &mut document.errors);
     note_extensions(model, &mut document.notes);
     let elements = &mut document.root.children;
     let frame_name = |end: &LoopConstraintEnd| &*frames[end.frame].name;
@@ -71,6 +74,27 @@ pub fn document(model: &Model) -> Document {
         elements.push(placed(element, &contact.end.pose));
     }
     document
+}
+
+/// Adds an error for springs and for gravity compensation.
+fn refuse_passive_forces(model: &Model, errors: &mut Vec<Diagnostic>) {
+    let springs = model.springs().iter().filter(|spring| spring.stiffness != 0.0);
+    let joints = springs.map(|spring| &*model.links()[spring.link].joint.name);
+    let compensated = model.frames().iter().zip(model.gravity_compensation());
+    let links = compensated
+        .filter(|(frame, factor)| {
+            **factor != 0.0 && frame.link.is_some() && frame.inertial.mass != 0.0
+        })
+        .map(|(frame, _)| &*frame.name);
+    let found = [
+        (listed("joint", joints.clone()), joints.count(), "a spring"),
+        (listed("link", links.clone()), links.count(), "gravity compensation"),
+    ];
+    for (names, count, what) in found.into_iter().filter(|(_, count, _)| *count > 0) {
+        let have = if count == 1 { "has" } else { "have" };
+        let message = format!("{names} {have} {what}, which URDF has no words for");
+        errors.push(Diagnostic::error(Code::Inexpressible, message).with_help("write an MJCF"));
+    }
 }
 
 /// Notes the parts of a robot that other readers of URDF do not know.

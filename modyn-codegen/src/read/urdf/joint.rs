@@ -52,6 +52,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             limits: None,
             mimic: None,
             dynamics: JointDynamics::default(),
+            spring: None,
             dynamics_at: node.range().start,
             sound: true,
         };
@@ -92,7 +93,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         name: &str,
         subject: Option<&Subject>,
     ) -> Option<Attribute<'a>> {
-        let node = self.xml.required(node, name, "link=\"...\"", subject)?;
+        let node = self.xml.required(node, name, &format!("<{name} link=\"...\"/>"), subject)?;
         self.xml.attribute(node, "link", subject)
     }
 
