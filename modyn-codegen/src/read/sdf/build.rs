@@ -591,7 +591,7 @@ impl Build<'_, '_, '_> {
         welded
     }
 
-    /// Reads links without gravity: all of them, or none that moves. Warns of moving links without inertia.
+    /// Compensates the weight of links without gravity; without any weight, gravity is zero. Warns of moving links without inertia.
     fn weights(&mut self) {
         let world = self.world;
         let own = world.links.iter().filter(|link| self.inside[world.frames[link.frame].scope]);
@@ -608,20 +608,19 @@ impl Build<'_, '_, '_> {
             "it has no `<inertial>`, so SDF gives it a mass of 1 kg and an inertia of 1 kg m^2";
         let help = "write the link's `<inertial>`";
         self.report.warn_once(Code::MissingInertial, &without, message, help);
-        if !own.is_empty() && own.iter().all(|link| link.weightless.is_some()) {
+        if !own.is_empty() && own.iter().all(|link| link.weightless) {
             self.description.gravity = Some([0.0; 3]);
             return;
         }
-        for link in own {
-            let name = &world.frames[link.frame].name.text;
-            if let Some(at) = link.weightless.filter(|_| !welded.contains(name)) {
-                let message =
-                    "gravity does not act on this link, but on others, which is not supported";
-                let help = "write the same `<gravity>` for all links, or compensate the link's weight by an external wrench";
-                let subject = Subject::Link(name.clone());
-                self.report.error(Code::NotRead, at, Some(&subject), message, help);
-            }
-        }
+        let without: HashSet<&str> = own
+            .iter()
+            .filter(|link| link.weightless)
+            .map(|link| world.frames[link.frame].name.text.as_str())
+            .filter(|name| !welded.contains(*name))
+            .collect();
+        let links = self.description.links.iter().enumerate();
+        let compensated = links.filter(|(_, link)| without.contains(link.name.text.as_str()));
+        self.description.compensated = compensated.map(|(index, _)| (index, 1.0)).collect();
     }
 }
 
