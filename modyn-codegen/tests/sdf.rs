@@ -113,6 +113,64 @@ fn solids_are_drakes() {
     assert_drakes_numbers("solids");
 }
 
+/// A world with several models that move, joints between models, and one to a static model.
+#[test]
+fn worlds_are_drakes() {
+    assert_drakes_numbers("world");
+}
+
+/// A joint of the world connects models as a joint of a model connects the models in it.
+#[test]
+fn joints_of_the_world_connect_models() {
+    let link = |name: &str, mass: f64| {
+        format!(
+            "<link name='{name}'><pose>0.1 {mass} 0.2 0.3 0.1 {mass}</pose><inertial><pose>0.1 0.2 {mass} 0 0 0</pose>\
+             <mass>{mass}</mass></inertial></link>"
+        )
+    };
+    let models = format!(
+        "<model name='a'><pose>0.1 0.2 0.3 0.4 0.5 0.6</pose>{}</model><model name='b'>{}</model>\
+         <joint name='j' type='revolute'><pose>0.1 0 0.2 0.1 0.3 0</pose><parent>a::l</parent><child>b::m</child>\
+         <axis><xyz>0 0.6 -0.8</xyz></axis></joint>",
+        link("l", 0.3),
+        link("m", 0.7),
+    );
+    let joint = |parent, child| {
+        format!(
+            "<joint name='k' type='revolute'><pose relative_to='a::l'/><parent>{parent}</parent><child>{child}</child>\
+             <axis><xyz>0.6 0 0.8</xyz></axis></joint>"
+        )
+    };
+    let numbers = |models: &str, sign: f64| {
+        let text = format!("<sdf version='1.12'><world name='w'>{models}</world></sdf>");
+        let robot = read(&text, &ReadOptions::default()).unwrap_or_else(|found| panic!("{found}"));
+        let moving: Vec<_> =
+            (0..robot.links().len()).filter(|&i| robot.v_range(i).len() == 1).collect();
+        let names = moving.iter().map(|&i| robot.links()[i].joint.name.clone()).collect::<Vec<_>>();
+        assert_eq!(names, ["k", "j"]);
+        let mut numbers = [0.0; 6];
+        let (bias, matrix) = numbers.split_at_mut(2);
+        let mut interpreter = Interpreter::<f64>::new(robot);
+        interpreter.bias_forces(&[0.3 * sign, -0.7], &[0.4 * sign, 0.9], bias).expect("sizes");
+        interpreter.mass_matrix(&[0.3 * sign, -0.7], matrix).expect("sizes");
+        for entry in [0, 3, 4] {
+            numbers[entry] *= sign;
+        }
+        numbers
+    };
+    let nested = format!("<model name='n'>{models}{}</model>", joint("world", "a::l"));
+    let nested = numbers(&nested, 1.0);
+    let floor =
+        "<model name='s'><static>1</static><pose>1 2 3 4 5 6</pose><link name='p'/></model>";
+    let near = |found: [f64; 6]| {
+        for (a, b) in found.iter().zip(nested) {
+            assert!((a - b).abs() < 1e-12, "{found:?} {nested:?}");
+        }
+    };
+    near(numbers(&format!("{floor}{models}{}", joint("s::p", "a::l")), 1.0));
+    near(numbers(&format!("{floor}{models}{}", joint("a::l", "s::p")), -1.0));
+}
+
 /// Drake does not read cones. The moments are integrated over slices here.
 #[test]
 fn a_cone_is_the_sum_of_its_slices() {
@@ -185,6 +243,28 @@ fn a_joint_closes_a_loop() {
     let [pin] = robot.loop_constraints() else { panic!("one loop") };
     assert_eq!(pin.kind, LoopConstraintKind::Revolute([0.0, 1.0, 0.0]));
     assert_eq!(pin.ends[0].pose.translation, [0.0, 0.0, 1.0]);
+}
+
+/// The first joints between links are the tree; a joint between connected links closes a loop, without saying so.
+#[test]
+fn a_joint_between_connected_links_closes_a_loop() {
+    let text = format!(
+        "<sdf version='1.12'><model name='m'>{ARM}<link name='rod'><inertial/></link>
+         <joint name='k' type='revolute'><parent>base</parent><child>rod</child><axis><xyz>0 1 0</xyz></axis></joint>
+         <joint name='pin' type='revolute'><parent>rod</parent><child>arm</child><axis><xyz>0 1 0</xyz>
+         <dynamics><damping>1</damping></dynamics></axis></joint></model></sdf>"
+    );
+    let reading = Format::Sdf.read(&text, "robot.sdf", &ReadOptions::default()).expect("a loop");
+    let [pin] = reading.model.loop_constraints() else { panic!("one loop") };
+    assert_eq!(pin.kind, LoopConstraintKind::Revolute([0.0, 1.0, 0.0]));
+    let found: Vec<_> = reading.warnings.iter().map(|warning| warning.code).collect();
+    assert!(found.contains(&Code::LoopEnds) && found.contains(&Code::NotRead), "{found:?}");
+    let mimic = text.replace(
+        "<dynamics><damping>1</damping></dynamics>",
+        "<mimic joint='k'><multiplier>1</multiplier></mimic>",
+    );
+    let error = read(&mimic, &ReadOptions::default()).expect_err("a mimic joint has a coordinate");
+    assert!(error.to_string().contains("it closes a loop and mimics another joint"), "{error}");
 }
 
 /// Without its follower, a screw would be another joint.

@@ -20,12 +20,27 @@ KINDS = {"quaternion_floating": (7, 6), "ball_rpy": (4, 3)}
 
 
 def short(plant, element, outer):
-    """The name within the model, as `arm::elbow`. Drake moves joints and frames to the models that they are attached to."""
+    """The name within the world's only model, as `arm::elbow`, or in a world with several that move, as `left::arm::elbow`.
+    Drake moves joints and frames to the models that they are attached to."""
     if element.name() in outer:
-        return element.name()
+        return outer[element.name()]
     scope = plant.GetModelInstanceName(element.model_instance())
     parts = [part for part in [*scope.split("::"), element.name()] if part]
-    return "::".join(parts[1:])
+    return "::".join(parts if None in outer else parts[1:])
+
+
+def outer_names(tree):
+    """The full names of the joints and frames of the world's models, with `None` if several models move."""
+    models = [model for path in ("model", "world/model") for model in tree.findall(path)]
+    moving = [model for model in models if model.findtext("static") != "true"]
+    several = len(moving) > 1
+    names = {None: None} if several else {}
+    for model in moving:
+        for element in [*model.findall("joint"), *model.findall("frame")]:
+            name = element.get("name")
+            names[name] = f"{model.get('name')}::{name}" if several else name
+    names.update((joint.get("name"), joint.get("name")) for joint in tree.findall("world/joint"))
+    return names
 
 
 def write(path):
@@ -37,8 +52,7 @@ def write(path):
     plant.mutable_gravity_field().set_gravity_vector(gravity)
     plant.Finalize()
     context = plant.CreateDefaultContext()
-    elements = [path for kind in ("joint", "frame") for path in (f"model/{kind}", f"world/model/{kind}")]
-    outer = {element.get("name") for path in elements for element in tree.findall(path)}
+    outer = outer_names(tree)
     followers = {}
     for joint in tree.iter("joint"):
         mimic = joint.find("axis/mimic")
@@ -52,7 +66,9 @@ def write(path):
     own, nq, nv = {}, 0, 0
     for joint in moving:
         kind = joint.type_name()
-        name = "floating_base" if kind == "quaternion_floating" else short(plant, joint, outer)
+        name = short(plant, joint, outer)
+        if kind == "quaternion_floating":
+            name = "::".join([*name.split("::")[:-1], "floating_base"] if None in outer else ["floating_base"])
         if name in followers:
             continue
         sizes = KINDS.get(kind, (joint.num_positions(), joint.num_velocities()))
@@ -112,5 +128,5 @@ def write(path):
 
 
 if __name__ == "__main__":
-    for model in ("frames", "nested", "old", "reversed", "solids"):
+    for model in ("frames", "nested", "old", "reversed", "solids", "world"):
         write(Path(__file__).with_name(f"{model}.sdf"))

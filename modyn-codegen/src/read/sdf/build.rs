@@ -1,4 +1,4 @@
-//! From a world to links and joints: one model is chosen, and each joint gets its frame in its parent link.
+//! From a world to links and joints: the models that can move are one mechanism, and each joint gets its frame in its parent link.
 
 use std::collections::HashSet;
 
@@ -15,17 +15,25 @@ use crate::description::{
 };
 use crate::diagnostics::{Code, Place, Report, Severity, Subject, Suggestions};
 
-/// Returns the description of the model of a world; `None` with errors in the report.
+/// Returns the description of the models of a world that can move; `None` with errors in the report.
 pub fn describe(
-    world: &World,
+    mut world: World,
     at: usize,
     options: &ReadOptions,
     report: &mut Report<'_>,
 ) -> Option<Description> {
-    let model = model(world, at, report)?;
+    let moving = moving(&world, at, report)?;
+    let mut name = &world.frames[world.scopes[moving[0]].frame].name;
+    if moving.len() > 1 {
+        name = world.name.as_ref().unwrap_or(name);
+    }
+    let name = name.clone();
+    let inside = inside(&world, &moving);
+    if moving.len() > 1 {
+        world.qualify();
+    }
+    let world = &world;
     let frames = resolve(world, report);
-    let inside = inside(world, model);
-    let name = world.frames[world.scopes[model].frame].name.clone();
     let description = Description {
         name: name.text,
         at: name.at,
@@ -47,42 +55,32 @@ pub fn describe(
     Some(build.description)
 }
 
-/// Returns the scope of the only model that can move; `None` with an error in the report.
-fn model(world: &World, at: usize, report: &mut Report<'_>) -> Option<usize> {
-    let models: Vec<usize> =
-        (1..world.scopes.len()).filter(|&scope| world.scopes[scope].outer == WORLD).collect();
-    let moving: Vec<usize> =
-        models.iter().copied().filter(|&scope| !world.scopes[scope].is_static).collect();
-    let name = |&scope: &usize| &world.frames[world.scopes[scope].frame].name;
-    let (at, message, help) = match (&moving[..], &models[..]) {
-        ([one], _) => return Some(*one),
-        ([], []) => (at, "the file has no model".into(), "write a `<model>`"),
-        ([], [first, ..]) => {
-            let message = format!("the model `{}` is static, so nothing moves", name(first).text);
-            (name(first).at, message, "remove `<static>`")
-        }
-        ([_, second, ..], _) => {
-            let names: Vec<_> =
-                moving.iter().take(10).map(|scope| format!("`{}`", name(scope).text)).collect();
-            let more = if moving.len() > names.len() { ", ..." } else { "" };
-            let message = format!("{} models can move: {}{more}", moving.len(), names.join(", "));
-            (
-                name(second).at,
-                message,
-                "keep one of them, or make the others `<static>`; or read the model's own file",
-            )
+/// Returns the scopes of the world's models that can move, at least one; `None` with an error in the report.
+fn moving(world: &World, at: usize, report: &mut Report<'_>) -> Option<Vec<usize>> {
+    let models = (1..world.scopes.len()).filter(|&scope| world.scopes[scope].outer == WORLD);
+    let (still, moving): (Vec<_>, Vec<_>) =
+        models.partition(|&scope| world.scopes[scope].is_static);
+    if !moving.is_empty() {
+        return Some(moving);
+    }
+    let (at, message, help) = match still.first() {
+        None => (at, "the file has no model".into(), "write a `<model>`"),
+        Some(&first) => {
+            let name = &world.frames[world.scopes[first].frame].name;
+            let message = format!("the model `{}` is static, so nothing moves", name.text);
+            (name.at, message, "remove `<static>`")
         }
     };
     report.error(Code::SdfModel, at, None, message, help);
     None
 }
 
-/// Returns for each scope whether it is the model's or nested in it.
-fn inside(world: &World, model: usize) -> Vec<bool> {
+/// Returns for each scope whether it is one of the models or nested in one.
+fn inside(world: &World, models: &[usize]) -> Vec<bool> {
     let mut inside = vec![false; world.scopes.len()];
     // An enclosing scope comes first.
     for scope in 1..world.scopes.len() {
-        inside[scope] = scope == model || inside[world.scopes[scope].outer];
+        inside[scope] = models.contains(&scope) || inside[world.scopes[scope].outer];
     }
     inside
 }
@@ -121,7 +119,7 @@ struct Edge<'w> {
 struct Build<'w, 'r, 'f> {
     world: &'w World,
     frames: Frames,
-    /// For each scope, whether it belongs to the model.
+    /// For each scope, whether it belongs to a model that can move.
     inside: Vec<bool>,
     options: &'w ReadOptions,
     /// The full names of all frames but joints, and of links that were added.
@@ -211,26 +209,22 @@ impl Build<'_, '_, '_> {
         for joint in &world.joints {
             let own = &world.frames[joint.frame];
             let Some(link) = self.frames.links[joint.frame] else { continue };
-            let child = world.links[link].frame;
-            if !self.inside[world.frames[child].scope] {
+            let subject = Subject::Joint(own.name.text.clone());
+            let child = self.end(link);
+            let Some(parent) = self.parent(joint, own.scope, &subject) else { continue };
+            if (parent, child) == (WORLD, WORLD) {
                 continue;
             }
-            let subject = Subject::Joint(own.name.text.clone());
-            let Some(parent) = self.parent(joint, own.scope, &subject) else { continue };
-            let in_child = self.between(own.scope, child, joint.frame);
-            let in_parent = if parent == WORLD {
-                self.frames.pose(world, WORLD, joint.frame)
-            } else {
-                self.between(own.scope, parent, joint.frame)
-            };
-            let ends = [(parent, in_parent), (child, in_child)];
-            if joint.closes_loop {
-                let axis = self.direction(joint, joint.axes[0].as_ref());
-                self.closing(joint, axis, ends, &subject);
-            } else {
-                edges.push(Edge { joint, ends, subject });
-            }
+            let ends = [parent, child].map(|link| {
+                let pose = match link {
+                    WORLD => self.frames.pose(world, WORLD, joint.frame),
+                    _ => self.between(own.scope, link, joint.frame),
+                };
+                (link, pose)
+            });
+            edges.push(Edge { joint, ends, subject });
         }
+        let edges = self.tree(edges);
         let reversed = self.reversed(&edges);
         for (Edge { joint, ends, subject }, reversed) in edges.iter().zip(reversed) {
             let directions = joint.axes.each_ref().map(|axis| self.direction(joint, axis.as_ref()));
@@ -243,6 +237,42 @@ impl Build<'_, '_, '_> {
                 self.place(joint, made, directions, [parent, child], subject);
             }
         }
+    }
+
+    /// Returns the joints of a spanning tree, in order. The other joints close loops: those that say so, and those between links
+    /// that joints before them connect.
+    fn tree<'w>(&mut self, edges: Vec<Edge<'w>>) -> Vec<Edge<'w>> {
+        // For each frame, a frame of the same connected part; a part's last frame leads to itself.
+        let mut next: Vec<usize> = (0..self.world.frames.len()).collect();
+        let mut tree = Vec::new();
+        let mut found = Vec::new();
+        for edge in edges {
+            let [parent, child] = edge.ends.each_ref().map(|(link, _)| *link);
+            let parts = [parent, child].map(|mut frame| {
+                while next[frame] != frame {
+                    next[frame] = next[next[frame]];
+                    frame = next[frame];
+                }
+                frame
+            });
+            // A joint between a link and itself is an error of the tree.
+            if edge.joint.closes_loop || parts[0] == parts[1] && parent != child {
+                if !edge.joint.closes_loop {
+                    let at = self.world.frames[edge.joint.frame].name.at;
+                    found.push((Some(at), Some(edge.subject.clone())));
+                }
+                self.closing(edge);
+            } else {
+                next[parts[0]] = parts[1];
+                tree.push(edge);
+            }
+        }
+        let message = "it connects links that other joints connect, so it closes a loop: it is a constraint, and has no \
+                       coordinate";
+        let help = "to choose another joint of the loop for this, write \
+                    `<physics><simbody><must_be_loop_joint>true</must_be_loop_joint></simbody></physics>` in it";
+        self.report.warn_once(Code::LoopEnds, &found, message, help);
+        tree
     }
 
     /// Returns for each joint whether its child is closer to the root than its parent. Such a joint is exchanged: about the
@@ -298,14 +328,13 @@ impl Build<'_, '_, '_> {
             self.report.error(Code::UnknownParent, name.at, Some(subject), message, help);
             return None;
         };
-        let link = world.links[self.frames.links[found]?].frame;
-        if !self.inside[world.frames[link].scope] {
-            let message = format!("its parent `{}` belongs to another model", name.text);
-            let help = "make the models of the joint one model: nest one in the other";
-            self.report.error(Code::UnknownParent, name.at, Some(subject), message, help);
-            return None;
-        }
-        Some(link)
+        Some(self.end(self.frames.links[found]?))
+    }
+
+    /// Returns the frame of a link, or that of the world for a link of a static model.
+    fn end(&self, link: usize) -> usize {
+        let frame = self.world.links[link].frame;
+        if self.inside[self.world.frames[frame].scope] { frame } else { WORLD }
     }
 
     /// Returns the direction of an axis in the joint's frame.
@@ -469,14 +498,22 @@ impl Build<'_, '_, '_> {
     }
 
     /// Adds a joint that closes a loop.
-    fn closing(
-        &mut self,
-        joint: &Joint,
-        axis: [f64; 3],
-        ends: [(usize, Pose<f64>); 2],
-        subject: &Subject,
-    ) {
+    fn closing(&mut self, Edge { joint, ends, subject }: Edge<'_>) {
+        let subject = &subject;
+        let axis = self.direction(joint, joint.axes[0].as_ref());
         let name = &self.world.frames[joint.frame].name;
+        let axes = joint.axes.iter().flatten();
+        if axes.clone().any(|axis| axis.mimic.is_some()) {
+            let message = "it closes a loop and mimics another joint, which is not supported";
+            let help = "remove `<mimic>`, or let another joint close the loop";
+            self.report.error(Code::NotRead, name.at, Some(subject), message, help);
+        }
+        if let Some(axis) = axes.clone().find(|axis| axis.dynamics != JointDynamics::default()) {
+            let message = "it closes a loop, so its damping and friction do not act";
+            let help = "remove them, or let another joint close the loop";
+            let (severity, code) = (Severity::Warning, Code::NotRead);
+            self.report.add(severity, code, axis.dynamics_at, Some(subject), message, help);
+        }
         let kind = match joint.kind {
             Some(JointKind::Fixed) => Some(LoopConstraintKind::Rigid),
             Some(JointKind::Revolute | JointKind::Continuous) => {
@@ -528,7 +565,8 @@ impl Build<'_, '_, '_> {
                 let origin = self.frames.pose(world, WORLD, root);
                 JointRecord { origin, ..self.record(format!("{}_fixed", name.text), name.at) }
             } else {
-                let unused = names.unused("floating_base");
+                let own = &world.scopes[world.frames[root].scope].qualification;
+                let unused = names.unused(&format!("{own}floating_base"));
                 let kind = Kind::Moving(JointType::Floating);
                 JointRecord { kind, ..self.record(unused, name.at) }
             };

@@ -102,7 +102,12 @@ impl<'a> Reader<'a, '_, '_, '_> {
         density: f64,
         subject: Option<&Subject>,
     ) -> Option<Inertial> {
-        let geometry = self.xml.required(collision, "geometry", "", subject)?;
+        let geometry = self.xml.required(
+            collision,
+            "geometry",
+            "<geometry><box><size>0.1 0.2 0.3</size></box></geometry>",
+            subject,
+        )?;
         let shape = geometry
             .children()
             .find(Node::is_element)

@@ -129,7 +129,12 @@ impl<'a> Reader<'a, '_, '_, '_> {
 
     /// Returns an axis with its limits, damping and friction; `None` with an error in the report.
     fn axis(&mut self, joint: Node<'a, '_>, name: &str, subject: Option<&Subject>) -> Option<Axis> {
-        let node = self.xml.required(joint, name, "><xyz>0 0 1</xyz></axis", subject)?;
+        let node = self.xml.required(
+            joint,
+            name,
+            &format!("<{name}><xyz>0 0 1</xyz></{name}>"),
+            subject,
+        )?;
         let at = self.xml.at(node);
         let known =
             ["initial_position", "xyz", "use_parent_model_frame", "dynamics", "limit", "mimic"];

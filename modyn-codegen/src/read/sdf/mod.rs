@@ -30,7 +30,8 @@ use world::{Overrides, WORLD, World};
 
 /// Returns the description; `None` with errors in the report.
 pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> Option<Description> {
-    let document = document::parse(text, 0, "sdf", report)?;
+    let declared = document::without_undeclared_prefixes(text);
+    let document = document::parse(declared.as_deref().unwrap_or(text), 0, "sdf", report)?;
     let root = document.root_element();
     let at = root.range().start;
     if root.tag_name().name() != "sdf" {
@@ -49,7 +50,7 @@ pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> O
     reader.root(root);
     let unread = reader.unread;
     unread.warn(report);
-    build::describe(&world, at, options, report)
+    build::describe(world, at, options, report)
 }
 
 /// Returns the version of an SDF, times 100; `None` with an error in the report.

@@ -17,6 +17,7 @@ const MAX_PREFIX: usize = 512;
 impl<'a> Reader<'a, '_, '_, '_> {
     /// Reads a `<world>`: its gravity, models, frames and joints.
     pub fn world(&mut self, node: Node<'a, '_>) {
+        self.world.name = self.xml.optional(node, "name").map(trimmed);
         let own = self.xml.single(node, "gravity", None);
         // Before SDF 1.6, gravity was in `<physics>`.
         let physics = self.xml.named(node, "physics").next();
@@ -34,7 +35,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let name = overrides.name.or(name).unwrap_or(Located { text: "model".into(), at });
         let merge = overrides.merge && outer != WORLD;
         let before = self.world.scopes[outer].prefix.clone();
-        // The names of the world's models are no part of the full names.
+        // The names of the world's models are no part of the full names, unless several move.
         let prefix = match outer {
             WORLD => String::new(),
             _ if merge => before.clone(),

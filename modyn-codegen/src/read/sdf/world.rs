@@ -11,6 +11,8 @@ pub const WORLD: usize = 0;
 
 /// A world with its models. A file with one model is a world with one model.
 pub struct World {
+    /// The name of the `<world>`; `None` in a file without one.
+    pub name: Option<Located>,
     /// The scopes: the world, then each model.
     pub scopes: Vec<Scope>,
     /// Everything that has a pose: the world, then each model, link, joint and `<frame>`.
@@ -28,11 +30,29 @@ impl World {
         let (pose, relative_to) = (Pose::identity(), None);
         let frame = Frame { name, scope: WORLD, kind: FrameKind::World, pose, relative_to };
         Self {
+            name: None,
             scopes: vec![Scope::new(WORLD, WORLD, String::new())],
             frames: vec![frame],
             links: Vec::new(),
             joints: Vec::new(),
             gravity: None,
+        }
+    }
+
+    /// Puts the name of the world's model before the full names of its parts, as in `arm::elbow`.
+    pub fn qualify(&mut self) {
+        // An enclosing scope comes first.
+        for scope in 1..self.scopes.len() {
+            let Scope { frame, outer, .. } = self.scopes[scope];
+            let own = match outer {
+                WORLD => format!("{}::", self.frames[frame].name.text),
+                _ => self.scopes[outer].qualification.clone(),
+            };
+            self.scopes[scope].prefix.insert_str(0, &own);
+            self.scopes[scope].qualification = own;
+        }
+        for frame in &mut self.frames {
+            frame.name.text.insert_str(0, &self.scopes[frame.scope].qualification);
         }
     }
 
@@ -82,6 +102,8 @@ pub struct Scope {
     pub content: Vec<usize>,
     /// The start of the full names, such as `arm::hand::`.
     pub prefix: String,
+    /// The part of `prefix` that names the world's model, where the world has several.
+    pub qualification: String,
     /// The frame that the model's pose is about.
     pub placement: Option<Located>,
     /// The link that the model's frame is attached to.
@@ -94,7 +116,18 @@ impl Scope {
     pub fn new(frame: usize, outer: usize, prefix: String) -> Self {
         let (names, content) = (FxHashMap::default(), Vec::new());
         let (placement, canonical, is_static) = (None, None, false);
-        Self { frame, outer, names, content, prefix, placement, canonical, is_static }
+        let qualification = String::new();
+        Self {
+            frame,
+            outer,
+            names,
+            content,
+            prefix,
+            qualification,
+            placement,
+            canonical,
+            is_static,
+        }
     }
 }
 

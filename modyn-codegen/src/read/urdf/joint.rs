@@ -92,7 +92,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         name: &str,
         subject: Option<&Subject>,
     ) -> Option<Attribute<'a>> {
-        let node = self.xml.required(node, name, "link=\"...\"", subject)?;
+        let node = self.xml.required(node, name, &format!("<{name} link=\"...\"/>"), subject)?;
         self.xml.attribute(node, "link", subject)
     }
 

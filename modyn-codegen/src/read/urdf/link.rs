@@ -32,7 +32,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         );
         let pose = self.origin(node, subject);
         let (mut mass, mut mass_at) = (0.0, node.range().start);
-        if let Some(node) = self.xml.required(node, "mass", "value=\"1.5\"", subject) {
+        if let Some(node) = self.xml.required(node, "mass", "<mass value=\"1.5\"/>", subject) {
             mass_at = node.range().start;
             self.xml.warn_of_unknown_attributes(node, &["value"], subject);
             if let Some(value) = self.xml.attribute(node, "value", subject) {
@@ -42,7 +42,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         }
         let mut inertia = [0.0; 6];
         let names = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
-        let example = "ixx=\"0.1\" ixy=\"0\" ixz=\"0\" iyy=\"0.1\" iyz=\"0\" izz=\"0.1\"";
+        let example =
+            "<inertia ixx=\"0.1\" ixy=\"0\" ixz=\"0\" iyy=\"0.1\" iyz=\"0\" izz=\"0.1\"/>";
         if let Some(node) = self.xml.required(node, "inertia", example, subject) {
             self.xml.warn_of_unknown_attributes(node, &names, subject);
             for (name, entry) in names.into_iter().zip(&mut inertia) {

@@ -60,8 +60,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
     }
 
     fn loop_end(&mut self, node: Node<'a, '_>, name: &str, subject: Option<&Subject>) -> EndRecord {
-        let example = "link=\"...\" xyz=\"0 0 0\" rpy=\"0 0 0\"";
-        let Some(end) = self.xml.required(node, name, example, subject) else {
+        let example = format!("<{name} link=\"...\" xyz=\"0 0 0\" rpy=\"0 0 0\"/>");
+        let Some(end) = self.xml.required(node, name, &example, subject) else {
             return EndRecord { link: None, at: None, pose: Pose::identity() };
         };
         self.xml.warn_of_unknown_attributes(end, &["link", "xyz", "rpy", "quat_xyzw"], subject);

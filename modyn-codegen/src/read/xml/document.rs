@@ -135,7 +135,7 @@ pub fn parse<'t>(
 pub const USD_HELP: &str = "convert it to URDF: `pip install nvidia-srl-usd-to-urdf`, then `usd_to_urdf robot.usd -o FOLDER`";
 
 /// Returns the text with `<prefix:name>` replaced by `<prefix_name>` for prefixes that are not declared, so that offsets do
-/// not change; `None` if all are declared. Such elements are extensions, which readers of URDF ignore.
+/// not change; `None` if all are declared. Such elements are extensions, which readers of URDF and SDF ignore.
 pub fn without_undeclared_prefixes(text: &str) -> Option<String> {
     let is_name = |c: char| c.is_alphanumeric() || "_-.".contains(c);
     let mut prefixes = std::collections::BTreeMap::new();

@@ -147,7 +147,7 @@ impl<'a> Elements<'a, '_, '_, '_> {
         first
     }
 
-    /// Returns the required child element of this name; none and several are errors.
+    /// Returns the required child element of this name; none and several are errors. The help shows the example.
     pub fn required<'t>(
         &mut self,
         node: Node<'a, 't>,
@@ -158,7 +158,7 @@ impl<'a> Elements<'a, '_, '_, '_> {
         let found = self.single(node, name, subject);
         if found.is_none() {
             let message = format!("`<{}>` has no `<{name}>`", node.tag_name().name());
-            let help = format!("write `<{name} {example}/>`");
+            let help = format!("write `{example}`");
             let at = self.at(node);
             self.report.error(Code::MissingElement, at, subject, message, help);
         }
