@@ -2,7 +2,7 @@
 //! and is not supported is refused, with its line.
 
 use modyn_codegen::diagnostics::{Code, Diagnostics, Severity};
-use modyn_codegen::{Base, Builder, ReadOptions};
+use modyn_codegen::{Base, Builder, Function, ReadOptions};
 use modyn_runtime::Interpreter;
 use modyn_runtime::model::{LoopConstraintKind, Model};
 
@@ -233,6 +233,68 @@ fn meshes_are_needed_for_inertia_alone() {
     assert_eq!((found.len(), found[0].code, place), (1, Code::MissingElement, Some(2)));
     let path = format!("{FOLDER}/none.stl");
     assert!(found[0].message.contains(&path), "{}", found[0].message);
+}
+
+/// The hull of a grid of points is a box, in every orientation and size; points in one plane have none.
+#[test]
+fn hulls_of_points_in_planes() {
+    let text = |vertices: &str, mesh: &str, geom: &str| {
+        format!(
+            r#"<mujoco model="m"><asset><mesh name="m" vertex="{vertices}" {mesh}/></asset><worldbody><body>
+            <joint/><geom pos="1 2 3" {geom}/></body></worldbody></mujoco>"#
+        )
+    };
+    let inertial = |text: &str| read(text).expect(text).links()[0].inertial;
+    let numbers = |inertial: modyn_runtime::Inertial| {
+        let mut all = vec![inertial.mass];
+        all.extend(inertial.center_of_mass.iter().chain(&inertial.inertia));
+        all
+    };
+    for scale in [1e-3, 0.7, 300.0] {
+        for quaternion in ["1 0 0 0", "1 2 -3 4", "0.3 0.1 0.9 -0.2", "1 1e-9 0 0"] {
+            // A grid, whose lines are not spaced evenly, turned by the geom.
+            let ticks = [-1.0, -0.35, 0.1, 0.4, 1.0].map(|x| x * scale);
+            let mut vertices = String::new();
+            for (i, j, k) in (0..125).map(|n| (n % 5, n / 5 % 5, n / 25)) {
+                vertices += &format!("{:e} {:e} {:e} ", ticks[i], 2.0 * ticks[j], 0.5 * ticks[k]);
+            }
+            let turned = format!(r#"quat="{quaternion}""#);
+            let (a, b, c) = (scale, 2.0 * scale, 0.5 * scale);
+            let cloud = text(&vertices, "", &format!(r#"type="mesh" mesh="m" {turned}"#));
+            // The mesh itself is turned as well: by `refquat`, and back by the geom.
+            let reference = text(&vertices, &format!("ref{turned}"), r#"type="mesh" mesh="m""#);
+            let boxed = text("", "", &format!(r#"type="box" size="{a} {b} {c}" {turned}"#));
+            let inverse: Vec<String> =
+                quaternion
+                    .split(' ')
+                    .enumerate()
+                    .map(|(i, x)| {
+                        if i == 0 {
+                            x.into()
+                        } else {
+                            format!("{:e}", -x.parse::<f64>().expect("x"))
+                        }
+                    })
+                    .collect();
+            let back = format!(r#"type="box" size="{a} {b} {c}" quat="{}""#, inverse.join(" "));
+            for (found, expected) in [(cloud, boxed), (reference, text("", "", &back))] {
+                let (found, expected) = (numbers(inertial(&found)), numbers(inertial(&expected)));
+                for (part, size) in [(0..1, expected[0]), (1..4, 1.0), (4..10, expected[9].abs())] {
+                    for i in part {
+                        let off = (found[i] - expected[i]).abs();
+                        assert!(off < 1e-9 * size, "{scale} {quaternion}: {found:?} {expected:?}");
+                    }
+                }
+            }
+        }
+    }
+    let flat = text("0 0 0 1 0 0 0 1 0 1 1 0 0.5 0.2 0", "", r#"type="mesh" mesh="m""#);
+    let found = read(&flat).expect_err("flat").into_vec();
+    assert_eq!((found.len(), found[0].code), (1, Code::MissingElement), "{found:?}");
+    assert!(found[0].message.contains("all vertices in one plane"), "{}", found[0].message);
+    let cut =
+        text("0 0 0 1 0 0 0 1 0 0 0 1 1 1 1", r#"maxhullvert="4""#, r#"type="mesh" mesh="m""#);
+    assert!(read(&cut).expect_err("cut").into_vec()[0].message.contains("maxhullvert"));
 }
 
 #[test]

@@ -15,8 +15,10 @@ impl<'e> Bodies<'e, '_, '_> {
     /// Adds the keyframes of the main model, while the joints are those of the text: before constraints fix some.
     pub fn keyframes(&mut self) {
         let items = self.of_section("keyframe");
+        // Those of the main model come first; a model that attaches a part of itself has them again.
+        let own = self.models[0].source.root.in_sections("keyframe").count();
         let (mut taken, mut moving) = (BTreeSet::new(), Vec::new());
-        for (i, item) in items.iter().filter(|item| item.naming.prefix.is_empty()).enumerate() {
+        for (i, item) in items.iter().take(own).enumerate() {
             let at = item.element().at;
             if !self.models[item.model].is_sound(&item.chain) {
                 continue;
@@ -37,6 +39,16 @@ impl<'e> Bodies<'e, '_, '_> {
                 moving.push((Some(at), None));
             }
         }
+        let is_attached = |item: &&Item| item.model != 0;
+        let attached: Vec<_> =
+            items.iter().filter(is_attached).map(|item| (Some(item.element().at), None)).collect();
+        let help = "write the keyframe in the main model, with the coordinates of the whole robot";
+        self.report.warn_once(
+            Code::NotRead,
+            &attached,
+            "a keyframe of an attached model is not read",
+            help,
+        );
         let help = "copy its `qvel` into the program, and convert that of free joints by `modyn::conventions::mujoco`";
         self.report.warn_once(
             Code::NotRead,
