@@ -3,14 +3,12 @@
 mod availability;
 mod bundles;
 mod c_header;
-mod c_source;
 mod casadi;
 mod contacts;
 mod diagnostics;
 mod fixed_links;
 mod functions;
 mod general_position;
-mod gpu_source;
 mod graphs;
 mod hostile;
 mod imports;

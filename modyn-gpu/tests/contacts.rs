@@ -8,7 +8,7 @@ use modyn_codegen::{
 use modyn_gpu::{Gpu, Rollout, RolloutArguments};
 use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter, Twist, Wrench};
 
-use common::robot;
+use crate::conformance::robot;
 
 const FEET: [&str; 4] =
     ["front_left_foot", "front_right_foot", "hind_left_foot", "hind_right_foot"];

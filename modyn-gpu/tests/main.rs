@@ -2,7 +2,14 @@
 
 mod common;
 mod compiled;
+#[allow(dead_code)]
+#[path = "../../tests/src/conformance/mod.rs"]
+mod conformance;
 mod contacts;
 mod kernels;
+#[allow(dead_code)]
+#[path = "../../tests/src/random.rs"]
+mod random;
 mod rollouts;
+mod suite;
 mod validation;

@@ -9,7 +9,8 @@ use modyn_codegen::{Base, Builder, Function, RolloutForces, RolloutOptions};
 use modyn_gpu::{Gpu, GpuError, Rollout, RolloutArguments};
 use modyn_runtime::Interpreter;
 
-use common::{columns, numbers, robot};
+use crate::conformance::robot;
+use common::{columns, numbers};
 
 const ROLLOUTS: usize = 70;
 const STEPS: usize = 25;

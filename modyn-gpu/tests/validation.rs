@@ -1,13 +1,11 @@
 //! Kernels of every function through naga's parser and validator, which every text meets before a driver does.
 
-use crate::common;
-
 use std::path::Path;
 
 use modyn_codegen::{Base, Builder, Contact, ContactKind, Function, LoopEnd, Target};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
-use common::robot;
+use crate::conformance::robot;
 
 /// Validates the text of all these functions, and returns the number of kernels.
 fn validate(name: &str, builder: &Builder, functions: impl Fn(Function) -> bool) -> usize {

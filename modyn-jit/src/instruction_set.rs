@@ -49,6 +49,11 @@ impl InstructionSet {
             .is_some_and(|best| self.architecture() == best.architecture() && self <= best)
     }
 
+    /// Returns the instruction sets of this processor, the smallest first.
+    pub fn available() -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(|set| set.is_available())
+    }
+
     /// Returns the architecture, as [`std::env::consts::ARCH`] names it: `x86_64` or `aarch64`.
     #[must_use]
     pub const fn architecture(self) -> &'static str {

@@ -1,14 +1,13 @@
 //! Bundles of random robots and of robots of the folder give the numbers of their functions, one at a time.
 
-use crate::common;
-
-use common::{instruction_sets, random, robot};
 use modyn_codegen::plan::{Lowering, Shape};
 use modyn_codegen::trace::{LinkFrame, Tracer};
 use modyn_codegen::{Builder, Bundle, Function};
-use modyn_jit::{CallError, CompileError, Compiled, Options};
+use modyn_jit::{CallError, CompileError, Compiled, InstructionSet, Options};
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::Model;
+use modyn_tests::conformance::robot;
+use modyn_tests::random;
 
 /// Functions of a state and joint vectors, in bundles whose arguments machine code can have.
 const BUNDLES: &[(&str, &[Function])] = &[
@@ -130,7 +129,7 @@ fn agrees(model: &Model, links: &[&str], configure: impl Fn(Builder) -> Builder)
     let (bundles, functions) = bundles(links);
     let builder = Builder::new().model(model.clone()).functions(functions).bundles(bundles);
     let planning = configure(builder).plan().expect("good");
-    for instruction_set in instruction_sets() {
+    for instruction_set in InstructionSet::available() {
         let mut options = Options::default();
         (options.instruction_set, options.batches) = (Some(instruction_set), true);
         let compiled = Compiled::<f64>::from_plan(&planning, options).expect("code");
@@ -233,7 +232,7 @@ fn run_time_parameters() {
 /// Robots whose functions have equal limbs in the lanes of vectors.
 #[test]
 fn equal_limbs() {
-    let model = robot("quadruped");
+    let model = robot("quadruped").plan().expect("good").model;
     agrees(&model, &["front_left_foot", "hind_right_shank", "trunk"], |builder| builder);
 }
 
@@ -248,8 +247,7 @@ fn random_limbs() {
 
 #[test]
 fn wrong_bundles_name_the_error() {
-    let model = robot("arm6");
-    let builder = Builder::new().model(model).functions([Function::MassMatrix]);
+    let builder = robot("arm6").functions([Function::MassMatrix]);
     let control = Bundle::new("control").function(Function::MassMatrix);
     let compiled = Compiled::<f64>::build(&builder.clone().bundles([control]), Options::default());
     let compiled = compiled.expect("code");

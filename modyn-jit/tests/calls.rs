@@ -1,15 +1,13 @@
 //! Calls with wrong arguments are refused with a message that names the reason, and write nothing.
 
-use crate::common;
-
-use common::robot;
 use modyn_codegen::{Builder, Function};
 use modyn_jit::{CompileError, Compiled, Options};
+use modyn_tests::conformance::robot;
 
 fn arm() -> Compiled<f64> {
     let functions =
         [Function::ForwardDynamics, Function::MassMatrix, Function::Jacobian, Function::LinkPoses];
-    Compiled::new(&robot("arm6"), functions).expect("code")
+    Compiled::build(&robot("arm6").functions(functions), Options::default()).expect("code")
 }
 
 #[test]
@@ -61,7 +59,7 @@ fn wrong_calls_name_the_error() {
 
 #[test]
 fn wrong_batches_name_the_error() {
-    let builder = Builder::new().model(robot("arm6")).functions([Function::MassMatrix]);
+    let builder = robot("arm6").functions([Function::MassMatrix]);
     let mut options = Options::default();
     options.batches = true;
     let arm = Compiled::<f32>::build(&builder, options).expect("code");

@@ -1,17 +1,15 @@
 //! Machine code of functions of contacts computes what the interpreter does: one state, and many with sets of active
 //! contacts of their own.
 
-use crate::common;
-
-use common::{instruction_sets, random};
 use modyn_codegen::diagnostics::Code;
 use modyn_codegen::plan::Kernels;
 use modyn_codegen::{Base, Builder, Contact, ContactKind, Function, LoopEnd};
-use modyn_jit::{Compiled, Options};
+use modyn_jit::{Compiled, InstructionSet, Options};
 use modyn_runtime::model::{self, LoopConstraintEnd, Model};
 use modyn_runtime::spatial::{Pose, Twist, Vector3, Wrench};
 use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter};
 use modyn_tests::quantities::Quantities;
+use modyn_tests::random;
 
 const FUNCTIONS: [Function; 3] =
     [Function::ConstrainedForwardDynamics, Function::ContactImpulse, Function::ConstraintResidual];
@@ -97,7 +95,7 @@ fn contacts_on_the_ground_and_on_moving_frames() {
 
     let masks: Vec<[bool; 3]> = (0..8_u8).map(|i| [0, 1, 2].map(|bit| i >> bit & 1 == 1)).collect();
     let states: Vec<random::State> = (0..8).map(|seed| random::state(seed, model)).collect();
-    for instruction_set in instruction_sets() {
+    for instruction_set in InstructionSet::available() {
         let mut options = Options::default();
         (options.instruction_set, options.batches) = (Some(instruction_set), true);
         let compiled = Compiled::<f64>::from_plan(&planning, options).expect("code");
@@ -161,7 +159,7 @@ fn hessians_of_an_arm_on_a_moving_frame() {
     );
 
     let settings = numbers(&settings);
-    for instruction_set in instruction_sets() {
+    for instruction_set in InstructionSet::available() {
         let mut options = Options::default();
         (options.instruction_set, options.batches) = (Some(instruction_set), true);
         let compiled = Compiled::<f64>::from_plan(&planning, options).expect("code");

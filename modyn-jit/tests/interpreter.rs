@@ -1,8 +1,5 @@
 //! Machine code of random trees gives the interpreter's results: every function, for each link, for one state and many.
 
-use crate::common;
-
-use common::{instruction_sets, random};
 use modyn_codegen::diagnostics::Code;
 use modyn_codegen::plan::{Choices, GraphSource, Lowering, Packing, Plan};
 use modyn_codegen::program::Execution;
@@ -11,6 +8,8 @@ use modyn_jit::{Call, Compiled, InstructionSet, Options};
 use modyn_runtime::Interpreter;
 use modyn_runtime::model::{Model, ModuleTree};
 use modyn_tests::arguments::{arguments, interpreted};
+use modyn_tests::conformance::robot;
+use modyn_tests::random;
 
 fn computed(call: &Call<'_, f64>, arguments: &[&[f64]], links: usize) -> Vec<f64> {
     let one = call.result().len();
@@ -60,7 +59,7 @@ fn agrees(model: &Model, seed: u64, functions: &[Function]) {
     };
     let state = random::state(seed, model);
     let mut interpreter = Interpreter::new(model.clone());
-    for instruction_set in instruction_sets() {
+    for instruction_set in InstructionSet::available() {
         let mut options = Options::default();
         (options.instruction_set, options.batches) = (Some(instruction_set), true);
         let compiled = Compiled::<f64>::from_plan(&planning, options).expect("code");
@@ -178,10 +177,11 @@ fn links_that_share_code() {
 /// Machine code keeps no state: threads share a robot.
 #[test]
 fn threads_share_a_robot() {
-    let model = common::robot("arm7");
-    let compiled = Compiled::<f64>::new(&model, [Function::ForwardDynamics]).expect("code");
+    let planning = robot("arm7").functions([Function::ForwardDynamics]).plan().expect("good");
+    let model = &planning.model;
+    let compiled = Compiled::<f64>::from_plan(&planning, Options::default()).expect("code");
     let one = |seed: u64| {
-        let random::State { q, qd, tau, .. } = random::state(seed, &model);
+        let random::State { q, qd, tau, .. } = random::state(seed, model);
         let mut qdd = vec![f64::NAN; model.nv()];
         compiled.forward_dynamics(&q, &qd, &tau, &mut qdd).expect("fits");
         qdd
@@ -200,7 +200,8 @@ fn threads_share_a_robot() {
 
 #[test]
 fn a_level_above_the_processor_is_refused() {
-    let planning = common::plan("double_pendulum", &[Function::ForwardDynamics]);
+    let builder = robot("double_pendulum").functions([Function::ForwardDynamics]);
+    let planning = builder.plan().expect("good");
     let best = InstructionSet::detect().expect("a processor with machine code");
     for instruction_set in InstructionSet::ALL.into_iter().filter(|set| !set.is_available()) {
         let mut options = Options::default();

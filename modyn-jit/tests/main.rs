@@ -1,10 +1,9 @@
 //! The tests of machine code, one module a topic.
 
-mod bits;
 mod bundles;
 mod calls;
 mod code_size;
-mod common;
+mod conformance;
 mod contacts;
 mod interpreter;
 mod memory;

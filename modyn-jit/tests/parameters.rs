@@ -1,12 +1,11 @@
 //! Gravity, inertias and payloads that are set at run time give the interpreter's results, for one state and many.
 
-use crate::common;
-
-use common::{random, robot};
-use modyn_codegen::{Builder, Function};
+use modyn_codegen::Function;
 use modyn_jit::{Compiled, Options, ParameterError};
 use modyn_runtime::Interpreter;
 use modyn_runtime::model::Inertial;
+use modyn_tests::conformance::robot;
+use modyn_tests::random;
 
 fn load() -> Inertial<f64> {
     Inertial {
@@ -18,11 +17,10 @@ fn load() -> Inertial<f64> {
 
 #[test]
 fn parameters_are_as_the_interpreter_has_them() {
-    let model = robot("arm7");
+    let model = robot("arm7").plan().expect("good").model;
     let links: Vec<String> = model.links().iter().map(|link| link.name.clone()).collect();
     let (own, carrying) = (links[3].clone(), links[6].clone());
-    let builder = Builder::new()
-        .model(model.clone())
+    let builder = robot("arm7")
         .functions([Function::ForwardDynamics])
         .runtime_gravity()
         .runtime_inertia([&own])
@@ -69,14 +67,14 @@ fn parameters_are_as_the_interpreter_has_them() {
 
 #[test]
 fn wrong_parameters_are_refused() {
-    let model = robot("arm6");
+    let model = robot("arm6").plan().expect("good").model;
     let last = model.links()[5].name.clone();
     let functions = [Function::ForwardDynamics];
-    let mut constant = Compiled::<f32>::new(&model, functions).expect("code");
+    let constant = robot("arm6").functions(functions);
+    let mut constant = Compiled::<f32>::build(&constant, Options::default()).expect("code");
     let error = constant.set_gravity([0.0; 3]).expect_err("a constant");
     assert!(error.to_string().contains("Builder::runtime_gravity"), "{error}");
-    let builder =
-        Builder::new().model(model).functions(functions).runtime_inertia([&last]).runtime_gravity();
+    let builder = robot("arm6").functions(functions).runtime_inertia([&last]).runtime_gravity();
     let mut arm = Compiled::<f64>::build(&builder, Options::default()).expect("code");
     let error = arm.set_payload(&last, &load()).expect_err("no payload");
     assert!(error.to_string().contains(&format!("`{last}` has no `payload`")), "{error}");

@@ -1,13 +1,11 @@
 //! Functions of users as machine code give the numbers of the same functions on numbers, and derivatives along displacements.
 
-use crate::common;
-
-use common::{instruction_sets, random};
 use modyn_codegen::{
     Builder, Bundle, Function, Interpreter, Scalar, UserArgument, UserDerivatives, UserError,
     UserFunction,
 };
-use modyn_jit::{Compiled, Options};
+use modyn_jit::{Compiled, InstructionSet, Options};
+use modyn_tests::random;
 
 /// The kinetic energy and the distance of the last link to a target.
 struct Terms;
@@ -65,7 +63,7 @@ fn machine_code_gives_the_numbers_of_the_function() {
         // Of fourth order.
         let change: Vec<f64> =
             (0..2).map(|i| (8.0 * (a[i] - b[i]) - (c[i] - d[i])) / (12.0 * h)).collect();
-        for instruction_set in instruction_sets() {
+        for instruction_set in InstructionSet::available() {
             let mut options = Options::default();
             (options.instruction_set, options.batches) = (Some(instruction_set), true);
             let compiled = Compiled::<f64>::from_plan(&planning, options).expect("code");

@@ -9,6 +9,7 @@ pub mod cases;
 pub mod changed;
 pub mod close;
 pub mod compiled;
+pub mod conformance;
 pub mod counting;
 pub mod dense;
 pub mod dual;

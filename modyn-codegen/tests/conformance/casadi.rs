@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::process::Command;
 
+use crate::conformance::{command, folder, kinds, numbers::is_same, robot};
 use crate::random::Random;
-use crate::suite::{command, evaluate, folder, kinds, robot};
 use modyn_codegen::plan::CasadiMatrix;
 use modyn_codegen::{Function, Target};
 
@@ -20,7 +20,7 @@ fn conforms(name: &str, builder: &modyn_codegen::Builder) -> usize {
         let given: usize = function.inputs.iter().map(CasadiMatrix::len).sum();
         let results: usize = function.outputs.iter().map(CasadiMatrix::len).sum();
         let numbers: Vec<f64> = (0..given).map(|_| random.between(-1.0, 1.0)).collect();
-        expected.extend(evaluate(&function.program, &numbers));
+        expected.extend(function.program.evaluate(&numbers));
         input.extend(numbers);
         let pointers = |array: &str, matrices: &[CasadiMatrix]| {
             let mut at = 0;
@@ -61,7 +61,7 @@ fn conforms(name: &str, builder: &modyn_codegen::Builder) -> usize {
     let found: Vec<f64> = bytes.as_chunks().0.iter().map(|x| f64::from_ne_bytes(*x)).collect();
     assert_eq!(found.len(), expected.len(), "{name}");
     for (i, (a, b)) in found.iter().zip(&expected).enumerate() {
-        assert!(a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan(), "{name}, {i}: {a:e} {b:e}");
+        assert!(is_same(*a, *b), "{name}, {i}: {a:e} {b:e}");
     }
     emitted.plan.casadi.functions.len()
 }

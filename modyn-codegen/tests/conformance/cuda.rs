@@ -4,36 +4,43 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;
 
-use crate::suite::{
-    Arithmetic, BackEnd, Case, STATES, Subject, command, conforms, read_results, robot,
+use crate::conformance::{
+    Arithmetic, BackEnd, Call, Case, STATES, Subject, command, conforms, read_results, robot,
     write_numbers,
 };
-use modyn_codegen::{Base, FloatType, Function, Target};
+use modyn_codegen::diagnostics::Diagnostics;
+use modyn_codegen::{Base, Builder, Emitted, FloatType, Function, Target};
 
 /// CUDA's keywords and variables for a compiler of the host.
-const SHIM: &str = "#include <cmath>\n#include <cstdio>\n#define __global__\n#define __device__\n\
-    #define __forceinline__ inline\n#define __noinline__ __attribute__((noinline))\n\
-    #define __launch_bounds__(...)\nusing namespace std;\n\
-    static struct { unsigned int x; } blockIdx, blockDim, threadIdx;\n#include \"ours.cu\"\n";
+const SHIM: &str = concat!(
+    "#include <cmath>\n#include <cstdio>\n#include <cstdlib>\n",
+    include_str!("../cuda_shim.h"),
+    "using namespace std;\n#include \"ours.cu\"\n"
+);
 
 pub struct Cuda;
 
 impl BackEnd for Cuda {
-    const TARGET: Target = Target::Cuda;
-    const ARITHMETIC: Arithmetic = Arithmetic::Fused;
+    type Robot = Emitted;
 
     fn name(&self) -> String {
         "cuda".into()
     }
 
-    fn run(&self, subject: &Subject, folder: &Path) -> Vec<Vec<f64>> {
-        std::fs::write(folder.join("ours.cu"), subject.emitted.text()).expect("writes");
+    fn arithmetic(&self) -> Arithmetic {
+        Arithmetic::Fused
+    }
+
+    fn make(&self, builder: &Builder) -> Result<Emitted, Diagnostics> {
+        builder.emit(Target::Cuda)
+    }
+
+    fn run(&self, subject: &Subject<'_, Emitted>, folder: &Path) -> Vec<Vec<f64>> {
+        std::fs::write(folder.join("ours.cu"), subject.robot.text()).expect("writes");
         let (mut text, mut main) = (SHIM.to_string(), String::new());
         let (mut numbers, mut order) = (Vec::new(), Vec::new());
-        for kernel in &subject.emitted.kernels {
-            let own = |call: &crate::suite::Call| {
-                call.function == kernel.function && call.link == kernel.link
-            };
+        for kernel in &subject.robot.kernels {
+            let own = |call: &Call| call.function == kernel.function && call.link == kernel.link;
             let first = subject.calls.iter().position(own).expect("calls of the kernel");
             let calls = &subject.calls[first..first + STATES];
             order.push(first);
@@ -59,14 +66,14 @@ impl BackEnd for Cuda {
             let _ = writeln!(text, "static double {name}_x[{}];", result * states);
             let _ = writeln!(
                 main,
-                "for (int k = 0; k < {launches}; ++k) {{ {reads}\nfor (unsigned i = 0; i < 8; ++i) {{ \
+                "for (int k = 0; k < {launches}; ++k) {{ {reads}\nfor (unsigned i = 0; i < 12; ++i) {{ \
                  blockIdx.x = i / 4; threadIdx.x = i % 4; {name}({arrays}{name}_x, {states}); }}\n\
                  for (int i = 0; i < {states}; ++i) for (int j = 0; j < {result}; ++j) \
                  fwrite(&{name}_x[j * {states} + i], sizeof(double), 1, out); }}"
             );
         }
         let text = format!(
-            "static void get(double *x, unsigned long n);\n{text}#include <cstdlib>\nstatic FILE *in, *out;\n\
+            "static void get(double *x, unsigned long n);\n{text}static FILE *in, *out;\n\
              static void get(double *x, unsigned long n) {{ if (fread(x, sizeof *x, n, in) != n) exit(1); }}\n\
              int main() {{\nblockDim.x = 4;\nin = fopen(\"in\", \"rb\");\nout = fopen(\"out\", \"wb\");\n{main}return fclose(out);\n}}\n"
         );

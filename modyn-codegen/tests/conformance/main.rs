@@ -1,19 +1,23 @@
 //! Every back end of text runs every function on robots of every kind, and gives the results of the programs' evaluation.
 //! Machine code is in `modyn-jit/tests`, WGSL in `modyn-gpu/tests`.
 
-mod c;
+mod c_text;
 mod casadi;
+#[allow(dead_code)]
+#[path = "../../../tests/src/conformance/mod.rs"]
+mod conformance;
 mod cuda;
 mod matlab;
 #[allow(dead_code)]
 #[path = "../../../tests/src/random.rs"]
 mod random;
+mod rollouts;
 mod rust;
-mod suite;
 
 use modyn_codegen::FloatType;
 
-use suite::{conforms, is_installed, kinds, large, small};
+use conformance::c::C;
+use conformance::{conforms, is_installed, kinds, large, small};
 
 /// Tests of a back end: robots of every kind, a small robot with all functions, and a large robot.
 macro_rules! conformance {
@@ -48,9 +52,9 @@ macro_rules! conformance {
 }
 
 conformance! {
-    of_gcc: c::C::gcc();
-    of_clang: c::C::clang();
-    of_aarch64: c::C::aarch64();
+    of_gcc: C::gcc();
+    of_clang: C::clang();
+    of_aarch64: C::aarch64();
     of_rust: rust::Rust;
     of_cuda: cuda::Cuda;
     of_matlab: matlab::Matlab;
@@ -59,6 +63,6 @@ conformance! {
 #[test]
 fn c_in_single_precision() {
     kinds().iter().for_each(|case| {
-        conforms(&c::C::gcc(), case, FloatType::F32);
+        conforms(&C::gcc(), case, FloatType::F32);
     });
 }

@@ -4,19 +4,25 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;
 
-use crate::suite::{Arithmetic, BackEnd, STATES, Subject, command, read_results, write_numbers};
+use crate::conformance::{
+    Arithmetic, BackEnd, STATES, Subject, command, read_results, write_numbers,
+};
+use modyn_codegen::diagnostics::Diagnostics;
 use modyn_codegen::plan::{Elements, Planned, Shape};
-use modyn_codegen::{Builder, Target};
+use modyn_codegen::{Builder, Emitted, Target};
 
 pub struct Matlab;
 
 impl BackEnd for Matlab {
-    const TARGET: Target = Target::Matlab;
-    /// Sines are the language's own; the results of a robot with loops are sensitive.
-    const ARITHMETIC: Arithmetic = Arithmetic::Own(1e-8);
+    type Robot = Emitted;
 
     fn name(&self) -> String {
         "matlab".into()
+    }
+
+    /// Sines are the language's own.
+    fn arithmetic(&self) -> Arithmetic {
+        Arithmetic::Own(1e-13)
     }
 
     fn programs(&self) -> &[&'static str] {
@@ -28,17 +34,17 @@ impl BackEnd for Matlab {
         !planned.function.is_some_and(|function| function.row().of_constraints)
     }
 
-    fn configure(&self, builder: Builder) -> Builder {
-        builder.type_name("Ours")
+    fn make(&self, builder: &Builder) -> Result<Emitted, Diagnostics> {
+        builder.emit(Target::Matlab)
     }
 
-    fn run(&self, subject: &Subject, folder: &Path) -> Vec<Vec<f64>> {
-        for file in &subject.emitted.files {
+    fn run(&self, subject: &Subject<'_, Emitted>, folder: &Path) -> Vec<Vec<f64>> {
+        for file in &subject.robot.files {
             let path = folder.join(&file.name);
             std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
             std::fs::write(path, &file.text).expect("writes");
         }
-        let model = &subject.emitted.model;
+        let model = &subject.robot.model;
         let links: Vec<&str> = model.frames().iter().map(|frame| frame.name.as_str()).collect();
         let links = modyn_codegen::names::fields(&links, &[]);
         let mut main = String::from("in = fopen('in', 'rb');\nout = fopen('out', 'wb');\n");

@@ -3,35 +3,40 @@
 use std::path::Path;
 use std::process::Command;
 
-use crate::suite::{Arithmetic, BackEnd, Call, Subject, command};
+use crate::conformance::c::{execute, write, write_main};
+use crate::conformance::{Arithmetic, BackEnd, Call, Subject, command};
+use modyn_codegen::diagnostics::Diagnostics;
 use modyn_codegen::plan::{CForm, Planned, Shape};
-use modyn_codegen::{Builder, Target};
-
-use super::c::{driver, execute};
+use modyn_codegen::{Builder, Emitted, Target};
 
 pub struct Rust;
 
 impl BackEnd for Rust {
-    const TARGET: Target = Target::Rust;
-    const ARITHMETIC: Arithmetic = Arithmetic::Separate;
+    type Robot = Emitted;
 
     fn name(&self) -> String {
         "rust".into()
     }
 
-    /// Exported functions have the described parameters.
+    fn arithmetic(&self) -> Arithmetic {
+        Arithmetic::Separate
+    }
+
     fn has(&self, planned: &Planned) -> bool {
-        planned.c_form == CForm::SourceAndExport && planned.parameters == 0
+        planned.c_form == CForm::SourceAndExport
     }
 
-    fn configure(&self, builder: Builder) -> Builder {
-        builder.type_name("Ours").self_contained().c_functions("ours")
+    /// Exported functions have the described parameters.
+    fn takes_parameters(&self) -> bool {
+        false
     }
 
-    fn run(&self, subject: &Subject, folder: &Path) -> Vec<Vec<f64>> {
-        for file in &subject.emitted.files {
-            std::fs::write(folder.join(&file.name), &file.text).expect("writes");
-        }
+    fn make(&self, builder: &Builder) -> Result<Emitted, Diagnostics> {
+        builder.clone().self_contained().c_functions("ours").emit(Target::Rust)
+    }
+
+    fn run(&self, subject: &Subject<'_, Emitted>, folder: &Path) -> Vec<Vec<f64>> {
+        write(subject.robot, folder);
         let mut rustc = Command::new(std::env::var_os("RUSTC").unwrap_or("rustc".into()));
         rustc.args(["--edition=2024", "--crate-type=staticlib", "--crate-name=ours", "ours.rs"]);
         rustc.args(["-C", "opt-level=0", "-C", "panic=abort", "--cap-lints=allow"]);
@@ -44,8 +49,7 @@ impl BackEnd for Rust {
                 (_, None) => format!("ours_{name}({arguments}x);"),
             }
         };
-        let text = driver(subject, "#include \"ours.h\"\n", call);
-        std::fs::write(folder.join("main.c"), text).expect("writes");
+        write_main(subject, folder, call);
         let mut gcc = Command::new("gcc");
         gcc.args(["-std=c99", "main.c", "-o", "main", "-L.", "-lours", "-lpthread", "-ldl", "-lm"]);
         command(gcc.current_dir(folder));

@@ -7,8 +7,11 @@
 use std::collections::BTreeMap;
 
 use iced_x86::{Code, Decoder, DecoderOptions, FlowControl};
-use modyn_codegen::{Builder, Bundle, Function};
+use modyn_codegen::{Bundle, Function};
 use modyn_runtime::{Scalar, steps};
+use modyn_tests::conformance::numbers::Number;
+use modyn_tests::conformance::robot;
+use modyn_tests::random::Random;
 use object::{Object as _, ObjectSection, ObjectSymbol};
 
 use super::assembler::Assembler;
@@ -20,9 +23,7 @@ use super::{ObjectBuilder, ObjectFormat, ObjectOptions};
 use crate::helper::Helper;
 use crate::instruction_set::InstructionSet;
 use crate::machine::Pages;
-use crate::tests::common::{
-    Fuse, instruction_sets, is_same, numbers, plan, random::Random, robot, sets_of_x86_64,
-};
+use crate::tests::{Fuse, numbers, plan, sets_of_x86_64};
 use crate::{Compiled, Options};
 
 /// Numbers of all sizes, special ones, and neighbours of powers of two.
@@ -78,7 +79,7 @@ fn helpers<F: Fuse>() {
                     Helper::Atan2 => [Scalar::atan2(y, x), y],
                     Helper::Logarithm => [Scalar::ln(y), y],
                 };
-                let same = is_same(first[lane], expected) && is_same(second[lane], other);
+                let same = first[lane].is_same(expected) && second[lane].is_same(other);
                 assert!(same, "{wanted:?} {y:?} {x:?}: {:?} {expected:?}", first[lane]);
             }
         }
@@ -112,7 +113,7 @@ fn entries_of_windows_compute_the_same() {
     ];
     let planning = plan("arm6", &functions);
     let frames = planning.model.frames().len();
-    for instruction_set in instruction_sets() {
+    for instruction_set in InstructionSet::available() {
         let text =
             text::<f64>(&planning.plan, &planning.model, instruction_set, Convention::Windows);
         let text = text.expect("code");
@@ -134,7 +135,7 @@ fn entries_of_windows_compute_the_same() {
                     None => call.one(arguments, &mut expected).expect("fits"),
                     Some(link) => call.link(link, arguments, &mut expected).expect("fits"),
                 }
-                assert!(found.iter().zip(&expected).all(|(a, b)| is_same(*a, *b)), "{function:?}");
+                assert!(found.iter().zip(&expected).all(|(a, b)| a.is_same(*b)), "{function:?}");
             };
             let mut out = vec![f64::NAN; 6];
             // SAFETY: the entries' types.
@@ -209,7 +210,7 @@ fn keeps_registers(mut call: impl FnMut()) {
 
 #[test]
 fn other_architectures_are_refused() {
-    let builder = Builder::new().model(robot("arm6")).functions([Function::MassMatrix]);
+    let builder = robot("arm6").functions([Function::MassMatrix]);
     let options =
         ObjectOptions { instruction_set: InstructionSet::Neon, ..ObjectOptions::default() };
     let error = builder.generate_object(&options).expect_err("no objects for aarch64");
@@ -221,7 +222,7 @@ fn other_architectures_are_refused() {
 #[test]
 fn all_formats_can_be_read() {
     let functions = [Function::ForwardDynamics, Function::Jacobian, Function::Difference];
-    let builder = Builder::new().model(robot("joint_zoo")).functions(functions).runtime_gravity();
+    let builder = robot("joint_zoo").functions(functions).runtime_gravity();
     for format in ObjectFormat::ALL {
         for instruction_set in sets_of_x86_64() {
             let mut options = ObjectOptions::default();
@@ -303,7 +304,7 @@ fn unwind_codes_describe_the_code() {
     // A function with few arrays of arguments, and one with seven.
     let members = [Function::ForwardDynamicsJvp, Function::StepRk4];
     let bundle = members.into_iter().fold(Bundle::new("displaced"), Bundle::function);
-    let builder = Builder::new().model(robot("arm6")).functions(functions).bundles([bundle]);
+    let builder = robot("arm6").functions(functions).bundles([bundle]);
     let planning = builder.plan().expect("good");
     for instruction_set in sets_of_x86_64() {
         let text =

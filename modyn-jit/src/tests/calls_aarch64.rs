@@ -7,7 +7,7 @@ use std::arch::asm;
 
 use modyn_codegen::Function;
 
-use super::common::{numbers, plan, program};
+use super::{numbers, plan};
 use crate::generate::generate;
 use crate::helper::{Helpers, Linkage};
 use crate::instruction_set::InstructionSet;
@@ -17,7 +17,7 @@ use crate::machine::Pages;
 #[test]
 fn registers_of_the_caller_are_kept() {
     let planning = plan("humanoid", &[Function::ForwardDynamics]);
-    let program = program(&planning, Function::ForwardDynamics, false).expect("one program");
+    let (program, _) = planning.plan.functions[0].kernels.straight().expect("one program");
     let arrays: Vec<usize> =
         planning.plan.functions[0].arguments.iter().map(|(_, shape)| shape.len()).collect();
     let values = lower::<f64>(program, &arrays, InstructionSet::Neon, false);

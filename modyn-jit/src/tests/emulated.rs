@@ -6,13 +6,10 @@ use modyn_codegen::Function;
 use modyn_codegen::graph::{Expr, Graph};
 use modyn_codegen::program::{Execution, Program};
 use modyn_runtime::Scalar;
+use modyn_tests::random::{Random, seeds};
 
-use super::common::{
-    Fuse, evaluate, is_same, numbers, plan,
-    random::{Random, seeds},
-    split,
-};
 use super::emulator::{ATAN2, Emulator, LOGARITHM, REDUCE};
+use super::{Fuse, evaluate, numbers, plan, split};
 use crate::generate::generate;
 use crate::helper::{Helpers, Linkage};
 use crate::instruction_set::InstructionSet;
@@ -65,7 +62,7 @@ fn compare<F: Fuse>(
         let expected = evaluate(program, instruction_set, state);
         for (i, expected) in expected.iter().enumerate() {
             let found = found[i * lanes + lane];
-            assert!(is_same(found, *expected), "{instruction_set:?} {i}: {found:?} {expected:?}");
+            assert!(found.is_same(*expected), "{instruction_set:?} {i}: {found:?} {expected:?}");
         }
     }
 }

@@ -4,7 +4,7 @@
 use iced_x86::{Decoder, DecoderOptions, Instruction, OpKind, Register};
 use modyn_runtime::steps;
 
-use super::common::Fuse;
+use super::Fuse;
 
 /// Numbers that are no valid address; they stand for helpers.
 pub(super) const REDUCE: u64 = 0x11;

@@ -6,7 +6,7 @@ use iced_x86::{
 };
 
 use super::check_functions;
-use super::common::sets_of_x86_64;
+use super::sets_of_x86_64;
 use crate::generate::x86_64::{Encoder, Encoding, Opcode, Operands, Place, opcodes as op};
 use crate::helper::{Helpers, Linkage};
 use crate::instruction_set::InstructionSet;

@@ -1,7 +1,6 @@
-//! Kernels for graphics processors. CUDA's rollouts, compiled for the host, compute what loops of generated C do; The suite
-//! `conformance` compares the numbers of functions. `modyn-gpu` runs WGSL's.
+//! Kernels for graphics processors: CUDA's rollouts, compiled for the host, compute what loops of generated C do; `of_cuda`
+//! compares the numbers of functions. `modyn-gpu` runs WGSL's.
 
-use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use modyn_codegen::{
@@ -9,47 +8,24 @@ use modyn_codegen::{
     RolloutOptions, Target,
 };
 
-fn robot(name: &str) -> Builder {
-    let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots");
-    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/golden");
-    let file = [robots, golden].map(|folder| folder.join(format!("{name}.urdf")));
-    Builder::new().urdf(file.iter().find(|file| file.exists()).expect("a robot"))
-}
-
-fn run(command: &mut Command) -> String {
-    let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    let (out, errors) = (text(&output.stdout), text(&output.stderr));
-    assert!(output.status.success(), "{command:?}\n{out}\n{errors}");
-    out
-}
-
-fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("gpu_source").join(name);
-    std::fs::create_dir_all(&folder).expect("a folder");
-    folder
-}
+use crate::conformance::c::{STRICT, write};
+use crate::conformance::{command, folder, robot};
 
 /// Compiles the C text of `builder`, a text of CUDA and a program that includes both, and runs the program.
 fn build(name: &str, builder: &Builder, (kernels, main): (&str, &str)) {
     let folder = folder(name);
-    let c = builder.clone().type_name("Ours").emit(Target::C).expect("good").files;
-    let files = [
-        ("ours.h", &*c[1].text),
-        ("ours.c", &*c[0].text),
-        ("kernels.cu", kernels),
-        ("shim.h", include_str!("cuda_shim.h")),
-        ("main.cpp", main),
-    ];
+    write(&builder.clone().type_name("Ours").emit(Target::C).expect("good"), &folder);
+    let files =
+        [("kernels.cu", kernels), ("shim.h", include_str!("../cuda_shim.h")), ("main.cpp", main)];
     for (file, text) in files {
         std::fs::write(folder.join(file), text).expect("writes");
     }
-    run(Command::new("gcc").args(["-std=c99", "-O1", "-c", "ours.c"]).current_dir(&folder));
+    command(Command::new("gcc").args(STRICT).args(["-c", "ours.c"]).current_dir(&folder));
     let options = ["-std=c++17", "-O1", "-Wall", "-Wno-unused-function", "-Wno-unused-variable"];
-    let mut command = Command::new("g++");
-    command.args(options).args(["main.cpp", "ours.o", "-lm", "-o", "main"]);
-    run(command.current_dir(&folder));
-    assert_eq!(run(&mut Command::new(folder.join("main"))), "done\n", "{name}");
+    let mut compile = Command::new("g++");
+    compile.args(options).args(["main.cpp", "ours.o", "-lm", "-o", "main"]);
+    command(compile.current_dir(&folder));
+    assert_eq!(command(&mut Command::new(folder.join("main"))), "done\n", "{name}");
 }
 
 /// Two feet of the quadruped.
@@ -116,40 +92,6 @@ fn texts_begin_with_names_and_sizes() {
             }
         }
     }
-}
-
-/// A state whose numbers are not finite has results that are NaN, and leaves other states alone; subnormal numbers are not
-/// flushed to zero.
-#[test]
-#[ignore = "slow: g++ compiles a robot"]
-fn states_that_are_not_finite() {
-    let text = r#"<robot name="pendulum"><link name="world"/>
-        <joint name="pivot" type="continuous"><parent link="world"/><child link="bob"/><axis xyz="0 1 0"/></joint>
-        <link name="bob"><inertial><origin xyz="0 0 -1"/><mass value="1"/>
-        <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"#;
-    let functions = [Function::ForwardDynamics, Function::InverseDynamics];
-    let builder = Builder::new().urdf_text(text, "pendulum.urdf").functions(functions);
-    let theirs = builder.clone().type_name("Theirs");
-    let source = theirs.emit(Target::Cuda).expect("good");
-    // The inertia about the pivot is 1.1 kg m^2.
-    let main = "#include <cmath>\n#include <cstdio>\n#include <limits>\n#include \"shim.h\"\n#include \"kernels.cu\"\n\
-        int main() {\nconst unsigned n = 4;\nblockDim.x = n;\n\
-        const double bad[3] = { NAN, INFINITY, -INFINITY };\n\
-        for (int which = 0; which < 3; ++which) for (int k = 0; k < 3; ++k) {\n\
-        double a[3][n] = { { 0.3, -0.4, 0.5, 2.0 }, { 1.0, 2.0, -3.0, 0.5 }, { 0.1, 0.2, 0.3, 0.4 } }, before[n], after[n];\n\
-        for (threadIdx.x = 0; threadIdx.x < n; ++threadIdx.x) theirs_forward_dynamics(a[0], a[1], a[2], before, n);\n\
-        a[which][1] = bad[k];\n\
-        for (threadIdx.x = 0; threadIdx.x < n; ++threadIdx.x) theirs_forward_dynamics(a[0], a[1], a[2], after, n);\n\
-        for (unsigned i = 0; i < n; ++i) {\n\
-        // An infinite torque gives an infinite acceleration; a single joint has no terms of the velocity.\n\
-        bool good = i != 1 ? before[i] == after[i] : which == 1 ? std::isnan(after[i]) || before[i] == after[i]\n\
-        : which == 2 && k > 0 ? after[i] == bad[k] : std::isnan(after[i]);\n\
-        if (!good) printf(\"argument %d, number %d, state %u: %g\\n\", which, k, i, after[i]); } }\n\
-        const double zero = 0, tiny = 1e-310;\ndouble torque;\nthreadIdx.x = 0;\n\
-        theirs_inverse_dynamics(&zero, &zero, &tiny, &torque, 1);\n\
-        if (!(std::fabs(torque - 1.1e-310) < 1e-320)) printf(\"subnormal: %g\\n\", torque);\n\
-        printf(\"done\\n\");\nreturn 0;\n}\n";
-    build("not_finite", &builder, (source.text(), main));
 }
 
 /// A program that computes rollouts by the kernel, and by C's functions in a loop. The first quaternion of `q` begins at

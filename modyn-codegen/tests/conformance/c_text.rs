@@ -1,64 +1,24 @@
-//! The texts of generated C. The suite `conformance` compares its numbers with those of programs.
+//! The texts of generated C. `of_gcc` compares its numbers with those of programs.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
 
 use modyn_codegen::{Base, Builder, CodeForm, Contact, ContactKind, Function, LoopEnd, Target};
 
-fn robot(name: &str) -> Builder {
-    let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots");
-    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/golden");
-    let file = [robots, golden].map(|folder| folder.join(format!("{name}.urdf")));
-    Builder::new().urdf(file.iter().find(|file| file.exists()).expect("a robot"))
-}
+use crate::conformance::c::{STRICT, write};
+use crate::conformance::{command, folder, robot};
 
-fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("c_source").join(name);
-    std::fs::create_dir_all(&folder).expect("a folder");
-    folder
-}
-
-/// Runs a command and returns its output.
-fn run(command: &mut Command) -> String {
-    let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    let (out, errors) = (text(&output.stdout), text(&output.stderr));
-    assert!(output.status.success(), "{command:?}\n{out}\n{errors}");
-    assert_eq!(errors, "", "{command:?}");
-    out
-}
-
-const STRICT: [&str; 6] =
-    ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-ffp-contract=off"];
-
-/// Returns the installed C compilers; gcc must be one of them.
-fn compilers() -> Vec<&'static str> {
-    let runs = |name: &&&str| Command::new(name).arg("--version").output().is_ok();
-    let found: Vec<&str> = ["gcc", "clang"].iter().filter(runs).copied().collect();
-    assert!(found.contains(&"gcc"), "gcc is needed (Debian: gcc)");
-    found
-}
-
-/// Writes `builder`'s C to a folder and compiles it with each compiler; returns the folder and the header.
+/// Compiles the C of `builder` in a folder; returns the folder and the header.
 fn compiled(name: &str, builder: &Builder) -> (PathBuf, String) {
-    let found = builder.clone().type_name("Ours").emit(Target::C).expect("good");
-    let folder = folder(name);
-    assert_eq!(found.prefix, "ours");
-    for file in &found.files {
-        std::fs::write(folder.join(&file.name), &file.text).expect("writes");
-    }
-    for foreign in ["malloc", "stdlib", "string.h", "stdint.h"] {
-        assert!(!found.text().contains(foreign), "{foreign}");
-    }
-    for compiler in compilers() {
-        let mut command = Command::new(compiler);
-        run(command
-            .args(STRICT)
-            .args(["-O1", "-c", "ours.c", "-o", "ours.o"])
-            .current_dir(&folder));
-    }
-    (folder, found.files[1].text.clone())
+    let emitted = builder.clone().type_name("Ours").emit(Target::C).expect("good");
+    let folder = folder(&format!("c_text_{name}"));
+    assert_eq!(emitted.prefix, "ours");
+    write(&emitted, &folder);
+    let mut gcc = Command::new("gcc");
+    gcc.args(STRICT).args(["-O2", "-c", "ours.c", "-o", "ours.o"]);
+    command(gcc.current_dir(&folder));
+    (folder, emitted.files[1].text.clone())
 }
 
 /// Returns a chain of joints in general position.
@@ -85,10 +45,7 @@ fn the_instructions_of_loops_do_not_grow_with_the_robot() {
     let bytes = |joints: usize, code: CodeForm| -> usize {
         let name = format!("chain{joints}_{code:?}");
         let (folder, _) = compiled(&name, &chain(joints).code(code));
-        let mut command = Command::new("gcc");
-        command.args(["-std=c99", "-O2", "-c", "ours.c", "-o", "ours.o"]).current_dir(&folder);
-        run(&mut command);
-        let sizes = run(Command::new("size").args(["-A", "ours.o"]).current_dir(&folder));
+        let sizes = command(Command::new("size").args(["-A", "ours.o"]).current_dir(&folder));
         let lines = sizes.lines().filter(|line| line.starts_with(".text"));
         let sizes = lines.filter_map(|line| line.split_whitespace().nth(1)?.parse::<usize>().ok());
         sizes.sum()

@@ -1,26 +1,32 @@
 //! The suite of all back ends: each computes every function of a plan on robots of every kind, and gives the results of the
 //! plan's evaluation. The evaluation itself is compared with the interpreter elsewhere.
 //!
-//! A back end is a [`BackEnd`]: the language of its text, the arithmetic of its results, and a function that runs calls.
+//! A back end is a [`BackEnd`]: the robot that it makes, the arithmetic of its results, and a function that runs calls. The file
+//! is part of this package, and by its path of the tests of the compiler and of the crate for graphics processors.
+
+pub mod c;
+pub mod numbers;
 
 use std::fmt::Write as _;
-use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use modyn_codegen::plan::{Frames, Planned, Shape};
-use modyn_codegen::program::Program;
+use modyn_codegen::diagnostics::Diagnostics;
+use modyn_codegen::plan::{Plan, Planned, Shape};
 use modyn_codegen::{
     Base, Builder, Bundle, CodeForm, Contact, ContactKind, Emitted, FloatType, Function,
-    Interpreter, LoopEnd, Target, UserArgument, UserError, UserFunction,
+    Interpreter, LoopEnd, Planning, UserArgument, UserError, UserFunction,
 };
 use modyn_runtime::Scalar;
 use modyn_runtime::model::Model;
 
 use crate::random::{Random, normalize};
+use numbers::{Reference, evaluate, is_same};
+
+pub use numbers::Arithmetic;
 
 /// The number of states of each function.
-pub const STATES: usize = 6;
+pub const STATES: usize = 8;
 
 /// A robot with options.
 pub struct Case {
@@ -192,27 +198,34 @@ fn comb() -> Builder {
     Builder::new().urdf_text(text + "</robot>", "comb.urdf")
 }
 
-/// The arithmetic of a back end, by which the reference is computed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Arithmetic {
-    /// Products and sums are rounded apart: the same bits.
-    Separate,
-    /// Products are fused into sums, except within sines: the same bits.
-    Fused,
-    /// The language has its own sine: a part of the largest number of the result differs.
-    Own(f64),
+/// A robot that a back end has made, with the plan that it follows.
+pub trait Made {
+    /// Returns the plan and the robot.
+    fn parts(&self) -> (&Plan, &Model);
+}
+
+impl Made for Emitted {
+    fn parts(&self) -> (&Plan, &Model) {
+        (&self.plan, &self.model)
+    }
+}
+
+impl Made for Planning {
+    fn parts(&self) -> (&Plan, &Model) {
+        (&self.plan, &self.model)
+    }
 }
 
 /// A back end of the suite.
 pub trait BackEnd {
+    /// A robot of this back end.
+    type Robot: Made;
+
     /// Returns the name.
     fn name(&self) -> String;
 
-    /// The language of the text.
-    const TARGET: Target;
-
-    /// The arithmetic of the results.
-    const ARITHMETIC: Arithmetic;
+    /// Returns the arithmetic of the results.
+    fn arithmetic(&self) -> Arithmetic;
 
     /// Returns the programs besides gcc that must be installed; without them the tests of the back end do not run.
     fn programs(&self) -> &[&'static str] {
@@ -224,19 +237,31 @@ pub trait BackEnd {
         true
     }
 
-    /// Returns the robot with the options of this back end.
-    fn configure(&self, builder: Builder) -> Builder {
-        builder.type_name("Ours")
+    /// Returns whether one state is computed by programs on vectors, where there are some.
+    fn on_vectors(&self, _: FloatType) -> bool {
+        false
     }
 
+    /// Returns whether calls have run-time parameters; else these are those of the description.
+    fn takes_parameters(&self) -> bool {
+        true
+    }
+
+    /// Makes the robot.
+    ///
+    /// # Errors
+    ///
+    /// If the robot is refused.
+    fn make(&self, builder: &Builder) -> Result<Self::Robot, Diagnostics>;
+
     /// Runs all calls, one after another. There are [`STATES`] calls of each function and link.
-    fn run(&self, subject: &Subject, folder: &Path) -> Vec<Vec<f64>>;
+    fn run(&self, subject: &Subject<'_, Self::Robot>, folder: &Path) -> Vec<Vec<f64>>;
 }
 
 /// A robot with calls.
-pub struct Subject {
-    /// The text and the programs.
-    pub emitted: Emitted,
+pub struct Subject<'a, R> {
+    /// The robot.
+    pub robot: &'a R,
     /// The precision.
     pub float: FloatType,
     /// The calls.
@@ -257,6 +282,8 @@ pub struct Call {
     pub shape: Shape,
     /// The numbers of the result.
     pub expected: Vec<f64>,
+    /// The largest error, if the arithmetic is not the reference's; else the bits are the same.
+    pub tolerance: Option<f64>,
 }
 
 /// Returns whether the programs of a back end are installed.
@@ -275,85 +302,157 @@ pub fn is_installed(back_end: &impl BackEnd) -> bool {
 ///
 /// If a result differs.
 pub fn conforms<B: BackEnd>(back_end: &B, case: &Case, float: FloatType) -> usize {
-    let builder = back_end.configure(case.builder.clone().scalar(float));
-    let emitted =
-        builder.emit(B::TARGET).unwrap_or_else(|errors| panic!("{}: {errors}", case.name));
-    let mut calls = Vec::new();
-    for planned in emitted.plan.functions.iter().filter(|planned| back_end.has(planned)) {
-        if !planned.result.is_empty() {
-            calls.extend(calls_of::<B>(&emitted, planned, float));
-        }
-    }
-    let subject = Subject { emitted, float, calls };
-    let folder = folder(&format!("{}_{}_{float:?}", back_end.name(), case.name));
-    let found = back_end.run(&subject, &folder);
-    compare(&format!("{}, {}", back_end.name(), case.name), &subject.calls, &found, B::ARITHMETIC);
-    subject.calls.len()
+    let builder = case.builder.clone().type_name("Ours").scalar(float);
+    let robot = back_end.make(&builder).unwrap_or_else(|errors| panic!("{}: {errors}", case.name));
+    robot_conforms(back_end, case.name, &robot, float)
 }
 
-/// Compares the results of calls with the expected ones.
+/// Compares a robot of a back end with the evaluation of its programs. Returns the number of compared results.
 ///
 /// # Panics
 ///
 /// If a result differs.
-pub fn compare(name: &str, calls: &[Call], found: &[Vec<f64>], arithmetic: Arithmetic) {
+pub fn robot_conforms<B: BackEnd>(
+    back_end: &B,
+    name: &str,
+    robot: &B::Robot,
+    float: FloatType,
+) -> usize {
+    let (plan, model) = robot.parts();
+    let mut calls = Vec::new();
+    for planned in plan.functions.iter().filter(|planned| back_end.has(planned)) {
+        if !planned.result.is_empty() {
+            calls.extend(calls_of(back_end, (plan, model), planned, float));
+        }
+    }
+    let subject = Subject { robot, float, calls };
+    let folder = folder(&format!("{}_{name}_{float:?}", back_end.name()));
+    let found = back_end.run(&subject, &folder);
+    compare(&format!("{}, {name}, {float:?}", back_end.name()), &subject.calls, &found);
+    subject.calls.len()
+}
+
+/// Compares the results of calls with the expected ones.
+fn compare(name: &str, calls: &[Call], found: &[Vec<f64>]) {
     assert_eq!(calls.len(), found.len(), "{name}");
     let mut moving = 0;
     for (number, (call, found)) in calls.iter().zip(found).enumerate() {
-        let Call { function, link, expected, .. } = call;
+        let Call { function, link, expected, tolerance, .. } = call;
         let place = format!("{name}, {function} of link {link:?}, state {}", number % STATES);
         assert_eq!(found.len(), expected.len(), "{place}");
-        let largest = expected.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
-        for (i, (a, b)) in found.iter().zip(expected).enumerate() {
-            let same = match arithmetic {
-                Arithmetic::Own(part) => (a - b).abs() <= part * largest,
-                _ => a.to_bits() == b.to_bits(),
-            };
-            assert!(same || a.is_nan() && b.is_nan(), "{place}, number {i}: {a:e}, not {b:e}");
-            moving += usize::from(*b != 0.0);
+        for (i, (&a, &b)) in found.iter().zip(expected).enumerate() {
+            let is_near = tolerance.is_some_and(|tolerance| (a - b).abs() <= tolerance);
+            assert!(
+                is_near || is_same(a, b),
+                "{place}, number {i}: {a:e}, not {b:e}, {tolerance:?}"
+            );
+            moving += usize::from(b != 0.0);
         }
     }
     assert!(moving >= calls.len() / 2, "{name}: nothing moves");
 }
 
 /// Returns the calls of a function: each link in each state.
-fn calls_of<B: BackEnd>(emitted: &Emitted, planned: &Planned, float: FloatType) -> Vec<Call> {
-    let Emitted { plan, model, .. } = emitted;
+fn calls_of<B: BackEnd>(
+    back_end: &B,
+    (plan, model): (&Plan, &Model),
+    planned: &Planned,
+    float: FloatType,
+) -> Vec<Call> {
     let links = if planned.is_by_link() { plan.frames.programs().len() } else { 1 };
     let defaults = plan.parameters.described(model.gravity());
-    let mut random = Random::new(planned.name.bytes().map(u64::from).sum());
-    let mut calls = Vec::new();
+    let name: u64 = planned.name.bytes().map(u64::from).sum();
+    let (mut random, mut calls) = (Random::new(name), Vec::new());
+    let arithmetic = back_end.arithmetic();
+    let given = planned.parameters > 0 && back_end.takes_parameters();
     for link in 0..links {
+        let of = Reference {
+            planned,
+            frames: &plan.frames,
+            link,
+            on_vectors: back_end.on_vectors(float),
+        };
         for state in 0..STATES {
             // Far angles have a reduction of their own; a language's own sine is not compared there.
-            let scale = match B::ARITHMETIC {
-                Arithmetic::Own(_) => 1.0,
-                _ => [1.0, 2.0, 50.0, 1500.0, 1e7, 1.0][state],
+            let scale = match arithmetic {
+                Arithmetic::Own(_) => [1.0, 2.0, 50.0, 1.0, 1.0, 1.0, 1.0, 1.0][state],
+                _ => [1.0, 2.0, 50.0, 1500.0, 1e7, 1e20, 1.0, 1.0][state],
             };
-            let arguments = arguments(&mut random, (model, planned, &defaults), scale, float);
+            let mut arguments = arguments(&mut random, (model, planned), scale);
+            if planned.parameters > 0 {
+                let near = |x: &f64| x + 0.01 * random.between(0.0, 1.0);
+                arguments.push(if given {
+                    defaults.iter().map(near).collect()
+                } else {
+                    defaults.clone()
+                });
+            }
+            if state >= STATES - 2 && !matches!(arithmetic, Arithmetic::Own(_)) {
+                set_special(&mut random, &mut arguments[..planned.arguments.len()]);
+            }
+            if float == FloatType::F32 {
+                arguments.iter_mut().flatten().for_each(|x| *x = f64::from(*x as f32));
+            }
             let all = arguments.concat();
-            let frames = &plan.frames;
-            let expected = reference(planned, frames, link, &all, B::ARITHMETIC, float);
+            let (expected, tolerance) = match (arithmetic, float) {
+                (Arithmetic::Own(part), _) => {
+                    let expected = evaluate(&of, arithmetic, &all);
+                    let tolerance = tolerance(&of, part, &all, &expected);
+                    (expected, Some(tolerance))
+                }
+                (_, FloatType::F64) => (evaluate(&of, arithmetic, &all), None),
+                (_, FloatType::F32) => {
+                    let numbers: Vec<f32> = all.iter().map(|&x| x as f32).collect();
+                    let found = evaluate(&of, arithmetic, &numbers);
+                    (found.into_iter().map(f64::from).collect(), None)
+                }
+            };
+            if planned.parameters > 0 && !given {
+                arguments.pop();
+            }
             calls.push(Call {
                 function: planned.name.into(),
                 link: planned.is_by_link().then_some(link),
-                has_parameters: planned.parameters > 0,
+                has_parameters: given,
                 arguments: arguments.into_iter().filter(|array| !array.is_empty()).collect(),
                 shape: planned.result.clone(),
                 expected,
+                tolerance,
             });
         }
     }
     calls
 }
 
+/// Puts an infinity, NaN, a zero or a subnormal number among the numbers of arguments.
+fn set_special(random: &mut Random, arguments: &mut [Vec<f64>]) {
+    const SPECIAL: [f64; 6] = [f64::INFINITY, f64::NEG_INFINITY, f64::NAN, 0.0, -0.0, 1e-310];
+    let count: usize = arguments.iter().map(Vec::len).sum();
+    if count > 0 {
+        let place = random.below(count);
+        *arguments.iter_mut().flatten().nth(place).expect("a number") = SPECIAL[random.below(6)];
+    }
+}
+
+/// Returns the largest error of results if each argument is rounded by a part of it, and each sum by a part of the largest
+/// result: 64 times the largest change in four states that are that near.
+fn tolerance(of: &Reference<'_>, part: f64, arguments: &[f64], expected: &[f64]) -> f64 {
+    let mut random = Random::new(7);
+    let largest = expected.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
+    let spread = (0..4).fold(0.0, |most: f64, _| {
+        let shaken: Vec<f64> =
+            arguments.iter().map(|x| x * (1.0 + random.between(-part, part))).collect();
+        let changes = evaluate(of, Arithmetic::Separate, &shaken).into_iter().zip(expected);
+        changes.fold(most, |most, (a, b)| most.max((a - b).abs()))
+    });
+    64.0 * (part * largest + spread)
+}
+
 /// Returns numbers in general position for the arguments of a function, each an array.
-#[must_use]
-pub fn arguments(
+fn arguments(
     random: &mut Random,
-    (model, planned, defaults): (&Model, &Planned, &[f64]),
+    (model, planned): (&Model, &Planned),
     scale: f64,
-    float: FloatType,
 ) -> Vec<Vec<f64>> {
     let mut arrays = Vec::new();
     for (argument, shape) in &planned.arguments {
@@ -374,54 +473,19 @@ pub fn arguments(
         }
         arrays.push(numbers);
     }
-    if planned.parameters > 0 {
-        let near = |x: &f64| x + 0.01 * random.between(0.0, 1.0);
-        arrays.push(defaults.iter().map(near).collect());
-    }
-    if float == FloatType::F32 {
-        arrays.iter_mut().flatten().for_each(|x| *x = f64::from(*x as f32));
-    }
     arrays
 }
 
-/// Returns the result of a function by the evaluation of its programs.
-#[must_use]
-pub fn reference(
-    planned: &Planned,
-    frames: &Frames,
-    link: usize,
-    arguments: &[f64],
-    arithmetic: Arithmetic,
-    float: FloatType,
-) -> Vec<f64> {
-    match (float, arithmetic) {
-        (FloatType::F32, _) => {
-            let numbers: Vec<f32> = arguments.iter().map(|&x| x as f32).collect();
-            let found = planned.evaluate(frames, link, &numbers);
-            found.into_iter().map(f64::from).collect()
-        }
-        (FloatType::F64, Arithmetic::Fused) => {
-            let numbers: Vec<Fused> = arguments.iter().map(|&x| Fused(x)).collect();
-            planned.evaluate(frames, link, &numbers).into_iter().map(|x| x.0).collect()
-        }
-        (FloatType::F64, _) => planned.evaluate(frames, link, arguments),
-    }
-}
-
-/// Returns the result of a program.
-#[must_use]
-pub fn evaluate(program: &Program, arguments: &[f64]) -> Vec<f64> {
-    program.evaluate(arguments)
-}
-
-/// Returns the folder of this name.
+/// Returns the folder of this name, within the target folder of the running test.
 ///
 /// # Panics
 ///
 /// If it cannot be made.
 #[must_use]
 pub fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("conformance").join(name);
+    let test = std::env::current_exe().expect("a test");
+    let target = test.ancestors().nth(3).expect("in `target/debug/deps`");
+    let folder = target.join("tmp/conformance").join(name);
     std::fs::create_dir_all(&folder).expect("a folder");
     folder
 }
@@ -483,69 +547,4 @@ pub fn read_results(file: &Path, calls: &[Call], float: FloatType) -> Vec<Vec<f6
     let results = results.collect();
     assert!(rest.is_empty(), "{} numbers too many", rest.len());
     results
-}
-
-/// A number that fuses products with sums, except within sines.
-#[derive(Clone, Copy, Debug)]
-pub struct Fused(pub f64);
-
-macro_rules! operator {
-    ($($operator:ident $function:ident,)*) => {$(
-        impl $operator for Fused {
-            type Output = Self;
-
-            fn $function(self, other: Self) -> Self {
-                Self(self.0.$function(other.0))
-            }
-        }
-    )*};
-}
-
-operator!(Add add, Sub sub, Mul mul, Div div,);
-
-impl Neg for Fused {
-    type Output = Self;
-
-    fn neg(self) -> Self {
-        Self(-self.0)
-    }
-}
-
-impl Scalar for Fused {
-    fn from_f64(value: f64) -> Self {
-        Self(value)
-    }
-
-    fn mul_add(self, factor: Self, term: Self) -> Self {
-        Self(f64::mul_add(self.0, factor.0, term.0))
-    }
-
-    fn sin_cos(self) -> (Self, Self) {
-        let (sine, cosine) = Scalar::sin_cos(self.0);
-        (Self(sine), Self(cosine))
-    }
-
-    fn atan2(self, x: Self) -> Self {
-        Self(Scalar::atan2(self.0, x.0))
-    }
-
-    fn sqrt(self) -> Self {
-        Self(Scalar::sqrt(self.0))
-    }
-
-    fn ln(self) -> Self {
-        Self(Scalar::ln(self.0))
-    }
-
-    fn abs(self) -> Self {
-        Self(Scalar::abs(self.0))
-    }
-
-    fn max(self, other: Self) -> Self {
-        Self(Scalar::max(self.0, other.0))
-    }
-
-    fn select_nonnegative(self, then: Self, otherwise: Self) -> Self {
-        Self(self.0.select_nonnegative(then.0, otherwise.0))
-    }
 }

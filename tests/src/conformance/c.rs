@@ -1,13 +1,14 @@
-//! C99, by the compilers of the host, and of aarch64 in an emulator.
+//! C99, by the compilers of the host, and of aarch64 in an emulator; and the program in C that calls functions of any
+//! back end.
 
 use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;
 
-use crate::suite::{
-    Arithmetic, BackEnd, Call, STATES, Subject, command, read_results, write_numbers,
-};
-use modyn_codegen::{FloatType, Target};
+use modyn_codegen::diagnostics::Diagnostics;
+use modyn_codegen::{Builder, Emitted, FloatType, Target};
+
+use super::{Arithmetic, BackEnd, Call, STATES, Subject, command, read_results, write_numbers};
 
 /// A compiler with options, and the program that runs its programs.
 pub struct C {
@@ -17,18 +18,24 @@ pub struct C {
 }
 
 /// C99 without extensions, warnings and contraction.
-const STRICT: [&str; 7] =
+pub const STRICT: [&str; 7] =
     ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-ffp-contract=off", "-O1"];
 
 impl C {
+    /// Returns GCC.
+    #[must_use]
     pub fn gcc() -> Self {
         Self { compiler: &["gcc"], runner: &[], programs: &[] }
     }
 
+    /// Returns Clang.
+    #[must_use]
     pub fn clang() -> Self {
         Self { compiler: &["clang"], runner: &[], programs: &["clang"] }
     }
 
+    /// Returns GCC for aarch64, whose programs run in QEMU.
+    #[must_use]
     pub fn aarch64() -> Self {
         let programs = &["aarch64-linux-gnu-gcc", "qemu-aarch64"];
         Self {
@@ -40,8 +47,7 @@ impl C {
 }
 
 impl BackEnd for C {
-    const TARGET: Target = Target::C;
-    const ARITHMETIC: Arithmetic = Arithmetic::Separate;
+    type Robot = Emitted;
 
     fn name(&self) -> String {
         self.compiler[0].into()
@@ -51,15 +57,17 @@ impl BackEnd for C {
         self.programs
     }
 
-    fn run(&self, subject: &Subject, folder: &Path) -> Vec<Vec<f64>> {
-        for file in &subject.emitted.files {
-            for foreign in ["malloc", "stdlib", "string.h", "stdint.h"] {
-                assert!(!file.text.contains(foreign), "{foreign}");
-            }
-            std::fs::write(folder.join(&file.name), &file.text).expect("writes");
-        }
-        let head = "#include \"ours.h\"\n";
-        std::fs::write(folder.join("main.c"), driver(subject, head, c_call)).expect("writes");
+    fn arithmetic(&self) -> Arithmetic {
+        Arithmetic::Separate
+    }
+
+    fn make(&self, builder: &Builder) -> Result<Emitted, Diagnostics> {
+        builder.emit(Target::C)
+    }
+
+    fn run(&self, subject: &Subject<'_, Emitted>, folder: &Path) -> Vec<Vec<f64>> {
+        write(subject.robot, folder);
+        write_main(subject, folder, call);
         let (compiler, options) = self.compiler.split_first().expect("a compiler");
         let mut compile = Command::new(compiler);
         compile.args(options).args(STRICT).args(["main.c", "ours.c", "-o", "main", "-lm"]);
@@ -69,13 +77,31 @@ impl BackEnd for C {
     }
 }
 
-/// Runs a driver on the arguments of all calls, and returns its results.
-pub fn execute(subject: &Subject, folder: &Path, run: &[&str]) -> Vec<Vec<f64>> {
+/// Writes the files of a robot. C needs the mathematical library alone.
+///
+/// # Panics
+///
+/// If a file cannot be written, or needs another header.
+pub fn write(emitted: &Emitted, folder: &Path) {
+    for file in &emitted.files {
+        for foreign in ["malloc", "stdlib", "string.h", "stdint.h"] {
+            assert!(emitted.target != Target::C || !file.text.contains(foreign), "{foreign}");
+        }
+        std::fs::write(folder.join(&file.name), &file.text).expect("writes");
+    }
+}
+
+/// Runs the program `main` of a folder on the arguments of all calls, and returns its results. `run` is its command line, whose
+/// program is found by its name unless it is `./main`.
+///
+/// # Panics
+///
+/// If the program fails.
+pub fn execute<R>(subject: &Subject<'_, R>, folder: &Path, run: &[&str]) -> Vec<Vec<f64>> {
     let numbers = subject.calls.iter().flat_map(|call| call.arguments.iter().flatten());
     write_numbers(&folder.join("in"), numbers, subject.float);
-    let main = folder.join("main");
     let mut program = match run {
-        [one] if *one == "./main" => Command::new(main),
+        ["./main"] => Command::new(folder.join("main")),
         _ => Command::new(run[0]),
     };
     command(program.args(&run[1..]).current_dir(folder));
@@ -83,21 +109,32 @@ pub fn execute(subject: &Subject, folder: &Path, run: &[&str]) -> Vec<Vec<f64>> 
 }
 
 /// Returns the statement that calls a function of C: `arguments` are the names of arrays, each followed by a comma.
-fn c_call(call: &Call, arguments: &str) -> String {
-    let with = if call.has_parameters { "_with" } else { "" };
+#[must_use]
+pub fn call(call: &Call, arguments: &str) -> String {
+    let (name, with) = (&call.function, if call.has_parameters { "_with" } else { "" });
     match call.link {
-        Some(link) => {
-            format!("if (ours_{}{with}({arguments}{link}U, x) != 1) return 1;", call.function)
-        }
-        None => format!("ours_{}{with}({arguments}x);", call.function),
+        // A link that does not exist is refused, and nothing is written.
+        Some(link) => format!(
+            "if (ours_{name}{with}({arguments}{link}U, x) != 1 || ours_{name}{with}({arguments}4000000000U, x) != 0) return 1;"
+        ),
+        None => format!("ours_{name}{with}({arguments}x);"),
     }
 }
 
-/// Returns a program that reads the arguments of all calls, and writes the results.
-pub fn driver(subject: &Subject, head: &str, call: impl Fn(&Call, &str) -> String) -> String {
+/// Writes the program `main.c` that reads the arguments of all calls, and writes the results. Its arrays are not aligned to
+/// vectors.
+///
+/// # Panics
+///
+/// If the file cannot be written.
+pub fn write_main<R>(
+    subject: &Subject<'_, R>,
+    folder: &Path,
+    call: impl Fn(&Call, &str) -> String,
+) {
     let real = if subject.float == FloatType::F64 { "double" } else { "float" };
     let mut text = format!(
-        "#include <stdio.h>\n{head}typedef {real} real;\nstatic FILE *in, *out;\n\
+        "#include <stdio.h>\n#include \"ours.h\"\ntypedef {real} real;\nstatic FILE *in, *out;\n\
          static int get(real *x, size_t n) {{ return fread(x, sizeof *x, n, in) == n; }}\n\
          static int put(const real *x, size_t n) {{ return fwrite(x, sizeof *x, n, out) == n; }}\n"
     );
@@ -107,21 +144,26 @@ pub fn driver(subject: &Subject, head: &str, call: impl Fn(&Call, &str) -> Strin
         let _ = writeln!(text, "static int f{number}(void)\n{{\n    int s;");
         let (mut names, mut reads) = (String::new(), String::new());
         for (i, argument) in one.arguments.iter().enumerate() {
-            let _ = writeln!(text, "    static real a{i}[{}];", argument.len());
+            let _ = writeln!(
+                text,
+                "    static real m{i}[{}], *const a{i} = m{i} + 1;",
+                argument.len() + 1
+            );
             let _ = writeln!(reads, "        if (!get(a{i}, {})) return 1;", argument.len());
             let _ = write!(names, "a{i}, ");
         }
         let len = one.expected.len();
         let _ = writeln!(
             text,
-            "    static real x[{len}];\n    for (s = 0; s < {STATES}; ++s) {{\n{reads}        {}\n        \
+            "    static real m[{len} + 1], *const x = m + 1;\n    for (s = 0; s < {STATES}; ++s) {{\n{reads}        {}\n        \
              if (!put(x, {len})) return 1;\n    }}\n    return 0;\n}}",
             call(one, &names)
         );
         let _ = writeln!(main, "    if (f{number}()) return 1;");
     }
-    text + &format!(
+    text += &format!(
         "int main(void)\n{{\n    in = fopen(\"in\", \"rb\");\n    out = fopen(\"out\", \"wb\");\n    \
          if (!in || !out) return 2;\n{main}    return fclose(out);\n}}\n"
-    )
+    );
+    std::fs::write(folder.join("main.c"), text).expect("writes");
 }
