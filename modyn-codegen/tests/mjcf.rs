@@ -883,11 +883,11 @@ fn keyframes_are_constants() {
     let code = builder.generate().expect("a robot").text;
     for line in [
         "pub const HOME: [f64; 1] = [0.5];",
-        "pub const HOME_2: [f64; 1] = [1.0];",
+        "pub const HOME_KEYFRAME: [f64; 1] = [1.0];",
         "pub const NEUTRAL_KEYFRAME: [f64; 1] = [0.0];",
         "pub const TO_THE_LEFT: [f64; 1] = [2.0];",
         "pub const LIMITS_KEYFRAME: [f64; 1] = [3.0];",
-        r#"pub const KEYFRAMES: [(&'static str, [f64; 1]); 5] = [("home", Self::HOME), ("Home", Self::HOME_2), "#,
+        r#"pub const KEYFRAMES: [(&'static str, [f64; 1]); 5] = [("home", Self::HOME), ("Home", Self::HOME_KEYFRAME), "#,
         r#"Keyframe { name: "to the left".into(), q: [2.0].into() }"#,
     ] {
         assert!(code.contains(line), "{line}: {code}");

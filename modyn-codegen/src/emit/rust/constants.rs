@@ -1,6 +1,5 @@
 //! The constants of a generated type.
 
-use std::collections::HashSet;
 use std::fmt::Write as _;
 
 use modyn_runtime::OperationCount;
@@ -104,10 +103,9 @@ impl Robot<'_> {
         if keyframes.is_empty() {
             return;
         }
-        let mut taken: HashSet<String> = HashSet::new();
         let mut table = String::new();
         for keyframe in keyframes {
-            let name = constant_name(&keyframe.name, text, &mut taken);
+            let name = constant_name(&keyframe.name, text);
             let _ = writeln!(
                 text,
                 "/// The coordinates of the keyframe {:?}.\n\
@@ -196,9 +194,9 @@ impl Robot<'_> {
 }
 
 /// Returns the name of the constant of a keyframe: its name in capitals, with an ending if the type has another constant of
-/// the name. It is taken then.
-fn constant_name(keyframe: &str, text: &str, taken: &mut HashSet<String>) -> String {
-    /// Constants that follow those of keyframes in the text, and those of traits.
+/// the name. `text` has the constants so far.
+fn constant_name(keyframe: &str, text: &str) -> String {
+    /// Constants that follow those of keyframes in the text.
     const LATER: &[&str] = &[
         "ARMATURE",
         "BASE_COLUMNS",
@@ -211,19 +209,14 @@ fn constant_name(keyframe: &str, text: &str, taken: &mut HashSet<String>) -> Str
         "MODULES",
     ];
     let own = names::snake(keyframe).to_ascii_uppercase();
-    let is_constant = |name: &str| {
+    let is_taken = |name: &str| {
         LATER.contains(&name)
             || name.ends_with("_OPERATIONS")
             || text.contains(&format!("pub const {name}: "))
     };
-    let ending = (!is_constant(&own)).then(|| own.clone());
-    let first = ending.unwrap_or_else(|| format!("{own}_KEYFRAME"));
-    let numbered = (2..).map(|n| format!("{first}_{n}"));
-    let mut all = std::iter::once(first.clone()).chain(numbered);
-    let name =
-        all.find(|name| !is_constant(name) && !taken.contains(name)).unwrap_or(first.clone());
-    taken.insert(name.clone());
-    name
+    let numbered = (2..).map(|n| format!("{own}_KEYFRAME_{n}"));
+    let mut all = [own.clone(), format!("{own}_KEYFRAME")].into_iter().chain(numbered);
+    all.find(|name| !is_taken(name)).unwrap_or_default()
 }
 
 /// Prints the base parameters.
