@@ -28,8 +28,6 @@ WHEELS = ("dm_control==1.0.50", "genesis-world==1.4.5", "gymnasium==1.4.0", "gym
 #: MuJoCo computes inertias of meshes from vertices in single precision.
 MUJOCO_TOLERANCE = 1e-7
 LOOP_TOLERANCE = 1e-6
-#: Warnings of forces that do not act, which are switched off in MuJoCo.
-SILENT = {"its spring does not act": "spring", "`gravcomp` does not act": "gravcomp"}
 
 
 @dataclasses.dataclass
@@ -45,7 +43,6 @@ class Row:
     #: "agrees", "differs", or why the other library has no numbers.
     compared: str = ""
     difference: float | None = None
-    off: str = ""
 
 
 def fetch(folder):
@@ -72,22 +69,19 @@ def checked(collection, folder):
         raise RuntimeError(f"{folder}: modyn check: {done.stderr}")
     for file in json.loads(done.stdout)["files"]:
         errors = [one for one in file["diagnostics"] if one["severity"] == "error"]
-        warnings = [one["message"] for one in file["diagnostics"] if one["severity"] == "warning"]
         row = Row(collection, str(Path(file["file"]).relative_to(folder)), file["format"], file["verdict"])
         if errors:
             subject = errors[0]["subject"]
             about = f"{subject['kind']} `{subject['name']}`: " if subject else ""
             row.code, row.why = errors[0]["code"], (about + errors[0]["message"]).replace(f"{folder}/", "")
-        silent = {force for part, force in SILENT.items() if any(part in warning for warning in warnings)}
-        row.off = " ".join(sorted(silent))
-        yield row, Path(file["file"]), silent
+        yield row, Path(file["file"])
 
 
-def reference(row, path, joints, off):
+def reference(row, path, joints):
     """The other library's model of a file."""
     if row.format == "mjcf":
         import mujoco_reference
-        return mujoco_reference.Reference(path, joints, off)
+        return mujoco_reference.Reference(path, joints)
     if row.format == "sdf":
         import drake_reference
         return drake_reference.Reference(path, joints)
@@ -102,7 +96,7 @@ def reference(row, path, joints, off):
 
 def compare(task):
     """Fills in the comparison of an accepted file, or whether the other library loads a refused MJCF."""
-    row, path, off, states = task
+    row, path, states = task
     if row.verdict not in ("accepted", "refused", "part") or row.verdict != "accepted" and row.format != "mjcf":
         return row
     if row.verdict != "accepted":
@@ -116,7 +110,7 @@ def compare(task):
     try:
         interpreter = modyn.Interpreter(path, [])
         row.joints = len(interpreter.joints)
-        theirs = reference(row, path, interpreter.joints, off)
+        theirs = reference(row, path, interpreter.joints)
         random = numpy.random.default_rng(1)
         given = [theirs.random_state(random) for _ in range(states)]
         tolerance = MUJOCO_TOLERANCE if row.format == "mjcf" else TOLERANCE

@@ -19,22 +19,15 @@ def flag(name):
 
 
 class Reference:
-    """MuJoCo's model of a file, for modyn's joints that have coordinates.
+    """MuJoCo's model of a file, for modyn's joints that have coordinates."""
 
-    `off` has the forces that do not act in modyn: "spring", "gravcomp".
-    """
-
-    def __init__(self, path, joints, off):
+    def __init__(self, path, joints):
         try:
             self.model = model = mujoco.MjModel.from_xml_path(str(path))
         except ValueError as error:
             raise Unloaded(str(error).splitlines()[0]) from error
         for name in OFF:
             model.opt.disableflags |= flag(name)
-        if "spring" in off:
-            model.opt.disableflags |= flag("SPRING")
-        if "gravcomp" in off:
-            model.body_gravcomp[:] = 0
         model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
         self.data = mujoco.MjData(model)
         self.joints = joints

@@ -128,8 +128,8 @@ def collections(rows, seconds):
              sum(row.compared.startswith("not compared") for row in found)] for key, found in sorted(groups.items())]
     head = ["collection", "format", "files", "models that move", "accepted", "agree", "differ", "not compared"]
     every = [[row.collection, row.file, row.format, row.verdict, "" if row.joints is None else row.joints, row.compared,
-              "" if row.difference is None else f"{row.difference:.0e}", row.off, row.code, " ".join(row.why.split())]
+              "" if row.difference is None else f"{row.difference:.0e}", row.code, " ".join(row.why.split())]
              for row in rows]
-    titles = ["collection", "file", "format", "verdict", "joints", "compared", "difference", "forces left out", "code", "why"]
+    titles = ["collection", "file", "format", "verdict", "joints", "compared", "difference", "code", "why"]
     command = "lab/robots/run collections"
     return {"collections": data(head, sums, note, command), "collected": data(titles, every, note, command)}
