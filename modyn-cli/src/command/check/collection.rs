@@ -205,7 +205,7 @@ fn as_text(entries: &[Entry], others: usize) -> String {
         });
         let [name, why] = [&entry.outcome.name, &why].map(|text| sanitize_for_display(text));
         let (format, verdict) = (entry.format.name().into(), entry.verdict.name().into());
-        table.row([name.into(), format, verdict, why.into()]);
+        table.row([name, format, verdict, why]);
     }
     let mut out = table.with_remarks().fitted();
     let mut sums = Table::new(&["format", "accepted", "static", "refused", "part"]);
