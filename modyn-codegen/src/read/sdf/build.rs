@@ -43,6 +43,7 @@ pub fn describe(
         compensated: Vec::new(),
         loops: Vec::new(),
         contacts: Vec::new(),
+        keyframes: Vec::new(),
     };
     let names = world.frames.iter().filter(|frame| !matches!(frame.kind, FrameKind::Joint(_)));
     let names = Names::new(names.map(|frame| frame.name.text.clone()));
