@@ -256,6 +256,11 @@ class Robot:
         numbers of the description. Finding them takes a while (Gautier 1991)."""
     def neutral(self) -> Array:
         """Returns the neutral coordinates, (nq,): zero for every joint, the identity for quaternions."""
+    @property
+    def keyframes(self) -> dict[str, Array]:
+        """The keyframes of the description: named coordinates, each (nq,), in its order."""
+    def keyframe(self, name: str) -> Array:
+        """Returns the coordinates of the keyframe of this name, (nq,); `KeyError` names those that there are."""
     def check_configuration(self, q: ArrayLike) -> None:
         """Checks that the quaternions of spherical and floating joints in `q`, (nq,), have length 1."""
     def animation(self, times: ArrayLike, trajectory: ArrayLike) -> str:
@@ -313,7 +318,7 @@ class Robot:
         self, q: ArrayLike, qd: ArrayLike, *, out: Array | None = None
     ) -> Array:
         """Returns the bias forces (N m or N): inverse dynamics at zero acceleration. They are the Coriolis,
-        centrifugal and gravity forces, with damping and friction if these are enabled.
+        centrifugal and gravity forces and those of springs, with damping and friction if these are enabled.
 
         Arguments: `q`: (nq,); `qd`: (nv,).
         Result: (nv,). Several states have one more axis, the first.
@@ -321,7 +326,7 @@ class Robot:
     def gravity_torques(
         self, q: ArrayLike, *, out: Array | None = None
     ) -> Array:
-        """Returns the joint forces (N m or N) that balance gravity at `q` and zero velocity.
+        """Returns the joint forces (N m or N) that balance gravity and springs at `q` and zero velocity.
 
         Arguments: `q`: (nq,).
         Result: (nv,). Several states have one more axis, the first.
@@ -354,8 +359,8 @@ class Robot:
     def potential_energy(
         self, q: ArrayLike, *, out: Array | None = None
     ) -> float | Array:
-        """Returns the potential energy of the moving links under gravity, J; zero for mass at the world's
-        origin.
+        """Returns the potential energy of the moving links under gravity and of the springs, J; zero for mass
+        at the world's origin and springs at rest.
 
         Arguments: `q`: (nq,).
         Result: a number. Several states have one more axis, the first.
