@@ -16,6 +16,7 @@ use std::collections::BTreeSet;
 
 use modyn_runtime::model::{DEFAULT_GRAVITY, Friction, Inertial, Limits, Model};
 
+use crate::check::motion::listed;
 use crate::description::UNLIMITED;
 use crate::diagnostics::{Code, Diagnostic, Diagnostics};
 use crate::read::Format;
@@ -98,6 +99,10 @@ pub fn write(model: &Model, format: Format) -> Result<Written, Diagnostics> {
 /// Returns notes about properties of a model that options of reading have, and not the format.
 fn notes_about_options(model: &Model, format: Format) -> Vec<String> {
     let mut notes = Vec::new();
+    if !model.keyframes().is_empty() {
+        let names = model.keyframes().iter().map(|keyframe| &*keyframe.name);
+        notes.push(format!("Left out: {}.", listed("keyframe", names)));
+    }
     if format == Format::Urdf && model.gravity() != DEFAULT_GRAVITY {
         let [x, y, z] = model.gravity().map(number);
         notes.push(format!(
