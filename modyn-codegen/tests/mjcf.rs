@@ -4,6 +4,7 @@
 use modyn_codegen::diagnostics::{Code, Diagnostics, Severity};
 use modyn_codegen::{Base, Builder, ReadOptions};
 use modyn_runtime::Interpreter;
+use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{LoopConstraintKind, Model};
 
 fn read(text: &str) -> Result<Model, Diagnostics> {
@@ -118,6 +119,8 @@ fn the_numbers_are_those_of_mujoco() {
         (include_str!("mjcf/rotations.xml"), include_str!("mjcf/rotations.txt"), 1e-12),
         (include_str!("mjcf/shapes.xml"), include_str!("mjcf/shapes.txt"), 1e-12),
         (include_str!("mjcf/fields.xml"), include_str!("mjcf/fields.txt"), 1e-12),
+        (include_str!("mjcf/springs.xml"), include_str!("mjcf/springs.txt"), 1e-12),
+        (include_str!("mjcf/floating.xml"), include_str!("mjcf/floating.txt"), 1e-12),
     ] {
         let mut robot = Interpreter::<f64>::new(read_in_folder(text).expect("an MJCF").model);
         let lines: Vec<Vec<f64>> = golden
@@ -132,10 +135,11 @@ fn the_numbers_are_those_of_mujoco() {
             robot.forward_dynamics(q, qd, tau, &mut found[0]).expect("sizes");
             robot.bias_forces(q, qd, &mut found[1]).expect("sizes");
             robot.mass_matrix(q, &mut found[2]).expect("sizes");
-            for (found, expected) in found.iter().zip([qdd, bias, matrix]) {
+            let names = ["accelerations", "bias forces", "mass matrix"];
+            for ((found, expected), name) in found.iter().zip([qdd, bias, matrix]).zip(names) {
                 let size = expected.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
                 for (a, b) in found.iter().zip(expected) {
-                    assert!((a - b).abs() < tolerance * size, "{a} is not {b}: {golden}");
+                    assert!((a - b).abs() < tolerance * size, "{name}: {a} is not {b}: {golden}");
                 }
             }
         }
@@ -334,7 +338,7 @@ fn ranges_of_joint_forces_are_effort_limits() {
     };
     assert_eq!(efforts(&reading.model), joints.map(|(_, effort)| effort));
     let first = &reading.model.links()[0].joint;
-    assert_eq!(first.joint_type, modyn_runtime::joint::JointType::Continuous);
+    assert_eq!(first.joint_type, JointType::Continuous);
     let found: Vec<_> =
         reading.warnings.iter().map(|one| (one.code, one.position.map(|at| at.line))).collect();
     assert_eq!(found, [(Code::NotRead, Some(11))], "{:?}", reading.warnings);
@@ -385,29 +389,43 @@ fn servo_actuators_are_named_and_sites_are_frames() {
     assert_eq!(frames, expected);
 }
 
-/// Springs and compensated gravity do not act, and are named once. They have no effect if the model says so.
+/// Springs and compensated gravity act, unless the model says that springs do not.
 #[test]
-fn forces_that_do_not_act_are_named() {
+fn springs_and_compensated_gravity_are_read() {
     let text = |flag: &str| {
         format!(
             r#"<mujoco model="m"><option><flag {flag}/></option><worldbody>
-            <body name="a" gravcomp="1"><joint name="j" stiffness="2"/><geom size="1"/>
-            <body name="b"><joint name="k"/><geom size="1"/>
+            <body name="a" gravcomp="1"><joint name="j" stiffness="2" springref="90"/><geom size="1"/>
+            <body name="b" pos="1 2 3"><joint name="k" type="slide" springref="0.5" stiffness="4 0 0"/><geom size="1"/>
             <body name="c" gravcomp="0.5"><joint name="l" type="ball" stiffness="3"/><geom size="1"/></body></body></body>
-            <body gravcomp="1"/></worldbody></mujoco>"#
+            <body gravcomp="1"/><body name="d" pos="1 2 3" quat="0 0 0 1"><freejoint/><geom size="1"/></body>
+            <body name="e" pos="1 2 3" quat="0 0 0 1"><joint type="free" stiffness="5"/><geom size="1"/></body>
+            </worldbody></mujoco>"#
         )
     };
-    let warnings = |flag: &str| {
+    let read = |flag: &str| {
         let reading = modyn_codegen::read_mjcf(&text(flag), "m.xml", &ReadOptions::default());
-        let warnings = reading.expect("an MJCF").warnings;
-        let line = |one: &modyn_codegen::diagnostics::Diagnostic| one.position.map(|at| at.line);
-        warnings.iter().map(|one| (line(one), one.message.clone())).collect::<Vec<_>>()
+        let reading = reading.expect("an MJCF");
+        assert_eq!(reading.warnings.len(), 0, "{:?}", reading.warnings);
+        reading.model
     };
-    let spring = "its spring does not act; the same holds for joint `l` (line 4)";
-    let gravity = "its gravity is not compensated: `gravcomp` does not act; the same holds for link `c` (line 4)";
-    let [spring, gravity] = [spring, gravity].map(|message| (Some(2), message.to_owned()));
-    assert_eq!(warnings(r#"gravity="enable""#), [gravity.clone(), spring]);
-    assert_eq!(warnings(r#"spring="disable""#), [gravity]);
+    let model = read(r#"gravity="enable""#);
+    let springs = model.springs().iter().map(|spring| {
+        let joint = &model.links()[spring.link].joint;
+        (joint.joint_type, spring.stiffness, spring.reference.clone())
+    });
+    let expected = [
+        (JointType::Continuous, 2.0, vec![std::f64::consts::FRAC_PI_2]),
+        (JointType::Prismatic, 4.0, vec![0.5]),
+        (JointType::Spherical, 3.0, vec![0.0, 0.0, 0.0, 1.0]),
+        (JointType::Floating, 5.0, vec![1.0, 2.0, 3.0, 0.0, 0.0, 1.0, 0.0]),
+    ];
+    assert_eq!(springs.collect::<Vec<_>>(), expected);
+    let factors = model.frames().iter().zip(model.gravity_compensation());
+    let factors = factors.filter(|(_, factor)| **factor != 0.0);
+    let factors: Vec<_> = factors.map(|(frame, factor)| (&*frame.name, *factor)).collect();
+    assert_eq!(factors, [("a", 1.0), ("c", 0.5)]);
+    assert!(read(r#"spring="disable""#).springs().is_empty());
 }
 
 /// The largest force of a joint is that of its actuators, if each has a limit.
@@ -524,7 +542,7 @@ fn unsupported_elements_are_refused() {
         (r#"<joint class="nowhere"/>"#, Code::NotRead, r#"<joint class="main"/>"#),
         (r#"<joint springdamper="1 1"/>"#, Code::NotRead, "<joint/>"),
         (
-            r#"<joint/></body><body><joint type="free" armature="2"/><geom size="1"/>"#,
+            r#"<joint/></body><body><joint type="free" frictionloss="2"/><geom size="1"/>"#,
             Code::NotRead,
             r#"<joint/></body><body><joint type="free" damping="2"/><geom size="1"/>"#,
         ),

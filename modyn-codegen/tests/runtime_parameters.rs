@@ -7,7 +7,7 @@ use modyn_codegen::trace::{Parameters, Tracer};
 use modyn_codegen::{Base, Function, ReadOptions, read_urdf};
 use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::mechanism::Mechanism;
-use modyn_runtime::model::{Inertial, Model, ModuleTree};
+use modyn_runtime::model::{Inertial, Model, ModuleTree, Spring};
 use modyn_runtime::spatial::Wrench;
 use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter};
 
@@ -68,7 +68,13 @@ fn robot(own: &[Inertial; LINKS.len()], loads: &[(usize, Inertial)], gravity: [f
         text += &joint("fixed", LINKS[*i], &name, "");
     }
     let options = ReadOptions { gravity: Some(gravity), ..ReadOptions::default() };
-    read_urdf(&(text + "</robot>"), "r.urdf", &options).expect("a good robot").model
+    let model = read_urdf(&(text + "</robot>"), "r.urdf", &options).expect("a good robot").model;
+    let spring = |link| Spring { link, stiffness: 3.0 + link as f64, reference: vec![0.4] };
+    let model = model.with_springs(vec![spring(0), spring(2)]).expect("good springs");
+    // Loads are not compensated.
+    let mut factors = vec![0.0, 0.6, -0.3, 0.0, 1.2, 0.5, 0.8];
+    factors.resize(model.frames().len(), 0.0);
+    model.with_gravity_compensation(factors).expect("a factor for each frame")
 }
 
 /// Returns the index of a link among the robot's frames.

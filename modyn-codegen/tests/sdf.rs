@@ -203,6 +203,34 @@ const ARM: &str = "<link name='base'/><link name='arm'><pose>0 0 1 0 0 0</pose><
     <joint name='j' type='revolute'><parent>base</parent><child>arm</child><axis><xyz>0 1 0</xyz>
     <limit><lower>-inf</lower><upper>2</upper><effort>inf</effort><velocity>3</velocity></limit></axis></joint>";
 
+/// Springs of axes act, and links without gravity have no weight.
+#[test]
+fn springs_and_weightless_links() {
+    let dynamics = "<dynamics><spring_stiffness>4</spring_stiffness>\
+        <spring_reference>0.3</spring_reference></dynamics>";
+    let elements = |second: &str| {
+        format!(
+            "<link name='a'/><link name='b'><gravity>false</gravity></link><link name='c'/>\
+            <joint name='ja' type='revolute'><parent>world</parent><child>a</child><axis>{dynamics}</axis></joint>\
+            <joint name='jb' type='ball'><parent>a</parent><child>b</child></joint>\
+            <joint name='jc' type='universal'><parent>b</parent><child>c</child><axis>{dynamics}</axis>\
+            <axis2><xyz>1 0 0</xyz>{second}</axis2></joint>"
+        )
+    };
+    let robot = model(&elements(dynamics)).expect("an SDF");
+    let springs = robot.springs().iter().map(|spring| {
+        (&*robot.links()[spring.link].joint.name, spring.stiffness, &*spring.reference)
+    });
+    let expected: [(_, _, &[f64]); 2] = [("ja", 4.0, &[0.3]), ("jc", 4.0, &[0.3, 0.3])];
+    assert_eq!(springs.collect::<Vec<_>>(), expected);
+    let factors = robot.frames().iter().zip(robot.gravity_compensation());
+    let weightless = factors.filter(|(_, factor)| **factor == 1.0);
+    assert_eq!(weightless.map(|(frame, _)| &*frame.name).collect::<Vec<_>>(), ["b"]);
+    // A joint has one stiffness.
+    let error = model(&elements("")).expect_err("two springs");
+    assert_eq!(error.iter().next().map(|one| one.code), Some(Code::NotRead));
+}
+
 /// The base floats unless a joint or an option fixes it. A model without weight has no gravity.
 #[test]
 fn the_base_and_gravity() {

@@ -35,7 +35,7 @@ impl Robot {
     }
 
     /// Returns the bias forces (N m or N): inverse dynamics at zero acceleration. They are the Coriolis,
-    /// centrifugal and gravity forces, with damping and friction if these are enabled.
+    /// centrifugal and gravity forces and those of springs, with damping and friction if these are enabled.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,).
     /// Result: (nv,). Several states have one more axis, the first.
@@ -44,7 +44,7 @@ impl Robot {
         self.call(py, 2, &[Some(q), Some(qd)], None, out)
     }
 
-    /// Returns the joint forces (N m or N) that balance gravity at `q` and zero velocity.
+    /// Returns the joint forces (N m or N) that balance gravity and springs at `q` and zero velocity.
     ///
     /// Arguments: `q`: (nq,).
     /// Result: (nv,). Several states have one more axis, the first.
@@ -81,8 +81,8 @@ impl Robot {
         self.call(py, 7, &[Some(q), Some(qd)], None, out)
     }
 
-    /// Returns the potential energy of the moving links under gravity, J; zero for mass at the world's
-    /// origin.
+    /// Returns the potential energy of the moving links under gravity and of the springs, J; zero for mass
+    /// at the world's origin and springs at rest.
     ///
     /// Arguments: `q`: (nq,).
     /// Result: a number. Several states have one more axis, the first.

@@ -64,7 +64,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         R::inverse_dynamics::<T>(array(q), array(qd), array(qdd)).into()
     }
 
-    /// Returns the bias forces: Coriolis, centrifugal and gravity forces.
+    /// Returns the bias forces: Coriolis, centrifugal and gravity forces, and those of springs.
     #[must_use]
     pub fn bias_forces<const NQ: usize, const NV: usize>(
         q: &SVector<T, NQ>,
@@ -76,7 +76,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         R::bias_forces::<T>(array(q), array(qd)).into()
     }
 
-    /// Returns the joint forces that balance gravity.
+    /// Returns the joint forces that balance gravity and springs.
     #[must_use]
     pub fn gravity_torques<const NQ: usize, const NV: usize>(q: &SVector<T, NQ>) -> SVector<T, NV>
     where

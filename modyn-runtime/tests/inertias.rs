@@ -166,6 +166,36 @@ fn changes_are_another_description() {
     }
 }
 
+/// Compensated weights are those of the present inertias, under the present gravity.
+#[test]
+fn compensated_weights_follow_inertias_and_gravity() {
+    let compensated = |model: Model| {
+        let factors = (0..model.frames().len()).map(|i| 0.3 * i as f64 - 0.6).collect();
+        model.with_gravity_compensation(factors).expect("a factor for each frame")
+    };
+    for seed in 0..5 {
+        let model = chain(seed, &JOINTS);
+        let mut random = Random(seed + 100);
+        let mut changed = Interpreter::<f64>::new(compensated(model.clone()));
+        assert_ne!(numbers(&mut changed), numbers(&mut Interpreter::new(model.clone())));
+        let mut changes: Vec<(usize, Inertial)> = Vec::new();
+        for _ in 0..6 {
+            let frame = (random.next() * model.frames().len() as f64) as usize;
+            let (own, gravity) = (random.inertial(), random.vector().map(|x| 20.0 * x));
+            changed.set_inertial(frame, &own).expect("a body's");
+            changed.set_gravity(gravity);
+            changes.push((frame, own));
+            let other = described(&model, &changes).with_gravity(gravity).expect("finite");
+            let mut other = Interpreter::<f64>::new(compensated(other));
+            let pairs = std::iter::zip(numbers(&mut changed), numbers(&mut other));
+            for (i, (found, expected)) in pairs.enumerate() {
+                let close = (found - expected).abs() <= 1e-9 * expected.abs().max(1.0);
+                assert!(close, "seed {seed}, number {i}: {found} instead of {expected}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_payload_is_added() {
     let model = chain(3, &JOINTS);

@@ -3,7 +3,7 @@
 
 use modyn_runtime::equations::Forces;
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Friction, Model};
+use modyn_runtime::model::{Friction, Model, Spring};
 use modyn_runtime::spatial::{Pose, Wrench};
 use nalgebra::{
     DMatrix, DVector, Isometry3, Matrix3, Matrix3xX, Quaternion, Rotation3, Unit, UnitQuaternion,
@@ -17,6 +17,8 @@ pub struct Naive<'a> {
     origins: Vec<Vector3<f64>>,
     /// For each link, the motions that its joint allows.
     motions: Vec<Vec<Motion>>,
+    /// For each link, the coordinates of its joint.
+    coordinates: Vec<Vec<f64>>,
 }
 
 /// One motion that a joint allows, at unit velocity, in world axes.
@@ -86,7 +88,8 @@ impl<'a> Naive<'a> {
     #[must_use]
     pub fn new(model: &'a Model, q: &[f64]) -> Self {
         let (rotations, origins, motions) = (Vec::new(), Vec::new(), Vec::new());
-        let mut naive = Self { model, rotations, origins, motions };
+        let coordinates = Vec::new();
+        let mut naive = Self { model, rotations, origins, motions, coordinates };
         for i in naive.links() {
             naive.add(i, q);
         }
@@ -153,6 +156,7 @@ impl<'a> Naive<'a> {
             carried_by,
         });
         self.motions.push(motions.collect());
+        self.coordinates.push(q);
     }
 
     /// Returns the pose of a link, or of the world.
@@ -273,11 +277,57 @@ impl<'a> Naive<'a> {
         self.links().map(energy).sum::<f64>() + 0.5 * (self.rotors() * &qd).dot(&qd)
     }
 
-    /// Returns the potential energy of the links.
+    /// Returns the potential energy of the links and the springs, with compensated weights.
     #[must_use]
     pub fn potential_energy(&self) -> f64 {
         let gravity = Vector3::from(self.model.gravity());
-        self.links().map(|i| -self.mass(i) * gravity.dot(&self.center(i))).sum()
+        let weights = self.links().map(|i| -self.mass(i) * gravity.dot(&self.center(i)));
+        let springs = self.model.springs().iter().map(|spring| {
+            let stretch = self.stretch(spring);
+            0.5 * spring.stiffness * stretch.iter().map(|x| x * x).sum::<f64>()
+        });
+        let carried = self.compensated().map(|(_, weight, center)| weight.dot(&center));
+        weights.chain(springs).chain(carried).sum()
+    }
+
+    /// Returns for each compensated frame its link, the part of its weight that is compensated, and its centre of mass.
+    fn compensated(&self) -> impl Iterator<Item = (usize, Vector3<f64>, Vector3<f64>)> {
+        let gravity = Vector3::from(self.model.gravity());
+        let frames = self.model.frames().iter().zip(self.poses());
+        let frames = frames.zip(self.model.gravity_compensation());
+        frames.filter_map(move |((frame, pose), factor)| {
+            let own = Vector3::from(frame.inertial.center_of_mass);
+            let center = Vector3::from(pose.translation) + matrix(pose.rotation) * own;
+            Some((frame.link?, gravity * (factor * frame.inertial.mass), center))
+        })
+    }
+
+    /// Returns the displacement of a spring's joint from the reference, along the joint's motions.
+    fn stretch(&self, spring: &Spring) -> Vec<f64> {
+        let Spring { link, reference, .. } = spring;
+        let (joint, q) = (&self.model.links()[*link].joint, &self.coordinates[*link]);
+        let from = match joint.joint_type {
+            JointType::Spherical => 0,
+            JointType::Floating => 3,
+            _ => return q.iter().zip(reference).map(|(q, reference)| q - reference).collect(),
+        };
+        let [rotation, before] = [q, reference].map(|q| attitude(&q[from..]));
+        let turned = Rotation3::from_matrix_unchecked(before.transpose() * rotation).scaled_axis();
+        let moved = (0..from).map(|k| q[k] - reference[k]);
+        let moved = rotation.transpose() * Vector3::from_iterator(moved.chain([0.0; 3]).take(3));
+        moved.iter().take(from).chain(turned.iter()).copied().collect()
+    }
+
+    /// Returns the torques that hold the springs.
+    fn springs(&self) -> Vec<f64> {
+        let mut tau = vec![0.0; self.model.nv()];
+        for spring in self.model.springs() {
+            let stretch = self.stretch(spring);
+            for (Motion { v, ratio, .. }, x) in self.motions[spring.link].iter().zip(stretch) {
+                tau[*v] += ratio * spring.stiffness * x;
+            }
+        }
+        tau
     }
 
     /// Returns the torques of damping and friction.
@@ -324,11 +374,25 @@ impl<'a> Naive<'a> {
     }
 
     /// Returns the joint torques of a motion: each link's Newton-Euler equations, projected by its Jacobians, the rotors'
-    /// part, damping and friction.
+    /// part, springs, gravity compensation, damping and friction.
     #[must_use]
     pub fn inverse_dynamics(&self, qd: &[f64], qdd: &[f64]) -> Vec<f64> {
         let gravity = Vector3::from(self.model.gravity());
         let mut tau = DVector::from_vec(self.dissipation(qd));
+        tau += DVector::from_vec(self.springs());
+        for (link, motions) in self.model.links().iter().zip(&self.motions) {
+            let (joint, v) = (&link.joint, motions.first().map_or(0, |motion| motion.v));
+            if joint.joint_type == JointType::Floating {
+                // The armature of a floating joint is moved by the classical acceleration of its origin.
+                let [linear, angular] =
+                    [v, v + 3].map(|v| Vector3::from_column_slice(&qd[v..v + 3]));
+                let mut force = tau.fixed_rows_mut::<3>(v);
+                force += angular.cross(&linear) * joint.dynamics.armature;
+            }
+        }
+        for (link, weight, center) in self.compensated() {
+            tau += self.jacobian(link, center).linear.transpose() * weight;
+        }
         tau += self.rotors() * DVector::from_column_slice(qdd);
         // Angular velocity, angular acceleration, acceleration of the origin.
         let mut motions: Vec<[Vector3<f64>; 3]> = Vec::new();

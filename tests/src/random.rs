@@ -8,7 +8,7 @@ use modyn_runtime::joint::JointType;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{
     DEFAULT_GRAVITY, Frame, Friction, Inertial, Joint, JointDynamics, Limits, Link, Mimic, Model,
-    ModuleTree,
+    ModuleTree, Spring,
 };
 use modyn_runtime::spatial::Pose;
 
@@ -355,7 +355,9 @@ pub fn limbs(seed: u64, joints: usize) -> Model {
         Friction::None
     };
     let model = parts.model(format!("limbs{seed}_{joints}"));
-    model.with_friction(friction).expect("sound friction")
+    let model = model.with_friction(friction).expect("sound friction");
+    let springs = springs(seed, 0.3, &model);
+    model.with_springs(springs).expect("sound springs")
 }
 
 /// A link of a robot with limbs, before all links are in order.
@@ -440,14 +442,20 @@ impl Random {
 /// If the models have less.
 pub fn for_all_kinds(models: impl Iterator<Item = Model>, mut check: impl FnMut(u64, &Model)) {
     let (mut followers, mut types, mut driven, mut resisted) = (0, BTreeSet::new(), 0, 0);
+    let (mut sprung, mut compensated) = (BTreeSet::new(), 0);
     for (index, model) in (0..).zip(models) {
         followers += model.links().iter().filter(|link| link.joint.mimic.is_some()).count();
         types.extend(model.links().iter().map(|link| link.joint.joint_type.name()));
         let dofs = Mechanism::new(&model).dofs;
         driven += dofs.iter().filter(|dof| dof.armature.is_some()).count();
         resisted += dofs.iter().filter(|dof| dof.friction.is_some()).count();
+        let springs = model.springs().iter().map(|spring| &model.links()[spring.link].joint);
+        sprung.extend(springs.map(|joint| joint.joint_type.name()));
+        compensated += usize::from(!model.gravity_compensation().is_empty());
         check(index, &model);
     }
+    assert!(compensated > 0, "gravity compensation");
+    assert!(sprung.len() >= 6, "springs at {sprung:?}");
     assert!(followers >= 3 && types.len() >= 7, "{followers} mimic joints, {types:?}");
     assert!(driven >= 3 && resisted >= 3, "{driven} rotors, {resisted} with friction");
 }
@@ -468,7 +476,58 @@ fn furnished(mut parts: Parts, seed: u64, name: String) -> Model {
         _ => Friction::Smooth(random.between(0.05, 0.5)),
     };
     let model = parts.model(name);
-    model.with_friction(friction).expect("sound friction")
+    let model = model.with_friction(friction).expect("sound friction");
+    let springs = springs(seed, 0.5, &model);
+    let model = model.with_springs(springs).expect("sound springs");
+    let factors = gravity_compensation(seed, &model);
+    model.with_gravity_compensation(factors).expect("a factor for each frame")
+}
+
+/// Returns factors of gravity compensation for some links of some robots.
+fn gravity_compensation(seed: u64, model: &Model) -> Vec<f64> {
+    let mut random = Random::new(seed ^ 0x4752_4156);
+    let any = random.chance(0.3);
+    let frames = model.frames().iter().filter(|_| any);
+    frames.map(|_| if random.chance(0.5) { random.between(-0.5, 1.5) } else { 0.0 }).collect()
+}
+
+/// Returns whether all springs of ball and floating joints are at least a tenth of a radian away from half a turn, where
+/// their forces jump.
+#[must_use]
+pub fn springs_are_smooth(model: &Model, q: &[f64]) -> bool {
+    model.springs().iter().all(|Spring { link, reference, .. }| {
+        let first = match model.links()[*link].joint.joint_type {
+            JointType::Spherical => 0,
+            JointType::Floating => 3,
+            _ => return true,
+        };
+        let own = &q[model.q_range(*link)];
+        let products = (first..first + 4).map(|k| own[k] * reference[k]);
+        products.sum::<f64>().abs() > 0.05
+    })
+}
+
+/// Returns springs at some joints; with this probability, there are any.
+fn springs(seed: u64, part: f64, model: &Model) -> Vec<Spring> {
+    let mut random = Random::new(seed ^ 0x5350_5249_4e47);
+    if !random.chance(part) {
+        return Vec::new();
+    }
+    let mut springs = Vec::new();
+    for (link, Link { joint, .. }) in model.links().iter().enumerate() {
+        if random.chance(0.4) {
+            continue;
+        }
+        let nq = joint.joint_type.nq();
+        let mut reference: Vec<f64> = (0..nq).map(|_| random.between(-1.0, 1.0)).collect();
+        match joint.joint_type {
+            JointType::Spherical => reference.copy_from_slice(&random.unit::<4>()),
+            JointType::Floating => reference[3..].copy_from_slice(&random.unit::<4>()),
+            _ => {}
+        }
+        springs.push(Spring { link, stiffness: random.between(0.5, 20.0), reference });
+    }
+    springs
 }
 
 /// Returns the probability that a link's parent is the link before it.

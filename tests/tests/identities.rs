@@ -15,7 +15,7 @@ use modyn_tests::close::{assert_close, difference};
 use modyn_tests::dense::{dense, dot, identity, square, times};
 use modyn_tests::naive::Naive;
 use modyn_tests::quantities::{Quantities, numbers};
-use modyn_tests::random::{self, Random, State, modules, normalize, state};
+use modyn_tests::random::{self, Random, State, modules, normalize, springs_are_smooth, state};
 use modyn_tests::tangent::{along, rates};
 use nalgebra::{DVector, Matrix3};
 use proptest::prelude::*;
@@ -282,6 +282,7 @@ proptest! {
     fn gravity_torques_are_the_gradient_along_velocities(robot in zoos(15)) {
         let (mut interpreter, State { q, .. }) = set_up(robot);
         let model = interpreter.model().clone();
+        prop_assume!(springs_are_smooth(&model, &q));
         let gradient: Vec<f64> = (0..model.nv())
             .map(|i| {
                 let qd = unit(model.nv(), i);
@@ -295,6 +296,7 @@ proptest! {
     fn power_balances(robot in robots(30)) {
         let (mut interpreter, State { q, qd, tau, .. }) = set_up(robot);
         let model = interpreter.model().clone();
+        prop_assume!(springs_are_smooth(&model, &q));
         let qdd = interpreter.qdd(&q, &qd, &tau);
         // d(T + V)/dt: along the velocities at constant velocity, and by the accelerations.
         let stored = derivative(|h| {
@@ -313,6 +315,7 @@ proptest! {
         // Rotors stay; dissipation is left out.
         let model = robot.model().with_friction(Friction::None).expect("sound");
         let State { mut q, mut qd, .. } = state(robot.seed(), &model);
+        prop_assume!(springs_are_smooth(&model, &q));
         let mut interpreter = Interpreter::<f64>::new(model.clone());
         let mut falling = interpreter.clone();
         let free = vec![0.0; model.nv()];

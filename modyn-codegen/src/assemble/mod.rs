@@ -15,10 +15,10 @@ mod mimics;
 mod rotors;
 mod tree;
 
-use modyn_runtime::model::{DEFAULT_GRAVITY, Frame, Inertial, Model};
+use modyn_runtime::model::{DEFAULT_GRAVITY, Frame, Inertial, Model, Spring};
 
 use crate::check::{self, Body};
-use crate::description::{Description, Kind, Mimic, ReadOptions};
+use crate::description::{Description, Kind, Mimic, ReadOptions, SpringRecord};
 use crate::diagnostics::{Code, Report, Subject};
 use bodies::Assembly;
 
@@ -62,6 +62,7 @@ fn model(
         let message = "the robot has no moving joint";
         report.error(Code::NoMovingJoint, description.at, None, message, help);
     }
+    let joints: Vec<Option<usize>> = bodies.iter().map(|body| body.joint).collect();
     let mut bodies: Vec<Body> = bodies.iter().map(|body| body.view(description)).collect();
     for (link, body) in links.iter_mut().zip(&mut bodies) {
         if !check::inertia::check(body, &link.inertial, options.unphysical_inertia, report) {
@@ -82,9 +83,22 @@ fn model(
         pose,
         inertial: record.inertial.as_ref().map_or_else(Inertial::default, |own| own.inertial),
     });
+    let springs = joints.iter().zip(0..).filter_map(|(joint, link)| {
+        let SpringRecord { stiffness, reference } = description.joints[(*joint)?].spring.clone()?;
+        Some(Spring { link, stiffness, reference })
+    });
+    let mut compensation = Vec::new();
+    if !description.compensated.is_empty() {
+        compensation.resize(description.links.len(), 0.0);
+    }
+    for &(link, factor) in &description.compensated {
+        compensation[link] = factor;
+    }
     let gravity = options.gravity.or(description.gravity).unwrap_or(DEFAULT_GRAVITY);
     let model = Model::new(description.name.as_str(), gravity, links, frames.collect())
         .and_then(|model| model.with_friction(options.friction.unwrap_or_default()))
+        .and_then(|model| model.with_springs(springs.collect()))
+        .and_then(|model| model.with_gravity_compensation(compensation))
         .and_then(|model| {
             if errors > 0 { Ok(model) } else { model.with_loop_constraints(loop_constraints) }
         })

@@ -11,7 +11,7 @@ use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity, Subject, sugge
 use crate::emit::Target;
 use crate::names;
 use crate::options::{Bundle, ModuleChoice, shared_names, user};
-use crate::plan::{Function, MAX_OPERATIONS, Plan, TooLong};
+use crate::plan::{Function, MAX_LINKS, MAX_OPERATIONS, Plan, TooLong};
 
 impl Builder {
     /// Returns the errors of options that are copied into the text.
@@ -231,7 +231,15 @@ pub(super) fn moving_frames(
 
 /// Returns the error that the functions of a robot take too many operations.
 pub fn too_long(model: &Model, modules: &ModuleTree, reason: &TooLong) -> Diagnostic {
-    let TooLong { name, before } = reason;
+    let joints = model.links().len();
+    let other = "use `modyn::Interpreter`, which has no such limit";
+    let TooLong::Function { name, before } = reason else {
+        let message = format!(
+            "code is made for at most {MAX_LINKS} moving joints, and the robot has {joints}"
+        );
+        let help = format!("make unimportant joints `fixed`; or {other}");
+        return Diagnostic::error(Code::TooLarge, message).with_help(help);
+    };
     let listed = |(name, operations): &(&str, usize)| format!("`{name}` {operations}");
     let mut before = before.clone();
     before.sort_by_key(|(_, operations)| std::cmp::Reverse(*operations));
@@ -243,7 +251,6 @@ pub fn too_long(model: &Model, modules: &ModuleTree, reason: &TooLong) -> Diagno
             format!(", with the functions before it ({})", longest.join(", "))
         }
     };
-    let joints = model.links().len();
     let longest = modules.modules().iter().map(|module| &module.links).max_by_key(|l| l.len());
     let longest = longest.map(|links| {
         let [first, last] = [links.start, links.end - 1].map(|link| &model.links()[link].name);
@@ -254,11 +261,10 @@ pub fn too_long(model: &Model, modules: &ModuleTree, reason: &TooLong) -> Diagno
         model.frames().len(),
         longest.unwrap_or_default(),
     );
-    let other = "use `modyn::Interpreter`, which has no such limit";
-    // Modules of one link are those of the articulated-body algorithm, whose factors of a chain are the shortest.
+    // The factors by modules of one link have no dense pivots.
     let help = if *name == Function::Brge.name() && *modules != ModuleTree::links(model) {
         format!(
-            "divide it: `modules = links`; or leave `{name}` out of the option `functions`; or {other}"
+            "try `modules = links`, or leave `{name}` out of the option `functions`; or {other}"
         )
     } else {
         let long = before.iter().map(|(name, _)| *name).chain([*name]);

@@ -26,6 +26,8 @@ pub struct Description {
     pub gravity: Option<[f64; 3]>,
     /// The links, in the order of the text.
     pub links: Vec<LinkRecord>,
+    /// The links whose weight is compensated, as indices, with the part of it that is.
+    pub compensated: Vec<(usize, f64)>,
     /// The joints, in the order of the text.
     pub joints: Vec<JointRecord>,
     /// The joints that close loops.
@@ -105,6 +107,7 @@ pub struct JointRecord {
     pub limits: Option<Limits>,
     pub mimic: Option<MimicRecord>,
     pub dynamics: JointDynamics,
+    pub spring: Option<SpringRecord>,
     /// The byte offset of armature, damping and friction.
     pub dynamics_at: usize,
     /// Whether all its numbers could be read.
@@ -116,6 +119,15 @@ impl JointRecord {
     pub fn subject(&self) -> Subject {
         Subject::Joint(self.name.text.clone())
     }
+}
+
+/// The spring of a joint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpringRecord {
+    /// The stiffness, N m/rad or N/m.
+    pub stiffness: f64,
+    /// The coordinates without force, in modyn's order.
+    pub reference: Vec<f64>,
 }
 
 /// The kind of a joint.

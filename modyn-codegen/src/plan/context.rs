@@ -36,10 +36,12 @@ impl SymbolicRobot {
         self.parameters.inertias.is_empty() && self.parameters.payloads.is_empty()
     }
 
-    /// Returns the candidates for packing limbs. Limbs with run-time inertias are never equal.
+    /// Returns the candidates for packing limbs. Limbs with run-time inertias are never equal; with gravity compensation, limbs
+    /// are not packed.
     fn limbs(&self, execution: Execution, share: bool) -> Vec<LimbPacking> {
         let joins = execution == Execution::Simd && !share;
-        match (joins || share) && self.is_described() {
+        let has_candidates = self.is_described() && !self.mechanism.compensates_gravity();
+        match (joins || share) && has_candidates {
             true => LimbPacking::candidates(&self.mechanism, &LIMB_LIMITS, joins),
             false => Vec::new(),
         }

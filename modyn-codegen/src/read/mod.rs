@@ -246,8 +246,8 @@ pub fn read_urdf(text: &str, file: &str, options: &ReadOptions) -> Result<Readin
 /// - A body without `<inertial>` has the inertia of its geoms. A mesh is only read if its mass is needed.
 /// - Constraints of `<equality>` are exact: mimic joints and loops.
 /// - Gravity is that of `<option>`, unless the options set another one.
-/// - Contacts, sensors and visual elements are ignored. Controllers of actuators, springs and `gravcomp` do not act, with a
-///   warning. Damping and friction act if the options say so, as in a URDF.
+/// - Contacts, sensors and visual elements are ignored. Controllers of actuators do not act, with a warning.
+///   Springs of joints and `gravcomp` act. Damping and friction act if the options say so, as in a URDF.
 ///
 /// # Errors
 ///

@@ -57,8 +57,8 @@ pub struct LoopedBody {
 }
 
 impl Tracer<'_> {
-    /// Returns the graphs of `recursion`; `None` for robots that loops do not suit: those without joints, with mimic joints or
-    /// with run-time inertias.
+    /// Returns the graphs of `recursion`; `None` for robots that loops do not suit: those without joints, with mimic joints,
+    /// with run-time inertias or with gravity compensation.
     ///
     /// The coordinates of mimic joints belong to several bodies, and the numbers of a body with a run-time inertia are not
     /// constants.
@@ -66,7 +66,8 @@ impl Tracer<'_> {
     pub fn body_graphs(&self, recursion: &BodyRecursion<Expr>) -> Option<BodyGraphs> {
         let (model, parameters) = (self.model, &self.parameters);
         let is_described = parameters.inertias.is_empty() && parameters.payloads.is_empty();
-        if model.bodies.is_empty() || model.has_mimics() || !is_described {
+        let looped = is_described && !model.has_mimics() && !model.compensates_gravity();
+        if model.bodies.is_empty() || !looped {
             return None;
         }
         let mut keys: Vec<(ElementaryJoint, bool, bool)> = Vec::new();
@@ -169,7 +170,8 @@ impl Tracer<'_> {
         };
         Mechanism {
             gravity: model.gravity.0.map(Expr::from_f64).into(),
-            bodies: vec![Body { parent: None, dofs: 0..0, ..own.clone() }, own],
+            gravity_compensation: Vec::new(),
+            bodies: vec![Body { parent: None, dofs: 0..0, spring: None, ..own.clone() }, own],
             dofs: (0..nv).map(dof).collect(),
             static_inertia: model.static_inertia.map(Expr::from_f64),
             links: Vec::new(),

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use modyn_runtime::joint::JointOffset;
-use modyn_runtime::mechanism::{Body, Dof};
+use modyn_runtime::mechanism::{Body, Dof, JointSpring};
 use modyn_runtime::spatial::{AxisRotation, DhTransform, Pose, Vector3};
 
 use crate::graph::Expr;
@@ -70,7 +70,26 @@ pub(super) fn merged_body(
         link: Pose::identity(),
         inertia: first.inertia.map(|_| inertias.next().expect(next)),
         base_inertia: first.base_inertia.map(|_| base_inertias.next().expect(next)),
+        spring: merged_spring(each, merge),
+        compensated: None,
     }
+}
+
+/// Returns the springs of bodies as one spring. A body without a spring has one of stiffness zero.
+fn merged_spring(each: &[&Body<f64>], merge: Merge<'_>) -> Option<JointSpring<Expr>> {
+    let some = each.iter().find_map(|body| body.spring)?;
+    let numbers = |body: &&Body<f64>| {
+        let mut numbers = Vec::new();
+        let none = JointSpring { stiffness: 0.0, ..some };
+        body.spring.unwrap_or(none).map(|x| numbers.push(x));
+        numbers
+    };
+    let lists: Vec<Vec<f64>> = each.iter().map(numbers).collect();
+    let mut n = 0;
+    Some(some.map(|_| {
+        n += 1;
+        merge(&lists.iter().map(|list| list[n - 1]).collect::<Vec<f64>>())
+    }))
 }
 
 /// Returns rotations as one rotation; free of operations if all are the same quarter turn.

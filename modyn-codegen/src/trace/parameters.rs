@@ -2,7 +2,7 @@
 
 use modyn_runtime::Scalar;
 use modyn_runtime::equations::singular::{self, PivotWorkspace};
-use modyn_runtime::mechanism::{Mechanism, inertia_without, rigid_inertia};
+use modyn_runtime::mechanism::{CompensatedMass, Mechanism, inertia_without, rigid_inertia};
 use modyn_runtime::model::{Inertial, Model, PARAMETERS_PER_LINK};
 use modyn_runtime::spatial::{RigidInertia, Vector3};
 
@@ -18,8 +18,9 @@ pub struct Parameters {
     pub inertias: Vec<(usize, Inertial)>,
     /// The links with a payload, as indices into [`Model::frames`].
     pub payloads: Vec<usize>,
-    /// The moving links that carry one of the `inertias`, with their inertia without these, about their origin.
-    rest: Vec<(usize, RigidInertia<f64>)>,
+    /// The moving links that carry one of the `inertias`, with their inertia without these, about their origin, and the
+    /// compensated mass without these on their bodies.
+    rest: Vec<(usize, RigidInertia<f64>, Option<CompensatedMass<f64>>)>,
 }
 
 impl Parameters {
@@ -31,7 +32,14 @@ impl Parameters {
             inertias.iter().filter_map(|&frame| model.frames()[frame].link).collect();
         carrying.sort_unstable();
         carrying.dedup();
-        let rest = |link| (link, inertia_without(model, link, |frame| inertias.contains(&frame)));
+        let factors = model.gravity_compensation().iter().enumerate();
+        let kept = factors.map(|(i, factor)| if inertias.contains(&i) { 0.0 } else { *factor });
+        let kept = model.clone().with_gravity_compensation(kept.collect());
+        let kept = Mechanism::new(&kept.expect("as many finite factors"));
+        let rest = |link: usize| {
+            let alone = inertia_without(model, link, |frame| inertias.contains(&frame));
+            (link, alone, kept.bodies[kept.links[link]].compensated)
+        };
         let own = |&frame: &usize| (frame, model.frames()[frame].inertial);
         Self {
             gravity,
@@ -89,14 +97,19 @@ impl Parameters {
             model.gravity = Vector3([input(), input(), input()]);
         }
         self.remove(model);
-        let own = self.inertias.iter().map(|(frame, _)| frame);
-        for &frame in own.chain(&self.payloads) {
+        let own = self.inertias.iter().map(|(frame, _)| (frame, true));
+        let payloads = self.payloads.iter().map(|frame| (frame, false));
+        for (&frame, is_own) in own.chain(payloads) {
             let inertial = Inertial {
                 mass: input(),
                 center_of_mass: std::array::from_fn(|_| input()),
                 inertia: std::array::from_fn(|_| input()),
             };
-            model.add_inertia(frame, &rigid_inertia(&inertial));
+            let inertia = rigid_inertia(&inertial);
+            model.add_inertia(frame, &inertia);
+            if is_own {
+                model.compensate(frame, &inertia);
+            }
         }
     }
 
@@ -105,9 +118,10 @@ impl Parameters {
         if self.rest.is_empty() {
             return;
         }
-        for (link, rest) in &self.rest {
+        for (link, rest, compensated) in &self.rest {
             let body = model.links[*link];
             let body = &mut model.bodies[body];
+            body.compensated = compensated.map(|mass| mass.map(S::from_f64));
             body.inertia = rest.map(S::from_f64).placed(&body.link);
         }
         model.update_base_inertias();

@@ -136,8 +136,8 @@ fn too_long_functions_are_refused() {
     // Modules of one link help where the pivot of a chain is too long.
     let errors = refused(comb(1, 300), ModuleChoice::Chains, &[Function::Brge]);
     assert!(errors.contains("`brge` of 300") && errors.contains("`modules = links`"), "{errors}");
-    let builder = Builder::new().model(comb(1, 300)).modules(ModuleChoice::Links);
-    builder.functions([Function::Brge]).generate().expect("shorter");
+    let errors = refused(comb(1, 4001), ModuleChoice::Links, &[Function::GravityTorques]);
+    assert!(errors.contains("at most 4000 moving joints, and the robot has 4001"), "{errors}");
     // The functions before are named if they are long.
     let both = [Function::Jacobian, Function::JacobianTimeDerivative];
     let errors = refused(comb(1, 250), ModuleChoice::Links, &both);

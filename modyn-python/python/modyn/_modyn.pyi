@@ -313,7 +313,7 @@ class Robot:
         self, q: ArrayLike, qd: ArrayLike, *, out: Array | None = None
     ) -> Array:
         """Returns the bias forces (N m or N): inverse dynamics at zero acceleration. They are the Coriolis,
-        centrifugal and gravity forces, with damping and friction if these are enabled.
+        centrifugal and gravity forces and those of springs, with damping and friction if these are enabled.
 
         Arguments: `q`: (nq,); `qd`: (nv,).
         Result: (nv,). Several states have one more axis, the first.
@@ -321,7 +321,7 @@ class Robot:
     def gravity_torques(
         self, q: ArrayLike, *, out: Array | None = None
     ) -> Array:
-        """Returns the joint forces (N m or N) that balance gravity at `q` and zero velocity.
+        """Returns the joint forces (N m or N) that balance gravity and springs at `q` and zero velocity.
 
         Arguments: `q`: (nq,).
         Result: (nv,). Several states have one more axis, the first.
@@ -354,8 +354,8 @@ class Robot:
     def potential_energy(
         self, q: ArrayLike, *, out: Array | None = None
     ) -> float | Array:
-        """Returns the potential energy of the moving links under gravity, J; zero for mass at the world's
-        origin.
+        """Returns the potential energy of the moving links under gravity and of the springs, J; zero for mass
+        at the world's origin and springs at rest.
 
         Arguments: `q`: (nq,).
         Result: a number. Several states have one more axis, the first.

@@ -19,6 +19,7 @@
 //! | `dynamics/one_body` | inverse and forward dynamics of one body, for loops over bodies | |
 //! | `dynamics/mass_matrix` | the mass matrix from composite modules | (7)-(10) |
 //! | `dynamics/gravity` | gravity torques, potential energy | |
+//! | `dynamics/gravity_compensation` | the forces of gravity compensation, and their derivatives | |
 //! | `dynamics/kinetic_energy` | kinetic energy | |
 //! | `dynamics/centroidal` | momentum about the centre of mass, its matrix | Orin, Goswami and Lee 2013 |
 //! | `factorization/recursive` | a module's pivot block and the articulated inertia at its parent | (35)-(49) |

@@ -164,7 +164,8 @@ impl<S: Scalar> Interpreter<S> {
         self.required_torques((q, qd, None), None, tau)
     }
 
-    /// Computes the joint forces that balance gravity at zero velocity.
+    /// Computes the joint forces that balance gravity and springs at zero velocity: the gradient of the
+    /// [`potential_energy`](Self::potential_energy).
     ///
     /// ```
     /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
@@ -236,7 +237,8 @@ impl<S: Scalar> Interpreter<S> {
         Ok(kinetic_energy(&self.mechanism, q, qd, &mut self.workspace))
     }
 
-    /// Returns the potential energy of the moving links under gravity, J; zero for mass at the world's origin.
+    /// Returns the potential energy of the moving links under gravity and of the springs, J; zero for mass at the world's origin
+    /// and springs at rest.
     ///
     /// ```
     /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));

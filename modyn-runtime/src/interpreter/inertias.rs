@@ -7,7 +7,7 @@ use core::fmt;
 use super::Interpreter;
 use crate::Scalar;
 use crate::equations::singular::{self, PivotWorkspace};
-use crate::mechanism::{Mechanism, inertia_without, rigid_inertia};
+use crate::mechanism::{CompensatedMass, Mechanism, inertia_without, rigid_inertia};
 use crate::model::{Inertial, InertialDefect, Model};
 use crate::parameters::write_no_inertia;
 use crate::scalar::epsilon;
@@ -71,12 +71,15 @@ enum InertialKind {
     Payload,
 }
 
+/// A body's inertia, its base inertia, and its compensated mass.
+type Described<S> = (RigidInertia<S>, RigidInertia<S>, Option<CompensatedMass<S>>);
+
 /// The present inertias. The bodies' inertias are always summed from the described parts, so that rounding does not
 /// accumulate from change to change.
 #[derive(Clone, Debug)]
 pub(super) struct Inertias<S> {
-    /// For each body of the mechanism in the description, its inertia and its base inertia.
-    described: Vec<(RigidInertia<S>, RigidInertia<S>)>,
+    /// For each body of the mechanism in the description, its inertia, its base inertia, and its compensated mass.
+    described: Vec<Described<S>>,
     /// The static inertia in the description.
     static_inertia: RigidInertia<S>,
     /// For each body, its inertia without the own inertias of its links.
@@ -111,7 +114,7 @@ impl<S: Scalar + PartialOrd> Inertias<S> {
             described: mechanism
                 .bodies
                 .iter()
-                .map(|body| (body.inertia, body.base_inertia))
+                .map(|body| (body.inertia, body.base_inertia, body.compensated))
                 .collect(),
             static_inertia: mechanism.static_inertia,
             rest,
@@ -125,8 +128,8 @@ impl<S: Scalar + PartialOrd> Inertias<S> {
 
     /// Sums the inertias of the bodies into `mechanism`.
     fn update_bodies(&mut self, mechanism: &mut Mechanism<S>) {
-        for (body, (inertia, base_inertia)) in mechanism.bodies.iter_mut().zip(&self.described) {
-            (body.inertia, body.base_inertia) = (*inertia, *base_inertia);
+        for (body, described) in mechanism.bodies.iter_mut().zip(&self.described) {
+            (body.inertia, body.base_inertia, body.compensated) = *described;
         }
         mechanism.static_inertia = self.static_inertia;
         self.changed.fill(false);
@@ -135,6 +138,7 @@ impl<S: Scalar + PartialOrd> Inertias<S> {
             if let Some(body) = frame.body.filter(|_| changed) {
                 self.changed[body] = true;
                 mechanism.bodies[body].inertia = self.rest[body];
+                mechanism.bodies[body].compensated = None;
             }
         }
         if !self.changed.contains(&true) {
@@ -144,6 +148,7 @@ impl<S: Scalar + PartialOrd> Inertias<S> {
             if mechanism.frames[frame].body.is_some_and(|body| self.changed[body]) {
                 mechanism.add_inertia(frame, &rigid_inertia(own));
                 mechanism.add_inertia(frame, &rigid_inertia(payload));
+                mechanism.compensate(frame, &rigid_inertia(own));
             }
         }
         mechanism.update_base_inertias();

@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use super::Dof;
+use super::{CompensatedMass, Dof, JointSpring};
 use crate::Scalar;
 use crate::joint::{ElementaryJoint, JointOffset, JointTransform};
 use crate::model::{Inertial, Model};
@@ -34,6 +34,10 @@ pub struct Body<S> {
     pub inertia: RigidInertia<S>,
     /// The base inertia: equivalent to `inertia` for all joint-space dynamics.
     pub base_inertia: RigidInertia<S>,
+    /// The spring of the joint; `None` without a spring.
+    pub spring: Option<JointSpring<S>>,
+    /// The mass whose weight is compensated; `None` without compensation.
+    pub compensated: Option<CompensatedMass<S>>,
 }
 
 impl<S: Scalar> Body<S> {
@@ -50,6 +54,8 @@ impl<S: Scalar> Body<S> {
             link: self.link.map(f),
             inertia: self.inertia.map(f),
             base_inertia: self.base_inertia.map(f),
+            spring: self.spring.map(|spring| spring.map(f)),
+            compensated: self.compensated.map(|mass| mass.map(f)),
         }
     }
 

@@ -3,8 +3,9 @@
 use alloc::vec::Vec;
 
 use super::snapping::snap;
+use super::{JointSpring, SpringReference};
 use crate::joint::{ElementaryJoint, JointType, planar};
-use crate::model::{Inertial, Joint, Model};
+use crate::model::{Inertial, Joint, Model, Spring};
 use crate::spatial::{Matrix3, Pose, Vector3};
 
 /// A body with its elementary joint, before frames are rotated.
@@ -21,6 +22,7 @@ pub(super) struct ElementaryBody<'a> {
     pub(super) q: usize,
     pub(super) v: usize,
     pub(super) mimic: Option<(f64, f64)>,
+    pub(super) spring: Option<JointSpring<f64>>,
 }
 
 /// Returns the bodies of a model, and the body of each link. Universal and planar joints are expanded into several
@@ -70,11 +72,33 @@ pub(super) fn expand_composite_joints(model: &Model) -> (Vec<ElementaryBody<'_>>
                 q: model.q_range(i).start + k,
                 v: model.v_range(i).start + k,
                 mimic,
+                spring: model
+                    .spring(i)
+                    .map(|spring| elementary_spring(spring, k, elementary_joint)),
             });
         }
         bodies.push(elementary.len() - 1);
     }
     (elementary, bodies)
+}
+
+/// Returns the spring of the elementary joint whose coordinates begin with number `k` of its joint.
+fn elementary_spring(spring: &Spring, k: usize, joint: ElementaryJoint) -> JointSpring<f64> {
+    let [position, rotation] = match joint {
+        ElementaryJoint::Floating => [0, 3],
+        _ => [k, k],
+    };
+    let quaternion = || core::array::from_fn(|j| spring.reference[rotation + j]);
+    let reference = match joint {
+        ElementaryJoint::Revolute | ElementaryJoint::Prismatic => {
+            SpringReference::Coordinate(spring.reference[position])
+        }
+        ElementaryJoint::Spherical => SpringReference::Rotation(quaternion()),
+        ElementaryJoint::Floating => {
+            SpringReference::Pose(core::array::from_fn(|j| spring.reference[j]), quaternion())
+        }
+    };
+    JointSpring { stiffness: spring.stiffness, reference }
 }
 
 /// Returns a right-handed frame (as columns) whose z axis is `axis`; it is exact for a coordinate axis.

@@ -22,6 +22,7 @@
 //! inertias of single links. On a fixed base it also drops mass that cannot move, with its constant part of the
 //! potential energy. [`Body::inertia`] therefore keeps the inertia of the description.
 
+mod armature;
 mod base_inertia;
 mod body;
 mod body_frame;
@@ -31,8 +32,10 @@ mod degree_of_freedom;
 mod dh_frames;
 mod elementary;
 mod friction;
+mod gravity_compensation;
 mod merged;
 mod snapping;
+mod spring;
 mod tree;
 
 use alloc::vec::Vec;
@@ -54,7 +57,9 @@ pub use {
     body_frame::BodyFrame,
     constrained_frames::{ConstrainedFrames, ConstraintRow},
     degree_of_freedom::{Dof, Rates},
+    gravity_compensation::CompensatedMass,
     merged::MergedMechanism,
+    spring::{JointSpring, SpringReference},
     tree::{BodyTree, LimbRoot},
 };
 
@@ -63,6 +68,8 @@ pub use {
 pub struct Mechanism<S> {
     /// The acceleration of free fall in world axes.
     pub gravity: Vector3<S>,
+    /// For each link of the description, the part of its own weight that is compensated; empty if none is.
+    pub gravity_compensation: Vec<S>,
     /// The bodies: one for each moving link in the model's order, and more for composite joints.
     pub bodies: Vec<Body<S>>,
     /// The degrees of freedom in the order of their bodies. Without mimic joints this is the order of qd.
@@ -91,6 +98,7 @@ impl<S: Scalar> Mechanism<S> {
     pub fn map<T>(&self, f: impl Fn(S) -> T + Copy) -> Mechanism<T> {
         Mechanism {
             gravity: Vector3(self.gravity.0.map(f)),
+            gravity_compensation: self.gravity_compensation.iter().map(|x| f(*x)).collect(),
             bodies: self.bodies.iter().map(|body| body.map(f)).collect(),
             dofs: self.dofs.iter().map(|dof| dof.map(f)).collect(),
             static_inertia: self.static_inertia.map(f),
@@ -157,6 +165,16 @@ impl<S: Scalar> Mechanism<S> {
         body.base_inertia = body.base_inertia + inertia;
     }
 
+    /// Adds the part of `inertia` whose weight is compensated to the body that carries link `frame` of the description (an
+    /// index). `inertia` is the link's own, about its origin, in its axes.
+    pub fn compensate(&mut self, frame: usize, inertia: &RigidInertia<S>) {
+        let Some(&factor) = self.gravity_compensation.get(frame) else { return };
+        let BodyFrame { body: Some(body), pose } = self.frames[frame] else { return };
+        let part = CompensatedMass::part(&inertia.placed(&pose), factor);
+        let sum = &mut self.bodies[body].compensated;
+        *sum = Some(sum.map_or(part, |sum| sum.plus(&part)));
+    }
+
     /// Recomputes the base inertias and the static inertia from the bodies' inertias.
     pub fn update_base_inertias(&mut self) {
         self.static_inertia = base_inertia::move_to_parents(&mut self.bodies);
@@ -192,8 +210,9 @@ impl Mechanism<f64> {
             touching(&frames, contact, model.contact_length(i), floats)
         });
         let constraints = constrained.chain(touching).collect();
-        Self {
+        let mut mechanism = Self {
             gravity: Vector3(model.gravity()),
+            gravity_compensation: model.gravity_compensation().to_vec(),
             frames,
             constraints,
             bodies,
@@ -207,7 +226,13 @@ impl Mechanism<f64> {
                 Friction::Smooth(w) => Some(w),
                 _ => None,
             },
+        };
+        let compensated =
+            model.gravity_compensation().iter().enumerate().filter(|(_, x)| **x != 0.0);
+        for (frame, _) in compensated {
+            mechanism.compensate(frame, &rigid_inertia(&model.frames()[frame].inertial));
         }
+        mechanism
     }
 
     /// Returns the mechanism with its numbers as scalars of type `S`.
@@ -242,6 +267,8 @@ fn bodies(elementary: &[ElementaryBody<'_>], frames: &Frames) -> Vec<Body<f64>> 
             link: frames.link[i],
             inertia,
             base_inertia: inertia,
+            spring: own.spring,
+            compensated: None,
         }
     };
     elementary.iter().enumerate().map(body).collect()

@@ -112,6 +112,50 @@ pub(super) fn check_model(model: &Model) -> Vec<ModelError> {
     bad.map(|(_, kind)| ModelError { name: model.name.clone(), kind }).collect()
 }
 
+/// Returns all defects of the gravity compensation of a `model` that has no other defects.
+pub(super) fn check_gravity_compensation(model: &Model) -> Vec<ModelError> {
+    let factors = &model.gravity_compensation;
+    let of_each = factors.is_empty() || factors.len() == model.frames.len();
+    let kinds = [
+        (of_each, ModelErrorKind::GravityCompensation),
+        (finite(factors), ModelErrorKind::NotFinite),
+    ];
+    let bad = kinds.into_iter().filter(|(good, _)| !good);
+    bad.map(|(_, kind)| ModelError { name: model.name.clone(), kind }).collect()
+}
+
+/// Returns all defects of the springs of a `model` that has no other defects.
+pub(super) fn check_springs(model: &Model) -> Vec<ModelError> {
+    let mut errors = Vec::new();
+    for (i, spring) in model.springs.iter().enumerate() {
+        let mut report = |name: &str, kind| errors.push(ModelError { name: name.into(), kind });
+        let Some(link) = model.links.get(spring.link) else {
+            report(&model.name, ModelErrorKind::Spring);
+            continue;
+        };
+        let joint = &link.joint;
+        let reference = &spring.reference;
+        if !finite(reference) || !spring.stiffness.is_finite() {
+            report(&joint.name, ModelErrorKind::NotFinite);
+            continue;
+        }
+        let quaternion = match joint.joint_type {
+            JointType::Spherical => reference.get(0..4),
+            JointType::Floating => reference.get(3..7),
+            _ => None,
+        };
+        let square = quaternion.map_or(1.0, |q| q.iter().map(|x| x * x).sum::<f64>());
+        if reference.len() != joint.joint_type.nq()
+            || (square - 1.0).abs() > 1e-9
+            || spring.stiffness < 0.0
+            || model.springs[..i].iter().any(|other| other.link == spring.link)
+        {
+            report(&joint.name, ModelErrorKind::Spring);
+        }
+    }
+    errors
+}
+
 /// Returns all defects of the loop constraints of a `model` that has no other defects.
 pub(super) fn check_loop_constraints(model: &Model) -> Vec<ModelError> {
     let mut errors = Vec::new();

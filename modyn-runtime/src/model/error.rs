@@ -38,6 +38,11 @@ pub enum ModelErrorKind {
     Mimic,
     /// Armature, damping or friction is negative.
     JointDynamics,
+    /// A spring has a negative stiffness, or a reference that is no coordinates of its joint; or its joint does not exist
+    /// or has another spring.
+    Spring,
+    /// There is not one factor of gravity compensation for each frame.
+    GravityCompensation,
     /// The transition velocity of smooth friction is not positive.
     Friction,
     /// A loop constraint refers to a link that does not exist.
@@ -68,6 +73,13 @@ impl fmt::Display for ModelError {
                  several coordinates"
             }
             ModelErrorKind::JointDynamics => "has a negative armature, damping or friction",
+            ModelErrorKind::Spring => {
+                "has a spring whose stiffness is negative or whose reference is no coordinates of the \
+                 joint, or has several springs"
+            }
+            ModelErrorKind::GravityCompensation => {
+                "has gravity compensation without one factor for each frame"
+            }
             ModelErrorKind::Friction => {
                 "has smooth friction whose transition velocity is not positive"
             }

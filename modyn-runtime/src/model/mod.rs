@@ -12,6 +12,7 @@ mod joint;
 mod link;
 mod loop_constraint;
 mod modules;
+mod spring;
 
 pub use crate::inertial::{INERTIAL_PARAMETERS, Inertial, InertialDefect, PARAMETERS_PER_LINK};
 pub use contact::{Contact, ContactKind};
@@ -20,6 +21,7 @@ pub use joint::{Friction, Joint, JointDynamics, Limits, Mimic};
 pub use link::{Frame, Link};
 pub use loop_constraint::{LoopConstraint, LoopConstraintEnd, LoopConstraintKind};
 pub use modules::{Module, ModuleError, ModuleTree};
+pub use spring::Spring;
 
 use alloc::{string::String, vec::Vec};
 use core::ops::Range;
@@ -53,6 +55,9 @@ pub struct Model {
     friction: Friction,
     links: Vec<Link>,
     frames: Vec<Frame>,
+    springs: Vec<Spring>,
+    /// For each frame, the part of its weight that is compensated; empty if none is.
+    gravity_compensation: Vec<f64>,
     loop_constraints: Vec<LoopConstraint>,
     contacts: Vec<Contact>,
     /// For each link, the place of its joint's coordinates and velocities.
@@ -98,6 +103,8 @@ impl Model {
             friction,
             links,
             frames,
+            springs: Vec::new(),
+            gravity_compensation: Vec::new(),
             loop_constraints,
             contacts,
             joint_indices,
@@ -182,6 +189,31 @@ impl Model {
         if errors.is_empty() { Ok(self) } else { Err(errors) }
     }
 
+    /// Returns the model with these springs in place of its present ones.
+    ///
+    /// # Errors
+    ///
+    /// Returns every defect found: a link that does not exist or has another spring, a stiffness that is negative, a
+    /// reference that is no coordinates of the joint, a number that is not finite.
+    pub fn with_springs(mut self, springs: Vec<Spring>) -> Result<Self, Vec<ModelError>> {
+        self.springs = springs;
+        let errors = check::check_springs(&self);
+        if errors.is_empty() { Ok(self) } else { Err(errors) }
+    }
+
+    /// Returns the model with gravity compensation: for each frame, an upward force at the centre of mass of the link's own
+    /// inertia, of this part of its weight. With 1 the link's weight has no effect. The force moves with gravity, and with
+    /// inertias that change at run time; payloads are not compensated. No factors are no compensation.
+    ///
+    /// # Errors
+    ///
+    /// If there is not one factor for each frame, or one is not finite.
+    pub fn with_gravity_compensation(mut self, factors: Vec<f64>) -> Result<Self, Vec<ModelError>> {
+        self.gravity_compensation = factors;
+        let errors = check::check_gravity_compensation(&self);
+        if errors.is_empty() { Ok(self) } else { Err(errors) }
+    }
+
     /// Returns the model with these loop constraints in place of its present ones.
     ///
     /// # Errors
@@ -238,6 +270,24 @@ impl Model {
     #[must_use]
     pub fn frames(&self) -> &[Frame] {
         &self.frames
+    }
+
+    /// Returns the springs.
+    #[must_use]
+    pub fn springs(&self) -> &[Spring] {
+        &self.springs
+    }
+
+    /// Returns the spring of the joint of moving link `link`; `None` without a spring.
+    #[must_use]
+    pub fn spring(&self, link: usize) -> Option<&Spring> {
+        self.springs.iter().find(|spring| spring.link == link)
+    }
+
+    /// Returns for each frame the part of its own weight that is compensated; empty without compensation.
+    #[must_use]
+    pub fn gravity_compensation(&self) -> &[f64] {
+        &self.gravity_compensation
     }
 
     /// Returns the loop constraints.
@@ -413,14 +463,29 @@ impl<'de> serde::Deserialize<'de> for Model {
             links: Vec<Link>,
             frames: Vec<Frame>,
             #[serde(default)]
+            springs: Vec<Spring>,
+            #[serde(default)]
+            gravity_compensation: Vec<f64>,
+            #[serde(default)]
             loop_constraints: Vec<LoopConstraint>,
             #[serde(default)]
             contacts: Vec<Contact>,
         }
-        let Parts { name, gravity, friction, links, frames, loop_constraints, contacts } =
-            Parts::deserialize(deserializer)?;
+        let Parts {
+            name,
+            gravity,
+            friction,
+            links,
+            frames,
+            springs,
+            gravity_compensation,
+            loop_constraints,
+            contacts,
+        } = Parts::deserialize(deserializer)?;
         let model = Self::new(name, gravity, links, frames)
             .and_then(|model| model.with_friction(friction))
+            .and_then(|model| model.with_springs(springs))
+            .and_then(|model| model.with_gravity_compensation(gravity_compensation))
             .and_then(|model| model.with_loop_constraints(loop_constraints))
             .and_then(|model| model.with_contacts(contacts));
         model.map_err(|errors| {

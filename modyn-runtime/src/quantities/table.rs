@@ -71,13 +71,13 @@ macro_rules! quantities {
 
             BiasForces bias_forces / bias_forces_with(q, qd) -> velocities, [default hot casadi],
              "Returns the bias forces (N m or N): inverse dynamics at zero acceleration. They are the Coriolis,\n\
-             centrifugal and gravity forces, with damping and friction if these are enabled.",
+             centrifugal and gravity forces and those of springs, with damping and friction if these are enabled.",
              "`{Self}` has no function `bias_forces`",
              batch BiasForcesBatch "`{Self}` has no function `bias_forces_batch`"
              => |robot, [tau]| robot.bias_forces(q, qd, tau)?;
 
             GravityTorques gravity_torques / gravity_torques_with(q) -> velocities, [default casadi],
-             "Returns the joint forces (N m or N) that balance gravity at `q` and zero velocity.",
+             "Returns the joint forces (N m or N) that balance gravity and springs at `q` and zero velocity.",
              "`{Self}` has no function `gravity_torques`",
              batch GravityTorquesBatch "`{Self}` has no function `gravity_torques_batch`"
              => |robot, [tau]| robot.gravity_torques(q, tau)?;
@@ -108,7 +108,8 @@ macro_rules! quantities {
              => |robot, [energy]| energy[0] = robot.kinetic_energy(q, qd)?;
 
             PotentialEnergy potential_energy / potential_energy_with(q) -> scalar, [default casadi],
-             "Returns the potential energy of the moving links under gravity, J; zero for mass at the world's origin.",
+             "Returns the potential energy of the moving links under gravity and of the springs, J; zero for mass at the world's\n\
+             origin and springs at rest.",
              "`{Self}` has no function `potential_energy`",
              batch PotentialEnergyBatch "`{Self}` has no function `potential_energy_batch`"
              => |robot, [energy]| energy[0] = robot.potential_energy(q)?;

@@ -89,6 +89,10 @@ fn joint(model: &Model, link: usize) -> Value {
             "offset": mimic.offset,
         })),
         "armature": joint.dynamics.armature,
+        "spring": model.spring(link).map(|spring| json!({
+            "stiffness": spring.stiffness,
+            "reference": spring.reference,
+        })),
         "damping": joint.dynamics.damping,
         "friction": joint.dynamics.friction,
         "damping_acts": damps,

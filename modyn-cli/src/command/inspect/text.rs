@@ -154,7 +154,7 @@ pub fn active_friction(model: &Model) -> [bool; 2] {
     [friction != Friction::None, !matches!(friction, Friction::None | Friction::Viscous)]
 }
 
-/// Returns notes on a joint: mimic relation, armature, damping, friction.
+/// Returns notes on a joint: mimic relation, armature, spring, damping, friction.
 fn notes(model: &Model, link: usize) -> String {
     let joint = &model.links()[link].joint;
     let mut notes = Vec::new();
@@ -166,6 +166,11 @@ fn notes(model: &Model, link: usize) -> String {
     let dynamics = &joint.dynamics;
     if dynamics.armature != 0.0 {
         notes.push(format!("rotor {}", four_digits(dynamics.armature)));
+    }
+    if let Some(spring) = model.spring(link) {
+        let reference: Vec<String> = spring.reference.iter().map(|x| four_digits(*x)).collect();
+        let stiffness = four_digits(spring.stiffness);
+        notes.push(format!("spring {stiffness} from {}", reference.join(" ")));
     }
     let [damps, rubs] = active_friction(model);
     for (what, x, acts) in

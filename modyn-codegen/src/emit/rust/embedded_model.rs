@@ -5,7 +5,7 @@
 
 use std::fmt::Write as _;
 
-use modyn_runtime::model::{Limits, Link};
+use modyn_runtime::model::{Limits, Link, Spring};
 
 use super::Robot;
 
@@ -36,6 +36,32 @@ impl Robot<'_> {
                 constraint.name, constraint.kind, constraint.ends
             )
         }));
+        // Robots without springs and gravity compensation need no lines for them.
+        let mut passive = String::new();
+        if !model.springs().is_empty() {
+            let springs =
+                list(model.springs().iter().map(|Spring { link, stiffness, reference }| {
+                    format!(
+                        "__modyn::model::Spring {{ link: {link}, stiffness: {stiffness:?}, \
+                     reference: [{}].into() }}",
+                        numbers(reference)
+                    )
+                }));
+            let _ = write!(
+                passive,
+                "let springs: [__modyn::model::Spring; {}] = {springs};\n    \
+                 let model = model.and_then(|model| model.with_springs(springs.into()));\n    ",
+                model.springs().len()
+            );
+        }
+        if !model.gravity_compensation().is_empty() {
+            let _ = write!(
+                passive,
+                "let factors = [{}];\n    \
+                 let model = model.and_then(|model| model.with_gravity_compensation(factors.into()));\n    ",
+                numbers(model.gravity_compensation())
+            );
+        }
         let contacts = list(model.contacts().iter().map(|contact| {
             format!(
                 "Contact {{ name: {:?}.into(), kind: ContactKind::{:?}, end: {:?} }}",
@@ -49,7 +75,7 @@ impl Robot<'_> {
              let loops: [LoopConstraint; {}] = {loops};\n    let contacts: [Contact; {}] = {contacts};\n    \
              let model = Model::new({:?}, {:?}, links.into(), frames.into());\n    \
              let model = model.and_then(|model| model.with_friction(Friction::{:?}));\n    \
-             let model = model.and_then(|model| model.with_loop_constraints(loops.into()));\n    \
+             {passive}let model = model.and_then(|model| model.with_loop_constraints(loops.into()));\n    \
              model\n        .and_then(|model| model.with_contacts(contacts.into()))\n        \
              .expect(\"the model was valid when this was compiled\")\n}}\n}}\n",
             self.name,
@@ -68,6 +94,11 @@ impl Robot<'_> {
 fn list(values: impl Iterator<Item = String>) -> String {
     let lines: String = values.map(|value| format!("\n        {value},")).collect();
     if lines.is_empty() { "[]".into() } else { format!("[{lines}\n    ]") }
+}
+
+/// Returns these numbers, separated by commas.
+fn numbers(numbers: &[f64]) -> String {
+    numbers.iter().map(|number| format!("{number:?}")).collect::<Vec<_>>().join(", ")
 }
 
 fn link(link: &Link) -> String {

@@ -10,12 +10,12 @@ use super::element::{Element, MAX_DEPTH};
 use super::geoms;
 use super::inertia;
 use super::item::{Item, Naming};
-use super::joints::{self, has_spring, is_free};
+use super::joints::{self, is_free};
 use super::mesh::Meshes;
 use super::models::{Model, Source};
 use super::pose::euler;
 use crate::description::{Description, InertialRecord, JointRecord, LinkRecord, Located};
-use crate::diagnostics::{Code, Place, Report, Severity, Subject};
+use crate::diagnostics::{Code, Place, Report, Severity};
 
 /// The largest number of bodies, joints, geoms and sites: models and replicas in each other have exponentially many.
 const MAX_ITEMS: usize = 1_000_000;
@@ -39,10 +39,6 @@ pub struct Bodies<'e, 'r, 'f> {
     open: Vec<usize>,
     /// The number of elements so far.
     items: usize,
-    /// The joints with springs.
-    springs: Vec<Place>,
-    /// The bodies with compensated gravity.
-    compensated: Vec<Place>,
     pub report: &'r mut Report<'f>,
 }
 
@@ -86,6 +82,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
             gravity: Some(models[0].settings.gravity),
             links: Vec::new(),
             joints: Vec::new(),
+            compensated: Vec::new(),
             loops: Vec::new(),
             contacts: Vec::new(),
         };
@@ -101,8 +98,6 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
             attached: vec![(0, naming.clone())],
             open: vec![0],
             items: 0,
-            springs: Vec::new(),
-            compensated: Vec::new(),
             report,
         };
         bodies.link("world".into(), root.at, 0);
@@ -130,7 +125,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
         }
         bodies.add_sites();
         bodies.scale_to_total_mass();
-        bodies.warn_of_forces();
+        bodies.warn_of_keyframes();
         bodies
     }
 
@@ -317,10 +312,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
                 _ => format!("{name}_joint_{}", k + 1),
             });
             let model = &self.models[joint.model];
-            let (made, reference) = joints::joint(joint, &joint_name, model, self.report);
-            if has_spring(joint, model) {
-                self.springs.push((Some(place), Some(Subject::Joint(joint_name.clone()))));
-            }
+            let (made, reference) = joints::joint(joint, &joint_name, &pose, model, self.report);
             if is_free(joint) {
                 let alone = parent.link == 0 && parts.joints.len() == 1;
                 joints::check_free(
@@ -363,8 +355,8 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
         let drawn = parent.drawn.compose(&pose);
         self.places.entry(name.clone()).or_insert((above, drawn));
         let moves = self.carriers[above] != 0;
-        if moves && item.number("gravcomp").is_some_and(|factor| factor != 0.0) {
-            self.compensated.push((Some(at), Some(Subject::Link(name.clone()))));
+        if let Some(factor) = item.number("gravcomp").filter(|factor| moves && *factor != 0.0) {
+            self.description.compensated.push((above, factor));
         }
         let inertial = self.inertial(&item, &name, &parts, moves);
         self.description.links[above].inertial = inertial;
@@ -492,15 +484,8 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
         inertial.and_then(|inertial| record(inertial, true))
     }
 
-    /// Warns once of each kind of force that does not act, and of keyframes.
-    fn warn_of_forces(&mut self) {
-        let message = "its spring does not act";
-        let help = "add `-stiffness * (q - springref)` to the joint force `tau`";
-        self.report.warn_once(Code::NotRead, &self.springs, message, help);
-        let message = "its gravity is not compensated: `gravcomp` does not act";
-        let help =
-            "add the joint forces that carry `gravcomp` times the weight of the body to `tau`";
-        self.report.warn_once(Code::NotRead, &self.compensated, message, help);
+    /// Warns of keyframes, which are not read.
+    fn warn_of_keyframes(&mut self) {
         let keys = self.of_section("keyframe");
         let keys: Vec<Place> = keys.iter().map(|key| (Some(key.element().at), None)).collect();
         let help = "copy its `qpos` and `qvel` into the program, and convert those of free and ball joints by the functions \

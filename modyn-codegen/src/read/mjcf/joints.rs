@@ -1,5 +1,6 @@
 //! Joints of bodies.
 
+use modyn_runtime::conventions::quaternion_from_rotation;
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{JointDynamics, Limits};
 use modyn_runtime::spatial::Pose;
@@ -7,7 +8,7 @@ use modyn_runtime::spatial::Pose;
 use super::item::Item;
 use super::models::Model;
 use super::pose::about;
-use crate::description::{JointRecord, Kind, Located, MAX_NUMBER, normalized};
+use crate::description::{JointRecord, Kind, Located, MAX_NUMBER, SpringRecord, normalized};
 use crate::diagnostics::{Code, Report, Severity, Subject};
 
 /// Returns whether a joint is free.
@@ -46,10 +47,12 @@ pub fn check_free(
     }
 }
 
-/// Returns a joint without its links and origin, and its coordinate in the pose in which the model is drawn.
+/// Returns a joint without its links and origin, and its coordinate in the pose in which the model is drawn. `pose` is that
+/// of the body.
 pub fn joint(
     item: &Item,
     name: &str,
+    pose: &Pose<f64>,
     model: &Model,
     report: &mut Report<'_>,
 ) -> (JointRecord, f64) {
@@ -74,20 +77,22 @@ pub fn joint(
             refuse(Code::NotRead, &message, help);
         }
     }
-    let [armature, damping, friction] =
-        ["armature", "damping", "frictionloss"].map(|name| polynomial(item, name).0);
-    let numbers = [armature, damping, friction];
+    let numbers = ["armature", "damping", "frictionloss", "stiffness"];
+    let numbers = numbers.map(|name| polynomial(item, name).0);
+    let [armature, damping, friction, stiffness] = numbers;
     if numbers.iter().any(|&number| number < 0.0) {
-        let help = "write numbers of at least 0: damping and friction oppose the motion";
-        let message = "`armature`, `damping` or `frictionloss` is negative";
+        let help = "write numbers of at least 0: damping and friction oppose the motion, and springs pull back";
+        let message = "`armature`, `damping`, `frictionloss` or `stiffness` is negative";
         refuse(Code::NegativeJointDynamics, message, help);
     }
-    if kind == "free" && (armature != 0.0 || friction != 0.0) {
-        // MuJoCo's act along the axes of the world, those of modyn along the axes of the body.
-        let message = "`armature` and `frictionloss` of a free joint are not read";
+    if kind == "free" && friction != 0.0 {
+        // MuJoCo's acts along the axes of the world, that of modyn along the axes of the body.
+        let message = "`frictionloss` of a free joint is not read";
         refuse(Code::NotRead, message, "write 0, or the class that the joint should have");
     }
     let dynamics = JointDynamics { armature, damping, friction };
+    let spring = (stiffness > 0.0 && model.settings.springs)
+        .then(|| SpringRecord { stiffness, reference: spring_reference(item, kind, angle, pose) });
     let direction = item.numbers("axis").unwrap_or([0.0, 0.0, 1.0]);
     let axis =
         if single { normalized(direction).map(|(unit, _)| unit) } else { Some([0.0, 0.0, 1.0]) };
@@ -124,12 +129,19 @@ pub fn joint(
     let kind = Kind::Moving(joint_type);
     let record = fixed(name.into(), at);
     let reference = if single { angle * item.number("ref").unwrap_or(0.0) } else { 0.0 };
-    (JointRecord { kind, axis, limits, dynamics, sound, ..record }, reference)
+    (JointRecord { kind, axis, limits, dynamics, spring, sound, ..record }, reference)
 }
 
-/// Returns whether a joint has a spring, which does not act.
-pub fn has_spring(item: &Item, model: &Model) -> bool {
-    model.settings.springs && polynomial(item, "stiffness").0 != 0.0
+/// Returns the coordinates of the spring of a joint at rest; `pose` is that of the body, in which the model is drawn.
+fn spring_reference(item: &Item, kind: &str, angle: f64, pose: &Pose<f64>) -> Vec<f64> {
+    match kind {
+        "ball" => vec![0.0, 0.0, 0.0, 1.0],
+        "free" => {
+            let rotation = quaternion_from_rotation(pose.rotation);
+            [&pose.translation[..], &rotation].concat()
+        }
+        _ => vec![angle * item.number("springref").unwrap_or(0.0)],
+    }
 }
 
 /// Returns the first coefficient of a polynomial, and whether it has others.
@@ -196,6 +208,7 @@ pub fn fixed(name: String, at: usize) -> JointRecord {
         limits: None,
         mimic: None,
         dynamics: JointDynamics::default(),
+        spring: None,
         dynamics_at: at,
         sound: true,
     }

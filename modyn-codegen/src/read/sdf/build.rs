@@ -40,6 +40,7 @@ pub fn describe(
         gravity: world.gravity,
         links: Vec::new(),
         joints: Vec::new(),
+        compensated: Vec::new(),
         loops: Vec::new(),
         contacts: Vec::new(),
     };
@@ -189,6 +190,7 @@ impl Build<'_, '_, '_> {
             limits: None,
             mimic: None,
             dynamics: JointDynamics::default(),
+            spring: None,
             dynamics_at: at,
             sound: true,
         }
@@ -378,10 +380,14 @@ impl Build<'_, '_, '_> {
         let Some(axis) = &joint.axes[0] else { return record };
         record.dynamics = axis.dynamics;
         record.dynamics_at = axis.dynamics_at;
+        record.spring = axis.spring.clone();
         let mut limits = axis.limits;
         let mut mimic = &axis.mimic;
         if let Some(second) = &joint.axes[1] {
             self.second_axis(axis, second, directions, subject);
+            if let (Some(spring), Some(second)) = (&mut record.spring, &second.spring) {
+                spring.reference.extend(&second.reference);
+            }
             let least = |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).reduce(f64::min);
             limits = Limits {
                 lower: None,
@@ -421,8 +427,10 @@ impl Build<'_, '_, '_> {
             let help = "write `<xyz>` of `<axis2>` across that of `<axis>`";
             error(Code::ParallelAxes, "its two axes are parallel", help);
         }
-        if first.dynamics != second.dynamics {
-            let message = "damping or friction of its two axes differ, which is not supported";
+        let stiffness = |axis: &Axis| axis.spring.as_ref().map(|spring| spring.stiffness);
+        if first.dynamics != second.dynamics || stiffness(first) != stiffness(second) {
+            let message =
+                "damping, friction or springs of its two axes differ, which is not supported";
             error(
                 Code::NotRead,
                 message,
@@ -591,7 +599,7 @@ impl Build<'_, '_, '_> {
         welded
     }
 
-    /// Reads links without gravity: all of them, or none that moves. Warns of moving links without inertia.
+    /// Reads links without gravity. Warns of moving links without inertia.
     fn weights(&mut self) {
         let world = self.world;
         let own = world.links.iter().filter(|link| self.inside[world.frames[link.frame].scope]);
@@ -614,12 +622,9 @@ impl Build<'_, '_, '_> {
         }
         for link in own {
             let name = &world.frames[link.frame].name.text;
-            if let Some(at) = link.weightless.filter(|_| !welded.contains(name)) {
-                let message =
-                    "gravity does not act on this link, but on others, which is not supported";
-                let help = "write the same `<gravity>` for all links, or compensate the link's weight by an external wrench";
-                let subject = Subject::Link(name.clone());
-                self.report.error(Code::NotRead, at, Some(&subject), message, help);
+            if link.weightless.is_some() && !welded.contains(name) {
+                let found = self.description.link_names().position(|other| other == name);
+                self.description.compensated.extend(found.map(|link| (link, 1.0)));
             }
         }
     }

@@ -7,7 +7,7 @@ use roxmltree::Node;
 
 use super::reader::{Reader, trimmed};
 use super::world::{Axis, FrameKind, Joint, JointKind, Mimic};
-use crate::description::Located;
+use crate::description::{Located, SpringRecord};
 use crate::diagnostics::{Code, Severity, Subject};
 
 impl<'a> Reader<'a, '_, '_, '_> {
@@ -151,43 +151,40 @@ impl<'a> Reader<'a, '_, '_, '_> {
         if self.version < 105 || self.version < 107 && of_model {
             expressed_in = Some(Located { text: "__model__".into(), at });
         }
-        let (dynamics, dynamics_at) = self.dynamics(node, subject);
+        let (dynamics, spring, dynamics_at) = self.dynamics(node, subject);
         let limits = self.limits(node, subject);
         let mimic = self.mimic(node, subject);
         let expressed_in = expressed_in.filter(|frame| !frame.text.is_empty());
-        Some(Axis { direction, expressed_in, at, limits, dynamics, dynamics_at, mimic })
+        Some(Axis { direction, expressed_in, at, limits, dynamics, spring, dynamics_at, mimic })
     }
 
-    /// Returns damping and friction of an axis, and their place.
+    /// Returns damping, friction and spring of an axis, and their place.
     fn dynamics(
         &mut self,
         axis: Node<'a, '_>,
         subject: Option<&Subject>,
-    ) -> (JointDynamics, usize) {
+    ) -> (JointDynamics, Option<SpringRecord>, usize) {
         let Some(node) = self.xml.single(axis, "dynamics", subject) else {
-            return (JointDynamics::default(), self.xml.at(axis));
+            return (JointDynamics::default(), None, self.xml.at(axis));
         };
         let at = self.xml.at(node);
         let known = ["damping", "friction", "spring_reference", "spring_stiffness"];
         self.warn_of_unknown(node, &known, subject);
-        let [damping, friction] = ["damping", "friction"].map(|name| {
+        let names = ["damping", "friction", "spring_stiffness"];
+        let [damping, friction, stiffness] = names.map(|name| {
             let value = self.number(node, name, subject).unwrap_or(0.0);
             if value < 0.0 {
                 let message = format!("`<{name}>` is {value}");
-                let help = "write a number of at least 0: damping and friction oppose the motion";
+                let help = "write a number of at least 0: damping and friction oppose the motion, and springs pull back";
                 let code = Code::NegativeJointDynamics;
                 self.xml.report.error(code, at, subject, message, help);
             }
             value.max(0.0)
         });
-        let stiffness = self.number(node, "spring_stiffness", subject).unwrap_or(0.0);
-        if stiffness != 0.0 {
-            let message =
-                "`<spring_stiffness>` is not read: the spring's force does not act".into();
-            let help = "add the spring's force to the joint forces";
-            self.unread.add(message, (Some(at), subject.cloned()), help);
-        }
-        (JointDynamics { damping, friction, ..JointDynamics::default() }, at)
+        let reference = self.number(node, "spring_reference", subject).unwrap_or(0.0);
+        let spring =
+            (stiffness > 0.0).then(|| SpringRecord { stiffness, reference: vec![reference] });
+        (JointDynamics { damping, friction, ..JointDynamics::default() }, spring, at)
     }
 
     /// Returns the limits of an axis. An infinite limit is none, and so is a negative one of effort or velocity.

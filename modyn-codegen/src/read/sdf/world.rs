@@ -4,7 +4,7 @@ use modyn_runtime::model::{JointDynamics, Limits};
 use modyn_runtime::spatial::Pose;
 use rustc_hash::FxHashMap;
 
-use crate::description::{InertialRecord, Located};
+use crate::description::{InertialRecord, Located, SpringRecord};
 
 /// The index of the world among the scopes, and of its frame among the frames.
 pub const WORLD: usize = 0;
@@ -202,6 +202,7 @@ pub struct Axis {
     pub at: usize,
     pub limits: Limits,
     pub dynamics: JointDynamics,
+    pub spring: Option<SpringRecord>,
     pub dynamics_at: usize,
     pub mimic: Option<Mimic>,
 }

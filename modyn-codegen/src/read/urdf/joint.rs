@@ -52,6 +52,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             limits: None,
             mimic: None,
             dynamics: JointDynamics::default(),
+            spring: None,
             dynamics_at: node.range().start,
             sound: true,
         };

@@ -36,6 +36,7 @@ pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Desc
         gravity: None,
         links: Vec::new(),
         joints: Vec::new(),
+        compensated: Vec::new(),
         loops: Vec::new(),
         contacts: Vec::new(),
     };

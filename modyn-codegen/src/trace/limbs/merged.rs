@@ -24,8 +24,12 @@ impl LimbPacking {
         for Merged { of, representative, first } in &self.bodies {
             let representative = &model.bodies[*representative];
             let nothing = RigidInertia::zero();
-            let missing =
-                Body { inertia: nothing, base_inertia: nothing, ..representative.clone() };
+            let missing = Body {
+                inertia: nothing,
+                base_inertia: nothing,
+                spring: None,
+                ..representative.clone()
+            };
             let each: Vec<&Body<f64>> =
                 of.iter().map(|b| b.map_or(&missing, |b| &model.bodies[b])).collect();
             let start = dofs.len();

@@ -35,10 +35,14 @@ pub fn coriolis_matrix<S: Scalar>(
     workspace.matrix = mass_matrix;
     let half = S::from_f64(0.5);
     columns.iter_mut().for_each(|entry| *entry = half * *entry);
+    model.armature_coriolis(qd, |row, column, entry| {
+        let sum = &mut columns[model.dofs[column].v * n + model.dofs[row].v];
+        *sum = *sum + entry;
+    });
 }
 
 /// Adds the mass matrix times the Lie brackets of the velocity of body `i`'s joint and the joint's unit velocities. Rotors
-/// are left out, since they have no Coriolis forces.
+/// are left out: they have Coriolis forces at floating joints alone, where their part is that of `armature_coriolis`.
 fn add_brackets<S: Scalar>(
     model: &Mechanism<S>,
     i: usize,

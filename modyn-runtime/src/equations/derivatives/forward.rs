@@ -1,7 +1,7 @@
 //! Derivatives of forward dynamics.
 
 use super::composite::{accumulate_composites, accumulate_wrenches, angular_velocities};
-use super::inverse::add_dissipation;
+use super::inverse::{add_dissipation, add_passive};
 use super::perturbation::{perturbations_by_coordinates, perturbations_by_rates};
 use super::projection::{Variable, project};
 use crate::Scalar;
@@ -50,7 +50,7 @@ pub fn forward_dynamics_derivatives<S: Scalar, T: Factorizable<S>>(
     let (model, layout) = (tree.mechanism(), limbs.layout());
     let n = model.nv;
     workspace.reserve(layout.pivots(), n * n, layout.size());
-    workspace.move_to(model, q);
+    workspace.move_with_forces(tree, q, Some(qd));
     angular_velocities(tree, qd, workspace);
     accumulate_composites(tree, qd, workspace);
     perturbations_by_rates(tree, qd, true, workspace);
@@ -64,9 +64,13 @@ pub fn forward_dynamics_derivatives<S: Scalar, T: Factorizable<S>>(
     solve(limbs, &factors, qdd);
 
     link_wrenches(tree, qd, Accelerations::AgainstFall(qdd), workspace);
-    accumulate_wrenches(tree, |d| generalized_force(model, d, (qd, qdd, tau)), workspace);
+    let passive = core::mem::take(&mut workspace.passive);
+    let known = |d: usize| generalized_force(model, d, passive[d], (qd, qdd, tau));
+    accumulate_wrenches(tree, known, workspace);
+    workspace.passive = passive;
     perturbations_by_coordinates(tree, qd, true, workspace);
     project(tree, Variable::Coordinates, workspace, dqdd_dq, None);
+    add_passive(model, q, workspace, dqdd_dq);
     add_dissipation(model, qd, dqdd_dqd);
     inverse(limbs, &factors, dqdd_dtau);
     for columns in [&mut *dqdd_dq, &mut *dqdd_dqd] {
@@ -96,7 +100,7 @@ fn multiply<S: Scalar, T: BodyTree<S>>(tree: &T, columns: &[S], lanes: usize, x:
     }
 }
 
-/// Subtracts velocity-dependent forces, gravity and dissipation from `tau`; a floating base is in free
+/// Subtracts velocity-dependent forces, gravity, springs and dissipation from `tau`; a floating base is in free
 /// fall. `dtau_dqd` excludes dissipation.
 fn subtract_forces<S: Scalar, T: BodyTree<S>>(
     tree: &T,
@@ -122,11 +126,15 @@ fn subtract_forces<S: Scalar, T: BodyTree<S>>(
         }));
         let a = body.to_child(&workspace.motions[i], a);
         workspace.twists[i].linear = a;
-        for dof in model.dofs_of(i) {
+        for d in body.dofs.clone() {
+            let dof = &model.dofs[d];
             let weight = workspace.composite[i].column(dof.component).force.dot(a);
             dof.add(-weight, tau);
             if let Some(dissipation) = model.dissipation(dof, qd) {
                 dof.add(-dissipation, tau);
+            }
+            if let Some(passive) = workspace.passive[d] {
+                dof.add(-passive, tau);
             }
         }
     }
@@ -136,6 +144,7 @@ fn subtract_forces<S: Scalar, T: BodyTree<S>>(
 fn generalized_force<S: Scalar>(
     model: &Mechanism<S>,
     d: usize,
+    passive: Option<S>,
     (qd, qdd, tau): (&[S], &[S], &[S]),
 ) -> Option<S> {
     let dof = &model.dofs[d];
@@ -145,6 +154,9 @@ fn generalized_force<S: Scalar>(
     let mut force = tau[dof.v];
     if let Some(dissipation) = model.dissipation(dof, qd) {
         force = force - dissipation;
+    }
+    if let Some(passive) = passive {
+        force = force - passive;
     }
     if let Some(armature) = dof.armature {
         force = force - armature * dof.rate(qdd);

@@ -5,6 +5,7 @@ use super::perturbation::{perturbations_by_coordinates, perturbations_by_rates};
 use super::projection::{Variable, project};
 use crate::Scalar;
 use crate::equations::Workspace;
+use crate::equations::dynamics::gravity_compensation::add_compensation_derivatives;
 use crate::equations::dynamics::newton_euler::{Accelerations, link_wrenches};
 use crate::mechanism::{BodyTree, Mechanism};
 
@@ -42,7 +43,7 @@ fn differentiate<S: Scalar, T: BodyTree<S>>(
     mass_matrix: Option<&mut [S]>,
 ) {
     let model = tree.mechanism();
-    workspace.move_to(model, q);
+    workspace.move_with_forces(tree, q, Some(qd));
     link_wrenches(tree, qd, Accelerations::Given(qdd), workspace);
     accumulate_composites(tree, qd, workspace);
     accumulate_wrenches(tree, |_| None, workspace);
@@ -51,9 +52,25 @@ fn differentiate<S: Scalar, T: BodyTree<S>>(
     perturbations_by_rates(tree, qd, false, workspace);
     project(tree, Variable::Rates, workspace, dtau_dqd, mass_matrix);
     add_dissipation(model, qd, dtau_dqd);
+    add_passive(model, q, workspace, dtau_dq);
 }
 
-/// Adds the derivatives of damping and friction to d tau / d qd.
+/// Adds the derivatives of the forces of springs and gravity compensation to d tau / d q. Expects the joint transforms at q.
+pub(super) fn add_passive<S: Scalar>(
+    model: &Mechanism<S>,
+    q: &[S],
+    workspace: &mut Workspace<S>,
+    dtau_dq: &mut [S],
+) {
+    add_compensation_derivatives(model, workspace, dtau_dq);
+    model.spring_derivatives(q, |row, column, entry| {
+        let (row, column) = (&model.dofs[row], &model.dofs[column]);
+        let sum = &mut dtau_dq[column.v * model.nv + row.v];
+        *sum = *sum + row.scale(column.scale(entry));
+    });
+}
+
+/// Adds the derivatives of damping, friction and the velocity-dependent forces of armature to d tau / d qd.
 pub(super) fn add_dissipation<S: Scalar>(model: &Mechanism<S>, qd: &[S], dtau_dqd: &mut [S]) {
     for dof in &model.dofs {
         if let Some(slope) = model.dissipation_slope(dof, qd) {
@@ -61,4 +78,8 @@ pub(super) fn add_dissipation<S: Scalar>(model: &Mechanism<S>, qd: &[S], dtau_dq
             *sum = *sum + dof.scale(dof.scale(slope));
         }
     }
+    model.armature_derivatives(qd, |row, column, entry| {
+        let sum = &mut dtau_dqd[model.dofs[column].v * model.nv + model.dofs[row].v];
+        *sum = *sum + entry;
+    });
 }

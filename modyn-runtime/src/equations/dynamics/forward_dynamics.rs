@@ -69,7 +69,7 @@ pub fn forward_dynamics<S: Scalar>(
     elimination.reserve(model, workspace);
     match elimination {
         Elimination::Recursive(partition) => {
-            workspace.move_to(model, q);
+            workspace.move_with_forces(model, q, Some(qd));
             link_wrenches(model, qd, Accelerations::FreeFall, workspace);
             if let Some(forces) = forces {
                 forces.subtract(model, workspace);
@@ -101,7 +101,7 @@ pub fn recursive_forward_dynamics<S: Scalar, T: BodyTree<S>>(
     qdd: &mut [S],
 ) {
     workspace.reserve(partition.pivots, 0, 0);
-    workspace.move_to(tree.mechanism(), q);
+    workspace.move_with_forces(tree, q, Some(qd));
     link_wrenches(tree, qd, Accelerations::FreeFall, workspace);
     recursion(tree, partition, (qd, tau), workspace, qdd);
 }
@@ -150,17 +150,19 @@ pub(super) fn eliminate_module<S: Scalar, T: BodyTree<S>>(
     workspace: &mut Workspace<S>,
 ) {
     let model = tree.mechanism();
-    // The joint force without damping and friction.
-    let torque = |d: usize| {
+    // The joint force without springs, damping and friction.
+    let torque = |d: usize, workspace: &Workspace<S>| {
         let dof = &model.dofs[d];
-        model.dissipation(dof, qd).map_or(tau[dof.v], |dissipation| tau[dof.v] - dissipation)
+        let dissipation = model.dissipation(dof, qd);
+        let left = dissipation.map_or(tau[dof.v], |dissipation| tau[dof.v] - dissipation);
+        workspace.passive[d].map_or(left, |passive| left - passive)
     };
     let first = block.bodies.start;
     for i in block.bodies.clone().rev() {
         let wrench = workspace.wrenches[i];
         for d in model.bodies[i].dofs.clone() {
             let force = wrench.components()[model.dofs[d].component];
-            workspace.torques[d] = torque(d) - force;
+            workspace.torques[d] = torque(d, workspace) - force;
         }
         if i > first {
             let carried = model.bodies[i].wrench_to_parent(&workspace.motions[i], wrench);
@@ -174,7 +176,7 @@ pub(super) fn eliminate_module<S: Scalar, T: BodyTree<S>>(
     if model.bodies[first].parent.is_some() {
         reduce_columns(model, block, workspace);
         eliminate(tree, block, workspace);
-        let left = remaining_wrench(model, block, workspace, torque);
+        let left = remaining_wrench(model, block, workspace, |d| torque(d, workspace));
         let motion = &workspace.motions[first];
         tree.wrench_to_parents(first, motion, left, |parent, carried| {
             workspace.wrenches[parent] += carried;

@@ -1,12 +1,13 @@
-//! Gravity torques and potential energy, from composite masses and first moments.
+//! Gravity torques and potential energy, from composite masses and first moments, springs and gravity compensation.
 
 use crate::Scalar;
 use crate::equations::Workspace;
 use crate::equations::kinematics::first_moment::{accumulate_masses, first_moment};
-use crate::mechanism::{BodyTree, Mechanism};
+use crate::mechanism::{Body, BodyTree, Mechanism};
 use crate::spatial::{Vector3, Wrench};
 
-/// Computes the joint forces that balance gravity: the bias forces at zero velocity, without friction.
+/// Computes the joint forces that balance gravity and springs: the bias forces at zero velocity, without friction, and
+/// the gradient of the [`potential_energy`].
 pub fn gravity_torques<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     q: &[S],
@@ -14,7 +15,7 @@ pub fn gravity_torques<S: Scalar, T: BodyTree<S>>(
     tau: &mut [S],
 ) {
     let model = tree.mechanism();
-    workspace.move_to(model, q);
+    workspace.move_with_forces(tree, q, None);
     // Towards the leaves: the world's acceleration in each link's axes. Towards the root: first moments.
     for (i, body) in model.bodies.iter().enumerate() {
         let of = |p: Option<usize>| p.map_or(-model.gravity, |p| workspace.twists[p].linear);
@@ -27,14 +28,16 @@ pub fn gravity_torques<S: Scalar, T: BodyTree<S>>(
         let (composite, a) = (&workspace.composite[i], workspace.twists[i].linear);
         let wrench =
             Wrench { moment: composite.first_moment.cross(a), force: a.scale(composite.mass) };
-        for dof in model.dofs_of(i) {
-            dof.add(wrench.components()[dof.component], tau);
+        for d in model.bodies[i].dofs.clone() {
+            let dof = &model.dofs[d];
+            let weight = wrench.components()[dof.component];
+            dof.add(workspace.passive[d].map_or(weight, |passive| weight + passive), tau);
         }
     }
 }
 
-/// Returns the potential energy of the moving links under gravity, J; zero for mass at the world's
-/// origin.
+/// Returns the potential energy of the moving links under gravity and of the springs, J; zero for mass at the world's
+/// origin and springs at their references.
 ///
 /// It is computed from the description's inertias. Base inertias would add a constant: they move mass
 /// onto the first joint's axis.
@@ -44,5 +47,11 @@ pub fn potential_energy<S: Scalar>(
     workspace: &mut Workspace<S>,
 ) -> S {
     workspace.move_to(model, q);
-    -model.gravity.dot(first_moment(model, workspace, |body| body.inertia))
+    let energy = if model.compensates_gravity() {
+        let heavy = |body: &Body<S>| body.inertia.minus(&body.compensated_inertia());
+        -model.gravity.dot(first_moment(model, workspace, heavy))
+    } else {
+        -model.gravity.dot(first_moment(model, workspace, |body| body.inertia))
+    };
+    model.spring_energy(q).map_or(energy, |springs| energy + springs)
 }

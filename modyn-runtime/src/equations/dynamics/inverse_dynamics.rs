@@ -8,7 +8,7 @@ use crate::mechanism::{BodyTree, Mechanism};
 
 /// Computes the joint forces tau = I(q) qdd + h(q, qd) - J^T f, f being the external forces.
 ///
-/// Gravity, rotor armature, damping and friction are included. Without `qdd` the result is the bias
+/// Gravity, rotor armature, springs, damping and friction are included. Without `qdd` the result is the bias
 /// forces h(q, qd). The method is the recursive Newton-Euler algorithm (Featherstone 2008, chapter 5).
 pub fn inverse_dynamics<S: Scalar>(
     model: &Mechanism<S>,
@@ -43,7 +43,7 @@ pub(in crate::equations) fn bias_in_free_fall<S: Scalar, T: BodyTree<S>>(
     workspace: &mut Workspace<S>,
     tau: &mut [S],
 ) {
-    workspace.move_to(tree.mechanism(), q);
+    workspace.move_with_forces(tree, q, Some(qd));
     link_wrenches(tree, qd, Accelerations::FreeFall, workspace);
     joint_torques(tree, (qd, None), workspace, tau);
 }
@@ -54,7 +54,7 @@ fn move_bodies<S: Scalar, T: BodyTree<S>>(
     (q, qd, qdd): (&[S], &[S], Option<&[S]>),
     workspace: &mut Workspace<S>,
 ) {
-    workspace.move_to(tree.mechanism(), q);
+    workspace.move_with_forces(tree, q, Some(qd));
     let accelerations = qdd.map_or(Accelerations::None, Accelerations::Given);
     link_wrenches(tree, qd, accelerations, workspace);
 }
@@ -82,13 +82,18 @@ pub(super) fn joint_torque<S: Scalar, T: BodyTree<S>>(
 ) {
     let model = tree.mechanism();
     let wrench = workspace.wrenches[i];
-    for dof in model.dofs_of(i) {
+    for (dof, passive) in
+        model.dofs_of(i).iter().zip(&workspace.passive[model.bodies[i].dofs.clone()])
+    {
         let mut force = wrench.components()[dof.component];
         if let (Some(armature), Some(qdd)) = (dof.armature, qdd) {
             force = force + armature * dof.rate(qdd);
         }
         if let Some(dissipation) = model.dissipation(dof, qd) {
             force = force + dissipation;
+        }
+        if let Some(passive) = *passive {
+            force = force + passive;
         }
         dof.add(force, tau);
     }

@@ -4,6 +4,7 @@ mod centroidal;
 mod external;
 mod forward_dynamics;
 mod gravity;
+pub(in crate::equations) mod gravity_compensation;
 mod inverse_dynamics;
 mod kinetic_energy;
 mod mass_matrix;

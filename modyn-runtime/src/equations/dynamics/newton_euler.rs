@@ -76,14 +76,16 @@ pub fn is_base<S: Scalar>(model: &Mechanism<S>, i: usize) -> bool {
     floats && model.dofs_of(i).iter().all(|dof| dof.armature.is_none())
 }
 
-/// Returns the bodies on the world with a floating joint that has no rotors, damping and friction. Their pose and linear
-/// velocity have no effect on the motion relative to free fall.
+/// Returns the bodies on the world with a floating joint that has no rotors, springs, damping and friction. Their pose and linear
+/// velocity have no effect on the motion relative to free fall. A robot with gravity compensation, which depends on the
+/// attitude, has none.
 pub fn free_bases<S: Scalar>(model: &Mechanism<S>) -> impl Iterator<Item = usize> + '_ {
     let is_free = |i| {
         let resists = model.dofs_of(i).iter().any(|d| d.damping.is_some() || d.friction.is_some());
-        is_base(model, i) && !resists
+        is_base(model, i) && !resists && model.bodies[i].spring.is_none()
     };
-    (0..model.bodies.len()).filter(move |&i| is_free(i))
+    let bodies = if model.compensates_gravity() { 0 } else { model.bodies.len() };
+    (0..bodies).filter(move |&i| is_free(i))
 }
 
 /// Computes the joint accelerations in free fall, nv entries: g - omega x v in the axes of the base for the linear entries

@@ -75,6 +75,7 @@ pub fn forward_dynamics_of_bodies<S: Scalar>() -> BodyRecursion<S> {
             let workspace = &mut Workspace::new(model);
             let block = block(model);
             workspace.reserve(block.dofs.len() * block.dofs.len(), 0, 0);
+            workspace.load_joint_forces(model, BODY, q, Some(qd));
             let motion = move_body(model, (q, qd, Accelerations::FreeFall), received[0], workspace);
             let inertia = model.bodies[BODY].base_inertia.articulated();
             let own = load(&workspace.wrenches[BODY], &inertia);
@@ -122,6 +123,7 @@ pub fn inverse_dynamics_of_bodies<S: Scalar>() -> BodyRecursion<S> {
 
             workspace.wrenches[BODY] = Wrench::from_components(array(received[1]));
             let mut tau = alloc::vec![S::zero(); model.nv];
+            workspace.load_joint_forces(model, BODY, q, Some(qd));
             joint_torque(model, BODY, (qd, Some(qdd)), workspace, &mut tau);
             let carried = workspace.wrenches[PARENT].components().to_vec();
             BodyResults {
