@@ -71,8 +71,8 @@ impl Budget {
 }
 
 impl PlanContext<'_> {
-    /// Returns a number of operations that a function takes at least, without tracing it: those of its results, and of the
-    /// factors of the mass matrix if the function has a dense solution or result.
+    /// Returns a number of operations that a function takes at least, without tracing it: those of its results, of the
+    /// factors of the mass matrix if the function has a dense solution or result, and one for each ancestor of a link.
     pub(super) fn least_operations(&self, function: Function) -> usize {
         let (row, sizes) = (function.row(), &self.sizes);
         let numbers = (row.result)(sizes).len();
@@ -82,7 +82,21 @@ impl PlanContext<'_> {
             || matches!(function.batched().unwrap_or(function), Function::StepImplicitMidpoint);
         // The factors of a chain of n joints have n^2 / 2 entries, and take n^3 / 3 operations.
         let factors = if is_dense { self.for_derivatives.size() * sizes.nv / 64 } else { 0 };
-        numbers.saturating_mul(programs) / RESULTS + factors
+        let paths = if row.by_link { self.ancestors_of_links() } else { 0 };
+        numbers.saturating_mul(programs) / RESULTS + factors + paths
+    }
+}
+
+impl PlanContext<'_> {
+    /// Returns the sum of the numbers of ancestors of all links with a program of their own.
+    fn ancestors_of_links(&self) -> usize {
+        let mut depths: Vec<usize> = Vec::new();
+        for link in self.model.links() {
+            // Parents come before their children.
+            depths.push(link.parent.map_or(0, |parent| depths[parent] + 1));
+        }
+        let depth = |frame: usize| self.model.frames()[frame].link.map_or(0, |link| depths[link]);
+        self.frames.links_with_own_program().map(depth).sum()
     }
 }
 
