@@ -83,4 +83,12 @@ class Interpreter:
         n = self.nv
         for line in self.run(given).split("\n\n")[1].splitlines():
             numbers = numpy.array(line.split(), dtype=float)
-            yield numbers[:n], numbers[n:2 * n], numbers[2 * n:].reshape(n, n).T
+            yield numbers[:n], numbers[n:2 * n], numbers[2 * n:(2 + n) * n].reshape(n, n).T
+
+    def evaluate_loops(self, states):
+        """Accelerations of each state with the loops closed, and the largest displacement of a loop; None without loops."""
+        given = "".join(" ".join(map(repr, numpy.concatenate(state).tolist())) + "\n" for state in states)
+        n = self.nv
+        for line in self.run(given).split("\n\n")[1].splitlines():
+            closed = numpy.array(line.split()[(2 + n) * n:], dtype=float)
+            yield (closed[:n], float(numpy.abs(closed[n:]).max())) if len(closed) else None

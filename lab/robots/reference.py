@@ -11,6 +11,27 @@ import numpy
 import pinocchio
 
 
+class Unloaded(Exception):
+    """The other library does not load a file, or not in a form that can be compared."""
+
+
+def rotation(quaternion):
+    """The rotation matrix of a quaternion x, y, z, w."""
+    return pinocchio.Quaternion(numpy.asarray(quaternion, dtype=float)).normalized().matrix()
+
+
+def random_quaternion(random):
+    quaternion = random.normal(size=4)
+    return quaternion / numpy.linalg.norm(quaternion)
+
+
+def closed_accelerations(jacobian, free, matrix):
+    """The accelerations at rest that keep the rows of `jacobian`, by Gauss's principle; `free` has those without rows."""
+    to_forces = numpy.linalg.solve(matrix, jacobian.T)
+    forces = numpy.linalg.pinv(jacobian @ to_forces, rcond=1e-9, hermitian=True) @ (jacobian @ free)
+    return free - to_forces @ forces
+
+
 def load(description, floating=False):
     """Returns the model, or Pinocchio's error."""
     root = [pinocchio.JointModelFreeFlyer()] if floating else []

@@ -88,10 +88,10 @@ def output(*command):
     return subprocess.run(command, capture_output=True, text=True, check=True, cwd=modyn.ROOT).stdout.strip()
 
 
-def data(head, rows, note):
+def data(head, rows, note, command="lab/robots/run"):
     """The text of a file of docs/data: how it was made, the titles of the columns, and the rows."""
     lines = [
-        "# command: lab/robots/run",
+        f"# command: {command}",
         f"# date: {datetime.date.today()}",
         f"# commit: {output('git', 'describe', '--always', '--dirty')}",
         f"# note: {note}",
@@ -109,3 +109,27 @@ def files(rows, seconds):
     refused = [[row.name, *line, aside(row)] for row in rows if row.errors for line in refusals(row)]
     why = ["robot", "code", "first error of this kind", "reason", "Pinocchio"]
     return {"robots": data(head, robots, note), "refusals": data(why, refused, note)}
+
+
+def is_model(row):
+    """Whether a file is a whole model: parts, and files that only MuJoCo's programs complete, are not."""
+    return row.verdict in ("accepted", "refused") and row.compared not in ("static", "not loaded") or row.compared == "loads"
+
+
+def collections(rows, seconds):
+    """The files of docs/data by name: the sums of each collection and format, and all files."""
+    note = (f"MuJoCo {version('mujoco')}, Pinocchio {version('pin')}, Drake {version('drake')}; {seconds / 60:.0f} minutes "
+            f"on {os.cpu_count()} cores, {processor()}")
+    groups = {}
+    for row in rows:
+        groups.setdefault((row.collection, row.format), []).append(row)
+    sums = [[*key, len(found), sum(is_model(row) for row in found), sum(row.verdict == "accepted" for row in found),
+             sum(row.compared == "agrees" for row in found), sum(row.compared.startswith("DIFFERS") for row in found),
+             sum(row.compared.startswith("not compared") for row in found)] for key, found in sorted(groups.items())]
+    head = ["collection", "format", "files", "models that move", "accepted", "agree", "differ", "not compared"]
+    every = [[row.collection, row.file, row.format, row.verdict, "" if row.joints is None else row.joints, row.compared,
+              "" if row.difference is None else f"{row.difference:.0e}", row.code, " ".join(row.why.split())]
+             for row in rows]
+    titles = ["collection", "file", "format", "verdict", "joints", "compared", "difference", "code", "why"]
+    command = "lab/robots/run collections"
+    return {"collections": data(head, sums, note, command), "collected": data(titles, every, note, command)}

@@ -106,3 +106,70 @@ fn a_line_of_a_million_characters_is_not_shown() {
     assert_eq!(found.code, 1);
     assert!(found.out.len() < 10_000 && found.out.contains(":1:100003"), "{}", found.out);
 }
+
+/// A collection is a table of all descriptions in a folder: parts of others, and robots in which nothing moves, are told apart.
+#[test]
+fn collections_are_tables() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+        std::fs::write(path, text).expect("a file");
+    };
+    let link = r#"<link name="a"/><joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint>"#;
+    let inertial = r#"<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>"#;
+    write(
+        "arm.urdf",
+        &format!(r#"<robot name="r">{link}<link name="b">{inertial}</link></robot>"#),
+    );
+    write("bad.urdf", &format!(r#"<robot name="r">{link}<link name="b"/></robot>"#));
+    write("arms/one.xml", r#"<mujoco model="m"><include file="../parts/body.xml"/></mujoco>"#);
+    write(
+        "parts/body.xml",
+        r#"<mujoco><worldbody><body><joint class="c"/><geom size="1"/></body></worldbody></mujoco>"#,
+    );
+    write(
+        "arms/two.xml",
+        r#"<mujoco model="m"><default><default class="c"/></default><include file="../parts/body.xml"/></mujoco>"#,
+    );
+    write("parts/other.xml", "<mujocoinclude><body/></mujocoinclude>");
+    write(
+        "still.xml",
+        r#"<mujoco model="m"><worldbody><body><geom size="1"/></body></worldbody></mujoco>"#,
+    );
+    write("package.xml", "<package/>");
+    write(".hidden/bad.urdf", "<robot/>");
+    write("notes.txt", "<robot/>");
+    let path = folder.path().display().to_string();
+    let found = modyn(&["check", "--collection", "--json", &path]);
+    assert_eq!(found.code, 1, "{}", found.err);
+    let json = found.json();
+    let verdicts: Vec<(String, String)> = json["files"]
+        .as_array()
+        .expect("files")
+        .iter()
+        .map(|file| {
+            let text = |key: &str| file[key].as_str().expect("a text").to_owned();
+            (text("file")[path.len() + 1..].replace('\\', "/"), text("verdict"))
+        })
+        .collect();
+    let expected = [
+        ("arm.urdf", "accepted"),
+        ("arms/one.xml", "refused"),
+        ("arms/two.xml", "accepted"),
+        ("bad.urdf", "refused"),
+        ("parts/body.xml", "part"),
+        ("parts/other.xml", "part"),
+        ("still.xml", "static"),
+    ]
+    .map(|(file, verdict)| (file.to_owned(), verdict.to_owned()));
+    assert_eq!(verdicts, expected);
+    assert_eq!(json["totals"]["mjcf"]["accepted"], 1);
+    assert_eq!(json["totals"]["urdf"]["refused"], 1);
+    let text = modyn(&["check", "--collection", &path]);
+    assert_eq!(text.code, 1);
+    assert!(text.out.contains("singular-joint: joint `j`: "), "{}", text.out);
+    assert!(text.out.contains("mjcf           1       1        1     2"), "{}", text.out);
+    assert!(text.out.ends_with("1 other file is no description.\n"), "{}", text.out);
+    assert_eq!(modyn(&["check", "--collection", "robots/arm6.urdf"]).code, 2);
+}

@@ -7,7 +7,8 @@
 //!
 //! The output begins with a line for each joint that has coordinates (the number of its coordinates and velocities, its
 //! type, its name), then an empty line. A line for each state follows: accelerations under the torques tau, bias forces, and
-//! the mass matrix by columns. Words after the path: `fixed`, `floating`, `independent` (mimics) and `warn` (of inertias that no rigid
+//! the mass matrix by columns. For a robot with loops, the accelerations with the loops closed come after them, without
+//! stabilization, then the loops' displacements, six for each loop. Words after the path: `fixed`, `floating`, `independent` (mimics) and `warn` (of inertias that no rigid
 //! body has).
 
 use std::error::Error;
@@ -16,7 +17,7 @@ use std::path::Path;
 
 use modyn_codegen::diagnostics::Severity;
 use modyn_codegen::{Base, Mimic, ReadOptions, read};
-use modyn_runtime::Interpreter;
+use modyn_runtime::{ConstraintSettings, Interpreter, Twist, Wrench};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -41,7 +42,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     writeln!(out)?;
     let (nq, n) = (model.nq(), model.nv());
+    let loops = if model.contacts().is_empty() { model.loop_constraints().len() } else { 0 };
     let mut interpreter = Interpreter::<f64>::new(model);
+    let settings =
+        ConstraintSettings { alpha: 0.0, beta: 0.0, ..ConstraintSettings::<f64>::DEFAULT };
+    let mut closed = vec![0.0; if loops > 0 { n } else { 0 }];
+    let (mut wrenches, mut residuals) = (vec![Wrench::zero(); loops], vec![Twist::zero(); loops]);
+    let (mut displacements, mut velocities) = (residuals.clone(), residuals.clone());
     let (mut qdd, mut bias, mut matrix) = (vec![0.0; n], vec![0.0; n], vec![0.0; n * n]);
     for line in std::io::stdin().lock().lines() {
         let line = line?;
@@ -53,7 +60,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         interpreter.forward_dynamics(q, qd, tau, &mut qdd)?;
         interpreter.bias_forces(q, qd, &mut bias)?;
         interpreter.mass_matrix(q, &mut matrix)?;
-        let numbers = qdd.iter().chain(&bias).chain(&matrix);
+        if loops > 0 {
+            let results = (&mut closed[..], &mut wrenches[..], &mut residuals[..]);
+            interpreter.constrained_forward_dynamics((q, qd, tau), &[], &settings, results)?;
+            let results = (&mut displacements[..], &mut velocities[..]);
+            interpreter.constraint_residual((q, qd), &settings, results)?;
+        }
+        let displacements: Vec<f64> = displacements.iter().flat_map(Twist::components).collect();
+        let numbers = qdd.iter().chain(&bias).chain(&matrix).chain(&closed).chain(&displacements);
         writeln!(out, "{}", numbers.map(f64::to_string).collect::<Vec<_>>().join(" "))?;
     }
     Ok(())

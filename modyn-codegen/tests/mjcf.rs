@@ -2,7 +2,7 @@
 //! and is not supported is refused, with its line.
 
 use modyn_codegen::diagnostics::{Code, Diagnostics, Severity};
-use modyn_codegen::{Base, Builder, ReadOptions};
+use modyn_codegen::{Base, Builder, Function, ReadOptions};
 use modyn_runtime::Interpreter;
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{LoopConstraintKind, Model};
@@ -119,6 +119,7 @@ fn the_numbers_are_those_of_mujoco() {
         (include_str!("mjcf/rotations.xml"), include_str!("mjcf/rotations.txt"), 1e-12),
         (include_str!("mjcf/shapes.xml"), include_str!("mjcf/shapes.txt"), 1e-12),
         (include_str!("mjcf/fields.xml"), include_str!("mjcf/fields.txt"), 1e-12),
+        (include_str!("mjcf/hulls.xml"), include_str!("mjcf/hulls.txt"), 1e-7),
         (include_str!("mjcf/springs.xml"), include_str!("mjcf/springs.txt"), 1e-12),
         (include_str!("mjcf/floating.xml"), include_str!("mjcf/floating.txt"), 1e-12),
     ] {
@@ -236,6 +237,68 @@ fn meshes_are_needed_for_inertia_alone() {
     assert_eq!((found.len(), found[0].code, place), (1, Code::MissingElement, Some(2)));
     let path = format!("{FOLDER}/none.stl");
     assert!(found[0].message.contains(&path), "{}", found[0].message);
+}
+
+/// The hull of a grid of points is a box, in every orientation and size; points in one plane have none.
+#[test]
+fn hulls_of_points_in_planes() {
+    let text = |vertices: &str, mesh: &str, geom: &str| {
+        format!(
+            r#"<mujoco model="m"><asset><mesh name="m" vertex="{vertices}" {mesh}/></asset><worldbody><body>
+            <joint/><geom pos="1 2 3" {geom}/></body></worldbody></mujoco>"#
+        )
+    };
+    let inertial = |text: &str| read(text).expect(text).links()[0].inertial;
+    let numbers = |inertial: modyn_runtime::Inertial| {
+        let mut all = vec![inertial.mass];
+        all.extend(inertial.center_of_mass.iter().chain(&inertial.inertia));
+        all
+    };
+    for scale in [1e-3, 0.7, 300.0] {
+        for quaternion in ["1 0 0 0", "1 2 -3 4", "0.3 0.1 0.9 -0.2", "1 1e-9 0 0"] {
+            // A grid, whose lines are not spaced evenly, turned by the geom.
+            let ticks = [-1.0, -0.35, 0.1, 0.4, 1.0].map(|x| x * scale);
+            let mut vertices = String::new();
+            for (i, j, k) in (0..125).map(|n| (n % 5, n / 5 % 5, n / 25)) {
+                vertices += &format!("{:e} {:e} {:e} ", ticks[i], 2.0 * ticks[j], 0.5 * ticks[k]);
+            }
+            let turned = format!(r#"quat="{quaternion}""#);
+            let (a, b, c) = (scale, 2.0 * scale, 0.5 * scale);
+            let cloud = text(&vertices, "", &format!(r#"type="mesh" mesh="m" {turned}"#));
+            // The mesh itself is turned as well: by `refquat`, and back by the geom.
+            let reference = text(&vertices, &format!("ref{turned}"), r#"type="mesh" mesh="m""#);
+            let boxed = text("", "", &format!(r#"type="box" size="{a} {b} {c}" {turned}"#));
+            let inverse: Vec<String> =
+                quaternion
+                    .split(' ')
+                    .enumerate()
+                    .map(|(i, x)| {
+                        if i == 0 {
+                            x.into()
+                        } else {
+                            format!("{:e}", -x.parse::<f64>().expect("x"))
+                        }
+                    })
+                    .collect();
+            let back = format!(r#"type="box" size="{a} {b} {c}" quat="{}""#, inverse.join(" "));
+            for (found, expected) in [(cloud, boxed), (reference, text("", "", &back))] {
+                let (found, expected) = (numbers(inertial(&found)), numbers(inertial(&expected)));
+                for (part, size) in [(0..1, expected[0]), (1..4, 1.0), (4..10, expected[9].abs())] {
+                    for i in part {
+                        let off = (found[i] - expected[i]).abs();
+                        assert!(off < 1e-9 * size, "{scale} {quaternion}: {found:?} {expected:?}");
+                    }
+                }
+            }
+        }
+    }
+    let flat = text("0 0 0 1 0 0 0 1 0 1 1 0 0.5 0.2 0", "", r#"type="mesh" mesh="m""#);
+    let found = read(&flat).expect_err("flat").into_vec();
+    assert_eq!((found.len(), found[0].code), (1, Code::MissingElement), "{found:?}");
+    assert!(found[0].message.contains("all vertices in one plane"), "{}", found[0].message);
+    let cut =
+        text("0 0 0 1 0 0 0 1 0 0 0 1 1 1 1", r#"maxhullvert="4""#, r#"type="mesh" mesh="m""#);
+    assert!(read(&cut).expect_err("cut").into_vec()[0].message.contains("maxhullvert"));
 }
 
 #[test]
@@ -369,8 +432,7 @@ fn servo_actuators_are_named_and_sites_are_frames() {
         .collect();
     let message = "the controller of its actuator is not read: the argument of the dynamics is the joint force; the same \
                    holds for joint `j` (line 8)";
-    let keys = "the keyframe is not read; the same holds for line 10";
-    assert_eq!(found, [(Code::NotRead, Some(7), message), (Code::NotRead, Some(10), keys)]);
+    assert_eq!(found, [(Code::NotRead, Some(7), message)]);
     let help = reading.warnings[0].help.as_deref().unwrap_or_default();
     assert!(help.contains("kp * (target"), "{help}");
     let frames: Vec<_> = reading
@@ -505,6 +567,10 @@ fn unsupported_elements_are_refused() {
             Some(r#"<equality><tendon tendon1="t" active="false"/></equality>"#),
         ),
         (
+            r#"<equality><distance geom1="g" geom2="h"/></equality>"#,
+            Some(r#"<equality><distance geom1="g" geom2="h" active="false"/></equality>"#),
+        ),
+        (
             r#"<equality><joint joint1="j" joint2="j" polycoef="0 1 2"/></equality>"#,
             Some(r#"<equality><joint joint1="j" joint2="j" active="false"/></equality>"#),
         ),
@@ -515,7 +581,7 @@ fn unsupported_elements_are_refused() {
         (r#"<compiler angel="radian"/>"#, Some(r#"<compiler angle="radian"/>"#)),
         (
             r#"<tendon><fixed stiffness="1"><joint joint="j" coef="1"/></fixed></tendon>"#,
-            Some("<tendon/>"),
+            Some(r#"<tendon><fixed stiffness="0"><joint joint="j" coef="1"/></fixed></tendon>"#),
         ),
         (
             r#"<default><tendon damping="1"/></default><tendon><fixed><joint joint="j" coef="1"/></fixed></tendon>"#,
@@ -718,6 +784,131 @@ fn joints_that_follow_joints() {
     ] {
         let found = read(&text(&wrong)).expect_err(&wrong).into_vec();
         assert_eq!((found.len(), found[0].code), (1, code), "{found:?}");
+    }
+}
+
+/// A constraint of fixed tendons on two joints is a mimic joint, and on one joint it holds the joint.
+#[test]
+fn fixed_tendons_couple_joints() {
+    let text = |constraint: &str| {
+        format!(
+            r#"<mujoco model="m"><compiler angle="radian"/><worldbody>
+            <body><joint name="a" ref="0.25"/><geom size="1"/>
+            <body pos="1 0 0"><joint name="b" axis="0 1 0" ref="0.5"/><geom size="1" pos="1 0 0"/>
+            <body pos="1 0 0"><joint name="c" axis="0 1 0"/><geom size="1" pos="1 0 0"/></body></body>
+            </body></worldbody>
+            <tendon><fixed name="ab"><joint joint="b" coef="2"/><joint joint="a" coef="-3"/></fixed>
+            <fixed name="a"><joint joint="a" coef="4"/></fixed><fixed name="b"><joint joint="b" coef="2"/></fixed>
+            <fixed name="all"><joint joint="a" coef="1"/><joint joint="b" coef="1"/><joint joint="c" coef="1"/></fixed>
+            <spatial name="s"><site site="p"/><site site="q"/></spatial></tendon>
+            <equality>{constraint}</equality></mujoco>"#
+        )
+    };
+    let mimic = |constraint: &str| {
+        let model = read(&text(constraint)).expect(constraint);
+        model.links()[1].joint.mimic.map(|mimic| (mimic.leader, mimic.multiplier, mimic.offset))
+    };
+    // 2 (b - 0.5) - 3 (a - 0.25) = 0.5
+    let own = mimic(r#"<tendon tendon1="ab" polycoef="0.5"/>"#);
+    assert_eq!(own, Some((0, 1.5, 0.25 + 0.5 - 1.5 * 0.25)));
+    // 2 (b - 0.5) = 0.5 - 0.75 * 4 (a - 0.25)
+    let two = mimic(r#"<tendon tendon1="b" tendon2="a" polycoef="0.5 -0.75 0 0 0"/>"#);
+    assert_eq!(two, Some((0, -1.5, 0.25 + 0.5 + 1.5 * 0.25)));
+    let held = read(&text(r#"<tendon tendon1="b" polycoef="0.5"/>"#)).expect("one joint");
+    assert_eq!(held.nv(), 2);
+    for wrong in [
+        r#"<tendon tendon1="all"/>"#,
+        r#"<tendon tendon1="s"/>"#,
+        r#"<tendon tendon1="none"/>"#,
+        r#"<tendon tendon1="ab" tendon2="ab"/>"#,
+        r#"<tendon tendon1="a" tendon2="b" polycoef="0 1 1"/>"#,
+        r#"<tendon tendon1="ab"/><joint joint1="b"/>"#,
+    ] {
+        let found = read(&text(wrong)).expect_err(wrong).into_vec();
+        assert_eq!((found.len(), found[0].code), (1, Code::NotRead), "{found:?}");
+    }
+}
+
+/// Keyframes are named coordinates: the links are where MuJoCo has them. Coordinates that a keyframe lacks are those in which
+/// the model is drawn; those of joints that follow others or do not move have no effect.
+#[test]
+fn keyframes_are_named_coordinates() {
+    let text = |keys: &str| {
+        format!(
+            r#"<mujoco model="m"><compiler angle="radian"/><worldbody>
+            <body name="base" pos="1 2 3" quat="1 .2 .3 .4"><freejoint name="free"/><geom size=".2"/>
+            <body name="upper" pos=".3 .1 0" euler=".2 .3 .4"><joint name="lead" ref=".25" axis="1 2 0"/><geom size=".1"/>
+            <body name="ball" pos="0 .2 .1" euler="1 0 .5"><joint name="ball" type="ball" pos=".1 .2 0"/>
+            <geom size=".1" pos=".1 0 0"/>
+            <body name="slider" pos=".2 0 .1" euler="0 .3 0"><joint name="slide" type="slide" axis="0 1 1" ref=".1"/>
+            <geom size=".1"/>
+            <body name="tip" pos=".1 .1 .1"><joint name="follow" axis="0 1 0"/><geom size=".1" pos=".2 .1 0"/>
+            <body name="end" pos=".1 .1 .1"><joint name="still" axis="0 1 1"/><geom size=".1" pos=".2 .1 0"/></body>
+            </body></body></body></body></body></worldbody>
+            <equality><joint joint1="follow" joint2="lead" polycoef="0 -2"/><joint joint1="still"/></equality>
+            <keyframe>{keys}</keyframe></mujoco>"#
+        )
+    };
+    let home = r#"<key name="home" qpos="-1 .5 2  .8 .1 -.2 .3  .7  .5 -.5 .5 .5  .3  -.9 0"/>"#;
+    let model =
+        read(&text(&format!(r#"{home}<key name="drawn"/><key time="2"/>"#))).expect("an MJCF");
+    let names: Vec<&str> = model.keyframes().iter().map(|key| key.name.as_str()).collect();
+    assert_eq!(names, ["home", "drawn", "key_2"]);
+    assert_eq!(model.keyframe("drawn"), model.keyframe("key_2"));
+    assert_eq!(model.keyframe("other"), None);
+    // By MuJoCo 4.0.0.
+    for (key, link, expected) in [
+        ("home", "base", [-1.0, 0.5, 2.0]),
+        ("home", "slider", [-1.2601499671300904, 0.8512399060768763, 2.7227414006139297]),
+        ("home", "end", [-1.4979122009921038, 0.6435055147622737, 2.794713211379836]),
+        ("drawn", "base", [1.0, 2.0, 3.0]),
+        ("drawn", "slider", [1.2743801661439351, 2.49259182887609, 3.1697722338520653]),
+        ("drawn", "end", [1.5400506418078839, 2.613477641882264, 3.356335409678185]),
+    ] {
+        let q = model.keyframe(key).expect("the keyframe");
+        let frame = model.frame_index(link).expect("the link");
+        let mut robot = Interpreter::<f64>::new(model.clone());
+        let mut poses = vec![modyn_runtime::Pose::identity(); model.frames().len()];
+        robot.link_poses(q, &mut poses).expect("sizes");
+        for (found, expected) in poses[frame].translation.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-12, "{key} {link}: {:?}", poses[frame]);
+        }
+    }
+    let short = r#"<key name="k" qpos="1 2 3"/>"#;
+    for (wrong, code) in [
+        (short.to_owned(), Code::NumberCount),
+        (format!("{home}{home}"), Code::RepeatedElement),
+        (r#"<key qpos="x"/>"#.into(), Code::BadNumber),
+    ] {
+        let found = read(&text(&wrong)).expect_err(&wrong).into_vec();
+        assert_eq!((found.len(), found[0].code), (1, code), "{found:?}");
+    }
+    let options = ReadOptions::default();
+    let moving = text(&home.replace("/>", r#" qvel="0 0 0 0 0 0 1 0 0 0 0 0 0"/>"#));
+    let reading = modyn_codegen::read_mjcf(&moving, "m.xml", &options).expect("an MJCF");
+    let warnings: Vec<&str> = reading.warnings.iter().map(|one| one.message.as_str()).collect();
+    assert_eq!(warnings, ["the velocities of the keyframe are not read"]);
+}
+
+/// The type of a robot has a constant for each keyframe, and the embedded model has them.
+#[test]
+fn keyframes_are_constants() {
+    let text = r#"<mujoco model="m"><worldbody><body><joint/><geom size="1"/></body></worldbody><keyframe>
+        <key name="home" qpos="0.5"/><key name="Home" qpos="1"/><key name="neutral"/><key name="to the left" qpos="2"/>
+        <key name="limits" qpos="3"/></keyframe></mujoco>"#;
+    let builder =
+        Builder::new().mjcf_text(text, "m.xml").functions([Function::MassMatrix]).embed_model();
+    let code = builder.generate().expect("a robot").text;
+    for line in [
+        "pub const HOME: [f64; 1] = [0.5];",
+        "pub const HOME_KEYFRAME: [f64; 1] = [1.0];",
+        "pub const NEUTRAL_KEYFRAME: [f64; 1] = [0.0];",
+        "pub const TO_THE_LEFT: [f64; 1] = [2.0];",
+        "pub const LIMITS_KEYFRAME: [f64; 1] = [3.0];",
+        r#"pub const KEYFRAMES: [(&'static str, [f64; 1]); 5] = [("home", Self::HOME), ("Home", Self::HOME_KEYFRAME), "#,
+        r#"Keyframe { name: "to the left".into(), q: [2.0].into() }"#,
+    ] {
+        assert!(code.contains(line), "{line}: {code}");
     }
 }
 

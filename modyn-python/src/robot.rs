@@ -10,7 +10,7 @@ use modyn_runtime::equations::identification::{BaseParameter, BaseParameters};
 use modyn_runtime::model::{Link, Model, ModuleTree};
 use modyn_runtime::{Inertial, Interpreter};
 use numpy::{PyArray1, PyArrayDescr};
-use pyo3::exceptions::{PyAttributeError, PyTypeError, PyValueError};
+use pyo3::exceptions::{PyAttributeError, PyKeyError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyTuple};
 
@@ -287,6 +287,16 @@ fn vector<const N: usize>(
     given.as_slice().try_into().map_err(|_| one())
 }
 
+impl Robot {
+    /// Returns coordinates as an array of the robot's numbers.
+    fn coordinates<'py>(&self, py: Python<'py>, q: Vec<f64>) -> Bound<'py, PyAny> {
+        match self.scalar {
+            FloatType::F64 => PyArray1::from_vec(py, q).into_any(),
+            FloatType::F32 => PyArray1::from_iter(py, q.into_iter().map(|x| x as f32)).into_any(),
+        }
+    }
+}
+
 #[pymethods]
 impl Robot {
     /// The robot's name in its description.
@@ -428,11 +438,31 @@ impl Robot {
         let mut q = vec![0.0; self.model.nq()];
         let interpreter = Interpreter::<f64>::new(self.model.clone());
         interpreter.neutral(&mut q).map_err(|error| PyValueError::new_err(error.to_string()))?;
-        Ok(match self.scalar {
-            FloatType::F64 => PyArray1::from_vec(py, q).into_any(),
-            // Zeros and ones.
-            FloatType::F32 => PyArray1::from_iter(py, q.into_iter().map(|x| x as f32)).into_any(),
-        })
+        Ok(self.coordinates(py, q))
+    }
+
+    /// The keyframes of the description: named coordinates, each (nq,), in its order.
+    #[getter]
+    fn keyframes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let all = PyDict::new(py);
+        for keyframe in self.model.keyframes() {
+            all.set_item(&keyframe.name, self.coordinates(py, keyframe.q.clone()))?;
+        }
+        Ok(all)
+    }
+
+    /// Returns the coordinates of the keyframe of this name, (nq,); `KeyError` names those that there are.
+    fn keyframe<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        let Some(q) = self.model.keyframe(name) else {
+            let known: Vec<&str> =
+                self.model.keyframes().iter().map(|keyframe| keyframe.name.as_str()).collect();
+            let message = match known.is_empty() {
+                true => format!("no keyframe `{name}`: the description has none"),
+                false => format!("no keyframe `{name}`; there are: {}", known.join(", ")),
+            };
+            return Err(PyKeyError::new_err(message));
+        };
+        Ok(self.coordinates(py, q.to_vec()))
     }
 
     /// Checks that the quaternions of spherical and floating joints in `q`, (nq,), have length 1; `ValueError` names the

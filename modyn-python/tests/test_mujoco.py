@@ -129,3 +129,19 @@ def test_another_model_is_refused(panda):
     with pytest.raises(ValueError, match="no revolute joint `panda_joint1`"):
         modyn.conventions.MuJoCo(panda, model)
     assert np.isfinite(panda.neutral()).all()
+
+
+def test_keyframes_are_mujocos():
+    keys = """<keyframe><key name="home" qpos="1 2 3  .5 .5 .5 -.5  .8 .1 -.2 .3  .1 .2 .3"/><key name="drawn"/></keyframe></mujoco>"""
+    text = WALKER.replace("</mujoco>", keys)
+    robot, model = modyn.loads(text, file="walker.xml"), mujoco.MjModel.from_xml_string(text)
+    conventions = modyn.conventions.MuJoCo(robot, model)
+    assert list(robot.keyframes) == ["home", "drawn"]
+    for name, q in robot.keyframes.items():
+        assert (robot.keyframe(name) == q).all()
+        robot.check_configuration(q)
+        assert np.allclose(conventions.to_qpos(q), model.key(name).qpos, rtol=0, atol=1e-12)
+    with pytest.raises(KeyError, match="`away`; there are: home, drawn"):
+        robot.keyframe("away")
+    single = modyn.loads(text, file="walker.xml", scalar="f32")
+    assert single.keyframe("home").dtype == np.float32

@@ -10,6 +10,7 @@
 mod bodies;
 mod contacts;
 pub(crate) mod cycles;
+mod keyframes;
 mod loops;
 mod mimics;
 mod rotors;
@@ -102,7 +103,11 @@ fn model(
         .and_then(|model| {
             if errors > 0 { Ok(model) } else { model.with_loop_constraints(loop_constraints) }
         })
-        .and_then(|model| if errors > 0 { Ok(model) } else { model.with_contacts(contacts) });
+        .and_then(|model| if errors > 0 { Ok(model) } else { model.with_contacts(contacts) })
+        .and_then(|model| {
+            let keyframes = keyframes::keyframes(description, &model);
+            model.with_keyframes(keyframes)
+        });
     let model = match model {
         Ok(model) => model,
         // Caused by an error that is already reported.

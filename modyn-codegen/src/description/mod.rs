@@ -34,6 +34,8 @@ pub struct Description {
     pub loops: Vec<LoopRecord>,
     /// The frames that can touch the world.
     pub contacts: Vec<ContactRecord>,
+    /// The named coordinates, in the order of the text.
+    pub keyframes: Vec<KeyframeRecord>,
 }
 
 impl Description {
@@ -179,6 +181,14 @@ impl ContactRecord {
     pub fn subject(&self) -> Subject {
         Subject::Contact(self.name.clone())
     }
+}
+
+/// Named coordinates of the robot.
+pub struct KeyframeRecord {
+    pub name: Located,
+    /// For joints of the description, by their index: the coordinates in modyn's order, with quaternions of unit length.
+    /// The coordinates of other joints are neutral.
+    pub coordinates: Vec<(usize, Vec<f64>)>,
 }
 
 /// One of the two frames of a loop joint, or the frame of a contact.

@@ -123,10 +123,15 @@ impl Format {
     /// formats are read as URDF, whose reader reports what is wrong.
     #[must_use]
     pub fn of(text: &str, file: &str) -> Self {
+        Self::found(text, file).unwrap_or(Self::Urdf)
+    }
+
+    /// Returns the format of a text, as [`Format::of`]; `None` if the text has no format of the table.
+    #[must_use]
+    pub fn found(text: &str, file: &str) -> Option<Self> {
         let element = xml::document::first_element(text);
         let extension = file.rsplit_once('.').map_or("", |(_, extension)| extension);
-        let found = FORMATS.iter().find(|row| row.fits(text, element, extension));
-        found.map_or(Self::Urdf, |row| row.format)
+        FORMATS.iter().find(|row| row.fits(text, element, extension)).map(|row| row.format)
     }
 
     /// Returns the format's name in lower case.

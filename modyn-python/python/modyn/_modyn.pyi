@@ -256,6 +256,11 @@ class Robot:
         numbers of the description. Finding them takes a while (Gautier 1991)."""
     def neutral(self) -> Array:
         """Returns the neutral coordinates, (nq,): zero for every joint, the identity for quaternions."""
+    @property
+    def keyframes(self) -> dict[str, Array]:
+        """The keyframes of the description: named coordinates, each (nq,), in its order."""
+    def keyframe(self, name: str) -> Array:
+        """Returns the coordinates of the keyframe of this name, (nq,); `KeyError` names those that there are."""
     def check_configuration(self, q: ArrayLike) -> None:
         """Checks that the quaternions of spherical and floating joints in `q`, (nq,), have length 1."""
     def animation(self, times: ArrayLike, trajectory: ArrayLike) -> str:

@@ -218,6 +218,30 @@ pub(super) fn check_contacts(model: &Model) -> Vec<ModelError> {
     errors
 }
 
+/// Returns all defects of the keyframes of a `model` that is sound without them.
+pub(super) fn check_keyframes(model: &Model) -> Vec<ModelError> {
+    let mut errors = Vec::new();
+    let mut names = BTreeMap::new();
+    for keyframe in &model.keyframes {
+        let (name, q) = (&keyframe.name, &keyframe.q);
+        let mut report = |kind| errors.push(ModelError { name: name.clone(), kind });
+        if names.insert(name, ()).is_some() {
+            report(ModelErrorKind::DuplicateName);
+        }
+        if q.len() != model.nq() {
+            report(ModelErrorKind::KeyframeLength);
+        } else if !finite(q) {
+            report(ModelErrorKind::NotFinite);
+        } else if model.quaternions().any(|(_, at)| {
+            let square: f64 = q[at..at + 4].iter().map(|x| x * x).sum();
+            (square - 1.0).abs() > 1e-9
+        }) {
+            report(ModelErrorKind::KeyframeQuaternion);
+        }
+    }
+    errors
+}
+
 /// Returns, for each link, whether its joint has a coordinate of its own, or its chain of leaders ends at such a
 /// joint. Every mimic joint is visited once.
 fn resolves_to_coordinates(model: &Model) -> Vec<bool> {

@@ -53,6 +53,10 @@ pub enum ModelErrorKind {
     ContactLink,
     /// A contact is on a link that cannot move.
     ContactFixed,
+    /// A keyframe has another number of coordinates than the robot.
+    KeyframeLength,
+    /// A keyframe has a quaternion that is not of unit length.
+    KeyframeQuaternion,
 }
 
 impl fmt::Display for ModelError {
@@ -89,6 +93,12 @@ impl fmt::Display for ModelError {
             }
             ModelErrorKind::ContactLink => "is a contact on a link that does not exist",
             ModelErrorKind::ContactFixed => "is a contact on a link that cannot move",
+            ModelErrorKind::KeyframeLength => {
+                "is a keyframe with another number of coordinates than the robot"
+            }
+            ModelErrorKind::KeyframeQuaternion => {
+                "is a keyframe with a quaternion that is not of unit length"
+            }
         };
         write!(f, "`{}` {what}", self.name)
     }

@@ -9,6 +9,7 @@ mod check;
 mod contact;
 mod error;
 mod joint;
+mod keyframe;
 mod link;
 mod loop_constraint;
 mod modules;
@@ -18,6 +19,7 @@ pub use crate::inertial::{INERTIAL_PARAMETERS, Inertial, InertialDefect, PARAMET
 pub use contact::{Contact, ContactKind};
 pub use error::{ModelError, ModelErrorKind};
 pub use joint::{Friction, Joint, JointDynamics, Limits, Mimic};
+pub use keyframe::Keyframe;
 pub use link::{Frame, Link};
 pub use loop_constraint::{LoopConstraint, LoopConstraintEnd, LoopConstraintKind};
 pub use modules::{Module, ModuleError, ModuleTree};
@@ -60,6 +62,7 @@ pub struct Model {
     gravity_compensation: Vec<f64>,
     loop_constraints: Vec<LoopConstraint>,
     contacts: Vec<Contact>,
+    keyframes: Vec<Keyframe>,
     /// For each link, the place of its joint's coordinates and velocities.
     #[cfg_attr(feature = "serde", serde(skip))]
     joint_indices: Vec<JointIndices>,
@@ -95,7 +98,8 @@ impl Model {
         frames: Vec<Frame>,
     ) -> Result<Self, Vec<ModelError>> {
         let friction = Friction::None;
-        let (loop_constraints, contacts, joint_indices) = (Vec::new(), Vec::new(), Vec::new());
+        let (loop_constraints, contacts) = (Vec::new(), Vec::new());
+        let (keyframes, joint_indices) = (Vec::new(), Vec::new());
         let name = name.into();
         let mut model = Self {
             name,
@@ -107,6 +111,7 @@ impl Model {
             gravity_compensation: Vec::new(),
             loop_constraints,
             contacts,
+            keyframes,
             joint_indices,
         };
         let errors = check::check(&model);
@@ -242,6 +247,18 @@ impl Model {
         if errors.is_empty() { Ok(self) } else { Err(errors) }
     }
 
+    /// Returns the robot with these keyframes, which replace its present keyframes.
+    ///
+    /// # Errors
+    ///
+    /// All defects of the keyframes: a name used twice, a number of coordinates that is not nq, a number that is not
+    /// finite, a quaternion that is not of unit length.
+    pub fn with_keyframes(mut self, keyframes: Vec<Keyframe>) -> Result<Self, Vec<ModelError>> {
+        self.keyframes = keyframes;
+        let errors = check::check_keyframes(&self);
+        if errors.is_empty() { Ok(self) } else { Err(errors) }
+    }
+
     /// Returns the kind of joint friction.
     #[must_use]
     pub fn friction(&self) -> Friction {
@@ -300,6 +317,12 @@ impl Model {
     #[must_use]
     pub fn contacts(&self) -> &[Contact] {
         &self.contacts
+    }
+
+    /// Returns the keyframes: named coordinates, in the order of the description.
+    #[must_use]
+    pub fn keyframes(&self) -> &[Keyframe] {
+        &self.keyframes
     }
 
     /// Returns the number of constraints: loop constraints and contacts.
@@ -470,6 +493,8 @@ impl<'de> serde::Deserialize<'de> for Model {
             loop_constraints: Vec<LoopConstraint>,
             #[serde(default)]
             contacts: Vec<Contact>,
+            #[serde(default)]
+            keyframes: Vec<Keyframe>,
         }
         let Parts {
             name,
@@ -481,13 +506,15 @@ impl<'de> serde::Deserialize<'de> for Model {
             gravity_compensation,
             loop_constraints,
             contacts,
+            keyframes,
         } = Parts::deserialize(deserializer)?;
         let model = Self::new(name, gravity, links, frames)
             .and_then(|model| model.with_friction(friction))
             .and_then(|model| model.with_springs(springs))
             .and_then(|model| model.with_gravity_compensation(gravity_compensation))
             .and_then(|model| model.with_loop_constraints(loop_constraints))
-            .and_then(|model| model.with_contacts(contacts));
+            .and_then(|model| model.with_contacts(contacts))
+            .and_then(|model| model.with_keyframes(keyframes));
         model.map_err(|errors| {
             let all: Vec<String> = errors.iter().map(alloc::string::ToString::to_string).collect();
             serde::de::Error::custom(all.join("; "))

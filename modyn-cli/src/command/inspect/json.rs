@@ -47,6 +47,10 @@ pub fn of(inspection: &Inspection) -> String {
             "type": contact.kind.name(),
             "link": model.frames()[contact.end.frame].name,
         })).collect::<Vec<_>>(),
+        "keyframes": model.keyframes().iter().map(|key| json!({
+            "name": key.name,
+            "q": key.q,
+        })).collect::<Vec<_>>(),
         "links": model.links().iter().map(|link| json!({
             "name": link.name,
             "mass": link.inertial.mass,

@@ -41,6 +41,11 @@ pub fn of(inspection: &Inspection) -> String {
     if !model.contacts().is_empty() {
         section(&mut out, "Contacts", &contacts(model));
     }
+    if !model.keyframes().is_empty() {
+        let names = model.keyframes().iter().map(|key| sanitize_for_display(&key.name));
+        let names: Vec<_> = names.collect();
+        section(&mut out, "Keyframes", &paragraph(&names.join(", ")));
+    }
     section(&mut out, "Moving links, with the links fixed to them (kg, m, kg m^2)", &links(model));
     section(&mut out, "Kinematic modules", &tree(model, modules));
     match costs {

@@ -6,6 +6,7 @@ use modyn_runtime::OperationCount;
 use modyn_runtime::model::Link;
 
 use super::Robot;
+use crate::names;
 use crate::plan::{BaseParameterTable, Constants};
 
 impl Robot<'_> {
@@ -76,6 +77,7 @@ impl Robot<'_> {
                 contacts.len()
             );
         }
+        self.keyframes(text);
         self.limits(text);
         if let Some(base) = base_parameters {
             print_base_parameters(text, base);
@@ -92,6 +94,32 @@ impl Robot<'_> {
             );
         }
         text.push_str("}\n\n");
+    }
+
+    /// Prints the keyframes: a constant of its name for each, and a table of all.
+    fn keyframes(&self, text: &mut String) {
+        let (nq, float) = (self.model.nq(), self.options.scalar.name());
+        let keyframes = self.model.keyframes();
+        if keyframes.is_empty() {
+            return;
+        }
+        let mut table = String::new();
+        for keyframe in keyframes {
+            let name = constant_name(&keyframe.name, text);
+            let _ = writeln!(
+                text,
+                "/// The coordinates of the keyframe {:?}.\n\
+                 pub const {name}: [{float}; {nq}] = {:?};",
+                keyframe.name, keyframe.q
+            );
+            table += &format!("({:?}, Self::{name}), ", keyframe.name);
+        }
+        let _ = writeln!(
+            text,
+            "/// The keyframes, by name: named coordinates of the description.\n\
+             pub const KEYFRAMES: [(&'static str, [{float}; {nq}]); {}] = [{table}];",
+            keyframes.len()
+        );
     }
 
     fn module_table(&self, text: &mut String) {
@@ -163,6 +191,32 @@ impl Robot<'_> {
             n = self.model.nv(),
         );
     }
+}
+
+/// Returns the name of the constant of a keyframe: its name in capitals, with an ending if the type has another constant of
+/// the name. `text` has the constants so far.
+fn constant_name(keyframe: &str, text: &str) -> String {
+    /// Constants that follow those of keyframes in the text.
+    const LATER: &[&str] = &[
+        "ARMATURE",
+        "BASE_COLUMNS",
+        "BASE_PARAMETERS",
+        "BASE_PARAMETER_NAMES",
+        "DAMPING",
+        "FRICTION",
+        "KEYFRAMES",
+        "LIMITS",
+        "MODULES",
+    ];
+    let own = names::snake(keyframe).to_ascii_uppercase();
+    let is_taken = |name: &str| {
+        LATER.contains(&name)
+            || name.ends_with("_OPERATIONS")
+            || text.contains(&format!("pub const {name}: "))
+    };
+    let numbered = (2..).map(|n| format!("{own}_KEYFRAME_{n}"));
+    let mut all = [own.clone(), format!("{own}_KEYFRAME")].into_iter().chain(numbered);
+    all.find(|name| !is_taken(name)).unwrap_or_default()
 }
 
 /// Prints the base parameters.

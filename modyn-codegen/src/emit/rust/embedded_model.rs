@@ -68,6 +68,16 @@ impl Robot<'_> {
                 contact.name, contact.kind, contact.end
             )
         }));
+        let keyframes = model.keyframes().iter().map(|keyframe| {
+            format!(
+                "__modyn::model::Keyframe {{ name: {:?}.into(), q: {:?}.into() }}",
+                keyframe.name, keyframe.q
+            )
+        });
+        let keyframes = match list(keyframes).as_str() {
+            "[]" => String::new(),
+            list => format!(".and_then(|model| model.with_keyframes({list}.into()))\n        "),
+        };
         let _ = writeln!(
             text,
             "impl __modyn::EmbeddedModel for {} {{\nfn model() -> __modyn::model::Model {{\n    {IMPORTS}\n    \
@@ -76,7 +86,7 @@ impl Robot<'_> {
              let model = Model::new({:?}, {:?}, links.into(), frames.into());\n    \
              let model = model.and_then(|model| model.with_friction(Friction::{:?}));\n    \
              {passive}let model = model.and_then(|model| model.with_loop_constraints(loops.into()));\n    \
-             model\n        .and_then(|model| model.with_contacts(contacts.into()))\n        \
+             model\n        .and_then(|model| model.with_contacts(contacts.into()))\n        {keyframes}\
              .expect(\"the model was valid when this was compiled\")\n}}\n}}\n",
             self.name,
             model.links().len(),

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
+use modyn_runtime::conventions::quaternion_from_rotation;
 use modyn_runtime::model::Inertial;
 use modyn_runtime::spatial::Pose;
 
@@ -15,7 +16,7 @@ use super::mesh::Meshes;
 use super::models::{Model, Source};
 use super::pose::euler;
 use crate::description::{Description, InertialRecord, JointRecord, LinkRecord, Located};
-use crate::diagnostics::{Code, Place, Report, Severity};
+use crate::diagnostics::{Code, Report, Severity};
 
 /// The largest number of bodies, joints, geoms and sites: models and replicas in each other have exponentially many.
 const MAX_ITEMS: usize = 1_000_000;
@@ -33,6 +34,8 @@ pub struct Bodies<'e, 'r, 'f> {
     pub sites: BTreeMap<String, (usize, Pose<f64>, usize)>,
     /// For each joint of the description, its coordinate in the pose in which the model is drawn.
     pub drawn: Vec<f64>,
+    /// For each free joint of the description, by its index, its coordinates in the pose in which the model is drawn.
+    pub free_poses: BTreeMap<usize, [f64; 7]>,
     /// The models and their names in the whole model: the main model first, then each that was attached.
     pub attached: Vec<(usize, Rc<Naming>)>,
     /// The models in which the present element is.
@@ -85,6 +88,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
             compensated: Vec::new(),
             loops: Vec::new(),
             contacts: Vec::new(),
+            keyframes: Vec::new(),
         };
         let naming = Rc::new(Naming::default());
         let mut bodies = Self {
@@ -95,6 +99,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
             places: BTreeMap::new(),
             sites: BTreeMap::new(),
             drawn: Vec::new(),
+            free_poses: BTreeMap::new(),
             attached: vec![(0, naming.clone())],
             open: vec![0],
             items: 0,
@@ -125,7 +130,6 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
         }
         bodies.add_sites();
         bodies.scale_to_total_mass();
-        bodies.warn_of_keyframes();
         bodies
     }
 
@@ -363,6 +367,9 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
         if parts.joints.iter().any(is_free) && parts.joints.len() == 1 {
             // The pose of a floating body is its coordinates.
             self.drawn[first_joint] = 0.0;
+            let [x, y, z] = drawn.translation;
+            let [a, b, c, d] = quaternion_from_rotation(drawn.rotation);
+            self.free_poses.insert(first_joint, [x, y, z, a, b, c, d]);
         }
         self.sites(&parts.sites, above);
         let parent = Parent { link: above, drawn, depth: parent.depth + 1 };
@@ -482,15 +489,6 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
         }
         let inertial = inertia::bounded(inertial, settings);
         inertial.and_then(|inertial| record(inertial, true))
-    }
-
-    /// Warns of keyframes, which are not read.
-    fn warn_of_keyframes(&mut self) {
-        let keys = self.of_section("keyframe");
-        let keys: Vec<Place> = keys.iter().map(|key| (Some(key.element().at), None)).collect();
-        let help = "copy its `qpos` and `qvel` into the program, and convert those of free and ball joints by the functions \
-                    of `modyn::conventions::mujoco`";
-        self.report.warn_once(Code::NotRead, &keys, "the keyframe is not read", help);
     }
 
     /// Scales all masses and inertias, if the model has a total mass.

@@ -12,7 +12,7 @@ use super::joints::displacement;
 use super::pose::{from_quaternion, relative};
 use super::table;
 use crate::description::{EndRecord, Kind, Located, LoopRecord, MimicRecord};
-use crate::diagnostics::{Code, Subject};
+use crate::diagnostics::Code;
 
 /// A frame on a link, and its pose in the world as the model is drawn.
 struct End {
@@ -35,6 +35,7 @@ impl<'e> Bodies<'e, '_, '_> {
             }
             match element.name.as_str() {
                 "joint" => self.coupling(&item),
+                "tendon" => self.tendon_coupling(&item),
                 "connect" | "weld" => self.closure(&item),
                 name if table::row("equality", name).is_some() => {
                     let message = format!("the constraint `<{name}>` of `<equality>` is not read");
@@ -54,50 +55,115 @@ impl<'e> Bodies<'e, '_, '_> {
         let Some(follower) = self.joint_of(item, "joint1", is_main) else { return };
         let coefficients = item.text("polycoef").and_then(list).unwrap_or_else(|| vec![0.0, 1.0]);
         let coefficient = |i: usize| coefficients.get(i).copied().unwrap_or(0.0);
-        let name = self.description.joints[follower].name.text.clone();
-        let subject = Subject::Joint(name);
         let leader = match item.element().text("joint2") {
             Some(_) => match self.joint_of(item, "joint2", is_main) {
-                Some(leader) => Some(leader),
+                Some(leader) => Some((leader, coefficient(1))),
                 None => return,
             },
             None => None,
         };
-        let mut refuse = |message: &str, help: &str| {
-            self.report.error(Code::NotRead, at, Some(&subject), message, help);
-        };
         if leader.is_some() && (2..5).any(|i| coefficient(i) != 0.0) {
-            let message =
-                "it follows another joint by a polynomial of a degree above one, which is not read";
-            let help = "write `polycoef=\"offset multiplier 0 0 0\"` for a linear relation, or `active=\"false\"`: both joints \
-                        then move freely";
-            return refuse(message, help);
+            return self.refuse_polynomial(at, Some(follower));
         }
+        self.follow(at, follower, leader, coefficient(0));
+    }
+
+    fn refuse_polynomial(&mut self, at: usize, joint: Option<usize>) {
+        let subject = joint.map(|joint| self.description.joints[joint].subject());
+        let message =
+            "it follows another joint by a polynomial of a degree above one, which is not read";
+        let help = "write `polycoef=\"offset multiplier 0 0 0\"` for a linear relation, or `active=\"false\"`: both joints \
+                    then move freely";
+        self.report.error(Code::NotRead, at, subject.as_ref(), message, help);
+    }
+
+    /// Lets a joint follow another one: its displacement from the drawn pose is a constant plus the displacement of the
+    /// leader times a multiplier.
+    fn follow(&mut self, at: usize, follower: usize, leader: Option<(usize, f64)>, constant: f64) {
         let is_constrained = |joint: usize| {
             let joint = &self.description.joints[joint];
             joint.mimic.is_some() || joint.kind == Kind::Fixed
         };
         if is_constrained(follower) {
+            let subject = self.description.joints[follower].subject();
             let message = "a second constraint of `<equality>` determines it";
-            return refuse(message, "keep one of them, or write `active=\"false\"`");
+            let help = "keep one of them, or write `active=\"false\"`";
+            self.report.error(Code::NotRead, at, Some(&subject), message, help);
+            return;
         }
         let drawn = self.drawn[follower];
-        match leader {
-            Some(leader) if coefficient(1) != 0.0 => {
-                let multiplier = coefficient(1);
-                let offset = drawn + coefficient(0) - multiplier * self.drawn[leader];
+        match leader.filter(|(_, multiplier)| *multiplier != 0.0) {
+            Some((leader, multiplier)) => {
+                let offset = drawn + constant - multiplier * self.drawn[leader];
                 let leader =
                     Located { text: self.description.joints[leader].name.text.clone(), at };
                 self.description.joints[follower].mimic =
                     Some(MimicRecord { leader, multiplier, offset });
             }
-            _ => {
+            None => {
                 let joint = &mut self.description.joints[follower];
-                let moved = displacement(joint.kind, joint.axis, drawn + coefficient(0));
+                let moved = displacement(joint.kind, joint.axis, drawn + constant);
                 joint.origin = joint.origin.compose(&moved);
                 joint.kind = Kind::Fixed;
             }
         }
+    }
+
+    /// Adds the constraint of fixed tendons that concern one joint or two.
+    fn tendon_coupling(&mut self, item: &Item<'e>) {
+        let at = item.element().at;
+        let coefficients = item.text("polycoef").and_then(list).unwrap_or_else(|| vec![0.0, 1.0]);
+        let coefficient = |i: usize| coefficients.get(i).copied().unwrap_or(0.0);
+        // Of the displacements of joints from the drawn pose: their sum with these factors is a constant.
+        let mut factors: Vec<(usize, f64)> = Vec::new();
+        for (attribute, scale) in [("tendon1", 1.0), ("tendon2", -coefficient(1))] {
+            let Some(name) = item.element().text(attribute) else { continue };
+            if attribute == "tendon2" && (2..5).any(|i| coefficient(i) != 0.0) {
+                return self.refuse_polynomial(at, None);
+            }
+            let Some(tendon) = self.fixed_tendon(item, name) else {
+                let message = "a constraint of a tendon that is not `<fixed>` is not read";
+                let help = "write `active=\"false\"`, or constrain joints or a `<fixed>` tendon";
+                self.report.error(Code::NotRead, at, None, message, help);
+                return;
+            };
+            for (joint, factor) in tendon {
+                match factors.iter_mut().find(|(known, _)| *known == joint) {
+                    Some((_, sum)) => *sum += scale * factor,
+                    None => factors.push((joint, scale * factor)),
+                }
+            }
+        }
+        factors.retain(|(_, factor)| *factor != 0.0);
+        match factors[..] {
+            [(joint, factor)] => self.follow(at, joint, None, coefficient(0) / factor),
+            [(joint, factor), (leader, other)] => {
+                self.follow(at, joint, Some((leader, -other / factor)), coefficient(0) / factor);
+            }
+            _ => {
+                let message = "a constraint of a tendon is read if it concerns one joint or two";
+                let help = "write it as `<joint>` constraints, or `active=\"false\"`: the joints then move freely";
+                self.report.error(Code::NotRead, at, None, message, help);
+            }
+        }
+    }
+
+    /// Returns the joints of a fixed tendon and their coefficients; `None` if there is no such tendon or joint.
+    fn fixed_tendon(&self, item: &Item<'e>, name: &str) -> Option<Vec<(usize, f64)>> {
+        let name = item.naming.name(name);
+        let tendons = self.of_section("tendon");
+        let is_meant = |tendon: &&Item| tendon.name().as_deref() == Some(name.as_str());
+        let tendon = tendons.iter().find(is_meant)?;
+        if tendon.element().name != "fixed" {
+            return None;
+        }
+        let joints = tendon.element().named("joint").map(|joint| {
+            let name = tendon.naming.name(joint.text("joint")?);
+            let coefficient = joint.text("coef").and_then(list)?.first().copied()?;
+            let mut joints = self.description.joints.iter();
+            Some((joints.position(|joint| joint.name.text == name)?, coefficient))
+        });
+        joints.collect()
     }
 
     /// Returns the index of the joint that an attribute names; `None` with an error in the report, if it `must` exist.

@@ -27,8 +27,9 @@ impl<'e> Bodies<'e, '_, '_> {
             let forces = ["stiffness", "damping", "frictionloss", "armature"];
             if let Some(name) = forces.into_iter().find(|name| sets(name)) {
                 let message = format!("a tendon with `{name}` is not read");
-                let help = "tendons that exert forces are not supported: remove the attribute, and give the forces with the \
-                            others";
+                let help = format!(
+                    "forces of tendons are not supported: write `{name}=\"0\"` in it, and give them with the joint forces"
+                );
                 self.report.error(Code::NotRead, element.at, None, message, help);
             }
         }
@@ -36,7 +37,7 @@ impl<'e> Bodies<'e, '_, '_> {
 
     /// Sets the effort limits of joints whose actuators have a limited force, and warns of servo actuators.
     pub fn actuators(&mut self) {
-        let mut servos: Vec<Place> = Vec::new();
+        let (mut servos, mut is_general): (Vec<Place>, _) = (Vec::new(), false);
         // For each joint, the sum of its actuators' largest forces; `None` if one has no limit.
         let mut efforts = vec![Some(0.0); self.description.joints.len()];
         for item in self.of_section("actuator") {
@@ -47,6 +48,7 @@ impl<'e> Bodies<'e, '_, '_> {
             let joint = joint.map(|joint| item.naming.name(&joint.value));
             if SERVOS.contains(&element.name.as_str()) || element.name == "general" && is_affine {
                 servos.push((Some(element.at), joint.clone().map(Subject::Joint)));
+                is_general |= element.name == "general";
             }
             let found = joint.and_then(|name| {
                 self.description.joints.iter().position(|joint| joint.name.text == name)
@@ -65,9 +67,16 @@ impl<'e> Bodies<'e, '_, '_> {
         }
         servos.sort_by_key(|(at, _)| *at);
         let message = "the controller of its actuator is not read: the argument of the dynamics is the joint force";
-        let help = "compute the force, for `<position>` `gear * (kp * (target - gear * q) - kv * gear * qd)`, within \
-                    `forcerange`, and pass it as `tau`";
-        self.report.warn_once(Code::NotRead, &servos, message, help);
+        let general = if is_general {
+            "for `<general>` `gear * (gainprm[0] * ctrl + biasprm[0] + biasprm[1] * gear * q + biasprm[2] * gear * qd)`, "
+        } else {
+            ""
+        };
+        let help = format!(
+            "compute the force, {general}for `<position>` `gear * (kp * (target - gear * q) - kv * gear * qd)`, within \
+             `forcerange`, and pass it as `tau`"
+        );
+        self.report.warn_once(Code::NotRead, &servos, message, &help);
     }
 
     /// Returns the largest force of an actuator on its joint, if it is the same in both directions.

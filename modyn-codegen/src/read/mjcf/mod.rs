@@ -17,6 +17,7 @@ mod geoms;
 mod inertia;
 mod item;
 mod joints;
+mod keyframes;
 mod mesh;
 mod models;
 mod pose;
@@ -44,6 +45,7 @@ pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> O
         report.error(Code::Option, root.at, None, message, help);
     }
     let mut bodies = bodies::Bodies::read(&sources, report);
+    bodies.keyframes();
     bodies.equality();
     bodies.tendons();
     bodies.actuators();

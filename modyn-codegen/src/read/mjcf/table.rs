@@ -110,8 +110,18 @@ const TABLE: &[Row] = &[
         treatment: Treatment::Read(
             &[
                 ("gravity", Exactly(3)),
-                ("density", Zero("forces of a fluid are not supported: write 0")),
-                ("viscosity", Zero("forces of a fluid are not supported: write 0")),
+                (
+                    "density",
+                    Zero(
+                        "forces of a fluid are not supported: write 0, and the robot moves as in a vacuum",
+                    ),
+                ),
+                (
+                    "viscosity",
+                    Zero(
+                        "forces of a fluid are not supported: write 0, and the robot moves as in a vacuum",
+                    ),
+                ),
             ],
             "timestep apirate impratio tolerance ls_tolerance noslip_tolerance mpr_tolerance ccd_tolerance sleep_tolerance wind \
              magnetic o_margin o_solref o_solimp o_friction integrator collision cone jacobian solver iterations \
@@ -359,9 +369,14 @@ const TABLE: &[Row] = &[
         ),
     },
     Row {
-        parents: &["spatial", "fixed"],
-        names: &["site", "geom", "pulley", "joint"],
+        parents: &["spatial"],
+        names: &["site", "geom", "pulley"],
         treatment: Treatment::Harmless,
+    },
+    Row {
+        parents: &["fixed"],
+        names: &["joint"],
+        treatment: Treatment::Read(&[("joint", Text), ("coef", Exactly(1))], ""),
     },
     Row { parents: MODEL, names: &["equality"], treatment: Treatment::Read(&[], "") },
     Row {
@@ -422,10 +437,24 @@ const TABLE: &[Row] = &[
     },
     Row {
         parents: &["equality"],
-        names: &["tendon", "flex", "flexvert", "flexstrain", "distance"],
+        names: &["tendon"],
+        treatment: Treatment::Read(
+            &[
+                ("class", Text),
+                ("active", BOOL),
+                ("tendon1", Text),
+                ("tendon2", Text),
+                ("polycoef", UpTo(5)),
+            ],
+            "name solref solimp",
+        ),
+    },
+    Row {
+        parents: &["equality"],
+        names: &["flex", "flexvert", "flexstrain", "distance"],
         treatment: Treatment::Read(
             &[("class", Text), ("active", BOOL)],
-            "name tendon1 tendon2 polycoef flex cell geom1 geom2 distance solref solimp",
+            "name flex cell geom1 geom2 distance solref solimp",
         ),
     },
     Row { parents: MODEL, names: &["actuator"], treatment: Treatment::Read(&[], "") },

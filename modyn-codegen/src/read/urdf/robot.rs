@@ -39,6 +39,7 @@ pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Desc
         compensated: Vec::new(),
         loops: Vec::new(),
         contacts: Vec::new(),
+        keyframes: Vec::new(),
     };
     for node in robot.children() {
         if is(robot, node, "link") {

@@ -33,11 +33,6 @@ impl MassProperties {
     /// Returns the reason why they cannot be computed.
     pub fn new(mesh: Mesh, method: &str) -> Result<Self, String> {
         let Mesh { vertices, faces } = mesh;
-        let faces = if faces.is_empty() || method == "convex" {
-            return Err("needs its convex hull, which is not computed".into());
-        } else {
-            faces
-        };
         let corners = |face: &[usize; 3]| face.map(|index| vertices[index]);
         let triangles: Vec<Triangle> =
             faces.iter().map(|face| Triangle::new(corners(face))).collect();

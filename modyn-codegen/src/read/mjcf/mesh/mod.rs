@@ -1,5 +1,6 @@
 //! Meshes, as far as geoms get their inertia from them.
 
+mod hull;
 mod mass;
 mod obj;
 mod stl;
@@ -84,8 +85,17 @@ fn mass_properties(
     if scale.iter().product::<f64>() < 0.0 {
         mesh.faces.iter_mut().for_each(|face| face.swap(1, 2));
     }
-    MassProperties::new(mesh, text("inertia").unwrap_or("legacy"))
-        .map_err(|why| format!("the mesh `{name}` {why}"))
+    let method = text("inertia").unwrap_or("legacy");
+    if mesh.faces.is_empty() || method == "convex" {
+        // MuJoCo's hull with fewer vertices is not the convex hull.
+        if text("maxhullvert").is_some_and(|count| count.trim() != "-1") {
+            return Err(format!("the hull of the mesh `{name}` is cut by `maxhullvert`"));
+        }
+        let faces = hull::hull(&mesh.vertices);
+        mesh.faces =
+            faces.ok_or_else(|| format!("the mesh `{name}` has all vertices in one plane"))?;
+    }
+    MassProperties::new(mesh, method).map_err(|why| format!("the mesh `{name}` {why}"))
 }
 
 /// Returns the surface as it is in the file or in the element.

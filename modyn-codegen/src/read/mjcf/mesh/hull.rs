@@ -1,0 +1,155 @@
+//! Convex hulls of points: the quickhull algorithm (Barber, Dobkin and Huhdanpaa 1996).
+
+use super::super::pose::cross;
+
+/// A triangle of the hull.
+struct Facet {
+    /// The corners, counterclockwise from outside.
+    corners: [usize; 3],
+    /// The facet across the edge from each corner to the next.
+    neighbors: [usize; 3],
+    /// The unit normal, outwards; zero for a facet without an area.
+    normal: [f64; 3],
+    /// The distance of the plane from the origin along the normal.
+    offset: f64,
+    /// The points above the plane that no other facet has.
+    outside: Vec<usize>,
+    is_removed: bool,
+}
+
+impl Facet {
+    fn new(points: &[[f64; 3]], corners: [usize; 3]) -> Self {
+        let [a, b, c] = corners.map(|corner| points[corner]);
+        let normal = cross(difference(b, a), difference(c, a));
+        let length = libm::sqrt(dot(normal, normal));
+        let normal = if length > 0.0 { normal.map(|x| x / length) } else { [0.0; 3] };
+        let offset = dot(normal, a);
+        Self { corners, neighbors: [0; 3], normal, offset, outside: Vec::new(), is_removed: false }
+    }
+
+    fn distance(&self, point: [f64; 3]) -> f64 {
+        dot(self.normal, point) - self.offset
+    }
+}
+
+/// Returns the triangles of the convex hull of these points, with their normals outwards; `None` if all points are in one
+/// plane. Points whose distance from the hull is a rounding error are left out.
+pub fn hull(points: &[[f64; 3]]) -> Option<Vec<[usize; 3]>> {
+    let largest = points.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let tolerance = 32.0 * f64::EPSILON * largest;
+    let simplex = simplex(points, tolerance)?;
+    let mut facets: Vec<Facet> = Vec::new();
+    // The four facets of a tetrahedron, each without one of the points.
+    let [a, b, c, d] = simplex;
+    for corners in [[a, b, c], [a, c, d], [a, d, b], [b, d, c]] {
+        facets.push(Facet::new(points, corners));
+    }
+    let neighbors = [[2, 3, 1], [0, 3, 2], [1, 3, 0], [2, 1, 0]];
+    for (facet, neighbors) in facets.iter_mut().zip(neighbors) {
+        facet.neighbors = neighbors;
+    }
+    for point in (0..points.len()).filter(|point| !simplex.contains(point)) {
+        assign(points, &mut facets, 0, point, tolerance);
+    }
+    let mut open: Vec<usize> = (0..4).collect();
+    while let Some(at) = open.pop() {
+        if facets[at].is_removed || facets[at].outside.is_empty() {
+            continue;
+        }
+        let height = |point: &usize| facets[at].distance(points[*point]);
+        let farthest =
+            facets[at].outside.iter().copied().max_by(|a, b| height(a).total_cmp(&height(b)))?;
+        let (visible, horizon) = visible_from(points[farthest], &mut facets, at, tolerance);
+        let first = facets.len();
+        for (i, &(from, to, beyond)) in horizon.iter().enumerate() {
+            let mut facet = Facet::new(points, [from, to, farthest]);
+            let count = horizon.len();
+            facet.neighbors = [beyond, first + (i + 1) % count, first + (i + count - 1) % count];
+            let across = &mut facets[beyond];
+            let edge =
+                (0..3).find(|&k| across.corners[k] == to && across.corners[(k + 1) % 3] == from)?;
+            across.neighbors[edge] = first + i;
+            facets.push(facet);
+        }
+        for at in visible {
+            for point in core::mem::take(&mut facets[at].outside) {
+                if point != farthest {
+                    assign(points, &mut facets, first, point, tolerance);
+                }
+            }
+        }
+        open.extend(first..facets.len());
+    }
+    Some(facets.iter().filter(|facet| !facet.is_removed).map(|facet| facet.corners).collect())
+}
+
+/// Gives a point to the first facet from `first` on that it is above.
+fn assign(points: &[[f64; 3]], facets: &mut [Facet], first: usize, point: usize, tolerance: f64) {
+    let mut later = facets[first..].iter_mut();
+    if let Some(facet) = later.find(|facet| facet.distance(points[point]) > tolerance) {
+        facet.outside.push(point);
+    }
+}
+
+/// Removes the facets that a point above facet `at` sees. Returns them, and the edges around them in order, each with the
+/// facet beyond it.
+fn visible_from(
+    point: [f64; 3],
+    facets: &mut [Facet],
+    at: usize,
+    tolerance: f64,
+) -> (Vec<usize>, Vec<(usize, usize, usize)>) {
+    facets[at].is_removed = true;
+    let (mut visible, mut horizon) = (vec![at], Vec::new());
+    // A walk around the facets in depth-first order, so that the edges follow each other: the facet, and its edges to cross.
+    let mut path = vec![(at, 0, 3)];
+    while let Some((facet, edge, left)) = path.pop() {
+        if left == 0 {
+            continue;
+        }
+        path.push((facet, (edge + 1) % 3, left - 1));
+        let beyond = facets[facet].neighbors[edge];
+        if facets[beyond].is_removed {
+            continue;
+        }
+        let (from, to) = (facets[facet].corners[edge], facets[facet].corners[(edge + 1) % 3]);
+        if facets[beyond].distance(point) > tolerance {
+            facets[beyond].is_removed = true;
+            visible.push(beyond);
+            let back = facets[beyond].neighbors.iter().position(|&one| one == facet).unwrap_or(0);
+            path.push((beyond, (back + 1) % 3, 2));
+        } else {
+            horizon.push((from, to, beyond));
+        }
+    }
+    (visible, horizon)
+}
+
+/// Returns four points that are not in one plane, such that the first three are counterclockwise from outside.
+fn simplex(points: &[[f64; 3]], tolerance: f64) -> Option<[usize; 4]> {
+    let farthest = |distance: &dyn Fn([f64; 3]) -> f64| {
+        let distances = points.iter().map(|point| distance(*point)).enumerate();
+        distances.max_by(|(_, a), (_, b)| a.total_cmp(b)).filter(|(_, most)| *most > tolerance)
+    };
+    let origin = *points.first()?;
+    let (a, _) = farthest(&|point| length(difference(point, origin)))?;
+    let (b, _) = farthest(&|point| length(difference(point, points[a])))?;
+    let along = difference(points[b], points[a]);
+    let along = along.map(|x| x / length(along));
+    let (c, _) = farthest(&|point| length(cross(along, difference(point, points[a]))))?;
+    let facet = Facet::new(points, [a, b, c]);
+    let (d, _) = farthest(&|point| facet.distance(point).abs())?;
+    Some(if facet.distance(points[d]) < 0.0 { [a, b, c, d] } else { [a, c, b, d] })
+}
+
+fn difference(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    core::array::from_fn(|i| a[i] - b[i])
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn length(a: [f64; 3]) -> f64 {
+    libm::sqrt(dot(a, a))
+}
