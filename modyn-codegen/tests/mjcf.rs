@@ -239,6 +239,34 @@ fn meshes_are_needed_for_inertia_alone() {
     assert!(found[0].message.contains(&path), "{}", found[0].message);
 }
 
+/// A face of an OBJ file with more than 100 corners is left out, as in MuJoCo 4.0.0.
+#[test]
+fn faces_with_many_corners_are_left_out() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("many_corners");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let area = |corners: usize| {
+        let mut obj = String::from(
+            "v 5 5 5\nv 6 5 5\nv 5 6 5\nv 5 5 6\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\nf",
+        );
+        (0..corners).for_each(|k| obj += &format!(" {}", k + 5));
+        for k in 0..corners {
+            let (sin, cos) = (core::f64::consts::TAU * k as f64 / corners as f64).sin_cos();
+            obj += &format!("\nv {cos:.6} {sin:.6} 0");
+        }
+        std::fs::write(folder.join("m.obj"), obj).expect("a mesh");
+        let text = r#"<mujoco model="m"><asset><mesh file="m.obj" inertia="shell"/></asset><worldbody><body><joint/>
+            <geom type="mesh" mesh="m" density="1"/></body></worldbody></mujoco>"#;
+        let options = ReadOptions { folder: Some(folder.clone()), ..ReadOptions::default() };
+        let reading = modyn_codegen::read_mjcf(text, "m.xml", &options).expect("an MJCF");
+        reading.model.links()[0].inertial.mass
+    };
+    let tetrahedron = 1.5 + 0.75_f64.sqrt();
+    assert!((area(101) - tetrahedron).abs() < 1e-6, "{}", area(101));
+    // The polygon of 100 corners in the unit circle.
+    let polygon = 50.0 * (core::f64::consts::TAU / 100.0).sin();
+    assert!((area(100) - tetrahedron - polygon).abs() < 1e-4, "{}", area(100));
+}
+
 /// The hull of a grid of points is a box, in every orientation and size; points in one plane have none.
 #[test]
 fn hulls_of_points_in_planes() {
