@@ -203,6 +203,37 @@ const ARM: &str = "<link name='base'/><link name='arm'><pose>0 0 1 0 0 0</pose><
     <joint name='j' type='revolute'><parent>base</parent><child>arm</child><axis><xyz>0 1 0</xyz>
     <limit><lower>-inf</lower><upper>2</upper><effort>inf</effort><velocity>3</velocity></limit></axis></joint>";
 
+/// Forces of gravity are affine in the mass of a link, so those of a link without mass follow from two masses.
+#[test]
+fn a_link_without_gravity_has_inertia_alone() {
+    let robot = |mass: f64, gravity: bool| {
+        let text = format!(
+            "<link name='base'><pose>0.1 0.2 0.3 0.4 0.5 0.6</pose><inertial><pose>0.1 0 0.3 0 0 0</pose></inertial></link>
+             <link name='arm'><pose>0 0 1 0.3 0.2 0.1</pose><gravity>{gravity}</gravity>
+             <inertial><pose>0.2 0.1 0.4 0 0 0</pose><mass>{mass}</mass></inertial></link>
+             <joint name='i' type='revolute'><parent>world</parent><child>base</child><axis><xyz>0.6 0.8 0</xyz></axis></joint>
+             <joint name='j' type='revolute'><parent>base</parent><child>arm</child><axis><xyz>0 0.6 0.8</xyz></axis></joint>"
+        );
+        Interpreter::<f64>::new(model(&text).unwrap_or_else(|found| panic!("{found}")))
+    };
+    let q = [0.3, -0.7];
+    let torques = |mass, gravity| {
+        let mut torques = [0.0; 2];
+        robot(mass, gravity).gravity_torques(&q, &mut torques).expect("sizes");
+        torques
+    };
+    let (once, twice, without) = (torques(1.5, true), torques(3.0, true), torques(1.5, false));
+    for ((once, twice), without) in once.iter().zip(twice).zip(without) {
+        assert!((2.0 * once - twice - without).abs() < 1e-12 && (once - without).abs() > 0.1);
+    }
+    let matrix = |gravity| {
+        let mut matrix = [0.0; 4];
+        robot(1.5, gravity).mass_matrix(&q, &mut matrix).expect("sizes");
+        matrix
+    };
+    assert_eq!(matrix(true), matrix(false));
+}
+
 /// Springs of axes act, and links without gravity have no weight.
 #[test]
 fn springs_and_weightless_links() {

@@ -600,7 +600,7 @@ impl Build<'_, '_, '_> {
         welded
     }
 
-    /// Reads links without gravity. Warns of moving links without inertia.
+    /// Compensates the weight of links without gravity; without any weight, gravity is zero. Warns of moving links without inertia.
     fn weights(&mut self) {
         let world = self.world;
         let own = world.links.iter().filter(|link| self.inside[world.frames[link.frame].scope]);
@@ -617,17 +617,19 @@ impl Build<'_, '_, '_> {
             "it has no `<inertial>`, so SDF gives it a mass of 1 kg and an inertia of 1 kg m^2";
         let help = "write the link's `<inertial>`";
         self.report.warn_once(Code::MissingInertial, &without, message, help);
-        if !own.is_empty() && own.iter().all(|link| link.weightless.is_some()) {
+        if !own.is_empty() && own.iter().all(|link| link.weightless) {
             self.description.gravity = Some([0.0; 3]);
             return;
         }
-        for link in own {
-            let name = &world.frames[link.frame].name.text;
-            if link.weightless.is_some() && !welded.contains(name) {
-                let found = self.description.link_names().position(|other| other == name);
-                self.description.compensated.extend(found.map(|link| (link, 1.0)));
-            }
-        }
+        let without: HashSet<&str> = own
+            .iter()
+            .filter(|link| link.weightless)
+            .map(|link| world.frames[link.frame].name.text.as_str())
+            .filter(|name| !welded.contains(*name))
+            .collect();
+        let links = self.description.links.iter().enumerate();
+        let compensated = links.filter(|(_, link)| without.contains(link.name.text.as_str()));
+        self.description.compensated = compensated.map(|(index, _)| (index, 1.0)).collect();
     }
 }
 

@@ -167,7 +167,6 @@ impl<'a> Reader<'a, '_, '_, '_> {
         self.warn_of_unknown(node, &known, subject);
         let pose = self.pose(node, subject);
         let weightless = self.flag(node, "gravity", subject) == Some(false);
-        let weightless = weightless.then(|| self.xml.named(node, "gravity").next()).flatten();
         if self.flag(node, "kinematic", subject) == Some(true) {
             let message =
                 "`<kinematic>` is not read: a link that ignores forces is no part of the dynamics";
@@ -181,7 +180,6 @@ impl<'a> Reader<'a, '_, '_, '_> {
             self.unread.add(message, (Some(self.xml.at(decay)), subject.cloned()), help);
         }
         let inertial = self.inertial(node, subject);
-        let weightless = weightless.map(|node| self.xml.at(node));
         let index = self.world.links.len();
         let frame = self.push(scope, &name, FrameKind::Link(index), pose);
         self.world.links.push(Link { frame, inertial, weightless });

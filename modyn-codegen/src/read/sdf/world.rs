@@ -161,8 +161,8 @@ pub enum FrameKind {
 pub struct Link {
     pub frame: usize,
     pub inertial: Option<InertialRecord>,
-    /// The place where its gravity is switched off.
-    pub weightless: Option<usize>,
+    /// Whether gravity does not act on it.
+    pub weightless: bool,
 }
 
 /// A joint.
