@@ -245,14 +245,13 @@ fn faces_with_many_corners_are_left_out() {
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("many_corners");
     std::fs::create_dir_all(&folder).expect("a folder");
     let area = |corners: usize| {
-        let mut obj = String::from(
-            "v 5 5 5\nv 6 5 5\nv 5 6 5\nv 5 5 6\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\nf",
-        );
-        (0..corners).for_each(|k| obj += &format!(" {}", k + 5));
+        let mut obj = String::from("v 5 5 5\nv 6 5 5\nv 5 6 5\nv 5 5 6\n");
         for k in 0..corners {
             let (sin, cos) = (core::f64::consts::TAU * k as f64 / corners as f64).sin_cos();
-            obj += &format!("\nv {cos:.6} {sin:.6} 0");
+            obj += &format!("v {cos:.6} {sin:.6} 0\n");
         }
+        obj += "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\nf";
+        (0..corners).for_each(|k| obj += &format!(" {}", k + 5));
         std::fs::write(folder.join("m.obj"), obj).expect("a mesh");
         let text = r#"<mujoco model="m"><asset><mesh file="m.obj" inertia="shell"/></asset><worldbody><body><joint/>
             <geom type="mesh" mesh="m" density="1"/></body></worldbody></mujoco>"#;
