@@ -617,6 +617,12 @@ fn unsupported_elements_are_refused() {
         (r#"<option viscosity="1e-3"/>"#, Some(r#"<option viscosity="0"/>"#)),
         (r#"<default class="other"/>"#, Some(r#"<default class="main"/>"#)),
         (r"<default><default/></default>", Some(r#"<default><default class="a"/></default>"#)),
+        (
+            r#"<default><default class="a"><default class="a"><joint damping="1"/></default></default></default>"#,
+            Some(
+                r#"<default><default class="a"><default class="b"><joint damping="1"/></default></default></default>"#,
+            ),
+        ),
         (r#"<compiler eulerseq="xyzx"/>"#, Some(r#"<compiler eulerseq="xyz"/>"#)),
         (r#"<compiler eulerseq="xyw"/>"#, Some(r#"<compiler eulerseq="XYZ"/>"#)),
         (r#"<compiler autolimits="yes"/>"#, Some(r#"<compiler autolimits="true"/>"#)),
