@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use modyn_runtime::model::{Friction, Model, ModuleTree};
 use modyn_runtime::{OperationCount, UserFunction};
 
-use crate::check::conditioning_warning;
+use crate::check::{conditioning_warning, joints_without_inertia};
 use crate::description::{Base, Contact, Loop, Mimic, Package, ReadOptions, Rotor, XacroArg};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity};
 use crate::emit::{
@@ -24,7 +24,7 @@ use crate::plan::{Choices, CodeForm, Function, NamedFunction, Plan, TracedFuncti
 use crate::program::Execution;
 use crate::read::{Format, Reading};
 use crate::size::{Selected, too_large};
-use checks::{invalid_programs, left_out, moving_frames, without_hessian};
+use checks::{invalid_programs, left_out, moving_frames, without_hessian, without_inertia};
 pub use object::ObjectPlanning;
 use source::Source;
 
@@ -338,7 +338,7 @@ impl Builder {
         let mut inputs = builder.inputs_without(backend.refused())?;
         let robot = (&inputs.model, &inputs.modules);
         let plan = backend.plan(robot, &inputs.choices, &inputs.options);
-        let lacking = left_out(target, &inputs.choices.functions);
+        let lacking = left_out(target, self.selected());
         let casadi = without_hessian(&plan.casadi.without_hessian, &inputs.options.prefix(robot.0));
         inputs.options.warnings.extend(lacking.into_iter().chain(casadi));
         inputs.options.warnings.extend(invalid_programs(&plan));
@@ -433,6 +433,11 @@ impl Builder {
         Err(Diagnostics::new(errors))
     }
 
+    /// Returns the functions that the options select.
+    fn selected(&self) -> &[Function] {
+        self.options.code.functions.as_deref().unwrap_or(Function::DEFAULT)
+    }
+
     /// Returns the inputs of the plan and of the back ends.
     fn inputs(&self) -> Result<Inputs, Diagnostics> {
         let code = &self.options.code;
@@ -441,14 +446,21 @@ impl Builder {
         let modules = reading.as_ref().and_then(|reading| {
             self.module_tree(&reading.model).map_err(|found| errors.extend(found)).ok()
         });
-        let functions = code.functions.as_deref().unwrap_or(Function::DEFAULT);
+        let mut functions = self.selected().to_vec();
+        let bundled: Vec<Function> = code.bundles.iter().flat_map(Bundle::functions).collect();
+        if let Some(Reading { model, .. }) = &reading {
+            let singular = joints_without_inertia(model);
+            if !singular.is_empty() {
+                let error;
+                (functions, error) = without_inertia(model, &singular, &functions, &bundled);
+                errors.extend(error);
+            }
+        }
         if let (Some(Reading { model, .. }), Some(modules)) = (&reading, &modules) {
             // Functions of one link in a bundle are short.
-            let bundled = code.bundles.iter().flat_map(Bundle::functions);
-            let bundled: Vec<Function> = bundled.collect();
             let is_described = code.runtime_inertia.is_empty() && code.payload.is_empty();
             let has_loops = code.code == CodeForm::Small && is_described;
-            let selected = Selected { functions, bundled: &bundled, has_loops };
+            let selected = Selected { functions: &functions, bundled: &bundled, has_loops };
             errors.extend(too_large(model, modules, selected));
         }
         let inertias = [
@@ -462,7 +474,7 @@ impl Builder {
             })
         });
         let mut choices = Choices {
-            functions: functions.to_vec(),
+            functions,
             bundles: Vec::new(),
             user_functions: Vec::new(),
             share: code.share,
