@@ -4,9 +4,12 @@ mod check;
 mod command;
 mod common;
 mod compare;
+#[cfg(all(feature = "command", feature = "mjcf"))]
+mod convert;
 mod docs;
 mod generate;
 mod hostile;
 mod inspect;
+mod kinematics;
 mod mjcf;
 mod simulate;

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use modyn_runtime::model::{Friction, Model, ModuleTree};
 use modyn_runtime::{OperationCount, UserFunction};
 
-use crate::check::conditioning_warning;
+use crate::check::{conditioning_warning, joints_without_inertia};
 use crate::description::{Base, Contact, Loop, Mimic, Package, ReadOptions, Rotor, XacroArg};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity};
 use crate::emit::{
@@ -23,7 +23,9 @@ use crate::options::{Bundle, ModuleChoice, OptionError, Options, Value, option_t
 use crate::plan::{Choices, CodeForm, Function, NamedFunction, Plan, TooLong, TracedFunction};
 use crate::program::Execution;
 use crate::read::{Format, Reading};
-use checks::{invalid_programs, left_out, moving_frames, too_long, without_hessian};
+use checks::{
+    invalid_programs, left_out, moving_frames, too_long, without_hessian, without_inertia,
+};
 pub use object::ObjectPlanning;
 use source::Source;
 
@@ -344,7 +346,7 @@ impl Builder {
         let robot = (&inputs.model, &inputs.modules);
         let plan = backend.plan(robot, &inputs.choices, &inputs.options);
         let plan = plan.map_err(|reason| inputs.too_long(&reason))?;
-        let lacking = left_out(target, &inputs.choices.functions);
+        let lacking = left_out(target, self.selected());
         let casadi = without_hessian(&plan.casadi.without_hessian, &inputs.options.prefix(robot.0));
         inputs.options.warnings.extend(lacking.into_iter().chain(casadi));
         inputs.options.warnings.extend(invalid_programs(&plan));
@@ -439,6 +441,11 @@ impl Builder {
         Err(Diagnostics::new(errors))
     }
 
+    /// Returns the functions that the options select.
+    fn selected(&self) -> &[Function] {
+        self.options.code.functions.as_deref().unwrap_or(Function::DEFAULT)
+    }
+
     /// Returns the inputs of the plan and of the back ends.
     fn inputs(&self) -> Result<Inputs, Diagnostics> {
         let code = &self.options.code;
@@ -447,7 +454,16 @@ impl Builder {
         let modules = reading.as_ref().and_then(|reading| {
             self.module_tree(&reading.model).map_err(|found| errors.extend(found)).ok()
         });
-        let functions = code.functions.as_deref().unwrap_or(Function::DEFAULT);
+        let mut functions = self.selected().to_vec();
+        let bundled: Vec<Function> = code.bundles.iter().flat_map(Bundle::functions).collect();
+        if let Some(Reading { model, .. }) = &reading {
+            let singular = joints_without_inertia(model);
+            if !singular.is_empty() {
+                let error;
+                (functions, error) = without_inertia(model, &singular, &functions, &bundled);
+                errors.extend(error);
+            }
+        }
         let inertias = [
             ("runtime_inertia", Code::RuntimeInertia, &code.runtime_inertia),
             ("payload", Code::Payload, &code.payload),
@@ -459,7 +475,7 @@ impl Builder {
             })
         });
         let mut choices = Choices {
-            functions: functions.to_vec(),
+            functions,
             bundles: Vec::new(),
             user_functions: Vec::new(),
             share: code.share,

@@ -26,9 +26,10 @@ pub mod plan;
 pub mod program;
 pub mod read;
 pub mod trace;
+mod write;
 
 pub use builder::{Builder, Emitted, Generated, ObjectPlanning, Planning};
-pub use check::{MAX_CONDITION_F32, condition_number};
+pub use check::{MAX_CONDITION_F32, condition_number, joints_without_inertia};
 pub use description::{Base, Contact, Loop, LoopEnd, Mimic, Package, ReadOptions, Rotor, XacroArg};
 pub use emit::{
     File, FloatType, GpuLanguage, MachineCode, MachineTarget, RolloutForces, RolloutOptions,
@@ -43,6 +44,7 @@ pub use plan::{CodeForm, Function};
 #[cfg(feature = "mjcf")]
 pub use read::read_mjcf;
 pub use read::{Format, Reading, expand_xacro, read, read_urdf};
+pub use write::{Written, write};
 
 /// Parts that the tests of this crate reach, besides the public interface. They may change in any release.
 ///

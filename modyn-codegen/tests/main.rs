@@ -30,4 +30,6 @@ mod singular;
 mod type_page;
 mod units;
 mod user_functions;
+#[cfg(feature = "mjcf")]
+mod write;
 mod xacro;

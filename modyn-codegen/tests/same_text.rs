@@ -165,7 +165,8 @@ fn compare(selected: fn(&str) -> bool) -> usize {
         .collect();
     let changed =
         |(name, hash): &(&String, &String)| kept.get(name.as_str()) != Some(&hash.as_str());
-    let changed: Vec<&String> = found.iter().filter(changed).map(|(name, _)| name).collect();
+    let changed: Vec<String> =
+        found.iter().filter(changed).map(|(name, hash)| format!("{hash} {name}")).collect();
     assert!(changed.is_empty(), "generated code has changed: {changed:#?}");
     found.len()
 }

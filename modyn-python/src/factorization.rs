@@ -1,5 +1,6 @@
 //! The factorization of the mass matrix by kinematic modules, with the operations of its factors.
 
+use modyn_codegen::Function;
 use modyn_runtime::UduFactorization;
 use numpy::PyArray1;
 use numpy::prelude::*;
@@ -73,6 +74,7 @@ impl Robot {
     /// Returns the factorization U D U^T of the mass matrix at `q`, (nq,), by kinematic modules, by block reverse Gaussian
     /// elimination. The option `modules` selects the modules. The factors are in `float64` for every robot.
     fn brge(&self, q: &Bound<'_, PyAny>) -> PyResult<Factorization> {
+        self.check_has(Function::Brge)?;
         let q = Given::<f64>::read("brge", "q", &[self.model().nq()], q)?;
         let factors = self.interpreter()?.brge(q.as_slice());
         let factors = factors.map_err(|error| PyValueError::new_err(error.to_string()))?;

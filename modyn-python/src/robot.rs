@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use modyn_codegen::diagnostics::suggest;
-use modyn_codegen::{Builder, Bundle, FloatType, Function};
+use modyn_codegen::{Builder, Bundle, FloatType, Function, joints_without_inertia};
 use modyn_runtime::equations::identification::{BaseParameter, BaseParameters};
 use modyn_runtime::model::{Link, Model, ModuleTree};
 use modyn_runtime::{Inertial, Interpreter};
@@ -34,6 +34,8 @@ pub struct Robot {
     builder: Builder,
     model: Model,
     modules: ModuleTree,
+    /// A joint that moves no inertia, since its link has none.
+    without_inertia: Option<String>,
     /// The index of each link of the description.
     links: HashMap<String, usize>,
     /// The source and the keyword arguments, for pickles.
@@ -91,7 +93,10 @@ impl Robot {
         let bundles = names.zip(bundles).map(|(name, bundle)| (name, bundle, OnceLock::new()));
         let model = planning.model;
         let links = model.frames().iter().enumerate();
+        let without_inertia = joints_without_inertia(&model);
+        let name = |&joint: &usize| model.links()[joint].joint.name.clone();
         Ok(Self {
+            without_inertia: without_inertia.first().map(name),
             links: links.map(|(i, frame)| (frame.name.clone(), i)).collect(),
             builder,
             source: ((text, file, folder), arguments.copy()?.unbind()),
@@ -169,10 +174,19 @@ impl Robot {
     ///
     /// # Errors
     ///
-    /// `ValueError`, which names the robots that have it.
+    /// `ValueError`, which names the robots that have it, or a joint that moves no inertia.
     pub fn check_has(&self, function: Function) -> PyResult<()> {
         if function.fits(self.model.constraints()) {
-            return Ok(());
+            let joint = self.without_inertia.as_ref().filter(|_| function.row().needs_inertia);
+            let message = |joint| {
+                format!(
+                    "`{}` needs inertia, and joint `{joint}` moves none, since its link has none: the robot has kinematic \
+                     functions alone; write the `<inertial>` of the link, or give the joint a rotor, \
+                     `rotors={{\"{joint}\": (1, 1)}}`",
+                    function.name()
+                )
+            };
+            return joint.map_or(Ok(()), |joint| Err(PyValueError::new_err(message(joint))));
         }
         let robots = "robots with closed loops or contacts (the options `loops` and `contacts`)";
         let message = format!("only {robots} have the function `{}`", function.name());

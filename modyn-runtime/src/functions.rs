@@ -74,6 +74,12 @@ macro_rules! function_trait {
             $name $function $message;
         }
     };
+    ([inertia] $name:ident $function:ident $message:literal;) => {
+        traits! {
+            "add the function to the option `functions` of the robot, as in `functions = [default, regressor]`; without this option it has the default functions, or if its links have no inertia those of kinematics":
+            $name $function $message;
+        }
+    };
     ([$other:ident $($flag:ident)*] $($row:tt)*) => { function_trait! { [$($flag)*] $($row)* } };
     ([] $name:ident $function:ident $message:literal;) => {
         traits! {

@@ -31,6 +31,7 @@ const ELSEWHERE: &[Code] = &[
     Code::MissingInertial,
     Code::ImplausibleMass,
     Code::XacroWarning,
+    Code::Inexpressible,
 ];
 
 /// Returns the folder of this package, where rustc runs: rustc then prints paths relative to it, as users see them.

@@ -3,6 +3,7 @@
 mod check;
 mod choices;
 mod compare;
+mod convert;
 mod description;
 mod diagnostics;
 mod explain;
@@ -38,6 +39,7 @@ enum Command {
     Generate(generate::Arguments),
     Simulate(simulate::Arguments),
     Compare(compare::Arguments),
+    Convert(convert::Arguments),
     Explain(explain::Arguments),
 }
 
@@ -51,6 +53,7 @@ pub fn run() -> ExitCode {
         Command::Generate(arguments) => generate::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
+        Command::Convert(arguments) => convert::run(&arguments),
         Command::Explain(arguments) => explain::run(&arguments),
     };
     match result {

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use modyn_codegen::Builder;
-use modyn_codegen::diagnostics::Diagnostics;
+use modyn_codegen::diagnostics::{Diagnostics, sanitize_for_display};
+use modyn_codegen::{Builder, joints_without_inertia};
+use modyn_runtime::model::Model;
 
 use crate::command::description::Description;
 use crate::command::diagnostics;
@@ -19,6 +20,16 @@ pub struct Robot {
     pub path: PathBuf,
     #[command(flatten)]
     pub options: ReadingOptions,
+}
+
+/// Returns the failure of a command that needs dynamics, for a robot whose links have no inertia.
+pub fn needs_dynamics(model: &Model, command: &str) -> Result<(), Failure> {
+    let Some(&joint) = joints_without_inertia(model).first() else { return Ok(()) };
+    let joint = sanitize_for_display(&model.links()[joint].joint.name);
+    Err(Failure::usage(format!(
+        "error: `{command}` needs dynamics, and joint `{joint}` moves no inertia: write the `<inertial>` of its link, or give \
+         it a rotor, `--rotors '\"{joint}\": (1, 1)'`"
+    )))
 }
 
 impl Description {

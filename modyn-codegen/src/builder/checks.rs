@@ -6,6 +6,7 @@ use super::Builder;
 use super::source::Source;
 use super::syntax::{is_c_prefix, is_path, is_visibility};
 use crate::check::gravity_error;
+use crate::check::motion::listed;
 use crate::description::{Base, Mimic};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity, Subject, suggest};
 use crate::emit::Target;
@@ -168,6 +169,38 @@ pub(super) fn left_out(target: Target, selected: &[Function]) -> Option<Diagnost
             format!("{} has no form for {}, and is left out", missing.join(", "), target.title());
         Diagnostic::new(Severity::Warning, Code::Option, message).with_help(help)
     })
+}
+
+/// Returns the selected functions that a robot has whose joints `singular` move no inertia, and an error if a function that
+/// needs inertia was selected by its name or is in a bundle.
+pub(super) fn without_inertia(
+    model: &Model,
+    singular: &[usize],
+    selected: &[Function],
+    bundled: &[Function],
+) -> (Vec<Function>, Option<Diagnostic>) {
+    let needs = |function: &&Function| function.row().needs_inertia;
+    // `default` and `all` are requests for the functions that there are.
+    let has = |group: &[Function]| group.iter().all(|function| selected.contains(function));
+    let (has_all, has_default) = (has(Function::ALL), has(Function::DEFAULT));
+    let is_of_a_group =
+        |function: &&Function| has_all || has_default && Function::DEFAULT.contains(function);
+    let named = selected.iter().filter(|function| !is_of_a_group(function)).chain(bundled);
+    let named: Vec<&str> = named.filter(needs).map(|function| function.name()).collect();
+    let names = singular.iter().map(|&i| model.links()[i].joint.name.as_str());
+    let error = named.first().map(|_| {
+        let message = format!(
+            "{} {} inertia, and {} {} none",
+            listed("function", named.iter().copied()),
+            if named.len() == 1 { "needs" } else { "need" },
+            listed("joint", names),
+            if singular.len() == 1 { "moves" } else { "move" },
+        );
+        let help = "select kinematic functions, such as `link_pose` and `jacobian`; or write the `<inertial>` of the links, or \
+                    give each joint a rotor by the option `rotors`";
+        Diagnostic::error(Code::KinematicsOnly, message).with_help(help)
+    });
+    (selected.iter().copied().filter(|function| !function.row().needs_inertia).collect(), error)
 }
 
 /// Returns a warning for each function whose packed program is invalid.

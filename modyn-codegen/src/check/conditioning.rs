@@ -5,6 +5,7 @@ use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::Model;
 use modyn_runtime::{Interpreter, Portable, Scalar as _, jacobi};
 
+use super::singular::singular_joints;
 use crate::diagnostics::{Code, Diagnostic, Severity, Subject};
 
 /// The number of states at which the condition number is computed.
@@ -17,7 +18,7 @@ const MAX_VELOCITIES: usize = 100;
 pub const MAX_CONDITION_F32: f64 = 1e5;
 
 /// Returns the largest condition number (2-norm) of the mass matrix at a few states spread over the joints' ranges. The
-/// matrix is scaled to a diagonal of ones. `None` for a robot that is too large.
+/// matrix is scaled to a diagonal of ones. `None` for a robot that is too large, or has joints that move no inertia.
 ///
 /// Elimination does not depend on the units of the joints, nor on the ratio of a shoulder's and a wrist's inertia. The
 /// scaled matrix therefore bounds its errors, not the matrix itself (Higham 2002, "Accuracy and Stability of Numerical
@@ -25,7 +26,7 @@ pub const MAX_CONDITION_F32: f64 = 1e5;
 #[must_use]
 pub fn condition_number(model: &Model) -> Option<f64> {
     let nv = model.nv();
-    if nv > MAX_VELOCITIES {
+    if nv > MAX_VELOCITIES || !singular_joints(model).is_empty() {
         return None;
     }
     let mechanism = Mechanism::new(model);

@@ -12,6 +12,7 @@ pub use conditioning::{MAX_CONDITION_F32, condition_number};
 use modyn_runtime::model::{Inertial, JointDynamics, Model};
 use modyn_runtime::spatial::Pose;
 pub(crate) use options::{friction_error, gravity_error};
+pub use singular::singular_joints as joints_without_inertia;
 
 use crate::description::MAX_NUMBER;
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Report, Severity, Subject};

@@ -1,10 +1,10 @@
 //! Checks whether joints can move: armatures, damping, ratios of mimic joints, and the inertia that each joint moves.
 
-use modyn_runtime::model::{Friction, JointDynamics, Model};
+use modyn_runtime::model::{Friction, Inertial, JointDynamics, Model};
 
-use super::{Body, inertia, singular};
+use super::{Body, LinkView, inertia, singular};
 use crate::description::MAX_NUMBER;
-use crate::diagnostics::{Code, Place, Report, Subject};
+use crate::diagnostics::{Code, Place, Report, Severity, Subject};
 
 /// Reports armature, damping or friction that is too large to compute with.
 pub fn check_dynamics(
@@ -45,7 +45,8 @@ pub fn inactive_friction(bodies: &[Body], chosen: Option<Friction>, report: &mut
 }
 
 /// Reports joints that move no inertia, and mimic joints whose ratio is too large to compute with; warns of moving links
-/// without inertia. The bodies are those of the model's links. Joints that depend on an unreadable body are not checked.
+/// without inertia. Joints that move no inertia only because their links have none are a warning: the robot has kinematic
+/// functions. The bodies are those of the model's links. Joints that depend on an unreadable body are not checked.
 pub fn check(bodies: &[Body], model: &Model, report: &mut Report<'_>) {
     for joint in too_large(model).filter_map(|i| bodies[i].joint.as_ref()) {
         let message = "its coordinate is too large a multiple of its leader's to compute with";
@@ -56,19 +57,11 @@ pub fn check(bodies: &[Body], model: &Model, report: &mut Report<'_>) {
     let mut singular = singular::singular_joints(model);
     singular.retain(|&i| judged[i]);
     inertia::warn_of_missing(bodies, &singular, report);
-    let code = Code::SingularJoint;
-    let first = singular.first().map(|&i| &bodies[i]);
-    let is_massless = bodies.iter().all(|body| body.known && body.inertials().next().is_none());
-    if let Some(joint) = first.and_then(|body| body.joint.as_ref()).filter(|_| is_massless) {
-        let message = "no link that moves has an `<inertial>`, so all accelerations are undefined";
-        let help = format!(
-            "write the `<inertial>` of each link; or, if only the kinematic functions are needed, give each joint a rotor \
-             by the option `rotors`: `[\"{}\": (1, 1), ...]`",
-            joint.name
-        );
-        report.error(code, joint.at, Some(&joint.subject()), message, help);
+    if singular.iter().all(|&i| is_massless(&model.links()[i].inertial)) {
+        warn_of_kinematics_only(&singular, bodies, report);
         return;
     }
+    let code = Code::SingularJoint;
     for body in singular.into_iter().map(|i| &bodies[i]) {
         let Some(link) = body.links.first() else { continue };
         if let Some(joint) = &body.joint {
@@ -87,6 +80,57 @@ pub fn check(bodies: &[Body], model: &Model, report: &mut Report<'_>) {
                         be fixed: `base = fixed`";
             report.error(code, link.at, Some(&link.subject()), message, help);
         }
+    }
+}
+
+/// Returns whether an inertia is zero.
+fn is_massless(inertial: &Inertial) -> bool {
+    inertial.mass == 0.0 && inertial.inertia == [0.0; 6]
+}
+
+/// The number of joints or links that a message names.
+const MAX_NAMES: usize = 4;
+
+/// Warns, once, of joints that move no inertia because their links have none.
+fn warn_of_kinematics_only(singular: &[usize], bodies: &[Body], report: &mut Report<'_>) {
+    let singular = || singular.iter().map(|&i| &bodies[i]);
+    let Some(first) = singular().next() else { return };
+    let links = singular().filter_map(|body| Some(body.links.first()?.name));
+    let (have, these) = if links.clone().count() == 1 {
+        ("has", "this link")
+    } else {
+        ("have", "each of these links")
+    };
+    let message = format!(
+        "it moves no inertia, since {} {have} none: the robot has kinematic functions, and no dynamics",
+        listed("link", links),
+    );
+    let joint = singular().find_map(|body| body.joint.as_ref());
+    let rotor = joint.map_or(String::new(), |joint| {
+        format!(
+            ", or give each joint a rotor by the option `rotors`: `[\"{}\": (1, 1), ...]`",
+            joint.name
+        )
+    });
+    let help = format!("for dynamics write the `<inertial>` of {these}{rotor}");
+    let (at, subject) = match &first.joint {
+        Some(joint) => (joint.at, Some(joint.subject())),
+        None => (
+            first.links.first().and_then(|link| link.at),
+            first.links.first().map(LinkView::subject),
+        ),
+    };
+    report.add(Severity::Warning, Code::KinematicsOnly, at, subject.as_ref(), message, help);
+}
+
+/// Returns names in words: "link `a`", "links `a`, `b`", "links `a`, `b`, `c`, `d` and 3 more".
+pub fn listed<'n>(what: &str, names: impl Iterator<Item = &'n str>) -> String {
+    let names: Vec<String> = names.map(|name| format!("`{name}`")).collect();
+    let shown = names[..names.len().min(MAX_NAMES)].join(", ");
+    match names.len() {
+        1 => format!("{what} {shown}"),
+        count if count > MAX_NAMES => format!("{what}s {shown} and {} more", count - MAX_NAMES),
+        _ => format!("{what}s {shown}"),
     }
 }
 

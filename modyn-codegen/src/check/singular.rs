@@ -31,6 +31,10 @@ const ROTATED: f64 = 1e-14;
 pub const CONFIGURATIONS: usize = 3;
 
 /// Returns the joints, as indices, that move no inertia in any configuration; mimic joints are not among them.
+///
+/// A robot that was read has such joints only if their links have no inertia. It then has no functions that
+/// [need inertia](modyn_runtime::quantities::Row::needs_inertia).
+#[must_use]
 pub fn singular_joints(model: &Model) -> Vec<usize> {
     let own = |i: &usize| model.mimic(*i).is_none();
     let mut joints: Vec<usize> = (0..model.links().len()).filter(own).collect();

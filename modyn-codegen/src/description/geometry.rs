@@ -3,6 +3,9 @@
 /// The smallest magnitude that is rejected: products of such numbers could overflow.
 pub const MAX_NUMBER: f64 = 1e60;
 
+/// The magnitude from which a limit is no limit. Other software requires limits where modyn does not.
+pub const UNLIMITED: f64 = 1e30;
+
 /// Returns `Rz(yaw) Ry(pitch) Rx(roll)`. Sines are libm's, so that every host computes the same numbers.
 pub fn roll_pitch_yaw([roll, pitch, yaw]: [f64; 3]) -> [[f64; 3]; 3] {
     let (sr, cr) = libm::sincos(roll);

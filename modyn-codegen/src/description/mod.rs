@@ -7,7 +7,7 @@ mod choices;
 mod geometry;
 
 pub use choices::{Base, Contact, Loop, LoopEnd, Mimic, Package, ReadOptions, Rotor, XacroArg};
-pub use geometry::{MAX_NUMBER, are_parallel, normalized, roll_pitch_yaw};
+pub use geometry::{MAX_NUMBER, UNLIMITED, are_parallel, normalized, roll_pitch_yaw};
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{ContactKind, Inertial, JointDynamics, Limits, LoopConstraintKind};

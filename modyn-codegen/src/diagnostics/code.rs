@@ -244,10 +244,16 @@ codes! {
     TriangleInequality = "triangle-inequality":
         "Check `ixx`, `iyy` and `izz`, and whether the inertia is about the centre of mass. \
         `unphysical_inertia = warn` accepts it.",
-    /// A joint moves no inertia, so its acceleration is undefined.
+    /// A joint moves no inertia, although its link has mass, so its acceleration is undefined.
     SingularJoint = "singular-joint":
         "Give the link that the joint moves (or a link that is fixed to it) a mass and an inertia, give the \
         joint a rotor (`rotors`, or `<dynamics armature>`), or make the joint `fixed`.",
+    /// Joints move no inertia, since their links have none, so the robot has kinematic functions alone.
+    KinematicsOnly = "kinematics-only":
+        "Nothing, if poses, Jacobians and velocities are all that is needed: they do not depend on inertia. For dynamics, \
+        give the links that the message names a mass and an inertia, or give their joints rotors (`rotors`, or \
+        `<dynamics armature>`); a rotor of any inertia makes the mass matrix regular. Without inertia, a function of \
+        dynamics that is selected by name is an error.",
     /// The gravity in the options is NaN, infinite or too large to compute with.
     Gravity = "gravity":
         "Give three finite numbers in m/s^2, such as `[0.0, 0.0, -9.81]`.",
@@ -278,6 +284,9 @@ codes! {
     /// The packed program of a function is invalid, so the function is computed on scalars.
     InvalidProgram = "invalid-program":
         "Report this fault of modyn, with the description. The function's results are right, but take longer.",
+    /// A format has no words for a part of a robot that is to be written in it.
+    Inexpressible = "inexpressible":
+        "Write the robot in the other format, URDF or MJCF, or change the part that the message names.",
     /// The generated code cannot be written.
     Output = "output":
         "Give a path in a writable folder. Two robots of one build script need different names.",

@@ -83,6 +83,14 @@ impl Bundle {
         self
     }
 
+    /// Returns the functions of the table without those of one link.
+    pub(crate) fn functions(&self) -> impl Iterator<Item = Function> {
+        self.members.iter().filter_map(|member| match member {
+            Member::Table(function, None) => Some(*function),
+            _ => None,
+        })
+    }
+
     /// Returns the errors that no robot is needed to find.
     fn defects(&self) -> Vec<Defect> {
         let mut defects: Vec<Defect> = self.name_defect().into_iter().collect();

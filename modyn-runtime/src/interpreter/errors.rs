@@ -56,7 +56,7 @@ impl fmt::Display for ModuleMismatch {
 
 impl core::error::Error for ModuleMismatch {}
 
-/// An error of a function for one link.
+/// An error of a function for one link, or of the [evaluation](crate::Interpreter::evaluate) of any function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum FrameError {
@@ -69,6 +69,11 @@ pub enum FrameError {
     },
     /// A slice has the wrong length.
     Shape(ShapeError),
+    /// The function needs inertia, and a joint moves none.
+    NoInertia {
+        /// The joint, as an index into [`Model::links`](crate::model::Model::links).
+        joint: usize,
+    },
 }
 
 impl fmt::Display for FrameError {
@@ -78,6 +83,11 @@ impl fmt::Display for FrameError {
                 write!(f, "there is no link {frame}; the description has {count}")
             }
             Self::Shape(error) => error.fmt(f),
+            Self::NoInertia { joint } => write!(
+                f,
+                "the function needs inertia, and moving joint {joint} moves none, since its link has none; kinematic \
+                 functions need none"
+            ),
         }
     }
 }
@@ -85,7 +95,7 @@ impl fmt::Display for FrameError {
 impl core::error::Error for FrameError {
     fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
         match self {
-            Self::NoFrame { .. } => None,
+            Self::NoFrame { .. } | Self::NoInertia { .. } => None,
             Self::Shape(error) => Some(error),
         }
     }

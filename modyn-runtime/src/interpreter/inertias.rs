@@ -158,9 +158,37 @@ impl<S: Scalar + PartialOrd> Inertias<S> {
     fn first_singular(&mut self, mechanism: &Mechanism<S>) -> Option<usize> {
         let Self { moves_inertia, pivots, workspace, .. } = self;
         singular::pivots(mechanism, epsilon(), workspace, pivots);
-        let positive = |v: usize| pivots[v].partial_cmp(&S::zero()) == Some(Ordering::Greater);
-        (0..moves_inertia.len()).rev().find(|&v| moves_inertia[v] && !positive(v))
+        (0..moves_inertia.len()).rev().find(|&v| moves_inertia[v] && !is_positive(pivots[v]))
     }
+}
+
+/// Returns a joint that moves no inertia because its body has none, as an index into the links.
+pub(super) fn joint_without_inertia<S: Scalar + PartialOrd>(
+    model: &Model,
+    mechanism: &Mechanism<S>,
+) -> Option<usize> {
+    let body = |link: usize| &mechanism.bodies[mechanism.links[link]];
+    let is_massless = |link: &usize| body(*link).inertia == RigidInertia::zero();
+    let mut massless = (0..model.links().len()).filter(is_massless).peekable();
+    // Nearly always the case.
+    massless.peek()?;
+    let mut pivots = vec![S::zero(); mechanism.nv];
+    singular::pivots(mechanism, epsilon(), &mut PivotWorkspace::new(mechanism), &mut pivots);
+    massless.find(|&link| {
+        let is_own = model.mimic(link).is_none();
+        is_own && model.v_range(link).any(|v| !is_positive(pivots[v]))
+    })
+}
+
+/// Returns whether a pivot is that of a joint that moves inertia.
+fn is_positive<S: Scalar + PartialOrd>(pivot: S) -> bool {
+    pivot.partial_cmp(&S::zero()) == Some(Ordering::Greater)
+}
+
+/// Returns the link whose joint has entry `v` of qd.
+fn link_of(model: &Model, v: usize) -> Option<usize> {
+    let moves = |link: &usize| model.mimic(*link).is_none() && model.v_range(*link).contains(&v);
+    (0..model.links().len()).find(moves)
 }
 
 impl<S: Scalar + PartialOrd> Interpreter<S> {
@@ -225,7 +253,7 @@ impl<S: Scalar + PartialOrd> Interpreter<S> {
         if let Some(defect) = inertial.defect() {
             return Err(defect.into());
         }
-        let Self { model, mechanism, inertias, .. } = self;
+        let Self { model, mechanism, inertias, without_inertia, .. } = self;
         let inertias = inertias.get_or_insert_with(|| Inertias::new(model, mechanism));
         let at = match part {
             InertialKind::Own => 1,
@@ -233,13 +261,15 @@ impl<S: Scalar + PartialOrd> Interpreter<S> {
         };
         let before = core::mem::replace(&mut inertias.links[frame][at], *inertial);
         inertias.update_bodies(mechanism);
-        let Some(v) = inertias.first_singular(mechanism) else { return Ok(()) };
+        let Some(v) = inertias.first_singular(mechanism) else {
+            *without_inertia = joint_without_inertia(model, mechanism);
+            return Ok(());
+        };
         inertias.links[frame][at] = before;
         inertias.update_bodies(mechanism);
-        let moves =
-            |link: &usize| model.mimic(*link).is_none() && model.v_range(*link).contains(&v);
-        let link = (0..model.links().len()).find(moves);
-        let joint = link.map(|link| model.links()[link].joint.name.clone()).unwrap_or_default();
+        let joint = link_of(model, v)
+            .map(|link| model.links()[link].joint.name.clone())
+            .unwrap_or_default();
         Err(InertialError::NoInertia { joint })
     }
 }

@@ -94,6 +94,8 @@ pub struct Interpreter<S = f64> {
     midpoint: Option<MidpointWorkspace<S>>,
     /// For each contact, 1 if it is active, else 0.
     active: Vec<S>,
+    /// A joint that moves no inertia, since its link has none.
+    without_inertia: Option<usize>,
 }
 
 impl<S: Scalar> Interpreter<S> {
@@ -120,8 +122,9 @@ impl<S: Scalar> Interpreter<S> {
     }
 
     fn from_parts(model: Model, modules: ModuleTree) -> Self {
-        let mechanism = Mechanism::new(&model).cast();
-        Self::from_mechanism(model, modules, mechanism)
+        let mechanism = Mechanism::new(&model);
+        let without_inertia = inertias::joint_without_inertia(&model, &mechanism);
+        Self { without_inertia, ..Self::from_mechanism(model, modules, mechanism.cast()) }
     }
 
     /// Returns the interpreter of `model`, whose mechanism may have other inertias and another gravity.
@@ -156,7 +159,19 @@ impl<S: Scalar> Interpreter<S> {
             runge_kutta,
             midpoint,
             active,
+            without_inertia: None,
         }
+    }
+
+    /// Returns a joint that moves no inertia because its link has none, as an index into [`Model::links`]; `None` if all
+    /// joints move inertia.
+    ///
+    /// A robot with such a joint has kinematics alone: poses, velocities, Jacobians and the other functions that
+    /// [need no inertia](crate::quantities::Row::needs_inertia). [`evaluate`](Self::evaluate) refuses the others; the methods
+    /// for them return zero, infinite or NaN results. [`set_inertial`](Self::set_inertial) gives a link inertia.
+    #[must_use]
+    pub fn joint_without_inertia(&self) -> Option<usize> {
+        self.without_inertia
     }
 
     /// Returns the interpreter with this solver of forward dynamics, the layout of [`brge`](Self::brge), and the layout for

@@ -183,8 +183,8 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// # Errors
     ///
-    /// If there are not as many arguments as in the row, if a slice does not have the length of its argument, or if there is no
-    /// such link.
+    /// If there are not as many arguments as in the row, if a slice does not have the length of its argument, if there is no
+    /// such link, or if the function needs inertia and a joint [moves none](Self::joint_without_inertia).
     pub fn evaluate(
         &mut self,
         function: Function,
@@ -193,6 +193,9 @@ impl<S: Scalar> Interpreter<S> {
         result: &mut [S],
     ) -> Result<(), FrameError> {
         let (row, sizes) = (function.row(), self.sizes());
+        if let Some(joint) = self.joint_without_inertia().filter(|_| row.needs_inertia) {
+            return Err(FrameError::NoInertia { joint });
+        }
         if arguments.len() != row.arguments.len() {
             let (expected, found) = (row.arguments.len(), arguments.len());
             return Err(ShapeError::new("arguments", expected, found).into());

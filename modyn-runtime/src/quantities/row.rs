@@ -23,6 +23,8 @@ pub struct Row {
     pub of_constraints: bool,
     /// Whether the function depends on run-time parameters of the robot (gravity, inertias, payloads).
     pub depends_on_parameters: bool,
+    /// Whether the function needs inertia: robots whose links have none do not have it.
+    pub needs_inertia: bool,
     /// Whether the function is called so often that it is compiled for several instruction sets.
     pub hot: bool,
     /// Whether the function has a form for `CasADi`.
@@ -122,6 +124,7 @@ macro_rules! declare_rows {
                         default: has(FLAGS, "default"),
                         of_constraints: has(FLAGS, "constraints"),
                         depends_on_parameters: [$(!same(stringify!($with), ""),)? false][0],
+                        needs_inertia: has(FLAGS, "inertia"),
                         hot: has(FLAGS, "hot"),
                         casadi: has(FLAGS, "casadi"),
                         batch_of: None,

@@ -7,7 +7,8 @@ use super::data::markdown;
 
 /// Returns the table.
 pub(super) fn table() -> String {
-    let titles = "function | arguments | result | default | `_with` parameters | batch | C";
+    let titles =
+        "function | arguments | result | default | needs inertia | `_with` parameters | batch | C";
     let of_one_state = Function::ALL.iter().filter(|function| function.batched().is_none());
     let rows = of_one_state.map(|function| {
         let row = function.row();
@@ -29,6 +30,7 @@ pub(super) fn table() -> String {
             arguments.join(", "),
             row.docs.replace('\n', " "),
             default.into(),
+            of(row.needs_inertia).into(),
             of(row.depends_on_parameters).into(),
             of(batch).into(),
             c.into(),

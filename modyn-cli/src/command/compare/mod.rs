@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use modyn_codegen::diagnostics::Diagnostics;
 use modyn_codegen::diagnostics::sanitize_for_display;
-use modyn_codegen::{Function, ModuleChoice, condition_number};
+use modyn_codegen::{Function, ModuleChoice, condition_number, joints_without_inertia};
 use modyn_runtime::model::Model;
 use modyn_runtime::{FrameError, Interpreter};
 use serde_json::{Value, json};
@@ -96,7 +96,9 @@ struct Outcome {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let rustc = arguments.rustc.then(harness::rustc).transpose()?;
     let description = arguments.robot.open()?;
-    let quantities = arguments.quantities()?;
+    let reading = description.read(&arguments.robot.options.read_options());
+    let reading = reading.map_err(|found| description.failure(arguments.robot.named(found)))?;
+    let quantities = arguments.quantities(joints_without_inertia(&reading.model).is_empty())?;
     let mut builder = arguments.robot.builder(&description);
     builder = builder.functions(quantities.iter().map(|quantity| quantity.function));
     if let Some(choice) = &arguments.modules {
@@ -160,11 +162,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 impl Arguments {
-    fn quantities(&self) -> Result<Vec<Quantity>, Failure> {
+    /// Returns the functions to compare; without dynamics those that need no inertia, unless others are named.
+    fn quantities(&self, has_dynamics: bool) -> Result<Vec<Quantity>, Failure> {
         let chosen = |function: Function| {
             self.functions.as_ref().is_none_or(|Functions(list)| list.contains(&function))
         };
-        let possible = || quantities().filter(|one| self.rustc || !one.needs_rustc());
+        let has = |one: &Quantity| {
+            has_dynamics || self.functions.is_some() || !one.function.row().needs_inertia
+        };
+        let possible = || quantities().filter(|one| self.rustc || !one.needs_rustc()).filter(has);
         let quantities: Vec<_> = possible().filter(|one| chosen(one.function)).collect();
         if quantities.is_empty() {
             let names: Vec<&str> = possible().map(|one| one.function.name()).collect();

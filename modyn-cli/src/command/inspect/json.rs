@@ -11,7 +11,8 @@ use crate::command::diagnostics;
 
 /// Returns the inspection as JSON, in SI units.
 pub fn of(inspection: &Inspection) -> String {
-    let Inspection { model, modules, warnings, advice, condition, costs } = inspection;
+    let Inspection { model, modules, warnings, advice, condition, has_dynamics, costs } =
+        inspection;
     let modules: Vec<Value> = modules
         .modules()
         .iter()
@@ -58,6 +59,7 @@ pub fn of(inspection: &Inspection) -> String {
             "principal_moments": link.inertial.principal_moments(),
         })).collect::<Vec<_>>(),
         "modules": modules,
+        "has_dynamics": has_dynamics,
         "condition_number": condition.filter(|number| number.is_finite()),
         "f32_will_do": condition.map(|number| number <= MAX_CONDITION_F32),
         "functions": costs.as_ref().and_then(|costs| costs.as_ref().ok()).map(|costs| costs.iter().map(cost).collect::<Vec<_>>()),

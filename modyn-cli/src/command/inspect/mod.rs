@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use clap::Args;
 use modyn_codegen::Reading;
 use modyn_codegen::diagnostics::{Code, Diagnostic, Diagnostics};
-use modyn_codegen::{Builder, Function, ModuleChoice, condition_number};
+use modyn_codegen::{Builder, Function, ModuleChoice, condition_number, joints_without_inertia};
 use modyn_runtime::OperationCount;
 use modyn_runtime::model::{Model, ModuleTree};
 
@@ -51,8 +51,10 @@ struct Inspection {
     modules: ModuleTree,
     warnings: Vec<Diagnostic>,
     advice: Vec<Advice>,
-    /// The condition number of the scaled mass matrix; `None` if the robot is too large to compute it.
+    /// The condition number of the scaled mass matrix; `None` if the robot is too large to compute it, or has no dynamics.
     condition: Option<f64>,
+    /// Whether all joints move inertia.
+    has_dynamics: bool,
     /// The cost of each function, or the reason why the robot is too large to compile; `None` without `--functions`.
     costs: Option<Result<Vec<Cost>, Diagnostics>>,
 }
@@ -82,18 +84,20 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         reading => reading.map_err(|found| description.failure(found))?,
     };
     let mut progress = Progress::start("counting operations");
+    let Reading { model, warnings, .. } = reading;
+    let has_dynamics = joints_without_inertia(&model).is_empty();
     let costs = if arguments.json || arguments.functions.is_some() {
         let builder = arguments.robot.builder(&description);
-        let costs = costs(builder, arguments);
+        let costs = costs(builder, arguments, has_dynamics);
         Some(costs.map_err(|found| description.failure(arguments.robot.named(found)))?)
     } else {
         None
     };
-    let Reading { model, warnings, .. } = reading;
     let inspection = Inspection {
         modules: module_tree(&model, arguments.modules.as_ref())?,
         advice: advice::about(&model),
         condition: condition_number(&model),
+        has_dynamics,
         costs,
         model,
         warnings,
@@ -120,15 +124,17 @@ const LONGEST: [Function; 4] = [
 ];
 
 /// Returns the cost of each function, or the reason why the robot cannot be compiled. JSON has all functions except
-/// batches and the longest ones by default.
+/// batches and the longest ones by default, as far as the robot has them.
 fn costs(
     builder: Builder,
     arguments: &Arguments,
+    has_dynamics: bool,
 ) -> Result<Result<Vec<Cost>, Diagnostics>, Diagnostics> {
     let mut builder = builder.functions(match &arguments.functions {
         Some(Functions(functions)) => functions.clone(),
         None => {
             let all = Function::ALL.iter().copied();
+            let all = all.filter(|one| has_dynamics || !one.row().needs_inertia);
             all.filter(|one| one.batched().is_none() && !LONGEST.contains(one)).collect()
         }
     });

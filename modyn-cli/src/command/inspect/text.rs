@@ -25,7 +25,7 @@ const MAX_ADVICE: usize = 40;
 
 /// Returns the inspection as text.
 pub fn of(inspection: &Inspection) -> String {
-    let Inspection { model, modules, advice, condition, costs, .. } = inspection;
+    let Inspection { model, modules, advice, condition, has_dynamics, costs, .. } = inspection;
     let mut out = format!(
         "{}: {} moving links, {} coordinates, {} velocities, {} kg\n",
         sanitize_for_display(model.name()),
@@ -59,7 +59,7 @@ pub fn of(inspection: &Inspection) -> String {
             section(&mut out, "Functions", &format!("{}\n", sanitize_for_display(&why.to_string())))
         }
     }
-    section(&mut out, "Conditioning", &paragraph(&conditioning(*condition)));
+    section(&mut out, "Conditioning", &paragraph(&conditioning(*condition, *has_dynamics)));
     if !advice.is_empty() {
         let line = |one: &advice::Advice| {
             paragraph(&format!("link `{}`: {}", sanitize_for_display(&one.link), one.message))
@@ -264,8 +264,9 @@ fn functions(costs: &[Cost]) -> String {
     table.right_aligned_from(1).text()
 }
 
-fn conditioning(condition: Option<f64>) -> String {
+fn conditioning(condition: Option<f64>, has_dynamics: bool) -> String {
     match condition {
+        None if !has_dynamics => "the robot has no dynamics, since links have no inertia\n".into(),
         None => "not computed: the robot is too large\n".into(),
         Some(number) => format!(
             "mass matrix, scaled to a unit diagonal: up to {number:.1e}; f32 {}\n",

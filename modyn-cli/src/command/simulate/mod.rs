@@ -19,7 +19,7 @@ use modyn_runtime::model::Model;
 use crate::command::numbers::numbers;
 use crate::command::outcome::{Failure, to_file, to_stderr, to_stdout};
 use crate::command::progress::Progress;
-use crate::command::robot::Robot;
+use crate::command::robot::{Robot, needs_dynamics};
 use crate::picture::Skeleton;
 use crate::viewer;
 use impulses::{Options, contradictory_limits};
@@ -97,6 +97,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let reading = reading.map_err(|found| description.failure(found))?;
     description.warn(Diagnostics::new(reading.warnings));
     let model = reading.model;
+    needs_dynamics(&model, "simulate")?;
     let torques = match &arguments.torques {
         Some(path) => Torques::read(path, &model)?,
         None => Torques::none(),

@@ -8,7 +8,9 @@ use modyn_runtime::spatial::Pose;
 use super::item::Item;
 use super::models::Model;
 use super::pose::about;
-use crate::description::{JointRecord, Kind, Located, MAX_NUMBER, SpringRecord, normalized};
+use crate::description::{
+    JointRecord, Kind, Located, MAX_NUMBER, SpringRecord, UNLIMITED, normalized,
+};
 use crate::diagnostics::{Code, Report, Severity, Subject};
 
 /// Returns whether a joint is free.
@@ -118,8 +120,8 @@ pub fn joint(
         refuse(Code::InvertedLimits, "the lower limit is above the upper one", help);
     }
     let limits = (range.is_some() || effort.is_some()).then(|| Limits {
-        lower: range.map(|[lower, _]| lower),
-        upper: range.map(|[_, upper]| upper),
+        lower: range.map(|[lower, _]| lower).filter(|lower| *lower > -UNLIMITED),
+        upper: range.map(|[_, upper]| upper).filter(|upper| *upper < UNLIMITED),
         velocity: None,
         effort,
     });

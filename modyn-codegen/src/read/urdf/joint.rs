@@ -5,7 +5,7 @@ use modyn_runtime::model::{JointDynamics, Limits};
 use roxmltree::Node;
 
 use super::reader::Reader;
-use crate::description::{JointRecord, Kind, Located, Mimic, MimicRecord, are_parallel};
+use crate::description::{JointRecord, Kind, Located, Mimic, MimicRecord, UNLIMITED, are_parallel};
 use crate::diagnostics::{Code, Severity, Subject};
 use crate::read::xml::element::{Attribute, attribute};
 
@@ -197,6 +197,9 @@ impl<'a> Reader<'a, '_, '_, '_> {
                 help,
             );
         }
+        let bounds = [lower, upper, velocity, effort];
+        let [lower, upper, velocity, effort] =
+            bounds.map(|bound| bound.filter(|bound| bound.abs() < UNLIMITED));
         Some(Limits { lower, upper, velocity, effort })
     }
 

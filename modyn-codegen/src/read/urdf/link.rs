@@ -52,6 +52,9 @@ impl<'a> Reader<'a, '_, '_, '_> {
                 }
             }
         }
+        if has_white_space(node) {
+            self.dropped_inertias.push((Some(node.range().start), subject.cloned()));
+        }
         let own = Inertial { mass, center_of_mass: [0.0; 3], inertia };
         InertialRecord {
             inertial: own.transformed(&pose),
@@ -60,4 +63,19 @@ impl<'a> Reader<'a, '_, '_, '_> {
             sound: self.xml.report.errors() == errors,
         }
     }
+}
+
+/// Returns whether a number in an `<inertial>` has white space with which urdfdom does not read it: anything after a single
+/// number, and other white space than spaces between several. XML replaces a new line by a space, so this is the text itself.
+fn has_white_space(inertial: Node) -> bool {
+    let text = inertial.document().input_text();
+    let is_white = |c: char| c.is_ascii_whitespace();
+    let parts = ["origin", "mass", "inertia"];
+    inertial.children().filter(|part| parts.contains(&part.tag_name().name())).any(|part| {
+        let is_list = part.tag_name().name() == "origin";
+        part.attributes().map(|own| &text[own.range_value()]).any(|value| match is_list {
+            true => value.contains(['\n', '\t', '\r']),
+            false => value.ends_with(is_white),
+        })
+    })
 }

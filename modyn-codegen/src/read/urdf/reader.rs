@@ -12,6 +12,12 @@ use crate::read::xml::element::{Attribute, Elements, attribute};
 pub struct Reader<'a, 't, 'r, 'f> {
     pub xml: Elements<'a, 't, 'r, 'f>,
     pub options: &'r ReadOptions,
+    /// Whether the robot says that it is a URDF of version 1.1 or later.
+    pub has_quaternions: bool,
+    /// The places of quaternions that other readers ignore.
+    pub ignored_quaternions: Vec<Place>,
+    /// The places of inertias that other readers drop, for white space in numbers.
+    pub dropped_inertias: Vec<Place>,
     /// The places of negative effort or velocity limits.
     pub negative_limits: Vec<Place>,
 }
@@ -35,7 +41,12 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let translation = three("xyz").unwrap_or_default();
         let angles = three("rpy");
         let rotation = match attribute(node, "quat_xyzw") {
-            Some(text) => self.quaternion(text, angles.is_some(), subject),
+            Some(text) => {
+                if !self.has_quaternions && node.tag_name().name() == "origin" {
+                    self.ignored_quaternions.push((Some(text.at), subject.cloned()));
+                }
+                self.quaternion(text, angles.is_some(), subject)
+            }
             None => None,
         };
         let rotation = rotation.unwrap_or_else(|| roll_pitch_yaw(angles.unwrap_or_default()));

@@ -14,6 +14,12 @@ pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Desc
     let mut reader = Reader {
         xml: Elements { root: robot, start: 0, report },
         options,
+        has_quaternions: !matches!(
+            robot.attribute("version").map(str::trim),
+            None | Some("1" | "1.0")
+        ),
+        ignored_quaternions: Vec::new(),
+        dropped_inertias: Vec::new(),
         negative_limits: Vec::new(),
     };
     let name = robot.attribute("name").unwrap_or("");
@@ -84,6 +90,14 @@ impl<'a> Reader<'a, '_, '_, '_> {
             "write its magnitude, or omit the attribute if there is no limit",
         );
         self.xml.report.warn_once(Code::NegativeLimit, &self.negative_limits, message, help);
+        let message = "a number of the inertia ends in white space, or numbers are separated by other white space than \
+                       spaces; urdfdom, which ROS and Pinocchio use, then drops the whole inertia";
+        let help =
+            "write numbers without a new line or a tabulator, and nothing after a single number";
+        self.xml.report.warn_once(Code::BadNumber, &self.dropped_inertias, message, help);
+        let message = "`quat_xyzw` is read, but urdfdom, which ROS and Pinocchio use, ignores it: it is of URDF 1.1";
+        let help = "write `<robot version=\"1.2\" ...>`";
+        self.xml.report.warn_once(Code::NotRead, &self.ignored_quaternions, message, help);
         let unlimited: Vec<Place> = description
             .joints
             .iter()

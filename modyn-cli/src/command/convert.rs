@@ -1,0 +1,71 @@
+//! `modyn convert`: writes what modyn understood of a description as a URDF or an MJCF.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use modyn_codegen::diagnostics::{Diagnostics, sanitize_for_display};
+use modyn_codegen::{Format, write};
+
+use crate::command::outcome::{Failure, to_file, to_stderr, to_stdout};
+use crate::command::robot::Robot;
+
+/// Write a robot as a URDF or an MJCF: its links, joints, inertias, loops and contacts, and nothing else
+///
+/// Reading the result again gives the same robot. What the format has no words for is said on standard error and at the
+/// top of the result.
+///
+/// The exit code is 1 if the description is rejected, or if the robot's dynamics would differ in the other format.
+#[derive(Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    robot: Robot,
+    /// The file to write; `-` for standard output
+    #[arg(value_name = "OUT")]
+    out: PathBuf,
+    /// The format to write [default: that of the file's extension: `.urdf`; `.xml` or `.mjcf` for an MJCF]
+    #[arg(long, value_name = "FORMAT")]
+    to: Option<To>,
+}
+
+/// The formats that are written.
+#[derive(Clone, Copy, ValueEnum)]
+enum To {
+    Urdf,
+    #[cfg(feature = "mjcf")]
+    Mjcf,
+}
+
+/// Converts a description.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let format = arguments.format()?;
+    let Arguments { robot, out, .. } = arguments;
+    let description = robot.open()?;
+    let reading = description.read(&robot.options.read_options());
+    let reading = reading.map_err(|found| description.failure(robot.named(found)))?;
+    description.warn(robot.named(Diagnostics::new(reading.warnings)));
+    let written = write(&reading.model, format);
+    let written = written.map_err(|found| Failure::Diagnostics(found, None))?;
+    for note in &written.notes {
+        to_stderr(&format!("note: {}\n", sanitize_for_display(note)));
+    }
+    if out == Path::new("-") {
+        return to_stdout(&written.text);
+    }
+    to_file(out, &written.text)
+}
+
+impl Arguments {
+    fn format(&self) -> Result<Format, Failure> {
+        let extension = self.out.extension().and_then(|extension| extension.to_str());
+        let extension = extension.map(str::to_ascii_lowercase);
+        match (self.to, extension.as_deref()) {
+            (Some(To::Urdf), _) | (None, Some("urdf")) => Ok(Format::Urdf),
+            #[cfg(feature = "mjcf")]
+            (Some(To::Mjcf), _) | (None, Some("xml" | "mjcf")) => Ok(Format::Mjcf),
+            (None, _) => Err(Failure::usage(format!(
+                "error: the format of `{}` is not known: name the file `.urdf` or `.xml`, or add `--to urdf` or `--to mjcf`",
+                sanitize_for_display(&self.out.display().to_string())
+            ))),
+        }
+    }
+}

@@ -1,0 +1,3 @@
+modyn::modyn!("kinematics-only.urdf", functions = [forward_dynamics, link_pose]);
+
+fn main() {}
