@@ -129,7 +129,7 @@ def compare(task):
         if row.format == "mjcf":
             agrees &= loops_agree(interpreter, theirs, random)
         row.compared = "agrees" if agrees else "DIFFERS"
-    except (Unloaded, NotImplementedError, KeyError) as error:
+    except (Unloaded, NotImplementedError, KeyError, RuntimeError) as error:
         row.compared = f"not compared: {error}".replace(f"{path.parent}/", "")[:200]
     except Exception as error:  # The table has the fault, and the exit code.
         row.compared = f"DIFFERS: {type(error).__name__}: {error}"[:300]

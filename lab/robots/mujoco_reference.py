@@ -30,6 +30,8 @@ class Reference:
             model.opt.disableflags |= flag(name)
         model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
         self.data = mujoco.MjData(model)
+        #: The degrees of freedom whose gravity compensation MuJoCo counts as a force of actuators.
+        self.by_actuators = model.jnt_actgravcomp[model.dof_jntid] != 0
         self.joints = joints
         self.nq, self.nv = sum(joint.nq for joint in joints), sum(joint.nv for joint in joints)
         self.place_joints()
@@ -151,7 +153,8 @@ class Reference:
         matrix = numpy.zeros((self.model.nv, self.model.nv))
         for column, unit in zip(matrix, numpy.eye(self.model.nv)):
             mujoco.mj_mulM(self.model, self.data, column, unit)
-        bias = g.T @ (self.data.qfrc_bias - self.data.qfrc_passive + matrix @ drift)
+        passive = self.data.qfrc_passive + self.data.qfrc_gravcomp * self.by_actuators
+        bias = g.T @ (self.data.qfrc_bias - passive + matrix @ drift)
         matrix = g.T @ matrix @ g
         return numpy.linalg.solve(matrix, tau - bias), bias, matrix
 

@@ -122,7 +122,11 @@ fn collections_are_tables() {
         "arm.urdf",
         &format!(r#"<robot name="r">{link}<link name="b">{inertial}</link></robot>"#),
     );
-    write("bad.urdf", &format!(r#"<robot name="r">{link}<link name="b"/></robot>"#));
+    let negative = inertial.replace("mass value=\"1\"", "mass value=\"-1\"");
+    write(
+        "bad.urdf",
+        &format!(r#"<robot name="r">{link}<link name="b">{negative}</link></robot>"#),
+    );
     write("arms/one.xml", r#"<mujoco model="m"><include file="../parts/body.xml"/></mujoco>"#);
     write(
         "parts/body.xml",
@@ -168,7 +172,7 @@ fn collections_are_tables() {
     assert_eq!(json["totals"]["urdf"]["refused"], 1);
     let text = modyn(&["check", "--collection", &path]);
     assert_eq!(text.code, 1);
-    assert!(text.out.contains("singular-joint: joint `j`: "), "{}", text.out);
+    assert!(text.out.contains("negative-mass: link `b`: "), "{}", text.out);
     assert!(text.out.contains("mjcf           1       1        1     2"), "{}", text.out);
     assert!(text.out.ends_with("1 other file is no description.\n"), "{}", text.out);
     assert_eq!(modyn(&["check", "--collection", "robots/arm6.urdf"]).code, 2);

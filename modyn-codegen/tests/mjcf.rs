@@ -239,6 +239,33 @@ fn meshes_are_needed_for_inertia_alone() {
     assert!(found[0].message.contains(&path), "{}", found[0].message);
 }
 
+/// A face of an OBJ file with more than 100 corners is left out, as in MuJoCo 4.0.0.
+#[test]
+fn faces_with_many_corners_are_left_out() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("many_corners");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let area = |corners: usize| {
+        let mut obj = String::from("v 5 5 5\nv 6 5 5\nv 5 6 5\nv 5 5 6\n");
+        for k in 0..corners {
+            let (sin, cos) = (core::f64::consts::TAU * k as f64 / corners as f64).sin_cos();
+            obj += &format!("v {cos:.6} {sin:.6} 0\n");
+        }
+        obj += "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\nf";
+        (0..corners).for_each(|k| obj += &format!(" {}", k + 5));
+        std::fs::write(folder.join("m.obj"), obj).expect("a mesh");
+        let text = r#"<mujoco model="m"><asset><mesh file="m.obj" inertia="shell"/></asset><worldbody><body><joint/>
+            <geom type="mesh" mesh="m" density="1"/></body></worldbody></mujoco>"#;
+        let options = ReadOptions { folder: Some(folder.clone()), ..ReadOptions::default() };
+        let reading = modyn_codegen::read_mjcf(text, "m.xml", &options).expect("an MJCF");
+        reading.model.links()[0].inertial.mass
+    };
+    let tetrahedron = 1.5 + 0.75_f64.sqrt();
+    assert!((area(101) - tetrahedron).abs() < 1e-6, "{}", area(101));
+    // The polygon of 100 corners in the unit circle.
+    let polygon = 50.0 * (core::f64::consts::TAU / 100.0).sin();
+    assert!((area(100) - tetrahedron - polygon).abs() < 1e-4, "{}", area(100));
+}
+
 /// The hull of a grid of points is a box, in every orientation and size; points in one plane have none.
 #[test]
 fn hulls_of_points_in_planes() {
@@ -590,6 +617,12 @@ fn unsupported_elements_are_refused() {
         (r#"<option viscosity="1e-3"/>"#, Some(r#"<option viscosity="0"/>"#)),
         (r#"<default class="other"/>"#, Some(r#"<default class="main"/>"#)),
         (r"<default><default/></default>", Some(r#"<default><default class="a"/></default>"#)),
+        (
+            r#"<default><default class="a"><default class="a"><joint damping="1"/></default></default></default>"#,
+            Some(
+                r#"<default><default class="a"><default class="b"><joint damping="1"/></default></default></default>"#,
+            ),
+        ),
         (r#"<compiler eulerseq="xyzx"/>"#, Some(r#"<compiler eulerseq="xyz"/>"#)),
         (r#"<compiler eulerseq="xyw"/>"#, Some(r#"<compiler eulerseq="XYZ"/>"#)),
         (r#"<compiler autolimits="yes"/>"#, Some(r#"<compiler autolimits="true"/>"#)),

@@ -1,7 +1,7 @@
 //! Robots with a floating base.
 
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Frame, Inertial, Joint, Link, Model};
+use modyn_runtime::model::{Frame, Inertial, Joint, Link, Model, Spring};
 use modyn_runtime::spatial::Pose;
 
 /// Returns the robot with a floating base. The frames that were fixed to the world become its first link, with their
@@ -20,6 +20,8 @@ pub fn floated(model: &Model, extra: Inertial) -> Model {
         }
         link
     }));
+    let springs = model.springs().iter().cloned();
+    let springs = springs.map(|spring| Spring { link: spring.link + 1, ..spring });
     let frames = model
         .frames()
         .iter()
@@ -27,5 +29,9 @@ pub fn floated(model: &Model, extra: Inertial) -> Model {
         .map(|frame| Frame { link: Some(frame.link.map_or(0, |link| link + 1)), ..frame });
     Model::new(model.name(), model.gravity(), links, frames.collect())
         .and_then(|floating| floating.with_friction(model.friction()))
+        .and_then(|floating| floating.with_springs(springs.collect()))
+        .and_then(|floating| {
+            floating.with_gravity_compensation(model.gravity_compensation().to_vec())
+        })
         .unwrap_or_else(|errors| panic!("{errors:?}"))
 }

@@ -73,10 +73,11 @@ proptest! {
             assert_same(&mut interpreter, &mut Interpreter::new(other), &state);
         }
         // The links' weights, given as external forces, replace gravity.
-        let weights: Vec<_> = zip(model.frames(), interpreter.poses(&state.q))
-            .map(|(frame, pose)| {
+        let factors = model.gravity_compensation().iter().copied().chain(std::iter::repeat(0.0));
+        let weights: Vec<_> = zip(zip(model.frames(), factors), interpreter.poses(&state.q))
+            .map(|((frame, compensated), pose)| {
                 let lever = Vector3(pose.rotate(frame.inertial.center_of_mass));
-                let force = Vector3(model.gravity()).scale(frame.inertial.mass);
+                let force = Vector3(model.gravity()).scale((1.0 - compensated) * frame.inertial.mass);
                 Wrench { moment: lever.cross(force), force }
             })
             .collect();

@@ -7,7 +7,7 @@ use modyn_runtime::model::ModelErrorKind::{
 };
 use modyn_runtime::model::{
     DEFAULT_GRAVITY, Frame, Friction, Inertial, InertialDefect, Joint, JointDynamics, Link, Mimic,
-    Model, ModelErrorKind, ModuleError, ModuleTree,
+    Model, ModelErrorKind, ModuleError, ModuleTree, Spring,
 };
 use modyn_runtime::spatial::Pose;
 use modyn_tests::cases::{cases, robots};
@@ -195,6 +195,47 @@ fn joint_dynamics() {
             |p| p.links[1].joint.dynamics = dynamics,
             &[("b_joint", JointDynamicsError)],
         );
+    }
+}
+
+#[test]
+fn springs_and_gravity_compensation() {
+    let mut parts = parts();
+    parts.links[1].joint.joint_type = JointType::Spherical;
+    let model = make(parts).expect("a model");
+    let spring = |link, stiffness, reference: &[f64]| Spring {
+        link,
+        stiffness,
+        reference: reference.to_vec(),
+    };
+    let kinds = |springs: &[Spring]| {
+        let errors = model.clone().with_springs(springs.to_vec()).expect_err("refused");
+        errors.into_iter().map(|error| (error.name, error.kind)).collect::<Vec<_>>()
+    };
+    let bad = |name: &str| vec![(name.to_string(), ModelErrorKind::Spring)];
+    assert_eq!(kinds(&[spring(4, 1.0, &[0.0])]), bad(model.name()));
+    assert_eq!(kinds(&[spring(0, -1.0, &[0.0])]), bad("a_joint"));
+    assert_eq!(kinds(&[spring(0, 1.0, &[])]), bad("a_joint"));
+    assert_eq!(kinds(&[spring(1, 1.0, &[0.0, 0.0, 0.0, 1.1])]), bad("b_joint"));
+    assert_eq!(kinds(&[spring(0, 1.0, &[0.0]), spring(0, 2.0, &[0.0])]), bad("a_joint"));
+    let not_finite = vec![("a_joint".to_string(), NotFinite)];
+    assert_eq!(kinds(&[spring(0, f64::NAN, &[0.0])]), not_finite);
+    assert_eq!(kinds(&[spring(0, 1.0, &[f64::INFINITY])]), not_finite);
+
+    let springs = vec![spring(1, 2.0, &[0.6, 0.0, 0.0, 0.8]), spring(0, 0.0, &[0.3])];
+    let sprung = model.clone().with_springs(springs.clone()).expect("sound");
+    assert_eq!((sprung.springs(), sprung.spring(0)), (&*springs, Some(&springs[1])));
+    assert_eq!(sprung.spring(2), None);
+
+    for (factors, kind) in
+        [(vec![1.0; 4], ModelErrorKind::GravityCompensation), (vec![f64::NAN; 5], NotFinite)]
+    {
+        let errors = model.clone().with_gravity_compensation(factors).expect_err("refused");
+        assert_eq!(errors.iter().map(|error| error.kind).collect::<Vec<_>>(), [kind]);
+    }
+    for factors in [vec![], vec![0.0, 1.0, -0.5, 0.0, 2.0]] {
+        let compensated = sprung.clone().with_gravity_compensation(factors.clone());
+        assert_eq!(compensated.expect("sound").gravity_compensation(), factors);
     }
 }
 

@@ -18,7 +18,8 @@ use modyn_codegen::{
     Interpreter, LoopEnd, Planning, UserArgument, UserError, UserFunction,
 };
 use modyn_runtime::Scalar;
-use modyn_runtime::model::Model;
+use modyn_runtime::joint::JointType;
+use modyn_runtime::model::{Link, Model, Spring};
 
 use crate::random::{Random, normalize};
 use numbers::{Reference, evaluate, is_same};
@@ -119,15 +120,31 @@ pub fn kinds() -> Vec<Case> {
     let links = gripper.generate().expect("good").model.links().to_vec();
     let [replaced, loaded] = [1, 2].map(|link: usize| links[link].name.clone());
     vec![
-        case("joint_zoo", robot("joint_zoo").functions(USED)),
+        case("joint_zoo", sprung().functions(USED)),
         case("five_bar", robot("five_bar")),
         case("mimic_gripper", robot("mimic_gripper").functions(USED)),
         case("parameters", gripper.runtime_inertia([replaced]).payload([loaded])),
         case("routines", robot("quadruped").share().functions(USED)),
-        case("loops", robot("joint_zoo").functions(looped).code(CodeForm::Small).runtime_gravity()),
+        case("loops", sprung().functions(looped).code(CodeForm::Small).runtime_gravity()),
         case("comb", comb().functions(USED)),
         case("own_functions", own_functions()),
     ]
+}
+
+/// Returns a robot with all joint types, and a spring at each joint.
+fn sprung() -> Builder {
+    let model = robot("joint_zoo").generate().expect("good").model;
+    let unit = [0.1, 0.5, -0.7, 0.5];
+    let spring = |(link, described): (usize, &Link)| {
+        let reference = match described.joint.joint_type {
+            JointType::Spherical => unit.to_vec(),
+            JointType::Floating => [&[0.3, -0.2, 0.4][..], &unit].concat(),
+            joint_type => vec![0.4; joint_type.nq()],
+        };
+        Spring { link, stiffness: 3.0 + link as f64, reference }
+    };
+    let springs = model.links().iter().enumerate().map(spring).collect();
+    Builder::new().model(model.with_springs(springs).expect("good springs"))
 }
 
 /// Returns an arm with a bundle, of which some functions are of one link and one has several results, and a function of the

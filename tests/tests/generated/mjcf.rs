@@ -9,6 +9,7 @@ modyn::modyn!(Arm = "../../../modyn-codegen/tests/mjcf/arm.xml", friction = visc
 
 modyn::modyn! {
     Floating = "../../../modyn-codegen/tests/mjcf/floating.xml",
+    friction = none,
     functions = [forward_dynamics, inverse_dynamics, gravity_torques, potential_energy, forward_dynamics_derivatives],
     embed_model = true,
 }

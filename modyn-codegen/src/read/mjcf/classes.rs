@@ -49,12 +49,15 @@ impl<'e> Classes<'e> {
                 report.error(Code::NotRead, inner.at, None, message, "write its `class`");
                 continue;
             };
-            let entry = Class { parent: Some(name), sections: Vec::new() };
-            if self.by_name.insert(&class.value, entry).is_some() {
+            // A class in one of the same name would be its own parent.
+            if self.contains(&class.value) {
                 let message = format!("another `<default>` has the class `{}`", class.value);
                 let help = "give each class its own name";
                 report.error(Code::NotRead, class.at, None, message, help);
+                continue;
             }
+            let entry = Class { parent: Some(name), sections: Vec::new() };
+            self.by_name.insert(&class.value, entry);
             self.add(inner, &class.value, report);
         }
     }

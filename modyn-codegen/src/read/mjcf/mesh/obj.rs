@@ -32,6 +32,9 @@ pub fn read(bytes: &[u8]) -> Option<Mesh> {
 impl Mesh {
     /// Adds the triangles of a face; `None` if a vertex does not exist, or if finding them takes too long.
     fn triangulate(&mut self, mut face: Vec<usize>, tests: &mut usize) -> Option<()> {
+        if face.len() > MAX_CORNERS {
+            return Some(());
+        }
         if face.len() > 4 {
             let triangles = ears(&self.vertices, face, tests)?;
             self.faces.extend(triangles);
@@ -54,6 +57,9 @@ impl Mesh {
         Some(())
     }
 }
+
+/// The largest number of corners of a face: MuJoCo leaves out faces with more.
+const MAX_CORNERS: usize = 100;
 
 /// The largest number of tests whether a corner is in a triangle.
 const MAX_TESTS: usize = 1 << 28;
