@@ -20,11 +20,12 @@ use crate::emit::{
     RolloutSource, Target, emit_rollouts,
 };
 use crate::options::{Bundle, ModuleChoice, OptionError, Options, Value, option_table, user};
-use crate::plan::{Choices, CodeForm, Function, NamedFunction, Plan, TracedFunction};
+use crate::plan::{Choices, CodeForm, Function, NamedFunction, Plan, TooLong, TracedFunction};
 use crate::program::Execution;
 use crate::read::{Format, Reading};
-use crate::size::{Selected, too_large};
-use checks::{invalid_programs, left_out, moving_frames, without_hessian, without_inertia};
+use checks::{
+    invalid_programs, left_out, moving_frames, too_long, without_hessian, without_inertia,
+};
 pub use object::ObjectPlanning;
 use source::Source;
 
@@ -159,12 +160,18 @@ struct Inputs {
 }
 
 impl Inputs {
+    /// Returns the error that the functions take too many operations.
+    fn too_long(&self, reason: &TooLong) -> Diagnostics {
+        Diagnostics::new(vec![too_long(&self.model, &self.modules, reason)])
+    }
+
     /// Returns the plan for machine code, after adding its warnings to those of the description.
-    fn machine_code(&mut self) -> Plan {
+    fn machine_code(&mut self) -> Result<Plan, Diagnostics> {
         self.choices = std::mem::take(&mut self.choices).of_one_state();
         let plan = Plan::new(&self.model, &self.modules, &self.choices, Execution::Simd);
+        let plan = plan.map_err(|reason| self.too_long(&reason))?;
         self.options.warnings.extend(invalid_programs(&plan));
-        plan
+        Ok(plan)
     }
 }
 
@@ -338,6 +345,7 @@ impl Builder {
         let mut inputs = builder.inputs_without(backend.refused())?;
         let robot = (&inputs.model, &inputs.modules);
         let plan = backend.plan(robot, &inputs.choices, &inputs.options);
+        let plan = plan.map_err(|reason| inputs.too_long(&reason))?;
         let lacking = left_out(target, self.selected());
         let casadi = without_hessian(&plan.casadi.without_hessian, &inputs.options.prefix(robot.0));
         inputs.options.warnings.extend(lacking.into_iter().chain(casadi));
@@ -377,7 +385,7 @@ impl Builder {
     /// Returns all errors of the description and the options.
     pub fn plan(&self) -> Result<Planning, Diagnostics> {
         let mut inputs = self.inputs()?;
-        let plan = inputs.machine_code();
+        let plan = inputs.machine_code()?;
         let Inputs { model, files, options, .. } = inputs;
         Ok(Planning { plan, model, warnings: options.warnings, files })
     }
@@ -455,13 +463,6 @@ impl Builder {
                 (functions, error) = without_inertia(model, &singular, &functions, &bundled);
                 errors.extend(error);
             }
-        }
-        if let (Some(Reading { model, .. }), Some(modules)) = (&reading, &modules) {
-            // Functions of one link in a bundle are short.
-            let is_described = code.runtime_inertia.is_empty() && code.payload.is_empty();
-            let has_loops = code.code == CodeForm::Small && is_described;
-            let selected = Selected { functions: &functions, bundled: &bundled, has_loops };
-            errors.extend(too_large(model, modules, selected));
         }
         let inertias = [
             ("runtime_inertia", Code::RuntimeInertia, &code.runtime_inertia),

@@ -25,7 +25,6 @@ pub mod passes;
 pub mod plan;
 pub mod program;
 pub mod read;
-mod size;
 pub mod trace;
 mod write;
 
@@ -64,6 +63,7 @@ pub mod internals {
     pub use crate::emit::rust::embedded::in_any_edition;
     pub use crate::emit::rust::function::operations::literal;
     pub use crate::emit::rust::layout::indented;
+    pub use crate::graph::limit::within;
     pub use crate::graph::table::{Table, hash};
     pub use crate::names::KEYWORDS;
     pub use crate::passes::balance::ready_times;
@@ -73,6 +73,5 @@ pub mod internals {
     pub use crate::read::xml::document::{blank_comments, first_element};
     pub use crate::read::xml::limits::MAX_BYTES;
     pub use crate::read::xml::numbers::numbers;
-    pub use crate::size::{Selected, estimate, too_large};
     pub use crate::trace::limbs::groups::{groups, join};
 }

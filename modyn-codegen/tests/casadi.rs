@@ -170,7 +170,8 @@ fn compare(model: &Model, gravity: bool, inertias: &[usize], payload: &[usize]) 
         payload: payload.to_vec(),
         ..Choices::default()
     };
-    let plan = Plan::for_casadi(model, &ModuleTree::links(model), &choices).casadi;
+    let plan = Plan::for_casadi(model, &ModuleTree::links(model), &choices);
+    let plan = plan.expect("short").casadi;
     assert_eq!(plan.without_hessian, [""; 0]);
     let mut numbers = Numbers(7);
     for family in plan.functions.chunks(5) {
@@ -219,7 +220,8 @@ fn a_pose_in_the_middle_of_a_tree_is_differentiated() {
 fn quaternions_have_any_length() {
     let model = model("double_pendulum", Base::Floating);
     let choices = Choices { functions: [Function::ForwardDynamics].to_vec(), ..Choices::default() };
-    let plan = Plan::for_casadi(&model, &ModuleTree::links(&model), &choices).casadi;
+    let plan = Plan::for_casadi(&model, &ModuleTree::links(&model), &choices);
+    let plan = plan.expect("short").casadi;
     let mut numbers = Numbers(3);
     let x = numbers.vector(model.nq() + 2 * model.nv());
     let mut interpreter = Interpreter::new(model.clone());
@@ -243,7 +245,8 @@ fn patterns_have_the_zeros_of_the_structure() {
         functions: [Function::ForwardDynamics, Function::MassMatrix].to_vec(),
         ..Choices::default()
     };
-    let plan = Plan::for_casadi(&model, &ModuleTree::links(&model), &choices).casadi;
+    let plan = Plan::for_casadi(&model, &ModuleTree::links(&model), &choices);
+    let plan = plan.expect("short").casadi;
     // Four legs of three joints: blocks on the diagonal.
     let blocks = |matrix: &CasadiMatrix| {
         for (column, rows) in matrix.nonzeros.iter().enumerate() {

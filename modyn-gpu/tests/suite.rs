@@ -85,6 +85,12 @@ impl BackEnd for Wgsl {
 }
 
 #[test]
+fn all_joint_types() {
+    conforms(&Wgsl, &kinds()[0], FloatType::F32);
+}
+
+#[test]
+#[ignore = "slow: a driver compiles every function of many robots"]
 fn robots_of_every_kind() {
     let compared: usize = kinds().iter().map(|case| conforms(&Wgsl, case, FloatType::F32)).sum();
     assert!(compared > 200, "{compared}");
@@ -96,6 +102,7 @@ fn all_functions() {
 }
 
 #[test]
+#[ignore = "slow: a driver compiles a large robot"]
 fn a_large_robot() {
     conforms(&Wgsl, &large(), FloatType::F32);
 }

@@ -90,7 +90,7 @@ fn plan(model: &Model, functions: &[Function], execution: Execution) -> Plan {
         code: CodeForm::Fast,
         ..Choices::default()
     };
-    Plan::new(model, &ModuleTree::chains(model), &choices, execution)
+    Plan::new(model, &ModuleTree::chains(model), &choices, execution).expect("short")
 }
 
 /// Equal and similar limbs in lanes, and in routines: programs give the interpreter's results. Each robot has some of the

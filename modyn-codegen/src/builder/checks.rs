@@ -12,7 +12,7 @@ use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity, Subject, sugge
 use crate::emit::Target;
 use crate::names;
 use crate::options::{Bundle, ModuleChoice, shared_names, user};
-use crate::plan::{Function, Plan};
+use crate::plan::{Function, MAX_LINKS, MAX_OPERATIONS, Plan, TooLong};
 
 impl Builder {
     /// Returns the errors of options that are copied into the text.
@@ -260,4 +260,52 @@ pub(super) fn moving_frames(
         }
     }
     if errors.is_empty() { Ok(frames) } else { Err(Diagnostics::new(errors)) }
+}
+
+/// Returns the error that the functions of a robot take too many operations.
+pub fn too_long(model: &Model, modules: &ModuleTree, reason: &TooLong) -> Diagnostic {
+    let joints = model.links().len();
+    let other = "use `modyn::Interpreter`, which has no such limit";
+    let TooLong::Function { name, before } = reason else {
+        let message = format!(
+            "code is made for at most {MAX_LINKS} moving joints, and the robot has {joints}"
+        );
+        let help = format!("make unimportant joints `fixed`; or {other}");
+        return Diagnostic::error(Code::TooLarge, message).with_help(help);
+    };
+    let listed = |(name, operations): &(&str, usize)| format!("`{name}` {operations}");
+    let mut before = before.clone();
+    before.sort_by_key(|(_, operations)| std::cmp::Reverse(*operations));
+    before.retain(|(_, operations)| *operations > MAX_OPERATIONS / 10);
+    let others = match before.is_empty() {
+        true => String::new(),
+        false => {
+            let longest: Vec<String> = before.iter().take(3).map(listed).collect();
+            format!(", with the functions before it ({})", longest.join(", "))
+        }
+    };
+    let longest = modules.modules().iter().map(|module| &module.links).max_by_key(|l| l.len());
+    let longest = longest.map(|links| {
+        let [first, last] = [links.start, links.end - 1].map(|link| &model.links()[link].name);
+        format!("; the longest module has {} links, from `{first}` to `{last}`", links.len())
+    });
+    let message = format!(
+        "`{name}` of {joints} moving joints and {} links takes more than {MAX_OPERATIONS} operations{others}{}",
+        model.frames().len(),
+        longest.unwrap_or_default(),
+    );
+    // The factors by modules of one link have no dense pivots.
+    let help = if *name == Function::Brge.name() && *modules != ModuleTree::links(model) {
+        format!(
+            "try `modules = links`, or leave `{name}` out of the option `functions`; or {other}"
+        )
+    } else {
+        let long = before.iter().map(|(name, _)| *name).chain([*name]);
+        let long: Vec<String> = long.map(|name| format!("`{name}`")).collect();
+        let long = long.join(" or ");
+        format!(
+            "leave {long} out of the option `functions`, or remove links that nothing needs; or {other}"
+        )
+    };
+    Diagnostic::error(Code::TooLarge, message).with_help(help)
 }

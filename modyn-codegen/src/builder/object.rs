@@ -49,7 +49,7 @@ impl Builder {
     /// are C functions already.
     pub fn plan_object(&self) -> Result<ObjectPlanning, Diagnostics> {
         let mut inputs = self.inputs_without(&REFUSED)?;
-        let mut plan = inputs.machine_code();
+        let mut plan = inputs.machine_code()?;
         let Inputs { model, files, modules, mut options, .. } = inputs;
         let functions = plan.functions.len();
         plan.functions.retain(|planned| planned.function != Some(Function::Brge));

@@ -18,7 +18,7 @@ use modyn_runtime::model::{Model, ModuleTree};
 
 use crate::diagnostics::Diagnostic;
 use crate::names;
-use crate::plan::{Choices, Function, Plan};
+use crate::plan::{Choices, Function, Plan, TooLong};
 use crate::program::Execution;
 
 /// The scalar of the generated type's own functions.
@@ -189,7 +189,7 @@ pub trait Backend: Sync {
         (model, modules): (&Model, &ModuleTree),
         choices: &Choices,
         options: &EmitOptions,
-    ) -> Plan {
+    ) -> Result<Plan, TooLong> {
         Plan::new(model, modules, choices, self.execution(options))
     }
 

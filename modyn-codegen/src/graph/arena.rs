@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::limit;
 use super::node::{Id, Node};
 use super::table::Table;
 
@@ -9,16 +10,31 @@ use super::table::Table;
 ///
 /// A node is a scalar or a pack of lanes. An operation acts on each lane. A scalar operand of an operation on packs is
 /// broadcast to all lanes.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Graph {
     nodes: Vec<Node>,
     /// The number of lanes of each node; 1 for a scalar.
     widths: Vec<u8>,
-    known: Table,
+    table: Table,
     /// Whether any node has several lanes.
     has_lanes: bool,
+    /// The largest number of nodes.
+    limit: usize,
     /// The nodes of the results.
     pub outputs: Vec<Id>,
+}
+
+impl Default for Graph {
+    fn default() -> Self {
+        Self {
+            nodes: Vec::new(),
+            widths: Vec::new(),
+            table: Table::default(),
+            has_lanes: false,
+            limit: limit::of_new_graph(),
+            outputs: Vec::new(),
+        }
+    }
 }
 
 impl Graph {
@@ -81,18 +97,22 @@ impl Graph {
     /// Returns the node's index, if the graph has it.
     #[must_use]
     pub fn find(&self, node: Node) -> Option<Id> {
-        self.known.find(node, &self.nodes)
+        self.table.find(node, &self.nodes)
     }
 
-    fn known(&self, node: Node) -> bool {
+    fn contains(&self, node: Node) -> bool {
         self.find(node).is_some()
     }
 
     fn insert(&mut self, node: Node) -> Id {
-        if let Some(id) = self.known.find_or_insert(node, &self.nodes) {
+        if self.nodes.len() >= self.limit
+            && let Some(operand) = self.beyond_limit(node)
+        {
+            return operand;
+        }
+        if let Some(id) = self.table.find_or_insert(node, &self.nodes) {
             return id;
         }
-        assert!(self.nodes.len() < Id::MAX as usize, "a graph has fewer than 2^32 nodes");
         let width = match node {
             Node::Pack(_, _, width) => width,
             Node::ExtractLane(..) => 1,
@@ -103,6 +123,21 @@ impl Graph {
         self.nodes.push(node);
         self.widths.push(width);
         (self.nodes.len() - 1) as Id
+    }
+
+    /// Returns the widest operand of an operation, in place of an operation beyond the limit; `None` for other nodes, of which
+    /// there are few.
+    #[cold]
+    fn beyond_limit(&self, node: Node) -> Option<Id> {
+        assert!(self.nodes.len() < limit::UNLIMITED, "a graph has fewer than 2^32 nodes");
+        if matches!(
+            node,
+            Node::Constant(_) | Node::Input(_) | Node::Pack(..) | Node::ExtractLane(..)
+        ) {
+            return None;
+        }
+        limit::exceed();
+        node.operands().max_by_key(|&operand| self.width(operand))
     }
 
     /// Returns the largest number of lanes of an operand; 1 without operands.
@@ -246,7 +281,7 @@ impl Graph {
         match self.node(a) {
             Node::Constant(bits) => self.constant(-f64::from_bits(bits)),
             Node::Neg(inner) => inner,
-            Node::Sub(x, y) if self.known(Node::Sub(y, x)) => self.insert(Node::Sub(y, x)),
+            Node::Sub(x, y) if self.contains(Node::Sub(y, x)) => self.insert(Node::Sub(y, x)),
             _ => self.insert(Node::Neg(a)),
         }
     }
@@ -304,7 +339,7 @@ impl Graph {
             (_, Node::Sub(x, y)) if x == a => y,
             // 2 b - b
             (Node::Mul(two, x), _) if x == b && self.value(two) == Some(2.0) => b,
-            _ if self.known(Node::Sub(b, a)) => {
+            _ if self.contains(Node::Sub(b, a)) => {
                 let difference = self.insert(Node::Sub(b, a));
                 self.insert(Node::Neg(difference))
             }

@@ -8,11 +8,13 @@ mod arena;
 mod compose;
 mod count;
 mod evaluate;
+pub(crate) mod limit;
 mod node;
 mod scalar;
 pub(crate) mod table;
 mod vectors;
 
 pub use arena::Graph;
+pub(crate) use limit::within;
 pub use node::{Id, Node};
 pub use scalar::{Expr, ForeignExpr};

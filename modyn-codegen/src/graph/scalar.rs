@@ -7,11 +7,11 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use modyn_runtime::{LaneScalar, Scalar};
 
-use super::{Graph, Id, Node};
+use super::{Graph, Id, Node, limit};
 
 /// The graph that a thread is tracing.
 #[derive(Default)]
-struct Trace {
+struct OpenGraph {
     /// The number of the trace; 0 outside of any trace.
     number: u32,
     graph: Graph,
@@ -20,7 +20,7 @@ struct Trace {
 }
 
 thread_local! {
-    static TRACED: RefCell<Trace> = RefCell::default();
+    static TRACED: RefCell<OpenGraph> = RefCell::default();
 }
 
 /// The number of the next trace of any thread, since expressions may be sent to other threads.
@@ -62,9 +62,10 @@ impl Graph {
     /// If `equations` use or return an expression of another trace, which would refer to an unrelated node of this graph.
     pub fn try_trace(equations: impl FnOnce() -> Vec<Expr>) -> Result<Self, ForeignExpr> {
         let number = NEXT.fetch_add(1, Ordering::Relaxed);
-        let outer = TRACED.replace(Trace { number, ..Trace::default() });
+        let outer = TRACED.replace(OpenGraph { number, ..OpenGraph::default() });
         let outputs = equations();
-        let Trace { mut graph, mut foreign, .. } = TRACED.replace(outer);
+        let OpenGraph { mut graph, mut foreign, .. } = TRACED.replace(outer);
+        limit::count(graph.nodes().len());
         foreign |= outputs.iter().any(|output| output.trace != number);
         graph.outputs = outputs.into_iter().map(|output| output.id).collect();
         if foreign { Err(ForeignExpr) } else { Ok(graph) }
@@ -117,7 +118,7 @@ impl Expr {
 
     /// Returns the node of these operands.
     fn make<const N: usize>(operands: [Self; N], node: impl FnOnce([Id; N]) -> Node) -> Self {
-        TRACED.with_borrow_mut(|Trace { number, graph, foreign }| {
+        TRACED.with_borrow_mut(|OpenGraph { number, graph, foreign }| {
             let ids = operands.map(|operand| {
                 if operand.trace == *number {
                     return operand.id;

@@ -24,12 +24,12 @@ pub struct Displacement {
 /// The changes of a node.
 #[derive(Clone)]
 enum Change {
-    /// Of a pack of limbs: lane k is the change of lane k along direction k.
+    /// The change of a pack of limbs: lane k is the change of lane k along direction k.
     OfLimbs(Id),
-    /// Of a scalar: along direction k, the sum of lane k of all packs whose set of lanes has k.
+    /// The changes of a scalar: along direction k, the sum of lane k of all packs whose set of lanes has k.
     OfScalar(Vec<Term>),
-    /// Of a pack with a lane that another direction changes, or several. It is the half of a pack, of which the scalars are
-    /// known; no other operation has its change.
+    /// The change of a pack with lanes that other directions change. The pack is half of another one, whose scalars have
+    /// their changes; no other operation reads the change of this pack.
     Crossed,
 }
 

@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 
 use modyn_runtime::quantities::{ARGUMENTS, Argument, Function, Record, Shape, Sizes};
 
+use super::context::PlanContext;
 use super::functions::{CForm, Lowering};
-use super::tracing::Tracing;
 use super::user::TracedForm;
 use super::wrapped::wrapped;
 use crate::graph::{Graph, Id};
@@ -166,10 +166,10 @@ pub(super) struct Graphs<'a> {
 
 impl<'a> Graphs<'a> {
     /// Traces the members; `parameters` is the number of run-time parameters.
-    pub(super) fn new(bundle: &'a Bundle, tracing: &Tracing<'_>, parameters: usize) -> Self {
+    pub(super) fn new(bundle: &'a Bundle, context: &PlanContext<'_>, parameters: usize) -> Self {
         let (mut inputs, mut arguments) = (BTreeMap::new(), 0);
         for argument in bundle.arguments() {
-            let length = argument.shape(&tracing.sizes).len();
+            let length = argument.shape(&context.sizes).len();
             inputs.insert(argument.name, (arguments, length));
             arguments += length;
         }
@@ -184,11 +184,11 @@ impl<'a> Graphs<'a> {
                         .collect();
                 }
             };
-            let Some(link) = link else { return vec![tracing.graph(function, &tracing.tracer)] };
-            let evaluation = |tracer: &Tracer<'_>| tracing.evaluation(function, tracer);
+            let Some(link) = link else { return vec![context.graph(function, &context.tracer)] };
+            let evaluation = |tracer: &Tracer<'_>| context.evaluation(function, tracer);
             let other = Lowering::of(function).in_bundles;
-            let other = other.map(|trace| tracing.frames.of_link(link, trace));
-            [tracing.frames.of_link(link, evaluation)].into_iter().chain(other).collect()
+            let other = other.map(|trace| context.frames.of_link(link, trace));
+            [context.frames.of_link(link, evaluation)].into_iter().chain(other).collect()
         };
         let candidates: Vec<Vec<Graph>> = bundle.members.iter().map(graphs).collect();
         let count = arguments + parameters;

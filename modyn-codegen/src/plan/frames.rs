@@ -86,6 +86,11 @@ impl Frames {
         (0..self.programs.len()).filter(|&link| self.programs[link].placement.is_none())
     }
 
+    /// Returns the number of programs of a function of one link.
+    pub(super) fn program_count(&self) -> usize {
+        self.links_with_own_program().count() + self.shared.len()
+    }
+
     /// Returns the number of links that share a program with others.
     #[must_use]
     pub fn rows(&self) -> usize {

@@ -1,18 +1,14 @@
 //! The way the compiler makes each function of the table of quantities.
 
-mod lengths;
-
 use modyn_runtime::equations::dynamics::{
     BodyRecursion, forward_dynamics_of_bodies, inverse_dynamics_of_bodies,
 };
 use modyn_runtime::quantities::{Argument, ArgumentKind, Function, Shape, Sizes};
 
-use super::Tracing;
+use super::PlanContext;
 use crate::diagnostics::suggest;
 use crate::graph::{Expr, Graph};
 use crate::trace::{Solvers, Tracer};
-
-pub(crate) use lengths::estimated_length;
 
 /// The factors of the mass matrix, an argument of the functions of the factors.
 pub(super) const FACTORS: Argument = Argument { name: "factors", kind: ArgumentKind::Factors };
@@ -66,7 +62,7 @@ pub enum GraphSource {
     /// The evaluation of the table on expressions. A function of one link has a graph for each link; some links share one.
     Evaluation,
     /// Equations that support merged limbs or column lanes, or passes over other graphs.
-    Traced(fn(&Tracer<'_>, &Tracing<'_>) -> Graph),
+    Traced(fn(&Tracer<'_>, &PlanContext<'_>) -> Graph),
     /// The poses of all links, of which some share a program.
     Poses,
 }
@@ -97,7 +93,7 @@ impl Lowering {
     };
 
     /// Returns the lowering of a function with graphs of its own.
-    const fn traced(trace: fn(&Tracer<'_>, &Tracing<'_>) -> Graph) -> Self {
+    const fn traced(trace: fn(&Tracer<'_>, &PlanContext<'_>) -> Graph) -> Self {
         Self { source: GraphSource::Traced(trace), ..Self::EVALUATED }
     }
 
@@ -208,7 +204,7 @@ impl Lowering {
     }
 }
 
-impl<'a> Tracing<'a> {
+impl<'a> PlanContext<'a> {
     /// Returns the graph of a function that is none of one link, on scalars or as `tracer` packs it.
     pub(super) fn graph(&self, function: Function, tracer: &Tracer<'a>) -> Graph {
         match Lowering::of(function).source {

@@ -2,8 +2,8 @@
 
 use super::Function;
 use super::code_form::CodeForm;
+use super::context::PlanContext;
 use super::functions::Lowering;
-use super::tracing::Tracing;
 use crate::graph::Graph;
 use crate::passes::{balance, optimize};
 use crate::program::Recursion;
@@ -23,11 +23,11 @@ const MIN_BODIES_IN_LOOP: usize = 8;
 /// code: on scalars, and packed.
 pub(super) fn recursion(
     function: Function,
-    tracing: &Tracing<'_>,
+    context: &PlanContext<'_>,
     (straight, packed): (&Graph, Option<&Graph>),
 ) -> Option<Recursion> {
     let recursion = Lowering::of(function).recursion?();
-    let is_wanted = match tracing.code {
+    let is_wanted = match context.code {
         CodeForm::Fast => false,
         CodeForm::Small => true,
         CodeForm::Auto => packed.is_none() && straight.takes_more_than(MAX_STRAIGHT),
@@ -35,13 +35,13 @@ pub(super) fn recursion(
     if !is_wanted {
         return None;
     }
-    let mut graphs = tracing.tracer.body_graphs(&recursion)?;
+    let mut graphs = context.tracer.body_graphs(&recursion)?;
     for kind in &mut graphs.kinds {
         kind.graph = optimize(std::mem::take(&mut kind.graph));
     }
     // The bodies of a chain wait for each other: a sweep takes as long as its critical path.
-    let recursion = Recursion::new(&graphs, [tracing.sizes.nq, tracing.sizes.nv], balance)?;
+    let recursion = Recursion::new(&graphs, [context.sizes.nq, context.sizes.nv], balance)?;
     let bodies = recursion.records() - 1;
     let has_long_loops = bodies >= MIN_BODIES_IN_LOOP * recursion.runs.len();
-    (tracing.code == CodeForm::Small || has_long_loops).then_some(recursion)
+    (context.code == CodeForm::Small || has_long_loops).then_some(recursion)
 }

@@ -12,16 +12,16 @@ mod casadi;
 mod choices;
 mod code_form;
 mod constants;
+mod context;
 mod factorization;
 mod frames;
 mod functions;
+mod limit;
 mod looped;
-mod measures;
 mod packing;
 pub mod partition;
 mod planned;
 mod programs;
-mod tracing;
 mod user;
 mod wrapped;
 
@@ -38,14 +38,14 @@ pub use casadi::{CasadiFunction, CasadiMatrix, CasadiPlan};
 pub use choices::Choices;
 pub use code_form::CodeForm;
 pub use constants::{BaseParameterTable, Constants};
+pub use context::{LIMB_LIMITS, PlanContext};
 pub use factorization::FactorFunction;
 pub use frames::{Frames, LinkProgram};
+pub(crate) use functions::signatures;
 pub use functions::{CForm, GraphSource, Lowering, Packing, unknown_function};
-pub(crate) use functions::{estimated_length, signatures};
-pub use measures::Measures;
+pub use limit::{MAX_LINKS, MAX_OPERATIONS, TooLong};
 pub use packing::COLUMN_LANES;
 pub use planned::{Kernels, Planned};
-pub use tracing::{LIMB_LIMITS, Tracing};
 pub use user::{
     MAX_USER_OPERATIONS, NamedFunction, TracedForm, TracedFunction, UserForm, UserPlanError,
 };
@@ -53,9 +53,10 @@ pub use user::{
 use crate::passes::optimize;
 use crate::program::{Execution, InvalidProgram, Program};
 use crate::trace::Parameters;
+use context::SymbolicRobot;
+use limit::Budget;
 use partition::ChosenPartition;
 use programs::ScalarGraphs;
-use tracing::TracedRobot;
 
 /// The programs of a robot.
 pub struct Plan {
@@ -89,26 +90,38 @@ pub struct Plan {
 impl Plan {
     /// Returns the plan of `model`'s functions for a back end that runs them in this way; `modules` is the user's partition.
     /// For [`Execution::Simd`] functions of many states have programs as well.
-    #[must_use]
+    ///
+    /// # Errors
+    ///
+    /// If the functions take more than [`MAX_OPERATIONS`].
     pub fn new(
         model: &Model,
         modules: &ModuleTree,
         choices: &Choices,
         execution: Execution,
-    ) -> Self {
-        Self::traced(model, modules, choices, execution, |_| CasadiPlan::default())
+    ) -> Result<Self, TooLong> {
+        Self::traced(model, modules, choices, execution, |_, _| Ok(CasadiPlan::default()))
     }
 
     /// Returns the plan of `model`'s functions for `CasADi`, with their derivatives: the selected ones that `CasADi` can have.
-    #[must_use]
-    pub fn for_casadi(model: &Model, modules: &ModuleTree, choices: &Choices) -> Self {
+    ///
+    /// # Errors
+    ///
+    /// If the functions take more than [`MAX_OPERATIONS`].
+    pub fn for_casadi(
+        model: &Model,
+        modules: &ModuleTree,
+        choices: &Choices,
+    ) -> Result<Self, TooLong> {
         let straight = Choices {
             functions: Vec::new(),
             share: false,
             code: CodeForm::Fast,
             ..choices.clone()
         };
-        let casadi = |tracing: &Tracing<'_>| CasadiPlan::new(tracing, model, &choices.functions);
+        let casadi = |context: &PlanContext<'_>, budget: &mut Budget| {
+            CasadiPlan::new(context, model, &choices.functions, budget)
+        };
         Self::traced(model, modules, &straight, Execution::Scalar, casadi)
     }
 
@@ -117,13 +130,17 @@ impl Plan {
         modules: &ModuleTree,
         choices: &Choices,
         execution: Execution,
-        casadi: impl Fn(&Tracing<'_>) -> CasadiPlan,
-    ) -> Self {
+        casadi: impl Fn(&PlanContext<'_>, &mut Budget) -> Result<CasadiPlan, TooLong>,
+    ) -> Result<Self, TooLong> {
         let batches = execution == Execution::Simd;
-        let robot = TracedRobot::new(model, choices.parameters(model));
-        let tracing =
-            Tracing::new(&robot, (model, modules), execution, (choices.share, choices.code));
-        let sizes = tracing.sizes;
+        if model.links().len() > MAX_LINKS {
+            return Err(TooLong::Robot);
+        }
+        let robot = SymbolicRobot::new(model, choices.parameters(model));
+        let mut budget = Budget::new();
+        let form = (choices.share, choices.code);
+        let context = PlanContext::new(&robot, (model, modules), execution, form);
+        let sizes = context.sizes;
         let selected = |function: &Function| {
             let row = function.row();
             choices.functions.contains(function)
@@ -132,18 +149,29 @@ impl Plan {
         };
         let selected: Vec<Function> = Function::ALL.iter().copied().filter(selected).collect();
         let mut graphs = ScalarGraphs::new(&selected);
-        let planned = |&function: &Function| Planned::new(function, &tracing, &mut graphs);
-        let (mut many, mut functions): (Vec<Planned>, Vec<Planned>) =
-            selected.iter().map(planned).partition(|planned| planned.batch_of.is_some());
+        let (mut many, mut functions) = (Vec::new(), Vec::new());
+        for &function in &selected {
+            let least = context.least_operations(function);
+            let plan = || Planned::new(function, &context, &mut graphs);
+            let planned = budget.spend(function.name(), least, plan, Planned::length)?;
+            if planned.batch_of.is_some() { &mut many } else { &mut functions }.push(planned);
+        }
+        let length = |(one, of_many): &(Planned, Option<Planned>)| {
+            one.length() + of_many.as_ref().map_or(0, Planned::length)
+        };
         for bundle in &choices.bundles {
-            let batch = batches && bundle.batch;
-            let (one, of_many) = Planned::bundle(bundle, &tracing, batch);
+            let members = bundle.members.iter().filter_map(|member| member.function.of_table());
+            let members = members.filter(|function| !function.row().by_link);
+            let least = members.map(|function| context.least_operations(function)).sum();
+            let plan = || Planned::bundle(bundle, &context, batches && bundle.batch);
+            let (one, of_many) = budget.spend(bundle.name, least, plan, length)?;
             functions.push(one);
             many.extend(of_many);
         }
         for user in &choices.user_functions {
             for form in &user.forms {
-                let (one, of_many) = Planned::user(user, form, &tracing, batches && user.batch);
+                let plan = || Planned::user(user, form, &context, batches && user.batch);
+                let (one, of_many) = budget.spend(form.name, 0, plan, length)?;
                 functions.push(one);
                 many.extend(of_many);
             }
@@ -153,18 +181,26 @@ impl Plan {
         let mut all = selected.iter().copied().chain(bundled);
         let factorizes = all.any(|f| matches!(f, Function::Brge | Function::BrgeBatch));
         let factorization = match factorizes {
-            true => factorization::plan(&tracing.tracer, &tracing.layout, &sizes),
+            true => {
+                let plan = || factorization::plan(&context.tracer, &context.layout, &sizes);
+                let length = |functions: &Vec<FactorFunction>| {
+                    let operations =
+                        functions.iter().map(|f| f.program.static_operations().total());
+                    operations.sum()
+                };
+                budget.spend(Function::Brge.name(), 0, plan, length)?
+            }
             false => Vec::new(),
         };
-        let pivots = tracing.tracer.inertia_pivots().map(|(entries, graph)| {
+        let pivots = context.tracer.inertia_pivots().map(|(entries, graph)| {
             let arguments = 1 + robot.parameters.len();
             (entries, Program::new(&optimize(graph), arguments, Execution::Scalar))
         });
-        let casadi = casadi(&tracing);
-        let Tracing { layout, forward_dynamics, .. } = tracing;
+        let casadi = casadi(&context, &mut budget)?;
+        let PlanContext { layout, forward_dynamics, .. } = context;
         let ChosenPartition { modules: elimination_modules, candidates, .. } = forward_dynamics;
-        let TracedRobot { parameters, frames, .. } = robot;
-        Self {
+        let SymbolicRobot { parameters, frames, .. } = robot;
+        Ok(Self {
             choices: choices.clone(),
             functions,
             batches: many,
@@ -177,7 +213,7 @@ impl Plan {
             elimination_modules,
             casadi,
             candidates,
-        }
+        })
     }
 
     /// Returns the operations of one call of each function and bundle, by name.

@@ -4,8 +4,8 @@ use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::quantities::Function;
 
 use super::bundle::{Bundle, Graphs};
+use super::context::PlanContext;
 use super::functions::{Lowering, Packing};
-use super::tracing::Tracing;
 use crate::graph::Graph;
 use crate::passes::{balance, optimize};
 use crate::trace::{LimbPacking, Tracer};
@@ -29,11 +29,11 @@ const DISPATCHED: std::ops::Range<usize> = 100..5000;
 const MAX_FIFTHS: usize = 4;
 
 /// Returns the optimized graph of a function of one state on scalars.
-pub(super) fn on_scalars(function: Function, tracing: &Tracing<'_>) -> Graph {
+pub(super) fn on_scalars(function: Function, context: &PlanContext<'_>) -> Graph {
     match function {
         // The search for the partition has already optimized this graph.
-        Function::ForwardDynamics => tracing.forward_dynamics.graph.clone(),
-        _ => optimize(tracing.graph(function, &tracing.tracer)),
+        Function::ForwardDynamics => context.forward_dynamics.graph.clone(),
+        _ => optimize(context.graph(function, &context.tracer)),
     }
 }
 
@@ -45,17 +45,21 @@ pub(super) fn balanced(graph: Graph) -> Graph {
 /// Returns the packed graph of a function; `None` if it is not profitable compared with `scalar`. A hot function that is
 /// not packed is compiled for vector instruction sets unchanged: products are fused into sums there, even if the program
 /// is compiled for processors without fused multiply-add.
-pub(super) fn packed(function: Function, tracing: &Tracing<'_>, scalar: &Graph) -> Option<Graph> {
+pub(super) fn packed(
+    function: Function,
+    context: &PlanContext<'_>,
+    scalar: &Graph,
+) -> Option<Graph> {
     let packing = Lowering::of(function).packing;
-    let by_limbs = tracing.limbs.iter().flat_map(|limbs| {
-        let tracer = tracing.tracer.packed(limbs);
-        candidates(function, tracing, (limbs, &tracer))
+    let by_limbs = context.limbs.iter().flat_map(|limbs| {
+        let tracer = context.tracer.packed(limbs);
+        candidates(function, context, (limbs, &tracer))
     });
     let has_columns =
-        packing.has_columns() && tracing.has_vectors() && operations(scalar) <= MAX_COLUMNS;
+        packing.has_columns() && context.has_vectors() && operations(scalar) <= MAX_COLUMNS;
     let columns =
-        has_columns.then(|| tracing.graph(function, &tracing.tracer.column_lanes(COLUMN_LANES)));
-    profitable(by_limbs.chain(columns), function.row().hot, tracing, scalar)
+        has_columns.then(|| context.graph(function, &context.tracer.column_lanes(COLUMN_LANES)));
+    profitable(by_limbs.chain(columns), function.row().hot, context, scalar)
 }
 
 /// Returns the packed graph of a bundle, as [`packed`] does: of each member its packed graph, if it has one, else its graph
@@ -63,25 +67,25 @@ pub(super) fn packed(function: Function, tracing: &Tracing<'_>, scalar: &Graph) 
 pub(super) fn packed_bundle(
     bundle: &Bundle,
     graphs: &Graphs<'_>,
-    tracing: &Tracing<'_>,
+    context: &PlanContext<'_>,
     scalar: &Graph,
 ) -> Option<Graph> {
-    let by_limbs = tracing.limbs.iter().filter_map(|limbs| {
-        let tracer = tracing.tracer.packed(limbs);
+    let by_limbs = context.limbs.iter().filter_map(|limbs| {
+        let tracer = context.tracer.packed(limbs);
         graphs.packed(|function| {
-            let all = candidates(function, tracing, (limbs, &tracer));
+            let all = candidates(function, context, (limbs, &tracer));
             all.into_iter().min_by_key(operations)
         })
     });
-    let has_columns = tracing.has_vectors() && operations(scalar) <= MAX_COLUMNS;
+    let has_columns = context.has_vectors() && operations(scalar) <= MAX_COLUMNS;
     let columns = || {
         graphs.packed(|function| {
             let columns = Lowering::of(function).packing.has_columns();
-            columns.then(|| tracing.graph(function, &tracing.tracer.column_lanes(COLUMN_LANES)))
+            columns.then(|| context.graph(function, &context.tracer.column_lanes(COLUMN_LANES)))
         })
     };
     let columns = has_columns.then(columns).flatten();
-    profitable(by_limbs.chain(columns), bundle.any(|function| function.row().hot), tracing, scalar)
+    profitable(by_limbs.chain(columns), bundle.any(|function| function.row().hot), context, scalar)
 }
 
 fn operations(graph: &Graph) -> usize {
@@ -93,7 +97,7 @@ fn operations(graph: &Graph) -> usize {
 fn profitable(
     graphs: impl Iterator<Item = Graph>,
     hot: bool,
-    tracing: &Tracing<'_>,
+    context: &PlanContext<'_>,
     scalar: &Graph,
 ) -> Option<Graph> {
     let cheapest = graphs.min_by_key(operations).map(|graph| balance(&optimize(graph)));
@@ -101,20 +105,20 @@ fn profitable(
     if let Some(graph) = cheapest.filter(is_profitable) {
         return Some(graph);
     }
-    let dispatched = tracing.has_vectors() && hot && DISPATCHED.contains(&operations(scalar));
+    let dispatched = context.has_vectors() && hot && DISPATCHED.contains(&operations(scalar));
     dispatched.then(|| scalar.clone())
 }
 
 /// Returns the graphs with packed limbs; the cheapest is taken.
 fn candidates(
     function: Function,
-    tracing: &Tracing<'_>,
+    context: &PlanContext<'_>,
     (limbs, tracer): (&LimbPacking, &Tracer<'_>),
 ) -> Vec<Graph> {
     match Lowering::of(function).packing {
         Packing::ByModules => {
             let by = |partition| Elimination::Recursive(limbs.partition(partition));
-            let partitions = tracing.partitions.iter();
+            let partitions = context.partitions.iter();
             return partitions.map(|p| tracer.forward_dynamics(&by(p))).collect();
         }
         Packing::Limbs => {}
@@ -124,13 +128,13 @@ fn candidates(
         {
             return Vec::new();
         }
-        Packing::Columns if !tracing.has_vectors() => return Vec::new(),
+        Packing::Columns if !context.has_vectors() => return Vec::new(),
         // Where limbs move each other, packed derivatives are profitable on vectors only.
-        Packing::Derivatives if !(tracing.has_vectors() || tracing.independent) => {
+        Packing::Derivatives if !(context.has_vectors() || context.independent) => {
             return Vec::new();
         }
         Packing::OnRootPath | Packing::Derivatives | Packing::Columns | Packing::Contacts => {}
         Packing::Never | Packing::ConstrainedColumns => return Vec::new(),
     }
-    vec![tracing.graph(function, tracer)]
+    vec![context.graph(function, tracer)]
 }

@@ -5,12 +5,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use modyn_runtime::quantities::{Argument, Function, Shape, Sizes};
 
 use super::bundle::{Bundle, Graphs, Member};
+use super::context::PlanContext;
 use super::frames::Frames;
 use super::functions::{CForm, GraphSource, Lowering};
 use super::looped;
 use super::packing;
 use super::planned::{Kernels, Planned};
-use super::tracing::Tracing;
 use super::user::{TracedForm, TracedFunction};
 use crate::graph::Graph;
 use crate::intern::intern;
@@ -33,12 +33,12 @@ impl ScalarGraphs {
     }
 
     /// Returns the optimized and balanced graph of a function or of its batch form. The first call traces the graph.
-    fn scalar(&mut self, function: Function, tracing: &Tracing<'_>) -> Graph {
+    fn scalar(&mut self, function: Function, context: &PlanContext<'_>) -> Graph {
         let one = function.batched().unwrap_or(function);
         if let Some(graph) = self.kept.get(&one) {
             return graph.clone();
         }
-        let graph = packing::balanced(packing::on_scalars(one, tracing));
+        let graph = packing::balanced(packing::on_scalars(one, context));
         if self.batched.contains(&one) {
             self.kept.insert(one, graph.clone());
         }
@@ -50,48 +50,48 @@ impl Planned {
     /// Returns a function with its programs.
     pub(super) fn new(
         function: Function,
-        tracing: &Tracing<'_>,
+        context: &PlanContext<'_>,
         graphs: &mut ScalarGraphs,
     ) -> Self {
-        let (row, lowering, sizes) = (function.row(), Lowering::of(function), &tracing.sizes);
+        let (row, lowering, sizes) = (function.row(), Lowering::of(function), &context.sizes);
         let arguments = shapes_of(row.arguments, sizes);
-        let parameters = tracing.parameters(row.depends_on_parameters);
+        let parameters = context.parameters(row.depends_on_parameters);
         let scalars = count(&arguments, parameters);
         let mut fault = None;
         let kernels = match lowering.source {
             _ if row.by_link => {
-                let graph = |tracer: &Tracer<'_>| optimize(tracing.evaluation(function, tracer));
-                let graphs = tracing.frames.kernels(graph);
-                let own = tracing.frames.links_with_own_program().count();
+                let graph = |tracer: &Tracer<'_>| optimize(context.evaluation(function, tracer));
+                let graphs = context.frames.kernels(graph);
+                let own = context.frames.links_with_own_program().count();
                 let program = |(k, graph): (usize, &Graph)| {
                     let placement = if k < own { 0 } else { Frames::PLACEMENT };
-                    tracing.program(graph, scalars + placement)
+                    context.program(graph, scalars + placement)
                 };
                 Kernels::ByLink(graphs.iter().enumerate().map(program).collect())
             }
-            GraphSource::Poses if !tracing.has_threads() && tracing.frames.any_shared() => {
-                let [bodies, placed] = tracing.frames.poses().map(optimize);
+            GraphSource::Poses if !context.has_threads() && context.frames.any_shared() => {
+                let [bodies, placed] = context.frames.poses().map(optimize);
                 let placed_arguments = Shape::pose().len() + Frames::PLACEMENT;
                 Kernels::Poses {
-                    bodies: tracing.program(&bodies, scalars),
+                    bodies: context.program(&bodies, scalars),
                     placed: Program::new(&placed, placed_arguments, Execution::Scalar),
-                    rows: tracing.frames.rows(),
+                    rows: context.frames.rows(),
                 }
             }
             GraphSource::Poses => {
-                let graph = packing::balanced(optimize(tracing.all_links.link_poses()));
-                Kernels::of(tracing.program(&graph, scalars))
+                let graph = packing::balanced(optimize(context.all_links.link_poses()));
+                Kernels::of(context.program(&graph, scalars))
             }
             GraphSource::Traced(_) | GraphSource::Evaluation => {
-                let graph = graphs.scalar(function, tracing);
+                let graph = graphs.scalar(function, context);
                 if row.batch_of.is_some() {
                     Kernels::of(Program::new(&graph, scalars, Execution::Batch))
                 } else {
-                    let packed = packing::packed(function, tracing, &graph);
-                    match looped::recursion(function, tracing, (&graph, packed.as_ref())) {
+                    let packed = packing::packed(function, context, &graph);
+                    match looped::recursion(function, context, (&graph, packed.as_ref())) {
                         Some(recursion) => Kernels::Looped(recursion),
                         None => {
-                            let (kernels, found) = tracing.kernels(&graph, packed, scalars);
+                            let (kernels, found) = context.kernels(&graph, packed, scalars);
                             fault = found;
                             kernels
                         }
@@ -117,17 +117,17 @@ impl Planned {
     /// Returns a bundle, and its form for many states if `batch`.
     pub(super) fn bundle(
         bundle: &Bundle,
-        tracing: &Tracing<'_>,
+        context: &PlanContext<'_>,
         batch: bool,
     ) -> (Self, Option<Self>) {
-        let sizes = &tracing.sizes;
+        let sizes = &context.sizes;
         let arguments = shapes_of(&bundle.arguments(), sizes);
-        let parameters = tracing.parameters(bundle.depends_on_parameters());
+        let parameters = context.parameters(bundle.depends_on_parameters());
         let scalars = count(&arguments, parameters);
-        let graphs = Graphs::new(bundle, tracing, parameters);
+        let graphs = Graphs::new(bundle, context, parameters);
         let graph = packing::balanced(optimize(graphs.scalar()));
-        let packed = packing::packed_bundle(bundle, &graphs, tracing, &graph);
-        let (kernels, fault) = tracing.kernels(&graph, packed, scalars);
+        let packed = packing::packed_bundle(bundle, &graphs, context, &graph);
+        let (kernels, fault) = context.kernels(&graph, packed, scalars);
         let one = Self {
             function: None,
             name: bundle.name,
@@ -149,14 +149,14 @@ impl Planned {
     pub(super) fn user(
         function: &TracedFunction,
         form: &TracedForm,
-        tracing: &Tracing<'_>,
+        context: &PlanContext<'_>,
         batch: bool,
     ) -> (Self, Option<Self>) {
-        let arguments = shapes_of(&form.arguments, &tracing.sizes);
-        let parameters = tracing.parameters(function.depends_on_parameters);
+        let arguments = shapes_of(&form.arguments, &context.sizes);
+        let parameters = context.parameters(function.depends_on_parameters);
         let scalars = count(&arguments, parameters);
         let graph = packing::balanced(optimize(form.graph.clone()));
-        let (kernels, fault) = tracing.kernels(&graph, None, scalars);
+        let (kernels, fault) = context.kernels(&graph, None, scalars);
         let one = Self {
             function: None,
             name: form.name,
@@ -192,7 +192,7 @@ impl Planned {
     }
 }
 
-impl Tracing<'_> {
+impl PlanContext<'_> {
     /// Returns the program of a graph without packs.
     fn program(&self, graph: &Graph, scalars: usize) -> Program {
         Program::new(graph, scalars, without_packs(self.execution))

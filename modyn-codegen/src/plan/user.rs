@@ -8,7 +8,7 @@ use modyn_runtime::{
     Interpreter, UserArgument, UserArgumentKind, UserDerivatives, UserError, UserFunction,
 };
 
-use super::tracing::TracedRobot;
+use super::context::SymbolicRobot;
 use super::wrapped::wrapped;
 use super::{Argument, ArgumentKind, Record, Shape, Sizes};
 use crate::graph::{Expr, Graph};
@@ -213,7 +213,7 @@ impl NamedFunction {
         model: &Model,
         parameters: Parameters,
     ) -> Result<TracedFunction, UserPlanError> {
-        let robot = TracedRobot::new(model, parameters);
+        let robot = SymbolicRobot::new(model, parameters);
         let tracer = Tracer::with_parameters(&robot.mechanism, robot.parameters.clone());
         let sizes = Sizes::new(model, 0);
         let UserGraphs { optimized: graphs, traced } = tracer

@@ -27,6 +27,5 @@ mod read_file;
 mod report;
 mod selection;
 mod singular_joints;
-mod size;
 mod suggest;
 mod syntax;

@@ -18,7 +18,7 @@ const FUNCTIONS: [Function; 2] = [Function::ForwardDynamics, Function::InverseDy
 fn plan(model: &Model, code: CodeForm, runtime_gravity: bool) -> Plan {
     let choices =
         Choices { functions: FUNCTIONS.into(), code, runtime_gravity, ..Choices::default() };
-    Plan::new(model, &ModuleTree::links(model), &choices, Execution::Scalar)
+    Plan::new(model, &ModuleTree::links(model), &choices, Execution::Scalar).expect("short")
 }
 
 /// Returns the loops of both functions; `None` if they are straight-line code.

@@ -32,14 +32,14 @@ impl Support {
 
 /// The words before the type of a function.
 pub(in crate::emit) struct Qualifiers {
-    /// Those of a function that is called for each angle.
+    /// The words before a function that is called for each angle.
     pub function: &'static str,
-    /// Those of a function whose calls are rare.
+    /// The words before a function whose calls are rare.
     pub rare_function: &'static str,
 }
 
 impl Qualifiers {
-    /// Those of C99.
+    /// The qualifiers of C99.
     pub const C: Self = Self { function: "static", rare_function: "MODYN_RARE static" };
 }
 

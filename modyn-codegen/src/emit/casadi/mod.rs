@@ -11,7 +11,7 @@ use modyn_runtime::model::{Model, ModuleTree};
 
 use super::c::{Array, Printer};
 use super::{Backend, EmitOptions, File, FloatType, PlannedRobot, Refused};
-use crate::plan::{CasadiFunction, CasadiMatrix, Choices, Function, Plan};
+use crate::plan::{CasadiFunction, CasadiMatrix, Choices, Function, Plan, TooLong};
 use crate::program::Execution;
 
 /// The back end.
@@ -35,7 +35,7 @@ impl Backend for Casadi {
         (model, modules): (&Model, &ModuleTree),
         choices: &Choices,
         _: &EmitOptions,
-    ) -> Plan {
+    ) -> Result<Plan, TooLong> {
         Plan::for_casadi(model, modules, choices)
     }
 

@@ -15,7 +15,7 @@ use super::{Backend, EmitOptions, File, PlannedRobot, Refused};
 use crate::names;
 use crate::plan::{
     Choices, CodeForm, Elements, FactorFunction, Frames, Function, Kernels, LinkProgram, Plan,
-    Planned, Shape,
+    Planned, Shape, TooLong,
 };
 use crate::program::{Execution, MultiplyAdd, Operand, Operation, Program};
 
@@ -56,7 +56,7 @@ impl Backend for Matlab {
         (model, modules): (&Model, &ModuleTree),
         choices: &Choices,
         options: &EmitOptions,
-    ) -> Plan {
+    ) -> Result<Plan, TooLong> {
         let choices = Choices { share: false, code: CodeForm::Fast, ..choices.clone() };
         Plan::new(model, modules, &choices, self.execution(options))
     }

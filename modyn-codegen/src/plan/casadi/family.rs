@@ -3,7 +3,7 @@
 use super::matrix::CasadiMatrix;
 use super::nonzeros::{matrix_blocks, second_derivatives, weighted, with_outputs};
 use crate::graph::Graph;
-use crate::plan::tracing::Tracing;
+use crate::plan::context::PlanContext;
 use crate::plan::{ArgumentKind, Elements, Function, Record, Shape, Sizes};
 use crate::trace::{EntryDerivatives, Tracer};
 
@@ -48,8 +48,8 @@ impl ResultMatrix {
 
 impl Family {
     /// Returns the family of a function of the table.
-    pub fn new(function: Function, tracing: &Tracing<'_>) -> Self {
-        let (row, sizes) = (function.row(), &tracing.sizes);
+    pub fn new(function: Function, context: &PlanContext<'_>) -> Self {
+        let (row, sizes) = (function.row(), &context.sizes);
         let (mut inputs, mut coordinates, mut entries) = (Vec::new(), Vec::new(), 0);
         for argument in row.arguments {
             let (rows, columns) = size_of(&argument.shape(sizes));
@@ -59,7 +59,7 @@ impl Family {
             entries += rows * columns;
             inputs.push(CasadiMatrix::dense(argument.name, rows, columns));
         }
-        let parameters = tracing.parameters(row.depends_on_parameters);
+        let parameters = context.parameters(row.depends_on_parameters);
         if parameters > 0 {
             inputs.push(CasadiMatrix::dense("params", parameters, 1));
         }

@@ -12,8 +12,9 @@ use modyn_runtime::quantities::Function;
 
 pub use matrix::CasadiMatrix;
 
+use super::context::PlanContext;
+use super::limit::{Budget, TooLong};
 use super::packing;
-use super::tracing::Tracing;
 use crate::names;
 use crate::passes::optimize;
 use crate::program::{Execution, Program};
@@ -59,33 +60,40 @@ pub struct CasadiPlan {
 
 impl CasadiPlan {
     /// Returns the functions of `model` among the selected ones.
-    pub(super) fn new(tracing: &Tracing<'_>, model: &Model, selected: &[Function]) -> Self {
-        let tracer = &tracing.tracer;
+    pub(super) fn new(
+        context: &PlanContext<'_>,
+        model: &Model,
+        selected: &[Function],
+        budget: &mut Budget,
+    ) -> Result<Self, TooLong> {
+        let tracer = &context.tracer;
         let links: Vec<&str> = model.frames().iter().map(|frame| frame.name.as_str()).collect();
         let links = names::fields(&links, &[]);
         let mut plan = Self::default();
         let has_form = |f: &&Function| f.row().casadi && selected.contains(f);
         for function in Function::ALL.iter().filter(has_form) {
             let row = function.row();
-            let own = Family::new(*function, tracing);
+            let own = Family::new(*function, context);
             let name = function.name();
-            match row.by_link {
+            let least = context.least_operations(*function);
+            let before = plan.operations();
+            let add = || match row.by_link {
                 true => {
                     for (link, link_name) in links.iter().enumerate() {
                         let evaluation =
-                            |tracer: &Tracer<'_>| tracing.evaluation(*function, tracer);
-                        let graph = optimize(tracing.frames.of_link(link, evaluation));
+                            |tracer: &Tracer<'_>| context.evaluation(*function, tracer);
+                        let graph = optimize(context.frames.of_link(link, evaluation));
                         let name = format!("{name}_{link_name}");
                         let derivatives = own.differentiated(tracer, &graph, MAX_OPERATIONS);
                         plan.add(&name, row.docs, &own, derivatives);
                     }
                 }
                 false => {
-                    let graph = || packing::on_scalars(*function, tracing);
+                    let graph = || packing::on_scalars(*function, context);
                     let derivatives = match function {
                         Function::ForwardDynamics => tracer.forward_dynamics_by_entries(
                             &graph(),
-                            &tracing.for_derivatives,
+                            &context.for_derivatives,
                             MAX_OPERATIONS,
                         ),
                         Function::InverseDynamics => {
@@ -95,9 +103,17 @@ impl CasadiPlan {
                     };
                     plan.add(name, row.docs, &own, derivatives);
                 }
-            }
+            };
+            budget.spend(name, least, add, |()| 0)?;
+            let added = plan.operations() - before;
+            budget.spend(name, added, || (), |()| added)?;
         }
-        plan
+        Ok(plan)
+    }
+
+    /// Returns the operations of all functions.
+    fn operations(&self) -> usize {
+        self.functions.iter().map(|function| function.program.static_operations().total()).sum()
     }
 
     /// Adds a function and its derivatives.

@@ -18,14 +18,14 @@ use crate::trace::{LimbLimits, LimbPacking, Parameters, Tracer};
 pub const LIMB_LIMITS: LimbLimits = LimbLimits { packed: 8, joined: 4, missing: 2 };
 
 /// A robot in the forms that tracers read.
-pub(super) struct TracedRobot {
+pub(super) struct SymbolicRobot {
     pub mechanism: Mechanism<f64>,
     /// The links, grouped by their programs.
     pub frames: Frames,
     pub parameters: Parameters,
 }
 
-impl TracedRobot {
+impl SymbolicRobot {
     pub fn new(model: &Model, parameters: Parameters) -> Self {
         let mechanism = Mechanism::new(model);
         Self { frames: Frames::new(&mechanism), mechanism, parameters }
@@ -49,7 +49,7 @@ impl TracedRobot {
 }
 
 /// The inputs of tracing.
-pub struct Tracing<'a> {
+pub struct PlanContext<'a> {
     /// The robot as it is described.
     pub(super) model: &'a Model,
     /// The robot on expressions.
@@ -82,10 +82,10 @@ pub struct Tracing<'a> {
     pub(super) independent: bool,
 }
 
-impl<'a> Tracing<'a> {
+impl<'a> PlanContext<'a> {
     /// Returns the inputs of tracing `robot` for a back end that runs programs in this way. `modules` is the user's partition.
     pub(super) fn new(
-        robot: &'a TracedRobot,
+        robot: &'a SymbolicRobot,
         (model, modules): (&'a Model, &ModuleTree),
         execution: Execution,
         (share, code): (bool, CodeForm),
@@ -95,7 +95,7 @@ impl<'a> Tracing<'a> {
         let share = share && !has_threads;
         let code = if has_threads { CodeForm::Fast } else { code };
         let limbs = robot.limbs(execution, share);
-        let TracedRobot { mechanism, frames, parameters } = robot;
+        let SymbolicRobot { mechanism, frames, parameters } = robot;
         let all_links = Tracer::with_parameters(mechanism, parameters.clone());
         // Few functions need links, of which there may be very many. But a link's inertia may be an argument.
         let tracer = match robot.is_described() {
