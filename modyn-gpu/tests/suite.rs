@@ -60,7 +60,7 @@ impl BackEnd for Wgsl {
                 call.function == function && call.link == link
             };
             let mut all = emitted.kernels.iter();
-            let kernel = all.find(|kernel| is_own(&own[0], &kernel.function, kernel.link));
+            let kernel = all.find(|kernel| is_own(&own[0], kernel.function, kernel.link));
             let kernel = kernel.expect("a kernel of the function");
             let name = kernel.name.strip_prefix("ours_").expect("the prefix");
             // Run-time parameters are common to all states: each state runs by itself then.
