@@ -207,3 +207,21 @@ pub fn inertia_without(
         second_moment: left.second_moment.map(|x| rounded(x, second)),
     }
 }
+
+impl<S: Scalar> Body<S> {
+    /// Returns the mass whose weight is compensated, without second moment.
+    #[must_use]
+    pub fn compensated_inertia(&self) -> RigidInertia<S> {
+        let zero = S::zero();
+        let second_moment =
+            Symmetric3 { xx: zero, xy: zero, xz: zero, yy: zero, yz: zero, zz: zero };
+        self.compensated.map_or_else(
+            RigidInertia::zero,
+            |CompensatedMass { mass, first_moment }| RigidInertia {
+                mass,
+                first_moment,
+                second_moment,
+            },
+        )
+    }
+}

@@ -1,8 +1,8 @@
 //! Masses whose weight is compensated: upward forces on links, in proportion to their masses.
 
-use super::{Body, Mechanism};
+use super::Mechanism;
 use crate::Scalar;
-use crate::spatial::{RigidInertia, Symmetric3, Vector3};
+use crate::spatial::{RigidInertia, Vector3};
 
 /// A mass on a body whose weight is compensated. Unlike the body's inertia it is not accelerated.
 #[derive(Clone, Copy, Debug)]
@@ -32,24 +32,6 @@ impl<S: Scalar> CompensatedMass<S> {
     pub fn plus(&self, other: &Self) -> Self {
         let first_moment = self.first_moment + other.first_moment;
         Self { mass: self.mass + other.mass, first_moment }
-    }
-}
-
-impl<S: Scalar> Body<S> {
-    /// Returns the mass whose weight is compensated, without second moment.
-    #[must_use]
-    pub fn compensated_inertia(&self) -> RigidInertia<S> {
-        let zero = S::zero();
-        let second_moment =
-            Symmetric3 { xx: zero, xy: zero, xz: zero, yy: zero, yz: zero, zz: zero };
-        self.compensated.map_or_else(
-            RigidInertia::zero,
-            |CompensatedMass { mass, first_moment }| RigidInertia {
-                mass,
-                first_moment,
-                second_moment,
-            },
-        )
     }
 }
 

@@ -1,6 +1,6 @@
 //! The joint forces of springs.
 
-use super::{Body, Mechanism, Rates};
+use super::{Mechanism, Rates};
 use crate::Scalar;
 use crate::spatial::{Matrix3, Quaternion, Vector3, inverse_rotation_jacobian};
 
@@ -46,10 +46,9 @@ impl<S> JointSpring<S> {
 }
 
 impl<S: Scalar> JointSpring<S> {
-    /// Returns the displacement of the joint of `body` from the reference at the robot's coordinates `q`, along each
-    /// degree of freedom of the body.
-    fn displacement(&self, body: &Body<S>, q: &[S]) -> Rates<S> {
-        let own = &q[body.q..];
+    /// Returns the displacement of a joint from the reference, along each degree of freedom. `own` begins with the joint's
+    /// coordinates, or with those of the leader of which it is a multiple with an offset.
+    fn displacement(&self, own: &[S], mimic: Option<(S, S)>) -> Rates<S> {
         let quaternion = |from: usize| Quaternion::from_components(entries(own, from));
         let rotation = |from: usize, reference: [S; 4]| {
             let reference = Quaternion::from_components(reference);
@@ -58,8 +57,7 @@ impl<S: Scalar> JointSpring<S> {
         let o = S::zero();
         match self.reference {
             SpringReference::Coordinate(reference) => {
-                let x =
-                    body.mimic.map_or(own[0], |(multiplier, offset)| multiplier * own[0] + offset);
+                let x = mimic.map_or(own[0], |(multiplier, offset)| multiplier * own[0] + offset);
                 Rates { numbers: [x - reference, o, o, o, o, o], count: 1 }
             }
             SpringReference::Rotation(reference) => {
@@ -83,7 +81,7 @@ impl<S: Scalar> Mechanism<S> {
     pub fn spring_forces(&self, i: usize, q: &[S]) -> Option<Rates<S>> {
         let body = &self.bodies[i];
         let spring = body.spring.as_ref()?;
-        let Rates { numbers, count } = spring.displacement(body, q);
+        let Rates { numbers, count } = spring.displacement(&q[body.q..], body.mimic);
         Some(Rates { numbers: numbers.map(|x| spring.stiffness * x), count })
     }
 
@@ -92,7 +90,7 @@ impl<S: Scalar> Mechanism<S> {
     pub fn spring_energy(&self, q: &[S]) -> Option<S> {
         let energies = self.bodies.iter().filter_map(|body| {
             let spring = body.spring.as_ref()?;
-            let displacement = spring.displacement(body, q);
+            let displacement = spring.displacement(&q[body.q..], body.mimic);
             let square = displacement.iter().map(|&x| x * x).reduce(|sum, x| sum + x)?;
             Some(S::from_f64(0.5) * spring.stiffness * square)
         });
@@ -105,7 +103,7 @@ impl<S: Scalar> Mechanism<S> {
         for body in &self.bodies {
             let Some(spring) = &body.spring else { continue };
             let (stiffness, first) = (spring.stiffness, body.dofs.start);
-            let displacement = spring.displacement(body, q);
+            let displacement = spring.displacement(&q[body.q..], body.mimic);
             let vector = |from: usize| Vector3(entries(&displacement, from));
             let mut add_block = |row: usize, column: usize, block: Matrix3<S>| {
                 for (i, entries) in block.0.iter().enumerate() {

@@ -10,6 +10,7 @@ mod kinetic_energy;
 mod mass_matrix;
 pub(super) mod newton_euler;
 mod one_body;
+mod passive_forces;
 
 pub use {
     centroidal::*, external::*, forward_dynamics::*, gravity::*, inverse_dynamics::*,
