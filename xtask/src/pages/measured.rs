@@ -258,6 +258,40 @@ fn robots_in_short() -> String {
     )
 }
 
+/// Counts of the public collections, as part of a sentence.
+fn collections_in_short() -> String {
+    let data = Data::load("collections");
+    let sum = |format: &str, title: &str| {
+        let (own, column) = (data.column("format"), data.column(title));
+        let rows = data.rows.iter().filter(|row| row[own] == format);
+        rows.map(|row| row[column].parse::<usize>().expect("a number")).sum::<usize>()
+    };
+    let [models, accepted, agree, differ] =
+        ["models that move", "accepted", "agree", "differ"].map(|title| sum("mjcf", title));
+    format!(
+        "{accepted} of {models} MJCF models in which something moves are accepted; {agree} of them agree with MuJoCo, {differ} \
+         differ, and MuJoCo does not load the others"
+    )
+}
+
+/// The models of the collections that are refused, though they are whole and something moves in them.
+fn refused_models() -> String {
+    let data = Data::load("collected");
+    let [verdict, compared, code, why] =
+        ["verdict", "compared", "code", "why"].map(|title| data.column(title));
+    let is_model = |row: &&Vec<String>| {
+        row[verdict] != "accepted" && row[compared] == "loads"
+            || row[verdict] == "refused" && row[compared].is_empty()
+    };
+    let rows: Vec<[String; 4]> = data
+        .rows
+        .iter()
+        .filter(is_model)
+        .map(|row| [row[0].clone(), row[1].clone(), format!("`{}`", row[code]), row[why].clone()])
+        .collect();
+    table("collection | file | code | first error", &rows) + &data.source()
+}
+
 /// The quotient of the numbers in a column of two rows, `file; row; row; column`.
 fn quotient(place: &str) -> f64 {
     let [file, row, other, column] = place.split("; ").collect::<Vec<_>>()[..] else {
@@ -280,6 +314,8 @@ pub(super) fn text_of(name: &str) -> Option<String> {
         "batched-ur5" => batched("ur5"),
         "batched-panda" => batched("panda"),
         "robots-in-short" => robots_in_short(),
+        "collections-in-short" => collections_in_short(),
+        "collected" => refused_models(),
         "cuda-sum" => h200("Panda", "`forward_dynamics`", "f32").2,
         "cuda-estimates" => cuda_estimates(),
         "cuda-crossover" => cuda_crossover(),
