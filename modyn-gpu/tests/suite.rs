@@ -56,9 +56,8 @@ impl BackEnd for Wgsl {
         let Kernels { gpu, kernels, emitted } = subject.robot;
         let mut results = Vec::new();
         for own in subject.calls.chunks(STATES) {
-            let is_own = |call: &Call, function: &str, link| {
-                call.function == function && call.link == link
-            };
+            let is_own =
+                |call: &Call, function: &str, link| call.function == function && call.link == link;
             let mut all = emitted.kernels.iter();
             let kernel = all.find(|kernel| is_own(&own[0], kernel.function, kernel.link));
             let kernel = kernel.expect("a kernel of the function");
