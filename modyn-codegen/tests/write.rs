@@ -235,7 +235,7 @@ fn constrained(model: Model, random: &mut Random) -> Model {
     if last == 0 { model } else { model.with_loop_constraints(loops).expect("a loop") }
 }
 
-/// Names keep all their characters, and what a format has no words for is said or refused.
+/// Names keep all their characters, and properties that a format cannot express are said or refused.
 #[test]
 fn names_limits_and_notes() {
     let text = r#"<robot name="a &lt;b> &amp; &quot;c&quot;"><link name="base -- 1"/>

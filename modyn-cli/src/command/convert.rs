@@ -11,7 +11,7 @@ use crate::command::robot::Robot;
 
 /// Write a robot as a URDF or an MJCF: its links, joints, inertias, loops and contacts, and nothing else
 ///
-/// Reading the result again gives the same robot. What the format has no words for is said on standard error and at the
+/// Reading the result again gives the same robot. Properties that the format cannot express are said on standard error and at the
 /// top of the result.
 ///
 /// The exit code is 1 if the description is rejected, or if the robot's dynamics would differ in the other format.
