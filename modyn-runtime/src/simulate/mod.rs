@@ -27,7 +27,9 @@
 mod ground;
 pub mod impulses;
 
-pub use ground::{Ground, GroundStep, SpringGround, limit_effort};
+pub use crate::solve::{ContactMode, Effort, Residual};
+pub use ground::{GroundImpulses, GroundStep, SpringGround, limit_effort};
+pub use impulses::Ground;
 
 use core::fmt;
 

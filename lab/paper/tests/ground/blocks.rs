@@ -21,7 +21,8 @@ fn a_block_that_falls_comes_to_rest() {
     q[2] = 0.4;
     q[3..7].copy_from_slice(&quaternion);
     let mut state = State::<Block>::at_rest(q);
-    let (settings, ground) = (on(ContactTarget::<f64>::GROUND), Ground::with_friction(0.6));
+    let (settings, ground) =
+        (on(ContactTarget { friction: 0.6, ..ContactTarget::<f64>::GROUND }), Ground::default());
     let (mut most, mut deepest) = (energy(&state), 0.0_f64);
     let start = most;
     let mut carried = 0.0;
@@ -49,12 +50,13 @@ fn a_bounce_keeps_the_share_of_the_speed() {
     let restitution = 0.7;
     let (rows, quaternion) = rotation([0.6, -0.8, 0.3], 0.4);
     let pose = Pose { rotation: rows, translation: [0.1, 0.2, -0.3] };
-    let settings = on(ContactTarget { pose, restitution, ..ContactTarget::<f64>::GROUND });
+    let target = ContactTarget { pose, restitution, friction: 0.5, ..ContactTarget::<f64>::GROUND };
+    let settings = on(target);
     let mut q = Block::NEUTRAL;
     (0..3).for_each(|k| q[k] = pose.translation[k] + (STANDING + 0.1) * rows[k][2]);
     q[3..7].copy_from_slice(&quaternion);
     let mut state = State::<Block>::at_rest(q);
-    let (ground, step) = (Ground::with_friction(0.5), 1e-4);
+    let (ground, step) = (Ground::default(), 1e-4);
     let speeds = |state: &State<Block>| {
         let found = Block::constraint_residual(&state.q, &state.qd, &settings).velocities;
         found.map(|velocity| Vector3(rows.map(|row| row[2])).dot(velocity.linear))
@@ -84,7 +86,8 @@ fn a_block_slides_as_coulomb_says() {
     let mut state = State::<Block>::at_rest(q);
     state.qd[0] = 0.6 * speed;
     state.qd[1] = 0.8 * speed;
-    let (settings, ground) = (on(ContactTarget::<f64>::GROUND), Ground::with_friction(friction));
+    let (settings, ground) =
+        (on(ContactTarget { friction, ..ContactTarget::<f64>::GROUND }), Ground::default());
     for _ in 0..600 {
         state = state.step_on_ground(STEP, &hold(&state), &ground, &settings).state;
     }
@@ -103,13 +106,13 @@ fn a_slope_holds_a_block_up_to_the_angle_of_friction() {
     let place = [0.3, -0.2, 0.7];
     let normal = rows.map(|row| row[2]);
     let pose = Pose { rotation: rows, translation: place };
-    let settings = on(ContactTarget { pose, ..ContactTarget::<f64>::GROUND });
     let mut q = Block::NEUTRAL;
     (0..3).for_each(|k| q[k] = place[k] + STANDING * normal[k]);
     q[3..7].copy_from_slice(&quaternion);
     for friction in [0.2, 0.8] {
         let mut state = State::<Block>::at_rest(q);
-        let ground = Ground::with_friction(friction);
+        let ground = Ground::default();
+        let settings = on(ContactTarget { pose, friction, ..ContactTarget::<f64>::GROUND });
         let steps = 300;
         for _ in 0..steps {
             let dt = time / f64::from(steps);
