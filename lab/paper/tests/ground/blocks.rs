@@ -1,7 +1,7 @@
 //! A block that falls, bounces, slides, and stays on a slope.
 
 use modyn::ContactTarget;
-use modyn::simulate::{Ground, State};
+use modyn::simulate::{Ground, HeightField, State};
 use modyn::spatial::{Pose, Vector3};
 
 use super::{Block, GRAVITY, HINGE, STANDING, STEP, heights, hold, lowest, on, rotation};
@@ -95,6 +95,40 @@ fn a_block_slides_as_coulomb_says() {
     let expected = speed * speed / (2.0 * friction * GRAVITY);
     assert!((distance - expected).abs() < 0.01 * expected, "{distance} m, expected {expected} m");
     assert!(state.qd[..6].iter().all(|v| v.abs() < 1e-3), "{state:?}");
+}
+
+/// On a height field whose slope is even, a block slides as on a plane of this slope.
+#[test]
+fn a_block_slides_on_a_height_field_as_on_a_plane() {
+    let (slopes, friction) = ([0.3, -0.2], 0.2);
+    let (columns, spacing, origin) = (9, [0.5, 0.7], [-2.0, -2.1]);
+    let heights: Vec<f64> = (0..9 * 7)
+        .map(|k| {
+            let place = [f64::from(k % 9), f64::from(k / 9)];
+            (0..2).map(|i| slopes[i] * (origin[i] + spacing[i] * place[i])).sum()
+        })
+        .collect();
+    let field = HeightField::new(origin, spacing, columns, &heights).expect("a grid");
+    let plane = field.plane([0.1, 0.2]);
+    let normal = plane.rotation.map(|row| row[2]);
+    let mut q = Block::NEUTRAL;
+    (0..3).for_each(|k| q[k] = plane.translation[k] + STANDING * normal[k]);
+    let turn =
+        nalgebra::Rotation3::from_matrix(&nalgebra::Matrix3::from(plane.rotation).transpose());
+    q[3..7].copy_from_slice(nalgebra::UnitQuaternion::from(turn).coords.as_slice());
+    let on_plane = on(ContactTarget { pose: plane, friction, ..ContactTarget::<f64>::GROUND });
+    let mut states = [State::<Block>::at_rest(q), State::<Block>::at_rest(q)];
+    let ground = Ground::default();
+    for _ in 0..400 {
+        let [a, b] = &mut states;
+        *a = a.step_on_ground(STEP, &hold(a), &ground, &on_plane).state;
+        let below = field.under::<Block>(&b.q, &on_plane);
+        *b = b.step_on_ground(STEP, &hold(b), &ground, &below).state;
+    }
+    let [a, b] = states.map(|state| state.q);
+    let apart = (0..3).map(|k| (a[k] - b[k]).abs()).fold(0.0, f64::max);
+    let moved = (0..3).map(|k| (a[k] - q[k]).powi(2)).sum::<f64>().sqrt();
+    assert!(moved > 0.05 && apart < 1e-6, "{moved} m, {apart} m apart");
 }
 
 /// A block on a slope in general position slides down with the acceleration g (sin - mu cos), or stays if that is
