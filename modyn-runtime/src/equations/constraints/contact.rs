@@ -96,7 +96,7 @@ impl<S: Scalar> ContactFrame<S> {
     }
 
     /// Returns the rotation from the root's axes to the axes that are the columns of `axes` in the world.
-    pub(super) fn from_root(&self, axes: &Matrix3<S>) -> Matrix3<S> {
+    pub(super) fn root_to(&self, axes: &Matrix3<S>) -> Matrix3<S> {
         axes.transposed().times(&self.root_axes)
     }
 

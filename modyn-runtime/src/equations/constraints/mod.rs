@@ -253,7 +253,7 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         for constraint in &model.constraints {
             let count = constraint.rows.len();
             if let Some((contact, frame)) = constraint.contact.then(|| frames.next()).flatten() {
-                let rotation = frame.from_root(&axes(contact));
+                let rotation = frame.root_to(&axes(contact));
                 for first in (next..next + count).step_by(3) {
                     let rotate = |three: &mut [S], stride: usize, k: usize| {
                         let own = Vector3([0, 1, 2].map(|i| three[i * stride + k]));
