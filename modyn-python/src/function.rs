@@ -366,7 +366,7 @@ fn evaluated<S: Number>(planning: Planning) -> Option<Evaluated<S>> {
 }
 
 /// Returns the number of threads for a batch.
-pub fn threads() -> usize {
+fn threads() -> usize {
     match THREADS.load(Ordering::Relaxed) {
         0 => {
             let all = std::thread::available_parallelism().map_or(1, usize::from);

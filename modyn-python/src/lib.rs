@@ -15,7 +15,6 @@ mod factorization;
 mod function;
 #[cfg_attr(not(feature = "gpu"), path = "without_gpu.rs")]
 mod gpu;
-mod ground;
 mod layout;
 mod memory;
 mod methods;

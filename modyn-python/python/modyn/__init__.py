@@ -18,15 +18,7 @@ from ._errors import DescriptionError, DescriptionWarning, Diagnostic, MachineCo
 from ._modyn import Factorization, Robot, functions, load, loads, set_threads
 from ._results import *  # noqa: F403
 from ._show import Animation, show
-from ._types import (
-    BaseParameters,
-    ConstraintSettings,
-    ContactTarget,
-    GroundStep,
-    Joint,
-    JointLimits,
-    RolloutResults,
-)
+from ._types import BaseParameters, ConstraintSettings, ContactTarget, Joint, JointLimits, RolloutResults
 
 __version__ = "0.1.0"
 
@@ -39,7 +31,6 @@ __all__ = [
     "DescriptionWarning",
     "Diagnostic",
     "Factorization",
-    "GroundStep",
     "Joint",
     "JointLimits",
     "MachineCodeWarning",

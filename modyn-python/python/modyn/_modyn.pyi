@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from typing_extensions import TypedDict, Unpack
 
 from ._results import *
-from ._types import BaseParameters, ConstraintSettings, GroundStep, Joint, JointLimits, RolloutResults
+from ._types import BaseParameters, ConstraintSettings, Joint, JointLimits, RolloutResults
 
 # `float64`, or `float32` with the option `scalar="f32"`.
 Array: TypeAlias = NDArray[Any]
@@ -290,30 +290,6 @@ class Robot:
     def brge(self, q: ArrayLike) -> Factorization:
         """Returns the factorization U D U^T of the mass matrix at `q`, (nq,), by kinematic modules, by block reverse
         Gaussian elimination. The option `modules` selects the modules. The factors are in `float64` for every robot."""
-    def step_on_ground(
-        self,
-        q: ArrayLike,
-        qd: ArrayLike,
-        tau: ArrayLike,
-        dt: float,
-        settings: ConstraintSettings | ArrayLike | None = None,
-        *,
-        last: GroundStep | None = None,
-        joint_limits: bool = True,
-        tolerance: float = 1e-9,
-        sweeps: int = 8,
-        newton_steps: int = 40,
-    ) -> GroundStep:
-        """Returns the state after a step of the time `dt` (s) under the joint forces `tau`, with all contacts of the robot as
-        points that the ground can push but not pull, with Coulomb friction and joint stops.
-
-        `q` is (nq,), `qd` and `tau` are (nv,), or (n, nq) and (n, nv) for n states, which run on all processors. `settings` has
-        the ground under each contact (`ConstraintSettings`; by default the plane z = 0 with friction 0.8). `last` is the
-        result of the last step, whose impulses are the solver's first guess. Without `joint_limits` joints have no stops. The
-        solver ends when no velocity contradicts the laws of contacts by more than `tolerance` (m/s, rad/s), or after
-        `sweeps` visits of each contact and `newton_steps` steps of Newton's method.
-
-        Result: `GroundStep`. Source: Stewart and Trinkle 1996."""
     def __getattr__(self, name: str) -> Any:
         """Returns a bundle as a callable."""
     def _repr_html_(self) -> str | None: ...

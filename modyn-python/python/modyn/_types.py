@@ -107,23 +107,6 @@ class Joint(NamedTuple):
     """the joint's entries of `qd`"""
 
 
-class GroundStep(NamedTuple):
-    """The state after a step on the ground; with a first axis of states for several."""
-
-    q: NDArray[Any]
-    """the coordinates, (nq,)"""
-    qd: NDArray[Any]
-    """the velocities, (nv,)"""
-    impulses: NDArray[Any]
-    """the impulses of the contacts, (contacts, 3), N s: along the x and y axes of the target, then along the normal"""
-    stops: NDArray[Any]
-    """the impulses of the joint stops, (nv,), N m s or N s"""
-    modes: NDArray[np.int8]
-    """the state of each contact, (contacts,): 0 open, 1 stick, 2 slip"""
-    residual: NDArray[Any]
-    """the largest velocities that contradict the laws of contacts (m/s) and of joint stops (rad/s or m/s), (2,)"""
-
-
 class RolloutResults(NamedTuple):
     """The results of n rollouts of `GpuRollout`: arrays on the graphics processor, whose `numpy` copies them."""
 
