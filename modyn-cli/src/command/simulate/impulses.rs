@@ -67,6 +67,8 @@ pub struct Step {
     pub lowest: f64,
     /// The velocities that the sweeps left wrong.
     pub residual: Residual,
+    /// The mean force of the ground on each contact, N, in world axes.
+    pub forces: Vec<[f64; 3]>,
 }
 
 impl Impulses {
@@ -162,6 +164,7 @@ impl Impulses {
             by_contacts.map(|(touch, &p)| p.dot(touch.velocity(&mean) + touch.ground));
         let by_stops = stops.iter().zip(&torques).map(|(stop, p)| p * mean[stop.entry]);
         let dissipated = -by_contacts.chain(by_stops).sum::<f64>();
-        Ok(Step { qd: next, dissipated, lowest, residual })
+        let forces = impulses.iter().map(|impulse| impulse.0.map(|x| x / dt)).collect();
+        Ok(Step { qd: next, dissipated, lowest, residual, forces })
     }
 }
