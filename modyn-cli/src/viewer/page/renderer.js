@@ -44,7 +44,7 @@ float lit(vec4 p, float bias, float spread) {
 }
 vec3 encoded(vec3 linear) {
   // The filmic curve of Narkowicz (2016), then sRGB.
-  vec3 x = linear * 0.85;
+  vec3 x = linear * 0.72;
   x = clamp(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), 0.0, 1.0);
   return mix(12.92 * x, 1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, x));
 }

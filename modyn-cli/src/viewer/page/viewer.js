@@ -16,6 +16,9 @@ function make(tag, properties = {}, ...children) {
   return element;
 }
 
+// The look of what is drawn over the robot.
+const ON_TOP = { isOverlay: true, flatness: 0.65 };
+
 const digits = (x) => String(Number(x.toPrecision(3)));
 
 class Viewer {
@@ -217,7 +220,7 @@ class Viewer {
       const poses = robot.poses(q).map((pose) => multiply(moved, pose));
       const at = (body, matrix = identity()) => body < 0 ? multiply(moved, matrix) : multiply(poses[body], matrix);
       const isGlass = show.inertia || show.frames || show.center;
-      if (show.shapes) robot.geometries.forEach((geometry, body) => items.push({ geometry, matrix: at(body), tint: [...hue, isGlass ? 0.45 : 1] }));
+      if (show.shapes) robot.geometries.forEach((geometry, body) => items.push({ geometry, matrix: at(body), tint: [...hue, isGlass ? 0.55 : 1] }));
       if (this.column !== null) {
         const radius = 0.045 * robot.size;
         items.push({ geometry: markers.column, matrix: multiply(moved, fromAxes([radius, 0, 0], [0, radius, 0], [0, 0, -this.column], [0, 0, this.column / 2])), tint: [0.3, 0.32, 0.35, 1] });
@@ -233,15 +236,15 @@ class Viewer {
         [[0.9, 0.2, 0.2, 1], [0.2, 0.7, 0.25, 1], [0.2, 0.4, 0.95, 1]].forEach((color, k) => {
           const axis = [0, 0, 0];
           axis[k] = length;
-          arrow(from, add(from, rotate(place, axis)), 0.03 * length, color, { isOverlay: true });
+          arrow(from, add(from, rotate(place, axis)), 0.03 * length, color, ON_TOP);
         });
       });
       if (show.center) {
         const center = robot.centerOfMass(poses);
         const ball = (point, radius, color, more) => items.push({ geometry: markers.ball, matrix: multiply(translation(point), scaling([radius, radius, radius])), tint: color, ...more });
         if (center) {
-          ball(center, 0.018 * robot.size, [0.95, 0.75, 0.1, 1], { isOverlay: true });
-          if (show.ground) arrow(center, [center[0], center[1], this.ground], 0.003 * robot.size, [0.95, 0.75, 0.1, 1], { isOverlay: true });
+          ball(center, 0.018 * robot.size, [0.95, 0.75, 0.1, 1], ON_TOP);
+          if (show.ground) arrow(center, [center[0], center[1], this.ground], 0.003 * robot.size, [0.95, 0.75, 0.1, 1], ON_TOP);
         }
       }
       const forces = show.forces && this.forcesOf(instance);
@@ -249,7 +252,7 @@ class Viewer {
         const from = transformPoint(at(body), point), force = forces.slice(3 * i, 3 * i + 3);
         // A robot's weight is an arrow of half its size; impacts are no longer than the robot.
         const length = Math.min(0.55 / (robot.mass * GRAVITY), 1 / norm(force)) * robot.size;
-        arrow(from, add(from, scale(force, length)), 0.006 * robot.size, [0.92, 0.28, 0.16, 1], { isOverlay: true, flatness: 0.6 });
+        arrow(from, add(from, scale(force, length)), 0.006 * robot.size, [0.92, 0.28, 0.16, 1], ON_TOP);
       });
     }
     return items;
