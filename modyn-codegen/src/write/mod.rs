@@ -97,7 +97,7 @@ pub fn write(model: &Model, format: Format) -> Result<Written, Diagnostics> {
 /// Returns notes about properties of a model that options of reading have, and not the format.
 fn notes_about_options(model: &Model, format: Format) -> Vec<String> {
     let mut notes = Vec::new();
-    if !model.keyframes().is_empty() {
+    if format == Format::Urdf && !model.keyframes().is_empty() {
         let names = model.keyframes().iter().map(|keyframe| &*keyframe.name);
         notes.push(format!("Left out: {}.", listed("keyframe", names)));
     }
