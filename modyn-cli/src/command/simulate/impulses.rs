@@ -179,7 +179,10 @@ impl Impulses {
             [interpreter.kinetic_energy(q, &free)?, interpreter.kinetic_energy(q, &next)?];
         let lowest = motion.heights.iter().copied().fold(f64::INFINITY, f64::min);
         let impulses = self.last.contacts.as_chunks::<3>().0;
-        let forces = impulses.iter().map(|impulse| impulse.map(|x| x / dt)).collect();
+        // Impulses are along the axes of the targets.
+        let forces =
+            targets.iter().zip(impulses).map(|(target, p)| target.pose.rotate(p.map(|x| x / dt)));
+        let forces = forces.collect();
         Ok(Step { qd: next, dissipated: energies[0] - energies[1], lowest, residual, forces })
     }
 }
