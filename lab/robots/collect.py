@@ -1,7 +1,7 @@
 """Every description of public collections: whether modyn accepts it, and the differences from other libraries.
 
-MJCF is compared with MuJoCo, URDF with Pinocchio, SDF with Drake. Writes docs/data/collections.tsv and
-docs/data/collected.tsv. Exit code 1 if an accepted file differs.
+MJCF is compared with MuJoCo, URDF with Pinocchio, a xacro with Pinocchio on what ROS's program makes of it, SDF with
+Drake. Writes docs/data/collections.tsv and docs/data/collected.tsv. Exit code 1 if an accepted file differs.
 """
 
 import argparse
@@ -10,6 +10,7 @@ import dataclasses
 import json
 import subprocess
 import sys
+import tempfile
 import time
 import zipfile
 from importlib.metadata import version
@@ -87,8 +88,32 @@ def checked(collection, folder):
         yield row, path
 
 
+def expanded(path):
+    """The URDF of a xacro by ROS's own program, beside it; packages are folders beside those that the file is in."""
+    import xacro
+    from xacro import substitution_args
+
+    def place(package):
+        near = (one for folder in path.parents for one in (folder, folder / package) if one.name == package)
+        found = next((folder for folder in near if folder.is_dir()), None)
+        if found is None:
+            raise Unloaded(f"the package {package} is not there")
+        return str(found)
+
+    substitution_args._eval_find = place
+    try:
+        return xacro.process_file(str(path)).toxml()
+    except Exception as error:
+        raise Unloaded(str(error)) from error
+
+
 def reference(row, path, joints):
     """The other library's model of a file."""
+    if row.format == "xacro":
+        with tempfile.NamedTemporaryFile("w", suffix=".urdf") as urdf:
+            urdf.write(expanded(path))
+            urdf.flush()
+            return reference(dataclasses.replace(row, format="urdf"), Path(urdf.name), joints)
     if row.format == "mjcf":
         import mujoco_reference
         return mujoco_reference.Reference(path, joints)
