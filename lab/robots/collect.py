@@ -81,7 +81,7 @@ def checked(collection, folder):
             subject = errors[0]["subject"]
             about = f"{subject['kind']} `{subject['name']}`: " if subject else ""
             row.code, row.why = errors[0]["code"], (about + errors[0]["message"]).replace(f"{folder}/", "")
-        if row.verdict == "refused" and row.format in ("urdf", "xacro"):
+        if row.verdict == "refused" and row.format != "mjcf":
             tried = (option for option in modyn.OPTIONS if not modyn.check(path, option)[0])
             row.option = next(tried, "")
             row.verdict = "by an option" if row.option else row.verdict
@@ -117,6 +117,8 @@ def reference(row, path, joints):
     if row.format == "mjcf":
         import mujoco_reference
         return mujoco_reference.Reference(path, joints)
+    if row.format == "sdf" and row.code == "inertia-without-mass":
+        raise Unloaded("Drake gives a link that has inertia and no mass a mass of 1 kg")
     if row.format == "sdf":
         import drake_reference
         return drake_reference.Reference(path, joints)
