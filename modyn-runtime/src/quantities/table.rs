@@ -52,10 +52,13 @@ macro_rules! arguments {
     };
 }
 
-/// Passes the rows to `$rows`.
+/// Passes the rows to the macro `$rows`, after `$first`. It is exported for tests, which call each function by its row.
+#[doc(hidden)]
+#[macro_export]
 macro_rules! quantities {
-    ($rows:ident) => {
+    ($rows:path $(, $first:tt)?) => {
         $rows! {
+            $($first)?
             ForwardDynamics forward_dynamics / forward_dynamics_with(q, qd, tau) -> velocities as "qdd", [default hot casadi inertia],
              "Returns the joint accelerations (rad/s^2 or m/s^2) at the coordinates `q` and velocities `qd` under the\n\
              joint forces `tau` (N m or N), gravity included. The method is block reverse Gaussian elimination of the\n\
@@ -389,6 +392,28 @@ macro_rules! quantities {
                         write(&found, impulses);
                     };
 
+            ContactProblem contact_problem / contact_problem_with(q, qd, tau, dt, settings) -> contact_problem, [constraints inertia],
+             "Returns the problem of a step of the time `dt` (s) on the ground under the joint forces `tau`, in the space of the\n\
+             contacts' points: the motion without contacts, and the effects of unit impulses on the points and on the\n\
+             velocities. Of the targets, `pose` and the linear `velocity` count. Closed loops are not closed. `solve::ground` has\n\
+             the solver.",
+             "`{Self}` has no function `contact_problem`",
+             batch ContactProblemBatch "`{Self}` has no function `contact_problem_batch`"
+             => |robot, [after, heights, before, free, mobility, responses]| {
+                        let (mut moving, mut falling) = (read(before), read(free));
+                        let results = ContactProblemOutputs {
+                            qd: after,
+                            heights,
+                            before: &mut moving,
+                            free: &mut falling,
+                            mobility,
+                            responses,
+                        };
+                        robot.contact_problem((q, qd, tau, dt[0]), &settings_of(settings), results)?;
+                        write(&moving, before);
+                        write(&falling, free);
+                    };
+
             ConstrainedInverseDynamics constrained_inverse_dynamics / constrained_inverse_dynamics_with(q, qd, qdd, contacts, settings) -> constrained_torques, [constraints inertia],
              "Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts that carry the\n\
              floating bases, and the rank of the contacts' columns of the bases. The wrenches have the smallest sum\n\
@@ -399,11 +424,11 @@ macro_rules! quantities {
              batch ConstrainedInverseDynamicsBatch "`{Self}` has no function `constrained_inverse_dynamics_batch`"
              => |robot, [tau, wrenches, rank]| {
                         robot.activate(contacts);
-                        let mut carried = read(wrenches);
-                        let results = (tau, &mut *carried);
+                        let mut of_contacts = read(wrenches);
+                        let results = (tau, &mut *of_contacts);
                         let settings = &settings_of(settings);
                         rank[0] = robot.solve_torques((q, qd, qdd), settings, results);
-                        write(&carried, wrenches);
+                        write(&of_contacts, wrenches);
                     };
 
             ConstraintJacobian constraint_jacobian(q) -> constraint_jacobian, [constraints],
