@@ -35,7 +35,11 @@ class Row:
     collection: str
     file: str
     format: str
+    #: That of `modyn check`; "by an option" if `option` has one with which a refused file is accepted.
     verdict: str
+    option: str = ""
+    #: Whether the robot has kinematics alone, since its links have no inertia.
+    is_kinematic: bool = False
     #: The first error: its code, and what it says.
     code: str = ""
     why: str = ""
@@ -68,13 +72,19 @@ def checked(collection, folder):
     if done.returncode not in (0, 1):
         raise RuntimeError(f"{folder}: modyn check: {done.stderr}")
     for file in json.loads(done.stdout)["files"]:
+        path = Path(file["file"])
         errors = [one for one in file["diagnostics"] if one["severity"] == "error"]
-        row = Row(collection, str(Path(file["file"]).relative_to(folder)), file["format"], file["verdict"])
+        row = Row(collection, str(path.relative_to(folder)), file["format"], file["verdict"])
+        row.is_kinematic = any(one["code"] == "kinematics-only" for one in file["diagnostics"])
         if errors:
             subject = errors[0]["subject"]
             about = f"{subject['kind']} `{subject['name']}`: " if subject else ""
             row.code, row.why = errors[0]["code"], (about + errors[0]["message"]).replace(f"{folder}/", "")
-        yield row, Path(file["file"])
+        if row.verdict == "refused" and row.format in ("urdf", "xacro"):
+            tried = (option for option in modyn.OPTIONS if not modyn.check(path, option)[0])
+            row.option = next(tried, "")
+            row.verdict = "by an option" if row.option else row.verdict
+        yield row, path
 
 
 def reference(row, path, joints):
@@ -87,19 +97,21 @@ def reference(row, path, joints):
         return drake_reference.Reference(path, joints)
     if row.format == "urdf":
         import reference as pinocchio_reference
-        model, error = pinocchio_reference.load(path)
+        model, error = pinocchio_reference.load(path, "floating" in row.option)
         if model is None:
             raise Unloaded(error.splitlines()[0])
-        return pinocchio_reference.Reference(model, joints, pinocchio_reference.followers(path))
+        mimics = {} if "--mimic independent" in row.option else pinocchio_reference.followers(path)
+        return pinocchio_reference.Reference(model, joints, mimics)
     raise Unloaded("nothing to compare with")
 
 
 def compare(task):
     """Fills in the comparison of an accepted file, or whether the other library loads a refused MJCF."""
     row, path, states = task
-    if row.verdict not in ("accepted", "refused", "part") or row.verdict != "accepted" and row.format != "mjcf":
+    is_accepted = row.verdict in ("accepted", "by an option")
+    if not is_accepted and (row.verdict == "static" or row.format != "mjcf"):
         return row
-    if row.verdict != "accepted":
+    if not is_accepted:
         import mujoco
         try:
             model = mujoco.MjModel.from_xml_path(str(path))
@@ -108,13 +120,20 @@ def compare(task):
             row.compared = "not loaded"
         return row
     try:
-        interpreter = modyn.Interpreter(path, [])
+        interpreter = modyn.Interpreter(path, modyn.OPTIONS.get(row.option, []))
         row.joints = len(interpreter.joints)
         theirs = reference(row, path, interpreter.joints)
         random = numpy.random.default_rng(1)
         given = [theirs.random_state(random) for _ in range(states)]
         tolerance = MUJOCO_TOLERANCE if row.format == "mjcf" else TOLERANCE
         row.difference, agrees = 0.0, True
+        if row.is_kinematic:
+            for (q, qd, _), found in zip(given, interpreter.evaluate_kinematics(given), strict=True):
+                right = theirs.kinematics(q, qd)
+                scale = max(1.0, numpy.abs(right).max())
+                row.difference = max(row.difference, float(numpy.abs(found - right).max() / scale))
+            row.compared = "agrees" if row.difference <= tolerance else "DIFFERS"
+            return row
         for state, ours in zip(given, interpreter.evaluate(given), strict=True):
             expected = theirs.evaluate(*state)
             condition = numpy.linalg.cond(expected[2])

@@ -85,6 +85,12 @@ class Interpreter:
             numbers = numpy.array(line.split(), dtype=float)
             yield numbers[:n], numbers[n:2 * n], numbers[2 * n:(2 + n) * n].reshape(n, n).T
 
+    def evaluate_kinematics(self, states):
+        """By joint, the rotation, the position and the velocity of its link, of a robot without inertia."""
+        given = "".join(" ".join(map(repr, numpy.concatenate(state).tolist())) + "\n" for state in states)
+        for line in self.run(given).split("\n\n")[1].splitlines():
+            yield numpy.array(line.split(), dtype=float).reshape(len(self.joints), 18)
+
     def evaluate_loops(self, states):
         """Accelerations of each state with the loops closed, and the largest displacement of a loop; None without loops."""
         given = "".join(" ".join(map(repr, numpy.concatenate(state).tolist())) + "\n" for state in states)

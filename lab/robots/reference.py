@@ -112,6 +112,17 @@ class Reference:
         upper = numpy.triu(pinocchio.crba(self.model, self.data, self.coordinates(q)))
         return self.velocities.T @ (upper + numpy.triu(upper, 1).T) @ self.velocities
 
+    def kinematics(self, q, qd):
+        """By modyn's joint, the rotation by rows, the position and the velocity in world axes of the link it moves."""
+        pinocchio.forwardKinematics(self.model, self.data, self.coordinates(q), self.velocities @ qd)
+        rows = []
+        for joint in self.joints:
+            number = self.model.getJointId("root_joint" if joint.kind == "floating" else joint.name)
+            pose = self.data.oMi[number]
+            velocity = pinocchio.getVelocity(self.model, self.data, number, pinocchio.LOCAL_WORLD_ALIGNED)
+            rows.append(numpy.concatenate([pose.rotation.ravel(), pose.translation, velocity.angular, velocity.linear]))
+        return numpy.array(rows)
+
     def evaluate(self, q, qd, tau):
         """Accelerations, bias forces and mass matrix; by the articulated-body algorithm if nothing mimics."""
         theirs, g = self.coordinates(q), self.velocities

@@ -113,7 +113,7 @@ def files(rows, seconds):
 
 def is_model(row):
     """Whether a file is a whole model: parts, and files that only MuJoCo's programs complete, are not."""
-    return row.verdict in ("accepted", "refused") and row.compared not in ("static", "not loaded") or row.compared == "loads"
+    return row.verdict in ("accepted", "by an option", "refused") and row.compared not in ("static", "not loaded") or row.compared == "loads"
 
 
 def collections(rows, seconds):
@@ -124,10 +124,11 @@ def collections(rows, seconds):
     for row in rows:
         groups.setdefault((row.collection, row.format), []).append(row)
     sums = [[*key, len(found), sum(is_model(row) for row in found), sum(row.verdict == "accepted" for row in found),
+             sum(row.verdict == "by an option" for row in found),
              sum(row.compared == "agrees" for row in found), sum(row.compared.startswith("DIFFERS") for row in found),
              sum(row.compared.startswith("not compared") for row in found)] for key, found in sorted(groups.items())]
-    head = ["collection", "format", "files", "models that move", "accepted", "agree", "differ", "not compared"]
-    every = [[row.collection, row.file, row.format, row.verdict, "" if row.joints is None else row.joints, row.compared,
+    head = ["collection", "format", "files", "models that move", "accepted", "by an option", "agree", "differ", "not compared"]
+    every = [[row.collection, row.file, row.format, row.option and f"{row.verdict}, `{row.option}`" or row.verdict, "" if row.joints is None else row.joints, row.compared,
               "" if row.difference is None else f"{row.difference:.0e}", row.code, " ".join(row.why.split())]
              for row in rows]
     titles = ["collection", "file", "format", "verdict", "joints", "compared", "difference", "code", "why"]

@@ -4,7 +4,6 @@ mod check;
 mod command;
 mod common;
 mod compare;
-#[cfg(all(feature = "command", feature = "mjcf"))]
 mod convert;
 mod docs;
 mod generate;

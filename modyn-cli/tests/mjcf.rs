@@ -1,5 +1,4 @@
 //! Every command also reads MuJoCo's models.
-#![cfg(feature = "mjcf")]
 
 use crate::common;
 

@@ -8,8 +8,10 @@
 //! The output begins with a line for each joint that has coordinates (the number of its coordinates and velocities, its
 //! type, its name), then an empty line. A line for each state follows: accelerations under the torques tau, bias forces, and
 //! the mass matrix by columns. For a robot with loops, the accelerations with the loops closed come after them, without
-//! stabilization, then the loops' displacements, six for each loop. Words after the path: `fixed`, `floating`, `independent` (mimics) and `warn` (of inertias that no rigid
-//! body has).
+//! stabilization, then the loops' displacements, six for each loop. A robot with a joint that moves no inertia has no
+//! dynamics: then the numbers of a state are, for each of these joints, the pose of its link in the world (rotation by rows,
+//! translation) and its velocity in world axes (angular, linear). Words after the path: `fixed`, `floating`, `independent`
+//! (mimics) and `warn` (of inertias that no rigid body has).
 
 use std::error::Error;
 use std::io::{BufRead as _, Write as _};
@@ -36,9 +38,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     options.folder = Path::new(&path).parent().map(Path::to_owned);
     let model = read(&text, &path, &options)?.model;
     let mut out = std::io::BufWriter::new(std::io::stdout().lock());
+    let mut frames = Vec::new();
     for (i, link) in model.links().iter().enumerate().filter(|(i, _)| model.mimic(*i).is_none()) {
         let (nq, nv) = (model.q_range(i).len(), model.v_range(i).len());
         writeln!(out, "{nq} {nv} {} {}", link.joint.joint_type.name(), link.joint.name)?;
+        frames.extend(model.frame_index(&link.name));
     }
     writeln!(out)?;
     let (nq, n) = (model.nq(), model.nv());
@@ -57,6 +61,16 @@ fn main() -> Result<(), Box<dyn Error>> {
             return Err(format!("a state has {nq} + 2 * {n} numbers, not {}", state.len()).into());
         }
         let ((q, qd), tau) = (state[..nq + n].split_at(nq), &state[nq + n..]);
+        if interpreter.joint_without_inertia().is_some() {
+            let mut numbers = Vec::new();
+            for &frame in &frames {
+                let pose = interpreter.link_pose(q, frame)?;
+                numbers.extend(pose.rotation.into_iter().flatten().chain(pose.translation));
+                numbers.extend(interpreter.link_velocity(q, qd, frame)?.components());
+            }
+            writeln!(out, "{}", words(&numbers))?;
+            continue;
+        }
         interpreter.forward_dynamics(q, qd, tau, &mut qdd)?;
         interpreter.bias_forces(q, qd, &mut bias)?;
         interpreter.mass_matrix(q, &mut matrix)?;
@@ -67,8 +81,13 @@ fn main() -> Result<(), Box<dyn Error>> {
             interpreter.constraint_residual((q, qd), &settings, results)?;
         }
         let displacements: Vec<f64> = displacements.iter().flat_map(Twist::components).collect();
-        let numbers = qdd.iter().chain(&bias).chain(&matrix).chain(&closed).chain(&displacements);
-        writeln!(out, "{}", numbers.map(f64::to_string).collect::<Vec<_>>().join(" "))?;
+        let numbers = [&qdd[..], &bias, &matrix, &closed, &displacements].concat();
+        writeln!(out, "{}", words(&numbers))?;
     }
     Ok(())
+}
+
+/// Returns numbers as words.
+fn words(numbers: &[f64]) -> String {
+    numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(" ")
 }

@@ -41,7 +41,6 @@ pub use modyn_runtime::{
 };
 pub use options::{Bundle, ModuleChoice};
 pub use plan::{CodeForm, Function};
-#[cfg(feature = "mjcf")]
 pub use read::read_mjcf;
 pub use read::{Format, Reading, expand_xacro, read, read_urdf};
 pub use write::{Written, write};

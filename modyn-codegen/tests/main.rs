@@ -17,7 +17,6 @@ mod injection;
 mod limb_derivatives;
 mod limbs;
 mod loops;
-#[cfg(feature = "mjcf")]
 mod mjcf;
 mod options;
 mod programs;
@@ -31,6 +30,5 @@ mod singular;
 mod type_page;
 mod units;
 mod user_functions;
-#[cfg(feature = "mjcf")]
 mod write;
 mod xacro;

@@ -849,6 +849,20 @@ fn fixed_tendons_couple_joints() {
     assert_eq!(two, Some((0, -1.5, 0.25 + 0.5 + 1.5 * 0.25)));
     let held = read(&text(r#"<tendon tendon1="b" polycoef="0.5"/>"#)).expect("one joint");
     assert_eq!(held.nv(), 2);
+    // A spring does nothing where the length of the tendon is held.
+    let sprung = |constraint: &str| {
+        read(
+            &text(constraint)
+                .replace("name=\"ab\"", "name=\"ab\" stiffness=\"3\" frictionloss=\"1\""),
+        )
+    };
+    assert_eq!(sprung(r#"<tendon tendon1="ab"/>"#).expect("held").nv(), 2);
+    for free in
+        [r#"<tendon tendon1="ab" active="false"/>"#, r#"<tendon tendon1="b" tendon2="ab"/>"#]
+    {
+        let found = sprung(free).expect_err(free).into_vec();
+        assert_eq!((found.len(), found[0].code), (1, Code::NotRead), "{found:?}");
+    }
     for wrong in [
         r#"<tendon tendon1="all"/>"#,
         r#"<tendon tendon1="s"/>"#,

@@ -13,8 +13,8 @@ use modyn_codegen::{
 };
 use modyn_runtime::Pose;
 use modyn_runtime::model::{
-    Contact as ModelContact, ContactKind, LoopConstraint, LoopConstraintEnd, LoopConstraintKind,
-    Model,
+    Contact as ModelContact, ContactKind, Keyframe, LoopConstraint, LoopConstraintEnd,
+    LoopConstraintKind, Model,
 };
 use random::Random;
 
@@ -51,6 +51,11 @@ fn options(model: &Model, format: Format) -> ReadOptions {
 
 /// Writes and reads a robot, and checks that nothing has changed; `false` if the format has no words for the robot.
 fn round(name: &str, model: &Model, format: Format, random: &mut Random) -> bool {
+    let mut home = vec![0.0; model.nq()];
+    let interpreter = Interpreter::<f64>::new(model.clone());
+    interpreter.random(|| random.between(0.0, 1.0), &mut home).expect("coordinates");
+    let keyframe = Keyframe { name: "home".into(), q: home.clone() };
+    let model = &model.clone().with_keyframes(vec![keyframe]).expect("coordinates");
     let written = match write(model, format) {
         Ok(written) => written,
         Err(found) => {
@@ -62,6 +67,9 @@ fn round(name: &str, model: &Model, format: Format, random: &mut Random) -> bool
     let again = read(&written.text, &file, &options(model, format));
     let again = again.unwrap_or_else(|found| panic!("{file}: {found}\n{}", written.text)).model;
     assert_eq!((again.nq(), again.nv()), (model.nq(), model.nv()), "{file}");
+    let kept = again.keyframe("home");
+    assert_eq!(kept.is_some(), format == Format::Mjcf, "{file}");
+    assert_close(&format!("{file}: home"), &home, kept.unwrap_or(&home));
     let mut robots = [model, &again].map(|model| Interpreter::<f64>::new(model.clone()));
     for own in 0..model.links().len() {
         let q = model.q_range(own);

@@ -20,8 +20,8 @@ use input::Input;
 /// modyn::modyn! { pub(crate) Arm = "robots/arm7.urdf", gravity = [0.0, 0.0, 0.0] }
 /// ```
 ///
-/// The path is relative to this source file, or else to the folder of the crate's `Cargo.toml`. The file is a URDF or,
-/// with the feature `mjcf`, a `MuJoCo` model; its first element decides. Without a name, the type is `pub` and named after
+/// The path is relative to this source file, or else to the folder of the crate's `Cargo.toml`. The file is a URDF, a
+/// xacro, an SDF or a `MuJoCo` model; its first element decides. Without a name, the type is `pub` and named after
 /// the robot. Errors are compile errors. Warnings about the description are printed during the build, and are part of
 /// the type's documentation.
 ///

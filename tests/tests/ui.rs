@@ -24,6 +24,7 @@ const ELSEWHERE: &[Code] = &[
     Code::NotMjcf,
     Code::NotSdf,
     Code::Sdf,
+    Code::Mjcf,
     Code::Include,
     Code::MissingLimit,
     Code::NegativeLimit,

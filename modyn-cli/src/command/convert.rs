@@ -31,7 +31,6 @@ pub struct Arguments {
 #[derive(Clone, Copy, ValueEnum)]
 enum To {
     Urdf,
-    #[cfg(feature = "mjcf")]
     Mjcf,
 }
 
@@ -60,7 +59,6 @@ impl Arguments {
         let extension = extension.map(str::to_ascii_lowercase);
         match (self.to, extension.as_deref()) {
             (Some(To::Urdf), _) | (None, Some("urdf")) => Ok(Format::Urdf),
-            #[cfg(feature = "mjcf")]
             (Some(To::Mjcf), _) | (None, Some("xml" | "mjcf")) => Ok(Format::Mjcf),
             (None, _) => Err(Failure::usage(format!(
                 "error: the format of `{}` is not known: name the file `.urdf` or `.xml`, or add `--to urdf` or `--to mjcf`",

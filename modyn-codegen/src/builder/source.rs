@@ -59,7 +59,6 @@ impl Builder {
 
     /// Sets the `MuJoCo` model to read, [as far as that is supported](crate::read_mjcf); a relative path as for a
     /// [URDF](Self::urdf).
-    #[cfg(feature = "mjcf")]
     #[must_use]
     pub fn mjcf(mut self, path: impl Into<PathBuf>) -> Self {
         (self.source, self.format) = (Source::File(path.into()), Some(Format::Mjcf));
@@ -67,7 +66,6 @@ impl Builder {
     }
 
     /// Sets the text of a `MuJoCo` model, and the file name for diagnostics.
-    #[cfg(feature = "mjcf")]
     #[must_use]
     pub fn mjcf_text(mut self, text: impl Into<String>, file: impl Into<String>) -> Self {
         self = self.urdf_text(text, file);

@@ -75,9 +75,7 @@ codes! {
         "Read the file as the format that it has: `modyn!`, `Builder::file` and the command `modyn` find it out.",
     /// The document is a `MuJoCo` model.
     Mjcf = "mjcf":
-        "Enable the feature `mjcf`: the macro, `Builder::file` and `Builder::mjcf` then read the file. The command \
-        `modyn` always does. Without the feature, convert the model to URDF, or use the URDF that the MJCF was \
-        made from.",
+        "Read the file as the format that it has: `modyn!`, `Builder::file` and the command `modyn` find it out.",
     /// The document is not a URDF.
     NotUrdf = "not-urdf":
         "Give a file in UTF-8 whose root element is `<robot>`.",

@@ -8,7 +8,6 @@
 //! builder, the command and the Python package find a text's format by [`Format::of`].
 
 pub mod file;
-#[cfg(feature = "mjcf")]
 mod mjcf;
 mod packages;
 mod sdf;
@@ -48,7 +47,6 @@ pub enum Format {
     /// A xacro, which is expanded to a URDF.
     Xacro,
     /// `MuJoCo`'s models (MJCF).
-    #[cfg(feature = "mjcf")]
     Mjcf,
     /// Gazebo's models and worlds (SDF).
     Sdf,
@@ -90,7 +88,6 @@ const FORMATS: &[Row] = &[
         extension: "urdf",
         describe: urdf::describe,
     },
-    #[cfg(feature = "mjcf")]
     Row {
         format: Format::Mjcf,
         name: "mjcf",
@@ -257,7 +254,6 @@ pub fn read_urdf(text: &str, file: &str, options: &ReadOptions) -> Result<Readin
 /// # Errors
 ///
 /// Returns all errors and unsupported elements of the text, and its warnings.
-#[cfg(feature = "mjcf")]
 pub fn read_mjcf(text: &str, file: &str, options: &ReadOptions) -> Result<Reading, Diagnostics> {
     Format::Mjcf.read(text, file, options)
 }

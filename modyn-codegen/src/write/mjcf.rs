@@ -4,6 +4,7 @@
 //! MuJoCo refuses a body that moves without mass. A link that is fixed to another one is a body without joints if it has mass,
 //! else a site.
 
+use modyn_runtime::conventions::mujoco::to_qpos;
 use modyn_runtime::conventions::{
     quaternion_from_rotation, rotation_from_quaternion, wxyz_from_xyzw,
 };
@@ -63,13 +64,12 @@ pub fn document(model: &Model) -> Document {
     let compiler = Element::new("compiler").with("angle", "radian").with("autolimits", "true");
     let option = Element::new("option").numbers("gravity", &model.gravity());
     let world = writer.world();
-    let equality = writer.equality(world);
-    let (world, equality) = equality;
+    let (world, equality) = writer.equality(world);
+    let keyframes = writer.keyframes();
     let Writer { mut document, .. } = writer;
     document.root.children.extend([compiler, option, world]);
-    if !equality.children.is_empty() {
-        document.root.children.push(equality);
-    }
+    let sections = [equality, keyframes].into_iter();
+    document.root.children.extend(sections.filter(|section| !section.children.is_empty()));
     document
 }
 
@@ -364,6 +364,46 @@ impl Writer<'_> {
             ));
         }
         (world, equality)
+    }
+
+    /// Returns `<keyframe>`, with the coordinates in the order of the joints in the text.
+    fn keyframes(&self) -> Element {
+        let links = self.model.links();
+        // From the last to the first, the bodies that are still to come; a body is followed by those in it.
+        let inside = |body: Option<usize>| {
+            let first =
+                move |&i: &usize| self.joints[i].first().is_some_and(|&f| links[f].parent == body);
+            (0..links.len()).rev().filter(first)
+        };
+        let (mut order, mut open) = (Vec::new(), inside(None).collect::<Vec<_>>());
+        while let Some(body) = open.pop() {
+            order.extend(&self.joints[body]);
+            open.extend(inside(Some(body)));
+        }
+        let mut section = Element::new("keyframe");
+        for keyframe in self.model.keyframes() {
+            let of_joint = |&link: &usize| self.coordinates(link, &keyframe.q);
+            let numbers: Vec<f64> = order.iter().flat_map(of_joint).collect();
+            let key = Element::new("key").with("name", &*keyframe.name).numbers("qpos", &numbers);
+            section.children.push(key);
+        }
+        section
+    }
+
+    /// Returns the coordinates of a link's joint as MuJoCo has them.
+    fn coordinates(&self, link: usize, q: &[f64]) -> Vec<f64> {
+        let joint = &self.model.links()[link].joint;
+        if let Some(mimic) = joint.mimic {
+            let leader = self.coordinates(mimic.leader, q)[0];
+            return vec![mimic.multiplier * leader + mimic.offset];
+        }
+        match (joint.joint_type, &q[self.model.q_range(link)]) {
+            (JointType::Spherical, &[x, y, z, w]) => wxyz_from_xyzw([x, y, z, w]).to_vec(),
+            (JointType::Floating, &[x, y, z, a, b, c, d]) => {
+                to_qpos([x, y, z, a, b, c, d]).to_vec()
+            }
+            (_, own) => own.to_vec(),
+        }
     }
 
     /// Adds a site at the end of a loop or contact to its body.

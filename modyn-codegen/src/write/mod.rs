@@ -7,7 +7,6 @@
 //! A format is a file here. The text has the links, joints, inertias, loops and contacts that the reader understood, and
 //! nothing else: no shapes, sensors or actuators. Reading it again gives the same robot.
 
-#[cfg(feature = "mjcf")]
 mod mjcf;
 mod urdf;
 mod xml;
@@ -70,7 +69,6 @@ impl Document {
 pub fn write(model: &Model, format: Format) -> Result<Written, Diagnostics> {
     let document = match format {
         Format::Urdf => urdf::document(model),
-        #[cfg(feature = "mjcf")]
         Format::Mjcf => mjcf::document(model),
         other => {
             let message = format!("modyn does not write {}", other.name());
@@ -99,7 +97,7 @@ pub fn write(model: &Model, format: Format) -> Result<Written, Diagnostics> {
 /// Returns notes about properties of a model that options of reading have, and not the format.
 fn notes_about_options(model: &Model, format: Format) -> Vec<String> {
     let mut notes = Vec::new();
-    if !model.keyframes().is_empty() {
+    if format == Format::Urdf && !model.keyframes().is_empty() {
         let names = model.keyframes().iter().map(|keyframe| &*keyframe.name);
         notes.push(format!("Left out: {}.", listed("keyframe", names)));
     }

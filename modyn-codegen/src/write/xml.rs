@@ -40,13 +40,11 @@ impl Element {
     }
 
     /// Returns whether the element has this name.
-    #[cfg(feature = "mjcf")]
     pub fn is(&self, name: &str) -> bool {
         self.name == name
     }
 
     /// Returns the element of this name, in this one at any depth, that has this value of the attribute `name`.
-    #[cfg(feature = "mjcf")]
     pub fn find(&mut self, element: &str, name: &str) -> Option<&mut Element> {
         let mut open: Vec<&mut Element> = self.children.iter_mut().collect();
         while let Some(child) = open.pop() {

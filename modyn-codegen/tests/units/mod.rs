@@ -10,7 +10,6 @@ mod diagnostic;
 mod document;
 mod embedded;
 mod factor;
-#[cfg(feature = "mjcf")]
 mod formats;
 mod graph_table;
 mod layout;

@@ -21,6 +21,11 @@ struct End {
     drawn: Pose<f64>,
 }
 
+/// Returns whether a constraint acts from the start.
+fn is_active(constraint: &Item) -> bool {
+    constraint.text("active") != Some("false")
+}
+
 impl<'e> Bodies<'e, '_, '_> {
     /// Adds the constraints of all models.
     pub fn equality(&mut self) {
@@ -30,7 +35,7 @@ impl<'e> Bodies<'e, '_, '_> {
         for item in self.of_section("equality") {
             let element = item.element();
             let is_sound = self.models[item.model].is_sound(&item.chain);
-            if !is_sound || item.text("active") == Some("false") {
+            if !is_sound || !is_active(&item) {
                 continue;
             }
             match element.name.as_str() {
@@ -107,6 +112,24 @@ impl<'e> Bodies<'e, '_, '_> {
                 joint.kind = Kind::Fixed;
             }
         }
+    }
+
+    /// Returns the names of the fixed tendons whose length a constraint holds.
+    pub fn held_tendons(&self) -> BTreeSet<String> {
+        if !self.models[0].settings.equality {
+            return BTreeSet::new();
+        }
+        let constraints = self.of_section("equality").into_iter();
+        let constraints = constraints.filter(|item| {
+            item.element().name == "tendon"
+                && is_active(item)
+                && item.element().text("tendon2").is_none()
+        });
+        let names = constraints.filter_map(|item| {
+            let name = item.element().text("tendon1")?;
+            self.fixed_tendon(&item, name).map(|_| item.naming.name(name))
+        });
+        names.collect()
     }
 
     /// Adds the constraint of fixed tendons that concern one joint or two.

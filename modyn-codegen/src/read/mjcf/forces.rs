@@ -15,10 +15,14 @@ const SERVOS: [&str; 8] =
     ["position", "velocity", "intvelocity", "orientation", "pid", "damper", "dcmotor", "cylinder"];
 
 impl<'e> Bodies<'e, '_, '_> {
-    /// Refuses tendons that exert forces.
+    /// Refuses tendons that exert forces. A constraint can hold the length of a tendon: its forces then do nothing.
     pub fn tendons(&mut self) {
+        let held = self.held_tendons();
         for item in self.of_section("tendon") {
             let element = item.element();
+            if item.name().is_some_and(|name| held.contains(&name)) {
+                continue;
+            }
             let sets = |name: &str| {
                 item.text(name)
                     .and_then(list)

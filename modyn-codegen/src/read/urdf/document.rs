@@ -35,7 +35,7 @@ pub fn robot<'a, 't>(document: &'a Document<'t>, report: &mut Report<'_>) -> Opt
         "mujoco" | "mujocoinclude" => (
             Code::Mjcf,
             "this is a MuJoCo model (MJCF), not a URDF".into(),
-            "read it with the feature `mjcf` of modyn, or use the URDF that it was made from",
+            "`modyn!`, `Builder::file` and the command `modyn` read it as an MJCF",
         ),
         other => (
             Code::NotUrdf,

@@ -1,3 +1,0 @@
-modyn::modyn!("mjcf.urdf");
-
-fn main() {}
