@@ -66,6 +66,10 @@ def test_feedback():
     expected = stepped(own, q, qd, controls, dt, feedback=lambda k: constant)
     found = own.rollout(q, qd, controls, dt, gains=constant[0], q_ref=constant[1], qd_ref=constant[2])
     close(found.qd, expected[1], 1e-9)
+    # The same for all steps, with one of each motion.
+    expected = stepped(own, q, qd, controls, dt, feedback=lambda k: (gains[0], q_ref[:, 0], qd_ref[:, 0]))
+    found = own.rollout(q, qd, controls, dt, gains=gains[:1], q_ref=q_ref[:, :1], qd_ref=qd_ref[:, :1])
+    close(found.qd, expected[1], 1e-9)
 
 
 @pytest.mark.parametrize("steps, trajectory", [(4, True), (4, False), (150, False)])

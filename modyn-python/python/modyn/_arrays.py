@@ -172,7 +172,14 @@ class RolloutSignature:
         steps = int(controls.shape[-2])
         one = {"q": (nq,), "qd": (nv,), "controls": (nv,), "dt": (), "gains": (nv, 2 * nv), "q_ref": (nq,), "qd_ref": (nv,)}
         names = [name for name in one if name not in missing]
-        sequences = ["controls", *(name for name in FEEDBACK if name in names and given[name].ndim > len(one[name]))]
+        sequences = ["controls"]
+        for name in names[4:]:
+            shape, at = tuple(given[name].shape), given[name].ndim - len(one[name]) - 1
+            if at >= 0 and shape[at] == 1:
+                # One step stands for all of them.
+                given[name] = given[name].reshape(shape[:at] + shape[at + 1 :])
+            elif at >= 0:
+                sequences.append(name)
         shapes = [(steps, *one[name]) if name in sequences else one[name] for name in names]
         arrays = [given[name] for name in names]
         check("rollout", names, shapes, arrays)

@@ -356,7 +356,7 @@ class Robot:
         `step`: the method, such as `semi_implicit` for the function `step_semi_implicit`. With a feedback, the forces are
         `controls` + `gains` (x_ref - x), where the difference of states has that of coordinates in tangent space, then that
         of velocities: `gains`: (nv, 2 nv) or (steps, nv, 2 nv); `q_ref`: (nq,) or (steps, nq); `qd_ref`: (nv,) or
-        (steps, nv). Leading axes are those of motions, and are broadcast.
+        (steps, nv); one step stands for all of them. Leading axes are those of motions, and are broadcast.
         Result: `RolloutStates`: `q` and `qd`.
         """
     def rollout_vjp(

@@ -150,8 +150,8 @@ impl Robot {
     /// Arguments: `q`: (nq,); `qd`: (nv,); `controls`: (steps, nv), the joint forces of each step; `dt`: the time step, s; `step`: the
     /// method, such as `semi_implicit` for the function `step_semi_implicit`. With a feedback, the forces are `controls` +
     /// `gains` (x_ref - x), where the difference of states has that of coordinates in tangent space, then that of velocities:
-    /// `gains`: (nv, 2 nv) or (steps, nv, 2 nv); `q_ref`: (nq,) or (steps, nq); `qd_ref`: (nv,) or (steps, nv).
-    /// Leading axes are those of motions, and are broadcast.
+    /// `gains`: (nv, 2 nv) or (steps, nv, 2 nv); `q_ref`: (nq,) or (steps, nq); `qd_ref`: (nv,) or (steps, nv); one step stands
+    /// for all of them. Leading axes are those of motions, and are broadcast.
     /// Result: `RolloutStates`: `q` and `qd`.
     #[pyo3(signature = (q, qd, controls, dt, *, step="semi_implicit", gains=None, q_ref=None, qd_ref=None, trajectory=true))]
     #[allow(clippy::too_many_arguments)]
