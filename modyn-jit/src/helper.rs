@@ -6,7 +6,7 @@
 //! The functions do not unwind: a panic in them would end the process, and they have none.
 #![allow(unsafe_code)]
 
-use modyn_runtime::steps;
+use modyn_runtime::trig_steps;
 
 use crate::real::Real;
 
@@ -72,9 +72,9 @@ macro_rules! helpers {
                 // SAFETY: see the header.
                 let angle = unsafe { angles.add(lane).read_unaligned() };
                 // `<` is false for NaN.
-                let is_near = modyn_runtime::Scalar::abs(angle) < steps::limit();
+                let is_near = modyn_runtime::Scalar::abs(angle) < trig_steps::limit();
                 if !is_near {
-                    let far = steps::reduce_far(angle);
+                    let far = trig_steps::reduce_far(angle);
                     // SAFETY: as above.
                     unsafe {
                         reduced.add(lane).write_unaligned(far[0]);

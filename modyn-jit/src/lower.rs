@@ -3,7 +3,7 @@
 use modyn_codegen::program::{
     Addend, MultiplyAdd, Operand, Operation as Statement, Program, Source,
 };
-use modyn_runtime::steps::{self, Step as SineStep, Steps};
+use modyn_runtime::trig_steps::{self, Step as SineStep, Steps};
 
 use crate::instruction_set::InstructionSet;
 use crate::real::Real;
@@ -427,7 +427,7 @@ impl<S: Real> Lowering<'_, S> {
                 Some(sum) => self.product_and_sum([angle, angle], sum, (false, false)),
             });
         }
-        let limit = steps::limit::<S>();
+        let limit = trig_steps::limit::<S>();
         let limit = self.values.constants(vec![(limit * limit).bits(); lanes.into()], lanes);
         if let Some(squares) = squares {
             let check = FarCheck { squares, limit, angles: reduced.clone() };

@@ -49,7 +49,7 @@ pub mod sources;
 pub mod spatial;
 #[cfg(feature = "std")]
 #[doc(hidden)]
-pub mod steps;
+pub mod trig_steps;
 #[cfg(feature = "alloc")]
 mod user_function;
 

@@ -6,7 +6,7 @@ use std::ops::Range;
 use modyn_runtime::{JointLimits, KinematicModule, OperationCount};
 
 use crate::fleet::Spec;
-use crate::values::{Inputs, Values};
+use crate::values::{Arguments, Values};
 
 /// A compiled robot, for tests over all robots.
 #[derive(Clone, Copy, Debug)]
@@ -32,9 +32,9 @@ pub struct Compiled {
     /// Returns the enum of links: the index and the name of each link.
     pub links: fn() -> Vec<(usize, &'static str)>,
     /// Calls the functions through the trait [`Robot`](modyn_runtime::Robot), in double precision.
-    pub double: fn(&Inputs<f64>) -> Values<f64>,
+    pub double: fn(Arguments<'_>) -> Values<f64>,
     /// Calls the functions through the trait [`Robot`](modyn_runtime::Robot), in single precision.
-    pub single: fn(&Inputs<f32>) -> Values<f32>,
+    pub single: fn(Arguments<'_>) -> Values<f32>,
     /// Calls the type's own functions.
     pub own: Own,
 }
@@ -43,9 +43,9 @@ pub struct Compiled {
 #[derive(Clone, Copy, Debug)]
 pub enum Own {
     /// In double precision.
-    Double(fn(&Inputs<f64>) -> Values<f64>),
+    Double(fn(Arguments<'_>) -> Values<f64>),
     /// In single precision.
-    Single(fn(&Inputs<f32>) -> Values<f32>),
+    Single(fn(Arguments<'_>) -> Values<f32>),
 }
 
 /// The constants of a robot.
@@ -111,9 +111,20 @@ macro_rules! compiled {
             modules: <$robot as modyn_runtime::Robot>::MODULES,
         }
     };
-    // The further quantities of a robot with all functions.
-    (@others all $others:expr) => { $others };
-    (@others default $others:expr) => { Vec::new() };
+    // The results of the trait's functions.
+    (@results $robot:ident $link:ident $functions:ident $float:ident [$($pivot:ident)*]) => {
+        |arguments| {
+            use $crate::values::{FromNumbers, Values, factors};
+            let given = arguments(modyn_runtime::quantities::Function::ForwardDynamics);
+            let [q, tau] = [&given[0], &given[2]];
+            let brge = <$robot as modyn_runtime::Robot>::brge::<$float>(&FromNumbers::from_numbers(q));
+            let pivots = vec![$(brge.$pivot().concat()),*];
+            Values {
+                functions: $crate::results!(of_trait $robot, $float, $functions, arguments, &$link::ALL),
+                factors: factors::<$robot, $float>(&brge, &FromNumbers::from_numbers(tau), pivots),
+            }
+        }
+    };
     ($(
         $index:literal $robot:ident $joint:ident $link:ident $functions:ident $float:ident
         $precision:ident $module:literal [$($operations:literal $constant:ident)*] [$($pivot:ident)*];
@@ -122,9 +133,8 @@ macro_rules! compiled {
         pub static ROBOTS: &[$crate::compiled::Compiled] = {
             use $crate::compiled::{Compiled, Consts, TypeConstants, Own};
             use $crate::fleet::FLEET;
-            use $crate::values::{
-                Factors, Given, Values, columns, each, generated, generated_others,
-            };
+            use $crate::values::{Factors, FromNumbers, Values, columns};
+            use modyn_runtime::quantities::Function;
             &[$(Compiled {
                 spec: FLEET[$index],
                 text: include_str!(concat!(env!("OUT_DIR"), "/", $module, ".rs")),
@@ -146,59 +156,25 @@ macro_rules! compiled {
                     [$robot::NEUTRAL.map(f64::from).to_vec(), of_the_trait.to_vec()]
                 },
                 links: || $link::ALL.iter().map(|link| (link.index(), link.name())).collect(),
-                double: |inputs| {
-                    let mut values = generated::<$robot, f64>(inputs, &$link::ALL, |brge| {
-                        vec![$(brge.$pivot().concat()),*]
-                    });
-                    values.others.extend($crate::compiled!(
-                        @others $functions generated_others::<$robot, f64>(inputs, &$link::ALL)
-                    ));
-                    values
-                },
-                single: |inputs| {
-                    let mut values = generated::<$robot, f32>(inputs, &$link::ALL, |brge| {
-                        vec![$(brge.$pivot().concat()),*]
-                    });
-                    values.others.extend($crate::compiled!(
-                        @others $functions generated_others::<$robot, f32>(inputs, &$link::ALL)
-                    ));
-                    values
-                },
-                own: Own::$precision(|inputs| {
-                    let given: Given<
-                        [$float; $robot::NQ],
-                        [$float; $robot::NV],
-                        [_; $robot::LINK_NAMES.len()],
-                    > = Given::new(inputs);
-                    let Given { q, qd, qdd, tau, .. } = &given;
-                    let brge = $robot::brge(q);
-                    let factors = Factors::<$float> {
+                double: $crate::compiled!(@results $robot $link $functions f64 [$($pivot)*]),
+                single: $crate::compiled!(@results $robot $link $functions f32 [$($pivot)*]),
+                own: Own::$precision(|arguments| {
+                    let given = arguments(Function::ForwardDynamics);
+                    let brge = $robot::brge(&FromNumbers::from_numbers(&given[0]));
+                    let factors = Factors {
                         u: columns(&brge.u()),
                         d: columns(&brge.d()),
                         u_inverse: columns(&brge.u_inverse()),
                         d_inverse: columns(&brge.d_inverse()),
-                        solve: brge.solve(tau).to_vec(),
+                        solve: brge.solve(&FromNumbers::from_numbers(&given[2])).to_vec(),
                         inverse: columns(&brge.inverse()),
                         log_determinant: brge.log_determinant(),
                         pivot_blocks: vec![$(brge.$pivot().concat()),*],
                         condition_numbers: brge.condition_numbers().to_vec(),
                     };
-                    let mut values = Values {
-                        forward_dynamics: $robot::forward_dynamics(q, qd, tau).to_vec(),
-                        inverse_dynamics: $robot::inverse_dynamics(q, qd, qdd).to_vec(),
-                        bias_forces: $robot::bias_forces(q, qd).to_vec(),
-                        gravity_torques: $robot::gravity_torques(q).to_vec(),
-                        mass_matrix: columns(&$robot::mass_matrix(q)),
-                        kinetic_energy: $robot::kinetic_energy(q, qd),
-                        potential_energy: $robot::potential_energy(q),
-                        link_poses: each(&$robot::link_poses(q), $crate::quantities::numbers),
-                        factors,
-                        others: $crate::default_quantities!($robot, &given, &$link::ALL),
-                    };
-                    values.others.extend($crate::compiled!(
-                        @others $functions $crate::other_quantities!($robot, &given, &$link::ALL)
-                    ));
-                    values
+                    let functions =
+                        $crate::results!(own $robot, $float, $functions, arguments, &$link::ALL);
+                    Values { functions, factors }
                 }),
             }),*]
         };

@@ -6,7 +6,7 @@
 //! see `helper.rs`. They use SSE2 only, no stack, and none of the registers that belong to their caller.
 
 use modyn_runtime::{
-    ELEMENTARY_F32, ELEMENTARY_F64, ElementaryNumbers, FRAC_1_PI_BITS, PI_BITS, steps,
+    ELEMENTARY_F32, ELEMENTARY_F64, ElementaryNumbers, FRAC_1_PI_BITS, PI_BITS, trig_steps,
 };
 
 use super::assembler::{
@@ -186,7 +186,7 @@ impl<'a, S: Real> Function<'a, S> {
         self.a.copy(R10, RAX);
         self.remove_highest(RAX, 1);
         // Positive numbers and NaN are in the order of their bits.
-        self.a.constant(RCX, steps::limit::<S>().bits());
+        self.a.constant(RCX, trig_steps::limit::<S>().bits());
         self.a.instruction(COMPARE, true, RAX, Register(RCX));
         self.a.jump_if(Condition::Below, next);
         self.a.copy(RCX, RAX);

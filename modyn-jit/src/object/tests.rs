@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use iced_x86::{Code, Decoder, DecoderOptions, FlowControl};
 use modyn_codegen::{Bundle, Function};
-use modyn_runtime::{Scalar, steps};
+use modyn_runtime::{Scalar, trig_steps};
 use modyn_tests::conformance::numbers::Number;
 use modyn_tests::conformance::robot;
 use modyn_tests::random::Random;
@@ -41,7 +41,7 @@ fn samples<F: Fuse>(count: usize) -> Vec<F> {
         let power = f64::from(k).exp2() * std::f64::consts::FRAC_PI_2;
         [power, power.next_up(), -power.next_down(), f64::from(k - 30).exp2()]
     }));
-    let limit = steps::limit::<f64>();
+    let limit = trig_steps::limit::<f64>();
     all.extend([
         limit,
         limit.next_down(),
@@ -74,8 +74,8 @@ fn helpers<F: Fuse>() {
             for lane in 0..lanes {
                 let (y, x) = (before[lane], third[lane]);
                 let [expected, other] = match wanted {
-                    Helper::Reduce if Scalar::abs(x) < steps::limit() => [F::from_f64(7.0), y],
-                    Helper::Reduce => steps::reduce_far(x),
+                    Helper::Reduce if Scalar::abs(x) < trig_steps::limit() => [F::from_f64(7.0), y],
+                    Helper::Reduce => trig_steps::reduce_far(x),
                     Helper::Atan2 => [Scalar::atan2(y, x), y],
                     Helper::Logarithm => [Scalar::ln(y), y],
                 };

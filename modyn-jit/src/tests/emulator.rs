@@ -2,7 +2,7 @@
 //! Memory is a few regions with gaps between them, so that an access outside of a function's memory fails the test.
 
 use iced_x86::{Decoder, DecoderOptions, Instruction, OpKind, Register};
-use modyn_runtime::steps;
+use modyn_runtime::trig_steps;
 
 use super::Fuse;
 
@@ -253,9 +253,9 @@ impl Emulator {
             let [first, second, third] = [first, second, third].map(|at| at + k * size as u64);
             let mut at = |address| F::of_bits(lane(&self.read(address, size), size, 0));
             let written = match helper {
-                REDUCE if at(third).abs() < steps::limit() => continue,
+                REDUCE if at(third).abs() < trig_steps::limit() => continue,
                 REDUCE => {
-                    let [reduced, turns] = steps::reduce_far(at(third));
+                    let [reduced, turns] = trig_steps::reduce_far(at(third));
                     self.write(second, &turns.bits().to_le_bytes()[..size]);
                     reduced
                 }

@@ -142,9 +142,9 @@ fn sweep<S: Scalar>(
                 if component < 3 { &next_locked.rotational } else { &next_locked.translational };
             let rounding = units(CANCELLED) * next_locked.entry(component, component)
                 + units(ROTATED) * (block.xx + block.yy + block.zz);
-            let carried =
+            let inertia =
                 (rounding - column[component]).select_nonnegative(S::zero(), column[component]);
-            let mut pivot = dof.armature.map_or(carried, |armature| carried + armature);
+            let mut pivot = dof.armature.map_or(inertia, |armature| inertia + armature);
             if dof.multiplier.is_none()
                 && let Some(&following) = followers.get(dof.v)
             {

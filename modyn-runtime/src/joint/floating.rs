@@ -8,17 +8,17 @@ use crate::spatial::{Field, Vector3};
 /// Returns the motion of the child frame. `displacement` is the joint's, in the child's axes.
 pub(super) fn accelerate<S: Scalar>(
     displacement: Vector3<S>,
-    carried: ParentMotion<S>,
+    from_parent: ParentMotion<S>,
     rates: &[S],
     accelerations: Option<&[S]>,
 ) -> Field<S> {
-    let parent = Field::rotating(carried.omega, carried.alpha);
-    let field = spherical::accelerate(carried, &rates[3..], accelerations.map(|own| &own[3..]));
+    let parent = Field::rotating(from_parent.omega, from_parent.alpha);
+    let field = spherical::accelerate(from_parent, &rates[3..], accelerations.map(|own| &own[3..]));
     // The rates are in axes that rotate with field.omega. They are relative to axes that rotate with
-    // carried.omega.
+    // from_parent.omega.
     let velocity = Vector3([rates[0], rates[1], rates[2]]);
-    let mut a = carried.a + parent.relative_acceleration(displacement);
-    a += (carried.omega + field.omega).cross(velocity);
+    let mut a = from_parent.a + parent.relative_acceleration(displacement);
+    a += (from_parent.omega + field.omega).cross(velocity);
     if let Some(own) = accelerations {
         a += Vector3([own[0], own[1], own[2]]);
     }

@@ -62,21 +62,21 @@ impl<S: Scalar> JointTransform<S> {
     #[must_use]
     pub fn accelerate(
         &self,
-        carried: ParentMotion<S>,
+        from_parent: ParentMotion<S>,
         rates: &[S],
         accelerations: Option<&[S]>,
     ) -> Field<S> {
         match self {
             Self::Revolute(_) => {
-                revolute::accelerate(carried, rates[0], accelerations.map(|a| a[0]))
+                revolute::accelerate(from_parent, rates[0], accelerations.map(|a| a[0]))
             }
             Self::Prismatic(q) => {
-                prismatic::accelerate(*q, carried, rates[0], accelerations.map(|a| a[0]))
+                prismatic::accelerate(*q, from_parent, rates[0], accelerations.map(|a| a[0]))
             }
-            Self::Spherical(_) => spherical::accelerate(carried, rates, accelerations),
+            Self::Spherical(_) => spherical::accelerate(from_parent, rates, accelerations),
             Self::Floating { rotation, position } => {
                 let displacement = rotation.transposed().mul_vector(*position);
-                floating::accelerate(displacement, carried, rates, accelerations)
+                floating::accelerate(displacement, from_parent, rates, accelerations)
             }
         }
     }

@@ -26,11 +26,11 @@ pub(super) fn move_to_parents<S: Scalar>(bodies: &mut [Body<S>]) -> RigidInertia
             ElementaryJoint::Floating => continue,
         };
         bodies[i].base_inertia = own.minus(&moved);
-        let carried = bodies[i].placement.rigid_to_parent(&moved);
+        let at_parent = bodies[i].placement.rigid_to_parent(&moved);
         if let Some(parent) = bodies[i].parent {
-            bodies[parent].base_inertia = bodies[parent].base_inertia + carried;
+            bodies[parent].base_inertia = bodies[parent].base_inertia + at_parent;
         } else {
-            static_inertia = static_inertia + carried;
+            static_inertia = static_inertia + at_parent;
         }
     }
     static_inertia

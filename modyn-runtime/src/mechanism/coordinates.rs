@@ -84,13 +84,13 @@ pub(super) fn coordinates<S: Scalar>(model: &Model) -> Vec<Coordinates<S>> {
     all
 }
 
-/// Returns the range of a coordinate. Where a limit is infinite, the range is 2 `reach` wide.
-fn line([lower, upper]: [f64; 2], reach: f64) -> CoordinateSpace<f64> {
+/// Returns the range of a coordinate. Where a limit is infinite, the range is 2 `half_width` wide.
+fn line([lower, upper]: [f64; 2], half_width: f64) -> CoordinateSpace<f64> {
     let (low, high) = match (lower.is_finite(), upper.is_finite()) {
         (true, true) => (lower, upper),
-        (true, false) => (lower, lower + 2.0 * reach),
-        (false, true) => (upper - 2.0 * reach, upper),
-        (false, false) => (-reach, reach),
+        (true, false) => (lower, lower + 2.0 * half_width),
+        (false, true) => (upper - 2.0 * half_width, upper),
+        (false, false) => (-half_width, half_width),
     };
     CoordinateSpace::Line { low, high }
 }

@@ -87,23 +87,23 @@ pub trait TreeAccess<S: Scalar> {
         self.pack(&parents.iter().enumerate().map(on).collect::<Vec<_>>())
     }
 
-    /// Passes the sum over limbs to each parent of `body`. `add` receives the parent and the result of `carried`,
+    /// Passes the sum over limbs to each parent of `body`. `add` receives the parent and the result of `at_parent`,
     /// which applies the sum to each of its numbers.
     fn to_parents<X>(
         &self,
         body: usize,
-        carried: impl Fn(&dyn Fn(S) -> S) -> X,
+        at_parent: impl Fn(&dyn Fn(S) -> S) -> X,
         mut add: impl FnMut(usize, X),
     ) {
         let mut give = |parent: Option<usize>, limbs: Range<usize>| {
             if let Some(parent) = parent {
-                add(parent, carried(&|x| self.sum_lanes(x, limbs.clone())));
+                add(parent, at_parent(&|x| self.sum_lanes(x, limbs.clone())));
             }
         };
         let parent = self.mechanism().bodies[body].parent;
         let Some(root) = self.limb_root(body) else {
             if let Some(parent) = parent {
-                add(parent, carried(&|x| x));
+                add(parent, at_parent(&|x| x));
             }
             return;
         };
@@ -142,8 +142,8 @@ pub trait TreeAccess<S: Scalar> {
     ) {
         let own = &self.mechanism().bodies[body];
         if own.parent.is_some() {
-            let carried = own.wrench_to_parent(motion, w).components();
-            self.to_parents(body, |sum| Wrench::from_components(carried.map(sum)), add);
+            let at_parent = own.wrench_to_parent(motion, w).components();
+            self.to_parents(body, |sum| Wrench::from_components(at_parent.map(sum)), add);
         }
     }
 
@@ -157,8 +157,8 @@ pub trait TreeAccess<S: Scalar> {
     ) {
         let own = &self.mechanism().bodies[body];
         if own.parent.is_some() {
-            let carried = own.rigid_to_parent(motion, i);
-            self.to_parents(body, |sum| carried.map(sum), add);
+            let at_parent = own.rigid_to_parent(motion, i);
+            self.to_parents(body, |sum| at_parent.map(sum), add);
         }
     }
 
@@ -172,8 +172,8 @@ pub trait TreeAccess<S: Scalar> {
     ) {
         let own = &self.mechanism().bodies[body];
         if own.parent.is_some() {
-            let carried = own.articulated_to_parent(motion, i);
-            let entry = |row, column| carried.entry(row, column);
+            let at_parent = own.articulated_to_parent(motion, i);
+            let entry = |row, column| at_parent.entry(row, column);
             self.to_parents(
                 body,
                 |sum| ArticulatedInertia::from_fn(|row, column| sum(entry(row, column))),
@@ -204,19 +204,19 @@ impl<'a, S: Scalar, T: BodyTree<S>, const N: usize> RootwardAccumulator<'a, S, T
         Self { tree, limbs: None }
     }
 
-    /// Returns the values at `parent`: those that are `carried` to it from `body`, plus the lanes of limbs
+    /// Returns the values at `parent`: those of `body` there, `at_parent`, plus the lanes of limbs
     /// that join the path there.
-    pub(crate) fn accumulate(&mut self, body: usize, parent: usize, carried: [S; N]) -> [S; N] {
+    pub(crate) fn accumulate(&mut self, body: usize, parent: usize, at_parent: [S; N]) -> [S; N] {
         let tree = self.tree;
         if let Some(parents) = tree.parents(body) {
-            self.limbs = Some((parents, carried));
-            return carried.map(|x| tree.only_on(parents, parent, x));
+            self.limbs = Some((parents, at_parent));
+            return at_parent.map(|x| tree.only_on(parents, parent, x));
         }
         match &self.limbs {
             Some((parents, left)) if parents.contains(&Some(parent)) => {
-                core::array::from_fn(|k| carried[k] + tree.only_on(parents, parent, left[k]))
+                core::array::from_fn(|k| at_parent[k] + tree.only_on(parents, parent, left[k]))
             }
-            _ => carried,
+            _ => at_parent,
         }
     }
 }

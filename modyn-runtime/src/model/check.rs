@@ -246,16 +246,16 @@ pub(super) fn check_keyframes(model: &Model) -> Vec<ModelError> {
 /// joint. Every mimic joint is visited once.
 fn resolves_to_coordinates(model: &Model) -> Vec<bool> {
     let single = |i: usize| model.links.get(i).is_some_and(|link| link.joint.joint_type.nq() == 1);
-    let mut known: Vec<Option<bool>> = alloc::vec![None; model.links.len()];
+    let mut resolves: Vec<Option<bool>> = alloc::vec![None; model.links.len()];
     for start in 0..model.links.len() {
         let mut at = start;
         let mut path = Vec::new();
         let good = loop {
-            if let Some(known) = known[at] {
-                break known;
+            if let Some(resolves) = resolves[at] {
+                break resolves;
             }
             // A chain that returns to a joint of its own path is a cycle.
-            known[at] = Some(false);
+            resolves[at] = Some(false);
             path.push(at);
             match model.links[at].joint.mimic {
                 None => break true,
@@ -263,9 +263,9 @@ fn resolves_to_coordinates(model: &Model) -> Vec<bool> {
                 Some(mimic) => at = mimic.leader,
             }
         };
-        path.into_iter().for_each(|i| known[i] = Some(good));
+        path.into_iter().for_each(|i| resolves[i] = Some(good));
     }
-    known.into_iter().map(|known| known == Some(true)).collect()
+    resolves.into_iter().map(|resolves| resolves == Some(true)).collect()
 }
 
 /// Returns whether all numbers are finite.

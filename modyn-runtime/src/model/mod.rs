@@ -159,14 +159,14 @@ impl Model {
                 waiting.push((at, mimic));
                 at = mimic.leader;
             }
-            let mut known = resolved[at];
+            let mut relation = resolved[at];
             while let Some((follower, own)) = waiting.pop() {
-                known = Some(known.map_or(own, |next| Mimic {
+                relation = Some(relation.map_or(own, |next| Mimic {
                     leader: next.leader,
                     multiplier: own.multiplier * next.multiplier,
                     offset: own.multiplier * next.offset + own.offset,
                 }));
-                resolved[follower] = known;
+                resolved[follower] = relation;
             }
         }
         resolved

@@ -52,10 +52,13 @@ macro_rules! arguments {
     };
 }
 
-/// Passes the rows to `$rows`.
+/// Passes the rows to the macro `$rows`, after `$first`. It is exported for tests, which call each function by its row.
+#[doc(hidden)]
+#[macro_export]
 macro_rules! quantities {
-    ($rows:ident) => {
+    ($rows:path $(, $first:tt)?) => {
         $rows! {
+            $($first)?
             ForwardDynamics forward_dynamics / forward_dynamics_with(q, qd, tau) -> velocities as "qdd", [default hot casadi inertia],
              "Returns the joint accelerations (rad/s^2 or m/s^2) at the coordinates `q` and velocities `qd` under the\n\
              joint forces `tau` (N m or N), gravity included. The method is block reverse Gaussian elimination of the\n\
@@ -399,11 +402,11 @@ macro_rules! quantities {
              batch ConstrainedInverseDynamicsBatch "`{Self}` has no function `constrained_inverse_dynamics_batch`"
              => |robot, [tau, wrenches, rank]| {
                         robot.activate(contacts);
-                        let mut carried = read(wrenches);
-                        let results = (tau, &mut *carried);
+                        let mut of_contacts = read(wrenches);
+                        let results = (tau, &mut *of_contacts);
                         let settings = &settings_of(settings);
                         rank[0] = robot.solve_torques((q, qd, qdd), settings, results);
-                        write(&carried, wrenches);
+                        write(&of_contacts, wrenches);
                     };
 
             ConstraintJacobian constraint_jacobian(q) -> constraint_jacobian, [constraints],

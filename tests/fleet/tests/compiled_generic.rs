@@ -1,6 +1,7 @@
 //! Functions that are written once for all robots and all scalars, through the trait.
 
 use std::cell::Cell;
+use std::fmt::Debug;
 use std::iter::zip;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -18,7 +19,8 @@ use modyn_tests::dual::Tangent;
 use modyn_tests::fleet::Source;
 use modyn_tests::golden::Golden;
 use modyn_tests::random::{State, state};
-use modyn_tests::values::{array, columns};
+use modyn_tests::results;
+use modyn_tests::values::{self, FromNumbers, array, columns, of_state};
 use nalgebra::{DMatrix, Matrix4, SMatrix, SVector};
 
 /// Returns a random state of the fleet's robot with this name.
@@ -475,92 +477,48 @@ impl Scalar for Counted {
     }
 }
 
-/// Returns the operations that a call executes, by counting.
-fn counted(run: impl FnOnce()) -> OperationCount {
-    COUNT.set(OperationCount::default());
-    run();
-    COUNT.get()
+impl FromNumbers for Counted {
+    const COUNT: usize = 1;
+
+    fn from_numbers(numbers: &[f64]) -> Self {
+        Self(numbers[0])
+    }
 }
 
 #[test]
 fn counted_operations_equal_the_announced_ones() {
-    fn check<R: Robot + functions::Defaults>(source: Source, links: &[R::Link]) {
-        let robot = ROBOTS.iter().find(|robot| robot.spec.source == source).expect("compiled");
-        let State { q, qd, qdd, tau } = state_of(&robot.name(), 5);
-        let at: R::Q<Counted> = vector(&q);
-        let [moving, speeding, pushed] = [&qd, &qdd, &tau].map(|x| vector::<_, R::V<Counted>>(x));
-        let largest = |run: &dyn Fn(R::Link)| {
-            let counts = links.iter().map(|&link| counted(|| run(link)));
-            counts.max_by_key(OperationCount::total).expect("links")
-        };
-        for &(name, announced) in robot.operations {
-            let found = match name {
-                "forward_dynamics" => counted(|| {
-                    let _ = R::forward_dynamics(&at, &moving, &pushed);
-                }),
-                "inverse_dynamics" => counted(|| {
-                    let _ = R::inverse_dynamics(&at, &moving, &speeding);
-                }),
-                "bias_forces" => counted(|| {
-                    let _ = R::bias_forces(&at, &moving);
-                }),
-                "gravity_torques" => counted(|| {
-                    let _ = R::gravity_torques(&at);
-                }),
-                "mass_matrix" => counted(|| {
-                    let _ = R::mass_matrix(&at);
-                }),
-                "kinetic_energy" => counted(|| {
-                    let _ = R::kinetic_energy(&at, &moving);
-                }),
-                "potential_energy" => counted(|| {
-                    let _ = R::potential_energy(&at);
-                }),
-                "link_poses" => counted(|| {
-                    let _ = R::link_poses(&at);
-                }),
-                "brge" => counted(|| {
-                    let _ = R::brge(&at);
-                }),
-                "center_of_mass" => counted(|| {
-                    let _ = R::center_of_mass(&at);
-                }),
-                "link_pose" => largest(&|link| {
-                    let _ = R::link_pose(&at, link);
-                }),
-                "jacobian" => largest(&|link| {
-                    let _ = R::jacobian(&at, link);
-                }),
-                "integrate" => counted(|| {
-                    let _ = R::integrate(&at, &moving);
-                }),
-                "difference" => counted(|| {
-                    let _ = R::difference(&at, &at);
-                }),
-                "velocity_to_qdot" => counted(|| {
-                    let _ = R::velocity_to_qdot(&at, &moving);
-                }),
-                "normalize" => counted(|| {
-                    let _ = R::normalize(&at);
-                }),
-                "random" => counted(|| {
-                    let _ = R::random(|| Counted(0.5));
-                }),
-                _ => panic!("what is {name}?"),
-            };
-            assert_eq!(found, announced, "{}: `{name}`", robot.name());
-        }
-        // Counting does not change the results.
-        let found = R::forward_dynamics(&at, &moving, &pushed);
-        let found: Vec<f64> = found.as_ref().iter().map(|x| x.0).collect();
-        let expected = R::forward_dynamics::<f64>(&vector(&q), &vector(&qd), &vector(&tau));
-        let what = robot.name();
-        assert_close(&what, &found, expected.as_ref(), 1e-13);
+    macro_rules! check {
+        ($source:expr, $robot:ident, $link:ident) => {{
+            let robot = ROBOTS.iter().find(|robot| robot.spec.source == $source).expect("compiled");
+            let (model, state) = (robot.spec.model(), state_of(&robot.name(), 5));
+            let arguments = of_state(&model, &state);
+            COUNT.set(OperationCount::default());
+            let count = |_: &dyn Debug| [COUNT.take()];
+            let counts =
+                results!(each count; of_trait $robot, Counted, default, &arguments, &$link::ALL);
+            assert_eq!(counts.len(), robot.operations.len());
+            for (function, counts) in counts {
+                let name = function.name();
+                let found = counts.iter().max_by_key(|count| count.total()).expect("a call");
+                let (_, announced) =
+                    robot.operations.iter().find(|(other, _)| *other == name).expect("announced");
+                assert_eq!(found, announced, "{}: `{name}`", robot.name());
+            }
+            // Counting does not change the results.
+            let found = results!(
+                each values::numbers::<f64>;
+                of_trait $robot, Counted, default, &arguments, &$link::ALL
+            );
+            let expected = (robot.double)(&arguments);
+            for (function, found) in found {
+                assert_close(&robot.name(), &found, expected.of(function), 1e-12);
+            }
+        }};
     }
-    check::<Gripper>(Source::Described("gripper"), &GripperLink::ALL);
-    check::<Arm6>(Source::Described("arm6"), &Arm6Link::ALL);
-    check::<Quadruped>(Source::Described("quadruped"), &QuadrupedLink::ALL);
+    check!(Source::Described("gripper"), Gripper, GripperLink);
+    check!(Source::Described("arm6"), Arm6, Arm6Link);
+    check!(Source::Described("quadruped"), Quadruped, QuadrupedLink);
     #[cfg(feature = "whole")]
-    check::<Tree15_12>(Source::Random(15, 12), &Tree15_12Link::ALL);
-    check::<Zoo7423_7>(Source::Zoo(7423, 7), &Zoo7423_7Link::ALL);
+    check!(Source::Random(15, 12), Tree15_12, Tree15_12Link);
+    check!(Source::Zoo(7423, 7), Zoo7423_7, Zoo7423_7Link);
 }

@@ -4,11 +4,13 @@ use std::collections::BTreeSet;
 use std::iter::zip;
 
 use modyn_fleet::ROBOTS;
+use modyn_runtime::quantities::{Function, Sizes};
 use modyn_tests::close::assert_close;
 use modyn_tests::compiled::{Compiled, Consts};
 use modyn_tests::fleet::Source;
 use modyn_tests::golden::{FIXED_BASE, FLOATING_BASE, Golden, Quantities};
-use modyn_tests::values::{Inputs, Values};
+use modyn_tests::random::State;
+use modyn_tests::values::{Values, fields, of_state};
 
 /// The tolerance that the reference data's README gives.
 const TOLERANCE: f64 = 1e-9;
@@ -23,11 +25,12 @@ fn everywhere(check: impl Fn(&str, &Compiled, &Quantities, &Values<f64>)) {
         if robot.spec.floating && !FLOATING_BASE.contains(&&*name) {
             continue;
         }
+        let model = robot.spec.model();
         for state in Golden::load(&name).states {
             let vector = |name| state.vector(name);
             let inputs =
-                Inputs { q: state.q(), qd: vector("v"), qdd: vector("a"), tau: vector("tau") };
-            check(&robot.name(), robot, &state, &(robot.double)(&inputs));
+                State { q: state.q(), qd: vector("v"), qdd: vector("a"), tau: vector("tau") };
+            check(&robot.name(), robot, &state, &(robot.double)(&of_state(&model, &inputs)));
         }
         found.insert(name);
     }
@@ -42,29 +45,44 @@ fn everywhere(check: impl Fn(&str, &Compiled, &Quantities, &Values<f64>)) {
 #[test]
 fn forward_dynamics() {
     everywhere(|name, _, state, values| {
-        assert_close(name, &values.forward_dynamics, &state.vector("qdd"), TOLERANCE);
+        assert_close(name, values.of(Function::ForwardDynamics), &state.vector("qdd"), TOLERANCE);
     });
 }
 
 #[test]
 fn inverse_dynamics() {
     everywhere(|name, _, state, values| {
-        assert_close(name, &values.inverse_dynamics, &state.vector("tau_rnea"), TOLERANCE);
+        assert_close(
+            name,
+            values.of(Function::InverseDynamics),
+            &state.vector("tau_rnea"),
+            TOLERANCE,
+        );
     });
 }
 
 #[test]
 fn bias_forces_and_gravity_torques() {
     everywhere(|name, _, state, values| {
-        assert_close(name, &values.bias_forces, &state.vector("nle"), TOLERANCE);
-        assert_close(name, &values.gravity_torques, &state.vector("gravity_tau"), TOLERANCE);
+        assert_close(name, values.of(Function::BiasForces), &state.vector("nle"), TOLERANCE);
+        assert_close(
+            name,
+            values.of(Function::GravityTorques),
+            &state.vector("gravity_tau"),
+            TOLERANCE,
+        );
     });
 }
 
 #[test]
 fn mass_matrix() {
     everywhere(|name, _, state, values| {
-        assert_close(name, &values.mass_matrix, state.matrix("M").as_slice(), TOLERANCE);
+        assert_close(
+            name,
+            values.of(Function::MassMatrix),
+            state.matrix("M").as_slice(),
+            TOLERANCE,
+        );
     });
 }
 
@@ -72,9 +90,9 @@ fn mass_matrix() {
 fn energies() {
     everywhere(|name, _, state, values| {
         let expected = state.number("kinetic_energy");
-        assert_close(name, &[values.kinetic_energy], &[expected], TOLERANCE);
+        assert_close(name, values.of(Function::KineticEnergy), &[expected], TOLERANCE);
         let expected = state.number("potential_energy");
-        assert_close(name, &[values.potential_energy], &[expected], TOLERANCE);
+        assert_close(name, values.of(Function::PotentialEnergy), &[expected], TOLERANCE);
     });
 }
 
@@ -82,13 +100,14 @@ fn energies() {
 fn frame_placements() {
     everywhere(|name, robot, state, values| {
         let links = robot.consts[0].link_names;
-        assert_eq!(values.link_poses.len(), 12 * links.len(), "{name}");
+        let poses = values.of(Function::LinkPoses);
+        assert_eq!(poses.len(), 12 * links.len(), "{name}");
         let frames = state.frames();
         assert!(!frames.is_empty(), "{name}");
         for expected in frames {
             let at = links.iter().position(|&link| link == expected.name);
             let at = at.unwrap_or_else(|| panic!("{name}: no link `{}`", expected.name));
-            let found = &values.link_poses[12 * at..12 * (at + 1)];
+            let found = &poses[12 * at..12 * (at + 1)];
             // The rotation and the translation have different scales.
             assert_close(&expected.name, &found[..9], &expected.numbers[..9], TOLERANCE);
             assert_close(&expected.name, &found[9..], &expected.numbers[9..], TOLERANCE);
@@ -104,8 +123,8 @@ fn factorization_inverts_and_solves() {
         let excess: Vec<f64> =
             zip(state.vector("tau"), state.vector("nle")).map(|(tau, bias)| tau - bias).collect();
         let rest = vec![0.0; excess.len()];
-        let inputs = Inputs { q: state.q(), qd: rest.clone(), qdd: rest, tau: excess };
-        let factors = (robot.double)(&inputs).factors;
+        let inputs = State { q: state.q(), qd: rest.clone(), qdd: rest, tau: excess };
+        let factors = (robot.double)(&of_state(&robot.spec.model(), &inputs)).factors;
         assert_close(name, &factors.solve, &state.vector("qdd"), TOLERANCE);
     });
 }
@@ -122,7 +141,7 @@ fn factorization_has_the_determinant() {
 #[test]
 fn center_of_mass() {
     everywhere(|name, _, state, values| {
-        assert_close(name, values.other("center_of_mass"), &state.position("com"), TOLERANCE);
+        assert_close(name, values.of(Function::CenterOfMass), &state.position("com"), TOLERANCE);
     });
 }
 
@@ -135,13 +154,13 @@ fn centroidal_momentum_and_regressor() {
             return;
         }
         let momentum = state.centroidal_momentum();
-        assert_close(name, values.other("centroidal_momentum"), &momentum, TOLERANCE);
+        assert_close(name, values.of(Function::CentroidalMomentum), &momentum, TOLERANCE);
         let matrix = state.centroidal_momentum_matrix();
-        let found = values.other("centroidal_momentum_matrix");
+        let found = values.of(Function::CentroidalMomentumMatrix);
         assert_close(name, found, matrix.as_slice(), TOLERANCE);
         counts.borrow_mut()[0] += 1;
         if let Some(regressor) = state.regressor() {
-            assert_close(name, values.other("regressor"), regressor.as_slice(), TOLERANCE);
+            assert_close(name, values.of(Function::Regressor), regressor.as_slice(), TOLERANCE);
             counts.borrow_mut()[1] += 1;
         }
     });
@@ -155,7 +174,7 @@ fn jacobians() {
         for expected in state.frames() {
             let at = link_names.iter().position(|&link| link == expected.name);
             let at = at.unwrap_or_else(|| panic!("{name}: no link `{}`", expected.name));
-            let found = &values.other("jacobian")[6 * nv * at..6 * nv * (at + 1)];
+            let found = &values.of(Function::Jacobian)[6 * nv * at..6 * nv * (at + 1)];
             for (column, found) in found.chunks(6).enumerate() {
                 let column = expected.jacobian.column(column);
                 let column: Vec<f64> = column.iter().copied().collect();
@@ -173,21 +192,17 @@ fn derivatives() {
         if !robot.spec.all {
             return;
         }
-        assert_close(
-            name,
-            values.other("forward_dynamics_derivatives.qdd"),
-            &state.vector("qdd"),
-            TOLERANCE,
-        );
-        for (found, expected) in [
-            ("inverse_dynamics_derivatives.dq", "dtau_dq"),
-            ("inverse_dynamics_derivatives.dqd", "dtau_dv"),
-            ("forward_dynamics_derivatives.dq", "dqdd_dq"),
-            ("forward_dynamics_derivatives.dqd", "dqdd_dv"),
-            ("forward_dynamics_derivatives.dtau", "dqdd_dtau"),
-        ] {
-            let what = format!("{name}: {found}");
-            assert_close(&what, values.other(found), state.matrix(expected).as_slice(), TOLERANCE);
+        let sizes = Sizes::new(&robot.spec.model(), 0);
+        let of = |function| {
+            let all = fields(function, &sizes, values.of(function));
+            all.into_iter().map(|(_, numbers)| numbers)
+        };
+        let found = of(Function::InverseDynamicsDerivatives)
+            .chain(of(Function::ForwardDynamicsDerivatives).skip(1));
+        let names = ["dtau_dq", "dtau_dv", "dqdd_dq", "dqdd_dv", "dqdd_dtau"];
+        for (found, expected) in zip(found, names) {
+            let what = format!("{name}: {expected}");
+            assert_close(&what, &found, state.matrix(expected).as_slice(), TOLERANCE);
         }
     });
 }

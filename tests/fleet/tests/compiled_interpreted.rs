@@ -5,12 +5,13 @@ use std::iter::zip;
 use modyn_fleet::ROBOTS;
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{Friction, JointDynamics, Model, ModuleTree};
+use modyn_runtime::quantities::{Function, Sizes};
 use modyn_tests::close::{assert_close, difference};
 use modyn_tests::compiled::{Compiled, Own};
 use modyn_tests::dense::{identity, square, times};
 use modyn_tests::fleet::{Division, Source};
-use modyn_tests::random::state;
-use modyn_tests::values::{Inputs, Values, double, interpreted, pairs};
+use modyn_tests::random::{State, state};
+use modyn_tests::values::{Values, double, interpreted, of_single_state, of_state, pairs};
 
 /// The tolerance. Constant folding, the normalization of signs and factored products change the rounding; nothing else
 /// differs.
@@ -28,8 +29,12 @@ struct Subject {
 }
 
 impl Subject {
-    fn inputs<T: modyn_runtime::Scalar>(&self) -> impl Iterator<Item = Inputs<T>> {
-        (0..STATES).map(|seed| Inputs::from(&state(seed, &self.model)))
+    fn states(&self) -> impl Iterator<Item = State> {
+        (0..STATES).map(|seed| state(seed, &self.model))
+    }
+
+    fn sizes(&self) -> Sizes {
+        Sizes::new(&self.model, 0)
     }
 }
 
@@ -90,93 +95,101 @@ fn the_fleet_is_various() {
     assert!(count(&|s| matches!(s.robot.own, Own::Single(_))) >= 1, "single precision");
 }
 
-#[test]
-fn every_quantity_is_the_interpreters() {
+/// Calls `check` with the results of each robot in each state, and the interpreter's results.
+fn everywhere(check: impl Fn(&Subject, &Values<f64>, &Values<f64>)) {
     for subject in subjects() {
         let Subject { robot, model, modules } = &subject;
-        for inputs in subject.inputs() {
-            let found = (robot.double)(&inputs);
-            let expected = interpreted(model, modules, &inputs, robot.spec.all);
-            for (quantity, found, expected) in pairs(&found, &expected) {
-                let what = format!("{}: {quantity}", robot.name());
-                assert_close(&what, &found, &expected, TOLERANCE);
-            }
+        for state in subject.states() {
+            let arguments = of_state(model, &state);
+            let expected = interpreted(model, modules, &arguments, robot.spec.all);
+            check(&subject, &(robot.double)(&arguments), &expected);
         }
     }
+}
+
+#[test]
+fn every_quantity_is_the_interpreters() {
+    everywhere(|subject, found, expected| {
+        for (quantity, found, expected) in pairs(found, expected, &subject.sizes()) {
+            let what = format!("{}: {quantity}", subject.robot.name());
+            assert_close(&what, &found, &expected, TOLERANCE);
+        }
+    });
 }
 
 #[test]
 fn condition_numbers_are_the_interpreters() {
-    for subject in subjects() {
-        let Subject { robot, model, modules } = &subject;
-        for inputs in subject.inputs() {
-            let found = (robot.double)(&inputs).factors;
-            let expected =
-                interpreted(model, modules, &inputs, robot.spec.all).factors.condition_numbers;
-            assert_eq!(found.condition_numbers.len(), modules.modules().len(), "{}", robot.name());
-            assert_eq!(expected.len(), modules.modules().len(), "{}", robot.name());
-            for (m, (&found, &expected)) in zip(&found.condition_numbers, &expected).enumerate() {
-                // Rounding changes the smallest eigenvalue by the largest eigenvalue times epsilon.
-                let tolerance = 1e-13 * expected;
-                let relative = (found - expected).abs() / expected;
-                assert!(
-                    expected >= 1.0 && relative <= tolerance.max(TOLERANCE),
-                    "{}, module {m}: {found:e}, not {expected:e}",
-                    robot.name()
-                );
-            }
-            // The condition numbers equal those of the pivot blocks.
-            for (block, &found) in zip(&found.pivot_blocks, &found.condition_numbers) {
-                let expected = condition(block);
-                let relative = (found - expected).abs() / expected;
-                assert!(relative <= 1e-9 + 1e-13 * expected, "{}: {found:e}", robot.name());
-            }
+    everywhere(|Subject { robot, modules, .. }, found, expected| {
+        let (found, expected) = (&found.factors, &expected.factors.condition_numbers);
+        assert_eq!(found.condition_numbers.len(), modules.modules().len(), "{}", robot.name());
+        assert_eq!(expected.len(), modules.modules().len(), "{}", robot.name());
+        for (m, (&found, &expected)) in zip(&found.condition_numbers, expected).enumerate() {
+            // Rounding changes the smallest eigenvalue by the largest eigenvalue times epsilon.
+            let tolerance = 1e-13 * expected;
+            let relative = (found - expected).abs() / expected;
+            assert!(
+                expected >= 1.0 && relative <= tolerance.max(TOLERANCE),
+                "{}, module {m}: {found:e}, not {expected:e}",
+                robot.name()
+            );
         }
-    }
+        // The condition numbers equal those of the pivot blocks.
+        for (block, &found) in zip(&found.pivot_blocks, &found.condition_numbers) {
+            let expected = condition(block);
+            let relative = (found - expected).abs() / expected;
+            assert!(relative <= 1e-9 + 1e-13 * expected, "{}: {found:e}", robot.name());
+        }
+    });
 }
 
 #[test]
 fn factors_are_the_mass_matrix() {
-    for subject in subjects() {
-        let name = subject.robot.name();
-        for inputs in subject.inputs() {
-            let values = (subject.robot.double)(&inputs);
-            let factors = &values.factors;
-            let [u, d, m] = [&factors.u, &factors.d, &values.mass_matrix].map(|x| square(x));
-            let product = &u * &d * u.transpose();
-            assert_close(&name, product.as_slice(), m.as_slice(), TOLERANCE);
-            let n = inputs.qd.len();
-            let unit = identity(n);
-            let inverse = square(&factors.u_inverse) * &u;
-            assert_close(&name, inverse.as_slice(), &unit, 1e-9);
-            // D consists of the pivot blocks; all other entries are zero.
-            let mut blocks = vec![0.0; unit.len()];
-            for (module, block) in zip(subject.robot.consts[0].modules, &factors.pivot_blocks) {
-                let size = module.dofs;
-                assert_eq!(block.len(), size * size, "{name}");
-                for (k, &entry) in block.iter().enumerate() {
-                    let (column, row) = (module.first + k / size, module.first + k % size);
-                    blocks[column * n + row] = entry;
-                }
+    everywhere(|Subject { robot, model, .. }, values, _| {
+        let (name, factors) = (robot.name(), &values.factors);
+        let mass_matrix = values.of(Function::MassMatrix);
+        let [u, d, m] = [&factors.u, &factors.d, mass_matrix].map(square);
+        let product = &u * &d * u.transpose();
+        assert_close(&name, product.as_slice(), m.as_slice(), TOLERANCE);
+        let n = model.nv();
+        let unit = identity(n);
+        let inverse = square(&factors.u_inverse) * &u;
+        assert_close(&name, inverse.as_slice(), &unit, 1e-9);
+        // D consists of the pivot blocks; all other entries are zero.
+        let mut blocks = vec![0.0; unit.len()];
+        for (module, block) in zip(robot.consts[0].modules, &factors.pivot_blocks) {
+            let size = module.dofs;
+            assert_eq!(block.len(), size * size, "{name}");
+            for (k, &entry) in block.iter().enumerate() {
+                let (column, row) = (module.first + k / size, module.first + k % size);
+                blocks[column * n + row] = entry;
             }
-            assert_eq!(blocks, factors.d, "{name}");
         }
-    }
+        assert_eq!(blocks, factors.d, "{name}");
+    });
 }
 
 #[test]
 fn a_types_own_functions_are_the_traits() {
     for subject in subjects() {
-        let (robot, name) = (subject.robot, subject.robot.name());
-        match robot.own {
-            Own::Double(own) => {
-                let same = |inputs: Inputs<f64>| own(&inputs) == (robot.double)(&inputs);
-                assert!(subject.inputs().all(same), "{name}");
-            }
-            Own::Single(own) => {
-                let same = |inputs: Inputs<f32>| own(&inputs) == (robot.single)(&inputs);
-                assert!(subject.inputs().all(same), "{name}");
-            }
+        let robot = subject.robot;
+        for state in subject.states() {
+            let arguments = of_single_state(&subject.model, &state);
+            let is_same = match robot.own {
+                Own::Double(own) => own(&arguments) == (robot.double)(&arguments),
+                Own::Single(own) => own(&arguments) == (robot.single)(&arguments),
+            };
+            assert!(is_same, "{}", robot.name());
+        }
+    }
+}
+
+/// Calls `check` with the results of each robot in each state in single and in double precision.
+fn in_both_precisions(mut check: impl FnMut(&Subject, &State, &Values<f32>, &Values<f64>)) {
+    for subject in subjects() {
+        for state in subject.states() {
+            let arguments = of_single_state(&subject.model, &state);
+            let (single, double) = (subject.robot.single, subject.robot.double);
+            check(&subject, &state, &single(&arguments), &double(&arguments));
         }
     }
 }
@@ -184,29 +197,24 @@ fn a_types_own_functions_are_the_traits() {
 /// Where no equations are solved, single precision equals double precision up to rounding.
 #[test]
 fn single_precision_is_near_double_precision() {
-    for subject in subjects() {
-        for inputs in subject.inputs::<f32>() {
-            let (single, exact) = both(subject.robot, &inputs);
-            for (quantity, found, expected) in pairs(&single, &exact) {
-                if SOLVED.contains(&quantity) {
-                    continue;
-                }
-                let what = format!("{}: {quantity}", subject.robot.name());
-                assert_close(&what, &double(&found), &expected, SINGLE);
+    in_both_precisions(|subject, _, single, exact| {
+        for (quantity, found, expected) in pairs(single, exact, &subject.sizes()) {
+            if SOLVED.contains(&quantity.split('.').next().unwrap_or_default()) {
+                continue;
             }
+            let what = format!("{}: {quantity}", subject.robot.name());
+            assert_close(&what, &double(&found), &expected, SINGLE);
         }
-    }
+    });
 }
 
 /// The quantities that depend on an inverse, and so on the condition number of the mass matrix.
-const SOLVED: [&str; 15] = [
+const SOLVED: [&str; 13] = [
     "forward_dynamics",
     "forward_dynamics_external",
     "forward_dynamics_external_world",
-    "forward_dynamics_derivatives.qdd",
-    "forward_dynamics_derivatives.dq",
-    "forward_dynamics_derivatives.dqd",
-    "forward_dynamics_derivatives.dtau",
+    "forward_dynamics_derivatives",
+    "brge",
     "u",
     "d",
     "pivot_block",
@@ -222,47 +230,41 @@ const SOLVED: [&str; 15] = [
 #[test]
 fn single_precision_solves() {
     let mut well_conditioned = 0;
-    for subject in subjects() {
+    in_both_precisions(|subject, state, single, exact| {
         let name = subject.robot.name();
-        for inputs in subject.inputs::<f32>() {
-            let (single, exact) = both(subject.robot, &inputs);
-            let m = &exact.mass_matrix;
-            let norm = square(m).norm();
-            let residual = |what: &str, x: &[f64], rhs: &[f64]| {
-                let scale = norm * x.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
-                let scale = rhs.iter().fold(scale, |a, x| a.max(x.abs()));
-                let off = difference(&times(m, x), rhs)
-                    * rhs.iter().fold(1.0, |a: f64, x| a.max(x.abs()))
-                    / scale;
-                assert!(off <= SINGLE, "{name}: {what} is off by {off:e}");
-            };
-            let tau = double(&inputs.tau);
-            residual("solve", &double(&single.factors.solve), &tau);
-            let excess: Vec<f64> =
-                zip(&tau, &exact.bias_forces).map(|(tau, bias)| tau - bias).collect();
-            residual("forward dynamics", &double(&single.forward_dynamics), &excess);
-            let [u, d] = [&single.factors.u, &single.factors.d].map(|x| square(&double(x)));
-            let product = &u * &d * u.transpose();
-            let off = (product - square(m)).norm() / norm;
-            assert!(off <= SINGLE, "{name}: U D U^T is off by {off:e}");
+        let m = exact.of(Function::MassMatrix);
+        let norm = square(m).norm();
+        let residual = |what: &str, x: &[f32], rhs: &[f64]| {
+            let x = double(x);
+            let scale = norm * x.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
+            let scale = rhs.iter().fold(scale, |a, x| a.max(x.abs()));
+            let off = difference(&times(m, &x), rhs)
+                * rhs.iter().fold(1.0, |a: f64, x| a.max(x.abs()))
+                / scale;
+            assert!(off <= SINGLE, "{name}: {what} is off by {off:e}");
+        };
+        let tau: Vec<f64> = state.tau.iter().map(|&x| f64::from(x as f32)).collect();
+        residual("solve", &single.factors.solve, &tau);
+        let bias = exact.of(Function::BiasForces);
+        let excess: Vec<f64> = zip(&tau, bias).map(|(tau, bias)| tau - bias).collect();
+        residual("forward dynamics", single.of(Function::ForwardDynamics), &excess);
+        let [u, d] = [&single.factors.u, &single.factors.d].map(|x| square(&double(x)));
+        let product = &u * &d * u.transpose();
+        let off = (product - square(m)).norm() / norm;
+        assert!(off <= SINGLE, "{name}: U D U^T is off by {off:e}");
 
-            let condition = condition(m);
-            if condition > 1e3 {
-                continue;
-            }
-            well_conditioned += 1;
-            for (quantity, found, expected) in pairs(&single, &exact) {
-                let what = format!("{name}: {quantity}");
-                assert_close(&what, &double(&found), &expected, 1e-6 * condition.max(20.0));
-            }
+        let condition = condition(m);
+        if condition > 1e3 {
+            return;
         }
-    }
+        well_conditioned += 1;
+        for (quantity, found, expected) in pairs(single, exact, &subject.sizes()) {
+            let what = format!("{name}: {quantity}");
+            assert_close(&what, &double(&found), &expected, 1e-6 * condition.max(20.0));
+        }
+    });
     assert!(
         well_conditioned >= if cfg!(feature = "whole") { 30 } else { 20 },
         "{well_conditioned}"
     );
-}
-
-fn both(robot: &Compiled, inputs: &Inputs<f32>) -> (Values<f32>, Values<f64>) {
-    ((robot.single)(inputs), (robot.double)(&inputs.double()))
 }

@@ -2,16 +2,18 @@
 
 use std::hint::black_box;
 
-use modyn::{Factorization, Inertial, InertialDefect, ParameterError, Robot, functions};
+use modyn::{Inertial, InertialDefect, ParameterError};
 use modyn_fleet::ROBOTS;
-use modyn_fleet::robots::{GoldenPandaLoaded, GoldenPandaLoadedParams};
+use modyn_fleet::robots::{GoldenPandaLoaded, GoldenPandaLoadedLink, GoldenPandaLoadedParams};
 use modyn_runtime::model::{Model, ModuleTree};
+use modyn_runtime::quantities::Sizes;
 use modyn_tests::changed::changed;
 use modyn_tests::close::assert_close;
 use modyn_tests::compiled::Compiled;
 use modyn_tests::counting::measure;
 use modyn_tests::random::{Random, state};
-use modyn_tests::values::{Given, GivenTo, Inputs, Named, columns, interpreted, list};
+use modyn_tests::results;
+use modyn_tests::values::{Arguments, Results, fields, interpreted, of_state};
 
 const TOLERANCE: f64 = 1e-10;
 
@@ -22,31 +24,6 @@ fn compiled(name: &str) -> (&'static Compiled, Model, ModuleTree) {
     let modules = robot.spec.modules(&model);
     (robot, model, modules)
 }
-
-/// Returns all default functions that depend on parameters.
-fn defaults<R: Robot + functions::Defaults>(
-    params: &R::Params<f64>,
-    given: &GivenTo<R, f64>,
-) -> Named<f64> {
-    let Given { q, qd, qdd, tau, .. } = given;
-    let brge = R::brge_with(params, q);
-    vec![
-        ("forward_dynamics", list(&R::forward_dynamics_with(params, q, qd, tau))),
-        ("inverse_dynamics", list(&R::inverse_dynamics_with(params, q, qd, qdd))),
-        ("bias_forces", list(&R::bias_forces_with(params, q, qd))),
-        ("gravity_torques", list(&R::gravity_torques_with(params, q))),
-        ("mass_matrix", columns(&R::mass_matrix_with(params, q))),
-        ("kinetic_energy", vec![R::kinetic_energy_with(params, q, qd)]),
-        ("potential_energy", vec![R::potential_energy_with(params, q)]),
-        ("center_of_mass", R::center_of_mass_with(params, q).to_vec()),
-        ("u", columns(&brge.u())),
-        ("d", columns(&brge.d())),
-        ("solve", list(&brge.solve(tau))),
-    ]
-}
-
-/// [`others`] of a robot that has these functions.
-type Others<R> = fn(&<R as Robot>::Params<f64>, &GivenTo<R, f64>) -> Named<f64>;
 
 /// A change of the gravitational acceleration, of links' inertias, and of payloads.
 #[derive(Clone, Debug, Default)]
@@ -98,27 +75,28 @@ fn changes(links: [&'static str; 2]) -> Vec<Change> {
     ]
 }
 
-/// Asserts that the robot with parameters equals the interpreter of the changed model.
-fn check<R: Robot + functions::Defaults>(
+/// Asserts that a robot's functions with parameters equal the interpreter of the changed model.
+fn check(
     name: &str,
     links: [&'static str; 2],
-    others: Option<Others<R>>,
-    params: impl Fn(&Change) -> R::Params<f64>,
+    with: impl Fn(&Change, Arguments<'_>) -> Results<f64>,
 ) {
-    let (_, described, modules) = compiled(name);
+    let (robot, described, modules) = compiled(name);
     for change in changes(links) {
-        let (model, params) = (change.of(&described), params(&change));
+        let model = change.of(&described);
+        let sizes = Sizes::new(&model, 0);
         for seed in 0..3 {
-            let inputs = Inputs::from(&state(seed, &model));
-            let given = GivenTo::<R, f64>::new(&inputs);
-            let mut found = defaults::<R>(&params, &given);
-            found.extend(others.into_iter().flat_map(|others| others(&params, &given)));
-            let expected = interpreted(&model, &modules, &inputs, others.is_some()).named();
-            for (quantity, found) in found {
-                let expected = expected.iter().find(|(name, _)| *name == quantity);
-                let (_, expected) = expected.unwrap_or_else(|| panic!("no {quantity}"));
-                let what = format!("{name}, {change:?}: {quantity}");
-                assert_close(&what, &found, expected, TOLERANCE);
+            let state = state(seed, &model);
+            let arguments = of_state(&model, &state);
+            let expected = interpreted(&model, &modules, &arguments, robot.spec.all);
+            let found = with(&change, &arguments);
+            assert!(found.len() > 8, "{name}");
+            for (function, found) in found {
+                let all = fields(function, &sizes, expected.of(function)).into_iter();
+                for ((field, expected), (_, found)) in all.zip(fields(function, &sizes, &found)) {
+                    let what = format!("{name}, {change:?}: {field}");
+                    assert_close(&what, &found, &expected, TOLERANCE);
+                }
             }
         }
     }
@@ -161,7 +139,10 @@ fn panda(change: &Change) -> GoldenPandaLoadedParams {
 #[test]
 fn parameters_are_another_description() {
     let links = ["panda_hand", "panda_link4"];
-    check::<GoldenPandaLoaded>("golden_panda_loaded", links, None, panda);
+    check("golden_panda_loaded", links, |change, arguments| {
+        let params = &panda(change);
+        results!(trait_with GoldenPandaLoaded, f64, default, arguments, &GoldenPandaLoadedLink::ALL, params)
+    });
 }
 
 #[test]
@@ -238,89 +219,9 @@ fn a_change_allocates_nothing() {
 /// A robot with all functions.
 #[cfg(feature = "whole")]
 mod all_functions {
-    use modyn_fleet::robots::{Zoo10153_8Loaded, Zoo10153_8LoadedParams};
-    use modyn_tests::values::{
-        array, centroidal_numbers, costate, each, forward_hessian_numbers, inverse_hessian_numbers,
-        linear_step_numbers, momentum, step_hessian_numbers, time_step, vector,
-    };
+    use modyn_fleet::robots::{Zoo10153_8Loaded, Zoo10153_8LoadedLink, Zoo10153_8LoadedParams};
 
     use super::*;
-
-    /// Returns all other functions that depend on parameters.
-    fn others<R: Robot + functions::All>(
-        params: &R::Params<f64>,
-        given: &GivenTo<R, f64>,
-    ) -> Named<f64> {
-        let Given { q, qd, qdd, tau, forces, .. } = given;
-        let inverse = R::inverse_dynamics_derivatives_with(params, q, qd, qdd);
-        let forward = R::forward_dynamics_derivatives_with(params, q, qd, tau);
-        let inverse_vjp = R::inverse_dynamics_vjp_with(params, q, qd, qdd, tau);
-        let inverse_jvp = R::inverse_dynamics_jvp_with(params, q, qd, qdd, tau, qdd, qd);
-        let forward_vjp = R::forward_dynamics_vjp_with(params, q, qd, tau, qdd);
-        let forward_jvp = R::forward_dynamics_jvp_with(params, q, qd, tau, qdd, tau, qd);
-        let inverse_hessian = R::inverse_dynamics_hessian_with(params, q, qd, qdd, tau);
-        let forward_hessian = R::forward_dynamics_hessian_with(params, q, qd, tau, qdd);
-        let dt = time_step();
-        let semi_implicit = R::step_semi_implicit_with(params, q, qd, tau, dt);
-        let linear_step = R::step_semi_implicit_derivatives_with(params, q, qd, tau, dt);
-        let costate = array(&costate(&list(qdd), &list(tau)));
-        let step_hessian = R::step_semi_implicit_hessian_with(params, q, qd, tau, dt, &costate);
-        let linear_rk4 = R::step_rk4_derivatives_with(params, q, qd, tau, dt);
-        let midpoint = R::step_implicit_midpoint_with(params, q, qd, tau, dt);
-        let linear_midpoint = R::step_implicit_midpoint_derivatives_with(params, q, qd, tau, dt);
-        vec![
-            ("inverse_dynamics_vjp.dq", list(&inverse_vjp.dq)),
-            ("inverse_dynamics_jvp.dtau", list(&inverse_jvp.dtau)),
-            ("forward_dynamics_vjp.dq", list(&forward_vjp.dq)),
-            ("forward_dynamics_jvp.dqdd", list(&forward_jvp.dqdd)),
-            ("inverse_dynamics_hessian", inverse_hessian_numbers(&inverse_hessian)),
-            ("forward_dynamics_hessian", forward_hessian_numbers(&forward_hessian)),
-            ("step_semi_implicit.qd", list(&semi_implicit.qd)),
-            ("step_semi_implicit_derivatives.a", columns(&linear_step.a)),
-            ("step_semi_implicit_hessian", step_hessian_numbers(&step_hessian)),
-            ("step_rk4.qd", list(&R::step_rk4_with(params, q, qd, tau, dt).qd)),
-            ("step_rk4_derivatives", linear_step_numbers(&linear_rk4)),
-            ("step_implicit_midpoint", [list(&midpoint.q), list(&midpoint.qd)].concat()),
-            ("step_implicit_midpoint_derivatives", linear_step_numbers(&linear_midpoint)),
-            (
-                "forward_dynamics_external",
-                list(&R::forward_dynamics_external_with(params, q, qd, tau, forces)),
-            ),
-            (
-                "forward_dynamics_external_world",
-                list(&R::forward_dynamics_external_world_with(params, q, qd, tau, forces)),
-            ),
-            (
-                "inverse_dynamics_external",
-                list(&R::inverse_dynamics_external_with(params, q, qd, qdd, forces)),
-            ),
-            (
-                "inverse_dynamics_external_world",
-                list(&R::inverse_dynamics_external_world_with(params, q, qd, qdd, forces)),
-            ),
-            ("inverse_dynamics_derivatives.dq", columns(&inverse.dq)),
-            ("inverse_dynamics_derivatives.dqd", columns(&inverse.dqd)),
-            ("forward_dynamics_derivatives.qdd", list(&forward.qdd)),
-            ("forward_dynamics_derivatives.dq", columns(&forward.dq)),
-            ("forward_dynamics_derivatives.dqd", columns(&forward.dqd)),
-            ("forward_dynamics_derivatives.dtau", columns(&forward.dtau)),
-            ("regressor", columns(&R::regressor_with(params, q, qd, qdd))),
-            ("center_of_mass_jacobian", each(&R::center_of_mass_jacobian_with(params, q), vector)),
-            (
-                "centroidal_momentum_matrix",
-                each(&R::centroidal_momentum_matrix_with(params, q), momentum),
-            ),
-            ("centroidal_momentum", momentum(&R::centroidal_momentum_with(params, q, qd))),
-            (
-                "centroidal_momentum_rate",
-                momentum(&R::centroidal_momentum_rate_with(params, q, qd, qdd)),
-            ),
-            (
-                "centroidal_momentum_derivatives",
-                centroidal_numbers(&R::centroidal_momentum_derivatives_with(params, q, qd, qdd)),
-            ),
-        ]
-    }
 
     /// Returns the parameters of a robot with all joint types.
     fn zoo(change: &Change) -> Zoo10153_8LoadedParams {
@@ -332,74 +233,36 @@ mod all_functions {
         )
     }
 
+    /// Returns the results of one of the forms of functions with parameters.
+    macro_rules! with {
+        ($form:ident, $arguments:expr, $params:expr) => {
+            results!($form Zoo10153_8Loaded, f64, all, $arguments, &Zoo10153_8LoadedLink::ALL, $params)
+        };
+    }
+
     #[test]
     fn parameters_are_another_description() {
-        let others = Some(others::<Zoo10153_8Loaded> as Others<Zoo10153_8Loaded>);
-        check::<Zoo10153_8Loaded>("zoo10153_8_loaded", ["fixed6", "link2"], others, zoo);
+        check("zoo10153_8_loaded", ["fixed6", "link2"], |change, arguments| {
+            with!(trait_with, arguments, &zoo(change))
+        });
     }
 
     #[test]
     fn a_types_own_functions_take_parameters_as_the_traits_do() {
-        type R = Zoo10153_8Loaded;
         let (_, model, _) = compiled("zoo10153_8_loaded");
         let change = changes(["fixed6", "link2"]).pop().expect("a change");
-        let described = Zoo10153_8LoadedParams::DEFAULT;
-        let params = zoo(&change);
-        assert_ne!(params, described);
-        let given = GivenTo::<R, f64>::new(&Inputs::from(&state(3, &model)));
-        let Given { q, qd, qdd, tau, forces, .. } = &given;
-        // Every function with these parameters, with the default parameters, and without parameters.
-        macro_rules! same {
-        ($($function:ident, $with:ident($($argument:expr),*);)*) => {$({
-            let own = R::$function($($argument),*);
-            assert_eq!(own, <R as Robot>::$function($($argument),*), stringify!($function));
-            assert_eq!(own, R::$with(&described, $($argument),*), stringify!($function));
-            let changed = R::$with(&params, $($argument),*);
-            assert_eq!(changed, <R as Robot>::$with(&params, $($argument),*), stringify!($with));
-            assert_ne!(changed, own, stringify!($with));
-        })*};
-    }
-        let dt = time_step();
-        let costate = array(&costate(&list(qdd), &list(tau)));
-        same! {
-            forward_dynamics, forward_dynamics_with(q, qd, tau);
-            forward_dynamics_external, forward_dynamics_external_with(q, qd, tau, forces);
-            forward_dynamics_external_world, forward_dynamics_external_world_with(q, qd, tau, forces);
-            forward_dynamics_derivatives, forward_dynamics_derivatives_with(q, qd, tau);
-            inverse_dynamics, inverse_dynamics_with(q, qd, qdd);
-            inverse_dynamics_external, inverse_dynamics_external_with(q, qd, qdd, forces);
-            inverse_dynamics_external_world, inverse_dynamics_external_world_with(q, qd, qdd, forces);
-            inverse_dynamics_derivatives, inverse_dynamics_derivatives_with(q, qd, qdd);
-            bias_forces, bias_forces_with(q, qd);
-            gravity_torques, gravity_torques_with(q);
-            mass_matrix, mass_matrix_with(q);
-            kinetic_energy, kinetic_energy_with(q, qd);
-            potential_energy, potential_energy_with(q);
-            inverse_dynamics_vjp, inverse_dynamics_vjp_with(q, qd, qdd, tau);
-            inverse_dynamics_jvp, inverse_dynamics_jvp_with(q, qd, qdd, tau, qdd, qd);
-            forward_dynamics_vjp, forward_dynamics_vjp_with(q, qd, tau, qdd);
-            forward_dynamics_jvp, forward_dynamics_jvp_with(q, qd, tau, qdd, tau, qd);
-            inverse_dynamics_hessian, inverse_dynamics_hessian_with(q, qd, qdd, tau);
-            forward_dynamics_hessian, forward_dynamics_hessian_with(q, qd, tau, qdd);
-            step_semi_implicit, step_semi_implicit_with(q, qd, tau, dt);
-            step_semi_implicit_derivatives, step_semi_implicit_derivatives_with(q, qd, tau, dt);
-            step_semi_implicit_hessian, step_semi_implicit_hessian_with(q, qd, tau, dt, &costate);
-            step_rk4, step_rk4_with(q, qd, tau, dt);
-            step_rk4_derivatives, step_rk4_derivatives_with(q, qd, tau, dt);
-            step_implicit_midpoint, step_implicit_midpoint_with(q, qd, tau, dt);
-            step_implicit_midpoint_derivatives, step_implicit_midpoint_derivatives_with(q, qd, tau, dt);
-            regressor, regressor_with(q, qd, qdd);
-            center_of_mass, center_of_mass_with(q);
-            center_of_mass_jacobian, center_of_mass_jacobian_with(q);
-            centroidal_momentum, centroidal_momentum_with(q, qd);
-            centroidal_momentum_rate, centroidal_momentum_rate_with(q, qd, qdd);
-            centroidal_momentum_derivatives, centroidal_momentum_derivatives_with(q, qd, qdd);
-            centroidal_momentum_matrix, centroidal_momentum_matrix_with(q);
+        let (described, params) = (&Zoo10153_8LoadedParams::DEFAULT, &zoo(&change));
+        let state = state(3, &model);
+        let arguments = &of_state(&model, &state);
+        let links = &Zoo10153_8LoadedLink::ALL;
+        let own = results!(own Zoo10153_8Loaded, f64, all, arguments, links);
+        let by_default = with!(own_with, arguments, described);
+        let changed = with!(own_with, arguments, params);
+        assert_eq!(changed, with!(trait_with, arguments, params));
+        assert!(by_default.len() > 30);
+        for (by_default, changed) in by_default.iter().zip(&changed) {
+            assert!(own.contains(by_default), "{:?}", by_default.0);
+            assert_ne!(by_default, changed);
         }
-        let factors =
-            [R::brge(q), R::brge_with(&described, q), R::brge_with(&params, q)].map(|b| b.d());
-        assert_eq!(factors[0], factors[1]);
-        assert_eq!(factors[2], <R as Robot>::brge_with(&params, q).d());
-        assert_ne!(factors[2], factors[0]);
     }
 }

@@ -350,7 +350,11 @@ pub fn robot_conforms<B: BackEnd>(
 }
 
 /// Compares the results of calls with the expected ones.
-fn compare(name: &str, calls: &[Call], found: &[Vec<f64>]) {
+///
+/// # Panics
+///
+/// If a result differs.
+pub fn compare(name: &str, calls: &[Call], found: &[Vec<f64>]) {
     assert_eq!(calls.len(), found.len(), "{name}");
     let mut moving = 0;
     for (number, (call, found)) in calls.iter().zip(found).enumerate() {

@@ -7,7 +7,7 @@ use modyn_codegen::plan::{Frames, Planned};
 use modyn_codegen::program::Program;
 use modyn_runtime::Scalar;
 use modyn_runtime::batch::Float;
-use modyn_runtime::steps::{self, Step, Steps};
+use modyn_runtime::trig_steps::{self, Step, Steps};
 
 /// The arithmetic of a back end, by which the reference is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -158,10 +158,10 @@ impl<F: Number, const SINES: bool> Scalar for Fused<F, SINES> {
             let (sine, cosine) = self.0.sin_cos();
             return (Self(sine), Self(cosine));
         }
-        let reduced = if self.0.abs() < steps::limit() {
+        let reduced = if self.0.abs() < trig_steps::limit() {
             run(&Steps::reduction::<F>(), [self; 2])
         } else {
-            steps::reduce_far(self.0).map(Self)
+            trig_steps::reduce_far(self.0).map(Self)
         };
         let [sine, cosine] = run(&Steps::polynomials::<F>(), reduced);
         (sine, cosine)

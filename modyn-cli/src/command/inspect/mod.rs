@@ -112,7 +112,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return to_stdout(&json::of(&inspection));
     }
     let warnings = diagnostics::render(&inspection.warnings, Some(&description));
-    to_stdout(&(text::of(&inspection) + &warnings))
+    to_stdout(&(text::page(&inspection) + &warnings))
 }
 
 /// The longest functions, which JSON has on request only: with them, the text of a humanoid would exceed the limit.

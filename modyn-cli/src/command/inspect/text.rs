@@ -24,7 +24,7 @@ const LEAST_NAMES: usize = 30;
 const MAX_ADVICE: usize = 40;
 
 /// Returns the inspection as text.
-pub fn of(inspection: &Inspection) -> String {
+pub fn page(inspection: &Inspection) -> String {
     let Inspection { model, modules, advice, condition, has_dynamics, costs, .. } = inspection;
     let mut out = format!(
         "{}: {} moving links, {} coordinates, {} velocities, {} kg\n",

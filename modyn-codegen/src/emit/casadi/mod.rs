@@ -128,7 +128,7 @@ fn print(robot: &PlannedRobot<'_>) -> String {
 /// The table of patterns, each once.
 #[derive(Default)]
 struct Patterns {
-    known: BTreeMap<Vec<usize>, usize>,
+    numbers_of: BTreeMap<Vec<usize>, usize>,
     text: String,
 }
 
@@ -136,8 +136,8 @@ impl Patterns {
     /// Returns the name of the array of a matrix's pattern.
     fn name(&mut self, matrix: &CasadiMatrix) -> String {
         let numbers = matrix.compressed_columns();
-        let next = self.known.len();
-        let number = *self.known.entry(numbers.clone()).or_insert(next);
+        let next = self.numbers_of.len();
+        let number = *self.numbers_of.entry(numbers.clone()).or_insert(next);
         if number == next {
             let list: Vec<String> = numbers.iter().map(usize::to_string).collect();
             let _ = writeln!(

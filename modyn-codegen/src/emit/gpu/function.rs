@@ -98,7 +98,7 @@ impl Syntax for Statements<'_> {
     }
 
     fn constant_argument(&self, i: usize) -> String {
-        format!("({})", self.dialect.literal(self.kernel.known[i]))
+        format!("({})", self.dialect.literal(self.kernel.placement_numbers[i]))
     }
 
     fn live_value(&self, chunk: usize, i: usize) -> String {

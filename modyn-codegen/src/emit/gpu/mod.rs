@@ -108,7 +108,7 @@ struct Kernel<'a> {
     program: &'a Program,
     /// The values of the program's arguments after those of the kernel: the placement of a link that shares a program
     /// with other links.
-    known: Vec<f64>,
+    placement_numbers: Vec<f64>,
 }
 
 /// The syntax of a language.
@@ -297,9 +297,10 @@ fn kernels<'a>(plan: &'a Plan, model: &Model, prefix: &str) -> Vec<Kernel<'a>> {
                 for (link, LinkProgram { program, placement }) in
                     plan.frames.programs().iter().enumerate()
                 {
-                    let known = placement.map_or(Vec::new(), |row| placements[row].to_vec());
+                    let placement_numbers =
+                        placement.map_or(Vec::new(), |row| placements[row].to_vec());
                     let named = (format!("{name}_{}", links[link]), Some(link));
-                    kernels.push(kernel(planned, named, &programs[*program], known));
+                    kernels.push(kernel(planned, named, &programs[*program], placement_numbers));
                 }
             }
             Kernels::Looped(_) => unreachable!("plans for threads have no loops"),
@@ -313,7 +314,7 @@ fn kernel<'a>(
     planned: &Planned,
     (name, link): (String, Option<usize>),
     program: &'a Program,
-    known: Vec<f64>,
+    placement_numbers: Vec<f64>,
 ) -> Kernel<'a> {
     let argument = |(argument, shape): &(Argument, Shape)| GpuArgument {
         name: argument.name.into(),
@@ -332,5 +333,5 @@ fn kernel<'a>(
     };
     let docs = planned.docs.replace('\n', "\n// ");
     let docs = format!("// {docs}\n// `out`: {}.\n", planned.result.in_words());
-    Kernel { description, docs, program, known }
+    Kernel { description, docs, program, placement_numbers }
 }

@@ -130,10 +130,10 @@ impl<S: Scalar> Relative<'_, S> {
         let [velocity, acceleration] = self.relative_to_first(path, joint);
         let change = |acceleration: Twist<S>, velocity: Twist<S>| {
             let Twist { angular, linear } = less_transport(acceleration, first.omega, velocity);
-            let carried = velocity.angular.cross(relative.linear);
+            let coriolis = velocity.angular.cross(relative.linear);
             Twist {
                 angular: -(angular + velocity.angular.cross(relative.angular)),
-                linear: -(linear + carried + carried),
+                linear: -(linear + coriolis + coriolis),
             }
         };
         let rotated = |t: Twist<S>| Twist {

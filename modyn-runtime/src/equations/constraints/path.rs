@@ -80,8 +80,8 @@ pub(super) fn relative_fields<S: Scalar>(
         let body = &model.bodies[i];
         let motion = body.motion(q);
         own_axes = motion.rotate_axes(&body.placement.rotate_axes(&own_axes));
-        let carried = parent_motion_at_joint(&field, body, &motion);
-        field = motion.accelerate(carried, &model.rates(i, qd), Some(&model.rates(i, qdd)));
+        let from_parent = parent_motion_at_joint(&field, body, &motion);
+        field = motion.accelerate(from_parent, &model.rates(i, qd), Some(&model.rates(i, qdd)));
         (motions[i], axes[i], fields[i]) = (motion, own_axes, field);
     }
 }

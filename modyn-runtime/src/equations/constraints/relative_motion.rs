@@ -58,14 +58,14 @@ pub(super) fn relative_columns<S: Scalar>(
     columns: &mut [Vec<Twist<S>>; 2],
 ) -> RelativePose<S> {
     let ancestor = common_ancestor(model, constraint);
-    let reach = |end, columns: &mut [Twist<S>]| {
+    let columns_of = |end, columns: &mut [Twist<S>]| {
         columns.fill(Twist::zero());
         relative_to_ancestor(model, end, ancestor, q, |i, seen| {
             add_columns(model, i, &seen.axes, seen.point, columns);
         })
     };
     let ([a, b], [first, second]) = (constraint.ends, columns);
-    RelativePose::new(&[reach(a, first), reach(b, second)])
+    RelativePose::new(&[columns_of(a, first), columns_of(b, second)])
 }
 
 /// The pose of the second frame relative to the first.

@@ -75,15 +75,15 @@ pub fn centroidal_momentum_derivatives<S: Scalar>(
     });
 
     for (i, body) in model.bodies.iter().enumerate() {
-        let carried = carried_twist(model, i, workspace);
-        workspace.twists[i] = model.add_rates(i, carried, qd);
+        let from_parent = twist_from_parent(model, i, workspace);
+        workspace.twists[i] = model.add_rates(i, from_parent, qd);
         workspace.wrenches[i] = body.base_inertia.times(&workspace.twists[i]);
     }
     accumulate_wrenches(model, |_| None, workspace);
     let total = self::total(model, Wrench::zero(), workspace);
     *momentum = Momentum { angular: total.moment - center.cross(total.force), linear: total.force };
     columns(model, momentum_dq, |i, _, component| {
-        let Twist { angular, linear } = carried_twist(model, i, workspace);
+        let Twist { angular, linear } = twist_from_parent(model, i, workspace);
         // The velocity of the ancestors at the displaced points, as a twist.
         let change = match component.checked_sub(3) {
             Some(k) => Twist { angular: Vector3::zero(), linear: angular.cross(Vector3::unit(k)) },
@@ -155,7 +155,11 @@ fn total<S: Scalar>(model: &Mechanism<S>, rest: Wrench<S>, workspace: &Workspace
 }
 
 /// Returns the velocity of the parent frame of body `i`'s joint, in the body's axes at its origin.
-fn carried_twist<S: Scalar>(model: &Mechanism<S>, i: usize, workspace: &Workspace<S>) -> Twist<S> {
+fn twist_from_parent<S: Scalar>(
+    model: &Mechanism<S>,
+    i: usize,
+    workspace: &Workspace<S>,
+) -> Twist<S> {
     let body = &model.bodies[i];
     let parent = body.parent.map_or_else(Twist::zero, |parent| workspace.twists[parent]);
     body.twist_to_child(&workspace.motions[i], parent)

@@ -52,16 +52,16 @@ pub(super) fn accumulate_composites<S: Scalar, T: BodyTree<S>>(
         }
         let (motion, rates) = (&workspace.motions[i], model.rates(i, qd));
         let composite = workspace.composite[i];
-        tree.rigid_to_parents(i, motion, &composite, |parent, carried| {
-            workspace.composite[parent] = workspace.composite[parent] + carried;
+        tree.rigid_to_parents(i, motion, &composite, |parent, at_parent| {
+            workspace.composite[parent] = workspace.composite[parent] + at_parent;
         });
         let velocities = &workspace.velocities[i];
         let velocities = body.velocities_to_parent(motion, velocities, &composite, &rates);
         tree.to_parents(
             i,
             |sum| velocities.map(sum),
-            |parent, carried| {
-                workspace.velocities[parent] = workspace.velocities[parent] + carried;
+            |parent, at_parent| {
+                workspace.velocities[parent] = workspace.velocities[parent] + at_parent;
             },
         );
 
@@ -78,11 +78,11 @@ pub(super) fn accumulate_composites<S: Scalar, T: BodyTree<S>>(
     }
 }
 
-/// Sums the bodies' wrenches to the wrenches of composites. `known` returns the force along a degree of
+/// Sums the bodies' wrenches to the wrenches of composites. `given` returns the force along a degree of
 /// freedom if that force is given.
 pub(super) fn accumulate_wrenches<S: Scalar, T: BodyTree<S>>(
     tree: &T,
-    known: impl Fn(usize) -> Option<S>,
+    given: impl Fn(usize) -> Option<S>,
     workspace: &mut Workspace<S>,
 ) {
     let model = tree.mechanism();
@@ -90,12 +90,12 @@ pub(super) fn accumulate_wrenches<S: Scalar, T: BodyTree<S>>(
         let mut components = workspace.wrenches[i].components();
         for d in body.dofs.clone() {
             let force = &mut components[model.dofs[d].component];
-            *force = known(d).unwrap_or(*force);
+            *force = given(d).unwrap_or(*force);
         }
         workspace.wrenches[i] = Wrench::from_components(components);
         let wrench = workspace.wrenches[i];
-        tree.wrench_to_parents(i, &workspace.motions[i], wrench, |parent, carried| {
-            workspace.wrenches[parent] += carried;
+        tree.wrench_to_parents(i, &workspace.motions[i], wrench, |parent, at_parent| {
+            workspace.wrenches[parent] += at_parent;
         });
     }
 }

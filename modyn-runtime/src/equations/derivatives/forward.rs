@@ -65,8 +65,8 @@ pub fn forward_dynamics_derivatives<S: Scalar, T: Factorizable<S>>(
 
     link_wrenches(tree, qd, Accelerations::AgainstFall(qdd), workspace);
     let passive = core::mem::take(&mut workspace.passive);
-    let known = |d: usize| generalized_force(model, d, passive[d], (qd, qdd, tau));
-    accumulate_wrenches(tree, known, workspace);
+    let given = |d: usize| generalized_force(model, d, passive[d], (qd, qdd, tau));
+    accumulate_wrenches(tree, given, workspace);
     workspace.passive = passive;
     perturbations_by_coordinates(tree, qd, true, workspace);
     project(tree, Variable::Coordinates, workspace, dqdd_dq, None);

@@ -92,10 +92,10 @@ impl<S: Scalar> AncestorMotion<S> {
                 back: zero,
             },
             ElementaryJoint::Spherical | ElementaryJoint::Floating => {
-                let carried = parent_motion(tree, i, workspace);
-                let back = carried.omega - field.omega;
-                let field = Field::rotating(carried.omega, carried.alpha);
-                let mut a = carried.a;
+                let from_parent = parent_motion(tree, i, workspace);
+                let back = from_parent.omega - field.omega;
+                let field = Field::rotating(from_parent.omega, from_parent.alpha);
+                let mut a = from_parent.a;
                 let mut velocity = zero;
                 if let Some(displacement) = motion.displacement() {
                     let rates = model.rates(i, qd);
@@ -105,7 +105,7 @@ impl<S: Scalar> AncestorMotion<S> {
                 if falling && is_base(model, i) {
                     (a, velocity) = (zero, zero);
                 }
-                Self { omega: carried.omega, gradient: field.gradient, a, velocity, back }
+                Self { omega: from_parent.omega, gradient: field.gradient, a, velocity, back }
             }
         }
     }

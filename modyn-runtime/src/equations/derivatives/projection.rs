@@ -120,8 +120,8 @@ fn project_group<S: Scalar, T: BodyTree<S>>(
         }
         let (body, motion) = (&model.bodies[at], &workspace.motions[at]);
         let (Some(parent), Some(whole)) = (body.parent, &swept) else { break };
-        let carried = whole.carried(body, motion, workspace.relative_velocities[at]);
-        swept = Some(SweepState::of(path.accumulate(at, parent, carried.numbers())));
+        let at_parent = whole.at_parent(body, motion, workspace.relative_velocities[at]);
+        swept = Some(SweepState::of(path.accumulate(at, parent, at_parent.numbers())));
         at = parent;
     }
 }
@@ -274,7 +274,7 @@ struct SweepState<S> {
 impl<S: Scalar> SweepState<S> {
     /// Returns the state as seen from the parent. The origin of `body` moves with half of `lever`
     /// relative to the parent's origin.
-    fn carried(&self, body: &Body<S>, motion: &JointTransform<S>, lever: Vector3<S>) -> Self {
+    fn at_parent(&self, body: &Body<S>, motion: &JointTransform<S>, lever: Vector3<S>) -> Self {
         let DualColumn { wrench, coriolis } = self.dual;
         let wrench = body.wrench_to_parent(motion, wrench);
         let coriolis = body.to_parent(motion, coriolis) + lever.cross(wrench.force);

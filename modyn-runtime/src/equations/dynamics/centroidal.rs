@@ -81,10 +81,10 @@ fn accumulate_composites<S: Scalar>(
         if body.elementary_joint.has_axis() {
             workspace.composite[i] = at_joint;
         }
-        let carried = body.placement.rigid_to_parent(&at_joint);
+        let at_parent = body.placement.rigid_to_parent(&at_joint);
         match body.parent {
-            Some(parent) => workspace.composite[parent] = workspace.composite[parent] + carried,
-            None => total = total + carried,
+            Some(parent) => workspace.composite[parent] = workspace.composite[parent] + at_parent,
+            None => total = total + at_parent,
         }
     }
     total
@@ -122,9 +122,9 @@ pub fn centroidal_momentum_rate<S: Scalar>(
     for (i, body) in model.bodies.iter().enumerate() {
         let motion = &workspace.motions[i];
         let parent = body.parent.map_or_else(Field::zero, |parent| workspace.fields[parent]);
-        let carried = parent_motion_at_joint(&parent, body, motion);
+        let from_parent = parent_motion_at_joint(&parent, body, motion);
         let (rates, changes) = (model.rates(i, qd), model.rates(i, qdd));
-        let field = motion.accelerate(carried, &rates, Some(&*changes));
+        let field = motion.accelerate(from_parent, &rates, Some(&*changes));
         workspace.fields[i] = field;
         workspace.wrenches[i] = field.wrench(&body.base_inertia);
     }
@@ -136,8 +136,8 @@ pub fn centroidal_momentum_rate<S: Scalar>(
 fn about_center<S: Scalar>(model: &Mechanism<S>, workspace: &mut Workspace<S>) -> Momentum<S> {
     let mut total = Wrench::zero();
     for (i, body) in model.bodies.iter().enumerate().rev() {
-        let carried = body.wrench_to_parent(&workspace.motions[i], workspace.wrenches[i]);
-        *body.parent.map_or(&mut total, |parent| &mut workspace.wrenches[parent]) += carried;
+        let at_parent = body.wrench_to_parent(&workspace.motions[i], workspace.wrenches[i]);
+        *body.parent.map_or(&mut total, |parent| &mut workspace.wrenches[parent]) += at_parent;
     }
     let center = center_of_mass::at_joints(model, workspace);
     let Wrench { moment, force } = total;

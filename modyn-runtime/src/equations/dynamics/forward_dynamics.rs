@@ -165,8 +165,8 @@ pub(super) fn eliminate_module<S: Scalar, T: BodyTree<S>>(
             workspace.torques[d] = torque(d, workspace) - force;
         }
         if i > first {
-            let carried = model.bodies[i].wrench_to_parent(&workspace.motions[i], wrench);
-            workspace.wrenches[i - 1] += carried;
+            let at_parent = model.bodies[i].wrench_to_parent(&workspace.motions[i], wrench);
+            workspace.wrenches[i - 1] += at_parent;
         }
     }
     pivot(tree, block, workspace);
@@ -178,8 +178,8 @@ pub(super) fn eliminate_module<S: Scalar, T: BodyTree<S>>(
         eliminate(tree, block, workspace);
         let left = remaining_wrench(model, block, workspace, |d| torque(d, workspace));
         let motion = &workspace.motions[first];
-        tree.wrench_to_parents(first, motion, left, |parent, carried| {
-            workspace.wrenches[parent] += carried;
+        tree.wrench_to_parents(first, motion, left, |parent, at_parent| {
+            workspace.wrenches[parent] += at_parent;
         });
     }
     for d in block.dofs.clone() {
@@ -197,7 +197,7 @@ pub(super) fn accelerate<S: Scalar, T: BodyTree<S>>(
     let model = tree.mechanism();
     let first = block.bodies.start;
     let body = &model.bodies[first];
-    let carried = body.parent.is_some().then(|| {
+    let from_parent = body.parent.is_some().then(|| {
         let of = |p: Option<usize>| p.map_or_else(Twist::zero, |p| workspace.twists[p]);
         let twist =
             Twist::from_components(tree.broadcast_from_parents(first, |p| of(p).components()));
@@ -206,17 +206,17 @@ pub(super) fn accelerate<S: Scalar, T: BodyTree<S>>(
     let subspace = motion_subspace(model, block);
     for d in block.dofs.clone() {
         qdd[d] = workspace.torques[d];
-        if let Some(carried) = &carried {
+        if let Some(from_parent) = &from_parent {
             let force = (0..6)
                 .filter(|&row| subspace[row].is_none())
-                .map(|row| workspace.scaled_psi[row][d] * carried.components()[row])
+                .map(|row| workspace.scaled_psi[row][d] * from_parent.components()[row])
                 .reduce(|sum, x| sum + x);
             qdd[d] = force.map_or(qdd[d], |force| qdd[d] - force);
         }
     }
     solve_lower(factor(block, &workspace.pivots), &mut qdd[block.dofs.clone()]);
     // So far the components of the motion subspace are the parent's motion.
-    let mut components = carried.unwrap_or_else(Twist::zero).components();
+    let mut components = from_parent.unwrap_or_else(Twist::zero).components();
     for d in model.bodies[first].dofs.clone() {
         let along = &mut components[model.dofs[d].component];
         if subspace[model.dofs[d].component].is_none() {
@@ -224,7 +224,7 @@ pub(super) fn accelerate<S: Scalar, T: BodyTree<S>>(
             continue;
         }
         let along = core::mem::replace(along, qdd[d]);
-        if carried.is_some() {
+        if from_parent.is_some() {
             qdd[d] = qdd[d] - along;
         }
     }
@@ -232,8 +232,8 @@ pub(super) fn accelerate<S: Scalar, T: BodyTree<S>>(
     if block.has_children {
         for i in block.bodies.clone().skip(1) {
             let motion = &workspace.motions[i];
-            let carried = model.bodies[i].twist_to_child(motion, workspace.twists[i - 1]);
-            workspace.twists[i] = model.add_rates(i, carried, qdd);
+            let from_parent = model.bodies[i].twist_to_child(motion, workspace.twists[i - 1]);
+            workspace.twists[i] = model.add_rates(i, from_parent, qdd);
         }
     }
 }

@@ -97,7 +97,7 @@ pub(super) fn joint_torque<S: Scalar, T: BodyTree<S>>(
         }
         dof.add(force, tau);
     }
-    tree.wrench_to_parents(i, &workspace.motions[i], wrench, |parent, carried| {
-        workspace.wrenches[parent] += carried;
+    tree.wrench_to_parents(i, &workspace.motions[i], wrench, |parent, at_parent| {
+        workspace.wrenches[parent] += at_parent;
     });
 }

@@ -18,10 +18,10 @@ pub fn kinetic_energy<S: Scalar>(
     let mut twice = S::zero();
     for (i, body) in model.bodies.iter().enumerate() {
         let motion = &workspace.motions[i];
-        let carried = body
+        let from_parent = body
             .parent
             .map_or_else(Twist::zero, |p| body.twist_to_child(motion, workspace.twists[p]));
-        let twist = model.add_rates(i, carried, qd);
+        let twist = model.add_rates(i, from_parent, qd);
         workspace.twists[i] = twist;
         let (omega, v) = (twist.angular, twist.linear);
         let inertia = &body.base_inertia;

@@ -48,15 +48,16 @@ pub fn mass_matrix<S: Scalar, T: BodyTree<S>>(
                 }
                 let Some(parent) = model.bodies[at].parent else { break };
                 let body = &model.bodies[at];
-                let carried = body.wrench_to_parent(&workspace.motions[at], wrench);
-                wrench = Wrench::from_components(path.accumulate(at, parent, carried.components()));
+                let at_parent = body.wrench_to_parent(&workspace.motions[at], wrench);
+                wrench =
+                    Wrench::from_components(path.accumulate(at, parent, at_parent.components()));
                 at = parent;
                 others = model.bodies[at].dofs.clone();
             }
         }
         let inertia = workspace.composite[i];
-        tree.rigid_to_parents(i, &workspace.motions[i], &inertia, |parent, carried| {
-            workspace.composite[parent] = workspace.composite[parent] + carried;
+        tree.rigid_to_parents(i, &workspace.motions[i], &inertia, |parent, at_parent| {
+            workspace.composite[parent] = workspace.composite[parent] + at_parent;
         });
     }
 }

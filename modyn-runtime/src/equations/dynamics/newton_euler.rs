@@ -49,12 +49,13 @@ pub(super) fn link_wrench<S: Scalar, T: BodyTree<S>>(
     workspace: &mut Workspace<S>,
 ) {
     let model = tree.mechanism();
-    let carried = parent_motion(tree, i, workspace);
+    let from_parent = parent_motion(tree, i, workspace);
     let own = match accelerations {
         Accelerations::Given(qdd) | Accelerations::AgainstFall(qdd) => Some(model.rates(i, qdd)),
         _ => None,
     };
-    let mut field = workspace.motions[i].accelerate(carried, &model.rates(i, qd), own.as_deref());
+    let mut field =
+        workspace.motions[i].accelerate(from_parent, &model.rates(i, qd), own.as_deref());
     if is_base(model, i) {
         match (accelerations, &own) {
             (Accelerations::FreeFall, _) => field.a = Vector3::zero(),

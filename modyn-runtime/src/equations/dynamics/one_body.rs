@@ -87,7 +87,7 @@ pub fn forward_dynamics_of_bodies<S: Scalar>() -> BodyRecursion<S> {
             eliminate_module(model, &block, (qd, tau), workspace);
             let nothing = RigidInertia::zero().articulated();
             let inertia = workspace.articulated[PARENT].unwrap_or(nothing);
-            let carried = load(&workspace.wrenches[PARENT], &inertia);
+            let at_parent = load(&workspace.wrenches[PARENT], &inertia);
 
             workspace.twists[PARENT] = Twist::from_components(array(received[2]));
             let mut qdd = alloc::vec![S::zero(); model.nv];
@@ -98,7 +98,7 @@ pub fn forward_dynamics_of_bodies<S: Scalar>() -> BodyRecursion<S> {
             let twist = workspace.twists[BODY].components().to_vec();
             BodyResults {
                 own: alloc::vec![Vec::new(), own, Vec::new()],
-                sent: alloc::vec![motion, carried, twist],
+                sent: alloc::vec![motion, at_parent, twist],
                 result: qdd,
             }
         },
@@ -125,10 +125,10 @@ pub fn inverse_dynamics_of_bodies<S: Scalar>() -> BodyRecursion<S> {
             let mut tau = alloc::vec![S::zero(); model.nv];
             workspace.load_joint_forces(model, BODY, q, Some(qd));
             joint_torque(model, BODY, (qd, Some(qdd)), workspace, &mut tau);
-            let carried = workspace.wrenches[PARENT].components().to_vec();
+            let at_parent = workspace.wrenches[PARENT].components().to_vec();
             BodyResults {
                 own: alloc::vec![Vec::new(), own],
-                sent: alloc::vec![motion, carried],
+                sent: alloc::vec![motion, at_parent],
                 result: tau,
             }
         },

@@ -70,8 +70,8 @@ pub(in crate::equations) fn pivot<S: Scalar, T: BodyTree<S>>(
         if let Some(whole) = whole {
             propagate_to_parent(tree, workspace, i, &whole);
         } else {
-            let carried = model.bodies[i].rigid_to_parent(&workspace.motions[i], &composite);
-            workspace.composite[i - 1] = workspace.composite[i - 1] + carried;
+            let at_parent = model.bodies[i].rigid_to_parent(&workspace.motions[i], &composite);
+            workspace.composite[i - 1] = workspace.composite[i - 1] + at_parent;
         }
     }
 }
@@ -151,8 +151,8 @@ fn propagate_to_parent<S: Scalar, T: BodyTree<S>>(
     i: usize,
     inertia: &ArticulatedInertia<S>,
 ) {
-    tree.articulated_to_parents(i, &workspace.motions[i], inertia, |parent, carried| {
-        let sum = workspace.articulated[parent].map_or(carried, |a| a + carried);
+    tree.articulated_to_parents(i, &workspace.motions[i], inertia, |parent, at_parent| {
+        let sum = workspace.articulated[parent].map_or(at_parent, |a| a + at_parent);
         workspace.articulated[parent] = Some(sum);
     });
 }
@@ -192,10 +192,10 @@ pub(in crate::equations) fn factorize_tree<S: Scalar, T: BodyTree<S>>(
             for (other, row) in layout.rows(m).rev() {
                 while at != model.dofs[other].body {
                     let body = &model.bodies[at];
-                    let carried = body.wrench_to_parent(&workspace.motions[at], wrench);
+                    let at_parent = body.wrench_to_parent(&workspace.motions[at], wrench);
                     let Some(parent) = body.parent else { break };
-                    let carried = path.accumulate(at, parent, carried.components());
-                    wrench = Wrench::from_components(carried);
+                    let at_parent = path.accumulate(at, parent, at_parent.components());
+                    wrench = Wrench::from_components(at_parent);
                     at = parent;
                 }
                 let component = model.dofs[other].component;

@@ -37,8 +37,8 @@ pub fn regressor<S: Scalar>(
             twists[i] = Twist::from_components(unit);
             for k in i + 1..end {
                 let body = &model.bodies[k];
-                let carried = body.parent.map_or_else(Twist::zero, |parent| twists[parent]);
-                twists[k] = body.twist_to_child(&motions[k], carried);
+                let from_parent = body.parent.map_or_else(Twist::zero, |parent| twists[parent]);
+                twists[k] = body.twist_to_child(&motions[k], from_parent);
             }
             let links = model.links.iter().enumerate();
             for (link, &k) in links.filter(|(_, k)| (i..end).contains(*k)) {

@@ -169,15 +169,16 @@ impl<S: Scalar> BodyMotion<S> {
     ) -> Self {
         let body = &model.bodies[i];
         let motion = body.motion(q);
-        let carried = body.twist_to_child(&motion, self.velocity);
+        let from_parent = body.twist_to_child(&motion, self.velocity);
         let rates = model.add_rates(i, Twist::zero(), qd);
         // The parent's motion is expressed in axes that rotate and move with the joint.
         let of_rotating_axes = Twist {
-            angular: carried.angular.cross(rates.angular),
-            linear: carried.angular.cross(rates.linear) + carried.linear.cross(rates.angular),
+            angular: from_parent.angular.cross(rates.angular),
+            linear: from_parent.angular.cross(rates.linear)
+                + from_parent.linear.cross(rates.angular),
         };
         let rate = body.twist_to_child(&motion, self.rate) + of_rotating_axes;
-        Self { velocity: carried + rates, rate }
+        Self { velocity: from_parent + rates, rate }
     }
 
     /// Returns the motion of a frame that is fixed to the body at `pose`.

@@ -104,8 +104,8 @@ pub fn link_acceleration<S: Scalar>(
             kinematic_path::from_world(model, body, &mut workspace.kinematic_path);
             let field = workspace.kinematic_path.iter().fold(Field::zero(), |parent, &i| {
                 let (body, motion) = (&model.bodies[i], model.bodies[i].motion(q));
-                let carried = parent_motion_at_joint(&parent, body, &motion);
-                motion.accelerate(carried, &model.rates(i, qd), Some(&model.rates(i, qdd)))
+                let from_parent = parent_motion_at_joint(&parent, body, &motion);
+                motion.accelerate(from_parent, &model.rates(i, qd), Some(&model.rates(i, qdd)))
             });
             let axes = Matrix3(pose.rotation).transposed();
             let a = field.a + field.relative_acceleration(Vector3(pose.translation));
@@ -130,10 +130,10 @@ pub fn link_acceleration_from_world<S: Scalar>(
     kinematic_path::move_to_world(model, last, q, workspace);
     for k in 0..workspace.kinematic_path.len() {
         let i = workspace.kinematic_path[k];
-        let carried = parent_motion(model, i, workspace);
+        let from_parent = parent_motion(model, i, workspace);
         let own = qdd.map(|qdd| model.rates(i, qdd));
         let rates = model.rates(i, qd);
-        workspace.fields[i] = workspace.motions[i].accelerate(carried, &rates, own.as_deref());
+        workspace.fields[i] = workspace.motions[i].accelerate(from_parent, &rates, own.as_deref());
     }
     let (axes, field) = (&workspace.axes[last], &workspace.fields[last]);
     let a = field.a + field.relative_acceleration(Vector3(pose.translation));

@@ -61,8 +61,8 @@ pub fn denoc<S: Scalar>(model: &Mechanism<S>, q: &[S], workspace: &mut Workspace
                 let at = |row: usize| propagation.entries[(6 * parent + row) * 6 * n + column];
                 let twist = Twist::from_components(core::array::from_fn(at));
                 let at_body = from_link(&model.bodies[parent], twist);
-                let carried = to_link(body, body.twist_to_child(motion, at_body));
-                propagation.set_column(6 * i, column, carried);
+                let from_parent = to_link(body, body.twist_to_child(motion, at_body));
+                propagation.set_column(6 * i, column, from_parent);
             }
         }
     }
