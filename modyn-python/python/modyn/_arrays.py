@@ -159,8 +159,8 @@ class RolloutSignature:
         self.robot, self.step = robot, f"step_{step}"
         self.parameters = Signature(robot, self.step, None)
 
-    def arrays(self, given: dict[str, Any], trajectory: bool) -> tuple[list[Any], Rollout]:
-        """Returns the arguments in the order of the step, without those that are `None`, and the rollout."""
+    def arrays(self, given: dict[str, Any]) -> tuple[list[Any], tuple[int, bool, tuple[int, ...]]]:
+        """Returns the arguments in the order of the step, without those that are `None`; and the arguments of `code`."""
         nq, nv = self.robot.nq, self.robot.nv
         controls = given["controls"]
         if controls.ndim < 2:
@@ -185,8 +185,11 @@ class RolloutSignature:
         check("rollout", names, shapes, arrays)
         if self.parameters.parameters:
             arrays.append(given["parameters"])
-        step = ArrayFunction(self.robot, self.step, feedback=not missing)
-        return arrays, Rollout(step, steps, trajectory, tuple(names.index(name) for name in sequences))
+        return arrays, (steps, not missing, tuple(names.index(name) for name in sequences))
+
+    def code(self, trajectory: bool, steps: int, feedback: bool, sequences: tuple[int, ...]) -> Rollout:
+        """Returns the rollout of this number of steps."""
+        return Rollout(ArrayFunction(self.robot, self.step, feedback=feedback), steps, trajectory, sequences)
 
 
 STEP = re.compile("step_(?!.*_(?:derivatives|hessian)$).*")

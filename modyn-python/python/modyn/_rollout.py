@@ -27,7 +27,8 @@ def _given(robot: Robot, name: str, arguments: dict[str, Any], step: str, trajec
     arrays = {argument: array(argument, given) for argument, given in arguments.items()}
     if signature.parameters.parameters:
         arrays["parameters"] = signature.parameters.flat(None, np.asarray, np.concatenate)
-    return signature.arrays(arrays, trajectory)
+    found, own = signature.arrays(arrays)
+    return found, signature.code(trajectory, *own)
 
 
 def rollout(robot: Robot, arguments: dict[str, Any], step: str, trajectory: bool) -> RolloutStates:

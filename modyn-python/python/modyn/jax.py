@@ -90,8 +90,8 @@ def rollout(robot: Robot, step: str = "semi_implicit", trajectory: bool = True) 
             given["parameters"] = signature.parameters.flat(parameters, asarray, _concatenate)
         elif parameters is not None:
             raise TypeError("`rollout`: the robot has no run-time parameters")
-        arrays, code = signature.arrays(given, trajectory)
-        return RolloutStates(*_rollout.bind(*arrays, code=code))
+        arrays, own = signature.arrays(given)
+        return RolloutStates(*_rollout.bind(*arrays, code=signature.code(trajectory, *own)))
 
     return call
 

@@ -9,6 +9,7 @@
 
 mod code;
 mod interface;
+mod kernel;
 mod pool;
 mod rollout;
 mod signature;
@@ -30,7 +31,8 @@ use pyo3::types::{PyDict, PyList};
 use crate::errors::{description_error, warn_of_machine_code};
 use crate::number::Number;
 use crate::robot::Robot;
-use code::{ArrayCode, ArrayShapes};
+use code::ArrayCode;
+use kernel::{ArrayShapes, StateFunction};
 use pool::StartedThreads;
 use rollout::{Reverse, Rollout};
 use states::{Broadcast, Numbers};
@@ -46,24 +48,23 @@ enum AnyCode {
 }
 
 impl AnyCode {
+    /// Returns the only function of a planning, and the reason why there is no machine code, if it was wanted.
     fn new(
         planning: Planning,
         arrays: ArrayShapes,
         scalar: FloatType,
         machine: bool,
-    ) -> Option<Self> {
+    ) -> Option<(Self, Option<String>)> {
         Some(match scalar {
-            FloatType::F64 => Self::F64(ArrayCode::new(planning, arrays, machine)?),
-            FloatType::F32 => Self::F32(ArrayCode::new(planning, arrays, machine)?),
+            FloatType::F64 => {
+                let (function, reason) = StateFunction::new(planning, arrays, machine)?;
+                (Self::F64(ArrayCode::Function(function)), reason)
+            }
+            FloatType::F32 => {
+                let (function, reason) = StateFunction::new(planning, arrays, machine)?;
+                (Self::F32(ArrayCode::Function(function)), reason)
+            }
         })
-    }
-
-    /// Returns the reason why there is no machine code, if there is none.
-    fn reason(&self) -> Option<&str> {
-        match self {
-            Self::F64(code) => code.reason.as_deref(),
-            Self::F32(code) => code.reason.as_deref(),
-        }
     }
 }
 
@@ -138,7 +139,7 @@ impl Robot {
         let function = EntryFunction { function, link, results, feedback, derivatives };
         let arrays = signature::shapes(self, &function).map_err(PyValueError::new_err)?;
         let key = self.array_key(&function, || self.array_code(py, &function, &arrays))?;
-        Ok((key, arrays.inputs, arrays.outputs))
+        Ok((key, arrays.inputs().to_vec(), arrays.outputs().to_vec()))
     }
 }
 
@@ -256,8 +257,9 @@ impl Robot {
         let (scalar, machine) = (self.scalar(), self.has_machine_code());
         let key = key_of(planned, arrays, scalar, machine);
         if find(key).is_none() {
-            let code = AnyCode::new(planning, arrays.clone(), scalar, machine).ok_or_else(none)?;
-            if let Some(reason) = code.reason() {
+            let code = AnyCode::new(planning, arrays.clone(), scalar, machine);
+            let (code, reason) = code.ok_or_else(none)?;
+            if let Some(reason) = reason {
                 let message = format!("functions are evaluated, which is slow: {reason}");
                 warn_of_machine_code(py, &message)?;
             }
@@ -283,36 +285,32 @@ pub fn rollout_code(
     let key = (hasher.finish() >> 1).cast_signed();
     let of = |key: i64| find(key).ok_or_else(|| PyValueError::new_err(missing(key)));
     let shape = (steps, trajectory);
-    let (code, arrays) = match (of(step)?, reverse) {
-        (AnyCode::F64(step), None) => {
-            let (code, arrays) = rolled_out(step, shape, &sequences, None)?;
-            (AnyCode::F64(code), arrays)
+    let (code, arrays) = match of(step)? {
+        AnyCode::F64(step) => {
+            let reverse = reverse.map(|(key, variables)| match of(key)? {
+                AnyCode::F64(step) => Ok((step, variables)),
+                AnyCode::F32(_) => Err(no_step()),
+            });
+            let (rollout, arrays) = rolled_out(step, shape, &sequences, reverse.transpose()?)?;
+            (AnyCode::F64(ArrayCode::Rollout(rollout, arrays.clone())), arrays)
         }
-        (AnyCode::F32(step), None) => {
-            let (code, arrays) = rolled_out(step, shape, &sequences, None)?;
-            (AnyCode::F32(code), arrays)
-        }
-        (AnyCode::F64(step), Some((reverse, variables))) => {
-            let AnyCode::F64(reverse) = of(reverse)? else { return Err(mixed()) };
-            let reverse = Some(Reverse { step: reverse, variables });
-            let (code, arrays) = rolled_out(step, shape, &sequences, reverse)?;
-            (AnyCode::F64(code), arrays)
-        }
-        (AnyCode::F32(step), Some((reverse, variables))) => {
-            let AnyCode::F32(reverse) = of(reverse)? else { return Err(mixed()) };
-            let reverse = Some(Reverse { step: reverse, variables });
-            let (code, arrays) = rolled_out(step, shape, &sequences, reverse)?;
-            (AnyCode::F32(code), arrays)
+        AnyCode::F32(step) => {
+            let reverse = reverse.map(|(key, variables)| match of(key)? {
+                AnyCode::F32(step) => Ok((step, variables)),
+                AnyCode::F64(_) => Err(no_step()),
+            });
+            let (rollout, arrays) = rolled_out(step, shape, &sequences, reverse.transpose()?)?;
+            (AnyCode::F32(ArrayCode::Rollout(rollout, arrays.clone())), arrays)
         }
     };
     if find(key).is_none() {
         register(key, code);
     }
-    Ok((key, arrays.inputs, arrays.outputs))
+    Ok((key, arrays.inputs().to_vec(), arrays.outputs().to_vec()))
 }
 
-fn mixed() -> PyErr {
-    PyValueError::new_err("the step and its products have other types of numbers")
+fn no_step() -> PyErr {
+    PyValueError::new_err("this is no time step with products of it")
 }
 
 /// Returns the rollout of a step with the shapes of its arrays.
@@ -320,20 +318,27 @@ fn rolled_out<S: Number>(
     step: &'static ArrayCode<S>,
     (steps, trajectory): (usize, bool),
     sequences: &[usize],
-    reverse: Option<Reverse<S>>,
-) -> PyResult<(ArrayCode<S>, ArrayShapes)> {
-    let (given, state) = (step.input_shapes(), step.output_shapes());
+    reverse: Option<(&'static ArrayCode<S>, Vec<usize>)>,
+) -> PyResult<(Rollout<S>, ArrayShapes)> {
+    let function = |code: &'static ArrayCode<S>| match code {
+        ArrayCode::Function(function) => Ok(function),
+        ArrayCode::Rollout(..) => Err(no_step()),
+    };
+    let step = function(step)?;
+    let reverse = reverse.map(|(step, variables)| Ok(Reverse { step: function(step)?, variables }));
+    let reverse: Option<Reverse<S>> = reverse.transpose()?;
+    let (given, state) = (step.shapes().inputs(), step.shapes().outputs());
     let fits = given.starts_with(state)
         && sequences.iter().all(|&k| (state.len()..given.len()).contains(&k))
         && reverse.as_ref().is_none_or(|reverse| {
             let all =
                 (0..given.len()).filter(|k| *k < state.len() || reverse.variables.contains(k));
-            reverse.step.output_shapes().iter().eq(all.map(|k| &given[k]))
-                && reverse.step.input_shapes() == [given, state].concat()
+            reverse.step.shapes().outputs().iter().eq(all.map(|k| &given[k]))
+                && *reverse.step.shapes().inputs() == *[given, state].concat()
                 && reverse.variables.is_sorted_by(|a, b| a < b)
         });
     if !fits {
-        return Err(PyValueError::new_err("this is no time step with products of it"));
+        return Err(no_step());
     }
     let is_sequence: Vec<bool> = (0..given.len()).map(|k| sequences.contains(&k)).collect();
     let of_steps = |shape: &Vec<usize>| [&[steps], &**shape].concat();
@@ -347,10 +352,9 @@ fn rolled_out<S: Number>(
         let gradients = reverse.variables.iter().map(|&k| inputs[k].clone()).collect();
         inputs.extend(std::mem::replace(&mut outputs, gradients));
     }
-    let arrays = ArrayShapes { inputs, outputs };
     let state = state.len();
     let rollout = Rollout { step, state, is_sequence, steps, trajectory, reverse };
-    Ok((ArrayCode::of_rollout(rollout, arrays.clone()), arrays))
+    Ok((rollout, ArrayShapes::new(inputs, outputs)))
 }
 
 /// Calls the code with this key on arrays in C order, whose leading axes are those of states and are broadcast. Returns an array for
@@ -399,12 +403,12 @@ fn called<'py, S: Number>(
     let given = arrays.iter().map(read).collect::<PyResult<Vec<_>>>()?;
     let mut axes = Vec::with_capacity(given.len());
     let mut numbers: Vec<Numbers<'_, S>> = Vec::with_capacity(given.len());
-    for (array, shape) in given.iter().zip(code.input_shapes()) {
+    for (array, shape) in given.iter().zip(code.shapes().inputs()) {
         axes.push(leading(array.shape(), shape).map_err(wrong)?);
         numbers.push(array.as_slice()?.into());
     }
-    let broadcast = Broadcast::new(&axes, code.input_lengths()).map_err(wrong)?;
-    let results: Vec<Bound<'py, PyArrayDyn<S>>> = (code.output_shapes().iter())
+    let broadcast = Broadcast::new(&axes, code.shapes().lengths()[0]).map_err(wrong)?;
+    let results: Vec<Bound<'py, PyArrayDyn<S>>> = (code.shapes().outputs().iter())
         .map(|shape| {
             let shape = [broadcast.axes(), shape].concat();
             PyArrayDyn::zeros(py, IxDyn(&shape), false)

@@ -6,16 +6,16 @@
 
 use std::ops::Range;
 
-use super::code::{ArrayCode, Arrays, Kernel};
+use super::kernel::{Arrays, Kernel, StateFunction};
 use crate::number::Number;
 
 /// The steps whose states are stored at a time. A longer motion is divided into parts, whose first states are stored.
 const MAX_STORED: usize = 128;
 
 /// A rollout of a step.
-pub struct Rollout<S: Number> {
+pub struct Rollout<S: Number + 'static> {
     /// The step.
-    pub step: &'static ArrayCode<S>,
+    pub step: &'static StateFunction<S>,
     /// The arrays of the state.
     pub state: usize,
     /// For each argument of the step, whether it has numbers for each step.
@@ -29,15 +29,15 @@ pub struct Rollout<S: Number> {
 }
 
 /// The derivatives of a rollout.
-pub struct Reverse<S: Number> {
+pub struct Reverse<S: Number + 'static> {
     /// The products of the step with respect to the state and the `variables`.
-    pub step: &'static ArrayCode<S>,
+    pub step: &'static StateFunction<S>,
     /// The arguments of the step with respect to which derivatives are taken, in ascending order.
     pub variables: Vec<usize>,
 }
 
 /// A rollout, ready to be called.
-pub struct Ready<'a, S: Number> {
+pub struct Ready<'a, S: Number + 'static> {
     rollout: &'a Rollout<S>,
     step: Kernel<'a, S>,
     reverse: Option<Kernel<'a, S>>,
@@ -48,7 +48,7 @@ impl<S: Number> Rollout<S> {
     ///
     /// # Errors
     ///
-    /// If its step is a rollout.
+    /// If the step was not compiled, which no caller can bring about.
     pub fn ready(&self) -> Result<Ready<'_, S>, String> {
         let reverse = self.reverse.as_ref().map(|reverse| reverse.step.kernel()).transpose()?;
         Ok(Ready { rollout: self, step: self.step.kernel()?, reverse })
@@ -79,7 +79,7 @@ impl<S: Number> Ready<'_, S> {
 
     /// Computes motions.
     pub fn run(&self, arrays: &Arrays<'_, S>, motions: Range<usize>, lanes: usize) {
-        let arguments = self.rollout.step.input_lengths();
+        let arguments = self.arguments();
         let state: usize = self.state_lengths().iter().sum();
         let weights = if self.reverse.is_some() { state } else { 0 };
         let count = arguments.iter().sum::<usize>() + weights;
@@ -97,8 +97,15 @@ impl<S: Number> Ready<'_, S> {
         }
     }
 
+    /// Returns the numbers of each argument of the step.
+    fn arguments(&self) -> &[usize] {
+        let [arguments, _] = self.rollout.step.shapes().lengths();
+        arguments
+    }
+
+    /// Returns the numbers of each array of the state.
     fn state_lengths(&self) -> &[usize] {
-        &self.rollout.step.input_lengths()[..self.rollout.state]
+        &self.arguments()[..self.rollout.state]
     }
 
     /// Reads the arguments that are sequences at a step, or those that are not.
@@ -111,7 +118,7 @@ impl<S: Number> Ready<'_, S> {
     ) {
         let lanes = memory.lanes;
         let mut row = 0;
-        for (k, &length) in self.rollout.step.input_lengths().iter().enumerate() {
+        for (k, &length) in self.arguments().iter().enumerate() {
             let rows = row * lanes..(row + length) * lanes;
             row += length;
             if self.rollout.is_sequence[k] == step.is_some() {
@@ -132,7 +139,7 @@ impl<S: Number> Ready<'_, S> {
     ) {
         self.read(arrays, group, Some(step), memory);
         let Memory { numbers, next, lanes } = memory;
-        let arguments: usize = self.rollout.step.input_lengths().iter().sum();
+        let arguments: usize = self.arguments().iter().sum();
         self.step.run(&numbers[..arguments * *lanes], next, *lanes);
         numbers[..next.len()].copy_from_slice(next);
     }
@@ -175,7 +182,7 @@ impl<S: Number> Ready<'_, S> {
     ) {
         let Rollout { steps, trajectory, .. } = *self.rollout;
         let lanes = memory.lanes;
-        let arguments = self.rollout.step.input_lengths();
+        let arguments = self.arguments();
         let state = memory.next.len();
         let weights = memory.numbers.len() - state;
         // The first state of each part, then the states of one part.
@@ -190,7 +197,7 @@ impl<S: Number> Ready<'_, S> {
             }
         }
         let mut states = vec![S::zero(); part * state];
-        let results: usize = reverse.step.output_lengths().iter().sum();
+        let results: usize = reverse.step.shapes().lengths()[1].iter().sum();
         let mut gradient = vec![S::zero(); results * lanes];
         // The sums of the gradients by arguments that are the same for all steps.
         let mut sums = vec![S::zero(); results * lanes];
@@ -242,7 +249,7 @@ impl<S: Number> Ready<'_, S> {
         &'v self,
         reverse: &'v Reverse<S>,
     ) -> impl Iterator<Item = (usize, Option<usize>, Range<usize>)> + 'v {
-        let arguments = self.rollout.step.input_lengths();
+        let arguments = self.arguments();
         let varies = |k: &usize| *k < self.rollout.state || reverse.variables.contains(k);
         let mut row = 0;
         (0..arguments.len()).filter(varies).map(move |k| {

@@ -7,7 +7,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PyTuple};
 
-use super::code::ArrayShapes;
+use super::kernel::ArrayShapes;
 use crate::function::default_settings;
 use crate::layout::{self, Class, Layout, Leaf};
 use crate::number::Number;
@@ -128,7 +128,7 @@ pub fn shapes(robot: &Robot, function: &EntryFunction) -> Result<ArrayShapes, St
             }
         }
     }
-    Ok(ArrayShapes { inputs, outputs })
+    Ok(ArrayShapes::new(inputs, outputs))
 }
 
 /// Calls `each` with the arrays of a layout, in order.

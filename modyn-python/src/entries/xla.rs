@@ -116,9 +116,9 @@ unsafe fn typed<S: Number>(
     }
     // SAFETY: see the header.
     let all: Vec<Vec<usize>> = unsafe { arguments.iter().map(|array| dims(array)).collect() };
-    let axes = all.iter().zip(code.input_shapes()).map(|(axes, own)| leading(axes, own));
+    let axes = all.iter().zip(code.shapes().inputs()).map(|(axes, own)| leading(axes, own));
     let axes = axes.collect::<Result<Vec<&[usize]>, String>>()?;
-    let broadcast = Broadcast::new(&axes, code.input_lengths())?;
+    let broadcast = Broadcast::new(&axes, code.shapes().lengths()[0])?;
     // SAFETY: see the header.
     let given: Vec<Numbers<'_, S>> = unsafe {
         arguments.iter().map(|array| {
