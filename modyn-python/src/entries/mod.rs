@@ -325,8 +325,9 @@ fn rolled_out<S: Number>(
         ArrayCode::Rollout(..) => Err(no_step()),
     };
     let step = function(step)?;
-    let reverse = reverse.map(|(step, variables)| Ok(Reverse { step: function(step)?, variables }));
-    let reverse: Option<Reverse<S>> = reverse.transpose()?;
+    let reverse = reverse
+        .map(|(step, variables)| function(step).map(|step| Reverse { step, variables }))
+        .transpose()?;
     let (given, state) = (step.shapes().inputs(), step.shapes().outputs());
     let fits = given.starts_with(state)
         && sequences.iter().all(|&k| (state.len()..given.len()).contains(&k))
