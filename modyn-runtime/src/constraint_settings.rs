@@ -64,6 +64,8 @@ pub struct ContactTarget<T> {
     /// The weight of the contact in the distribution of the load by inverse dynamics, relative to the other
     /// contacts' weights.
     pub weight: T,
+    /// The coefficient of Coulomb friction, for steps on the ground.
+    pub friction: T,
 }
 
 impl<T: Copy, C> ConstraintSettings<T, C> {
@@ -85,20 +87,20 @@ impl<T: Copy, C> ConstraintSettings<T, C> {
 
 impl<T: Copy> ContactTarget<T> {
     /// The number of numbers of a target.
-    pub const COUNT: usize = 24;
+    pub const COUNT: usize = 25;
 
     /// Returns the target from its numbers: the rotation by rows, the translation, the velocity (angular, then linear),
-    /// tangential, alpha, beta, compliance, restitution and weight.
+    /// tangential, alpha, beta, compliance, restitution, weight and friction.
     ///
     /// ```
     /// use modyn_runtime::ContactTarget;
     ///
     /// let target = ContactTarget::from_numbers(core::array::from_fn(|k| k as f64));
     /// assert_eq!(target.pose.rotation[1], [3.0, 4.0, 5.0]);
-    /// assert_eq!((target.velocity.linear.0, target.weight), ([15.0, 16.0, 17.0], 23.0));
+    /// assert_eq!((target.velocity.linear.0, target.friction), ([15.0, 16.0, 17.0], 24.0));
     /// ```
     #[must_use]
-    pub fn from_numbers(numbers: [T; 24]) -> Self {
+    pub fn from_numbers(numbers: [T; 25]) -> Self {
         let three = |from: usize| [numbers[from], numbers[from + 1], numbers[from + 2]];
         Self {
             pose: Pose { rotation: [three(0), three(3), three(6)], translation: three(9) },
@@ -109,18 +111,19 @@ impl<T: Copy> ContactTarget<T> {
             compliance: numbers[21],
             restitution: numbers[22],
             weight: numbers[23],
+            friction: numbers[24],
         }
     }
 
     /// Returns the numbers of the target, in the order of [`from_numbers`](Self::from_numbers).
     #[must_use]
-    pub fn numbers(&self) -> [T; 24] {
-        let Self { pose, velocity, tangential, alpha, beta, compliance, restitution, weight } =
-            self;
+    pub fn numbers(&self) -> [T; 25] {
+        let Self { pose, velocity, tangential, alpha, beta, compliance, .. } = self;
+        let Self { restitution, weight, friction, .. } = self;
         let pose = pose.rotation.iter().flatten().chain(&pose.translation);
         let velocity = velocity.angular.0.iter().chain(&velocity.linear.0);
-        let others = [tangential, alpha, beta, compliance, restitution, weight];
-        let mut numbers = [*weight; 24];
+        let others = [tangential, alpha, beta, compliance, restitution, weight, friction];
+        let mut numbers = [*weight; 25];
         for (number, value) in numbers.iter_mut().zip(pose.chain(velocity).chain(others)) {
             *number = *value;
         }
@@ -131,7 +134,8 @@ impl<T: Copy> ContactTarget<T> {
 macro_rules! settings {
     ($float:ty, $tolerance:literal, $rounding:literal, $in_words:literal) => {
         impl ContactTarget<$float> {
-            /// The plane z = 0 of the world, at rest and rigid; alpha = beta = 20/s, no restitution, weight 1.
+            /// The plane z = 0 of the world, at rest and rigid; alpha = beta = 20/s, no restitution, weight 1, friction
+            /// 0.8.
             pub const GROUND: Self = Self {
                 pose: Pose {
                     rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
@@ -144,6 +148,7 @@ macro_rules! settings {
                 compliance: 0.0,
                 restitution: 0.0,
                 weight: 1.0,
+                friction: 0.8,
             };
 
             /// A contact at rest at its present place: [`GROUND`](Self::GROUND) without stabilization.

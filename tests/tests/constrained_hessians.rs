@@ -71,7 +71,7 @@ fn point(model: &Model, seed: u64, active: Vec<bool>, wrenches: f64) -> Point {
     let State { q, qd, tau, .. } = random::state(seed, model);
     let random = &mut Random::new(seed);
     let target = |random: &mut Random| {
-        let mut numbers = [0.0; 24];
+        let mut numbers = [0.0; 25];
         let pose = pose(random);
         numbers[..9].copy_from_slice(pose.rotation.as_flattened());
         numbers[9..12].copy_from_slice(&pose.translation);
@@ -385,7 +385,7 @@ fn counts_are_as_frozen() {
         let found = optimize(tracer.constrained_forward_dynamics_hessian(&layout));
         // The gradient by reverse mode, then its changes by forward mode, by all entries of the coordinates.
         let variables = model.nq() + 2 * model.nv();
-        let inputs = variables + feet.len() + 4 + 24 * feet.len();
+        let inputs = variables + feet.len() + 4 + 25 * feet.len();
         let gradient = vjp(&value, inputs, 0..variables);
         let by_differentiation = (feet.len() == 1)
             .then(|| hessian(&gradient, inputs + value.outputs.len(), usize::MAX))

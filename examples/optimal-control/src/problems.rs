@@ -90,7 +90,7 @@ pub(crate) const GAINS: Gains = Gains { stiffness: 400.0, damping: 40.0 };
 
 /// Returns the ground of the simulation. The description's limits of joints are placeholders.
 pub(crate) fn ground() -> Ground {
-    Ground { joint_limits: false, ..Ground::with_friction(0.8) }
+    Ground { joint_limits: false, ..Ground::default() }
 }
 
 /// A periodic motion of the base in all six directions that starts from rest.

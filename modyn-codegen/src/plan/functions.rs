@@ -183,6 +183,10 @@ impl Lowering {
                 Lowering::traced(|t, s| t.contact_impulse(&s.for_derivatives))
                     .packed(Packing::Contacts)
             }
+            Function::ContactProblem => {
+                Lowering::traced(|t, s| t.contact_problem(&s.for_derivatives))
+                    .packed(Packing::Contacts)
+            }
             Function::OperationalInertia => {
                 Lowering::traced(|t, s| t.operational_inertia(&s.layout))
                     .packed(Packing::ConstrainedColumns)

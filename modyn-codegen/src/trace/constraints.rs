@@ -8,7 +8,7 @@ use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::factorization::{Factorizable, MergedUduLayout};
 use modyn_runtime::equations::{ConstraintWorkspace, Workspace, constraints};
 use modyn_runtime::mechanism::Mechanism;
-use modyn_runtime::spatial::{Twist, Wrench};
+use modyn_runtime::spatial::{Twist, Vector3, Wrench};
 use modyn_runtime::{ConstraintSettings, ContactTarget, Scalar};
 
 use super::Tracer;
@@ -134,6 +134,82 @@ impl Tracer<'_> {
             [inverse, inertia, vec![rank]].concat()
         })
     }
+}
+
+impl Tracer<'_> {
+    /// Returns the graph of the problem of a step on the ground: the velocities without contacts, the heights, the velocities of
+    /// the contacts before and after, J M^-1 J^T and M^-1 J^T by columns. Inputs: `q`, `qd`, `tau`, `dt` and settings.
+    #[must_use]
+    pub fn contact_problem(&self, layout: &UduLayout) -> Graph {
+        let (nq, nv, count) = (self.model.nq, self.model.nv, self.model.contacts());
+        let groups = [nq, nv, nv, 1, settings_count(self.model)];
+        self.trace_groups(groups, |model, [q, qd, tau, dt, settings]| {
+            let Some(limbs) = self.limbs else {
+                let inputs = [q, qd, tau, settings];
+                return contact_problem(model, layout, inputs, dt[0], [nv, count, count]).concat();
+            };
+            let contacts = limbs.contacts(self.model);
+            let merged =
+                contacts.add_to(limbs.merged(self.model, model.gravity), limbs, self.model);
+            let partition = limbs.partition(layout.partition());
+            let layout = &MergedUduLayout::by_modules(&merged, partition);
+            let (settings, targets) = settings.split_at(ConstraintSettings::<Expr>::COUNT);
+            let targets = contacts.numbers(targets, ContactTarget::<Expr>::COUNT);
+            let inputs = [
+                limbs.coordinates(&q),
+                limbs.vector(&qd),
+                limbs.vector(&tau),
+                [settings, &targets].concat(),
+            ];
+            let sizes = [merged.nv(), contacts.count(), count];
+            let [qd, heights, before, free, mobility, responses] =
+                contact_problem(&merged, layout, inputs, dt[0], sizes);
+            let responses = responses.chunks(merged.nv().max(1));
+            [
+                limbs.unpack_vector(&qd, nv),
+                contacts.unpack(&heights, 1),
+                contacts.unpack(&before, 3),
+                contacts.unpack(&free, 3),
+                mobility,
+                responses.flat_map(|response| limbs.unpack_vector(response, nv)).collect(),
+            ]
+            .concat()
+        })
+    }
+}
+
+/// Returns the parts of the problem of a step on the ground in the order of its fields. `sizes` are the number of velocities and
+/// of contacts of `tree`, and of the robot's contacts.
+fn contact_problem<T: Factorizable<Expr>>(
+    tree: &T,
+    layout: &T::Layout,
+    [q, qd, tau, settings]: [Vec<Expr>; 4],
+    dt: Expr,
+    [nv, contacts, of_robot]: [usize; 3],
+) -> [Vec<Expr>; 6] {
+    let numbers = |count: usize| vec![Expr::zero(); count];
+    let vectors = || vec![Vector3::<Expr>::zero(); contacts];
+    let (mut after, mut heights) = (numbers(nv), numbers(contacts));
+    let (mut before, mut free) = (vectors(), vectors());
+    let rows = 3 * of_robot;
+    let (mut mobility, mut responses) = (numbers(rows * rows), numbers(rows * nv));
+    constraints::contact_problem(
+        tree,
+        layout,
+        (&q, &qd, &tau, dt),
+        &settings_of(&settings),
+        (&mut Workspace::new(tree), &mut ConstraintWorkspace::new(tree, layout)),
+        constraints::ContactProblemOutputs {
+            qd: &mut after,
+            heights: &mut heights,
+            before: &mut before,
+            free: &mut free,
+            mobility: &mut mobility,
+            responses: &mut responses,
+        },
+    );
+    let components = |vectors: Vec<Vector3<Expr>>| vectors.iter().flat_map(|v| v.0).collect();
+    [after, heights, components(before), components(free), mobility, responses]
 }
 
 /// The unknowns of equations with the factors of J M^-1 J^T.

@@ -182,6 +182,7 @@ fn general(model: &Model, random: &mut Random, compliance: f64) -> Settings {
             compliance,
             restitution,
             weight,
+            friction: 0.5,
         };
     }
     settings
@@ -540,7 +541,7 @@ fn numbers(settings: &Settings) -> Vec<f64> {
         numbers.extend(pose.translation);
         numbers.extend(velocity.components());
         numbers.extend([tangential, alpha, beta, &target.compliance]);
-        numbers.extend([target.restitution, target.weight]);
+        numbers.extend([target.restitution, target.weight, target.friction]);
     }
     numbers
 }
@@ -1068,6 +1069,7 @@ fn contacts_of_equal_limbs_in_lanes_give_the_same() {
         let dynamics = optimize(packed.constrained_forward_dynamics(&layout));
         let impulse = optimize(packed.contact_impulse(&layout));
         let projection = optimize(packed.project_constraints(&layout));
+        let problem = optimize(packed.contact_problem(&layout));
         for active in masks(&model, &mut random, 12) {
             let state = state(&model, &mut random);
             for settings in [exact(&model), general(&model, &mut random, 0.01)] {
@@ -1099,8 +1101,69 @@ fn contacts_of_equal_limbs_in_lanes_give_the_same() {
                 let rank = interpreter.project_constraints(motion, &active, &settings, into);
                 let expected = [dq, dqd, vec![rank.expect("fits")]].concat();
                 assert_near(&projection.evaluate(&inputs.concat()), &expected, 1e-8);
+
+                let arguments: [&[f64]; 5] =
+                    [&state.q, &state.qd, &state.tau, &[0.003], &numbers(&settings)];
+                let function = Function::ContactProblem;
+                let size = (function.row().result)(&interpreter.sizes()).len();
+                let mut expected = vec![0.0; size];
+                interpreter.evaluate(function, &arguments, 0, &mut expected).expect("fits");
+                assert_near(&problem.evaluate(&arguments.concat()), &expected, 1e-8);
             }
         }
+    }
+}
+
+/// The problem of a step on the ground is that of dense matrices: rows in the axes of the targets, and responses of M.
+#[test]
+fn contact_problems_are_those_of_dense_matrices() {
+    let (mut random, dt) = (Random(23), 0.003);
+    for model in with_equal_limbs() {
+        let (n, count) = (model.nv(), model.contacts().len());
+        let state = state(&model, &mut random);
+        let settings = general(&model, &mut random, 0.01);
+        let mut robot = Interpreter::new(model.clone());
+        let mut evaluate = |function: Function, arguments: &[&[f64]]| {
+            let mut result = vec![0.0; (function.row().result)(&robot.sizes()).len()];
+            robot.evaluate(function, arguments, 0, &mut result).expect("fits");
+            result
+        };
+        let (q, qd, settings_numbers) = (&*state.q, &*state.qd, &*numbers(&settings));
+        let found =
+            evaluate(Function::ContactProblem, &[q, qd, &state.tau, &[dt], settings_numbers]);
+        let mass = DMatrix::from_vec(n, n, evaluate(Function::MassMatrix, &[q]));
+        let qdd = evaluate(Function::ForwardDynamics, &[q, qd, &state.tau]);
+        let columns = evaluate(Function::ConstraintJacobian, &[q]);
+        let residual = evaluate(Function::ConstraintResidual, &[q, qd, settings_numbers]);
+        let after: Vec<f64> = (0..n).map(|v| qd[v] + dt * qdd[v]).collect();
+        let axes = |contact: usize, row: usize| {
+            let rotation = settings.contacts[contact].pose.rotation;
+            [0, 1, 2].map(|k| rotation[k][row])
+        };
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let jacobian = DMatrix::from_fn(3 * count, n, |row, v| {
+            dot(&axes(row / 3, row % 3), &columns[6 * (n * (row / 3) + v) + 3..][..3])
+        });
+        let response = mass.lu().solve(&jacobian.transpose()).expect("regular");
+        let mobility = &jacobian * &response;
+        let relative = |rates: &[f64]| -> Vec<f64> {
+            let velocities = &jacobian * DVector::from_column_slice(rates);
+            let target = |row: usize| {
+                let velocity = settings.contacts[row / 3].velocity.linear.0;
+                dot(&axes(row / 3, row % 3), &velocity)
+            };
+            (0..3 * count).map(|row| velocities[row] - target(row)).collect()
+        };
+        let heights = (0..count).map(|c| dot(&axes(c, 2), &residual[6 * c + 3..][..3]));
+        let expected = [
+            after.clone(),
+            heights.collect(),
+            relative(qd),
+            relative(&after),
+            mobility.as_slice().to_vec(),
+            response.as_slice().to_vec(),
+        ];
+        assert_near(&found, &expected.concat(), 1e-8);
     }
 }
 
@@ -1131,6 +1194,8 @@ fn operation_counts_are_as_frozen() {
             tracer.column_lanes(COLUMN_LANES).constrained_forward_dynamics_derivatives(&layout),
         ),
         ("contact_impulse", tracer.contact_impulse(&layout)),
+        ("contact_problem", tracer.contact_problem(&layout)),
+        ("contact_problem in lanes", tracer.packed(&limbs).contact_problem(&layout)),
         ("constrained_inverse_dynamics", evaluation(Function::ConstrainedInverseDynamics)),
         ("operational_inertia", tracer.operational_inertia(&layout)),
         (
@@ -1151,6 +1216,8 @@ fn operation_counts_are_as_frozen() {
         ("constrained_forward_dynamics_derivatives", 70504),
         ("constrained_forward_dynamics_derivatives in lanes", 31582),
         ("contact_impulse", 7107),
+        ("contact_problem", 8188),
+        ("contact_problem in lanes", 2409),
         ("constrained_inverse_dynamics", 2111),
         ("operational_inertia", 10871),
         ("operational_inertia in lanes", 7343),

@@ -760,6 +760,20 @@ class Robot:
         Result: `ContactImpulse`: `qd` (nv,), `impulses` (constraints, 6), `rank` a number, moments before
         forces. Several states have one more axis, the first.
         """
+    def contact_problem(
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, settings: ConstraintSettings | ArrayLike | None = None, *, out: ContactProblem | None = None
+    ) -> ContactProblem:
+        """Returns the problem of a step of the time `dt` (s) on the ground under the joint forces `tau`, in
+        the space of the contacts' points: the motion without contacts, and the effects of unit impulses on
+        the points and on the velocities. Of the targets, `pose` and the linear `velocity` count. Closed
+        loops are not closed. `solve::ground` has the solver.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `settings`: `ConstraintSettings`,
+        by default with the ground at z = 0 under all contacts.
+        Result: `ContactProblem`: `qd` (nv,), `heights` (contacts,), `before` (contacts, 3), `free`
+        (contacts, 3), `mobility` (3099, 3099), `responses` (nv, 3099). Several states have one more axis,
+        the first.
+        """
     def constrained_inverse_dynamics(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedInverseDynamics | None = None
     ) -> ConstrainedInverseDynamics:

@@ -17,6 +17,7 @@ __all__ = [
     "ConstraintProjection",
     "ConstraintResidual",
     "ContactImpulse",
+    "ContactProblem",
     "DifferenceDerivatives",
     "ForwardDynamicsDerivatives",
     "ForwardDynamicsHessian",
@@ -152,6 +153,23 @@ class ContactImpulse(NamedTuple):
     """(constraints, 6)"""
     rank: NDArray[Any]
     """a number"""
+
+
+class ContactProblem(NamedTuple):
+    """The result of `contact_problem`."""
+
+    qd: NDArray[Any]
+    """(nv,)"""
+    heights: NDArray[Any]
+    """(contacts,)"""
+    before: NDArray[Any]
+    """(contacts, 3)"""
+    free: NDArray[Any]
+    """(contacts, 3)"""
+    mobility: NDArray[Any]
+    """(3099, 3099)"""
+    responses: NDArray[Any]
+    """(nv, 3099)"""
 
 
 class DifferenceDerivatives(NamedTuple):

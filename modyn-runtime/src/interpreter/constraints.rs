@@ -5,7 +5,7 @@ use super::errors::{ShapeError, check};
 use crate::Scalar;
 use crate::constraint_settings::{ConstraintSettings, ContactTarget};
 use crate::equations::brge::UduLayout;
-pub use crate::equations::constraints::ConstrainedDerivatives;
+pub use crate::equations::constraints::{ConstrainedDerivatives, ContactProblemOutputs};
 use crate::equations::{ConstraintWorkspace, Workspace, constraints};
 use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
@@ -166,6 +166,37 @@ impl<S: Scalar> Interpreter<S> {
         check("impulses", impulses, self.model.constraints())?;
         self.set_active(active, settings)?;
         Ok(self.solve_impulse((q, qd), settings, (after, impulses)))
+    }
+
+    /// Computes the problem of a step of the time `dt` (s) on the ground under the joint forces `tau`, in the space of the
+    /// contacts' points: see [`ContactProblem`](crate::ContactProblem). Of the targets, `pose` and the linear `velocity` count.
+    /// Closed loops are not closed. Matrices are by columns. Allocates memory at each call.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn contact_problem(
+        &mut self,
+        (q, qd, tau, dt): (&[S], &[S], &[S], S),
+        settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
+        outputs: ContactProblemOutputs<'_, S>,
+    ) -> Result<(), ShapeError> {
+        let (n, count) = (self.model.nv(), self.model.contacts().len());
+        let rows = 3 * count;
+        check("q", q, self.model.nq())?;
+        check("qd", qd, n)?;
+        check("tau", tau, n)?;
+        check("settings.contacts", settings.contacts.as_ref(), count)?;
+        check("outputs.qd", outputs.qd, n)?;
+        check("outputs.heights", outputs.heights, count)?;
+        check("outputs.before", outputs.before, count)?;
+        check("outputs.free", outputs.free, count)?;
+        check("outputs.mobility", outputs.mobility, rows * rows)?;
+        check("outputs.responses", outputs.responses, rows * n)?;
+        let Constraints { mechanism, layout, workspaces, .. } = self.constraints();
+        let motion = (q, qd, tau, dt);
+        constraints::contact_problem(mechanism, layout, motion, settings, workspaces, outputs);
+        Ok(())
     }
 
     /// Computes the joint forces `tau` (N m or N) of the accelerations `qdd`, and the wrenches of the active

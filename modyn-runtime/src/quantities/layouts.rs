@@ -124,6 +124,21 @@ macro_rules! layouts {
                 let fields = vec![("qd", velocities(s)), ("impulses", impulses), ("rank", Shape::Scalar)];
                 named_fields("ContactImpulse", fields)
             };
+            contact_problem (ContactProblem<
+                Self::V<T>, Self::PerContact<T>, Self::PerContact<Vector3<T>>, Self::PerContact<Vector3<T>>,
+                Self::PerContactRow<Self::PerContactRow<T>>, Self::PerContactRow<Self::V<T>>
+            >) |s| {
+                let (rows, vectors) = (3 * s.contacts, || Shape::vector3().array(s.contacts));
+                let fields = vec![
+                    ("qd", velocities(s)),
+                    ("heights", Shape::vector(s.contacts)),
+                    ("before", vectors()),
+                    ("free", vectors()),
+                    ("mobility", Shape::matrix(rows, rows)),
+                    ("responses", velocities(s).columns(rows)),
+                ];
+                Shape::Record(Record::Each("ContactProblem"), fields)
+            };
             constrained_torques (ConstrainedInverseDynamics<Self::V<T>, Self::PerConstraint<Wrench<T>>, T>) |s| {
                 let wrenches = Shape::wrench().array(s.constraints);
                 let fields = vec![("tau", velocities(s)), ("wrenches", wrenches), ("rank", Shape::Scalar)];

@@ -262,7 +262,15 @@ pub mod shapes {
         };
         let target = [
             vec![("pose", Shape::pose()), ("velocity", Shape::twist())],
-            scalars(&["tangential", "alpha", "beta", "compliance", "restitution", "weight"]),
+            scalars(&[
+                "tangential",
+                "alpha",
+                "beta",
+                "compliance",
+                "restitution",
+                "weight",
+                "friction",
+            ]),
         ];
         let target = Shape::Record(Record::Plain("ContactTarget"), target.concat());
         let mut fields = scalars(&["alpha", "beta", "tolerance", "rounding"]);
@@ -340,6 +348,7 @@ mod tests {
                 "compliance" => scalar(own.compliance),
                 "restitution" => scalar(own.restitution),
                 "weight" => scalar(own.weight),
+                "friction" => scalar(own.friction),
                 _ => panic!("{name}"),
             };
             assert_eq!(*shape, expected, "{name}");

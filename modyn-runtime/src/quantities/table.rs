@@ -392,6 +392,28 @@ macro_rules! quantities {
                         write(&found, impulses);
                     };
 
+            ContactProblem contact_problem / contact_problem_with(q, qd, tau, dt, settings) -> contact_problem, [constraints inertia],
+             "Returns the problem of a step of the time `dt` (s) on the ground under the joint forces `tau`, in the space of the\n\
+             contacts' points: the motion without contacts, and the effects of unit impulses on the points and on the\n\
+             velocities. Of the targets, `pose` and the linear `velocity` count. Closed loops are not closed. `solve::ground` has\n\
+             the solver.",
+             "`{Self}` has no function `contact_problem`",
+             batch ContactProblemBatch "`{Self}` has no function `contact_problem_batch`"
+             => |robot, [after, heights, before, free, mobility, responses]| {
+                        let (mut moving, mut falling) = (read(before), read(free));
+                        let results = ContactProblemOutputs {
+                            qd: after,
+                            heights,
+                            before: &mut moving,
+                            free: &mut falling,
+                            mobility,
+                            responses,
+                        };
+                        robot.contact_problem((q, qd, tau, dt[0]), &settings_of(settings), results)?;
+                        write(&moving, before);
+                        write(&falling, free);
+                    };
+
             ConstrainedInverseDynamics constrained_inverse_dynamics / constrained_inverse_dynamics_with(q, qd, qdd, contacts, settings) -> constrained_torques, [constraints inertia],
              "Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts that carry the\n\
              floating bases, and the rank of the contacts' columns of the bases. The wrenches have the smallest sum\n\

@@ -1,33 +1,16 @@
 //! Steps of a robot that touches the ground, and forces of a soft ground.
 
-use super::impulses::{FreeMotion, JointStop, Residual, StepContact, apply_impulses};
+use super::impulses::{
+    FreeMotion, Ground, Impulses, StepMemory, contact_mode, solve_step, velocity_range,
+};
 use super::{State, add_scaled};
-use crate::robot::Factorization;
-use crate::spatial::{Pose, Vector3};
-use crate::{Array, ConstraintSettings, ContactTarget, Robot, Scalar, functions};
+use crate::robot::{Factorization, Settings};
+use crate::solve::{Contact, ContactMode, Decide, Effort, Residual, Stop};
+use crate::spatial::{Matrix3, Pose, Vector3};
+use crate::{Array, Robot, Scalar, functions};
 
-/// The options of steps on the ground.
-///
-/// The ground under each contact is the target of the contact in [`ConstraintSettings`]: the xy plane of its pose, its
-/// velocity, `beta`, `restitution` and `compliance`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ground<T = f64> {
-    /// The coefficient of Coulomb friction.
-    pub friction: T,
-    /// The number of sweeps of the projected Gauss-Seidel method. [`GroundStep::residual`] says what they leave.
-    pub sweeps: usize,
-    /// Whether joints stop at the limits of the description. A joint beyond a limit returns at the rate `beta` of
-    /// [`ConstraintSettings`].
-    pub joint_limits: bool,
-}
-
-impl<T: Scalar> Ground<T> {
-    /// Returns ground with this coefficient of friction, 50 sweeps and joint limits.
-    #[must_use]
-    pub fn with_friction(friction: T) -> Self {
-        Self { friction, sweeps: 50, joint_limits: true }
-    }
-}
+/// The impulses of a step of robot `R`.
+pub type GroundImpulses<R, T = f64> = Impulses<<R as Robot>::PerContactRow<T>, <R as Robot>::V<T>>;
 
 /// The state after a step on the ground.
 pub struct GroundStep<R: Robot, T: Scalar = f64> {
@@ -37,34 +20,46 @@ pub struct GroundStep<R: Robot, T: Scalar = f64> {
     pub forces: R::PerContact<Vector3<T>>,
     /// The joint forces of the stops, mean over the step, N m or N.
     pub stops: R::V<T>,
-    /// The velocities that the sweeps left wrong, m/s and rad/s. If it is too large, take more
-    /// [`sweeps`](Ground::sweeps) or shorter steps.
+    /// The state of each contact.
+    pub modes: R::PerContact<ContactMode>,
+    /// The impulses, from which the solver of the next step starts.
+    pub impulses: GroundImpulses<R, T>,
+    /// The velocities that are wrong with these impulses, m/s and rad/s. They are below the tolerance of [`Ground`], unless the
+    /// solver reached its limits or no impulse can satisfy the laws of contacts.
     pub residual: Residual<T>,
+    /// The sweeps and Newton steps that the solver took.
+    pub effort: Effort,
 }
 
-impl<R: Robot, T: Scalar> State<R, T> {
+impl<R: Robot, T: Decide> State<R, T> {
     /// Returns the state after the time `dt` (s) under the joint forces `tau`, with all contacts of the robot as points
-    /// that the ground can push but not pull, and with Coulomb friction.
+    /// that the ground can push but not pull, with Coulomb friction, and with stops at the limits of the joints.
     ///
     /// The method is semi-implicit Euler with impulses (Stewart and Trinkle 1996, "An implicit time-stepping scheme for
-    /// rigid body dynamics with inelastic collisions and Coulomb friction"): free velocities, then projected Gauss-Seidel
-    /// sweeps on the impulses of contacts and joint stops, then the step of the coordinates. It does not allocate, and its
-    /// time does not depend on the state: the sweeps are a fixed number, and the result says what they leave. The origin
-    /// of a contact's frame touches the ground, for surfaces too: a sole has a point at each corner. Closed loops are not
-    /// closed. Impulses of stops take no part if
-    /// [`joint_limits`](Ground::joint_limits) is false.
+    /// rigid body dynamics with inelastic collisions and Coulomb friction"): the impulses of contacts and joint stops satisfy
+    /// their laws with the velocities after the step, which then move the coordinates. The laws are solved by
+    /// [`solve`](crate::solve), to the tolerance of `ground`. The step does not allocate, and the solver has a largest number of
+    /// iterations; contacts and stops that do not act cost little. [`GroundStep::step_on_ground`] starts the solver with the
+    /// impulses of the last step, which is faster.
+    ///
+    /// The origin of a contact's frame touches the ground, for surfaces too: a sole has a point at each corner. Closed loops are
+    /// not closed.
     ///
     /// ```
     /// use modyn_runtime::simulate::{Ground, State};
     /// use modyn_runtime::{ConstraintSettings, ContactTarget, Robot, functions};
     ///
-    /// /// A millisecond on slippery ground.
+    /// /// A second of steps of a millisecond.
     /// fn slide<R>(state: &State<R>, settings: &ConstraintSettings<f64, R::PerContact<ContactTarget<f64>>>) -> State<R>
     /// where
-    ///     R: Robot + functions::Defaults + functions::Constraints + functions::ConstraintJacobian,
+    ///     R: Robot + functions::Defaults + functions::ContactProblem,
     /// {
-    ///     let no_torques = state.qd;
-    ///     state.step_on_ground(0.001, &no_torques, &Ground::with_friction(0.1), settings).state
+    ///     let (no_torques, ground) = (state.qd, Ground::default());
+    ///     let mut step = state.step_on_ground(0.001, &no_torques, &ground, settings);
+    ///     for _ in 1..1000 {
+    ///         step = step.step_on_ground(0.001, &no_torques, &ground, settings);
+    ///     }
+    ///     step.state
     /// }
     /// ```
     #[must_use]
@@ -73,89 +68,155 @@ impl<R: Robot, T: Scalar> State<R, T> {
         dt: T,
         tau: &R::V<T>,
         ground: &Ground<T>,
-        settings: &ConstraintSettings<T, R::PerContact<ContactTarget<T>>>,
+        settings: &Settings<R, T>,
     ) -> GroundStep<R, T>
     where
-        R: functions::ForwardDynamics
-            + functions::Brge
-            + functions::Integrate
-            + functions::ConstraintJacobian
-            + functions::ConstraintResidual,
+        R: functions::ContactProblem + functions::Brge + functions::Integrate,
     {
-        let zero = R::V::<T>::from_fn(|_| T::zero());
-        let factors = R::brge(&self.q);
-        let jacobian = R::constraint_jacobian(&self.q);
-        let before = R::constraint_residual(&self.q, &self.qd, settings);
-        let mut qd = add_scaled(&self.qd, dt, &R::forward_dynamics(&self.q, &self.qd, tau));
+        let impulses = Impulses {
+            contacts: R::PerContactRow::<T>::from_fn(|_| T::zero()),
+            stops: R::V::<T>::from_fn(|_| T::zero()),
+        };
+        self.step_from(impulses, (dt, tau), ground, settings)
+    }
 
-        // Loop constraints come first.
-        let count = R::PerContact::<()>::LEN;
-        let loops = R::PerConstraint::<()>::LEN - count;
-        let columns = |contact: usize| jacobian.as_ref()[loops + contact].as_ref();
-        let responses = R::PerContact::<[R::V<T>; 3]>::from_fn(|contact| {
-            core::array::from_fn(|k| {
-                factors.solve(&R::V::<T>::from_fn(|v| columns(contact)[v].linear[k]))
-            })
+    fn step_from(
+        &self,
+        mut impulses: GroundImpulses<R, T>,
+        (dt, tau): (T, &R::V<T>),
+        ground: &Ground<T>,
+        settings: &Settings<R, T>,
+    ) -> GroundStep<R, T>
+    where
+        R: functions::ContactProblem + functions::Brge + functions::Integrate,
+    {
+        let problem = R::contact_problem(&self.q, &self.qd, tau, dt, settings);
+        let motion = FreeMotion {
+            dt,
+            qd: problem.qd.as_ref(),
+            heights: problem.heights.as_ref(),
+            before: problem.before.as_ref(),
+            free: problem.free.as_ref(),
+            mobility: problem.mobility.as_ref(),
+            responses: problem.responses.as_ref(),
+        };
+        let mut stops = R::PerVelocity::<Stop<T>>::from_fn(|_| {
+            Stop::new([f64::NEG_INFINITY, f64::INFINITY].map(T::from_f64))
         });
-        let touches = R::PerContact::<StepContact<'_, T>>::from_fn(|contact| {
-            let responses = responses.as_ref()[contact].each_ref().map(AsRef::as_ref);
-            let displacement = before.displacements.as_ref()[loops + contact];
-            let velocity = before.velocities.as_ref()[loops + contact];
-            StepContact::new(
-                &settings.contacts.as_ref()[contact],
-                (columns(contact), responses),
-                (displacement, velocity),
-                FreeMotion { dt, velocities: qd.as_ref() },
-                ground.friction,
-            )
-        });
-        let inverse = if ground.joint_limits { Some(factors.inverse()) } else { None };
-        let stops = R::PerVelocity::<JointStop<'_, T>>::from_fn(|entry| {
-            let inverse = inverse.as_ref().map(AsRef::as_ref);
-            let response = inverse.map_or(&[][..], |columns| columns[entry].as_ref());
-            let unlimited = (T::zero(), [f64::NEG_INFINITY, f64::INFINITY]);
-            let place = coordinate_of::<R>(entry).map_or(unlimited, |i| {
-                (self.q.as_ref()[i], [R::LIMITS.lower[i], R::LIMITS.upper[i]])
-            });
-            JointStop::new((entry, response), place, settings.beta, dt)
-        });
-        let stops = if ground.joint_limits { stops.as_ref() } else { &[] };
-        let mut impulses = R::PerContact::<Vector3<T>>::from_fn(|_| Vector3::zero());
-        let mut stop_impulses = zero;
-        let residual = apply_impulses(
-            (touches.as_ref(), impulses.as_mut()),
-            (stops, stop_impulses.as_mut()),
-            ground.sweeps,
+        let stops = if ground.joint_limits {
+            for (entry, coordinate) in coordinates::<R>() {
+                let limits = [R::LIMITS.lower[coordinate], R::LIMITS.upper[coordinate]];
+                let at = self.q.as_ref()[coordinate];
+                stops.as_mut()[entry].range = velocity_range(at, limits, settings.beta, dt);
+            }
+            stops.as_mut()
+        } else {
+            &mut []
+        };
+        let mut contacts = R::PerContact::<Contact<T>>::from_fn(|_| Contact::new(T::zero()));
+        let mut order = R::PerVelocity::<usize>::from_fn(|_| 0);
+        let targets = settings.contacts.as_ref();
+        let mut qd = problem.qd;
+        let (residual, effort) = solve_step(
+            &Arrays::<R, T> { q: &self.q },
+            &motion,
+            targets,
+            ground,
+            (contacts.as_mut(), stops, order.as_mut()),
+            &mut impulses,
             qd.as_mut(),
         );
-        let per_step = dt.recip();
-        impulses.as_mut().iter_mut().for_each(|impulse| *impulse = impulse.scale(per_step));
+        let (zero, per_step) = (R::V::<T>::from_fn(|_| T::zero()), dt.recip());
+        let of = |contact: usize| {
+            Vector3([0, 1, 2].map(|k| impulses.contacts.as_ref()[3 * contact + k]))
+        };
         GroundStep {
             state: Self { q: R::integrate(&self.q, &add_scaled(&zero, dt, &qd)), qd },
-            forces: impulses,
-            stops: add_scaled(&zero, per_step, &stop_impulses),
+            forces: R::PerContact::from_fn(|contact| {
+                let axes = Matrix3(targets[contact].pose.rotation);
+                axes.mul_vector(of(contact)).scale(per_step)
+            }),
+            stops: add_scaled(&zero, per_step, &impulses.stops),
+            modes: R::PerContact::from_fn(|contact| {
+                contact_mode(targets[contact].friction, of(contact).0)
+            }),
+            impulses,
             residual,
+            effort,
         }
     }
 }
 
-/// Returns the index of the coordinate of this entry of the velocities, `None` for the angular velocities of a quaternion.
+impl<R: Robot, T: Decide> GroundStep<R, T> {
+    /// Returns the step after this one: [`State::step_on_ground`], with the impulses of this step as the first guess.
+    #[must_use]
+    pub fn step_on_ground(
+        &self,
+        dt: T,
+        tau: &R::V<T>,
+        ground: &Ground<T>,
+        settings: &Settings<R, T>,
+    ) -> Self
+    where
+        R: functions::ContactProblem + functions::Brge + functions::Integrate,
+    {
+        self.state.step_from(self.impulses, (dt, tau), ground, settings)
+    }
+}
+
+/// The memory of a step of a generated robot at the coordinates `q`.
+struct Arrays<'a, R: Robot, T: Scalar> {
+    q: &'a R::Q<T>,
+}
+
+impl<R: Robot + functions::Brge, T: Decide> StepMemory<T> for Arrays<'_, R, T> {
+    type ContactRow = R::PerContactRow<T>;
+    type ContactMatrix = R::PerContactRow<R::PerContactRow<T>>;
+    type GroundRow = R::PerGroundRow<T>;
+    type GroundMatrix = R::PerGroundRow<R::PerGroundRow<T>>;
+    type Velocities = R::V<T>;
+    type Inverse = R::M<T>;
+
+    fn contact_row(&self) -> Self::ContactRow {
+        Array::from_fn(|_| T::zero())
+    }
+
+    fn contact_matrix(&self) -> Self::ContactMatrix {
+        let row = self.contact_row();
+        Array::from_fn(|_| row)
+    }
+
+    fn ground_row(&self) -> Self::GroundRow {
+        Array::from_fn(|_| T::zero())
+    }
+
+    fn ground_matrix(&self) -> Self::GroundMatrix {
+        let row = self.ground_row();
+        Array::from_fn(|_| row)
+    }
+
+    fn inverse(&self) -> R::M<T> {
+        R::brge(self.q).inverse()
+    }
+}
+
+/// Returns the entries of the velocities with the index of their coordinates, without the angular velocities of quaternions.
 ///
 /// The entry is the rate of the coordinate, except for the linear velocities of a planar or floating joint, which are in
 /// the axes of the moved link. Such joints have no limits: their coordinates have infinite limits.
-fn coordinate_of<R: Robot>(entry: usize) -> Option<usize> {
-    let mut coordinate = entry;
-    for &(_, quaternion) in R::QUATERNIONS {
+fn coordinates<R: Robot>() -> impl Iterator<Item = (usize, usize)> {
+    let mut quaternions = R::QUATERNIONS.iter();
+    let mut next = quaternions.next();
+    let (mut entry, mut coordinate) = (0, 0);
+    core::iter::from_fn(move || {
         // Three velocities, four coordinates.
-        if coordinate < quaternion {
-            break;
+        while next.is_some_and(|&(_, quaternion)| coordinate == quaternion) {
+            (entry, coordinate, next) = (entry + 3, coordinate + 4, quaternions.next());
         }
-        if coordinate < quaternion + 3 {
-            return None;
-        }
-        coordinate += 1;
-    }
-    Some(coordinate)
+        let found = (entry < R::NV).then_some((entry, coordinate));
+        (entry, coordinate) = (entry + 1, coordinate + 1);
+        found
+    })
 }
 
 /// Returns the joint forces within the effort limits of the description, N m or N.

@@ -1,243 +1,353 @@
-//! Impulses of unilateral constraints: contacts with Coulomb friction, and joint stops.
+//! Impulses of a step on the ground: contacts with Coulomb friction, and joint stops.
 //!
-//! Each sweep visits every contact and every stop once and corrects its impulse. The correction holds the
-//! other impulses at their latest values. The method is projected Gauss-Seidel (Jourdan, Alart and Jean 1998,
-//! "A Gauss-Seidel like algorithm to solve frictional contact problems"). The velocities v = v_0 + M^-1 J^T p
-//! are updated with each correction, so J M^-1 J^T is never stored. A correction divides by the diagonal of
-//! that matrix:
-//!
-//! ```text
-//! normal      p_n <- max(0, p_n - (n . u + c p_n - b) / (n^T A n + c))
-//! tangential  p_t <- p_t - u_t / (tr A - n^T A n), shortened to the length friction p_n
-//! ```
-//!
-//! with the velocity u of the contact relative to the ground, its 3 x 3 block A = J M^-1 J^T, the compliance c and the
-//! least speed b along the normal n. The divisor of the tangential step is the trace of A within the plane, which bounds
-//! its eigenvalues.
+//! [`contact_problem`](crate::Robot::contact_problem) gives the motion of a step without contacts and the effects of unit impulses.
+//! This module says which velocities the ground and the stops allow after the step, and [`solve`](crate::solve) finds the impulses.
+//! Stops take part only if a joint would pass one, or if one acted in the last step.
 
-use crate::spatial::{Twist, Vector3};
+#[cfg(feature = "alloc")]
+use alloc::{vec, vec::Vec};
+
+use crate::scalar::epsilon;
+use crate::solve::{Contact, ContactMode, Decide, Effort, GroundEquations, Residual, Row, Stop};
+use crate::spatial::Vector3;
 use crate::{ContactTarget, Scalar};
 
-/// A contact during a step.
-#[derive(Clone, Copy, Debug)]
-pub struct StepContact<'a, T> {
-    /// The Jacobian of the contact's frame, a column for each velocity, in world axes.
-    pub columns: &'a [Twist<T>],
-    /// The changes of the velocities by unit impulses along x, y and z: M^-1 J^T.
-    pub responses: [&'a [T]; 3],
-    /// The normal of the ground, away from the ground.
-    pub normal: Vector3<T>,
-    /// The mobility n^T A n along the normal, and the trace of A within the plane, 1/kg; A is J M^-1 J^T.
-    pub mobilities: [T; 2],
-    /// The velocity of the ground at the contact, m/s.
-    pub ground: Vector3<T>,
-    /// The height of the contact's frame above the ground before the step, m.
-    pub height: T,
-    /// The least speed along the normal relative to the ground after the step, m/s.
-    pub least_speed: T,
-    /// The coefficient of friction.
-    pub friction: T,
-    /// The relative velocity that the contact allows per impulse, 1/kg.
-    pub compliance: T,
-}
+/// The rounds after which all stops take part.
+const MAX_ROUNDS: usize = 4;
 
-/// A joint stop during a step: the range of one entry of the velocities.
-#[derive(Clone, Copy, Debug)]
-pub struct JointStop<'a, T> {
-    /// The index of the velocity.
-    pub entry: usize,
-    /// The changes of the velocities by a unit impulse: a column of the inverse mass matrix.
-    pub response: &'a [T],
-    /// The lowest and the highest velocity after the step, rad/s or m/s; may be infinite.
-    pub range: [T; 2],
-}
-
-/// The velocities that are wrong after the sweeps: the largest corrections that another visit of a single contact or stop
-/// would make. Both are zero if the impulses solve the equations of the step.
+/// The options of steps on the ground.
+///
+/// The ground under each contact is the target of the contact in [`ConstraintSettings`](crate::ConstraintSettings): the xy plane of
+/// its pose, its velocity, `beta`, `restitution`, `compliance` and `friction`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Residual<T = f64> {
-    /// The largest correction of a contact's velocity, m/s. Within the plane it is an upper bound of the correction.
-    pub contacts: T,
-    /// The largest correction of the velocity of a joint at a stop, rad/s or m/s.
-    pub stops: T,
+pub struct Ground<T = f64> {
+    /// Whether joints stop at the limits of the description. A joint beyond a limit returns at the rate `beta` of the settings.
+    pub joint_limits: bool,
+    /// The largest wrong velocity at which the solver ends, m/s and rad/s.
+    pub tolerance: T,
+    /// The largest number of sweeps over the contacts. With stops there is at most one.
+    pub sweeps: usize,
+    /// The largest number of Newton steps after the sweeps.
+    pub newton_steps: usize,
 }
 
-/// The motion of a robot without the impulses of a step.
+impl<T: Decide> Default for Ground<T> {
+    /// Returns joint limits, a tolerance of 1e-9 (8e-6 in `f32`), at most 8 sweeps and at most 40 Newton steps.
+    fn default() -> Self {
+        let tolerance = T::from_f64(1e-9).max(T::from_f64(64.0) * epsilon());
+        Self { joint_limits: true, tolerance, sweeps: 8, newton_steps: 40 }
+    }
+}
+
+/// The motion of a step without contacts and stops, and the effects of impulses: a
+/// [`ContactProblem`](crate::ContactProblem) in slices.
 #[derive(Clone, Copy, Debug)]
-pub struct FreeMotion<'a, T> {
+pub struct FreeMotion<'a, T, C, V> {
     /// The time step, s.
     pub dt: T,
     /// The velocities after the step without impulses.
-    pub velocities: &'a [T],
+    pub qd: &'a [T],
+    /// The height of each contact, m.
+    pub heights: &'a [T],
+    /// The velocity of each contact relative to its target before the step, in the directions of its rows, m/s.
+    pub before: &'a [Vector3<T>],
+    /// The same after the step without impulses, m/s.
+    pub free: &'a [Vector3<T>],
+    /// J M^-1 J^T, 1/kg.
+    pub mobility: &'a [C],
+    /// M^-1 J^T: for each row the change of the velocities by a unit impulse.
+    pub responses: &'a [V],
 }
 
-impl<'a, T: Scalar> StepContact<'a, T> {
-    /// Returns a contact with the target `target`. `before` is the displacement of the contact's frame from the target
-    /// and the rate of the displacement, both before the step: the residual of the constraint.
-    #[must_use]
-    pub fn new(
-        target: &ContactTarget<T>,
-        (columns, responses): (&'a [Twist<T>], [&'a [T]; 3]),
-        before: (Twist<T>, Twist<T>),
-        free: FreeMotion<'_, T>,
-        friction: T,
-    ) -> Self {
-        let normal = Vector3(target.pose.rotation.map(|row| row[2]));
-        let ground = target.velocity.linear;
-        let height = normal.dot(before.0.linear);
-        let before = normal.dot(before.1.linear);
-        let after = normal.dot(velocity(columns, free.velocities) - ground);
-        let least_speed = least_speed(target, height, (before, after), free.dt);
-        let compliance = target.compliance;
-        let block = responses.map(|response| velocity(columns, response));
-        let along = (0..3).fold(T::zero(), |sum, k| sum + normal[k] * normal.dot(block[k]));
-        let trace = (0..3).fold(T::zero(), |sum, k| sum + block[k][k]);
-        let mobilities = [along, trace - along];
-        Self {
-            columns,
-            responses,
-            normal,
-            mobilities,
-            ground,
-            height,
-            least_speed,
-            friction,
-            compliance,
-        }
-    }
+/// The impulses of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Impulses<C, V> {
+    /// For each contact the impulses along its three rows, N s: the x and y axes of its target, then the normal.
+    pub contacts: C,
+    /// For each velocity the impulse of its stop, N m s or N s.
+    pub stops: V,
 }
 
-impl<T: Scalar> StepContact<'_, T> {
-    /// Returns the velocity of the contact relative to the ground, in world axes.
-    #[must_use]
-    pub fn velocity(&self, velocities: &[T]) -> Vector3<T> {
-        velocity(self.columns, velocities) - self.ground
+/// The memory of a step, and the inverse of the mass matrix, which stops need: arrays for generated robots, vectors for a robot that
+/// is known at run time.
+pub trait StepMemory<T> {
+    /// A number for each row of the contacts.
+    type ContactRow: Row<T>;
+    /// A [`ContactRow`](Self::ContactRow) for each row of the contacts.
+    type ContactMatrix: AsMut<[Self::ContactRow]> + AsRef<[Self::ContactRow]>;
+    /// A number for each row of the contacts and for each velocity.
+    type GroundRow: Row<T>;
+    /// A [`GroundRow`](Self::GroundRow) for each of its entries.
+    type GroundMatrix: AsMut<[Self::GroundRow]> + AsRef<[Self::GroundRow]>;
+    /// A number for each velocity.
+    type Velocities: Row<T>;
+    /// The inverse of the mass matrix: a column for each velocity.
+    type Inverse: AsRef<[Self::Velocities]>;
+
+    /// Returns zeros.
+    fn contact_row(&self) -> Self::ContactRow;
+    /// Returns zeros.
+    fn contact_matrix(&self) -> Self::ContactMatrix;
+    /// Returns zeros.
+    fn ground_row(&self) -> Self::GroundRow;
+    /// Returns zeros.
+    fn ground_matrix(&self) -> Self::GroundMatrix;
+    /// Returns the inverse of the mass matrix.
+    fn inverse(&self) -> Self::Inverse;
+}
+
+/// The memory of a step of a robot that is known at run time.
+#[cfg(feature = "alloc")]
+#[derive(Clone, Copy, Debug)]
+pub struct Vectors<F> {
+    /// The number of contacts.
+    pub contacts: usize,
+    /// The number of velocities.
+    pub velocities: usize,
+    /// The function that returns the inverse of the mass matrix, a column for each velocity.
+    pub inverse: F,
+}
+
+#[cfg(feature = "alloc")]
+impl<T: Decide, F: Fn() -> Vec<Vec<T>>> StepMemory<T> for Vectors<F> {
+    type ContactRow = Vec<T>;
+    type ContactMatrix = Vec<Vec<T>>;
+    type GroundRow = Vec<T>;
+    type GroundMatrix = Vec<Vec<T>>;
+    type Velocities = Vec<T>;
+    type Inverse = Vec<Vec<T>>;
+
+    fn contact_row(&self) -> Vec<T> {
+        vec![T::zero(); 3 * self.contacts]
     }
 
-    /// Corrects the impulse, and the velocities with it.
-    fn correct(&self, velocities: &mut [T], impulse: &mut Vector3<T>) {
-        let normal = self.normal;
-        let pressed = self.pressed(velocities, *impulse);
-        self.apply(normal.scale(pressed - normal.dot(*impulse)), velocities, impulse);
-        let friction = self.friction(velocities, *impulse - normal.scale(pressed), pressed);
-        self.apply(normal.scale(pressed) + friction - *impulse, velocities, impulse);
+    fn contact_matrix(&self) -> Vec<Vec<T>> {
+        vec![self.contact_row(); 3 * self.contacts]
     }
 
-    /// Returns the correction of the velocity that [`correct`](Self::correct) would make: the larger of those along the
-    /// normal and within the plane, m/s.
-    fn residual(&self, velocities: &[T], impulse: Vector3<T>) -> T {
-        let (normal, [along, across]) = (self.normal, self.mobilities);
-        let (before, pressed) = (normal.dot(impulse), self.pressed(velocities, impulse));
-        let tangential = impulse - normal.scale(before);
-        let change = self.friction(velocities, tangential, pressed) - tangential;
-        let sliding = change.dot(change).sqrt() * across;
-        ((pressed - before).abs() * (along + self.compliance)).max(sliding)
+    fn ground_row(&self) -> Vec<T> {
+        vec![T::zero(); 3 * self.contacts + self.velocities]
     }
 
-    /// Returns the corrected impulse along the normal.
-    fn pressed(&self, velocities: &[T], impulse: Vector3<T>) -> T {
-        let (normal, [along, _]) = (self.normal, self.mobilities);
-        let before = normal.dot(impulse);
-        let missing =
-            self.least_speed - normal.dot(self.velocity(velocities)) - self.compliance * before;
-        let pressed = before + missing * (along + self.compliance).recip();
-        pressed.select_nonnegative(pressed, T::zero())
+    fn ground_matrix(&self) -> Vec<Vec<T>> {
+        let row = self.ground_row();
+        vec![row.clone(); row.len()]
     }
 
-    /// Returns the corrected impulse within the plane, where it is `before`, beside the impulse `pressed` along the normal.
-    fn friction(&self, velocities: &[T], before: Vector3<T>, pressed: T) -> Vector3<T> {
-        let (normal, [_, across]) = (self.normal, self.mobilities);
-        let slip = self.velocity(velocities);
-        let slip = slip - normal.scale(normal.dot(slip));
-        let friction = before - slip.scale(across.recip());
-        let (length, most) = (friction.dot(friction).sqrt(), self.friction * pressed);
-        // At length zero the first choice applies, so nothing is divided by zero.
-        let sticks = most - length;
-        let part = most * sticks.select_nonnegative(T::one(), length).recip();
-        let part = sticks.select_nonnegative(T::one(), part);
-        friction.scale(part)
-    }
-
-    fn apply(&self, change: Vector3<T>, velocities: &mut [T], impulse: &mut Vector3<T>) {
-        *impulse += change;
-        for (k, response) in self.responses.iter().enumerate() {
-            for (velocity, &by_unit) in velocities.iter_mut().zip(*response) {
-                *velocity = *velocity + by_unit * change[k];
-            }
-        }
+    fn inverse(&self) -> Vec<Vec<T>> {
+        (self.inverse)()
     }
 }
 
-impl<'a, T: Scalar> JointStop<'a, T> {
-    /// Returns the stop of a joint at the coordinate `at` within `limits`, rad or m; limits may be infinite.
-    ///
-    /// A joint within its limits may reach them. A joint beyond a limit returns at `beta` (1/s) times its distance.
-    #[must_use]
-    pub fn new(
-        (entry, response): (usize, &'a [T]),
-        (at, limits): (T, [f64; 2]),
-        beta: T,
-        dt: T,
-    ) -> Self {
-        let [below, above] = limits.map(|limit| T::from_f64(limit) - at);
-        let range = [
-            below * (-below).select_nonnegative(dt.recip(), return_rate(beta, dt)),
-            above * above.select_nonnegative(dt.recip(), return_rate(beta, dt)),
-        ];
-        Self { entry, response, range }
-    }
-
-    /// Corrects the impulse, and the velocities with it.
-    fn correct(&self, velocities: &mut [T], impulse: &mut T) {
-        let next = self.next(velocities, *impulse);
-        let change = next - *impulse;
-        *impulse = next;
-        for (velocity, &by_unit) in velocities.iter_mut().zip(self.response) {
-            *velocity = *velocity + by_unit * change;
-        }
-    }
-
-    /// Returns the correction of the velocity that [`correct`](Self::correct) would make, rad/s or m/s.
-    fn residual(&self, velocities: &[T], impulse: T) -> T {
-        (self.next(velocities, impulse) - impulse).abs() * self.response[self.entry]
-    }
-
-    /// Returns the corrected impulse.
-    fn next(&self, velocities: &[T], impulse: T) -> T {
-        let per_unit = self.response[self.entry].recip();
-        let [up, down] =
-            self.range.map(|bound| impulse + (bound - velocities[self.entry]) * per_unit);
-        // At most one of the two is not zero, since the range is not empty.
-        up.select_nonnegative(up, T::zero()) + (-down).select_nonnegative(down, T::zero())
-    }
+/// Returns the range of the velocity after a step of `dt` seconds of a joint at the coordinate `at` within `limits`, rad or m;
+/// limits may be infinite.
+///
+/// A joint within its limits may reach them. A joint beyond a limit returns at `beta` (1/s) times its distance.
+#[inline]
+#[must_use]
+pub fn velocity_range<T: Scalar>(at: T, limits: [f64; 2], beta: T, dt: T) -> [T; 2] {
+    let [below, above] = limits.map(|limit| T::from_f64(limit) - at);
+    [
+        below * (-below).select_nonnegative(dt.recip(), return_rate(beta, dt)),
+        above * above.select_nonnegative(dt.recip(), return_rate(beta, dt)),
+    ]
 }
 
-/// Corrects the impulses of contacts (N s, in world axes) and joint stops (N m s or N s) in `sweeps` sweeps, and
-/// adds the resulting changes to `velocities`. On entry, `velocities` must include the effect of the given
-/// impulses. Returns what is still wrong.
-pub fn apply_impulses<T: Scalar>(
-    (touches, impulses): (&[StepContact<'_, T>], &mut [Vector3<T>]),
-    (stops, stop_impulses): (&[JointStop<'_, T>], &mut [T]),
-    sweeps: usize,
+/// Finds the impulses of a step from those of the last step, which are zero at first, and the velocities after it. Returns what is
+/// wrong with them, and the work.
+///
+/// `contacts` has a contact for each target, whose friction this sets. `stops` has a stop with its range for each velocity; none at
+/// all if joints have no stops. `order` is memory with an entry for each velocity.
+#[inline(always)]
+pub fn solve_step<T: Decide, M: StepMemory<T>>(
+    memory: &M,
+    motion: &FreeMotion<'_, T, M::ContactRow, M::Velocities>,
+    targets: &[ContactTarget<T>],
+    ground: &Ground<T>,
+    (contacts, stops, order): (&mut [Contact<T>], &mut [Stop<T>], &mut [usize]),
+    impulses: &mut Impulses<M::ContactRow, M::Velocities>,
     velocities: &mut [T],
-) -> Residual<T> {
-    for _ in 0..sweeps {
-        for (stop, impulse) in stops.iter().zip(&mut *stop_impulses) {
-            stop.correct(velocities, impulse);
+) -> (Residual<T>, Effort) {
+    let most = (Effort { sweeps: ground.sweeps, newton: ground.newton_steps }, ground.tolerance);
+    let mut b = memory.contact_row();
+    for (c, (b, target)) in b.as_mut().chunks_exact_mut(3).zip(targets).enumerate() {
+        let (free, speeds) = (motion.free[c], (motion.before[c][2], motion.free[c][2]));
+        contacts[c] = Contact::new(target.friction);
+        let least = least_speed(target, motion.heights[c], speeds, motion.dt);
+        b.copy_from_slice(&[free[0], free[1], free[2] - least]);
+    }
+    let held = impulses.stops.as_ref().iter().take(stops.len());
+    let held = held.fold(T::zero(), |most, impulse| most.max(impulse.abs()));
+    let mut found = (Residual { contacts: T::zero(), stops: T::zero() }, Effort::default());
+    let stopped = !held.all_at_most(T::zero());
+    if !stopped {
+        let compliant = targets.iter().any(|target| !target.compliance.all_at_most(T::zero()));
+        let mut softened = None;
+        if compliant {
+            let mut matrix = memory.contact_matrix();
+            copy_rows(motion.mobility, matrix.as_mut());
+            soften(targets, matrix.as_mut());
+            softened = Some(matrix);
         }
-        for (touch, impulse) in touches.iter().zip(&mut *impulses) {
-            touch.correct(velocities, impulse);
+        let a = softened.as_ref().map_or(motion.mobility, AsRef::as_ref);
+        let mut equations = GroundEquations { a, b: &b, contacts, stops: &mut [] };
+        found = equations.solve(&mut impulses.contacts, || memory.contact_matrix(), most);
+        velocities.copy_from_slice(motion.qd);
+        add_responses(motion.responses, impulses.contacts.as_ref(), velocities);
+        let tolerance = ground.tolerance;
+        if !stops.iter().zip(&*velocities).any(|(stop, v)| passes(stop, *v, tolerance)) {
+            impulses.stops.as_mut().fill(T::zero());
+            return found;
         }
     }
-    let of_contacts =
-        touches.iter().zip(&*impulses).map(|(touch, impulse)| touch.residual(velocities, *impulse));
-    let of_stops = stops
-        .iter()
-        .zip(&*stop_impulses)
-        .map(|(stop, impulse)| stop.residual(velocities, *impulse));
-    Residual {
-        contacts: of_contacts.fold(T::zero(), Scalar::max),
-        stops: of_stops.fold(T::zero(), Scalar::max),
+    let stopped = stop_joints(
+        memory,
+        motion,
+        (targets, b.as_ref()),
+        most,
+        (contacts, stops, order),
+        impulses,
+        velocities,
+    );
+    (
+        stopped.0,
+        Effort {
+            sweeps: found.1.sweeps + stopped.1.sweeps,
+            newton: found.1.newton + stopped.1.newton,
+        },
+    )
+}
+
+/// [`solve_step`] with the stops that acted in the last step and, in rounds, those that joints would pass.
+#[inline(never)]
+fn stop_joints<T: Decide, M: StepMemory<T>>(
+    memory: &M,
+    motion: &FreeMotion<'_, T, M::ContactRow, M::Velocities>,
+    (targets, of_contacts): (&[ContactTarget<T>], &[T]),
+    most: (Effort, T),
+    (contacts, stops, order): (&mut [Contact<T>], &mut [Stop<T>], &mut [usize]),
+    impulses: &mut Impulses<M::ContactRow, M::Velocities>,
+    velocities: &mut [T],
+) -> (Residual<T>, Effort) {
+    let inverse = memory.inverse();
+    let inverse = inverse.as_ref();
+    let rows = 3 * targets.len();
+    let (mut a, mut b, mut p) = (memory.ground_matrix(), memory.ground_row(), memory.ground_row());
+    let matrix = a.as_mut();
+    copy_rows(motion.mobility, matrix);
+    soften(targets, matrix);
+    b.as_mut()[..rows].copy_from_slice(&of_contacts[..rows]);
+    p.as_mut()[..rows].copy_from_slice(&impulses.contacts.as_ref()[..rows]);
+    // The stops that take part are moved to the front of `stops`; `order` has the velocity of each.
+    order.iter_mut().enumerate().for_each(|(entry, at)| *at = entry);
+    let mut count = 0;
+    let mut total = (Residual { contacts: T::zero(), stops: T::zero() }, Effort::default());
+    for round in 0..=MAX_ROUNDS {
+        let before = count;
+        for k in before..stops.len() {
+            let entry = order[k];
+            let impulse = impulses.stops.as_ref()[entry];
+            let takes_part = match round {
+                0 => !impulse.abs().all_at_most(T::zero()),
+                MAX_ROUNDS => is_limited(&stops[k]),
+                _ => passes(&stops[k], velocities[entry], most.1),
+            };
+            if !takes_part {
+                continue;
+            }
+            order.swap(count, k);
+            stops.swap(count, k);
+            let row = rows + count;
+            for (r, response) in motion.responses.iter().enumerate() {
+                let effect = response.as_ref()[entry];
+                matrix[r].as_mut()[row] = effect;
+                matrix[row].as_mut()[r] = effect;
+            }
+            for other in 0..=count {
+                let effect = inverse[entry].as_ref()[order[other]];
+                matrix[rows + other].as_mut()[row] = effect;
+                matrix[row].as_mut()[rows + other] = effect;
+            }
+            b.as_mut()[row] = motion.qd[entry];
+            p.as_mut()[row] = impulse;
+            count += 1;
+        }
+        if count == before && round > 0 {
+            break;
+        }
+        let (acting, _) = stops.split_at_mut(count);
+        let mut equations = GroundEquations { a: &*matrix, b: &b, contacts, stops: acting };
+        let (residual, effort) = equations.solve(&mut p, || memory.ground_matrix(), most);
+        total.0 = residual;
+        total.1 = Effort {
+            sweeps: total.1.sweeps + effort.sweeps,
+            newton: total.1.newton + effort.newton,
+        };
+        velocities.copy_from_slice(motion.qd);
+        add_responses(motion.responses, &p.as_ref()[..rows], velocities);
+        for (&entry, &impulse) in order[..count].iter().zip(&p.as_ref()[rows..]) {
+            add_scaled(velocities, impulse, inverse[entry].as_ref());
+        }
+    }
+    impulses.contacts.as_mut().copy_from_slice(&p.as_ref()[..rows]);
+    impulses.stops.as_mut().fill(T::zero());
+    for (&entry, &impulse) in order[..count].iter().zip(&p.as_ref()[rows..]) {
+        impulses.stops.as_mut()[entry] = impulse;
+    }
+    total
+}
+
+/// Returns the state of each contact with these impulses of a step.
+#[must_use]
+pub fn contact_mode<T: Decide>(friction: T, impulse: [T; 3]) -> ContactMode {
+    Contact::new(friction).mode(impulse)
+}
+
+/// Returns whether the velocity is outside of the range of a stop.
+#[inline]
+fn passes<T: Decide>(stop: &Stop<T>, velocity: T, tolerance: T) -> bool {
+    let [least, most] = stop.range;
+    !(least - tolerance).all_at_most(velocity) || !velocity.all_at_most(most + tolerance)
+}
+
+/// Returns whether a stop has a limit.
+fn is_limited<T: Decide>(stop: &Stop<T>) -> bool {
+    let [least, most] = stop.range;
+    let huge = T::from_f64(1e30);
+    (-huge).all_at_most(least) || most.all_at_most(huge)
+}
+
+/// Copies the entries of rows into rows that may be longer.
+fn copy_rows<T: Decide, A: Row<T>, B: Row<T>>(from: &[A], to: &mut [B]) {
+    for (from, to) in from.iter().zip(to) {
+        let from = from.as_ref();
+        to.as_mut()[..from.len()].copy_from_slice(from);
+    }
+}
+
+/// Adds the compliance of contacts along their normals.
+fn soften<T: Decide, R: Row<T>>(targets: &[ContactTarget<T>], matrix: &mut [R]) {
+    for (c, target) in targets.iter().enumerate() {
+        let row = 3 * c + 2;
+        let entry = &mut matrix[row].as_mut()[row];
+        *entry = *entry + target.compliance;
+    }
+}
+
+/// Adds the responses to these impulses. Most contacts of a robot that moves have none.
+#[inline(always)]
+fn add_responses<T: Decide, V: Row<T>>(responses: &[V], impulses: &[T], velocities: &mut [T]) {
+    for (response, &impulse) in responses.iter().zip(impulses) {
+        if !impulse.abs().all_at_most(T::zero()) {
+            add_scaled(velocities, impulse, response.as_ref());
+        }
+    }
+}
+
+#[inline(always)]
+fn add_scaled<T: Scalar>(velocities: &mut [T], impulse: T, response: &[T]) {
+    for (velocity, &by_unit) in velocities.iter_mut().zip(response) {
+        *velocity = by_unit.mul_add(impulse, *velocity);
     }
 }
 
@@ -245,12 +355,6 @@ pub fn apply_impulses<T: Scalar>(
 fn return_rate<T: Scalar>(beta: T, dt: T) -> T {
     let per_step = dt.recip();
     (per_step - beta).select_nonnegative(beta, per_step)
-}
-
-/// Returns the velocity of a contact's frame with this Jacobian in world axes, m/s.
-fn velocity<T: Scalar>(columns: &[Twist<T>], velocities: &[T]) -> Vector3<T> {
-    let moves = columns.iter().zip(velocities).map(|(column, &v)| column.linear.scale(v));
-    moves.fold(Vector3::zero(), |sum, velocity| sum + velocity)
 }
 
 /// Returns the least speed of a contact along its normal after a step of `dt` seconds, m/s.
@@ -273,72 +377,4 @@ fn least_speed<T: Scalar>(
     let bounces = rebound - T::from_f64(0.01);
     let bounced = bounces.select_nonnegative(bounced, least);
     (least - free).select_nonnegative(bounced, least)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A chain of joints at their lower stops that move on; each joint pushes its neighbours on.
-    #[test]
-    fn the_residual_of_stops_falls_with_the_sweeps() {
-        const N: usize = 12;
-        // The inverse mass matrix of masses between springs: its condition is that of a fine mesh.
-        let inverse: [[f64; N]; N] = core::array::from_fn(|i| {
-            core::array::from_fn(|j| match i.abs_diff(j) {
-                0 => 2.0,
-                1 => -1.0,
-                _ => 0.0,
-            })
-        });
-        let solve = |sweeps: usize| {
-            let stops: [JointStop<'_, f64>; N] = core::array::from_fn(|i| {
-                JointStop::new((i, &inverse[i]), (0.0, [0.0, f64::INFINITY]), 20.0, 0.001)
-            });
-            let (mut velocities, mut impulses) = ([-1.0; N], [0.0; N]);
-            let found =
-                apply_impulses((&[], &mut []), (&stops, &mut impulses), sweeps, &mut velocities);
-            assert_eq!(found.contacts, 0.0);
-            // An impulse without a velocity, or a velocity beyond the limit: what complementarity forbids.
-            let wrong = velocities.iter().zip(impulses).map(|(&velocity, impulse)| {
-                assert!(impulse >= 0.0);
-                velocity.min(2.0 * impulse).abs()
-            });
-            let wrong = wrong.fold(0.0, f64::max);
-            assert!((found.stops - wrong).abs() < 1e-12, "{} is not {wrong}", found.stops);
-            found.stops
-        };
-        let residuals = [0, 1, 5, 50, 500].map(solve);
-        assert!(residuals[0] == 1.0 && residuals.is_sorted_by(|a, b| a > b), "{residuals:?}");
-        assert!(residuals[3] > 0.01 && residuals[4] < 1e-6, "{residuals:?}");
-    }
-
-    /// A mass of 2 kg slides on the ground: after one visit of its only contact, nothing is wrong.
-    #[test]
-    fn the_residual_of_a_contact_is_its_wrong_velocity() {
-        let columns: [Twist<f64>; 3] = core::array::from_fn(|k| Twist {
-            angular: Vector3::zero(),
-            linear: Vector3(core::array::from_fn(|i| if i == k { 1.0 } else { 0.0 })),
-        });
-        let responses: [[f64; 3]; 3] =
-            core::array::from_fn(|k| core::array::from_fn(|i| if i == k { 0.5 } else { 0.0 }));
-        let mut velocities = [1.0, 0.0, -0.3];
-        let free = velocities;
-        let contact = StepContact::new(
-            &ContactTarget::<f64>::GROUND,
-            (&columns, responses.each_ref().map(|response| &response[..])),
-            (Twist::zero(), Twist::zero()),
-            FreeMotion { dt: 0.001, velocities: &free },
-            0.8,
-        );
-        let mut solve = |sweeps| {
-            let mut impulses = [Vector3::zero()];
-            velocities = free;
-            apply_impulses((&[contact], &mut impulses), (&[], &mut []), sweeps, &mut velocities)
-        };
-        // Friction of 0.8 times the normal impulse of 0.6 N s slows the block by 0.24 m/s; the bound is twice that.
-        assert!((solve(0).contacts - 0.48).abs() < 1e-12, "{:?}", solve(0));
-        assert!(solve(1).contacts < 1e-12, "{:?}", solve(1));
-        assert_eq!(solve(1).stops, 0.0);
-    }
 }

@@ -25,9 +25,13 @@
 //! alternative: a force for each point, for [`State::semi_implicit_euler`].
 
 mod ground;
+mod height_field;
 pub mod impulses;
 
-pub use ground::{Ground, GroundStep, SpringGround, limit_effort};
+pub use crate::solve::{ContactMode, Effort, Residual};
+pub use ground::{GroundImpulses, GroundStep, SpringGround, limit_effort};
+pub use height_field::HeightField;
+pub use impulses::Ground;
 
 use core::fmt;
 

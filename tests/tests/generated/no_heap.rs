@@ -44,7 +44,7 @@ modyn::modyn!(
 modyn::modyn!(
     Standing = "../../../robots/quadruped.urdf",
     base = floating,
-    functions = [default, constraint_jacobian, constrained_forward_dynamics_batch],
+    functions = [default, contact_problem, constrained_forward_dynamics_batch],
     contacts = ["fl": point("front_left_foot"), "hr": point("hind_right_foot")],
 );
 
@@ -167,7 +167,7 @@ fn steps_on_the_ground_allocate_nothing() {
     for (height, bend, touches, stops) in [(0.32, 0.0, true, false), (1.0, 10.0, false, true)] {
         let mut q = Standing::NEUTRAL;
         (q[2], q[9]) = (height, bend);
-        let ground = black_box(Ground::with_friction(0.8));
+        let ground = black_box(Ground::default());
         let mut tau = [0.0; Standing::NV];
         tau[8] = if stops { 5.0 } else { 0.0 };
         let (state, tau) = black_box((State::<Standing>::at_rest(q), tau));

@@ -18,7 +18,7 @@ modyn::modyn! {
         potential_energy,
         integrate,
         difference,
-        constraint_jacobian,
+        contact_problem,
         constraint_residual,
     ],
     contacts = [
@@ -65,7 +65,7 @@ fn tilt(q: &[f64]) -> f64 {
 fn a_quadruped_stands() {
     let posture = posture();
     let mut state = State::<Quadruped>::at_rest(posture);
-    let (settings, ground) = (on(ContactTarget::<f64>::GROUND), Ground::with_friction(0.8));
+    let (settings, ground) = (on(ContactTarget::<f64>::GROUND), Ground::default());
     let (mut carried, mut deepest) = (0.0, 0.0_f64);
     for _ in 0..600 {
         let step = state.step_on_ground(0.002, &hold_legs(&state, &posture), &ground, &settings);
@@ -169,7 +169,7 @@ fn energy(state: &State<Quadruped>) -> f64 {
 fn a_quadruped_trots() {
     let settings = on(ContactTarget::<f64>::GROUND);
     let mut state = TROT.start();
-    let ground = Ground::with_friction(0.8);
+    let ground = Ground::default();
     let start = energy(&state);
     let (mut deepest, mut steepest, mut work, mut swings) = (0.0_f64, 0.0_f64, 0.0, [0; 4]);
     let mut range = [f64::INFINITY, f64::NEG_INFINITY];
@@ -277,7 +277,7 @@ fn a_humanoid_stands() {
     let settings = on(ContactTarget::<f64>::GROUND);
     let upright = Upright::new();
     let mut state = upright.start();
-    let ground = Ground::with_friction(0.8);
+    let ground = Ground::default();
     let places = |state: &State<Humanoid>| {
         let found = Humanoid::constraint_residual(&state.q, &state.qd, &settings).displacements;
         found.map(|place| place.linear)

@@ -13,7 +13,7 @@ use modyn::{ConstraintSettings, ContactTarget, Robot};
 modyn::modyn! {
     "../mechanisms/block.urdf",
     base = floating,
-    functions = [default, constraint_jacobian],
+    functions = [default, contact_problem],
     contacts = [
         "a": point("body", [0.15, 0.1, -0.05]),
         "b": point("body", [-0.15, 0.1, -0.05]),
@@ -26,7 +26,7 @@ modyn::modyn! {
 modyn::modyn! {
     "../../../../robots/quadruped.urdf",
     base = floating,
-    functions = [default, constraint_jacobian],
+    functions = [default, contact_problem],
     contacts = [
         "fl": point("front_left_foot"),
         "fr": point("front_right_foot"),

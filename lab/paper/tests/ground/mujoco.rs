@@ -78,7 +78,6 @@ struct Run<R: Robot> {
 fn run<R, const CONTACTS: usize>(
     motion: &Motion,
     start: State<R>,
-    friction: f64,
     settings: &Settings<CONTACTS>,
     torques: impl Fn(&State<R>, f64) -> R::V<f64>,
 ) -> Run<R>
@@ -87,7 +86,7 @@ where
         + functions::ForwardDynamics
         + functions::Brge
         + functions::Integrate
-        + functions::ConstraintJacobian
+        + functions::ContactProblem
         + functions::ConstraintResidual
         + functions::KineticEnergy
         + functions::PotentialEnergy,
@@ -95,7 +94,7 @@ where
     let place = |state: &State<R>| [0, 1, 2].map(|k| state.q.as_ref()[k]);
     let energy =
         |state: &State<R>| R::kinetic_energy(&state.q, &state.qd) + R::potential_energy(&state.q);
-    let ground = Ground::with_friction(friction);
+    let ground = Ground::default();
     let (mut positions, mut deepest, mut work) = (vec![place(&start)], 0.0_f64, 0.0);
     let [steps, every] = [motion.number("/time"), motion.sample].map(|time| (time / STEP).round());
     let (mut state, mut step) = (start, 0.0);
@@ -144,9 +143,14 @@ fn carried(forces: &[[f64; 3]]) -> f64 {
     forces.iter().map(|force| force[2]).sum()
 }
 
+/// Returns the settings of level ground with this friction.
+fn rubbing(friction: f64) -> Settings {
+    on(ContactTarget { friction, ..ContactTarget::<f64>::GROUND })
+}
+
 /// A block that falls on a corner.
 fn falls(motion: &Motion) -> Run<Block> {
-    run(motion, falling(), 0.6, &on(ContactTarget::<f64>::GROUND), |state, _| hold(state))
+    run(motion, falling(), &rubbing(0.6), |state, _| hold(state))
 }
 
 fn falling() -> State<Block> {
@@ -163,7 +167,7 @@ fn slides(motion: &Motion) -> Run<Block> {
     q[3..7].copy_from_slice(&rotation([0.0, 0.0, 1.0], 0.8).1);
     let mut start = State::<Block>::at_rest(q);
     start.qd[..2].copy_from_slice(&[0.9, 1.2]);
-    run(motion, start, 0.35, &on(ContactTarget::<f64>::GROUND), |state, _| hold(state))
+    run(motion, start, &rubbing(0.35), |state, _| hold(state))
 }
 
 /// The angle of the slope, rad.
@@ -174,31 +178,31 @@ fn on_a_slope(motion: &Motion, friction: f64) -> Run<Block> {
     let translation = [0.3, -0.2, 0.7];
     let (rows, quaternion) = rotation([0.6, -0.8, 0.0], SLOPE);
     let pose = Pose { rotation: rows, translation };
-    let settings = on(ContactTarget { pose, ..ContactTarget::<f64>::GROUND });
+    let settings = on(ContactTarget { pose, friction, ..ContactTarget::<f64>::GROUND });
     let up = Vector3(rows.map(|row| row[2]));
     let mut q = Block::NEUTRAL;
     (0..3).for_each(|k| q[k] = translation[k] + STANDING * up[k]);
     q[3..7].copy_from_slice(&quaternion);
-    run(motion, State::at_rest(q), friction, &settings, |state, _| hold(state))
+    run(motion, State::at_rest(q), &settings, |state, _| hold(state))
 }
 
 /// A quadruped that falls from 2 cm and stands.
 fn stands(motion: &Motion) -> Run<Quadruped> {
     let posture = posture();
     let settings = on(ContactTarget::<f64>::GROUND);
-    run(motion, State::at_rest(posture), 0.8, &settings, |state, _| hold_legs(state, &posture))
+    run(motion, State::at_rest(posture), &settings, |state, _| hold_legs(state, &posture))
 }
 
 /// A quadruped that trots.
 fn trots(motion: &Motion) -> Run<Quadruped> {
     let settings = on(ContactTarget::<f64>::GROUND);
-    run(motion, TROT.start(), 0.8, &settings, |state, time| TROT.torques(state, time))
+    run(motion, TROT.start(), &settings, |state, time| TROT.torques(state, time))
 }
 
 /// A humanoid that stands on its soles after a push.
 fn stands_on_soles(motion: &Motion) -> Run<Humanoid> {
     let (upright, settings) = (Upright::new(), on(ContactTarget::<f64>::GROUND));
-    run(motion, upright.start(), 0.8, &settings, |state, _| upright.torques(state))
+    run(motion, upright.start(), &settings, |state, _| upright.torques(state))
 }
 
 /// The first corner hits the ground at the time and with the speed that both have to agree about. At rest both have the
@@ -207,7 +211,7 @@ fn stands_on_soles(motion: &Motion) -> Run<Humanoid> {
 fn a_block_falls_as_in_mujoco() {
     let motion = Motion::load("drop");
     let start = falling();
-    let (settings, ground) = (on(ContactTarget::<f64>::GROUND), Ground::with_friction(0.6));
+    let (settings, ground) = (rubbing(0.6), Ground::default());
     let step = |state: &State<Block>| state.step_on_ground(STEP, &hold(state), &ground, &settings);
 
     let (mut state, mut time) = (start, 0.0);

@@ -3,12 +3,15 @@
 //! `modyn::simulate::State::step_on_ground` is the same step for generated robots.
 
 use modyn_runtime::model::Model;
-use modyn_runtime::simulate::Ground;
 use modyn_runtime::simulate::impulses::{
-    FreeMotion, JointStop, Residual, StepContact, apply_impulses,
+    FreeMotion, Impulses as StepImpulses, Vectors, solve_step, velocity_range,
 };
-use modyn_runtime::spatial::{Twist, Vector3};
-use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter, ShapeError};
+use modyn_runtime::simulate::{Ground, Residual};
+use modyn_runtime::solve::{Contact, Stop};
+use modyn_runtime::spatial::Vector3;
+use modyn_runtime::{
+    ConstraintSettings, ContactProblemOutputs, ContactTarget, Interpreter, ShapeError,
+};
 
 /// The unilateral constraints of a motion.
 #[derive(Clone, Copy, Default)]
@@ -55,6 +58,8 @@ pub fn contradictory_limits(model: &Model) -> Vec<String> {
 pub struct Impulses {
     options: Options,
     limited: Vec<Limited>,
+    /// The impulses of the last step.
+    last: StepImpulses<Vec<f64>, Vec<f64>>,
 }
 
 /// The results of a step besides the coordinates.
@@ -65,7 +70,7 @@ pub struct Step {
     pub dissipated: f64,
     /// The height of the lowest contact above the ground before the step, m; infinite without ground.
     pub lowest: f64,
-    /// The velocities that the sweeps left wrong.
+    /// The velocities that are wrong.
     pub residual: Residual,
 }
 
@@ -86,7 +91,9 @@ impl Impulses {
             })
         });
         let limited = if options.limits { limited.collect() } else { Vec::new() };
-        Self { options, limited }
+        let contacts = options.friction.map_or(0, |_| model.contacts().len());
+        let last = StepImpulses { contacts: vec![0.0; 3 * contacts], stops: vec![0.0; model.nv()] };
+        Self { options, limited, last }
     }
 
     pub fn is_none(&self) -> bool {
@@ -102,66 +109,73 @@ impl Impulses {
 
     /// Returns the velocities after a step of `dt` seconds from this state on under these joint forces.
     pub fn step(
-        &self,
+        &mut self,
         interpreter: &mut Interpreter<f64>,
         (q, qd, tau): (&[f64], &[f64], &[f64]),
         settings: &ConstraintSettings<f64, Vec<ContactTarget<f64>>>,
         dt: f64,
     ) -> Result<Step, ShapeError> {
-        let n = qd.len();
-        let mut next = vec![0.0; n];
-        interpreter.forward_dynamics(q, qd, tau, &mut next)?;
-        next.iter_mut().zip(qd).for_each(|(next, qd)| *next = qd + dt * *next);
-        let free = next.clone();
-        let factors = interpreter.brge(q)?;
-
-        let contacts = self.options.friction.map_or(0, |_| settings.contacts.len());
-        let mut columns = vec![Twist::zero(); settings.contacts.len() * n];
-        let twists = || vec![Twist::zero(); settings.contacts.len()];
-        let (mut displacements, mut velocities) = (twists(), twists());
-        if contacts > 0 {
-            interpreter.constraint_jacobian(q, &mut columns)?;
-            let before = (&mut *displacements, &mut *velocities);
-            interpreter.constraint_residual((q, qd), settings, before)?;
-        }
-        let mut responses = Vec::with_capacity(3 * contacts);
-        for columns in columns.chunks(n.max(1)).take(contacts) {
-            for k in 0..3 {
-                let force: Vec<f64> = columns.iter().map(|column| column.linear[k]).collect();
-                responses.push(factors.solve(&force)?);
-            }
-        }
-        let ground = Ground::with_friction(self.options.friction.unwrap_or(0.0));
-        let touches: Vec<StepContact<'_, f64>> = (0..contacts)
-            .map(|c| {
-                StepContact::new(
-                    &settings.contacts[c],
-                    (&columns[c * n..][..n], [0, 1, 2].map(|k| &*responses[3 * c + k])),
-                    (displacements[c], velocities[c]),
-                    FreeMotion { dt, velocities: &free },
-                    ground.friction,
-                )
+        let (n, count) = (qd.len(), settings.contacts.len());
+        let (mut free, mut heights) = (vec![0.0; n], vec![0.0; count]);
+        let (mut before, mut after) = (vec![Vector3::zero(); count], vec![Vector3::zero(); count]);
+        let rows = 3 * count;
+        let (mut mobility, mut responses) = (vec![0.0; rows * rows], vec![0.0; rows * n]);
+        let problem = ContactProblemOutputs {
+            qd: &mut free,
+            heights: &mut heights,
+            before: &mut before,
+            free: &mut after,
+            mobility: &mut mobility,
+            responses: &mut responses,
+        };
+        interpreter.contact_problem((q, qd, tau, dt), settings, problem)?;
+        let matrix = |numbers: &[f64], rows: usize| -> Vec<Vec<f64>> {
+            numbers.chunks(rows.max(1)).map(<[f64]>::to_vec).collect()
+        };
+        let (mobility, responses) = (matrix(&mobility, rows), matrix(&responses, n));
+        // Without ground no contact takes part.
+        let contacts = self.last.contacts.len() / 3;
+        let targets: Vec<ContactTarget<f64>> = settings.contacts[..contacts]
+            .iter()
+            .map(|target| ContactTarget {
+                friction: self.options.friction.unwrap_or_default(),
+                ..*target
             })
             .collect();
-        let lowest = touches.iter().map(|touch| touch.height).fold(f64::INFINITY, f64::min);
-        let inverse = if self.limited.is_empty() { Vec::new() } else { factors.inverse() };
-        let stops = self.limited.iter().map(|joint| {
-            let response = &inverse[joint.velocity * n..][..n];
-            let place = (q[joint.coordinate], joint.range);
-            JointStop::new((joint.velocity, response), place, settings.beta, dt)
-        });
-        let stops: Vec<JointStop<'_, f64>> = stops.collect();
-        let (mut impulses, mut torques) = (vec![Vector3::zero(); contacts], vec![0.0; stops.len()]);
-        let (of_contacts, of_stops) = ((&*touches, &mut *impulses), (&*stops, &mut *torques));
-        let residual = apply_impulses(of_contacts, of_stops, ground.sweeps, &mut next);
-
-        // The change of the kinetic energy by impulses is their product with the mean velocity.
-        let mean: Vec<f64> = free.iter().zip(&next).map(|(a, b)| (a + b) / 2.0).collect();
-        let by_contacts = touches.iter().zip(&impulses);
-        let by_contacts =
-            by_contacts.map(|(touch, &p)| p.dot(touch.velocity(&mean) + touch.ground));
-        let by_stops = stops.iter().zip(&torques).map(|(stop, p)| p * mean[stop.entry]);
-        let dissipated = -by_contacts.chain(by_stops).sum::<f64>();
-        Ok(Step { qd: next, dissipated, lowest, residual })
+        let motion = FreeMotion {
+            dt,
+            qd: &free,
+            heights: &heights[..contacts],
+            before: &before[..contacts],
+            free: &after[..contacts],
+            mobility: &mobility[..3 * contacts],
+            responses: &responses[..3 * contacts],
+        };
+        let mut stops = vec![Stop::new([f64::NEG_INFINITY, f64::INFINITY]); n];
+        for joint in &self.limited {
+            let range = velocity_range(q[joint.coordinate], joint.range, settings.beta, dt);
+            stops[joint.velocity].range = range;
+        }
+        let inverse = if self.limited.is_empty() {
+            stops.clear();
+            Vec::new()
+        } else {
+            matrix(&interpreter.brge(q)?.inverse(), n)
+        };
+        let memory = Vectors { contacts, velocities: n, inverse: || inverse.clone() };
+        let mut next = free.clone();
+        let (residual, _) = solve_step(
+            &memory,
+            &motion,
+            &targets,
+            &Ground::default(),
+            (&mut vec![Contact::new(0.0); contacts], &mut stops, &mut vec![0; n]),
+            &mut self.last,
+            &mut next,
+        );
+        let energies =
+            [interpreter.kinetic_energy(q, &free)?, interpreter.kinetic_energy(q, &next)?];
+        let lowest = motion.heights.iter().copied().fold(f64::INFINITY, f64::min);
+        Ok(Step { qd: next, dissipated: energies[0] - energies[1], lowest, residual })
     }
 }

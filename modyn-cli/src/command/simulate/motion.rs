@@ -6,7 +6,7 @@
 use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{Friction, Model};
-use modyn_runtime::simulate::impulses::Residual;
+use modyn_runtime::simulate::Residual;
 use modyn_runtime::spatial::{Twist, Wrench};
 use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter, ShapeError};
 

@@ -95,6 +95,11 @@ impl<S: Scalar> ContactFrame<S> {
         self.root_axes.mul_vector(v)
     }
 
+    /// Returns the rotation from the root's axes to the axes that are the columns of `axes` in the world.
+    pub(super) fn root_to(&self, axes: &Matrix3<S>) -> Matrix3<S> {
+        axes.transposed().times(&self.root_axes)
+    }
+
     /// Returns a twist in world axes, given in the root's axes.
     pub(super) fn twist_to_world(&self, t: Twist<S>) -> Twist<S> {
         Twist { angular: self.to_world(t.angular), linear: self.to_world(t.linear) }

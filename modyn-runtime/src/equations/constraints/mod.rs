@@ -13,6 +13,7 @@
 //! | `path` | the joints that move a point, and the derivatives of its motion |
 //! | `loop_derivatives` | the part of loop constraints in the derivatives |
 //! | `impulse` | velocities after an impact, and the impulses |
+//! | `contact_problem` | the velocities of a step without impulses, J M^-1 J^T and M^-1 J^T of the contacts' points |
 //! | `inverse_dynamics` | joint forces of accelerations, and the contact wrenches that carry a floating base |
 //! | `jacobian` | the Jacobian and the bias acceleration |
 //! | `operational_inertia` | J M^-1 J^T and its pseudo-inverse |
@@ -45,6 +46,7 @@
 
 mod adjoint;
 mod contact;
+mod contact_problem;
 mod derivative_terms;
 mod derivatives;
 mod factorization;
@@ -62,8 +64,8 @@ mod residual;
 mod rows;
 
 pub use {
-    adjoint::*, derivatives::*, forward_dynamics::*, impulse::*, inverse_dynamics::*, jacobian::*,
-    operational_inertia::*, projection::*, residual::*,
+    adjoint::*, contact_problem::*, derivatives::*, forward_dynamics::*, impulse::*,
+    inverse_dynamics::*, jacobian::*, operational_inertia::*, projection::*, residual::*,
 };
 
 use alloc::{vec, vec::Vec};
@@ -75,7 +77,7 @@ use super::factorization::{solve_lower_factor, solve_upper_factor};
 use crate::Scalar;
 use crate::constraint_settings::{ConstraintSettings, ContactTarget};
 use crate::mechanism::{ConstrainedFrames, Mechanism};
-use crate::spatial::{Twist, Vector3, Wrench};
+use crate::spatial::{Matrix3, Twist, Vector3, Wrench};
 use contact::ContactFrame;
 use derivative_terms::DerivativeWorkspace;
 use factorization::RankFactorization;
@@ -243,18 +245,25 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         if constraint.rows[row - first].angular { constraint.length } else { S::one() }
     }
 
-    /// Expresses the Jacobian's rows of contacts in world axes.
-    fn rotate_contact_rows(&mut self, model: &Mechanism<S>) {
+    /// Expresses the Jacobian's rows of contacts in other axes: those of world axes, rotated to the axes that are the columns of
+    /// the contact's matrix.
+    fn rotate_contact_rows(&mut self, model: &Mechanism<S>, axes: impl Fn(usize) -> Matrix3<S>) {
         let n = model.nv.max(1);
-        let (mut next, mut frames) = (0, self.frames.iter());
+        let (mut next, mut frames) = (0, self.frames.iter().enumerate());
         for constraint in &model.constraints {
             let count = constraint.rows.len();
-            if let Some(frame) = constraint.contact.then(|| frames.next()).flatten() {
-                for three in self.jacobian[next * n..(next + count) * n].chunks_mut(3 * n) {
-                    for k in 0..n {
-                        let rotated =
-                            frame.to_world(Vector3([three[k], three[n + k], three[2 * n + k]]));
-                        (0..3).for_each(|i| three[i * n + k] = rotated[i]);
+            if let Some((contact, frame)) = constraint.contact.then(|| frames.next()).flatten() {
+                let rotation = frame.root_to(&axes(contact));
+                for first in (next..next + count).step_by(3) {
+                    let rotate = |three: &mut [S], stride: usize, k: usize| {
+                        let own = Vector3([0, 1, 2].map(|i| three[i * stride + k]));
+                        let rotated = rotation.mul_vector(own);
+                        (0..3).for_each(|i| three[i * stride + k] = rotated[i]);
+                    };
+                    let rows = &mut self.jacobian[first * n..(first + 3) * n];
+                    (0..n).for_each(|k| rotate(rows, n, k));
+                    for side in &mut self.right_hand_sides {
+                        rotate(&mut side[first..first + 3], 1, 0);
                     }
                 }
             }
@@ -325,10 +334,15 @@ impl<S: Scalar> ConstraintWorkspace<S> {
                 response[k] = response[k] + share;
             }
         }
-        for (x, &reciprocal) in response.iter_mut().zip(&self.factors[layout.reciprocals()]) {
+        self.scale(limbs, response);
+        solve_lower_factor(layout, &self.factors, response);
+    }
+
+    /// Multiplies a joint vector by Delta^-1.
+    fn scale<L: FactorLayout<S>>(&self, limbs: &L, x: &mut [S]) {
+        for (x, &reciprocal) in x.iter_mut().zip(&self.factors[limbs.layout().reciprocals()]) {
             *x = *x * reciprocal;
         }
-        solve_lower_factor(layout, &self.factors, response);
     }
 
     /// Calls `each` for each constraint with its index and the sum of its rows' directions times these

@@ -7,6 +7,7 @@ use crate::constraint_settings::ContactTarget;
 use crate::equations::Workspace;
 use crate::equations::brge;
 use crate::equations::factorization::limb_coupling::{Factorizable, LimbAccess};
+use crate::spatial::{Matrix3, Pose};
 
 /// Computes the inverse operational-space inertia J M^-1 J^T of the constraint rows (the Delassus matrix), with
 /// the compliance of contacts, and its pseudo-inverse, the operational-space inertia (Khatib 1987). Both are
@@ -32,7 +33,7 @@ pub fn operational_inertia<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarge
     let rest = core::mem::take(&mut memory.rest);
     constraint_rows(model, (q, &rest), contacts, workspace, memory, |_, _, _| [S::zero(); 2]);
     memory.rest = rest;
-    memory.rotate_contact_rows(model);
+    memory.rotate_contact_rows(model, |_| Matrix3(Pose::identity().rotation));
     memory.fill(tree, layout, (active, settings));
     let rows = memory.rows;
     let length = |row: usize| memory.row_length(model, row);

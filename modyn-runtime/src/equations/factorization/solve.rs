@@ -121,11 +121,23 @@ pub(in crate::equations) fn solve_lower_factor<S: Scalar>(
     factors: &[S],
     x: &mut [S],
 ) {
+    solve_lower_within(layout, factors, 0..layout.blocks().len(), x);
+}
+
+/// The part of [`solve_lower_factor`] for the entries of these modules, ascending. Expects the entries of the modules before
+/// them, which U couples to them, to be results.
+pub(in crate::equations) fn solve_lower_within<S: Scalar>(
+    layout: &UduLayout,
+    factors: &[S],
+    modules: impl Iterator<Item = usize>,
+    x: &mut [S],
+) {
     let u = &factors[layout.u()];
-    for (m, block) in layout.blocks().iter().enumerate() {
-        solve_lower(layout.v(m, factors), &mut x[block.dofs.clone()]);
+    for m in modules {
+        let dofs = &layout.blocks()[m].dofs;
+        solve_lower(layout.v(m, factors), &mut x[dofs.clone()]);
         for (dof, row) in layout.rows(m) {
-            for (j, i) in block.dofs.clone().enumerate() {
+            for (j, i) in dofs.clone().enumerate() {
                 x[i] = x[i] - u[row + j] * x[dof];
             }
         }

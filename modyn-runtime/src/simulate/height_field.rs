@@ -1,0 +1,117 @@
+//! Ground whose height is given on a grid.
+
+use crate::robot::Settings;
+use crate::solve::Decide;
+use crate::spatial::{Matrix3, Pose, Vector3};
+use crate::{Array, Robot, functions};
+
+/// Ground whose height is given on a grid in the xy plane of the world, and interpolated bilinearly. Beyond the grid the ground goes
+/// on level at the height of the border.
+///
+/// ```
+/// use modyn_runtime::simulate::HeightField;
+///
+/// // A ramp along x: 10 cm higher after each metre.
+/// let heights = [0.0, 0.1, 0.2, 0.0, 0.1, 0.2];
+/// let ramp = HeightField::new([0.0, -5.0], [1.0, 10.0], 3, &heights).expect("two rows of three");
+/// let plane = ramp.plane([0.5, 0.0]);
+/// assert!((plane.translation[2] - 0.05_f64).abs() < 1e-12);
+/// assert!((plane.rotation[0][2] / plane.rotation[2][2] + 0.1).abs() < 1e-12);
+/// assert!(HeightField::new([0.0; 2], [1.0; 2], 4, &heights).is_none());
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeightField<'a, T = f64> {
+    /// The x and y of the first height, m.
+    origin: [T; 2],
+    /// The distances of neighbours along x and y, m.
+    spacing: [T; 2],
+    /// The number of heights along x, and along y.
+    counts: [usize; 2],
+    /// The heights, m: row by row, along x within a row.
+    heights: &'a [T],
+}
+
+/// The cell of a grid along one axis.
+struct Cell<T> {
+    /// The index of its first height.
+    first: usize,
+    /// The place within the cell, 0 to 1.
+    part: T,
+    /// 1 / its size; 0 beyond the grid, where the ground is level.
+    slope: T,
+}
+
+impl<'a, T: Decide + Into<f64>> HeightField<'a, T> {
+    /// Returns the field of these heights (m): rows of `columns` heights along x, whose first is at `origin`, with these distances of
+    /// neighbours along x and y (m). `None` if there are not two full rows of at least two heights, or a distance is not above zero.
+    #[must_use]
+    pub fn new(origin: [T; 2], spacing: [T; 2], columns: usize, heights: &'a [T]) -> Option<Self> {
+        let positive = |x: T| !x.all_at_most(T::zero()) && x.into().is_finite();
+        let rows = heights.len().checked_div(columns)?;
+        let fits = columns >= 2 && rows >= 2 && rows * columns == heights.len();
+        let sound = fits && spacing.into_iter().all(positive);
+        sound.then_some(Self { origin, spacing, counts: [columns, rows], heights })
+    }
+
+    /// Returns the plane that touches the ground below a point at this x and y (m): its z axis is the normal of the ground, its origin
+    /// is on the ground, and its x axis is above the x axis of the world.
+    #[must_use]
+    pub fn plane(&self, point: [T; 2]) -> Pose<T> {
+        let [x, y] = [0, 1].map(|axis| self.cell(axis, point[axis]));
+        let height =
+            |i: usize, j: usize| self.heights[(y.first + j) * self.counts[0] + x.first + i];
+        let mix = |a: T, b: T, part: T| a + (b - a) * part;
+        let along = [0, 1].map(|i| mix(height(i, 0), height(i, 1), y.part));
+        let across = [0, 1].map(|j| mix(height(0, j), height(1, j), x.part));
+        let slopes = [(along[1] - along[0]) * x.slope, (across[1] - across[0]) * y.slope];
+        let unit = |v: Vector3<T>| v.scale(v.dot(v).sqrt().recip());
+        let normal = unit(Vector3([-slopes[0], -slopes[1], T::one()]));
+        let first = unit(Vector3([T::one(), T::zero(), slopes[0]]));
+        let axes = [first, normal.cross(first), normal];
+        Pose {
+            rotation: Matrix3::from_columns(|k| axes[k]).0,
+            translation: [point[0], point[1], mix(along[0], along[1], x.part)],
+        }
+    }
+
+    /// Returns the cell at this coordinate along an axis.
+    fn cell(&self, axis: usize, at: T) -> Cell<T> {
+        let place = (at - self.origin[axis]) / self.spacing[axis];
+        let last = self.counts[axis] - 2;
+        let cells: f64 = place.into();
+        #[allow(
+            clippy::cast_precision_loss,
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss
+        )]
+        let (first, end) = ((cells.max(0.0) as usize).min(last), (last + 1) as f64);
+        #[allow(clippy::cast_precision_loss)]
+        let part = place - T::from_f64(first as f64);
+        let inside = cells >= 0.0 && cells <= end;
+        let bounded = (part - T::one()).select_nonnegative(T::one(), part.max(T::zero()));
+        let slope = if inside { self.spacing[axis].recip() } else { T::zero() };
+        Cell { first, part: bounded, slope }
+    }
+
+    /// Returns `settings` with the plane below each contact of a robot at the coordinates `q` as its target.
+    #[must_use]
+    pub fn under<R>(&self, q: &R::Q<T>, settings: &Settings<R, T>) -> Settings<R, T>
+    where
+        R: Robot + functions::ConstraintResidual,
+    {
+        // The displacements from the world's origin are the places of the contacts.
+        let mut places = *settings;
+        for target in places.contacts.as_mut() {
+            (target.pose, target.tangential) = (Pose::identity(), T::one());
+        }
+        let rest = R::V::<T>::from_fn(|_| T::zero());
+        let found = R::constraint_residual(q, &rest, &places).displacements;
+        // Loop constraints come first.
+        let loops = R::PerConstraint::<()>::LEN - R::PerContact::<()>::LEN;
+        let mut settings = *settings;
+        for (target, place) in settings.contacts.as_mut().iter_mut().zip(&found.as_ref()[loops..]) {
+            target.pose = self.plane([place.linear[0], place.linear[1]]);
+        }
+        settings
+    }
+}

@@ -1,0 +1,237 @@
+//! One contact with Coulomb friction.
+//!
+//! The velocity of the contact is u = B p + c, with its impulse p, its 3 x 3 mobility B and the velocity c by all other impulses.
+//! The third direction is the normal n. With b = B_tn, S = B_tt - b b^T / B_nn and s = c_t - b c_n / B_nn the solution is
+//!
+//! ```text
+//! open    p = 0                                            if c_n >= 0
+//! stick   S p_t = -s,        p_n = -(c_n + b . p_t) / B_nn   if |p_t| <= mu p_n
+//! slip    (S + k) p_t = -s,  p_n as before, with the slip k > 0 at which |p_t| = mu p_n: then u_t = -k p_t
+//! ```
+//!
+//! A slip exists whenever c_n < 0: mu p_n - |p_t| is negative at k = 0, and positive for large k. mu p_n / |p_t| - 1 is nearly
+//! linear in k, as in trust regions, so Newton's method on k takes few steps. The slip of the last visit is the first guess.
+//!
+//! A direction in which the robot cannot move, such as that out of the plane of a planar robot, makes S singular. So each visit
+//! adds a small multiple of the change of p_t to u_t, which is zero at the solution.
+
+use super::decide::Decide;
+use crate::scalar::epsilon;
+
+/// The Newton steps on the slip in one visit.
+const SLIP_STEPS: usize = 2;
+
+/// The state of a contact after a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ContactMode {
+    /// The ground does not push.
+    #[default]
+    Open,
+    /// The contact does not move within the plane.
+    Stick,
+    /// The contact moves within the plane.
+    Slip,
+}
+
+/// A contact with friction: three rows of the equations.
+#[derive(Clone, Copy, Debug)]
+pub struct Contact<S> {
+    /// The coefficient of friction, not negative.
+    pub friction: S,
+    /// B by rows: xx, xy, xz, yy, yz, zz.
+    block: [S; 6],
+    /// 1 / B_nn; zero if the robot cannot move along the normal.
+    normal: S,
+    /// S with the addition that keeps it regular: xx, xy, yy; then 1 / its determinant.
+    tangential: [S; 4],
+    /// The addition to S.
+    proximal: S,
+    /// The mean mobility within the plane, and its reciprocal.
+    scale: [S; 2],
+    /// The slip k of the last visit; zero if it did not slip.
+    slip: S,
+}
+
+impl<S: Decide> Contact<S> {
+    /// Returns a contact with this coefficient of friction.
+    #[inline]
+    #[must_use]
+    pub fn new(friction: S) -> Self {
+        let zero = S::zero();
+        Self {
+            friction,
+            block: [zero; 6],
+            normal: zero,
+            tangential: [zero; 4],
+            proximal: zero,
+            scale: [zero; 2],
+            slip: zero,
+        }
+    }
+
+    /// Sets the mobility: xx, xy, xz, yy, yz, zz.
+    #[inline]
+    pub(super) fn set_block(&mut self, block: [S; 6]) {
+        let [xx, xy, xz, yy, yz, zz] = block;
+        let least = floor::<S>();
+        let immobile = least * (xx + yy + zz) - zz;
+        let one = S::one();
+        let normal =
+            immobile.select_nonnegative(S::zero(), immobile.select_nonnegative(one, zz).recip());
+        let (bx, by) = (xz * normal, yz * normal);
+        // Never zero: a contact that cannot move at all has the mobility 1.
+        let mean = (xx + yy) * S::from_f64(0.5);
+        let still = least * zz - mean;
+        let mean = still.select_nonnegative((-zz).select_nonnegative(one, zz), mean);
+        let proximal = least * mean;
+        let (sxx, sxy, syy) = (xx - xz * bx + proximal, xy - xz * by, yy - yz * by + proximal);
+        // At least that of the addition, where rounding would leave less.
+        let determinant = (sxx * syy - sxy * sxy).max(proximal * proximal);
+        self.block = block;
+        self.normal = normal;
+        self.tangential = [sxx, sxy, syy, determinant.recip()];
+        self.proximal = proximal;
+        self.scale = [mean, mean.recip()];
+        self.slip = S::zero();
+    }
+
+    /// Returns the mean mobility within the plane and the mobility along the normal, 1/kg.
+    #[inline]
+    pub(super) fn mobilities(&self) -> [S; 2] {
+        [self.scale[0], self.block[5]]
+    }
+
+    /// Returns whether the robot can move along the normal. Else the contact takes no part.
+    #[inline]
+    pub(super) fn is_mobile(&self) -> bool {
+        !self.normal.all_at_most(S::zero())
+    }
+
+    /// Returns the impulse that solves the equations of this contact, whose impulse is `p` and whose velocity is `u`.
+    #[inline(always)]
+    pub(super) fn solve(&mut self, p: [S; 3], u: [S; 3]) -> [S; 3] {
+        let [xx, xy, xz, yy, yz, zz] = self.block;
+        let zero = S::zero();
+        let cn = u[2] - xz * p[0] - yz * p[1] - zz * p[2];
+        // Open, or without effect along the normal.
+        let pushed = (-self.normal).select_nonnegative(zero, (-cn).max(zero));
+        let open = -pushed;
+        if open.all_nonnegative() {
+            self.slip = zero;
+            return [zero; 3];
+        }
+        let cx = u[0] - (xx + self.proximal) * p[0] - xy * p[1] - xz * p[2];
+        let cy = u[1] - xy * p[0] - (yy + self.proximal) * p[1] - yz * p[2];
+        let [sxx, sxy, syy, inverse] = self.tangential;
+        let alone = pushed * self.normal;
+        let (sx, sy) = (cx + xz * alone, cy + yz * alone);
+        let normal = self.normal;
+        let pressed = |px: S, py: S| alone - (xz * px + yz * py) * normal;
+
+        let (px, py) = ((sxy * sy - syy * sx) * inverse, (sxy * sx - sxx * sy) * inverse);
+        let pn = pressed(px, py);
+        let limit = self.friction * pn;
+        // Negative if it slips.
+        let sticks = pn.select_nonnegative(limit * limit - (px * px + py * py), pn);
+        let stuck = [px, py, pn];
+        let mut found = stuck;
+        if sticks.all_nonnegative() {
+            self.slip = zero;
+        } else {
+            let slid = self.slide([sx, sy], alone, &pressed);
+            self.slip = sticks.select_nonnegative(zero, self.slip);
+            self.slip = open.select_nonnegative(zero, self.slip);
+            found = core::array::from_fn(|k| sticks.select_nonnegative(stuck[k], slid[k]));
+        }
+        found.map(|x| open.select_nonnegative(zero, x))
+    }
+
+    /// Returns the impulse of a contact that slips, and stores its slip. `s` and `alone` are s and -c_n / B_nn; `pressed` returns p_n
+    /// of p_t.
+    #[inline(always)]
+    fn slide(&mut self, [sx, sy]: [S; 2], alone: S, pressed: &impl Fn(S, S) -> S) -> [S; 3] {
+        let [_, _, xz, _, yz, zz] = self.block;
+        let [sxx, sxy, syy, _] = self.tangential;
+        let one = S::one();
+        // Without friction the slip is infinite; its direction is that of little friction.
+        let friction = self.friction.max(S::from_f64(1e-6));
+        // The first guess is that of an isotropic block.
+        let least = S::from_f64(1e-3) * (sxx + syy);
+        let length = (sx * sx + sy * sy).sqrt();
+        let guess = length * (friction * alone).recip() - S::from_f64(0.5) * (sxx + syy);
+        let mut k = (-self.slip).select_nonnegative(guess.max(least), self.slip);
+        let at = |k: S| {
+            let (a, b) = (sxx + k, syy + k);
+            let inverse = (a * b - sxy * sxy).recip();
+            let solve = |x: S, y: S| [(sxy * y - b * x) * inverse, (sxy * x - a * y) * inverse];
+            let [px, py] = solve(sx, sy);
+            ([px, py], solve(px, py))
+        };
+        for _ in 0..SLIP_STEPS {
+            // d p_t / dk = -(S + k)^-1 p_t.
+            let ([px, py], [dx, dy]) = at(k);
+            let (pn, dn) = (pressed(px, py), -(xz * dx + yz * dy) * self.normal);
+            let square = px * px + py * py;
+            // f = mu p_n - |p_t|, and its derivative of mu p_n / |p_t| - 1 times |p_t|.
+            let f = friction * pn - square.sqrt();
+            let rate = friction * (dn - pn * (px * dx + py * dy) / square);
+            let next = k - f / rate;
+            // A step that leads nowhere is one towards more slip.
+            let forward = (-rate).select_nonnegative(k + k, next);
+            k = forward.max(k * S::from_f64(0.1));
+        }
+        self.slip = k;
+        let ([px, py], _) = at(k);
+        // Exactly on the cone, and exactly at rest along the normal.
+        let per_length =
+            (px * px + py * py).max(S::from_f64(f64::from(f32::MIN_POSITIVE))).sqrt().recip();
+        let (ex, ey) = (px * per_length, py * per_length);
+        let divisor = zz + self.friction * (xz * ex + yz * ey);
+        let wedged = S::from_f64(1e-3) * zz - divisor;
+        let exact = alone * zz * wedged.select_nonnegative(one, divisor).recip();
+        let pn = wedged.select_nonnegative(pressed(px, py).max(S::zero()), exact);
+        let limit = self.friction * pn;
+        [limit * ex, limit * ey, pn]
+    }
+
+    /// Returns the velocity of the contact with impulse `p` and velocity `u` that contradicts the laws of contacts, m/s: zero at a
+    /// solution.
+    #[inline]
+    pub(super) fn residual(&self, p: [S; 3], u: [S; 3]) -> S {
+        let (zero, [mean, per_mean]) = (S::zero(), self.scale);
+        let along = p[2] - (p[2] - u[2] * self.normal).max(zero);
+        let wanted = [0, 1].map(|k| p[k] - u[k] * per_mean);
+        let (length, limit) = (norm(wanted), self.friction * p[2].max(zero));
+        // At length zero the first choice applies, so nothing is divided by zero.
+        let inside = limit - length;
+        let part = inside
+            .select_nonnegative(S::one(), limit / inside.select_nonnegative(S::one(), length));
+        let across = norm([0, 1].map(|k| p[k] - part * wanted[k])) * mean;
+        let worst = (along.abs() * self.block[5]).max(across);
+        (-self.normal).select_nonnegative(zero, worst)
+    }
+
+    /// Returns the state of a contact with impulse `p` and velocity `u`.
+    #[inline]
+    #[must_use]
+    pub fn mode(&self, p: [S; 3]) -> ContactMode {
+        let limit = self.friction * p[2] * S::from_f64(1.0 - 1e-6);
+        if p[2].all_at_most(S::zero()) {
+            ContactMode::Open
+        } else if !norm([p[0], p[1]]).all_at_most(limit) || limit.all_at_most(S::zero()) {
+            ContactMode::Slip
+        } else {
+            ContactMode::Stick
+        }
+    }
+}
+
+#[inline]
+fn norm<S: Decide>([x, y]: [S; 2]) -> S {
+    (x * x + y * y).sqrt()
+}
+
+/// Returns the part of a mobility that counts as none.
+fn floor<S: Decide>() -> S {
+    S::from_f64(1e-10).max(S::from_f64(16.0) * epsilon())
+}

@@ -1,0 +1,168 @@
+//! The impulses of contacts with friction and of joint stops.
+
+use super::contact::Contact;
+use super::decide::Decide;
+
+/// Numbers with an entry for each row of a problem, or more: an array or a vector.
+pub trait Row<S>: Clone + AsRef<[S]> + AsMut<[S]> {}
+
+impl<S, R: Clone + AsRef<[S]> + AsMut<[S]>> Row<S> for R {}
+
+/// A joint stop: one row of the equations, whose velocity stays within a range.
+#[derive(Clone, Copy, Debug)]
+pub struct Stop<S> {
+    /// The lowest and the highest velocity, rad/s or m/s; may be infinite.
+    pub range: [S; 2],
+    /// The change of the velocity by a unit impulse. [`GroundEquations::solve`] sets it.
+    pub(super) mobility: S,
+}
+
+impl<S: Decide> Stop<S> {
+    /// Returns a stop with this range of velocities.
+    #[inline]
+    #[must_use]
+    pub fn new(range: [S; 2]) -> Self {
+        Self { range, mobility: S::zero() }
+    }
+
+    /// Returns the impulse that solves the equation of this stop, whose impulse is `p` and whose velocity is `u`.
+    #[inline]
+    pub(super) fn solve(&self, p: S, u: S) -> S {
+        let per_unit = self.mobility.recip();
+        let [up, down] = self.range.map(|bound| p + (bound - u) * per_unit);
+        // At most one of the two is not zero, since the range is not empty.
+        up.select_nonnegative(up, S::zero()) + (-down).select_nonnegative(down, S::zero())
+    }
+
+    /// Returns the velocity that is missing to the limit which acts; `None` if none acts.
+    #[inline]
+    pub(super) fn missing(&self, p: S, u: S) -> Option<S> {
+        let [up, down] = self.range.map(|bound| self.mobility * p + bound - u);
+        let acts = |x: S| !x.all_at_most(S::zero());
+        if acts(up) {
+            Some(self.range[0] - u)
+        } else if acts(-down) {
+            Some(self.range[1] - u)
+        } else {
+            None
+        }
+    }
+
+    /// Returns the velocity that contradicts the law of a stop: zero at the solution.
+    #[inline]
+    pub(super) fn residual(&self, p: S, u: S) -> S {
+        (self.solve(p, u) - p).abs() * self.mobility
+    }
+}
+
+/// The velocities that are wrong with the impulses of a step: zero if the impulses satisfy the laws of contacts and stops.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Residual<T = f64> {
+    /// The largest wrong velocity of a contact, m/s.
+    pub contacts: T,
+    /// The largest wrong velocity of a joint at a stop, rad/s or m/s.
+    pub stops: T,
+}
+
+/// The work of a solver: limits, or what it took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Effort {
+    /// The number of sweeps.
+    pub sweeps: usize,
+    /// The number of Newton steps.
+    pub newton: usize,
+}
+
+/// The equations u = A p + b of impulses p and velocities u: three rows for each contact (two directions in the plane, then the
+/// normal), then one for each stop.
+///
+/// A contact does not pull, and does not approach the ground: p_n >= 0, u_n >= 0, p_n u_n = 0. Its friction is at most
+/// `friction` times p_n, and has this length against the velocity if it slips. A stop pushes its velocity into its range.
+#[derive(Debug)]
+pub struct GroundEquations<'a, S, R> {
+    /// The symmetric matrix A by rows, which may have further entries.
+    pub a: &'a [R],
+    /// The velocities without impulses. The least speed of a contact along its normal is subtracted.
+    pub b: &'a R,
+    /// The contacts.
+    pub contacts: &'a mut [Contact<S>],
+    /// The stops.
+    pub stops: &'a mut [Stop<S>],
+}
+
+impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
+    /// Returns the number of rows.
+    #[inline]
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        3 * self.contacts.len() + self.stops.len()
+    }
+
+    /// Returns the velocities of these impulses.
+    #[inline]
+    pub(super) fn velocities(&self, p: &R) -> R {
+        let mut velocities = self.b.clone();
+        let u = velocities.as_mut();
+        for (&p, row) in p.as_ref()[..self.rows()].iter().zip(self.a) {
+            for (u, &a) in u.iter_mut().zip(row.as_ref()) {
+                *u = a.mul_add(p, *u);
+            }
+        }
+        velocities
+    }
+
+    /// Solves the equations from the impulses `p` on, in sweeps and, where these do not suffice, by Newton steps. `matrix` returns
+    /// memory with as many rows as `a`. Returns what is still wrong, m/s and rad/s, and the work.
+    ///
+    /// There are at most `most.sweeps` sweeps, with stops at most one, since stops are coupled strongly. Neither method allocates.
+    /// The scalar must be a single number.
+    #[inline(always)]
+    pub fn solve<M: AsMut<[R]>>(
+        &mut self,
+        p: &mut R,
+        matrix: impl FnOnce() -> M,
+        (most, tolerance): (Effort, S),
+    ) -> (Residual<S>, Effort) {
+        self.prepare();
+        let mut u = self.velocities(p);
+        let sweeps = if self.stops.is_empty() { most.sweeps } else { most.sweeps.min(1) };
+        let (sweeps, change) = self.sweep(p.as_mut(), u.as_mut(), (sweeps, tolerance));
+        let mut newton = 0;
+        if !change.all_at_most(tolerance) && most.newton > 0 {
+            newton = self.newton(p, &mut u, matrix().as_mut(), (most.newton, tolerance));
+        }
+        (self.residual(p.as_ref(), u.as_ref()), Effort { sweeps, newton })
+    }
+
+    /// Sets the blocks of contacts and the mobilities of stops.
+    #[inline(always)]
+    fn prepare(&mut self) {
+        let a = self.a;
+        let at = |i: usize, j: usize| a[i].as_ref()[j];
+        for (c, contact) in self.contacts.iter_mut().enumerate() {
+            let (x, y, z) = (3 * c, 3 * c + 1, 3 * c + 2);
+            contact.set_block([at(x, x), at(x, y), at(x, z), at(y, y), at(y, z), at(z, z)]);
+        }
+        let first = 3 * self.contacts.len();
+        for (k, stop) in self.stops.iter_mut().enumerate() {
+            stop.mobility = at(first + k, first + k);
+        }
+    }
+
+    /// Returns what is wrong with the impulses `p`, whose velocities are `u`.
+    #[inline(always)]
+    fn residual(&self, p: &[S], u: &[S]) -> Residual<S> {
+        let three = |x: &[S], c: usize| [x[3 * c], x[3 * c + 1], x[3 * c + 2]];
+        let contacts = self.contacts.iter().enumerate();
+        let contacts = contacts.map(|(c, contact)| contact.residual(three(p, c), three(u, c)));
+        let first = 3 * self.contacts.len();
+        let stops = self.stops.iter().enumerate();
+        let stops = stops.map(|(k, stop)| stop.residual(p[first + k], u[first + k]));
+        // Zero, unless an impulse is no finite number.
+        let sound = p[..self.rows()].iter().fold(S::zero(), |sum, &p| sum + p * S::zero());
+        Residual {
+            contacts: contacts.fold(S::zero(), S::max) + sound,
+            stops: stops.fold(S::zero(), S::max) + sound,
+        }
+    }
+}

@@ -1,0 +1,26 @@
+//! Solvers of dense problems, as loops over rows.
+//!
+//! Equations of the robot's structure become straight-line code. A problem that couples all contacts is dense: it is solved by
+//! these loops, for generated robots, for the interpreter and for machine code alike. The memory of a solver consists of rows
+//! that the caller has: arrays for generated robots, vectors for a robot that is known at run time.
+//!
+//! | file | content |
+//! |---|---|
+//! | `decide` | the trait of numbers on which a loop can decide to end |
+//! | `contact` | one contact with friction: its exact solution, and its residual |
+//! | `sweeps` | all contacts and joint stops one after another |
+//! | `newton` | damped Newton steps for all of them, where sweeps do not suffice |
+//! | `ground` | both, one after the other |
+
+mod contact;
+mod decide;
+mod ground;
+mod newton;
+mod sweeps;
+
+pub use contact::{Contact, ContactMode};
+pub use decide::Decide;
+pub use ground::{Effort, GroundEquations, Residual, Row, Stop};
+
+#[cfg(test)]
+mod tests;
