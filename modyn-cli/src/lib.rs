@@ -5,6 +5,7 @@
 //!                                  ├─ inspect   describes the robot, and the cost of its functions
 //!                                  ├─ generate  writes its dynamics as Rust or C
 //!                                  ├─ simulate  computes its motion: table, plots, animation
+//!                                  ├─ view      shows it, with sliders of its joints
 //!                                  └─ compare   compares its code with the interpreter
 //!
 //! explain: the cause of a diagnostic, and its remedy

@@ -12,3 +12,4 @@ mod inspect;
 mod kinematics;
 mod mjcf;
 mod simulate;
+mod view;

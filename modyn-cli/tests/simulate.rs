@@ -356,15 +356,8 @@ fn ground_without_contacts_and_limits_of_loops_are_refused() {
     assert!(closed.err.contains("closed loops"), "{}", closed.err);
 }
 
-/// Returns the data in the page of a robot's motion.
-fn motion(html: &str) -> Value {
-    let mark = "<script type=\"application/json\" id=\"motion\">";
-    let data = html.split(mark).nth(1).and_then(|rest| rest.split("</script>").next());
-    serde_json::from_str(data.expect("the motion")).expect("JSON")
-}
-
 #[test]
-fn the_page_has_the_skeleton_in_motion() {
+fn the_page_has_the_robot_and_its_motion() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
     let found = modyn(&[
@@ -384,28 +377,21 @@ fn the_page_has_the_skeleton_in_motion() {
     assert_eq!((found.code, &*found.out), (0, ""), "{}", found.err);
     let read = |name: &str| std::fs::read_to_string(Path::new(&path(name))).expect("a file");
     let html = read("p.html");
-    assert!(html.contains("<canvas") && html.contains("<title>double_pendulum</title>"));
-    let motion = motion(&html);
-    let edges = motion["edges"].as_array().expect("edges");
-    let frames = motion["points"].as_array().expect("frames");
-    assert_eq!(frames.len(), 51);
-    assert_eq!(motion["times"].as_array().map(Vec::len), Some(51));
-    let points = |frame: &Value| -> Vec<f64> {
-        frame.as_array().expect("points").iter().map(|x| x.as_f64().expect("a number")).collect()
-    };
-    // Links are rigid, so no line changes its length; and the robot moves.
-    let length = |p: &[f64], edge: &Value| {
-        let [a, b] = [0, 1].map(|k| edge[k].as_u64().expect("an index") as usize);
-        (0..3).map(|k| (p[3 * a + k] - p[3 * b + k]).powi(2)).sum::<f64>().sqrt()
-    };
-    let first = points(&frames[0]);
-    assert!(edges.iter().filter(|edge| length(&first, edge) > 0.01).count() >= 2, "{edges:?}");
-    for frame in frames {
-        let now = points(frame);
-        assert!(edges.iter().all(|edge| (length(&now, edge) - length(&first, edge)).abs() < 5e-4));
+    assert!(html.contains("<title>double_pendulum</title>"));
+    let data = common::page_data(&html);
+    assert_eq!(data["robots"][0]["bodies"].as_array().map(Vec::len), Some(2));
+    let motion = &data["motions"][0];
+    assert_eq!(motion["forces"], Value::Null);
+    let (head, rows) = table(&read("p.csv"));
+    assert_eq!(rows.len(), 51);
+    let columns = ["shoulder (rad)", "elbow (rad)"].map(|name| column(&head, name));
+    for (i, row) in rows.iter().enumerate() {
+        let shown = [&motion["times"][i], &motion["q"][i][0], &motion["q"][i][1]];
+        let shown = shown.map(|x| x.as_f64().expect("a number"));
+        for (x, y) in shown.iter().zip([row[0], row[columns[0]], row[columns[1]]]) {
+            assert!((x - y).abs() < 1e-5 * (1.0 + y.abs()), "row {i}: {x} {y}");
+        }
     }
-    let last = points(&frames[50]);
-    assert!(first.iter().zip(&last).any(|(a, b)| (a - b).abs() > 0.1));
 
     let svg = read("p.svg");
     let svg = Document::parse(&svg).expect("XML");

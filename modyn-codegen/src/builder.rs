@@ -517,7 +517,7 @@ impl Builder {
             choices.bundles = code.bundles.iter().filter_map(of).collect();
             choices.user_functions = traced.unwrap_or_default();
         }
-        let (Some(Reading { model, mut warnings, files }), Some(modules), true) =
+        let (Some(Reading { model, mut warnings, files, .. }), Some(modules), true) =
             (reading, modules, errors.is_empty())
         else {
             return Err(Diagnostics::new(errors));

@@ -25,6 +25,7 @@ mod runtime_parameters;
 mod same_text;
 mod sdf;
 mod self_contained;
+mod shapes;
 mod single_precision;
 mod singular;
 mod type_page;

@@ -1,7 +1,7 @@
 //! Pictures for notebooks: the modules and the sparsity of a robot, and its motions.
 
-use modyn_cli::picture::{Skeleton, Sparsity, draw};
-use modyn_cli::viewer;
+use modyn_cli::picture::{Sparsity, draw};
+use modyn_cli::viewer::{Motion, Scene};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -10,7 +10,7 @@ use crate::robot::Robot;
 
 #[pymethods]
 impl Robot {
-    /// Returns a page of HTML that animates the lines between the links. `times`, (n,), s, must ascend; `trajectory`, (n, nq),
+    /// Returns a page of HTML that shows the robot in motion, with its shapes. `times`, (n,), s, must ascend; `trajectory`, (n, nq),
     /// has the coordinates at each time.
     fn animation(
         &self,
@@ -24,11 +24,13 @@ impl Robot {
         if times.states != trajectory.states || !times.as_slice().is_sorted() {
             return Err(wrong("there must be as many times as states, in ascending order"));
         }
-        let skeleton = Skeleton::new(self.model());
-        let states = times.as_slice().iter().copied().zip(trajectory.as_slice().chunks(nq.max(1)));
-        let frames = skeleton.frames(self.model(), states);
-        let frames = frames.map_err(|error| wrong(&error.to_string()))?;
-        Ok(viewer::page(self.model().name(), &skeleton.edges, &frames))
+        let model = self.model();
+        let mut scene = Scene::new(model.name());
+        let robot = scene.robot(model.clone(), self.shapes());
+        let times = times.as_slice().to_vec();
+        let coordinates = trajectory.as_slice().chunks(nq.max(1)).map(<[f64]>::to_vec).collect();
+        scene.motion(Motion { name: model.name().into(), robot, times, coordinates, forces: None });
+        Ok(scene.page())
     }
 
     /// Returns the kinematic modules and the sparsity of the mass matrix and of its factors as a picture for notebooks; `None`

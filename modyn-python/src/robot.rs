@@ -7,7 +7,9 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 use modyn_codegen::diagnostics::suggest;
 use modyn_codegen::plan::EntryFunction;
 use modyn_codegen::trace::Parameters;
-use modyn_codegen::{Builder, Bundle, FloatType, Function, joints_without_inertia};
+use modyn_codegen::{
+    Builder, Bundle, FloatType, Function, ReadOptions, Shapes, joints_without_inertia,
+};
 use modyn_runtime::equations::identification::{BaseParameter, BaseParameters};
 use modyn_runtime::model::{Link, Model, ModuleTree};
 use modyn_runtime::{Inertial, Interpreter};
@@ -116,6 +118,13 @@ impl Robot {
             modules,
             model,
         })
+    }
+
+    /// Returns the shapes of the description, for pictures; none if it cannot be read again.
+    pub fn shapes(&self) -> Shapes {
+        let (text, file, _) = &self.source.0;
+        let options = ReadOptions { shapes: true, ..self.builder.read_options().clone() };
+        modyn_codegen::read(text, file, &options).map(|reading| reading.shapes).unwrap_or_default()
     }
 
     /// Calls the function with this index in the table.

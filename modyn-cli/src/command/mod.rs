@@ -16,6 +16,7 @@ mod progress;
 mod robot;
 mod simulate;
 mod table;
+mod view;
 
 use std::process::ExitCode;
 
@@ -38,6 +39,7 @@ enum Command {
     Check(check::Arguments),
     Generate(generate::Arguments),
     Simulate(simulate::Arguments),
+    View(view::Arguments),
     Compare(compare::Arguments),
     Convert(convert::Arguments),
     Explain(explain::Arguments),
@@ -52,6 +54,7 @@ pub fn run() -> ExitCode {
         Command::Check(arguments) => check::run(&arguments),
         Command::Generate(arguments) => generate::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::View(arguments) => view::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),
         Command::Explain(arguments) => explain::run(&arguments),

@@ -1,4 +1,6 @@
-//! Makes a page that animates a stick figure in a browser: one file, without network access.
+//! Makes pages that show robots and their motions in a browser: one file, without network access.
+//!
+//! A motion of points needs nothing else:
 //!
 //! ```
 //! use modyn_cli::viewer::{Frame, page};
@@ -13,13 +15,36 @@
 //! let html = page("A rod", &[(0, 1)], &frames);
 //! assert!(html.starts_with("<!doctype html>"));
 //! ```
+//!
+//! With the feature `picture`, a [`Scene`] shows robots with their shapes and joint sliders.
+//!
+//! The page is `page/page.html` with the scripts beside it: `algebra.js`, `geometry.js` (triangles of shapes), `robot.js`
+//! (poses from coordinates), `renderer.js` (WebGL2), `export.js` (ZIP and GLB) and `viewer.js` (the view and its controls).
 
-use std::fmt::Write as _;
+mod json;
+#[cfg(feature = "picture")]
+mod scene;
+
+#[cfg(feature = "picture")]
+pub use scene::{Motion, Scene};
 
 use crate::escape::markup;
 
-/// The page, without its title and the motion.
-const PAGE: &str = include_str!("page.html");
+/// The page, without its parts.
+const PAGE: &str = include_str!("page/page.html");
+
+/// The style of the view.
+pub const STYLE: &str = include_str!("page/style.css");
+
+/// The script of the view: the class `Viewer`, and all that it needs.
+pub const SCRIPT: &str = concat!(
+    include_str!("page/algebra.js"),
+    include_str!("page/geometry.js"),
+    include_str!("page/robot.js"),
+    include_str!("page/renderer.js"),
+    include_str!("page/export.js"),
+    include_str!("page/viewer.js"),
+);
 
 /// The positions of the points at an instant.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,51 +59,31 @@ pub struct Frame {
 /// times must ascend. The animation can be played, paused, moved in time, and viewed from all sides.
 #[must_use]
 pub fn page(title: &str, edges: &[(usize, usize)], frames: &[Frame]) -> String {
-    let decimals = decimals(frames);
-    let mut data = String::from("{\"edges\":[");
-    list(&mut data, edges, |out, (from, to)| {
-        let _ = write!(out, "[{from},{to}]");
+    let mut data = String::from("{");
+    json::key(&mut data, "title");
+    json::text(&mut data, title);
+    data += ",\"robots\":[],\"meshes\":[],\"motions\":[],\"figures\":[{";
+    json::key(&mut data, "name");
+    json::text(&mut data, title);
+    json::key(&mut data, "edges");
+    json::list(&mut data, edges, |out, &(from, to)| {
+        *out += &format!("[{from},{to}]");
     });
-    data += "],\"times\":[";
-    list(&mut data, frames, |out, frame| number(out, frame.time, 6));
-    data += "],\"points\":[\n";
-    list(&mut data, frames, |out, frame| {
-        out.push('[');
-        list(out, frame.points.as_flattened(), |out, &x| number(out, x, decimals));
-        out.push_str("]\n");
-    });
-    data += "]}";
-    // The title is inserted last, so that marks in it are not replaced.
-    PAGE.replace("__MOTION__", &data).replace("__TITLE__", &markup(title))
+    json::key(&mut data, "times");
+    json::numbers(&mut data, frames.iter().map(|frame| &frame.time));
+    json::key(&mut data, "points");
+    json::list(&mut data, frames, |out, frame| json::numbers(out, frame.points.as_flattened()));
+    data += "}]}";
+    page_of(title, &data)
 }
 
-fn list<T>(out: &mut String, items: &[T], mut write: impl FnMut(&mut String, &T)) {
-    for (i, item) in items.iter().enumerate() {
-        if i > 0 {
-            out.push(',');
-        }
-        write(out, item);
-    }
-}
-
-/// Writes a JSON number with at most this number of decimals, without trailing zeros.
-fn number(out: &mut String, x: f64, decimals: usize) {
-    if !x.is_finite() {
-        out.push_str("null");
-        return;
-    }
-    let text = format!("{x:.decimals$}");
-    let text = if decimals > 0 { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-    out.push_str(if text == "-0" { "0" } else { text });
-}
-
-/// Returns the number of decimals that resolves a ten-thousandth of the figure's size.
-fn decimals(frames: &[Frame]) -> usize {
-    let numbers = frames.iter().flat_map(|frame| frame.points.as_flattened());
-    let finite = numbers.filter(|x| x.is_finite());
-    let largest = finite.fold(0.0_f64, |most, x| most.max(x.abs()));
-    let size = if largest > 0.0 { largest.log10().ceil() } else { 0.0 };
-    (4.0 - size).clamp(0.0, 12.0) as usize
+/// Returns the page with this data.
+fn page_of(title: &str, data: &str) -> String {
+    // The data and the title are inserted last, so that marks in them are not replaced.
+    let (before, after) = PAGE.split_once("__DATA__").unwrap_or((PAGE, ""));
+    let before = before.replace("__STYLE__", STYLE).replace("__TITLE__", &markup(title));
+    let after = after.replace("__SCRIPT__", SCRIPT);
+    [&before, data, &after].concat()
 }
 
 #[cfg(test)]
@@ -86,25 +91,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_title_is_text_and_numbers_are_json() {
+    fn a_title_is_text_and_points_are_data() {
         let frames = [
-            Frame { time: 0.0, points: vec![[0.0, -0.0, 1.0], [f64::NAN, 0.123_456, 1e-9]] },
+            Frame { time: 0.0, points: vec![[0.0, -0.0, 1.0], [f64::NAN, 0.123_456_78, 1e-9]] },
             Frame { time: 0.1, points: vec![[0.0; 3], [1.0; 3]] },
         ];
-        let html = page("</script><b>__MOTION__", &[(0, 1)], &frames);
-        assert!(html.contains("<title>&lt;/script&gt;&lt;b&gt;__MOTION__</title>"));
-        assert!(html.contains(
-            "{\"edges\":[[0,1]],\"times\":[0,0.1],\"points\":[\n[0,0,1,null,0.1235,0]\n,[0,0,0,1,1,1]\n]}"
-        ));
-    }
-
-    #[test]
-    fn numbers_of_all_sizes_keep_four_digits() {
-        let of = |x| decimals(&[Frame { time: 0.0, points: vec![[x, 0.0, f64::INFINITY]] }]);
-        assert_eq!([of(0.0), of(1.0), of(0.001), of(50.0), of(1e9)], [4, 4, 7, 2, 0]);
-        let mut text = String::new();
-        number(&mut text, 100.0, 0);
-        assert_eq!(text, "100");
+        let html = page("</script><b>__DATA__", &[(0, 1)], &frames);
+        assert!(html.contains("<title>&lt;/script&gt;&lt;b&gt;__DATA__</title>"));
+        let data = "\"edges\":[[0,1]],\"times\":[0,0.1],\"points\":[[0,0,1,null,0.123457,1e-9],[0,0,0,1,1,1]]";
+        assert!(html.contains(data), "{}", &html[html.find("{\"title").unwrap_or(0)..]);
+        assert!(!html.contains("</script><b>"));
     }
 
     #[test]
@@ -113,6 +109,9 @@ mod tests {
         assert!(html.contains("default-src 'none'"));
         for foreign in ["http://", "https://", "src=", "href=", "@import", "url("] {
             assert!(!html.contains(foreign), "{foreign}");
+        }
+        for mark in ["__STYLE__", "__TITLE__", "__DATA__", "__SCRIPT__"] {
+            assert!(!html.contains(mark), "{mark}");
         }
     }
 }

@@ -77,3 +77,10 @@ pub fn assert_snapshot(name: &str, found: &str) {
     let expected = std::fs::read_to_string(&path).unwrap_or_default().replace("\r\n", "\n");
     assert_eq!(found, expected, "{name} is not as it was; UPDATE_SNAPSHOTS=1 takes it as it is");
 }
+
+/// Returns the data in a page of the viewer.
+pub fn page_data(html: &str) -> Value {
+    let mark = "<script type=\"application/json\" id=\"data\">";
+    let data = html.split(mark).nth(1).and_then(|rest| rest.split("</script>").next());
+    serde_json::from_str(data.expect("the data")).expect("JSON")
+}

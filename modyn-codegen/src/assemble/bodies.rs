@@ -162,7 +162,7 @@ impl MergedBody {
             }
         });
         let link = |&link: &usize| {
-            let LinkRecord { name, inertial, auxiliary } = &description.links[link];
+            let LinkRecord { name, inertial, auxiliary, .. } = &description.links[link];
             let inertial = inertial.as_ref().map(|own| InertialView {
                 inertial: own.inertial,
                 at: Some(own.at),

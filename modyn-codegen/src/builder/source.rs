@@ -7,7 +7,7 @@ use modyn_runtime::model::Model;
 
 use super::Builder;
 use crate::check::{check_model, gravity_error};
-use crate::description::ReadOptions;
+use crate::description::{ReadOptions, Shapes};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics};
 use crate::read::file::read_first;
 use crate::read::{Format, Reading};
@@ -128,7 +128,7 @@ impl Builder {
                     })?;
                 }
                 let warnings = check_model(&model, options.unphysical_inertia)?;
-                Ok(Reading { model, warnings, files: Vec::new() })
+                Ok(Reading { model, warnings, files: Vec::new(), shapes: Shapes::default() })
             }
             Source::Unread(why) => Err(why.clone()),
         }

@@ -33,6 +33,8 @@ pub struct ReadOptions {
     pub packages: Vec<Package>,
     /// The arguments of a xacro, in place of its defaults.
     pub xacro_args: Vec<XacroArg>,
+    /// Whether the shapes of the links are read, for pictures, with the files of their meshes. They do not change the robot.
+    pub shapes: bool,
 }
 
 /// The treatment of mimic joints.

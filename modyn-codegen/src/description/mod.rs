@@ -5,9 +5,11 @@
 
 mod choices;
 mod geometry;
+mod shape;
 
 pub use choices::{Base, Contact, Loop, LoopEnd, Mimic, Package, ReadOptions, Rotor, XacroArg};
 pub use geometry::{MAX_NUMBER, UNLIMITED, are_parallel, normalized, roll_pitch_yaw};
+pub use shape::{Geometry, Mesh, Shape, Shapes};
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{ContactKind, Inertial, JointDynamics, Limits, LoopConstraintKind};
@@ -36,9 +38,17 @@ pub struct Description {
     pub contacts: Vec<ContactRecord>,
     /// The named coordinates, in the order of the text.
     pub keyframes: Vec<KeyframeRecord>,
+    /// A sentence for each shape that could not be read.
+    pub shape_notes: Vec<String>,
 }
 
 impl Description {
+    /// Takes the shapes of the links, in the order of the links.
+    pub fn take_shapes(&mut self) -> Shapes {
+        let of_links = self.links.iter_mut().map(|link| std::mem::take(&mut link.shapes));
+        Shapes { of_frames: of_links.collect(), notes: std::mem::take(&mut self.shape_notes) }
+    }
+
     /// Returns the joints' indices by their names; the first of equal names counts.
     pub fn joints_by_name(&self) -> FxHashMap<&str, usize> {
         let mut indices = FxHashMap::default();
@@ -72,9 +82,16 @@ pub struct LinkRecord {
     pub inertial: Option<InertialRecord>,
     /// Whether the reader added the link between two joints of one body; it is massless.
     pub auxiliary: bool,
+    /// The shapes in the link's frame; empty if no shapes were asked for.
+    pub shapes: Vec<Shape>,
 }
 
 impl LinkRecord {
+    /// Returns a link of the description, without shapes.
+    pub fn new(name: Located, inertial: Option<InertialRecord>) -> Self {
+        Self { name, inertial, auxiliary: false, shapes: Vec::new() }
+    }
+
     /// Returns the link as the subject of a diagnostic.
     pub fn subject(&self) -> Subject {
         Subject::Link(self.name.text.clone())

@@ -8,10 +8,12 @@
 //! builder, the command and the Python package find a text's format by [`Format::of`].
 
 pub mod file;
+mod mesh;
 mod mjcf;
 mod packages;
 mod sdf;
 mod urdf;
+mod visual;
 mod xacro;
 pub(crate) mod xml;
 
@@ -21,7 +23,7 @@ use modyn_runtime::model::{Friction, Model};
 
 use crate::assemble::assemble;
 use crate::check::{friction_error, gravity_error};
-use crate::description::{Base, Description, ReadOptions};
+use crate::description::{Base, Description, ReadOptions, Shapes};
 use crate::diagnostics::{Diagnostic, Diagnostics, Report};
 pub(crate) use packages::PACKAGE_PATHS;
 
@@ -35,6 +37,8 @@ pub struct Reading {
     pub warnings: Vec<Diagnostic>,
     /// The other files that were read: the robot changes with them.
     pub files: Vec<PathBuf>,
+    /// The shapes of the links, if they were [asked for](ReadOptions::shapes).
+    pub shapes: Shapes,
 }
 
 /// The formats of descriptions.
@@ -163,9 +167,13 @@ impl Format {
         if friction.is_some() {
             options.friction = Some(Friction::None);
         }
+        let mut shapes = Shapes::default();
         let model = xml::document::within_limits(text, 0, &mut report)
             .and_then(|text| (self.row().describe)(&text, &options, &mut report))
-            .and_then(|description| {
+            .and_then(|mut description| {
+                if options.shapes {
+                    shapes = description.take_shapes();
+                }
                 // The reader of an SDF has connected the base to the world.
                 let base = if self == Self::Sdf { Base::Described } else { options.base };
                 assemble(description, &ReadOptions { base, ..options.clone() }, &mut report)
@@ -175,7 +183,7 @@ impl Format {
         let found = Diagnostics::new(report.finish().into_iter().chain(of_options).collect());
         match model {
             Some(model) if !found.has_errors() => {
-                Ok(Reading { model, warnings: found.into_vec(), files })
+                Ok(Reading { model, warnings: found.into_vec(), files, shapes })
             }
             _ => Err(found),
         }

@@ -24,7 +24,7 @@ class Animation:
         # A frame of its own keeps the page's script apart from the notebook.
         return (
             f'<iframe srcdoc="{html.escape(self.page)}" width="100%" height="{self.height}" '
-            'sandbox="allow-scripts" style="border: 0"></iframe>'
+            'sandbox="allow-scripts allow-downloads" style="border: 0"></iframe>'
         )
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -34,17 +34,19 @@ class Animation:
 
 def show(
     robot: Robot,
-    trajectory: ArrayLike,
+    trajectory: ArrayLike | None = None,
     *,
     times: ArrayLike | None = None,
     dt: float = 0.01,
     height: int = 480,
 ) -> Animation:
-    """Returns the animation of a motion: the lines between the origins of the links.
+    """Returns the animation of a motion, with the shapes of the description and sliders of the joints.
 
-    `trajectory` has the coordinates at each time, (n, nq); one configuration, (nq,), is a still picture. `times`, (n,), are
-    in s; by default the states are `dt` apart.
+    `trajectory` has the coordinates at each time, (n, nq); one configuration, (nq,), is a still picture, as is the neutral
+    one without a trajectory. `times`, (n,), are in s; by default the states are `dt` apart.
     """
+    if trajectory is None:
+        trajectory = robot.neutral()
     q = np.atleast_2d(np.asarray(trajectory, float))
     when = np.arange(len(q)) * dt if times is None else np.asarray(times, float)
     return Animation(robot.animation(when, q), height)

@@ -72,6 +72,8 @@ pub struct Step {
     pub lowest: f64,
     /// The velocities that are wrong.
     pub residual: Residual,
+    /// The mean force of the ground on each contact, N, in world axes.
+    pub forces: Vec<[f64; 3]>,
 }
 
 impl Impulses {
@@ -176,6 +178,11 @@ impl Impulses {
         let energies =
             [interpreter.kinetic_energy(q, &free)?, interpreter.kinetic_energy(q, &next)?];
         let lowest = motion.heights.iter().copied().fold(f64::INFINITY, f64::min);
-        Ok(Step { qd: next, dissipated: energies[0] - energies[1], lowest, residual })
+        let impulses = self.last.contacts.as_chunks::<3>().0;
+        // Impulses are along the axes of the targets.
+        let forces =
+            targets.iter().zip(impulses).map(|(target, p)| target.pose.rotate(p.map(|x| x / dt)));
+        let forces = forces.collect();
+        Ok(Step { qd: next, dissipated: energies[0] - energies[1], lowest, residual, forces })
     }
 }

@@ -12,6 +12,7 @@ mod units;
 use std::path::PathBuf;
 
 use clap::Args;
+use modyn_codegen::ReadOptions;
 use modyn_codegen::diagnostics::Diagnostics;
 use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_runtime::model::Model;
@@ -20,8 +21,8 @@ use crate::command::numbers::numbers;
 use crate::command::outcome::{Failure, to_file, to_stderr, to_stdout};
 use crate::command::progress::Progress;
 use crate::command::robot::{Robot, needs_dynamics};
-use crate::picture::Skeleton;
-use crate::viewer;
+use crate::command::view::note_shapes;
+use crate::viewer::Scene;
 use impulses::{Options, contradictory_limits};
 use motion::{Motion, Settings};
 use torques::Torques;
@@ -79,7 +80,7 @@ pub struct Arguments {
     /// Write plots of these quantities
     #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
-    /// Write a page that animates the robot's skeleton in a browser
+    /// Write a page that shows the motion in a browser, with the shapes of the description
     #[arg(long, value_name = "FILE.html")]
     html: Option<PathBuf>,
     #[command(flatten)]
@@ -93,7 +94,9 @@ struct Numbers(Vec<f64>);
 /// Simulates, and writes the requested files.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let description = arguments.robot.open()?;
-    let reading = description.read(&arguments.robot.options.read_options());
+    let options = arguments.robot.options.read_options();
+    let options = ReadOptions { shapes: arguments.html.is_some(), ..options.clone() };
+    let reading = description.read(&options);
     let reading = reading.map_err(|found| description.failure(found))?;
     description.warn(Diagnostics::new(reading.warnings));
     let model = reading.model;
@@ -114,12 +117,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         to_file(path, &plot::of(&model, &motion))?;
     }
     if let Some(path) = &arguments.html {
-        let skeleton = Skeleton::new(&model);
-        let states = motion.samples.iter().map(|sample| (sample.time, &*sample.q));
-        let frames = skeleton
-            .frames(&model, states)
-            .map_err(|error| Failure::usage(format!("error: {error}")))?;
-        to_file(path, &viewer::page(model.name(), &skeleton.edges, &frames))?;
+        note_shapes(&reading.shapes);
+        let mut scene = Scene::new(model.name());
+        let robot = scene.robot(model.clone(), reading.shapes);
+        scene.motion(motion.shown(&model, robot));
+        to_file(path, &scene.page())?;
     }
     if arguments.csv.is_none() && arguments.plot.is_none() && arguments.html.is_none() {
         to_stdout(&table::of(&model, &motion)?)?;

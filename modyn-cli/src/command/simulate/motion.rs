@@ -16,6 +16,7 @@ use super::state::State;
 use super::torques::Torques;
 use crate::command::outcome::Failure;
 use crate::random::Random;
+use crate::viewer;
 
 /// The settings of the integration.
 pub struct Settings {
@@ -44,6 +45,8 @@ pub struct Sample {
     pub work: f64,
     /// The energy dissipated by friction, damping, impacts and joint stops since the start, J.
     pub dissipated: f64,
+    /// The force of the ground on each contact in the last step, N, in world axes; empty without ground or step.
+    pub forces: Vec<[f64; 3]>,
 }
 
 impl Sample {
@@ -85,6 +88,8 @@ struct Dynamics<'a> {
     impulses: Impulses,
     lowest: f64,
     residual: Residual,
+    /// The forces of the ground in the last step.
+    forces: Vec<[f64; 3]>,
     /// The stabilization of the loops, and the ground under the contacts.
     constraint_settings: ConstraintSettings<f64, Vec<ContactTarget<f64>>>,
     /// For each contact whether it is active: none is.
@@ -119,6 +124,7 @@ impl Motion {
             impulses: Impulses::new(model, settings.unilateral),
             lowest: f64::INFINITY,
             residual: Residual { contacts: 0.0, stops: 0.0 },
+            forces: Vec::new(),
             constraint_settings,
             inactive,
             constraints,
@@ -152,6 +158,24 @@ impl Motion {
         }
         let steps = control.map_or(settings.steps, |control| control.steps);
         Ok(Self { samples, steps, lowest: dynamics.lowest, residual: dynamics.residual })
+    }
+
+    /// Returns the motion of the robot of this index for the viewer.
+    pub fn shown(&self, model: &Model, robot: usize) -> viewer::Motion {
+        let count = model.contacts().len();
+        // At the start there was no step.
+        let forces = |sample: &Sample| match sample.forces.len() {
+            0 => vec![[0.0; 3]; count],
+            _ => sample.forces.clone(),
+        };
+        let has_ground = self.lowest.is_finite();
+        viewer::Motion {
+            name: model.name().to_owned(),
+            robot,
+            times: self.samples.iter().map(|sample| sample.time).collect(),
+            coordinates: self.samples.iter().map(|sample| sample.q.clone()).collect(),
+            forces: has_ground.then(|| self.samples.iter().map(forces).collect()),
+        }
     }
 
     /// Returns the largest change of the conserved quantity, J.
@@ -198,6 +222,7 @@ impl Dynamics<'_> {
             qd,
             work,
             dissipated,
+            forces: self.forces.clone(),
         })
     }
 
@@ -271,6 +296,7 @@ impl Dynamics<'_> {
             contacts: self.residual.contacts.max(step.residual.contacts),
             stops: self.residual.stops.max(step.residual.stops),
         };
+        self.forces = step.forces;
         let mut next = State { q: vec![0.0; q.len()], qd: step.qd, energy: [0.0; 2] };
         let moved: Vec<f64> = next.qd.iter().map(|rate| dt * rate).collect();
         self.interpreter.integrate(q, &moved, &mut next.q)?;

@@ -30,7 +30,7 @@ fn write(model: &Model, motion: &Motion) -> Result<String, Box<dyn Error>> {
     head.extend(velocities.map(|(name, kind)| format!("tau {name} ({})", kind.torque())));
     head.extend(["kinetic (J)", "potential (J)", "work (J)", "dissipated (J)"].map(String::from));
     writer.write_record(head.iter().map(|name| cell(name)))?;
-    for Sample { time, q, qd, tau, kinetic, potential, work, dissipated } in &motion.samples {
+    for Sample { time, q, qd, tau, kinetic, potential, work, dissipated, .. } in &motion.samples {
         let numbers = [&[*time][..], q, qd, tau, &[*kinetic, *potential, *work, *dissipated]];
         writer.write_record(numbers.concat().iter().map(ToString::to_string))?;
     }

@@ -15,7 +15,9 @@ use super::joints::{self, is_free};
 use super::mesh::Meshes;
 use super::models::{Model, Source};
 use super::pose::euler;
-use crate::description::{Description, InertialRecord, JointRecord, LinkRecord, Located};
+use crate::description::{
+    Description, InertialRecord, JointRecord, LinkRecord, Located, ReadOptions,
+};
 use crate::diagnostics::{Code, Report, Severity};
 
 /// The largest number of bodies, joints, geoms and sites: models and replicas in each other have exponentially many.
@@ -25,6 +27,8 @@ const MAX_ITEMS: usize = 1_000_000;
 pub struct Bodies<'e, 'r, 'f> {
     pub models: Vec<Model<'e>>,
     meshes: Meshes<'e>,
+    /// Whether shapes are read.
+    has_shapes: bool,
     pub description: Description,
     /// For each link, the moving link that carries it, which may be itself; 0 is the world.
     pub carriers: Vec<usize>,
@@ -69,7 +73,7 @@ struct Parent {
 impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
     /// Returns the bodies and sites of the first of these models, with all models that it attaches. Names that the file
     /// lacks are generated.
-    pub fn read(sources: &'e [Source], report: &'r mut Report<'f>) -> Self {
+    pub fn read(sources: &'e [Source], options: &ReadOptions, report: &'r mut Report<'f>) -> Self {
         let models: Vec<Model<'e>> =
             sources.iter().map(|source| Model::new(source, report)).collect();
         let root = &sources[0].root;
@@ -89,6 +93,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
             loops: Vec::new(),
             contacts: Vec::new(),
             keyframes: Vec::new(),
+            shape_notes: Vec::new(),
         };
         let naming = Rc::new(Naming::default());
         let mut bodies = Self {
@@ -99,6 +104,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
             places: BTreeMap::new(),
             sites: BTreeMap::new(),
             drawn: Vec::new(),
+            has_shapes: options.shapes,
             free_poses: BTreeMap::new(),
             attached: vec![(0, naming.clone())],
             open: vec![0],
@@ -125,6 +131,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
         }
         let world = Parent { link: 0, drawn: Pose::identity(), depth: 0 };
         bodies.sites(&parts.sites, 0);
+        bodies.shapes(&parts.geoms, 0, "world");
         for body in parts.bodies {
             bodies.body(body, world);
         }
@@ -372,6 +379,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
             self.free_poses.insert(first_joint, [x, y, z, a, b, c, d]);
         }
         self.sites(&parts.sites, above);
+        self.shapes(&parts.geoms, above, &name);
         let parent = Parent { link: above, drawn, depth: parent.depth + 1 };
         for body in parts.bodies {
             self.body(body, parent);
@@ -380,7 +388,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
 
     fn link(&mut self, name: String, at: usize, carrier: usize) -> usize {
         let name = Located { text: name, at };
-        self.description.links.push(LinkRecord { name, inertial: None, auxiliary: false });
+        self.description.links.push(LinkRecord::new(name, None));
         self.carriers.push(carrier);
         self.carriers.len() - 1
     }
@@ -403,6 +411,23 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
                 None => pose,
             };
             self.sites.entry(name).or_insert((link, pose, site.element().at));
+        }
+    }
+
+    /// Adds the shapes of a link's geoms, if they are asked for.
+    fn shapes(&mut self, geoms: &[Item<'e>], link: usize, body: &str) {
+        if !self.has_shapes {
+            return;
+        }
+        for geom in geoms {
+            let model = &self.models[geom.model];
+            match geoms::shape(geom, model, &mut self.meshes, self.report) {
+                Ok(shape) => self.description.links[link].shapes.extend(shape),
+                Err(why) => {
+                    let note = format!("a geom of the body `{body}` is not drawn: {why}");
+                    self.description.shape_notes.push(note);
+                }
+            }
         }
     }
 

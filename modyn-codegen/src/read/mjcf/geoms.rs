@@ -1,15 +1,16 @@
-//! The inertia of geoms as in `MuJoCo`: each is a solid or a shell of uniform density.
+//! The inertia of geoms as in `MuJoCo`, each a solid or a shell of uniform density, and their shapes.
 
 use core::f64::consts::PI;
 
 use modyn_runtime::model::Inertial;
 use modyn_runtime::spatial::Pose;
 
+use super::check::numbers;
 use super::item::Item;
-use super::mesh::{Meshes, Principal};
+use super::mesh::{MassProperties, Meshes, Principal};
 use super::models::Model;
 use super::pose::to_z_axis;
-use crate::description::normalized;
+use crate::description::{Geometry, Shape, normalized};
 use crate::diagnostics::Report;
 
 /// The default density, that of water, kg/m^3.
@@ -24,7 +25,7 @@ pub fn has_mass(geom: &Item, model: &Model) -> bool {
 }
 
 /// Volume or area, and the moments of inertia about the axes of the centre, divided by the mass.
-struct Shape {
+struct Moments {
     measure: f64,
     moments: [f64; 3],
 }
@@ -52,7 +53,6 @@ pub fn inertial<'e>(
         None if kind == "mesh" => return Err("a geom of type `mesh` has no `mesh`".into()),
         None => None,
     };
-    let mut place = geom.pose(&model.settings, report);
     if let Some(mesh) = &mesh
         && kind == "mesh"
     {
@@ -60,8 +60,30 @@ pub fn inertial<'e>(
         let inertia = mesh.inertia.map(|moment| moment * mass / mesh.measure);
         let inertial = Inertial { mass, center_of_mass: [0.0; 3], inertia };
         let center = Pose { translation: mesh.center_of_mass, ..Pose::identity() };
+        let place = geom.pose(&model.settings, report);
         return Ok(inertial.transformed(&place.compose(&center)));
     }
+    let (place, size) = placed(geom, model, mesh.as_deref(), report)?;
+    let shape = if is_shell { shell(kind, size) } else { solid(kind, size) };
+    if !(shape.measure > 0.0 && shape.measure.is_finite()) {
+        return Err("a geom has no volume: its `size` must be above 0".into());
+    }
+    let mass = mass(shape.measure);
+    let [xx, yy, zz] = shape.moments.map(|moment| mass * moment);
+    let inertia = [xx, 0.0, 0.0, yy, 0.0, zz];
+    Ok(Inertial { mass, center_of_mass: [0.0; 3], inertia }.transformed(&place))
+}
+
+/// Returns the pose in its body of a geom that is no mesh itself, and its half lengths and radii in the order of `size`. A solid
+/// may be fitted to a mesh.
+fn placed(
+    geom: &Item,
+    model: &Model,
+    mesh: Option<&MassProperties>,
+    report: &mut Report<'_>,
+) -> Result<(Pose<f64>, [f64; 3]), String> {
+    let kind = geom.text("type").unwrap_or("sphere");
+    let mut place = geom.pose(&model.settings, report);
     let size = if let Some(mesh) = mesh {
         let principal = mesh.principal();
         let scale = geom.number("fitscale").unwrap_or(1.0);
@@ -96,14 +118,62 @@ pub fn inertial<'e>(
     } else {
         sizes(geom)
     };
-    let shape = if is_shell { shell(kind, size) } else { solid(kind, size) };
-    if !(shape.measure > 0.0 && shape.measure.is_finite()) {
-        return Err("a geom has no volume: its `size` must be above 0".into());
+    Ok((place, size))
+}
+
+/// The colour of a geom without one.
+const GRAY: [f64; 4] = [0.5, 0.5, 0.5, 1.0];
+
+/// The number of groups that `MuJoCo` shows; collision shapes are often in higher ones.
+const SHOWN_GROUPS: f64 = 3.0;
+
+/// Returns a geom as a shape in its body's frame; `None` if it is not shown.
+///
+/// # Errors
+///
+/// Returns the reason why it cannot be drawn.
+pub fn shape<'e>(
+    geom: &Item<'e>,
+    model: &Model<'e>,
+    meshes: &mut Meshes<'e>,
+    report: &mut Report<'_>,
+) -> Result<Option<Shape>, String> {
+    let kind = geom.text("type").unwrap_or("sphere");
+    let color = geom.numbers("rgba").or_else(|| {
+        let name = geom.text("material")?;
+        let mut materials = model.source.root.in_sections("asset");
+        let material =
+            materials.find(|one| one.name == "material" && one.text("name") == Some(name))?;
+        let chain = model.classes.chain(material, None);
+        chain.iter().find_map(|element| element.text("rgba")).and_then(numbers)
+    });
+    let is_hidden = geom.number("group").unwrap_or(0.0) >= SHOWN_GROUPS;
+    let is_clear = color.is_some_and(|[.., opacity]: [f64; 4]| opacity == 0.0);
+    if is_hidden || is_clear || matches!(kind, "plane" | "hfield" | "sdf") {
+        return Ok(None);
     }
-    let mass = mass(shape.measure);
-    let [xx, yy, zz] = shape.moments.map(|moment| mass * moment);
-    let inertia = [xx, 0.0, 0.0, yy, 0.0, zz];
-    Ok(Inertial { mass, center_of_mass: [0.0; 3], inertia }.transformed(&place))
+    let color = Some(color.unwrap_or(GRAY));
+    if kind == "mesh" {
+        let name = geom.text("mesh").ok_or("a geom of type `mesh` has no `mesh`")?;
+        let geometry = Geometry::Mesh(meshes.picture(name, geom.model, model, report)?);
+        return Ok(Some(Shape { pose: geom.pose(&model.settings, report), geometry, color }));
+    }
+    let mesh = match geom.text("mesh") {
+        Some(name) => Some(meshes.get(name, geom.model, model, report)?),
+        None => None,
+    };
+    let (pose, [x, y, z]) = placed(geom, model, mesh.as_deref(), report)?;
+    let geometry = match kind {
+        "sphere" => Geometry::Sphere { radius: x },
+        "capsule" => Geometry::Capsule { radius: x, length: 2.0 * y },
+        "cylinder" => Geometry::Cylinder { radius: x, length: 2.0 * y },
+        "ellipsoid" => Geometry::Ellipsoid { radii: [x, y, z] },
+        _ => Geometry::Box { size: [2.0 * x, 2.0 * y, 2.0 * z] },
+    };
+    if !geometry.is_sound() {
+        return Err("its `size` must be above 0".into());
+    }
+    Ok(Some(Shape { pose, geometry, color }))
 }
 
 /// Returns the numbers of `size`, with zeros for missing ones.
@@ -146,7 +216,7 @@ fn fitted(kind: &str, mesh: &Principal, bounds: Option<[[f64; 3]; 2]>) -> ([f64;
 }
 
 /// Returns volume and moments of a solid.
-fn solid(kind: &str, [x, y, z]: [f64; 3]) -> Shape {
+fn solid(kind: &str, [x, y, z]: [f64; 3]) -> Moments {
     // The integrals of the squared coordinates, divided by the volume.
     let (measure, squares) = match kind {
         "sphere" => (4.0 / 3.0 * PI * x * x * x, [x * x / 5.0; 3]),
@@ -156,11 +226,11 @@ fn solid(kind: &str, [x, y, z]: [f64; 3]) -> Shape {
         // A box or a height field.
         _ => (8.0 * x * y * z, [x * x / 3.0, y * y / 3.0, z * z / 3.0]),
     };
-    shape(measure, squares)
+    uniform(measure, squares)
 }
 
-fn shape(measure: f64, [xx, yy, zz]: [f64; 3]) -> Shape {
-    Shape { measure, moments: [yy + zz, xx + zz, xx + yy] }
+fn uniform(measure: f64, [xx, yy, zz]: [f64; 3]) -> Moments {
+    Moments { measure, moments: [yy + zz, xx + zz, xx + yy] }
 }
 
 /// Returns volume and squares of a cylinder of this radius and half length with a hemisphere on each end.
@@ -176,14 +246,14 @@ fn capsule(radius: f64, half: f64) -> (f64, [f64; 3]) {
 }
 
 /// Returns area and moments of a shell.
-fn shell(kind: &str, [x, y, z]: [f64; 3]) -> Shape {
+fn shell(kind: &str, [x, y, z]: [f64; 3]) -> Moments {
     match kind {
-        "sphere" => shape(4.0 * PI * x * x, [x * x / 3.0; 3]),
+        "sphere" => uniform(4.0 * PI * x * x, [x * x / 3.0; 3]),
         "cylinder" => {
             let (side, disks) = (4.0 * PI * x * y, 2.0 * PI * x * x);
             let area = side + disks;
             let across = (side * x * x / 2.0 + disks * x * x / 4.0) / area;
-            shape(area, [across, across, (side * y * y / 3.0 + disks * y * y) / area])
+            uniform(area, [across, across, (side * y * y / 3.0 + disks * y * y) / area])
         }
         "capsule" => {
             let (side, caps) = (4.0 * PI * x * y, 4.0 * PI * x * x);
@@ -191,7 +261,7 @@ fn shell(kind: &str, [x, y, z]: [f64; 3]) -> Shape {
             let across = (side * x * x / 2.0 + caps * x * x / 3.0) / area;
             // A hemisphere's centre of mass is half of the radius from its base.
             let along = (side * y * y / 3.0 + caps * (y * y + x * y + x * x / 3.0)) / area;
-            shape(area, [across, across, along])
+            uniform(area, [across, across, along])
         }
         "ellipsoid" => {
             // The area by Thomsen's formula, and the moments of the space between two solids, both as in MuJoCo.
@@ -205,7 +275,7 @@ fn shell(kind: &str, [x, y, z]: [f64; 3]) -> Shape {
             let square = |inside: f64, outside: f64| {
                 (outer * outside * outside - inner * inside * inside) / (5.0 * (outer - inner))
             };
-            shape(area, [square(x, a), square(y, b), square(z, c)])
+            uniform(area, [square(x, a), square(y, b), square(z, c)])
         }
         _ => {
             let [xy, yz, zx] = [x * y, y * z, z * x];
@@ -213,7 +283,7 @@ fn shell(kind: &str, [x, y, z]: [f64; 3]) -> Shape {
             // Each side has a constant coordinate, or one that is uniform.
             let square =
                 |half: f64, across: f64| half * half * (across + (sum - across) / 3.0) / sum;
-            shape(8.0 * sum, [square(x, yz), square(y, zx), square(z, xy)])
+            uniform(8.0 * sum, [square(x, yz), square(y, zx), square(z, xy)])
         }
     }
 }

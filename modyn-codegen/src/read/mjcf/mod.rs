@@ -44,7 +44,7 @@ pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> O
         let help = "write `<freejoint/>` in the body that floats";
         report.error(Code::Option, root.at, None, message, help);
     }
-    let mut bodies = bodies::Bodies::read(&sources, report);
+    let mut bodies = bodies::Bodies::read(&sources, options, report);
     bodies.keyframes();
     bodies.equality();
     bodies.tendons();

@@ -44,6 +44,7 @@ pub fn describe(
         loops: Vec::new(),
         contacts: Vec::new(),
         keyframes: Vec::new(),
+        shape_notes: world.shape_notes.clone(),
     };
     let names = world.frames.iter().filter(|frame| !matches!(frame.kind, FrameKind::Joint(_)));
     let names = Names::new(names.map(|frame| frame.name.text.clone()));
@@ -135,7 +136,7 @@ impl Build<'_, '_, '_> {
     fn links(&mut self) {
         let world = self.world;
         let name = world.frames[WORLD].name.clone();
-        self.description.links.push(LinkRecord { name, inertial: None, auxiliary: false });
+        self.description.links.push(LinkRecord::new(name, None));
         for (index, frame) in world.frames.iter().enumerate() {
             let name = frame.name.clone();
             match &frame.kind {
@@ -146,7 +147,9 @@ impl Build<'_, '_, '_> {
                         .map_or((name.at, name.at, true), |own| (own.at, own.mass_at, own.sound));
                     let inertial = own.as_ref().map_or(DEFAULT_INERTIA, |own| own.inertial);
                     let inertial = Some(InertialRecord { inertial, at, mass_at, sound });
-                    self.description.links.push(LinkRecord { name, inertial, auxiliary: false });
+                    let shapes = world.links[*link].shapes.clone();
+                    let record = LinkRecord { shapes, ..LinkRecord::new(name, inertial) };
+                    self.description.links.push(record);
                 }
                 FrameKind::Frame(_) if self.inside[frame.scope] => {
                     let scope = &world.scopes[frame.scope];
@@ -160,11 +163,7 @@ impl Build<'_, '_, '_> {
                     let origin = self.between(frame.scope, link, index);
                     let fixed = self.record(format!("{}_fixed", name.text), name.at);
                     let child = name.text.clone();
-                    self.description.links.push(LinkRecord {
-                        name,
-                        inertial: None,
-                        auxiliary: false,
-                    });
+                    self.description.links.push(LinkRecord::new(name, None));
                     self.connect(JointRecord { origin, ..fixed }, link, &child);
                 }
                 _ => {}
@@ -474,11 +473,8 @@ impl Build<'_, '_, '_> {
         }
         let (name, at) = (made.name.text.clone(), made.name.at);
         let between = self.names.unused(&name);
-        let record = LinkRecord {
-            name: Located { text: between.clone(), at },
-            inertial: None,
-            auxiliary: true,
-        };
+        let name_between = Located { text: between.clone(), at };
+        let record = LinkRecord { auxiliary: true, ..LinkRecord::new(name_between, None) };
         self.description.links.push(record);
         let [axis, second_axis] = directions;
         self.connect(

@@ -105,7 +105,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let xml = Elements { root, start, report: &mut *self.xml.report };
         let unread = std::mem::take(&mut self.unread);
         let (world, files) = (&mut *self.world, &mut *self.files);
-        let mut reader = Reader { xml, world, files, version, unread };
+        let options = self.options;
+        let mut reader = Reader { xml, world, files, options, version, unread };
         let models: Vec<_> = reader.xml.named(root, "model").collect();
         match models[..] {
             [model] => {
@@ -128,7 +129,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
     /// # Errors
     ///
     /// Returns what to do if there is no such file.
-    fn file_of(&mut self, uri: &str) -> Result<PathBuf, String> {
+    pub fn file_of(&mut self, uri: &str) -> Result<PathBuf, String> {
         let Some(folder) = self.files.folder.clone() else {
             return Err(
                 "give the path of this file instead of its text, so that others can be found"

@@ -16,6 +16,7 @@ mod joint;
 mod model;
 mod reader;
 mod solids;
+mod visual;
 mod world;
 
 use roxmltree::Node;
@@ -45,8 +46,14 @@ pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> O
     let xml = Elements { root, start: 0, report };
     let folder = options.folder.clone();
     let mut files = Files { first: folder.clone(), folder, open: Vec::new(), count: 0 };
-    let mut reader =
-        Reader { xml, world: &mut world, files: &mut files, version, unread: Unread::default() };
+    let mut reader = Reader {
+        xml,
+        world: &mut world,
+        files: &mut files,
+        options,
+        version,
+        unread: Unread::default(),
+    };
     reader.root(root);
     let unread = reader.unread;
     unread.warn(report);

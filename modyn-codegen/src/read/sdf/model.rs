@@ -182,7 +182,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let inertial = self.inertial(node, subject);
         let index = self.world.links.len();
         let frame = self.push(scope, &name, FrameKind::Link(index), pose);
-        self.world.links.push(Link { frame, inertial, weightless });
+        let shapes = if self.options.shapes { self.shapes(node, &name.text) } else { Vec::new() };
+        self.world.links.push(Link { frame, inertial, shapes, weightless });
     }
 
     /// Adds a frame to a scope and returns its index.

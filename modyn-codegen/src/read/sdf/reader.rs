@@ -8,7 +8,7 @@ use roxmltree::Node;
 
 use super::files::Files;
 use super::world::World;
-use crate::description::{Located, MAX_NUMBER, roll_pitch_yaw};
+use crate::description::{Located, MAX_NUMBER, ReadOptions, roll_pitch_yaw};
 use crate::diagnostics::{Code, Place, Report, Subject};
 use crate::read::xml::element::{Attribute, Elements};
 
@@ -18,6 +18,7 @@ pub struct Reader<'a, 't, 'r, 'f> {
     pub xml: Elements<'a, 't, 'r, 'f>,
     pub world: &'r mut World,
     pub files: &'r mut Files,
+    pub options: &'r ReadOptions,
     /// The version of the file, times 100.
     pub version: u32,
     pub unread: Unread,

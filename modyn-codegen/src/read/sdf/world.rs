@@ -4,7 +4,7 @@ use modyn_runtime::model::{JointDynamics, Limits};
 use modyn_runtime::spatial::Pose;
 use rustc_hash::FxHashMap;
 
-use crate::description::{InertialRecord, Located, SpringRecord};
+use crate::description::{InertialRecord, Located, Shape, SpringRecord};
 
 /// The index of the world among the scopes, and of its frame among the frames.
 pub const WORLD: usize = 0;
@@ -21,6 +21,8 @@ pub struct World {
     pub joints: Vec<Joint>,
     /// The acceleration of free fall, m/s^2; `None` in a file without a world.
     pub gravity: Option<[f64; 3]>,
+    /// A sentence for each shape that could not be read.
+    pub shape_notes: Vec<String>,
 }
 
 impl World {
@@ -36,6 +38,7 @@ impl World {
             links: Vec::new(),
             joints: Vec::new(),
             gravity: None,
+            shape_notes: Vec::new(),
         }
     }
 
@@ -161,6 +164,8 @@ pub enum FrameKind {
 pub struct Link {
     pub frame: usize,
     pub inertial: Option<InertialRecord>,
+    /// The shapes in the link's frame; empty if no shapes were asked for.
+    pub shapes: Vec<Shape>,
     /// Whether gravity does not act on it.
     pub weightless: bool,
 }

@@ -19,7 +19,9 @@ impl<'a> Reader<'a, '_, '_, '_> {
         );
         let inertial = self.xml.single(node, "inertial", subject.as_ref());
         let inertial = inertial.map(|node| self.inertial(node, subject.as_ref()));
-        Some(LinkRecord { name: name?.located(), inertial, auxiliary: false })
+        let name = name?.located();
+        let shapes = if self.options.shapes { self.shapes(node, &name.text) } else { Vec::new() };
+        Some(LinkRecord { shapes, ..LinkRecord::new(name, inertial) })
     }
 
     fn inertial(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> InertialRecord {

@@ -1,6 +1,6 @@
 //! Reads the XML of a URDF to a [`Description`].
 //!
-//! Every number that is used is read strictly, and every diagnostic has a place. Meshes, visuals, collisions,
+//! Every number that is used is read strictly, and every diagnostic has a place. Visuals are read for pictures alone. Collisions,
 //! transmissions and similar elements are ignored.
 //!
 //! urdf-rs (0.10) is not used for reading. It skips words in a list that are not numbers, and accepts NaN and infinities.
@@ -14,6 +14,7 @@ mod link;
 mod loops;
 mod reader;
 mod robot;
+mod visual;
 
 use crate::description::{Description, ReadOptions};
 use crate::diagnostics::Report;

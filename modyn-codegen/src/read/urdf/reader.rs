@@ -20,6 +20,8 @@ pub struct Reader<'a, 't, 'r, 'f> {
     pub dropped_inertias: Vec<Place>,
     /// The places of negative effort or velocity limits.
     pub negative_limits: Vec<Place>,
+    /// A sentence for each shape that could not be read.
+    pub shape_notes: Vec<String>,
 }
 
 impl<'a> Reader<'a, '_, '_, '_> {

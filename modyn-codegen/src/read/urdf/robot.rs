@@ -21,6 +21,7 @@ pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Desc
         ignored_quaternions: Vec::new(),
         dropped_inertias: Vec::new(),
         negative_limits: Vec::new(),
+        shape_notes: Vec::new(),
     };
     let name = robot.attribute("name").unwrap_or("");
     if name.trim().is_empty() {
@@ -46,6 +47,7 @@ pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Desc
         loops: Vec::new(),
         contacts: Vec::new(),
         keyframes: Vec::new(),
+        shape_notes: Vec::new(),
     };
     for node in robot.children() {
         if is(robot, node, "link") {
@@ -58,6 +60,7 @@ pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Desc
             description.contacts.push(reader.contact_frame(node));
         }
     }
+    description.shape_notes = std::mem::take(&mut reader.shape_notes);
     reader.add_world(&mut description);
     reader.warn_of_unread_values(&description);
     description
@@ -80,7 +83,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let (severity, code, help) =
             (Severity::Warning, Code::UnknownParent, "write `<link name=\"world\"/>`");
         self.xml.report.add(severity, code, name.at, None, message, help);
-        description.links.insert(0, LinkRecord { name, inertial: None, auxiliary: false });
+        description.links.insert(0, LinkRecord::new(name, None));
     }
 
     /// Warns, once for each kind, of elements whose meaning probably differs from what the author expects.

@@ -1,7 +1,7 @@
 //! Volume, centre of mass and inertia of a mesh, as `MuJoCo` defines them.
 
 use super::super::pose::cross;
-use super::Mesh;
+use crate::description::Mesh;
 
 /// The volume (or area) of a mesh, its centre of mass, and its inertia at density one.
 #[derive(Clone)]

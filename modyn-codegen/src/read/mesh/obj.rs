@@ -1,10 +1,11 @@
 //! Meshes in Wavefront OBJ files.
 
-use super::Mesh;
+use super::Purpose;
+use crate::description::Mesh;
 
-/// Returns the mesh; `None` if the file is not sound. Faces with more than three vertices become triangles. As in `MuJoCo`,
-/// only the first object or group with faces counts.
-pub fn read(bytes: &[u8]) -> Option<Mesh> {
+/// Returns the mesh; `None` if the file is not sound. Faces with more than three vertices become triangles. For a mass, as in
+/// `MuJoCo`, only the first object or group with faces counts.
+pub fn read(bytes: &[u8], purpose: Purpose) -> Option<Mesh> {
     // Names of materials may have any encoding.
     let text = String::from_utf8_lossy(bytes);
     let mut mesh = Mesh::default();
@@ -17,11 +18,11 @@ pub fn read(bytes: &[u8]) -> Option<Mesh> {
                 mesh.vertices.push([number()?, number()?, number()?]);
             }
             Some("o" | "g") => is_first &= mesh.faces.is_empty(),
-            Some("f") if is_first => {
+            Some("f") if is_first || purpose == Purpose::Picture => {
                 let count = mesh.vertices.len();
                 let face: Vec<usize> =
                     words.map(|word| vertex(word, count)).collect::<Option<_>>()?;
-                mesh.triangulate(face, &mut tests)?;
+                triangulate(&mut mesh, face, &mut tests)?;
             }
             _ => {}
         }
@@ -29,33 +30,31 @@ pub fn read(bytes: &[u8]) -> Option<Mesh> {
     Some(mesh)
 }
 
-impl Mesh {
-    /// Adds the triangles of a face; `None` if a vertex does not exist, or if finding them takes too long.
-    fn triangulate(&mut self, mut face: Vec<usize>, tests: &mut usize) -> Option<()> {
-        if face.len() > MAX_CORNERS {
-            return Some(());
-        }
-        if face.len() > 4 {
-            let triangles = ears(&self.vertices, face, tests)?;
-            self.faces.extend(triangles);
-            return Some(());
-        }
-        if let [a, b, c, d] = face[..] {
-            // In single precision, in which MuJoCo compares them.
-            let between = |i: usize, k: usize| {
-                let (from, to) = (self.vertices.get(i)?, self.vertices.get(k)?);
-                let along = |i: usize| to[i] as f32 - from[i] as f32;
-                Some(along(0) * along(0) + along(1) * along(1) + along(2) * along(2))
-            };
-            // A quadrangle is cut along its shorter diagonal.
-            if between(a, c)? >= between(b, d)? {
-                face = vec![b, c, d, a];
-            }
-        }
-        let (first, rest) = face.split_first()?;
-        self.faces.extend(rest.windows(2).map(|pair| [*first, pair[0], pair[1]]));
-        Some(())
+/// Adds the triangles of a face; `None` if a vertex does not exist, or if finding them takes too long.
+fn triangulate(mesh: &mut Mesh, mut face: Vec<usize>, tests: &mut usize) -> Option<()> {
+    if face.len() > MAX_CORNERS {
+        return Some(());
     }
+    if face.len() > 4 {
+        let triangles = ears(&mesh.vertices, face, tests)?;
+        mesh.faces.extend(triangles);
+        return Some(());
+    }
+    if let [a, b, c, d] = face[..] {
+        // In single precision, in which MuJoCo compares them.
+        let between = |i: usize, k: usize| {
+            let (from, to) = (mesh.vertices.get(i)?, mesh.vertices.get(k)?);
+            let along = |i: usize| to[i] as f32 - from[i] as f32;
+            Some(along(0) * along(0) + along(1) * along(1) + along(2) * along(2))
+        };
+        // A quadrangle is cut along its shorter diagonal.
+        if between(a, c)? >= between(b, d)? {
+            face = vec![b, c, d, a];
+        }
+    }
+    let (first, rest) = face.split_first()?;
+    mesh.faces.extend(rest.windows(2).map(|pair| [*first, pair[0], pair[1]]));
+    Some(())
 }
 
 /// The largest number of corners of a face: MuJoCo leaves out faces with more.

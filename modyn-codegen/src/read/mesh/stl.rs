@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::Mesh;
+use crate::description::Mesh;
 
 /// Returns the mesh; `None` if the file is not sound.
 pub fn read(bytes: &[u8]) -> Option<Mesh> {

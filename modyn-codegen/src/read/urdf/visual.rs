@@ -1,0 +1,87 @@
+//! Reads the `<visual>`s of a link.
+
+use std::path::PathBuf;
+
+use modyn_runtime::spatial::Pose;
+use roxmltree::Node;
+
+use super::reader::Reader;
+use crate::description::{Geometry, ReadOptions, Shape, roll_pitch_yaw};
+use crate::read::packages;
+use crate::read::visual::{numbers, solid, surface};
+use crate::read::xml::element::is;
+
+impl<'a> Reader<'a, '_, '_, '_> {
+    /// Returns the shapes of the link of this name.
+    pub fn shapes(&mut self, link: Node<'a, '_>, name: &str) -> Vec<Shape> {
+        let mut shapes = Vec::new();
+        for visual in self.xml.named(link, "visual").collect::<Vec<_>>() {
+            let root = self.xml.root;
+            let part = |name: &str| visual.children().find(|node| is(root, *node, name));
+            let geometry = part("geometry").and_then(|node| node.children().find(Node::is_element));
+            let geometry = geometry.ok_or_else(|| "has no `<geometry>`".into());
+            match geometry.and_then(|geometry| self.geometry(geometry)) {
+                Ok(geometry) => shapes.push(Shape {
+                    pose: part("origin").map_or_else(Pose::identity, pose),
+                    geometry,
+                    color: part("material").and_then(|material| self.color(material)),
+                }),
+                Err(why) => self.shape_notes.push(format!("a shape of the link `{name}` {why}")),
+            }
+        }
+        shapes
+    }
+
+    fn geometry(&mut self, geometry: Node<'a, '_>) -> Result<Geometry, String> {
+        let kind = geometry.tag_name().name();
+        if kind != "mesh" {
+            return solid(kind, |name| geometry.attribute(name))
+                .ok_or_else(|| format!("is a `<{kind}>` that cannot be drawn"));
+        }
+        let file = geometry.attribute("filename").ok_or("is a `<mesh>` without `filename`")?;
+        let places = places(file.trim(), self.options);
+        for place in &places {
+            self.xml.report.depends_on(place.clone());
+        }
+        surface(file, &places, geometry.attribute("scale"))
+    }
+
+    /// Returns the colour of a material, which may be one of the robot's.
+    fn color(&self, material: Node<'a, '_>) -> Option<[f64; 4]> {
+        let root = self.xml.root;
+        let own = |node: Node<'a, '_>| {
+            let color = node.children().find(|child| is(root, *child, "color"))?;
+            numbers::<4>(color.attribute("rgba")?)
+        };
+        own(material).or_else(|| {
+            let name = material.attribute("name")?;
+            let mut shared = root.children().filter(|node| is(root, *node, "material"));
+            shared.find(|node| node.attribute("name") == Some(name)).and_then(own)
+        })
+    }
+}
+
+/// Returns the pose of an `<origin>`; numbers that cannot be read are zero.
+fn pose(origin: Node) -> Pose<f64> {
+    let three = |name| origin.attribute(name).and_then(numbers::<3>).unwrap_or_default();
+    Pose { rotation: roll_pitch_yaw(three("rpy")), translation: three("xyz") }
+}
+
+/// Returns the places of a file that the description names by a path or by the name of a package.
+fn places(file: &str, options: &ReadOptions) -> Vec<PathBuf> {
+    let folder = options.folder.as_deref();
+    if let Some((scheme @ ("package" | "model"), rest)) = file.split_once("://") {
+        let (package, path) = rest.split_once('/').unwrap_or((rest, ""));
+        let found = packages::find(package, options).map(|folder| folder.join(path));
+        // A package that is not installed often has its folder around the description.
+        let around = folder.into_iter().flat_map(|folder| {
+            let absolute = std::path::absolute(folder).unwrap_or_else(|_| folder.into());
+            let above: Vec<_> = absolute.ancestors().map(|one| one.join(rest)).collect();
+            let inside = absolute.ancestors().map(|one| one.join(path)).collect::<Vec<_>>();
+            above.into_iter().chain(if scheme == "package" { inside } else { Vec::new() })
+        });
+        return found.into_iter().chain(around).collect();
+    }
+    let path = file.strip_prefix("file://").unwrap_or(file);
+    folder.map(|folder| folder.join(path)).into_iter().collect()
+}

@@ -1,0 +1,45 @@
+//! Shapes in XML, for pictures. Nothing in a shape is an error: what cannot be read is left out, with a note.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use crate::description::{Geometry, MAX_NUMBER};
+use crate::read::mesh::{self, Purpose};
+
+/// Returns `N` numbers, separated by white space; `None` for another text.
+pub fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
+    let number = |word: &str| word.parse().ok().filter(|x: &f64| x.abs() < MAX_NUMBER);
+    let list: Option<Vec<f64>> = text.split_ascii_whitespace().map(number).collect();
+    list?.try_into().ok()
+}
+
+/// Returns the geometry of an element of this name, which is the same in URDF and SDF; `None` if it is no solid, or if a length
+/// is missing or not positive. `text` is the text of a length.
+pub fn solid<'t>(element: &str, text: impl Fn(&str) -> Option<&'t str>) -> Option<Geometry> {
+    let length = |name| text(name).and_then(numbers::<1>).map(|[length]| length);
+    let three = |name| text(name).and_then(numbers::<3>);
+    let geometry = match element {
+        "box" => Geometry::Box { size: three("size")? },
+        "sphere" => Geometry::Sphere { radius: length("radius")? },
+        "ellipsoid" => Geometry::Ellipsoid { radii: three("radii")? },
+        "cylinder" => Geometry::Cylinder { radius: length("radius")?, length: length("length")? },
+        "capsule" => Geometry::Capsule { radius: length("radius")?, length: length("length")? },
+        _ => return None,
+    };
+    geometry.is_sound().then_some(geometry)
+}
+
+/// Returns the mesh of the first of these files that exists, scaled along x, y and z.
+///
+/// # Errors
+///
+/// Returns what is wrong with the mesh, as the end of a sentence about it.
+pub fn surface(name: &str, places: &[PathBuf], scale: Option<&str>) -> Result<Geometry, String> {
+    let scale = scale.map_or(Some([1.0; 3]), numbers::<3>);
+    let scale = scale.filter(|scale| scale.iter().all(|&factor| factor != 0.0));
+    let scale = scale.ok_or("has a `scale` that is not three numbers other than zero")?;
+    let place = places.iter().find(|place| place.is_file());
+    let place: &Path = place.ok_or_else(|| format!("has the file `{name}`, which is not found"))?;
+    let mesh = mesh::read(place, Purpose::Picture)?;
+    Ok(Geometry::Mesh(Arc::new(mesh::scaled(mesh, scale))))
+}
