@@ -50,8 +50,8 @@ fn function(function: Function) -> (Evaluated, Vec<f64>, [usize; 4]) {
     let model = robot.plan().expect("a robot").model;
     let (nq, nv) = (model.nq(), model.nv());
     assert!(nq > nv, "there are quaternions");
-    // The result backwards, as two arrays.
-    let results = vec![(1..nv).rev().collect(), vec![0]];
+    // The result as two arrays.
+    let results = vec![(0..nv - 1).collect(), vec![nv - 1]];
     let own =
         EntryFunction { function, link: None, results, feedback: false, derivatives: Vec::new() };
     let payload = [0.7, 0.1, -0.2, 0.3, 0.02, 0.001, -0.002, 0.03, 0.004, 0.025];

@@ -212,6 +212,10 @@ impl EntryFunction {
     fn structured(&self, value: &Arrays, context: &PlanContext<'_>) -> Option<(Arrays, usize)> {
         let (tracer, layout) = (&context.tracer, &context.for_derivatives);
         let first = self.derivatives.first()?;
+        // Graphs of their own have all results in the function's order.
+        if !self.results.iter().flatten().copied().eq(0..context.sizes.nv) {
+            return None;
+        }
         let forward_dynamics = |form: EntryForm| {
             let graph = &context.forward_dynamics.graph;
             tracer.forward_dynamics_form_by_entries(form, graph, layout, MAX_HESSIAN)
