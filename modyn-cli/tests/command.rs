@@ -9,7 +9,7 @@ use common::modyn;
 fn help_and_version_are_there() {
     let help = modyn(&["--help"]);
     assert_eq!(help.code, 0);
-    for command in ["inspect", "generate", "check", "simulate", "compare", "explain"] {
+    for command in ["inspect", "generate", "check", "simulate", "view", "compare", "explain"] {
         assert!(help.out.contains(command), "{}", help.out);
         let own = modyn(&[command, "--help"]);
         assert_eq!(own.code, 0);

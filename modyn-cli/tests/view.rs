@@ -59,6 +59,53 @@ fn the_page_has_shapes_meshes_and_motions() {
     );
 }
 
+/// A body that rests on three points: their forces carry its weight, without a torque about its centre of mass.
+#[test]
+fn contact_forces_carry_the_weight() {
+    let feet = [("a", [0.3, 0.0]), ("b", [-0.2, 0.3]), ("c", [-0.2, -0.3])];
+    let foot = |(name, [x, y]): (&str, [f64; 2])| {
+        format!(
+            "<link name=\"{name}\"/><joint name=\"j{name}\" type=\"fixed\"><parent link=\"body\"/><child link=\"{name}\"/>\
+             <origin xyz=\"{x} {y} 0\"/></joint>"
+        )
+    };
+    let robot = format!(
+        "<robot name=\"tripod\"><link name=\"body\"><inertial><origin xyz=\"0 0 0.3\"/><mass value=\"2\"/>\
+         <inertia ixx=\"0.1\" iyy=\"0.1\" izz=\"0.1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>{}</robot>",
+        feet.map(foot).concat()
+    );
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    std::fs::write(path("tripod.urdf"), robot).expect("written");
+    let contacts = "a: point(a), b: point(b), c: point(c)";
+    let found = modyn(&[
+        "simulate",
+        &path("tripod.urdf"),
+        "--base",
+        "floating",
+        "--contacts",
+        contacts,
+        "--ground",
+        "--time",
+        "0.1",
+        "--html",
+        &path("page.html"),
+    ]);
+    assert_eq!(found.code, 0, "{}", found.err);
+    let data = common::page_data(&std::fs::read_to_string(path("page.html")).expect("a page"));
+    let forces =
+        data["motions"][0]["forces"].as_array().and_then(|all| all.last()).expect("forces");
+    let forces: Vec<f64> =
+        forces.as_array().expect("numbers").iter().map(|x| x.as_f64().expect("a number")).collect();
+    let sum = |of: &dyn Fn(usize) -> f64| (0..3).map(of).sum::<f64>();
+    for (k, expected) in [0.0, 0.0, 2.0 * 9.81].into_iter().enumerate() {
+        assert!((sum(&|i| forces[3 * i + k]) - expected).abs() < 1e-3, "{forces:?}");
+    }
+    for k in 0..2 {
+        assert!(sum(&|i| feet[i].1[k] * forces[3 * i + 2]).abs() < 1e-3, "{forces:?}");
+    }
+}
+
 #[test]
 fn tables_that_are_no_motions_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");
