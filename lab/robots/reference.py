@@ -5,6 +5,7 @@ velocities to all of Pinocchio's: v' = G v, M = G^T M' G. So Pinocchio's own mim
 named after its follower, are not needed.
 """
 
+import re
 import xml.etree.ElementTree as ElementTree
 
 import numpy
@@ -33,18 +34,19 @@ def closed_accelerations(jacobian, free, matrix):
 
 
 def load(description, floating=False):
-    """Returns the model, or Pinocchio's error."""
+    """Returns the model, or Pinocchio's error. White space in numbers is left out, since urdfdom drops such an inertia."""
     root = [pinocchio.JointModelFreeFlyer()] if floating else []
+    text = re.sub(r'\s+"', '"', description.read_text(errors="replace").strip())
     try:
-        return pinocchio.buildModelFromUrdf(str(description), *root), None
+        return pinocchio.buildModelFromXML(text, *root), None
     except Exception as error:
-        return None, str(error).replace(f"file {description}", "file")
+        return None, str(error)
 
 
 def followers(description):
     """By joint: which it mimics, multiplier and offset; chains are followed to their ends."""
     direct = {}
-    for joint in ElementTree.parse(description).getroot().findall("joint"):
+    for joint in ElementTree.fromstring(description.read_bytes().strip()).findall("joint"):
         mimic = joint.find("mimic")
         if mimic is not None and joint.get("type") != "fixed":
             numbers = float(mimic.get("multiplier", 1)), float(mimic.get("offset", 0))

@@ -20,11 +20,14 @@ use crate::emit::{
     RolloutSource, Target, emit_rollouts,
 };
 use crate::options::{Bundle, ModuleChoice, OptionError, Options, Value, option_table, user};
-use crate::plan::{Choices, CodeForm, Function, NamedFunction, Plan, TooLong, TracedFunction};
+use crate::plan::{
+    Choices, CodeForm, EntryFunction, Function, NamedFunction, Plan, TooLong, TracedFunction,
+};
 use crate::program::Execution;
 use crate::read::{Format, Reading};
 use checks::{
-    invalid_programs, left_out, moving_frames, too_long, without_hessian, without_inertia,
+    invalid_programs, left_out, moving_frames, too_long, too_long_entries, without_hessian,
+    without_inertia,
 };
 pub use object::ObjectPlanning;
 use source::Source;
@@ -388,6 +391,25 @@ impl Builder {
         let plan = inputs.machine_code()?;
         let Inputs { model, files, options, .. } = inputs;
         Ok(Planning { plan, model, warnings: options.warnings, files })
+    }
+
+    /// Returns the program of one function of arrays of plain numbers, or of a derivative of one, for back ends that print no text:
+    /// for libraries that differentiate by every entry of their arrays. The program has one argument and one result, in which the
+    /// arrays follow one another. The options `functions` and `bundles` have no effect.
+    ///
+    /// # Errors
+    ///
+    /// Returns all errors of the description and the options, and an error if the function has too many operations.
+    pub fn plan_entries(&self, function: &EntryFunction) -> Result<Planning, Diagnostics> {
+        let Inputs { model, modules, choices, options, files } =
+            self.clone().functions([]).inputs()?;
+        let plan = Plan::for_entries(&model, &modules, &choices.of_one_state(), function);
+        let plan = plan.map_err(|reason| {
+            let derivatives = function.derivatives.len();
+            Diagnostics::new(vec![too_long_entries(&model, &modules, &reason, derivatives)])
+        })?;
+        let warnings = options.warnings.into_iter().chain(invalid_programs(&plan)).collect();
+        Ok(Planning { plan, model, warnings, files })
     }
 
     /// Returns kernels for graphics processors that integrate motions over many time steps, without writing anything, and

@@ -41,6 +41,38 @@ impl<S: Real> Call<'_, S> {
         self.compiled.size
     }
 
+    /// Returns the number of states that the code for batches computes together, one in each lane; 1 without such code.
+    #[must_use]
+    pub fn lanes(&self) -> usize {
+        if self.has_batch() { self.lanes } else { 1 }
+    }
+
+    /// Computes the results for as many states as there are [`lanes`](Self::lanes): each number of an argument has the numbers
+    /// of all lanes, and so has each number of the result.
+    ///
+    /// # Errors
+    ///
+    /// If the number of arguments or a length is wrong, the function is one of a link, or
+    /// [`Options::batches`](crate::Options::batches) was not set.
+    pub fn in_lanes(&self, arguments: &[&[S]], results: &mut [S]) -> Result<(), CallError> {
+        let function = self.name();
+        self.check_link(None)?;
+        self.check_count(arguments.len())?;
+        if !self.has_batch() {
+            return Err(CallError::NoBatch { function });
+        }
+        let given = self.arguments().iter().zip(arguments);
+        let given = given.map(|((name, shape), argument)| (*name, shape, argument.len()));
+        for (name, shape, found) in given.chain([("result", self.result(), results.len())]) {
+            let expected = shape.len() * self.lanes;
+            if found != expected {
+                return Err(CallError::Length { function, name, expected, found });
+            }
+        }
+        self.run(None, arguments, results, self.lanes);
+        Ok(())
+    }
+
     /// Computes the result for one state.
     ///
     /// # Errors
@@ -90,6 +122,16 @@ impl<S: Real> Call<'_, S> {
 
     fn name(&self) -> &'static str {
         self.compiled.name
+    }
+
+    /// Returns whether there is code for batches.
+    fn has_batch(&self) -> bool {
+        match &self.compiled.kernels {
+            CompiledKernels::One(kernel) | CompiledKernels::Poses { bodies: kernel, .. } => {
+                kernel.batch.is_some()
+            }
+            CompiledKernels::ByLink(_, kernels) => kernels.iter().all(|k| k.batch.is_some()),
+        }
     }
 
     fn check_link(&self, link: Option<usize>) -> Result<(), CallError> {
@@ -179,13 +221,7 @@ impl<S: Real> Call<'_, S> {
         self.check_link(link)?;
         self.check_count(arguments.len())?;
         let function = self.name();
-        let has_batch = match &self.compiled.kernels {
-            CompiledKernels::One(kernel) | CompiledKernels::Poses { bodies: kernel, .. } => {
-                kernel.batch.is_some()
-            }
-            CompiledKernels::ByLink(_, kernels) => kernels.iter().all(|k| k.batch.is_some()),
-        };
-        if !has_batch {
+        if !self.has_batch() {
             return Err(CallError::NoBatch { function });
         }
         let lengths: Vec<usize> = self.arguments().iter().map(|(_, shape)| shape.len()).collect();

@@ -75,6 +75,38 @@ fn wrong_batches_name_the_error() {
     mass.many(&[&[]], &mut []).expect("nothing to do");
 }
 
+#[test]
+fn states_in_lanes() {
+    let mut options = Options::default();
+    options.batches = true;
+    let builder = robot("arm6").functions([Function::MassMatrix, Function::Jacobian]);
+    let arm = Compiled::<f64>::build(&builder, options).expect("code");
+    let mass = arm.function(Function::MassMatrix).expect("compiled");
+    let lanes = mass.lanes();
+    assert!(lanes > 1);
+    let q: Vec<f64> = (0..6 * lanes).map(|k| (k * 5 % 7) as f64 * 0.3 - 0.8).collect();
+    let (mut found, mut one) = (vec![0.0; 36 * lanes], [0.0; 36]);
+    mass.in_lanes(&[&q], &mut found).expect("fits");
+    for lane in 0..lanes {
+        let own: Vec<f64> = q.iter().skip(lane).step_by(lanes).copied().collect();
+        mass.one(&[&own], &mut one).expect("fits");
+        for (k, expected) in one.iter().enumerate() {
+            assert!((found[k * lanes + lane] - expected).abs() < 1e-12);
+        }
+    }
+    let error = mass.in_lanes(&[&q[1..]], &mut found).expect_err("too short").to_string();
+    let (expected, given) = (6 * lanes, 6 * lanes - 1);
+    let message = format!("`q` of `mass_matrix` has {expected} numbers, and {given} were given");
+    assert_eq!(error, message);
+    let jacobian = arm.function(Function::Jacobian).expect("compiled");
+    let error = jacobian.in_lanes(&[&q], &mut found).expect_err("no link").to_string();
+    assert_eq!(error, "`jacobian` is about one link; call it with the link's index");
+    let single = Compiled::<f64>::build(&builder, Options::default()).expect("code");
+    let mass = single.function(Function::MassMatrix).expect("compiled");
+    assert_eq!(mass.lanes(), 1);
+    mass.in_lanes(&[&q[..6]], &mut one).expect_err("no code for batches");
+}
+
 /// Several arguments may be the same slice; Rust's borrow rules keep the result apart.
 #[test]
 fn arguments_can_be_the_same() {

@@ -26,7 +26,7 @@ const MAX_ARGUMENTS: usize = 16;
 const MAX_VECTOR_BYTES: usize = 64;
 
 /// The instructions that a thread should have, about 50 us; starting a thread takes about 20 us.
-const INSTRUCTIONS_PER_THREAD: usize = 200_000;
+pub const INSTRUCTIONS_PER_THREAD: usize = 200_000;
 
 /// The number of threads for a batch; zero for all processors.
 pub static THREADS: AtomicUsize = AtomicUsize::new(0);
@@ -354,7 +354,7 @@ fn rounded<S: Number>(inertial: &Inertial) -> Inertial<S> {
 }
 
 /// Returns the default settings of constraints as this many numbers, in the order of `ConstraintSettings`.
-fn default_settings<S: Number>(length: usize) -> Vec<S> {
+pub fn default_settings<S: Number>(length: usize) -> Vec<S> {
     let contacts = S::GROUND.numbers().into_iter().cycle();
     S::SETTINGS.numbers().into_iter().chain(contacts).take(length).collect()
 }
@@ -366,7 +366,7 @@ fn evaluated<S: Number>(planning: Planning) -> Option<Evaluated<S>> {
 }
 
 /// Returns the number of threads for a batch.
-fn threads() -> usize {
+pub fn threads() -> usize {
     match THREADS.load(Ordering::Relaxed) {
         0 => {
             let all = std::thread::available_parallelism().map_or(1, usize::from);

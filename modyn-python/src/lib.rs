@@ -9,6 +9,7 @@
 mod arrays;
 mod change;
 mod conventions;
+mod entries;
 mod errors;
 mod evaluated;
 mod factorization;
@@ -125,6 +126,8 @@ mod _modyn {
         mujoco_from_qacc, mujoco_from_qpos, mujoco_from_qvel, mujoco_to_qacc, mujoco_to_qpos,
         mujoco_to_qvel, pinocchio_angle, pinocchio_cos_sin,
     };
+    #[pymodule_export]
+    use super::entries::{call_arrays, rollout_code, xla_handler};
     #[pymodule_export]
     use super::factorization::Factorization;
     #[cfg(feature = "gpu")]

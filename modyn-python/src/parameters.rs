@@ -18,9 +18,14 @@ pub struct ParameterNumbers<S> {
 impl<S: Number> ParameterNumbers<S> {
     /// Returns the numbers of the description; `is_used` says whether there are programs that depend on them.
     pub fn new(plan: &Plan, gravity: [f64; 3], is_used: bool) -> Self {
-        let numbers = if is_used { plan.parameters.described(gravity) } else { Vec::new() };
-        let numbers = numbers.into_iter().map(S::from_f64).collect();
-        Self { parameters: plan.parameters.clone(), numbers }
+        let all = Self::of(&plan.parameters, gravity);
+        if is_used { all } else { Self { numbers: Vec::new(), ..all } }
+    }
+
+    /// Returns the numbers of the description.
+    pub fn of(parameters: &Parameters, gravity: [f64; 3]) -> Self {
+        let numbers = parameters.described(gravity).into_iter().map(S::from_f64).collect();
+        Self { parameters: parameters.clone(), numbers }
     }
 
     /// Returns the numbers; none if no program depends on them.

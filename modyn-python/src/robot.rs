@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use modyn_codegen::diagnostics::suggest;
+use modyn_codegen::plan::EntryFunction;
+use modyn_codegen::trace::Parameters;
 use modyn_codegen::{
     Builder, Bundle, FloatType, Function, ReadOptions, Shapes, joints_without_inertia,
 };
@@ -20,10 +22,8 @@ use crate::arrays::Given;
 use crate::change::Change;
 use crate::errors::{description_error, warn_of_description, warn_of_machine_code};
 use crate::function::{self, RobotFunction};
-#[cfg(feature = "gpu")]
 use crate::number::Number;
 use crate::options;
-#[cfg(feature = "gpu")]
 use crate::parameters::ParameterNumbers;
 
 /// A robot: a description (URDF, SDF or MJCF) whose functions are compiled to machine code, each at its first use.
@@ -47,10 +47,16 @@ pub struct Robot {
     functions: Vec<Slot>,
     bundles: Vec<(String, Bundle, Slot)>,
     changes: Mutex<Vec<Change>>,
+    parameters: Parameters,
+    /// The keys of functions of arrays that are compiled.
+    array_keys: Mutex<Vec<(EntryFunction, i64)>>,
 }
 
 /// The place of a function, which is compiled at its first use.
 type Slot = OnceLock<Box<dyn RobotFunction>>;
+
+/// A run-time parameter: the option, the link and the numbers.
+pub type RunTimeParameter<'a> = (&'static str, Option<&'a str>, Vec<f64>);
 
 /// The text of a description, the file's name, and the folder of files that the text names.
 pub type Source = (String, String, Option<PathBuf>);
@@ -93,7 +99,7 @@ impl Robot {
         warn_of_description(py, &planning.warnings)?;
         let names = planning.plan.functions.iter().map(|planned| planned.name.to_owned());
         let bundles = names.zip(bundles).map(|(name, bundle)| (name, bundle, OnceLock::new()));
-        let model = planning.model;
+        let (model, parameters) = (planning.model, planning.plan.parameters);
         let links = model.frames().iter().enumerate();
         let without_inertia = joints_without_inertia(&model);
         let name = |&joint: &usize| model.links()[joint].joint.name.clone();
@@ -107,6 +113,8 @@ impl Robot {
             functions: Function::ALL.iter().map(|_| OnceLock::new()).collect(),
             bundles: bundles.collect(),
             changes: Mutex::default(),
+            parameters,
+            array_keys: Mutex::default(),
             modules,
             model,
         })
@@ -257,7 +265,6 @@ impl Robot {
     /// # Errors
     ///
     /// If a change is of another parameter.
-    #[cfg(feature = "gpu")]
     pub fn changed<S: Number>(
         &self,
         parameters: &ParameterNumbers<S>,
@@ -270,9 +277,66 @@ impl Robot {
     }
 
     /// Returns the builder of the robot, without functions.
-    #[cfg(feature = "gpu")]
     pub fn builder(&self) -> &Builder {
         &self.builder
+    }
+
+    /// Returns the scalar of arguments and results.
+    pub fn scalar(&self) -> FloatType {
+        self.scalar
+    }
+
+    /// Returns whether functions are compiled to machine code.
+    pub fn has_machine_code(&self) -> bool {
+        self.machine_code
+    }
+
+    /// Returns the number of the numbers of all run-time parameters.
+    pub fn parameter_count(&self) -> usize {
+        self.parameters.len()
+    }
+
+    /// Returns the run-time parameters in the order of their numbers: the option, the link and the present numbers of each.
+    ///
+    /// # Errors
+    ///
+    /// If a change is of another parameter.
+    pub fn run_time_parameters(&self) -> PyResult<Vec<RunTimeParameter<'_>>> {
+        let described = ParameterNumbers::of(&self.parameters, self.model.gravity());
+        let numbers = self.changed::<f64>(&described)?;
+        let Parameters { gravity, inertias, payloads, .. } = &self.parameters;
+        let name = |frame: usize| Some(self.model.frames()[frame].name.as_str());
+        let gravity = gravity.then_some(("gravity", None, 3));
+        let inertias = inertias.iter().map(|(frame, _)| ("inertia", name(*frame), 10));
+        let payloads = payloads.iter().map(|frame| ("payload", name(*frame), 10));
+        let mut rest = numbers.as_slice();
+        let mut next = |count: usize| {
+            let (first, others) = rest.split_at(count);
+            rest = others;
+            first.to_vec()
+        };
+        let all = gravity.into_iter().chain(inertias).chain(payloads);
+        Ok(all.map(|(option, link, count)| (option, link, next(count))).collect())
+    }
+
+    /// Returns the key of a function of arrays, which is compiled by `code` at its first use.
+    ///
+    /// # Errors
+    ///
+    /// Those of `code`.
+    pub fn array_key(
+        &self,
+        function: &EntryFunction,
+        code: impl FnOnce() -> PyResult<i64>,
+    ) -> PyResult<i64> {
+        let keys = || self.array_keys.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = keys().iter().find(|(own, _)| own == function).map(|(_, key)| *key);
+        if let Some(key) = known {
+            return Ok(key);
+        }
+        let key = code()?;
+        keys().push((function.clone(), key));
+        Ok(key)
     }
 
     /// Returns the bundles.

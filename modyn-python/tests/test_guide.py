@@ -3,6 +3,7 @@
 import os
 import re
 
+import pytest
 from conftest import ROOT
 
 
@@ -22,3 +23,13 @@ def test_the_guide(tmp_path, monkeypatch, capsys):
     assert shown.startswith("<modyn.Robot 'arm7', nq = 7, nv = 7>\n")
     assert re.search(r"^a\.urdf:1:\d+: error\[", shown, re.MULTILINE)
     assert (tmp_path / "motion.html").read_text().startswith("<!doctype html>")
+
+
+def test_the_page_about_jax(monkeypatch):
+    pytest.importorskip("jax", reason="JAX is not installed: pip install modyn[jax]")
+    monkeypatch.chdir(ROOT)
+    programs = blocks(ROOT / "docs" / "learning.md")
+    assert len(programs) == 4
+    session = {}
+    for program in programs:
+        exec(compile(program, "learning.md", "exec"), session)

@@ -15,12 +15,14 @@ def code(path):
 
 
 def test_there_are_notebooks():
-    assert [path.stem for path in NOTEBOOKS] == ["identification", "quadruped"]
+    assert [path.stem for path in NOTEBOOKS] == ["identification", "learning", "quadruped"]
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_a_notebook_runs(path, monkeypatch):
     """The cells have assertions of their own."""
+    if path.stem == "learning":
+        pytest.importorskip("jax", reason="JAX is not installed: pip install modyn[jax]")
     monkeypatch.chdir(path.parent)
     cells = code(path)
     session = {}

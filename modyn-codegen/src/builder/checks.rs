@@ -272,6 +272,27 @@ fn helps_by_links(model: &Model, modules: &ModuleTree, names: &[&str]) -> bool {
     *modules != links && Plan::new(model, &links, &choices, Execution::Scalar).is_ok()
 }
 
+/// Returns the error that a function of arrays, which is differentiated this many times, takes too many operations.
+pub fn too_long_entries(
+    model: &Model,
+    modules: &ModuleTree,
+    reason: &TooLong,
+    derivatives: usize,
+) -> Diagnostic {
+    let TooLong::Function { name, .. } = reason else { return too_long(model, modules, reason) };
+    let (what, help) = match derivatives {
+        0 => (format!("`{name}`"), "leave links out that do not matter, or make joints `fixed`"),
+        _ => (
+            format!("a derivative of order {derivatives} of `{name}`"),
+            "differentiate by fewer arguments, or by products with vectors in place of matrices",
+        ),
+    };
+    let joints = model.links().len();
+    let message =
+        format!("{what} of {joints} moving joints takes more than {MAX_OPERATIONS} operations");
+    Diagnostic::error(Code::TooLarge, message).with_help(help)
+}
+
 /// Returns the error that the functions of a robot take too many operations.
 pub fn too_long(model: &Model, modules: &ModuleTree, reason: &TooLong) -> Diagnostic {
     let joints = model.links().len();

@@ -89,9 +89,9 @@ codes! {
     SdfVersion = "sdf-version":
         "Write `<sdf version=\"1.12\">`, or the version that the file has. Versions from 1.2 are read; elements of \
         newer versions than 1.12 may be missing.",
-    /// An SDF has no model that can move, or several worlds.
+    /// An SDF has no model, or several worlds.
     SdfModel = "sdf-model":
-        "Give a file with a model that is not `<static>`, alone or in a `<world>`.",
+        "Give a file with one `<world>`, or with a `<model>` alone.",
     /// A name of an SDF does not mean a frame, is reserved, or means two things.
     FrameName = "frame-name":
         "Name a link, joint, `<frame>` or model of the same model, or a part of a nested model as in `model::link`. \

@@ -13,6 +13,7 @@ mod choices;
 mod code_form;
 mod constants;
 mod context;
+mod entries;
 mod factorization;
 mod frames;
 mod functions;
@@ -39,6 +40,7 @@ pub use choices::Choices;
 pub use code_form::CodeForm;
 pub use constants::{BaseParameterTable, Constants};
 pub use context::{LIMB_LIMITS, PlanContext};
+pub use entries::{Derivative, DerivativeMode, EntryFunction};
 pub use factorization::FactorFunction;
 pub use frames::{Frames, LinkProgram};
 pub(crate) use functions::signatures;
@@ -100,7 +102,7 @@ impl Plan {
         choices: &Choices,
         execution: Execution,
     ) -> Result<Self, TooLong> {
-        Self::traced(model, modules, choices, execution, |_, _| Ok(CasadiPlan::default()))
+        Ok(Self::traced(model, modules, choices, execution, |_, _| Ok(()))?.0)
     }
 
     /// Returns the plan of `model`'s functions for `CasADi`, with their derivatives: the selected ones that `CasADi` can have.
@@ -122,16 +124,45 @@ impl Plan {
         let casadi = |context: &PlanContext<'_>, budget: &mut Budget| {
             CasadiPlan::new(context, model, &choices.functions, budget)
         };
-        Self::traced(model, modules, &straight, Execution::Scalar, casadi)
+        let (plan, casadi) = Self::traced(model, modules, &straight, Execution::Scalar, casadi)?;
+        Ok(Self { casadi, ..plan })
     }
 
-    fn traced(
+    /// Returns the plan of one function of arrays of plain numbers, for a back end with vectors.
+    ///
+    /// # Errors
+    ///
+    /// If the function takes more than [`MAX_OPERATIONS`].
+    pub fn for_entries(
+        model: &Model,
+        modules: &ModuleTree,
+        choices: &Choices,
+        function: &EntryFunction,
+    ) -> Result<Self, TooLong> {
+        let none = Choices {
+            functions: Vec::new(),
+            bundles: Vec::new(),
+            user_functions: Vec::new(),
+            ..choices.clone()
+        };
+        let planned = |context: &PlanContext<'_>, budget: &mut Budget| {
+            let least = context.least_operations(function.function);
+            let plan = || Planned::entries(function, context);
+            budget.spend(function.function.name(), least, plan, Planned::length)
+        };
+        let (mut plan, planned) = Self::traced(model, modules, &none, Execution::Simd, planned)?;
+        plan.functions.push(planned);
+        Ok(plan)
+    }
+
+    /// Returns the plan of the chosen functions, and further programs from the same inputs of tracing.
+    fn traced<T>(
         model: &Model,
         modules: &ModuleTree,
         choices: &Choices,
         execution: Execution,
-        casadi: impl Fn(&PlanContext<'_>, &mut Budget) -> Result<CasadiPlan, TooLong>,
-    ) -> Result<Self, TooLong> {
+        further: impl FnOnce(&PlanContext<'_>, &mut Budget) -> Result<T, TooLong>,
+    ) -> Result<(Self, T), TooLong> {
         let batches = execution == Execution::Simd;
         if model.links().len() > MAX_LINKS {
             return Err(TooLong::Robot);
@@ -196,11 +227,11 @@ impl Plan {
             let arguments = 1 + robot.parameters.len();
             (entries, Program::new(&optimize(graph), arguments, Execution::Scalar))
         });
-        let casadi = casadi(&context, &mut budget)?;
+        let further = further(&context, &mut budget)?;
         let PlanContext { layout, forward_dynamics, .. } = context;
         let ChosenPartition { modules: elimination_modules, candidates, .. } = forward_dynamics;
         let SymbolicRobot { parameters, frames, .. } = robot;
-        Ok(Self {
+        let plan = Self {
             choices: choices.clone(),
             functions,
             batches: many,
@@ -211,9 +242,10 @@ impl Plan {
             inertia_pivots: pivots,
             frames,
             elimination_modules,
-            casadi,
+            casadi: CasadiPlan::default(),
             candidates,
-        })
+        };
+        Ok((plan, further))
     }
 
     /// Returns the operations of one call of each function and bundle, by name.

@@ -199,7 +199,7 @@ impl PlanContext<'_> {
     }
 
     /// Returns the programs of a graph, as [`Kernels::lowered`] does.
-    fn kernels(
+    pub(super) fn kernels(
         &self,
         graph: &Graph,
         packed: Option<Graph>,

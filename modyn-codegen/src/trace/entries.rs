@@ -29,6 +29,19 @@ pub struct EntryDerivatives {
     pub hessian: Option<Graph>,
 }
 
+/// A derivative of a function of plain numbers, as [`EntryDerivatives`] has them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EntryForm {
+    /// [`EntryDerivatives::jacobian`].
+    Jacobian,
+    /// [`EntryDerivatives::forward`].
+    Forward,
+    /// [`EntryDerivatives::adjoint`].
+    Adjoint,
+    /// [`EntryDerivatives::hessian`].
+    Hessian,
+}
+
 impl EntryDerivatives {
     /// Returns the graphs of a function of `inputs` numbers, by differentiation of its graph. The second derivatives have
     /// at most `max_operations` operations, or are left out.
@@ -48,6 +61,23 @@ impl EntryDerivatives {
             adjoint,
         }
     }
+}
+
+/// Returns the graph of the Jacobian of a gradient by the function's inputs and then by the weights, by columns: the
+/// Hessian, then the transposed Jacobian. `columns` is the number of inputs, `rows` the number of results.
+#[must_use]
+pub fn second_derivatives(hessian: &Graph, jacobian: &Graph, columns: usize, rows: usize) -> Graph {
+    let mut all = Graph::default();
+    let given = all.inputs(0..columns + rows);
+    let mut outputs = all.compose(hessian, &given);
+    let first = all.compose(jacobian, &given);
+    outputs.extend(
+        (0..rows)
+            .flat_map(|row| (0..columns).map(move |x| (row, x)))
+            .map(|(row, column)| first[column * rows + row]),
+    );
+    all.outputs = outputs;
+    all
 }
 
 impl Tracer<'_> {
@@ -72,7 +102,27 @@ impl Tracer<'_> {
         all.with_outputs(&[&outputs])
     }
 
-    fn inverse_dynamics_of_entries(&self) -> Graph {
+    /// Returns the graph of a time step under the forces `controls` + `gains` (x_ref - x), where the difference of states has
+    /// that of the coordinates in tangent space, then that of the velocities. `step` and `difference` are the graphs of the step and
+    /// of the difference of coordinates. Inputs: `q`, `qd`, `controls`, `dt`, `gains` (nv rows of 2 nv numbers), `q_ref`, `qd_ref`.
+    #[must_use]
+    pub fn with_feedback(&self, step: &Graph, difference: &Graph) -> Graph {
+        let (nq, nv) = (self.model.nq, self.model.nv);
+        let mut all = Composition::new();
+        let [q, qd, controls, dt, gains, q_ref, qd_ref] =
+            [nq, nv, nv, 1, 2 * nv * nv, nq, nv].map(|count| all.inputs(count));
+        let parameters = all.inputs(self.parameters.len());
+        let mut error = all.add(difference, &[&q, &q_ref, &parameters]);
+        error.extend(all.difference(&qd_ref, &qd));
+        let feedback: Vec<Id> = gains.chunks(2 * nv).map(|gains| all.dot(gains, &error)).collect();
+        let forces = all.sums(&controls, &feedback);
+        let next = all.add(step, &[&q, &qd, &forces, &dt, &parameters]);
+        all.with_outputs(&[&next])
+    }
+
+    /// Returns the graph of inverse dynamics with quaternions of length 1.
+    #[must_use]
+    pub fn inverse_dynamics_of_entries(&self) -> Graph {
         let inputs = self.dynamics_inputs();
         self.with_unit_quaternions(&optimize(self.inverse_dynamics()), &[0], inputs.all)
     }
@@ -81,8 +131,16 @@ impl Tracer<'_> {
     /// have at most `max_operations` operations, or are left out.
     #[must_use]
     pub fn inverse_dynamics_by_entries(&self, max_operations: usize) -> EntryDerivatives {
-        let (nv, inputs) = (self.model.nv, self.dynamics_inputs());
         let value = self.inverse_dynamics_of_entries();
+        let jacobian = self.inverse_dynamics_jacobian_by_entries(&value);
+        EntryDerivatives::with_jacobian(value, self.dynamics_inputs().all, jacobian, max_operations)
+    }
+
+    /// Returns the derivatives of inverse dynamics in closed form, by columns: a column for each input. `value` is the graph of
+    /// inverse dynamics with quaternions of length 1.
+    #[must_use]
+    pub fn inverse_dynamics_jacobian_by_entries(&self, value: &Graph) -> Graph {
+        let (nv, inputs) = (self.model.nv, self.dynamics_inputs());
         let mut all = Composition::new();
         let x = all.inputs(inputs.all);
         let (q, rest) = x.split_at(inputs.q.end);
@@ -93,10 +151,38 @@ impl Tracer<'_> {
         let dq = self.by_entries(&mut all, q, &unit, dq);
         let parameters = &x[inputs.last.end..];
         let mass = all.add(&optimize(self.mass_matrix()), &[&unit, parameters]);
-        let by_parameters = jacobian(&value, inputs.all, inputs.last.end..inputs.all);
+        let by_parameters = jacobian(value, inputs.all, inputs.last.end..inputs.all);
         let by_parameters = all.add(&by_parameters, &[&x]);
-        let jacobian = all.with_outputs(&[&dq, dqd, &mass, &by_parameters]);
-        EntryDerivatives::with_jacobian(value, inputs.all, jacobian, max_operations)
+        all.with_outputs(&[&dq, dqd, &mass, &by_parameters])
+    }
+
+    /// Returns one graph of the derivatives of forward dynamics, as [`forward_dynamics_by_entries`] does; `None` if there are
+    /// second derivatives of more than `max_operations`.
+    ///
+    /// [`forward_dynamics_by_entries`]: Self::forward_dynamics_by_entries
+    #[must_use]
+    pub fn forward_dynamics_form_by_entries(
+        &self,
+        form: EntryForm,
+        forward: &Graph,
+        layout: &UduLayout,
+        max_operations: usize,
+    ) -> Option<Graph> {
+        let value = || self.with_unit_quaternions(forward, &[0], self.dynamics_inputs().all);
+        let inverse = self.inverse_dynamics_of_entries();
+        match form {
+            EntryForm::Jacobian => {
+                let mut jacobian = self.forward_dynamics_in_closed_form(&inverse, layout);
+                jacobian.outputs.drain(..self.model.nv);
+                Some(jacobian)
+            }
+            EntryForm::Forward => Some(self.forward_change(&value(), &inverse)),
+            EntryForm::Adjoint => Some(self.forward_adjoint(&value(), &inverse)),
+            EntryForm::Hessian => {
+                let closed = self.forward_dynamics_in_closed_form(&inverse, layout);
+                self.forward_hessian(&closed, &inverse, max_operations)
+            }
+        }
     }
 
     /// Returns forward dynamics and its derivatives. `forward` is the graph of forward dynamics, and `layout` the

@@ -27,7 +27,7 @@ use modyn_runtime::mechanism::{BodyFrame, Mechanism, MergedMechanism};
 
 use crate::graph::{Expr, ForeignExpr, Graph};
 
-pub use entries::EntryDerivatives;
+pub use entries::{EntryDerivatives, EntryForm, second_derivatives};
 pub use evaluation::Solvers;
 pub use limbs::{LimbLimits, LimbPacking};
 pub use looped::{BodyGraphs, BodyKind, LoopedBody};

@@ -18,7 +18,16 @@ from ._errors import DescriptionError, DescriptionWarning, Diagnostic, MachineCo
 from ._modyn import Factorization, Robot, functions, load, loads, set_threads
 from ._results import *  # noqa: F403
 from ._show import Animation, show
-from ._types import BaseParameters, ConstraintSettings, ContactTarget, Joint, JointLimits, RolloutResults
+from ._types import (
+    BaseParameters,
+    ConstraintSettings,
+    ContactTarget,
+    Joint,
+    JointLimits,
+    RolloutGradients,
+    RolloutResults,
+    RolloutStates,
+)
 
 __version__ = "0.1.0"
 
@@ -35,7 +44,9 @@ __all__ = [
     "JointLimits",
     "MachineCodeWarning",
     "Robot",
+    "RolloutGradients",
     "RolloutResults",
+    "RolloutStates",
     "conventions",
     "functions",
     "load",

@@ -9,7 +9,15 @@ from numpy.typing import ArrayLike, NDArray
 from typing_extensions import TypedDict, Unpack
 
 from ._results import *
-from ._types import BaseParameters, ConstraintSettings, Joint, JointLimits, RolloutResults
+from ._types import (
+    BaseParameters,
+    ConstraintSettings,
+    Joint,
+    JointLimits,
+    RolloutGradients,
+    RolloutResults,
+    RolloutStates,
+)
 
 # `float64`, or `float32` with the option `scalar="f32"`.
 Array: TypeAlias = NDArray[Any]
@@ -96,6 +104,24 @@ def functions() -> list[str]:
 
 def options_table() -> list[tuple[str, str, str, str]]:
     """Returns the names of the options of `load`, each with an example, its default and its documentation."""
+
+def call_arrays(key: int, arrays: Sequence[Array]) -> list[Array]:
+    """Calls the code with this key on arrays in C order, whose leading axes are those of states and are broadcast. Returns an
+    array for each result, with the same leading axes."""
+
+def rollout_code(
+    step: int,
+    steps: int,
+    trajectory: bool,
+    sequences: Sequence[int],
+    reverse: tuple[int, Sequence[int]] | None,
+) -> tuple[int, list[list[int]], list[list[int]]]:
+    """Returns the key of the rollout of a time step, of whose code this is the key, and the shapes of its arrays: the states after
+    all steps, or after the last one. Given the code of the step's products, it is that of the gradients by the arguments
+    `variables`. `sequences` are the arguments that have numbers for each step."""
+
+def xla_handler() -> int:
+    """Returns the address of XLA's handler of all functions of arrays."""
 
 def set_threads(threads: int | None) -> None:
     """Sets the number of threads that share a batch; `None` for all processors, the default."""
@@ -293,6 +319,69 @@ class Robot:
     def __getattr__(self, name: str) -> Any:
         """Returns a bundle as a callable."""
     def _repr_html_(self) -> str | None: ...
+    def _array_signature(
+        self, name: str, link: str | int | None = None
+    ) -> tuple[
+        list[tuple[str, list[int], Array | None]], list[tuple[str, str | None, list[float]]], Any
+    ]:
+        """Returns the names of the arguments of a function, each with its shape and its default; the run-time parameters that
+        it depends on, each by option and link with its present numbers; and its result, whose arrays are their indices."""
+    def _array_code(
+        self,
+        name: str,
+        link: str | int | None,
+        derivatives: Sequence[tuple[str, Sequence[int]]],
+        feedback: bool = False,
+    ) -> tuple[int, list[list[int]], list[list[int]]]:
+        """Returns the key of the code of a function or of a derivative, and the shapes of its arrays of arguments and of
+        results. Each derivative is its mode (`forward`, `reverse` or `matrix`) and the indices of the arrays that vary. With
+        `feedback`, a time step has the arguments `gains`, `q_ref` and `qd_ref`."""
+    def rollout(
+        self,
+        q: ArrayLike,
+        qd: ArrayLike,
+        controls: ArrayLike,
+        dt: ArrayLike,
+        *,
+        step: str = "semi_implicit",
+        gains: ArrayLike | None = None,
+        q_ref: ArrayLike | None = None,
+        qd_ref: ArrayLike | None = None,
+        trajectory: bool = True,
+    ) -> RolloutStates:
+        """Returns the states of motions of many time steps in one call: after each step, (..., steps, n), or after the last
+        one with `trajectory=False`. Many motions use the vector units and all cores.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `controls`: (steps, nv), the joint forces of each step; `dt`: the time step, s;
+        `step`: the method, such as `semi_implicit` for the function `step_semi_implicit`. With a feedback, the forces are
+        `controls` + `gains` (x_ref - x), where the difference of states has that of coordinates in tangent space, then that
+        of velocities: `gains`: (nv, 2 nv) or (steps, nv, 2 nv); `q_ref`: (nq,) or (steps, nq); `qd_ref`: (nv,) or
+        (steps, nv); one step stands for all of them. Leading axes are those of motions, and are broadcast.
+        Result: `RolloutStates`: `q` and `qd`.
+        """
+    def rollout_vjp(
+        self,
+        q: ArrayLike,
+        qd: ArrayLike,
+        controls: ArrayLike,
+        dt: ArrayLike,
+        q_weights: ArrayLike,
+        qd_weights: ArrayLike,
+        *,
+        step: str = "semi_implicit",
+        gains: ArrayLike | None = None,
+        q_ref: ArrayLike | None = None,
+        qd_ref: ArrayLike | None = None,
+        trajectory: bool = True,
+    ) -> RolloutGradients:
+        """Returns the gradients of the weighted states of motions, which `rollout` returns, with respect to its arguments, for
+        each motion: one call, which stores few states. Coordinates have an entry for each of their numbers; lengths of
+        quaternions have no effect.
+
+        Arguments: those of `rollout`; `q_weights`: (steps, nq) and `qd_weights`: (steps, nv), or (nq,) and (nv,) with
+        `trajectory=False`.
+        Result: `RolloutGradients`, with the names and the shapes of the arguments.
+        """
 
     # <!-- data: python-functions -->
     def forward_dynamics(

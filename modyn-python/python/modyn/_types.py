@@ -118,6 +118,29 @@ class RolloutResults(NamedTuple):
     """the states after each step, (n, steps, nq + nv)"""
 
 
+class RolloutStates(NamedTuple):
+    """The states of motions: after each step, (..., steps, n), or after the last one, (..., n)."""
+
+    q: NDArray[Any]
+    """the coordinates"""
+    qd: NDArray[Any]
+    """the velocities"""
+
+
+class RolloutGradients(NamedTuple):
+    """The gradients of the weighted states of motions, for each motion, with the shapes of the arguments."""
+
+    q: NDArray[Any]
+    """by the entries of the first coordinates, (..., nq)"""
+    qd: NDArray[Any]
+    controls: NDArray[Any]
+    dt: NDArray[Any]
+    gains: NDArray[Any] | None = None
+    """`None` without a feedback"""
+    q_ref: NDArray[Any] | None = None
+    qd_ref: NDArray[Any] | None = None
+
+
 @cache
 def bundle(name: str, fields: tuple[str, ...]) -> type[tuple[Any, ...]]:
     """Returns the type of a bundle's results: a named tuple with a field for each of its functions."""

@@ -266,12 +266,17 @@ fn collections_in_short() -> String {
         let rows = data.rows.iter().filter(|row| row[own] == format);
         rows.map(|row| row[column].parse::<usize>().expect("a number")).sum::<usize>()
     };
-    let [models, accepted, agree, differ] =
-        ["models that move", "accepted", "agree", "differ"].map(|title| sum("mjcf", title));
-    format!(
-        "{accepted} of {models} MJCF models in which something moves are accepted; {agree} of them agree with MuJoCo, {differ} \
-         differ, and MuJoCo does not load the others"
-    )
+    let titles = ["models that move", "accepted", "by an option", "agree", "differ"];
+    let parts = [("mjcf", "MJCF models", "MuJoCo"), ("urdf", "URDFs", "Pinocchio")];
+    let parts = parts.map(|(format, name, other)| {
+        let [models, accepted, by_option, agree, differ] = titles.map(|title| sum(format, title));
+        let options = if by_option > 0 { format!(", {by_option} more by an option") } else { String::new() };
+        format!(
+            "of {models} {name} in which something moves {accepted} are accepted{options}; {agree} of them agree with {other}, \
+             {differ} differ, and {other} does not load the others"
+        )
+    });
+    parts.join("; ")
 }
 
 /// The models of the collections that are refused, though they are whole and something moves in them.

@@ -104,10 +104,9 @@ pub fn run(arguments: &Arguments, options: &ReadOptions) -> Result<(), Failure> 
     if refused { Err(Failure::Reported) } else { Ok(()) }
 }
 
-/// Returns whether nothing moves, and nothing else is wrong.
+/// Returns whether there is nothing that moves.
 fn is_static(found: &Diagnostics) -> bool {
-    let mut errors = found.iter().filter(|one| one.severity == Severity::Error).peekable();
-    errors.peek().is_some() && errors.all(|one| one.code == Code::NoMovingJoint)
+    found.iter().any(|one| matches!(one.code, Code::NoMovingJoint | Code::NoLink))
 }
 
 /// Adds the files in `folder` and below it that may be descriptions, in the order of their names. Hidden folders and links to

@@ -19,7 +19,8 @@ function make(tag, properties = {}, ...children) {
 // The look of what is drawn over the robot.
 const ON_TOP = { isOverlay: true, flatness: 0.65 };
 
-const digits = (x) => String(Number(x.toPrecision(3)));
+// A number with these decimals, without a sign before zero.
+const rounded = (x, decimals) => x.toFixed(decimals).replace(/^-(?=[0.]*$)/, "");
 
 class Viewer {
   // `host` is the element that has the view and its controls.
@@ -398,7 +399,7 @@ class Viewer {
     for (const { entry, input, value } of this.sliders) {
       const x = entry.get(q);
       if (document.activeElement !== input) input.value = x;
-      value.textContent = entry.isAngle ? `${(x * 180 / Math.PI).toFixed(1)}\u00b0` : `${digits(x)} m`;
+      value.textContent = entry.isAngle ? `${rounded(x * 180 / Math.PI, 1)}\u00b0` : `${rounded(x, 3)} m`;
     }
   }
 

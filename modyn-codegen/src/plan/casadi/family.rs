@@ -1,11 +1,11 @@
 //! A function with its derivatives, over the nonzeros of their inputs and results.
 
 use super::matrix::CasadiMatrix;
-use super::nonzeros::{matrix_blocks, second_derivatives, weighted, with_outputs};
+use super::nonzeros::{matrix_blocks, weighted, with_outputs};
 use crate::graph::Graph;
 use crate::plan::context::PlanContext;
 use crate::plan::{ArgumentKind, Elements, Function, Record, Shape, Sizes};
-use crate::trace::{EntryDerivatives, Tracer};
+use crate::trace::{EntryDerivatives, Tracer, second_derivatives};
 
 /// The inputs and results that a function and its derivatives have in common.
 pub(super) struct Family {

@@ -24,27 +24,6 @@ pub(super) fn weighted(graph: &Graph, inputs: usize, kept: &[usize], all: usize)
     result
 }
 
-/// Returns the graph of the Jacobian of a gradient by the function's inputs and then by the weights, by columns: the
-/// Hessian, then the transposed Jacobian. `columns` is the number of inputs, `rows` the number of results.
-pub(super) fn second_derivatives(
-    hessian: &Graph,
-    jacobian: &Graph,
-    columns: usize,
-    rows: usize,
-) -> Graph {
-    let mut all = Graph::default();
-    let given = all.inputs(0..columns + rows);
-    let mut outputs = all.compose(hessian, &given);
-    let first = all.compose(jacobian, &given);
-    outputs.extend(
-        (0..rows)
-            .flat_map(|row| (0..columns).map(move |x| (row, x)))
-            .map(|(row, column)| first[column * rows + row]),
-    );
-    all.outputs = outputs;
-    all
-}
-
 /// Returns the nonzeros of the blocks of a matrix of derivatives, with the blocks: of each result by each input. The matrix
 /// has a row for each nonzero of the results and a column for each nonzero of the inputs. The rows and columns of a block
 /// are all entries.

@@ -65,15 +65,15 @@ fn moving(world: &World, at: usize, report: &mut Report<'_>) -> Option<Vec<usize
     if !moving.is_empty() {
         return Some(moving);
     }
-    let (at, message, help) = match still.first() {
-        None => (at, "the file has no model".into(), "write a `<model>`"),
+    let (code, at, message, help) = match still.first() {
+        None => (Code::SdfModel, at, "the file has no model".into(), "write a `<model>`"),
         Some(&first) => {
             let name = &world.frames[world.scopes[first].frame].name;
             let message = format!("the model `{}` is static, so nothing moves", name.text);
-            (name.at, message, "remove `<static>`")
+            (Code::NoMovingJoint, name.at, message, "remove `<static>`")
         }
     };
-    report.error(Code::SdfModel, at, None, message, help);
+    report.error(code, at, None, message, help);
     None
 }
 

@@ -1,0 +1,295 @@
+//! Functions of arrays of plain numbers, and their derivatives of any order: what libraries that differentiate by every
+//! entry of their arrays call.
+//!
+//! A function of the table becomes one whose inputs are its arguments, then the run-time parameters if it depends on them. It
+//! scales quaternions to length 1 first, so its derivatives by all four entries are those of this value. A derivative is again
+//! such a function, with further inputs, so derivatives can follow one another.
+
+use std::ops::Range;
+
+use modyn_runtime::quantities::{Argument, ArgumentKind, Function, Shape};
+
+use super::context::PlanContext;
+use super::functions::{CForm, GraphSource, Lowering};
+use super::packing;
+use super::planned::Planned;
+use crate::graph::Graph;
+use crate::passes::{jvp, matrix, optimize, vjp};
+use crate::trace::{EntryForm, second_derivatives};
+
+/// The largest number of operations of second derivatives that are not made by differentiation of a graph.
+const MAX_HESSIAN: usize = 400_000;
+
+/// A function of arrays of plain numbers.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct EntryFunction {
+    /// The function of the table.
+    pub function: Function,
+    /// The link of a function of one link, by its index among the links of the description.
+    pub link: Option<usize>,
+    /// The arrays that the result consists of: for each the places of its numbers among those of the function's result, in
+    /// the order in which they are returned.
+    pub results: Vec<Vec<usize>>,
+    /// Whether a function of a time step has a feedback: three more arguments, `gains` (nv, 2 nv), `q_ref` and `qd_ref`. The
+    /// forces are then `tau` + `gains` (x_ref - x), with the difference of coordinates in tangent space, then that of velocities.
+    pub feedback: bool,
+    /// The derivatives, the innermost first.
+    pub derivatives: Vec<Derivative>,
+}
+
+/// A derivative of a function of arrays.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Derivative {
+    /// The form of the derivative.
+    pub mode: DerivativeMode,
+    /// The inputs that vary, by their indices, in ascending order.
+    pub variables: Vec<usize>,
+}
+
+/// The form of a derivative of a function of arrays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DerivativeMode {
+    /// The change of each result. Further inputs: the change of each variable.
+    Forward,
+    /// The gradient of a weighted sum of the results by each variable. Further inputs: the weights of each result.
+    Reverse,
+    /// For each result and each variable the matrix of derivatives, by rows.
+    Matrix,
+}
+
+/// A graph with the lengths of its arrays of inputs and outputs.
+struct Arrays {
+    graph: Graph,
+    inputs: Vec<usize>,
+    outputs: Vec<usize>,
+}
+
+impl Arrays {
+    /// Returns the number of all inputs.
+    fn len(&self) -> usize {
+        self.inputs.iter().sum()
+    }
+
+    /// Returns the product of the derivatives and a change of the variables. `forward` is its graph for changes of all inputs.
+    fn forward(&self, forward: &Graph, variables: &[usize]) -> Self {
+        let (all, places) = (self.len(), ranges(&self.inputs));
+        let changes: Vec<usize> = variables.iter().map(|&i| self.inputs[i]).collect();
+        let mut graph = Graph::default();
+        let mut given = graph.inputs(0..all + changes.iter().sum::<usize>());
+        let own = given.split_off(all);
+        let mut rest = own.into_iter();
+        let mut change = vec![graph.constant(0.0); all];
+        for &variable in variables {
+            let entries = &mut change[places[variable].clone()];
+            entries.iter_mut().zip(&mut rest).for_each(|(entry, id)| *entry = id);
+        }
+        graph.outputs = graph.compose(forward, &[given, change].concat());
+        Self { graph, inputs: [&*self.inputs, &changes].concat(), outputs: self.outputs.clone() }
+    }
+
+    /// Returns the gradients by the variables. `reverse` is the graph of those by all inputs.
+    fn reverse(&self, mut reverse: Graph, variables: &[usize]) -> Self {
+        let places = ranges(&self.inputs);
+        let kept = variables.iter().flat_map(|&i| places[i].clone());
+        reverse.outputs = kept.map(|entry| reverse.outputs[entry]).collect();
+        Self {
+            graph: reverse,
+            inputs: [&*self.inputs, &self.outputs].concat(),
+            outputs: variables.iter().map(|&i| self.inputs[i]).collect(),
+        }
+    }
+
+    /// Returns the matrices of derivatives by the variables. `columns` is the graph of one matrix by columns, with a row for each
+    /// output, and a column for each entry of the variables.
+    fn matrices(&self, mut columns: Graph, variables: &[usize]) -> Self {
+        let rows: usize = self.outputs.iter().sum();
+        let lengths: Vec<usize> = variables.iter().map(|&i| self.inputs[i]).collect();
+        let (mut outputs, mut sizes) = (Vec::new(), Vec::new());
+        for own_rows in ranges(&self.outputs) {
+            for own_columns in ranges(&lengths) {
+                sizes.push(own_rows.len() * own_columns.len());
+                let entries =
+                    own_rows.clone().flat_map(|r| own_columns.clone().map(move |c| (r, c)));
+                outputs.extend(entries.map(|(row, column)| columns.outputs[column * rows + row]));
+            }
+        }
+        columns.outputs = outputs;
+        Self { graph: columns, inputs: self.inputs.clone(), outputs: sizes }
+    }
+
+    /// Returns the derivative, by differentiation of the graph.
+    fn differentiated(&self, Derivative { mode, variables }: &Derivative) -> Self {
+        let all = self.len();
+        let forward = || self.forward(&jvp(&self.graph, all, 0..all), variables);
+        let reverse = || self.reverse(vjp(&self.graph, all, 0..all), variables);
+        match mode {
+            DerivativeMode::Forward => forward(),
+            DerivativeMode::Reverse => reverse(),
+            DerivativeMode::Matrix => {
+                let columns = variables.iter().map(|&i| self.inputs[i]).sum();
+                let size = (self.outputs.iter().sum(), columns);
+                let columns = matrix(&forward().graph, &reverse().graph, all, size);
+                self.matrices(columns, variables)
+            }
+        }
+    }
+
+    /// Returns the derivative whose graph for all inputs is `whole`: a product, or a matrix by columns.
+    fn derivative(&self, Derivative { mode, variables }: &Derivative, mut whole: Graph) -> Self {
+        match mode {
+            DerivativeMode::Forward => self.forward(&whole, variables),
+            DerivativeMode::Reverse => self.reverse(whole, variables),
+            DerivativeMode::Matrix => {
+                let rows: usize = self.outputs.iter().sum();
+                let places = ranges(&self.inputs);
+                let kept = variables.iter().flat_map(|&i| places[i].clone());
+                let columns = kept.flat_map(|column| column * rows..(column + 1) * rows);
+                whole.outputs = columns.map(|entry| whole.outputs[entry]).collect();
+                self.matrices(whole, variables)
+            }
+        }
+    }
+}
+
+/// Returns the places of arrays of these lengths that follow one another.
+fn ranges(lengths: &[usize]) -> Vec<Range<usize>> {
+    let mut next = 0;
+    let range = |&length: &usize| {
+        next += length;
+        next - length..next
+    };
+    lengths.iter().map(range).collect()
+}
+
+impl EntryFunction {
+    /// Returns the function without derivatives, and where it is profitable the same function on vectors.
+    fn value(&self, context: &PlanContext<'_>) -> (Arrays, Option<Graph>) {
+        let Self { function, link, results, feedback, .. } = self;
+        let row = function.row();
+        let (mut inputs, mut coordinates) = (Vec::new(), Vec::new());
+        for argument in row.arguments {
+            if argument.kind == ArgumentKind::Coordinates {
+                coordinates.push(inputs.iter().sum());
+            }
+            inputs.push(argument.shape(&context.sizes).len());
+        }
+        if *feedback {
+            let (nq, nv) = (context.sizes.nq, context.sizes.nv);
+            coordinates.push(inputs.iter().sum::<usize>() + 2 * nv * nv);
+            inputs.extend([2 * nv * nv, nq, nv]);
+        }
+        let parameters = context.parameters(row.depends_on_parameters);
+        inputs.extend((parameters > 0).then_some(parameters));
+        let all = inputs.iter().sum();
+        let finished = |graph: &Graph| {
+            let mut graph = context.tracer.with_unit_quaternions(graph, &coordinates, all);
+            graph.outputs = results.iter().flatten().map(|&place| graph.outputs[place]).collect();
+            graph
+        };
+        let traced = match link {
+            Some(link) => {
+                optimize(context.frames.of_link(*link, |t| context.evaluation(*function, t)))
+            }
+            None if *feedback => {
+                let step = packing::on_scalars(*function, context);
+                let difference = packing::on_scalars(Function::Difference, context);
+                optimize(context.tracer.with_feedback(&step, &difference))
+            }
+            None => packing::on_scalars(*function, context),
+        };
+        let is_packed = link.is_none()
+            && !feedback
+            && self.derivatives.is_empty()
+            && !matches!(Lowering::of(*function).source, GraphSource::Poses);
+        let packed = is_packed.then(|| packing::packed(*function, context, &traced)).flatten();
+        let outputs = results.iter().map(Vec::len).collect();
+        let value = Arrays { graph: finished(&traced), inputs, outputs };
+        (value, packed.as_ref().map(finished))
+    }
+
+    /// Returns the innermost derivatives that have graphs of their own, which are shorter than those by differentiation, and the
+    /// number of these derivatives.
+    fn structured(&self, value: &Arrays, context: &PlanContext<'_>) -> Option<(Arrays, usize)> {
+        let (tracer, layout) = (&context.tracer, &context.for_derivatives);
+        let first = self.derivatives.first()?;
+        // Graphs of their own have all results in the function's order.
+        if !self.results.iter().flatten().copied().eq(0..context.sizes.nv) {
+            return None;
+        }
+        let forward_dynamics = |form: EntryForm| {
+            let graph = &context.forward_dynamics.graph;
+            tracer.forward_dynamics_form_by_entries(form, graph, layout, MAX_HESSIAN)
+        };
+        match (self.function, first.mode) {
+            (Function::ForwardDynamics, DerivativeMode::Forward) => {
+                let graph = forward_dynamics(EntryForm::Forward)?;
+                Some((value.derivative(first, graph), 1))
+            }
+            (Function::ForwardDynamics, DerivativeMode::Matrix) => {
+                let graph = forward_dynamics(EntryForm::Jacobian)?;
+                Some((value.derivative(first, graph), 1))
+            }
+            (Function::ForwardDynamics, DerivativeMode::Reverse) => {
+                let second = self.derivatives.get(1);
+                let second = second.filter(|second| second.mode == DerivativeMode::Matrix);
+                let Some(second) = second else {
+                    let graph = forward_dynamics(EntryForm::Adjoint)?;
+                    return Some((value.derivative(first, graph), 1));
+                };
+                let hessian = forward_dynamics(EntryForm::Hessian)?;
+                let jacobian = forward_dynamics(EntryForm::Jacobian)?;
+                let (all, rows) = (value.len(), value.outputs.iter().sum());
+                let mut whole = second_derivatives(&hessian, &jacobian, all, rows);
+                // The rows of the gradients by the variables, for each column.
+                let places = ranges(&value.inputs);
+                let kept: Vec<usize> =
+                    first.variables.iter().flat_map(|&i| places[i].clone()).collect();
+                let columns = whole.outputs.chunks(all);
+                whole.outputs =
+                    columns.flat_map(|column| kept.iter().map(|&row| column[row])).collect();
+                // The gradient itself is not needed: only the lengths of its arrays are.
+                let gradient = Arrays {
+                    graph: Graph::default(),
+                    inputs: [&*value.inputs, &value.outputs].concat(),
+                    outputs: first.variables.iter().map(|&i| value.inputs[i]).collect(),
+                };
+                Some((gradient.derivative(second, whole), 2))
+            }
+            (Function::InverseDynamics, DerivativeMode::Matrix) => {
+                let graph = tracer.inverse_dynamics_jacobian_by_entries(&value.graph);
+                Some((value.derivative(first, graph), 1))
+            }
+            _ => None,
+        }
+    }
+}
+
+impl Planned {
+    /// Returns a function of arrays with its program, whose only argument is all arrays, one after the other, and so is the
+    /// result.
+    pub(super) fn entries(function: &EntryFunction, context: &PlanContext<'_>) -> Self {
+        let (value, packed) = function.value(context);
+        let (mut arrays, done) = function.structured(&value, context).unwrap_or((value, 0));
+        for derivative in &function.derivatives[done..] {
+            arrays.graph = optimize(arrays.graph);
+            arrays = arrays.differentiated(derivative);
+        }
+        let (scalars, results) = (arrays.len(), arrays.outputs.iter().sum());
+        let graph = packing::balanced(optimize(arrays.graph));
+        let (kernels, fault) = context.kernels(&graph, packed, scalars);
+        let numbers = Argument { name: "arrays", kind: ArgumentKind::Numbers(scalars) };
+        Self {
+            function: None,
+            name: function.function.name(),
+            batch_of: None,
+            docs: function.function.row().docs,
+            fields: Vec::new(),
+            c_form: CForm::None,
+            arguments: vec![(numbers, Shape::vector(scalars))],
+            parameters: 0,
+            result: Shape::vector(results),
+            kernels,
+            fault,
+        }
+    }
+}

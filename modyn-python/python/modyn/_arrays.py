@@ -1,0 +1,299 @@
+"""Functions of arrays and their derivatives: what `modyn.jax` and `modyn.torch` have in common."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ._modyn import Robot, functions, rollout_code
+
+Shape = tuple[int, ...]
+
+
+class ArrayFunction:
+    """A function of arrays, or a derivative of one; compiled when it is made.
+
+    Two of them are equal if they have the same code.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        name: str,
+        link: str | int | None = None,
+        derivatives: tuple[Any, ...] = (),
+        feedback: bool = False,
+    ) -> None:
+        self.robot, self.name, self.link, self.derivatives, self.feedback = robot, name, link, derivatives, feedback
+        self.base: ArrayFunction | None = None
+        key, inputs, outputs = robot._array_code(name, link, list(derivatives), feedback)
+        self.key: int = key
+        """the key of the code in this process"""
+        self.inputs: list[Shape] = [tuple(shape) for shape in inputs]
+        """the shapes of the arguments for one state"""
+        self.outputs: list[Shape] = [tuple(shape) for shape in outputs]
+        """the shapes of the results for one state"""
+        self._derived: dict[tuple[str, tuple[int, ...]], ArrayFunction] = {}
+
+    def derivative(self, mode: str, variables: Sequence[int]) -> ArrayFunction:
+        """Returns the derivative with respect to these arguments.
+
+        `forward`: the changes of the results; the changes of the variables are further arguments. `reverse`: the gradients of
+        the weighted results with respect to the variables; the weights are further arguments. `matrix`: for each result and each
+        variable the array of derivatives.
+        """
+        at = (mode, tuple(variables))
+        found = self._derived.get(at)
+        if found is None:
+            derivatives = (*self.derivatives, (mode, list(variables)))
+            found = ArrayFunction(self.robot, self.name, self.link, derivatives, self.feedback)
+            found.base = self
+            self._derived[at] = found
+        return found
+
+    @property
+    def mode(self) -> str | None:
+        """the mode of the last derivative; `None` for a function itself"""
+        return self.derivatives[-1][0] if self.derivatives else None
+
+    @property
+    def variables(self) -> list[int]:
+        """the arguments with respect to which the last derivative is"""
+        return self.derivatives[-1][1] if self.derivatives else []
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, ArrayFunction) and self.key == other.key
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __repr__(self) -> str:
+        # The text is part of the text of compiled programs, so it must be the same in each process.
+        return f"{self.name}[{self.key:016x}]"
+
+
+class Rollout:
+    """A time step that is repeated: the states after all steps, or the state after the last one."""
+
+    def __init__(self, step: ArrayFunction, steps: int, trajectory: bool, sequences: tuple[int, ...]) -> None:
+        self.step, self.steps, self.trajectory, self.sequences = step, steps, trajectory, sequences
+        self.name = f"rollout of {step.name}"
+        self.base = None
+        key, inputs, outputs = rollout_code(step.key, steps, trajectory, list(sequences), None)
+        self.key: int = key
+        self.inputs: list[Shape] = [tuple(shape) for shape in inputs]
+        self.outputs: list[Shape] = [tuple(shape) for shape in outputs]
+        self._gradients: dict[tuple[int, ...], RolloutGradient] = {}
+
+    @property
+    def state(self) -> int:
+        """the number of arrays of the state"""
+        return len(self.step.outputs)
+
+    def gradient(self, variables: Sequence[int]) -> RolloutGradient:
+        """Returns the gradients of the weighted states with respect to these arguments; the weights are further arguments."""
+        found = self._gradients.get(tuple(variables))
+        if found is None:
+            found = self._gradients[tuple(variables)] = RolloutGradient(self, list(variables))
+        return found
+
+    def derivative(self, mode: str, variables: Sequence[int]) -> RolloutGradient:
+        """Returns the derivative with respect to these arguments, of mode `reverse`."""
+        if mode != "reverse":
+            raise NotImplementedError(FIRST)
+        return self.gradient(variables)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Rollout) and self.key == other.key
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __repr__(self) -> str:
+        return f"{self.name}[{self.key:016x}]"
+
+
+class RolloutGradient:
+    """The gradients of the weighted states of a rollout."""
+
+    def __init__(self, rollout: Rollout, variables: list[int]) -> None:
+        self.rollout, self.variables, self.name, self.base = rollout, variables, rollout.name, None
+        step = rollout.step.derivative("reverse", sorted({*range(rollout.state), *variables}))
+        own = (step.key, variables)
+        key, inputs, outputs = rollout_code(rollout.step.key, rollout.steps, rollout.trajectory, list(rollout.sequences), own)
+        self.key: int = key
+        self.inputs: list[Shape] = [tuple(shape) for shape in inputs]
+        self.outputs: list[Shape] = [tuple(shape) for shape in outputs]
+
+    def derivative(self, mode: str, variables: Sequence[int]) -> Any:
+        """Raises: there are no second derivatives."""
+        raise NotImplementedError(FIRST)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, RolloutGradient) and self.key == other.key
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __repr__(self) -> str:
+        return f"{self.name}[{self.key:016x}]"
+
+
+FIRST = "a rollout in one call has first derivatives in reverse mode; for others, differentiate a loop over the function of its step"
+
+FEEDBACK = ("gains", "q_ref", "qd_ref")
+"""the arguments of a step with a feedback"""
+
+
+class RolloutSignature:
+    """The arguments of the rollouts of a time step."""
+
+    def __init__(self, robot: Robot, step: str) -> None:
+        steps = [name.removeprefix("step_") for name in functions() if STEP.fullmatch(name)]
+        if step not in steps:
+            raise ValueError(f"there is no time step `{step}`; there are: {', '.join(steps)}")
+        self.robot, self.step = robot, f"step_{step}"
+        self.parameters = Signature(robot, self.step, None)
+
+    def arrays(self, given: dict[str, Any]) -> tuple[list[Any], tuple[int, bool, tuple[int, ...]]]:
+        """Returns the arguments in the order of the step, without those that are `None`; and the arguments of `code`."""
+        nq, nv = self.robot.nq, self.robot.nv
+        controls = given["controls"]
+        if controls.ndim < 2:
+            shape = tuple(controls.shape)
+            raise ValueError(f"`controls` of `rollout` has the shape {shape}; expected (steps, {nv}), or (..., steps, {nv})")
+        missing = [name for name in FEEDBACK if given[name] is None]
+        if len(missing) not in (0, 3):
+            raise TypeError(f"`rollout` needs `gains`, `q_ref` and `qd_ref` together: `{missing[0]}` is missing")
+        steps = int(controls.shape[-2])
+        one = {"q": (nq,), "qd": (nv,), "controls": (nv,), "dt": (), "gains": (nv, 2 * nv), "q_ref": (nq,), "qd_ref": (nv,)}
+        names = [name for name in one if name not in missing]
+        sequences = ["controls"]
+        for name in names[4:]:
+            shape, at = tuple(given[name].shape), given[name].ndim - len(one[name]) - 1
+            if at >= 0 and shape[at] == 1:
+                # One step stands for all of them.
+                given[name] = given[name].reshape(shape[:at] + shape[at + 1 :])
+            elif at >= 0:
+                sequences.append(name)
+        shapes = [(steps, *one[name]) if name in sequences else one[name] for name in names]
+        arrays = [given[name] for name in names]
+        check("rollout", names, shapes, arrays)
+        if self.parameters.parameters:
+            arrays.append(given["parameters"])
+        return arrays, (steps, not missing, tuple(names.index(name) for name in sequences))
+
+    def code(self, trajectory: bool, steps: int, feedback: bool, sequences: tuple[int, ...]) -> Rollout:
+        """Returns the rollout of this number of steps."""
+        return Rollout(ArrayFunction(self.robot, self.step, feedback=feedback), steps, trajectory, sequences)
+
+
+STEP = re.compile("step_(?!.*_(?:derivatives|hessian)$).*")
+"""the names of time steps"""
+
+
+class Parameter(NamedTuple):
+    """A run-time parameter."""
+
+    option: str
+    """`gravity`, `inertia` or `payload`"""
+    link: str | None
+    numbers: Any
+    """the present numbers: (3,) of gravity, else (10,)"""
+
+
+class Signature:
+    """The arguments and the result of a function."""
+
+    def __init__(self, robot: Robot, name: str, link: str | int | None) -> None:
+        arguments, parameters, self.result = robot._array_signature(name, link)
+        self.name = name
+        self.names = [name for name, _, _ in arguments]
+        self.shapes: list[Shape] = [tuple(shape) for _, shape, _ in arguments]
+        self.defaults = [default for _, _, default in arguments]
+        self.parameters = [Parameter(option, link, np.array(numbers, robot.dtype)) for option, link, numbers in parameters]
+        kind = inspect.Parameter.POSITIONAL_OR_KEYWORD
+        empty = inspect.Parameter.empty
+        own = [
+            inspect.Parameter(name, kind, default=empty if default is None else None)
+            for name, default in zip(self.names, self.defaults)
+        ]
+        if self.parameters:
+            own.append(inspect.Parameter("parameters", inspect.Parameter.KEYWORD_ONLY, default=None))
+        self.signature = inspect.Signature(own)
+
+    def bind(self, given: tuple[Any, ...], named: dict[str, Any]) -> tuple[list[Any], Any]:
+        """Returns the arguments in their order, with their defaults, and the run-time parameters or `None`."""
+        if not named and len(given) == len(self.names):
+            all_given, parameters = list(given), None
+        else:
+            try:
+                bound = self.signature.bind(*given, **named)
+            except TypeError as error:
+                raise TypeError(f"`{self.name}`: {error}") from None
+            bound.apply_defaults()
+            all_given = [bound.arguments[name] for name in self.names]
+            parameters = bound.arguments.get("parameters")
+        return [default if x is None else x for x, default in zip(all_given, self.defaults)], parameters
+
+    def check(self, arrays: Sequence[Any]) -> None:
+        """Checks the shapes of arguments, whose leading axes are those of states and are broadcast."""
+        check(self.name, self.names, self.shapes, arrays)
+
+    def flat(self, parameters: Any, asarray: Callable[[Any], Any], concatenate: Callable[[list[Any]], Any]) -> Any:
+        """Returns the numbers of run-time parameters, as `parameters` of the module returns them, in one array (..., n)."""
+        if parameters is None:
+            return asarray(np.concatenate([own.numbers for own in self.parameters]))
+        arrays = []
+        for option, link, numbers in self.parameters:
+            where = f'["{option}"]' if link is None else f'["{option}"]["{link}"]'
+            try:
+                given = parameters[option] if link is None else parameters[option][link]
+            except (KeyError, TypeError, IndexError):
+                raise ValueError(f"`parameters` of `{self.name}` lacks {where}; `parameters(robot)` returns all of them") from None
+            array = asarray(given)
+            if tuple(array.shape[-1:]) != numbers.shape:
+                message = f"`parameters{where}` of `{self.name}` has the shape {tuple(array.shape)}; expected {numbers.shape}"
+                raise ValueError(message)
+            arrays.append(array)
+        return concatenate(arrays)
+
+    def described(self, asarray: Callable[[Any], Any]) -> dict[str, Any]:
+        """Returns the present run-time parameters: `gravity` (3,), and by link `inertia` and `payload` (10,)."""
+        found: dict[str, Any] = {}
+        for option, link, numbers in self.parameters:
+            if link is None:
+                found[option] = asarray(numbers)
+            else:
+                found.setdefault(option, {})[link] = asarray(numbers)
+        return found
+
+
+def check(function: str, names: Sequence[str], shapes: Sequence[Shape], arrays: Sequence[Any]) -> None:
+    """Checks the shapes of arguments, whose leading axes are those of states and are broadcast."""
+    leads = []
+    for name, own, array in zip(names, shapes, arrays):
+        shape = tuple(array.shape)
+        split = len(shape) - len(own)
+        if split < 0 or shape[split:] != own:
+            many = "(..., " + str(own).strip("(),") + ")" if own else "(...)"
+            raise ValueError(f"`{name}` of `{function}` has the shape {shape}; expected {own}, or {many} for many states")
+        leads.append(shape[:split])
+    try:
+        np.broadcast_shapes(*leads)
+    except ValueError:
+        listed = ", ".join(f"`{name}` {lead}" for name, lead in zip(names, leads) if lead)
+        raise ValueError(f"the axes of states of the arguments of `{function}` do not fit: {listed}") from None
+
+
+def documented(call: Callable[..., Any], signature: Signature, library: str) -> Callable[..., Any]:
+    """Returns the function with the name, the arguments and the documentation of the method of `Robot`."""
+    method = getattr(Robot, signature.name)
+    call.__name__ = call.__qualname__ = signature.name
+    call.__signature__ = signature.signature  # type: ignore[attr-defined]
+    call.__doc__ = f"{inspect.getdoc(method)}\n\nArguments and results are arrays of {library}; leading axes are those of states."
+    return call

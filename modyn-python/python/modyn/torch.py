@@ -1,0 +1,273 @@
+"""Functions of a robot as functions of PyTorch, on the CPU.
+
+    import torch, modyn, modyn.torch
+
+    robot = modyn.load("panda.urdf")
+    forward_dynamics = modyn.torch.function(robot, "forward_dynamics")
+    qdd = forward_dynamics(q, qd, tau)
+    (qdd**2).sum().backward()
+
+Gradients of any order, forward mode, `torch.func` and `torch.compile` work. Derivatives are machine code, which modyn compiles at their
+first use. A function scales quaternions to length 1, and derivatives with respect to `q` are those of this function by the
+entries of `q`. `to_tangent` turns a gradient into one by displacements.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+try:
+    import torch
+except ImportError as error:
+    raise ImportError("`modyn.torch` needs PyTorch: pip install modyn[torch]") from error
+import numpy as np
+
+from ._arrays import ArrayFunction, Rollout, RolloutSignature, Signature, documented
+from ._modyn import Robot, call_arrays
+from ._types import RolloutStates
+
+__all__ = ["function", "parameters", "rollout", "to_tangent"]
+
+
+def function(robot: Robot, name: str, link: str | int | None = None) -> Callable[..., Any]:
+    """Returns the function `name` of a robot as a function of PyTorch's tensors.
+
+    Its arguments and results are those of the method of `Robot`; the link of a function of one link is given here. Leading axes
+    are those of states, and are broadcast. Functions that depend on run-time parameters (the options `runtime_gravity`,
+    `runtime_inertia` and `payload`) have the keyword argument `parameters`, which can be differentiated: what the function
+    `parameters` of this module returns, by default with the numbers that the robot has now.
+    """
+    signature = Signature(robot, name, link)
+    number = _numbered(ArrayFunction(robot, name, link))
+    dtype = _dtype(robot)
+    signature.defaults = [None if default is None else torch.from_numpy(default) for default in signature.defaults]
+    present = torch.from_numpy(np.concatenate([own.numbers for own in signature.parameters])) if signature.parameters else None
+
+    def call(*given: Any, **named: Any) -> Any:
+        own, of_robot = signature.bind(given, named)
+        tensors = [_tensor(x, dtype, argument, name) for argument, x in zip(signature.names, own)]
+        signature.check(tensors)
+        if present is not None:
+            flat = lambda: signature.flat(of_robot, lambda x: _tensor(x, dtype, "parameters", name), _concatenate)
+            tensors.append(present if of_robot is None else flat())
+        return _rebuilt(signature.result, _called(number, tensors))
+
+    return documented(call, signature, "PyTorch")
+
+
+def rollout(robot: Robot, step: str = "semi_implicit", trajectory: bool = True) -> Callable[..., RolloutStates]:
+    """Returns the function `Robot.rollout` of a robot as a function of PyTorch's tensors.
+
+    It is one call from the first step to the last, and so is its gradient, which stores few states. Its arguments are `q`, `qd`,
+    `controls`, `dt`, and by keyword `gains`, `q_ref`, `qd_ref` and `parameters`. It has first derivatives in reverse mode.
+    """
+    signature = RolloutSignature(robot, step)
+    dtype = _dtype(robot)
+
+    @torch.compiler.assume_constant_result
+    def numbered(own: Any) -> int:
+        return _numbered(signature.code(trajectory, *own))
+
+    def call(
+        q: Any,
+        qd: Any,
+        controls: Any,
+        dt: Any,
+        *,
+        gains: Any = None,
+        q_ref: Any = None,
+        qd_ref: Any = None,
+        parameters: Any = None,
+    ) -> RolloutStates:
+        """Returns the states after each step, (..., steps, n), or after the last one."""
+        arguments = {"q": q, "qd": qd, "controls": controls, "dt": dt, "gains": gains, "q_ref": q_ref, "qd_ref": qd_ref}
+        given = {name: None if x is None else _tensor(x, dtype, name, "rollout") for name, x in arguments.items()}
+        if signature.parameters.parameters:
+            asarray = lambda x: _tensor(x, dtype, "parameters", "rollout")
+            given["parameters"] = signature.parameters.flat(parameters, asarray, _concatenate)
+        elif parameters is not None:
+            raise TypeError("`rollout`: the robot has no run-time parameters")
+        tensors, own = signature.arrays(given)
+        return RolloutStates(*_called(numbered(own), tensors))
+
+    return call
+
+
+def parameters(robot: Robot) -> dict[str, Any]:
+    """Returns the present run-time parameters of a robot, for the argument `parameters` of its functions.
+
+    `gravity`: (3,), m/s^2. `inertia` and `payload`: for each link (10,), the mass (kg), the centre of mass (m) and ixx, ixy, ixz,
+    iyy, iyz, izz about the centre of mass (kg m^2), in the link's frame.
+    """
+    signature = Signature(robot, "inverse_dynamics", None)
+    if not signature.parameters:
+        raise ValueError(
+            "the robot has no run-time parameters: load it with `runtime_gravity=True`, `runtime_inertia=[...]` or `payload=[...]`"
+        )
+    return signature.described(torch.from_numpy)
+
+
+def to_tangent(robot: Robot, q: Any, gradient: Any) -> Any:
+    """Returns the gradient with respect to displacements at `q`, (..., nv), from that with respect to the entries of `q`, (..., nq).
+
+    Displacements are those of `Robot.integrate`; the quaternions of `q` have length 1.
+    """
+    rates = ArrayFunction(robot, "velocity_to_qdot").derivative("reverse", [1])
+    q, gradient = (_tensor(x, _dtype(robot), name, "to_tangent") for x, name in ((q, "q"), (gradient, "gradient")))
+    zero = q.new_zeros((*q.shape[:-1], robot.nv))
+    return _called(_numbered(rates), [q, zero, gradient])[0]
+
+
+def _dtype(robot: Robot) -> torch.dtype:
+    return torch.float64 if robot.dtype == np.float64 else torch.float32
+
+
+def _tensor(given: Any, dtype: torch.dtype, argument: str, name: str) -> torch.Tensor:
+    """Returns an argument as a tensor of the robot's scalar."""
+    if isinstance(given, int | float):
+        return torch.tensor(given, dtype=dtype)
+    try:
+        # PyTorch makes single precision of lists of numbers.
+        tensor = given if isinstance(given, torch.Tensor) else torch.as_tensor(np.asarray(given))
+    except (TypeError, ValueError, RuntimeError) as error:
+        raise TypeError(f"`{argument}` of `{name}` must be a tensor of real numbers: {error}") from None
+    if tensor.device.type != "cpu":
+        raise ValueError(f"`{argument}` of `{name}` is on the device {tensor.device}; `modyn.torch` computes on the CPU")
+    if tensor.dtype == dtype:
+        return tensor
+    if tensor.is_complex() or tensor.dtype == torch.bool:
+        raise TypeError(f"`{argument}` of `{name}` must be a tensor of real numbers, not of {tensor.dtype}")
+    return tensor.to(dtype)
+
+
+def _concatenate(tensors: list[torch.Tensor]) -> torch.Tensor:
+    lead = torch.broadcast_shapes(*(tensor.shape[:-1] for tensor in tensors))
+    return torch.cat([tensor.expand(*lead, tensor.shape[-1]) for tensor in tensors], -1)
+
+
+def _rebuilt(result: Any, tensors: Sequence[torch.Tensor]) -> Any:
+    """Returns a result with its tensors in place of their indices."""
+    if isinstance(result, int):
+        return tensors[result]
+    return type(result)(*(_rebuilt(field, tensors) for field in result))
+
+
+# The functions, which operators and graphs name by their indices; equal functions have one index.
+_codes: list[Any] = []
+_numbers: dict[Any, int] = {}
+
+
+def _numbered(code: Any) -> int:
+    number = _numbers.get(code)
+    if number is None:
+        number = _numbers[code] = len(_codes)
+        _codes.append(code)
+    return number
+
+
+def _called(number: int, tensors: Sequence[torch.Tensor]) -> Sequence[torch.Tensor]:
+    if torch.compiler.is_compiling():
+        return torch.ops.modyn.call(number, False, list(tensors))
+    return _Call.apply(_codes[number], *tensors)
+
+
+def _computed(code: Any, tensors: Sequence[torch.Tensor]) -> list[torch.Tensor]:
+    arrays = [tensor.detach().contiguous().numpy() for tensor in tensors]
+    return [torch.from_numpy(array) for array in call_arrays(code.key, arrays)]
+
+
+def _sum_to(gradient: torch.Tensor, tensor: torch.Tensor) -> torch.Tensor:
+    return gradient if gradient.shape == tensor.shape else gradient.sum_to_size(tensor.shape)
+
+
+def _moved(dims: Sequence[int | None], tensors: Sequence[torch.Tensor], shapes: Any) -> list[torch.Tensor]:
+    """Returns tensors whose axis of `vmap` is the first of those that all of them have."""
+    ranks = [tensor.dim() - (dim is not None) - len(own) for tensor, dim, own in zip(tensors, dims, shapes)]
+    most = max(ranks)
+    moved = []
+    for tensor, dim, rank in zip(tensors, dims, ranks):
+        if dim is not None:
+            tensor = tensor.movedim(dim, 0)
+            tensor = tensor.reshape((tensor.shape[0], *(1,) * (most - rank), *tensor.shape[1:]))
+        moved.append(tensor)
+    return moved
+
+
+class _Call(torch.autograd.Function):
+    """A call of a function of arrays, whose derivatives are calls of its derivatives."""
+
+    @staticmethod
+    def forward(code: Any, *tensors: torch.Tensor) -> Any:
+        return tuple(_computed(code, tensors))
+
+    @staticmethod
+    def setup_context(ctx: Any, inputs: Any, output: Any) -> None:
+        ctx.code, *tensors = inputs
+        ctx.save_for_backward(*tensors)
+        ctx.save_for_forward(*tensors)
+
+    @staticmethod
+    def backward(ctx: Any, *weights: torch.Tensor) -> Any:
+        tensors = ctx.saved_tensors
+        variables = [k for k in range(len(tensors)) if ctx.needs_input_grad[k + 1]]
+        found = _Call.apply(ctx.code.derivative("reverse", variables), *tensors, *weights)
+        gradients: list[Any] = [None] * len(tensors)
+        for k, gradient in zip(variables, found):
+            gradients[k] = _sum_to(gradient, tensors[k])
+        return None, *gradients
+
+    @staticmethod
+    def jvp(ctx: Any, _: Any, *changes: Any) -> Any:
+        tensors = ctx.saved_tensors
+        variables = [k for k, change in enumerate(changes) if change is not None]
+        changes = [changes[k] for k in variables]  # type: ignore[assignment]
+        return _Call.apply(ctx.code.derivative("forward", variables), *tensors, *changes)
+
+    @staticmethod
+    def vmap(info: Any, dims: Any, code: Any, *tensors: torch.Tensor) -> Any:
+        return _Call.apply(code, *_moved(dims[1:], tensors, code.inputs)), (0,) * len(code.outputs)
+
+
+# The operator that `torch.compile` keeps in its graphs: a function, or the gradients with respect to all of its arguments.
+
+
+def _resolved(number: int, reverse: bool) -> Any:
+    code = _codes[number]
+    return code.derivative("reverse", range(len(code.inputs))) if reverse else code
+
+
+@torch.library.custom_op("modyn::call", mutates_args=(), device_types="cpu")
+def _operator(function: int, reverse: bool, tensors: list[torch.Tensor]) -> list[torch.Tensor]:
+    return _computed(_resolved(function, reverse), tensors)
+
+
+@_operator.register_fake
+def _fake(function: int, reverse: bool, tensors: list[torch.Tensor]) -> list[torch.Tensor]:
+    code = _resolved(function, reverse)
+    leads = [tensor.shape[: tensor.dim() - len(own)] for tensor, own in zip(tensors, code.inputs)]
+    lead = torch.broadcast_shapes(*leads)
+    return [tensors[0].new_empty((*lead, *own)) for own in code.outputs]
+
+
+def _saved(ctx: Any, inputs: Any, output: Any) -> None:
+    ctx.function, ctx.reverse, tensors = inputs
+    ctx.save_for_backward(*tensors)
+
+
+def _backward(ctx: Any, weights: list[torch.Tensor]) -> Any:
+    if ctx.reverse:
+        raise NotImplementedError("compiled functions have first derivatives; second ones need `modyn.torch` without `torch.compile`")
+    tensors = ctx.saved_tensors
+    found = torch.ops.modyn.call(ctx.function, True, [*tensors, *weights])
+    return None, None, [_sum_to(gradient, tensor) for gradient, tensor in zip(found, tensors)]
+
+
+_operator.register_autograd(_backward, setup_context=_saved)
+
+
+@_operator.register_vmap
+def _vmapped(info: Any, dims: Any, function: int, reverse: bool, tensors: list[torch.Tensor]) -> Any:
+    code = _resolved(function, reverse)
+    moved = _moved(dims[2], tensors, code.inputs)
+    return torch.ops.modyn.call(function, reverse, moved), [0] * len(code.outputs)

@@ -1,0 +1,78 @@
+//! Code that XLA and Python call on many states: a function of arrays, or a rollout.
+
+use std::ops::Range;
+
+use super::kernel::{ArrayShapes, Arrays, StateFunction};
+use super::pool::Pool;
+use super::rollout::Rollout;
+use super::states::{Broadcast, Numbers, Results};
+use crate::function::INSTRUCTIONS_PER_THREAD;
+use crate::number::Number;
+
+/// A function of arrays, or a rollout of one.
+pub enum ArrayCode<S: Number + 'static> {
+    /// A function of the arrays of a state.
+    Function(StateFunction<S>),
+    /// A rollout, with the shapes of its arrays.
+    Rollout(Rollout<S>, ArrayShapes),
+}
+
+impl<S: Number> ArrayCode<S> {
+    /// Returns the shapes of the arrays, for one state.
+    pub fn shapes(&self) -> &ArrayShapes {
+        match self {
+            Self::Function(function) => function.shapes(),
+            Self::Rollout(_, shapes) => shapes,
+        }
+    }
+
+    /// Computes the results of all states of a broadcast of arrays, which `pool` shares.
+    ///
+    /// # Errors
+    ///
+    /// If there are other arrays than those of the function, or one is too short.
+    pub fn compute(
+        &self,
+        broadcast: &Broadcast,
+        inputs: &[Numbers<'_, S>],
+        outputs: &[Results<'_, S>],
+        pool: &dyn Pool,
+    ) -> Result<(), String> {
+        let arrays = Arrays::new(self.shapes(), broadcast, inputs, outputs)?;
+        match self {
+            Self::Function(function) => {
+                let kernel = function.kernel()?;
+                let run = |states: Range<usize>, lanes| kernel.compute(&arrays, states, lanes);
+                share(&run, arrays.states(), (kernel.cost(), kernel.lanes()), pool);
+            }
+            Self::Rollout(rollout, _) => {
+                let ready = rollout.ready()?;
+                let run = |states: Range<usize>, lanes| ready.run(&arrays, states, lanes);
+                share(&run, arrays.states(), (ready.cost(), ready.lanes()), pool);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Computes all states by `run`, which gets states and the number of states that are computed together. `cost` are the instructions of
+/// a state, as they count in threads.
+fn share(
+    run: &(dyn Fn(Range<usize>, usize) + Sync),
+    states: usize,
+    (cost, lanes): (usize, usize),
+    pool: &dyn Pool,
+) {
+    let lanes = if states == 1 { 1 } else { lanes };
+    let groups = states.div_ceil(lanes);
+    let useful = states.saturating_mul(cost).div_ceil(INSTRUCTIONS_PER_THREAD);
+    let chunks = if useful > 1 { pool.threads().min(useful).min(groups).max(1) } else { 1 };
+    if chunks == 1 {
+        return run(0..states, lanes);
+    }
+    let share = groups.div_ceil(chunks) * lanes;
+    pool.share(chunks, &|chunk| {
+        let first = (chunk * share).min(states);
+        run(first..(first + share).min(states), lanes);
+    });
+}

@@ -1,0 +1,296 @@
+//! A function of arrays, on the arrays of a call: one state after the other, or a state in each lane.
+
+use std::cell::Cell;
+use std::ops::Range;
+
+use modyn_codegen::Planning;
+use modyn_codegen::plan::Planned;
+use modyn_codegen::program::Program;
+use modyn_jit::{Call, Compiled, Options};
+
+use super::states::{Broadcast, Numbers, Results};
+use crate::function::INSTRUCTIONS_PER_THREAD;
+use crate::number::Number;
+
+/// The numbers of a state that are computed without memory from the heap.
+const SMALL: usize = 64;
+
+/// The shapes of the arrays of a function, for one state.
+#[derive(Clone, PartialEq, Eq, Hash)]
+pub struct ArrayShapes {
+    inputs: Vec<Vec<usize>>,
+    outputs: Vec<Vec<usize>>,
+    lengths: [Vec<usize>; 2],
+}
+
+impl ArrayShapes {
+    /// Returns the shapes of arguments and results.
+    pub fn new(inputs: Vec<Vec<usize>>, outputs: Vec<Vec<usize>>) -> Self {
+        let lengths = [&inputs, &outputs]
+            .map(|shapes| shapes.iter().map(|shape| shape.iter().product()).collect());
+        Self { inputs, outputs, lengths }
+    }
+
+    /// Returns the shapes of the arguments.
+    pub fn inputs(&self) -> &[Vec<usize>] {
+        &self.inputs
+    }
+
+    /// Returns the shapes of the results.
+    pub fn outputs(&self) -> &[Vec<usize>] {
+        &self.outputs
+    }
+
+    /// Returns the numbers of each argument, and of each result.
+    pub fn lengths(&self) -> [&[usize]; 2] {
+        self.lengths.each_ref().map(Vec::as_slice)
+    }
+}
+
+/// A function of arrays: all arguments are one row of numbers, and so are all results.
+pub struct StateFunction<S: Number> {
+    code: Code<S>,
+    shapes: ArrayShapes,
+}
+
+enum Code<S: Number> {
+    Machine(Box<Compiled<S>>, &'static str),
+    Evaluated(Box<Planned>),
+}
+
+impl<S: Number> StateFunction<S> {
+    /// Returns the only function of a planning, with the shapes of its arrays, and the reason why there is no machine code, if it was
+    /// wanted; `None` if nothing was planned.
+    pub fn new(
+        planning: Planning,
+        shapes: ArrayShapes,
+        machine: bool,
+    ) -> Option<(Self, Option<String>)> {
+        let mut options = Options::default();
+        options.batches = true;
+        let name = planning.plan.functions.first()?.name;
+        let compiled = machine.then(|| Compiled::from_plan(&planning, options));
+        let (code, reason) = match compiled {
+            Some(Ok(compiled)) => (Code::Machine(Box::new(compiled), name), None),
+            other => {
+                let reason = other.and_then(Result::err).map(|error| error.to_string());
+                let planned = planning.plan.functions.into_iter().next()?;
+                (Code::Evaluated(Box::new(planned)), reason)
+            }
+        };
+        Some((Self { code, shapes }, reason))
+    }
+
+    /// Returns the shapes of the arrays.
+    pub fn shapes(&self) -> &ArrayShapes {
+        &self.shapes
+    }
+
+    /// Returns the function, ready to be called.
+    ///
+    /// # Errors
+    ///
+    /// If the function was not compiled, which no caller can bring about.
+    pub fn kernel(&self) -> Result<Kernel<'_, S>, String> {
+        let (call, program) = match &self.code {
+            Code::Machine(compiled, name) => {
+                (Some(compiled.bundle(name).map_err(|error| error.to_string())?), None)
+            }
+            Code::Evaluated(planned) => {
+                (None, planned.kernels.straight().map(|(program, _)| program))
+            }
+        };
+        Ok(Kernel { shapes: &self.shapes, call, program })
+    }
+}
+
+/// The arrays of a call.
+pub struct Arrays<'a, S: Number> {
+    broadcast: &'a Broadcast,
+    inputs: &'a [Numbers<'a, S>],
+    outputs: &'a [Results<'a, S>],
+    /// The numbers of one state in each result.
+    lengths: &'a [usize],
+}
+
+impl<'a, S: Number> Arrays<'a, S> {
+    /// Returns the arrays of a function with these shapes.
+    ///
+    /// # Errors
+    ///
+    /// If there are other arrays than those of the function, or one is too short.
+    pub fn new(
+        shapes: &'a ArrayShapes,
+        broadcast: &'a Broadcast,
+        inputs: &'a [Numbers<'a, S>],
+        outputs: &'a [Results<'a, S>],
+    ) -> Result<Self, String> {
+        let ([own_inputs, lengths], states) = (shapes.lengths(), broadcast.states());
+        if inputs.len() != own_inputs.len() || outputs.len() != lengths.len() {
+            return Err(format!(
+                "modyn: a function of {} arrays with {} results got {} and {}",
+                own_inputs.len(),
+                lengths.len(),
+                inputs.len(),
+                outputs.len()
+            ));
+        }
+        broadcast.check(inputs)?;
+        let mut sizes = outputs.iter().zip(lengths);
+        if sizes.any(|(output, length)| output.len() != length * states) {
+            return Err("modyn: an array of results has another size".into());
+        }
+        Ok(Self { broadcast, inputs, outputs, lengths })
+    }
+
+    /// Returns the number of states.
+    pub fn states(&self) -> usize {
+        self.broadcast.states()
+    }
+
+    /// Returns `count` numbers of an argument in one state, from number `at` on.
+    pub fn given(&self, array: usize, state: usize, at: usize, count: usize) -> &[S] {
+        self.inputs[array].at(self.broadcast.place(array, state) + at, count)
+    }
+
+    /// Returns the places of `count` numbers of a result in one state, from number `at` on.
+    pub fn found(&self, array: usize, state: usize, at: usize, count: usize) -> &[Cell<S>] {
+        self.outputs[array].at(state * self.lengths[array] + at, count)
+    }
+
+    /// Calls `each` with the rows of numbers in lanes that an argument is copied to: in each lane the numbers of a state, from
+    /// number `at` on. The last state fills the lanes that are left.
+    pub fn gather(
+        &self,
+        array: usize,
+        (states, at): (&Range<usize>, usize),
+        rows: &mut [S],
+        each: impl Fn(&mut S, S),
+    ) {
+        let lanes = states.len();
+        let count = rows.len() / lanes;
+        for lane in 0..lanes {
+            let state = (states.start + lane).min(self.broadcast.states() - 1);
+            let own = self.given(array, state, at, count).iter();
+            for (&number, place) in own.zip(rows.iter_mut().skip(lane).step_by(lanes)) {
+                each(place, number);
+            }
+        }
+    }
+
+    /// Copies rows of numbers in lanes to a result, from number `at` on.
+    pub fn scatter(
+        &self,
+        array: usize,
+        (states, at): (&Range<usize>, usize),
+        rows: &[S],
+        end: usize,
+    ) {
+        let lanes = states.len();
+        let count = rows.len() / lanes;
+        for lane in 0..lanes.min(end - states.start) {
+            let places = self.found(array, states.start + lane, at, count).iter();
+            for (place, &number) in places.zip(rows.iter().skip(lane).step_by(lanes)) {
+                place.set(number);
+            }
+        }
+    }
+}
+
+/// A function of arrays, ready to be called.
+pub struct Kernel<'a, S: Number> {
+    shapes: &'a ArrayShapes,
+    call: Option<Call<'a, S>>,
+    program: Option<&'a Program>,
+}
+
+impl<S: Number> Kernel<'_, S> {
+    /// Returns the instructions of one state, as they count in threads.
+    pub fn cost(&self) -> usize {
+        self.call.map_or(INSTRUCTIONS_PER_THREAD, |call| call.size().instructions / 4 + 1)
+    }
+
+    /// Returns the states that are computed together.
+    pub fn lanes(&self) -> usize {
+        self.call.map_or(1, |call| call.lanes())
+    }
+
+    /// Computes the result for one state, or for as many as there are lanes.
+    pub fn run(&self, numbers: &[S], result: &mut [S], lanes: usize) {
+        match (self.call, self.program) {
+            (Some(call), _) => {
+                // The lengths are those of the program.
+                let done = match lanes {
+                    1 => call.one(&[numbers], result),
+                    _ => call.in_lanes(&[numbers], result),
+                };
+                debug_assert!(done.is_ok(), "{done:?}");
+            }
+            (None, Some(program)) => result.copy_from_slice(&program.evaluate(numbers)),
+            (None, None) => result.fill(S::from_f64(f64::NAN)),
+        }
+    }
+
+    /// Computes states, one in each lane if there are several.
+    pub fn compute(&self, arrays: &Arrays<'_, S>, states: Range<usize>, lanes: usize) {
+        match lanes {
+            1 => self.one_by_one(arrays, states),
+            _ => self.in_lanes(arrays, states, lanes),
+        }
+    }
+
+    fn one_by_one(&self, arrays: &Arrays<'_, S>, states: Range<usize>) {
+        let [inputs, outputs] = self.shapes.lengths();
+        with_numbers(inputs.iter().sum(), |numbers: &mut [S]| {
+            with_numbers(outputs.iter().sum(), |result: &mut [S]| {
+                for state in states {
+                    let mut rest = &mut *numbers;
+                    for (k, &length) in inputs.iter().enumerate() {
+                        let own;
+                        (own, rest) = rest.split_at_mut(length);
+                        own.copy_from_slice(arrays.given(k, state, 0, length));
+                    }
+                    self.run(numbers, result, 1);
+                    let mut rest = &*result;
+                    for (k, &length) in outputs.iter().enumerate() {
+                        let own;
+                        (own, rest) = rest.split_at(length);
+                        let places = arrays.found(k, state, 0, length).iter();
+                        places.zip(own).for_each(|(place, &number)| place.set(number));
+                    }
+                }
+            });
+        });
+    }
+
+    fn in_lanes(&self, arrays: &Arrays<'_, S>, states: Range<usize>, lanes: usize) {
+        let [inputs, outputs] = self.shapes.lengths();
+        let mut numbers = vec![S::zero(); inputs.iter().sum::<usize>() * lanes];
+        let mut result = vec![S::zero(); outputs.iter().sum::<usize>() * lanes];
+        for first in states.clone().step_by(lanes) {
+            let group = first..first + lanes;
+            let mut rest = &mut *numbers;
+            for (k, &length) in inputs.iter().enumerate() {
+                let rows;
+                (rows, rest) = rest.split_at_mut(length * lanes);
+                arrays.gather(k, (&group, 0), rows, |place, number| *place = number);
+            }
+            self.run(&numbers, &mut result, lanes);
+            let mut rest = &*result;
+            for (k, &length) in outputs.iter().enumerate() {
+                let rows;
+                (rows, rest) = rest.split_at(length * lanes);
+                arrays.scatter(k, (&group, 0), rows, states.end);
+            }
+        }
+    }
+}
+
+/// Calls `work` with this many zeros.
+fn with_numbers<S: Number, T>(count: usize, work: impl FnOnce(&mut [S]) -> T) -> T {
+    let mut small = [S::zero(); SMALL];
+    match small.get_mut(..count) {
+        Some(numbers) => work(numbers),
+        None => work(&mut vec![S::zero(); count]),
+    }
+}

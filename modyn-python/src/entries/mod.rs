@@ -1,0 +1,430 @@
+//! Functions of arrays for libraries that differentiate by every entry of their arrays: JAX and PyTorch.
+//!
+//! ```text
+//! Robot ─ plan_entries ─▶ ArrayCode, by a key of its content ─┬─ xla.rs: XLA calls it with its buffers and threads
+//!                                                             └─ call_arrays: arrays of NumPy
+//! ```
+//!
+//! The code of a function is never dropped: XLA may call it as long as the process lives.
+
+mod code;
+mod interface;
+mod kernel;
+mod pool;
+mod rollout;
+mod signature;
+mod states;
+mod xla;
+
+use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::sync::{OnceLock, PoisonError, RwLock};
+
+use modyn_codegen::plan::{Derivative, DerivativeMode, EntryFunction, Planned};
+use modyn_codegen::{FloatType, Function, Planning};
+use numpy::prelude::*;
+use numpy::{IxDyn, PyArrayDyn};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+
+use crate::errors::{description_error, warn_of_machine_code};
+use crate::number::Number;
+use crate::robot::Robot;
+use code::ArrayCode;
+use kernel::{ArrayShapes, StateFunction};
+use pool::StartedThreads;
+use rollout::{Reverse, Rollout};
+use states::{Broadcast, Numbers};
+pub use xla::xla_handler;
+
+/// The key of code, and the shapes of its arrays of arguments and of results.
+type KeyAndShapes = (i64, Vec<Vec<usize>>, Vec<Vec<usize>>);
+
+/// The code of a function of arrays, for either scalar.
+enum AnyCode {
+    F64(ArrayCode<f64>),
+    F32(ArrayCode<f32>),
+}
+
+impl AnyCode {
+    /// Returns the only function of a planning, and the reason why there is no machine code, if it was wanted.
+    fn new(
+        planning: Planning,
+        arrays: ArrayShapes,
+        scalar: FloatType,
+        machine: bool,
+    ) -> Option<(Self, Option<String>)> {
+        Some(match scalar {
+            FloatType::F64 => {
+                let (function, reason) = StateFunction::new(planning, arrays, machine)?;
+                (Self::F64(ArrayCode::Function(function)), reason)
+            }
+            FloatType::F32 => {
+                let (function, reason) = StateFunction::new(planning, arrays, machine)?;
+                (Self::F32(ArrayCode::Function(function)), reason)
+            }
+        })
+    }
+}
+
+/// Returns the code of all functions, by their keys.
+fn registry() -> &'static RwLock<HashMap<i64, &'static AnyCode>> {
+    static REGISTRY: OnceLock<RwLock<HashMap<i64, &'static AnyCode>>> = OnceLock::new();
+    REGISTRY.get_or_init(RwLock::default)
+}
+
+/// Returns the code with this key.
+fn find(key: i64) -> Option<&'static AnyCode> {
+    registry().read().unwrap_or_else(PoisonError::into_inner).get(&key).copied()
+}
+
+/// Keeps code as long as the process lives.
+fn register(key: i64, code: AnyCode) {
+    let mut registry = registry().write().unwrap_or_else(PoisonError::into_inner);
+    registry.entry(key).or_insert_with(|| Box::leak(Box::new(code)));
+}
+
+/// Returns the key of a function: a hash of its program, its arrays and its scalar, the same in each process.
+fn key_of(planned: &Planned, arrays: &ArrayShapes, scalar: FloatType, machine: bool) -> i64 {
+    let mut hasher = DefaultHasher::new();
+    env!("CARGO_PKG_VERSION").hash(&mut hasher);
+    (arrays, scalar == FloatType::F32, machine).hash(&mut hasher);
+    for program in planned.kernels.straight().into_iter().flat_map(<[_; 2]>::from) {
+        program.to_string().hash(&mut hasher);
+    }
+    (hasher.finish() >> 1).cast_signed()
+}
+
+#[pymethods]
+impl Robot {
+    /// Returns the names of the arguments of a function, each with its shape and its default; the run-time parameters that it
+    /// depends on, each by option and link with its present numbers; and its result, whose arrays are their indices. For
+    /// `modyn.jax` and `modyn.torch`.
+    #[pyo3(signature = (name, link=None))]
+    fn _array_signature<'py>(
+        &self,
+        py: Python<'py>,
+        name: &str,
+        link: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (function, _) = self.array_function(name, link)?;
+        signature::of(self, py, function)
+    }
+
+    /// Returns the key of the code of a function or of a derivative, and the shapes of its arrays of arguments and of results.
+    /// Each derivative is its mode (`forward`, `reverse` or `matrix`) and the indices of the arrays that vary. With `feedback`, a time
+    /// step has the arguments `gains`, `q_ref` and `qd_ref`. For `modyn.jax` and `modyn.torch`.
+    #[pyo3(signature = (name, link, derivatives, feedback=false))]
+    fn _array_code(
+        &self,
+        py: Python<'_>,
+        name: &str,
+        link: Option<&Bound<'_, PyAny>>,
+        derivatives: Vec<(String, Vec<usize>)>,
+        feedback: bool,
+    ) -> PyResult<KeyAndShapes> {
+        let (function, link) = self.array_function(name, link)?;
+        let of = |(mode, variables): (String, Vec<usize>)| {
+            let mode = match &*mode {
+                "forward" => DerivativeMode::Forward,
+                "reverse" => DerivativeMode::Reverse,
+                "matrix" => DerivativeMode::Matrix,
+                other => return Err(PyValueError::new_err(format!("no mode `{other}`"))),
+            };
+            Ok(Derivative { mode, variables })
+        };
+        let derivatives = derivatives.into_iter().map(of).collect::<PyResult<Vec<_>>>()?;
+        let results = signature::places(self, function);
+        let function = EntryFunction { function, link, results, feedback, derivatives };
+        let arrays = signature::shapes(self, &function).map_err(PyValueError::new_err)?;
+        let key = self.array_key(&function, || self.array_code(py, &function, &arrays))?;
+        Ok((key, arrays.inputs().to_vec(), arrays.outputs().to_vec()))
+    }
+}
+
+#[pymethods]
+impl Robot {
+    /// Returns the states of motions of many time steps in one call: after each step, (..., steps, n), or after the last one with
+    /// `trajectory=False`. Many motions use the vector units and all cores.
+    ///
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `controls`: (steps, nv), the joint forces of each step; `dt`: the time step, s; `step`: the
+    /// method, such as `semi_implicit` for the function `step_semi_implicit`. With a feedback, the forces are `controls` +
+    /// `gains` (x_ref - x), where the difference of states has that of coordinates in tangent space, then that of velocities:
+    /// `gains`: (nv, 2 nv) or (steps, nv, 2 nv); `q_ref`: (nq,) or (steps, nq); `qd_ref`: (nv,) or (steps, nv); one step stands
+    /// for all of them. Leading axes are those of motions, and are broadcast.
+    /// Result: `RolloutStates`: `q` and `qd`.
+    #[pyo3(signature = (q, qd, controls, dt, *, step="semi_implicit", gains=None, q_ref=None, qd_ref=None, trajectory=true))]
+    #[allow(clippy::too_many_arguments)]
+    fn rollout<'py>(
+        slf: &Bound<'py, Self>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        controls: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        step: &str,
+        gains: Option<&Bound<'py, PyAny>>,
+        q_ref: Option<&Bound<'py, PyAny>>,
+        qd_ref: Option<&Bound<'py, PyAny>>,
+        trajectory: bool,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let arguments =
+            rollout_arguments([Some(q), Some(qd), Some(controls), Some(dt), gains, q_ref, qd_ref])?;
+        let rollout = slf.py().import("modyn._rollout")?.getattr("rollout")?;
+        rollout.call1((slf, arguments, step, trajectory))
+    }
+
+    /// Returns the gradients of the weighted states of motions, which `rollout` returns, with respect to its arguments, for each motion:
+    /// one call, which stores few states. Coordinates have an entry for each of their numbers; lengths of quaternions have no effect.
+    ///
+    /// Arguments: those of `rollout`; `q_weights`: (steps, nq) and `qd_weights`: (steps, nv), or (nq,) and (nv,) with
+    /// `trajectory=False`.
+    /// Result: `RolloutGradients`, with the names and the shapes of the arguments.
+    #[pyo3(signature = (q, qd, controls, dt, q_weights, qd_weights, *, step="semi_implicit", gains=None, q_ref=None, qd_ref=None, trajectory=true))]
+    #[allow(clippy::too_many_arguments)]
+    fn rollout_vjp<'py>(
+        slf: &Bound<'py, Self>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        controls: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        q_weights: &Bound<'py, PyAny>,
+        qd_weights: &Bound<'py, PyAny>,
+        step: &str,
+        gains: Option<&Bound<'py, PyAny>>,
+        q_ref: Option<&Bound<'py, PyAny>>,
+        qd_ref: Option<&Bound<'py, PyAny>>,
+        trajectory: bool,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let arguments =
+            rollout_arguments([Some(q), Some(qd), Some(controls), Some(dt), gains, q_ref, qd_ref])?;
+        let vjp = slf.py().import("modyn._rollout")?.getattr("rollout_vjp")?;
+        vjp.call1((slf, arguments, (q_weights, qd_weights), step, trajectory))
+    }
+}
+
+/// Returns the arguments of a rollout by their names.
+fn rollout_arguments<'py>(given: [Option<&Bound<'py, PyAny>>; 7]) -> PyResult<Bound<'py, PyDict>> {
+    let names = ["q", "qd", "controls", "dt", "gains", "q_ref", "qd_ref"];
+    let py = given.iter().flatten().next().map(|one| one.py());
+    let arguments = PyDict::new(py.ok_or_else(|| PyTypeError::new_err("no arguments"))?);
+    for (name, given) in names.iter().zip(given) {
+        arguments.set_item(name, given)?;
+    }
+    Ok(arguments)
+}
+
+impl Robot {
+    /// Returns the function of the table with this name, and the index of its link.
+    fn array_function(
+        &self,
+        name: &str,
+        link: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<(Function, Option<usize>)> {
+        let one = |function: &&Function| function.batched().is_none() && function.name() == name;
+        let function = Function::ALL.iter().find(one).copied();
+        let function = function
+            .filter(|function| *function != Function::Brge)
+            .ok_or_else(|| PyValueError::new_err(signature::unknown(name)))?;
+        self.check_has(function)?;
+        let link = match (function.row().by_link, link.filter(|link| !link.is_none())) {
+            (false, None) => None,
+            (true, Some(link)) => Some(self.link(link)?),
+            (true, None) => {
+                let message = format!("`{name}` is a function of a link: give its name as `link`");
+                return Err(PyTypeError::new_err(message));
+            }
+            (false, Some(_)) => {
+                let message = format!("`{name}` is no function of a link: leave `link` out");
+                return Err(PyTypeError::new_err(message));
+            }
+        };
+        Ok((function, link))
+    }
+
+    /// Compiles a function of arrays, unless there is the same code already, and returns its key.
+    fn array_code(
+        &self,
+        py: Python<'_>,
+        function: &EntryFunction,
+        arrays: &ArrayShapes,
+    ) -> PyResult<i64> {
+        let planning = self.builder().plan_entries(function);
+        let planning = planning.map_err(|errors| description_error(py, &errors))?;
+        let planned = planning.plan.functions.first();
+        let none = || PyValueError::new_err("there is no such function");
+        let planned = planned.ok_or_else(none)?;
+        let (scalar, machine) = (self.scalar(), self.has_machine_code());
+        let key = key_of(planned, arrays, scalar, machine);
+        if find(key).is_none() {
+            let code = AnyCode::new(planning, arrays.clone(), scalar, machine);
+            let (code, reason) = code.ok_or_else(none)?;
+            if let Some(reason) = reason {
+                let message = format!("functions are evaluated, which is slow: {reason}");
+                warn_of_machine_code(py, &message)?;
+            }
+            register(key, code);
+        }
+        Ok(key)
+    }
+}
+
+/// Returns the key of the rollout of a time step, of whose code this is the key: the states after all steps, or after the last one.
+/// Given the code of the step's products, it is that of the gradients by the arguments `variables`. `sequences` are the
+/// arguments that have numbers for each step.
+#[pyfunction]
+pub fn rollout_code(
+    step: i64,
+    steps: usize,
+    trajectory: bool,
+    sequences: Vec<usize>,
+    reverse: Option<(i64, Vec<usize>)>,
+) -> PyResult<KeyAndShapes> {
+    let mut hasher = DefaultHasher::new();
+    (step, steps, trajectory, &sequences, &reverse).hash(&mut hasher);
+    let key = (hasher.finish() >> 1).cast_signed();
+    let of = |key: i64| find(key).ok_or_else(|| PyValueError::new_err(missing(key)));
+    let shape = (steps, trajectory);
+    let (code, arrays) = match of(step)? {
+        AnyCode::F64(step) => {
+            let reverse = reverse.map(|(key, variables)| match of(key)? {
+                AnyCode::F64(step) => Ok((step, variables)),
+                AnyCode::F32(_) => Err(no_step()),
+            });
+            let (rollout, arrays) = rolled_out(step, shape, &sequences, reverse.transpose()?)?;
+            (AnyCode::F64(ArrayCode::Rollout(rollout, arrays.clone())), arrays)
+        }
+        AnyCode::F32(step) => {
+            let reverse = reverse.map(|(key, variables)| match of(key)? {
+                AnyCode::F32(step) => Ok((step, variables)),
+                AnyCode::F64(_) => Err(no_step()),
+            });
+            let (rollout, arrays) = rolled_out(step, shape, &sequences, reverse.transpose()?)?;
+            (AnyCode::F32(ArrayCode::Rollout(rollout, arrays.clone())), arrays)
+        }
+    };
+    if find(key).is_none() {
+        register(key, code);
+    }
+    Ok((key, arrays.inputs().to_vec(), arrays.outputs().to_vec()))
+}
+
+fn no_step() -> PyErr {
+    PyValueError::new_err("this is no time step with products of it")
+}
+
+/// Returns the rollout of a step with the shapes of its arrays.
+fn rolled_out<S: Number>(
+    step: &'static ArrayCode<S>,
+    (steps, trajectory): (usize, bool),
+    sequences: &[usize],
+    reverse: Option<(&'static ArrayCode<S>, Vec<usize>)>,
+) -> PyResult<(Rollout<S>, ArrayShapes)> {
+    let function = |code: &'static ArrayCode<S>| match code {
+        ArrayCode::Function(function) => Ok(function),
+        ArrayCode::Rollout(..) => Err(no_step()),
+    };
+    let step = function(step)?;
+    let reverse = reverse
+        .map(|(step, variables)| function(step).map(|step| Reverse { step, variables }))
+        .transpose()?;
+    let (given, state) = (step.shapes().inputs(), step.shapes().outputs());
+    let fits = given.starts_with(state)
+        && sequences.iter().all(|&k| (state.len()..given.len()).contains(&k))
+        && reverse.as_ref().is_none_or(|reverse| {
+            let all =
+                (0..given.len()).filter(|k| *k < state.len() || reverse.variables.contains(k));
+            reverse.step.shapes().outputs().iter().eq(all.map(|k| &given[k]))
+                && *reverse.step.shapes().inputs() == *[given, state].concat()
+                && reverse.variables.is_sorted_by(|a, b| a < b)
+        });
+    if !fits {
+        return Err(no_step());
+    }
+    let is_sequence: Vec<bool> = (0..given.len()).map(|k| sequences.contains(&k)).collect();
+    let of_steps = |shape: &Vec<usize>| [&[steps], &**shape].concat();
+    let input = |(shape, &is_sequence): (&Vec<usize>, &bool)| {
+        if is_sequence { of_steps(shape) } else { shape.clone() }
+    };
+    let mut inputs: Vec<Vec<usize>> = given.iter().zip(&is_sequence).map(input).collect();
+    let end = |shape: &Vec<usize>| if trajectory { of_steps(shape) } else { shape.clone() };
+    let mut outputs: Vec<Vec<usize>> = state.iter().map(end).collect();
+    if let Some(reverse) = &reverse {
+        let gradients = reverse.variables.iter().map(|&k| inputs[k].clone()).collect();
+        inputs.extend(std::mem::replace(&mut outputs, gradients));
+    }
+    let state = state.len();
+    let rollout = Rollout { step, state, is_sequence, steps, trajectory, reverse };
+    Ok((rollout, ArrayShapes::new(inputs, outputs)))
+}
+
+/// Calls the code with this key on arrays in C order, whose leading axes are those of states and are broadcast. Returns an array for
+/// each result, with the same leading axes.
+#[pyfunction]
+pub fn call_arrays<'py>(
+    py: Python<'py>,
+    key: i64,
+    arrays: Vec<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyList>> {
+    match find(key) {
+        Some(AnyCode::F64(code)) => called(py, code, &arrays),
+        Some(AnyCode::F32(code)) => called(py, code, &arrays),
+        None => Err(PyValueError::new_err(missing(key))),
+    }
+}
+
+/// Returns the message that no function has this key.
+fn missing(key: i64) -> String {
+    format!(
+        "modyn: this process has not compiled the function {key:016x}; load the robot and call `modyn.jax.function` or \
+         `modyn.torch.function` with it first"
+    )
+}
+
+/// Returns the axes of states of an array whose axes for one state are `own`.
+fn leading<'a>(axes: &'a [usize], own: &[usize]) -> Result<&'a [usize], String> {
+    axes.strip_suffix(own).ok_or_else(|| {
+        let (found, own) = (crate::arrays::tuple(axes), crate::arrays::tuple(own));
+        format!("modyn: an array has the shape {found}; expected {own}, after axes of states")
+    })
+}
+
+fn called<'py, S: Number>(
+    py: Python<'py>,
+    code: &ArrayCode<S>,
+    arrays: &[Bound<'py, PyAny>],
+) -> PyResult<Bound<'py, PyList>> {
+    let wrong = |message: String| PyValueError::new_err(message);
+    let read = |array: &Bound<'py, PyAny>| {
+        let array = array
+            .cast::<PyArrayDyn<S>>()
+            .map_err(|_| PyTypeError::new_err(format!("arrays of {} are expected", S::DTYPE)))?;
+        array.try_readonly().map_err(|error| wrong(error.to_string()))
+    };
+    let given = arrays.iter().map(read).collect::<PyResult<Vec<_>>>()?;
+    let mut axes = Vec::with_capacity(given.len());
+    let mut numbers: Vec<Numbers<'_, S>> = Vec::with_capacity(given.len());
+    for (array, shape) in given.iter().zip(code.shapes().inputs()) {
+        axes.push(leading(array.shape(), shape).map_err(wrong)?);
+        numbers.push(array.as_slice()?.into());
+    }
+    let broadcast = Broadcast::new(&axes, code.shapes().lengths()[0]).map_err(wrong)?;
+    let results: Vec<Bound<'py, PyArrayDyn<S>>> = (code.shapes().outputs().iter())
+        .map(|shape| {
+            let shape = [broadcast.axes(), shape].concat();
+            PyArrayDyn::zeros(py, IxDyn(&shape), false)
+        })
+        .collect();
+    let mut written: Vec<_> = results.iter().map(PyArrayMethods::readwrite).collect();
+    let mut outputs = Vec::with_capacity(written.len());
+    for array in &mut written {
+        outputs.push(array.as_slice_mut()?.into());
+    }
+    let states = broadcast.states();
+    let run = || code.compute(&broadcast, &numbers, &outputs, &StartedThreads);
+    // Releasing Python's lock takes longer than one state.
+    if states > 1 { py.detach(run) } else { run() }.map_err(wrong)?;
+    drop(outputs);
+    drop(written);
+    PyList::new(py, results)
+}

@@ -1,0 +1,164 @@
+//! The states of arrays that other libraries own, as a call reads and writes them: axes of states that are broadcast, and memory
+//! that several threads write at different places.
+//!
+//! Unsafe code: results are cells that threads share. It is sound because a call gives each thread other states, and the states of
+//! a result are apart (`ArrayCode::compute` checks the lengths); the memory belongs to the call until it ends, since `Results`
+//! borrow it.
+#![allow(unsafe_code)]
+
+use std::cell::Cell;
+
+/// Axes of states that several arrays have in common, as NumPy broadcasts them.
+pub struct Broadcast {
+    axes: Vec<usize>,
+    states: usize,
+    lengths: Vec<usize>,
+    offsets: Vec<Offsets>,
+}
+
+/// The place of each state of an array, in states.
+enum Offsets {
+    /// State n is at n times this number.
+    Stride(usize),
+    Table(Vec<usize>),
+}
+
+impl Broadcast {
+    /// Returns the broadcast of arrays with these axes of states and this many numbers of each state.
+    ///
+    /// # Errors
+    ///
+    /// If the axes do not fit.
+    pub fn new(axes: &[&[usize]], lengths: &[usize]) -> Result<Self, String> {
+        let count = axes.iter().map(|own| own.len()).max().unwrap_or_default();
+        let mut all = vec![1; count];
+        for own in axes {
+            for (length, &found) in all[count - own.len()..].iter_mut().zip(*own) {
+                match (*length, found) {
+                    (_, 1) => {}
+                    (1, _) => *length = found,
+                    (expected, _) if expected == found => {}
+                    (expected, _) => {
+                        return Err(format!(
+                            "modyn: axes of {expected} and of {found} states do not fit"
+                        ));
+                    }
+                }
+            }
+        }
+        let states = all.iter().product();
+        let offsets = axes.iter().map(|own| offsets(own, &all, states)).collect();
+        Ok(Self { axes: all, states, lengths: lengths.to_vec(), offsets })
+    }
+
+    /// Returns the axes of the results.
+    pub fn axes(&self) -> &[usize] {
+        &self.axes
+    }
+
+    /// Returns the number of states.
+    pub fn states(&self) -> usize {
+        self.states
+    }
+
+    /// Returns the first number of a state in the array with this index.
+    pub fn place(&self, array: usize, state: usize) -> usize {
+        let place = match &self.offsets[array] {
+            Offsets::Stride(stride) => state * stride,
+            Offsets::Table(table) => table[state],
+        };
+        place * self.lengths[array]
+    }
+
+    /// Checks that the arrays have the numbers of all states.
+    ///
+    /// # Errors
+    ///
+    /// If one is too short.
+    pub fn check<S>(&self, arrays: &[Numbers<'_, S>]) -> Result<(), String> {
+        let last = self.states.checked_sub(1);
+        for (k, (array, length)) in arrays.iter().zip(&self.lengths).enumerate() {
+            let end = match (&self.offsets[k], last) {
+                (_, None) => 0,
+                (Offsets::Stride(stride), Some(last)) => (last * stride + 1) * length,
+                (Offsets::Table(table), Some(_)) => {
+                    table.iter().max().map_or(0, |most| (most + 1) * length)
+                }
+            };
+            if array.0.len() < end {
+                return Err(format!(
+                    "modyn: array {k} has {} numbers, and {end} are needed",
+                    array.0.len()
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Returns the places of all states in an array with its own axes.
+fn offsets(own: &[usize], all: &[usize], states: usize) -> Offsets {
+    let total: usize = own.iter().product();
+    if total == states {
+        return Offsets::Stride(1);
+    }
+    if total == 1 {
+        return Offsets::Stride(0);
+    }
+    let skipped = all.len() - own.len();
+    let place = |state: usize| {
+        let (mut rest, mut place, mut stride) = (state, 0, 1);
+        for (axis, &length) in all.iter().enumerate().rev() {
+            let at = rest % length;
+            rest /= length;
+            if let Some(own) = axis.checked_sub(skipped).map(|axis| own[axis]) {
+                place += if own == 1 { 0 } else { at * stride };
+                stride *= own;
+            }
+        }
+        place
+    };
+    Offsets::Table((0..states).map(place).collect())
+}
+
+/// The numbers of an array that a call reads.
+pub struct Numbers<'a, S>(&'a [S]);
+
+impl<'a, S> From<&'a [S]> for Numbers<'a, S> {
+    fn from(numbers: &'a [S]) -> Self {
+        Self(numbers)
+    }
+}
+
+impl<S> Numbers<'_, S> {
+    /// Returns numbers from a place on.
+    pub fn at(&self, place: usize, count: usize) -> &[S] {
+        &self.0[place..place + count]
+    }
+}
+
+/// The numbers of an array that the threads of a call write.
+pub struct Results<'a, S>(&'a [Cell<S>]);
+
+// SAFETY: see the header.
+unsafe impl<S: Send> Sync for Results<'_, S> {}
+// SAFETY: see the header.
+unsafe impl<S: Send> Send for Results<'_, S> {}
+
+impl<'a, S> From<&'a mut [S]> for Results<'a, S> {
+    fn from(numbers: &'a mut [S]) -> Self {
+        Self(Cell::from_mut(numbers).as_slice_of_cells())
+    }
+}
+
+impl<S> Results<'_, S> {
+    /// Returns the number of all numbers.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Returns the places of numbers. A thread must write those of its own states alone.
+    pub fn at(&self, place: usize, count: usize) -> &[Cell<S>] {
+        &self.0[place..place + count]
+    }
+}

@@ -1,0 +1,454 @@
+"""`modyn.jax`: values and derivatives of all functions under JAX's transformations, and what is refused."""
+
+import importlib
+import subprocess
+import sys
+import threading
+
+import numpy as np
+import pytest
+from conftest import GOLDEN, chain, close, states
+
+import modyn
+
+jax = pytest.importorskip("jax", reason="JAX is not installed: pip install modyn[jax]")
+jnp = jax.numpy
+jax.config.update("jax_enable_x64", True)
+
+from jax.test_util import check_grads  # noqa: E402
+
+import modyn.jax  # noqa: E402
+
+CONTACTS = {"foot": ("point", "link3", (0.1, -0.2, 0.05))}
+
+
+def robot(base="floating", **options):
+    return modyn.loads(chain(3, joints=4), base=base, **options)
+
+
+def argument(name, one, q, n, rng):
+    """Returns numbers for an argument: `n` states of a shape."""
+    if name in ("q", "from_", "to"):
+        return np.roll(q, 1 if name == "to" else 0, axis=0)
+    if name == "dt":
+        return rng.uniform(0.01, 0.05, n)
+    if name == "uniforms":
+        return rng.uniform(0.1, 0.9, (n, *one))
+    if name == "contacts":
+        return np.ones((n, *one))
+    return rng.normal(size=(n, *one))
+
+
+def arguments(own, name, n=3):
+    """Returns the link and the arguments of a function for `n` states, without those that have a default."""
+    rng = np.random.default_rng(len(name))
+    link = "link2" if "link" in modyn.Robot.__dict__[name].__text_signature__ else None
+    listed, _, _ = own._array_signature(name, link)
+    q = states(own, n)[0]
+    return link, [argument(one, tuple(shape), q, n, rng) for one, shape, default in listed if default is None]
+
+
+FUNCTIONS = [name for name in modyn.functions() if name != "brge"]
+# Their derivatives are of third order, and long.
+HESSIANS = [name for name in FUNCTIONS if name.endswith("_hessian")]
+
+
+@pytest.fixture(scope="module")
+def standing():
+    return robot(contacts=CONTACTS)
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_values_are_those_of_the_method(standing, name):
+    link, given = arguments(standing, name)
+    method = getattr(standing, name)
+    expected = method(*given) if link is None else method(*given, link)
+    one = method(*(x[0] for x in given)) if link is None else method(*(x[0] for x in given), link)
+    own = modyn.jax.function(standing, name, link)
+    for found, expected in ((jax.jit(own)(*given), expected), (own(*(x[0] for x in given)), one)):
+        assert type(found) is type(expected) or not isinstance(expected, tuple)
+        leaves = jax.tree.leaves(expected)
+        assert len(leaves) == len(jax.tree.leaves(found))
+        for a, b in zip(jax.tree.leaves(found), leaves):
+            assert a.dtype == np.float64
+            close(a, b, 1e-9)
+
+
+@pytest.mark.parametrize("name", [name for name in FUNCTIONS if name not in HESSIANS])
+def test_derivatives_of_all_functions(standing, name):
+    """Forward mode beside finite differences, along a random direction; reverse mode beside forward mode."""
+    link, given = arguments(standing, name, 1)
+    x = [jnp.asarray(one[0]) for one in given]
+    rng = np.random.default_rng(1)
+    # Quaternions of any length.
+    x = [one.at[3:7].multiply(1.3) if one.shape == (standing.nq,) else one for one in x]
+    function = jax.jit(modyn.jax.function(standing, name, link))
+    t = [jnp.asarray(rng.normal(size=one.shape)) for one in x]
+    value, change = jax.jvp(lambda *x: function(*x), x, t)
+    along = lambda h: function(*(a + h * b for a, b in zip(x, t)))
+    h = 1e-4
+    points = [along(k * h) for k in (-2, -1, 1, 2)]
+    numeric = jax.tree.map(lambda a, b, c, d: (a - 8 * b + 8 * c - d) / (12 * h), *points)
+    for found, expected in zip(jax.tree.leaves(change), jax.tree.leaves(numeric)):
+        close(found, expected, 1e-6)
+    weights = jax.tree.map(lambda one: jnp.asarray(rng.normal(size=one.shape)), value)
+    gradients = jax.vjp(lambda *x: function(*x), *x)[1](weights)
+    dot = lambda a, b: sum(float((u * v).sum()) for u, v in zip(jax.tree.leaves(a), jax.tree.leaves(b)))
+    left, right = dot(weights, change), dot(gradients, tuple(t))
+    assert abs(left - right) <= 1e-9 * max(1.0, abs(left), *(abs(float(one)) for one in (left, right)))
+
+
+@pytest.mark.parametrize("name", ["forward_dynamics", "inverse_dynamics", "step_semi_implicit", "integrate", "link_pose"])
+@pytest.mark.parametrize("base", ["fixed", "floating"])
+def test_second_derivatives(base, name):
+    own = robot(base)
+    link, given = arguments(own, name, 1)
+    x = [jnp.asarray(one[0]) for one in given]
+    check_grads(modyn.jax.function(own, name, link), x, order=2, modes=["fwd", "rev"], atol=1e-5, rtol=1e-5, eps=1e-5)
+
+
+def test_matrices_of_derivatives():
+    """`jacfwd`, `jacrev` and `hessian`: one matrix for all columns, also for states with axes of their own."""
+    own = robot()
+    q, qd, weights, tau = states(own, 3)
+    function = modyn.jax.function(own, "forward_dynamics")
+    by = (0, 1, 2)
+    expected = own.forward_dynamics_derivatives(q, qd, tau)
+    for jacobian in (jax.jacfwd, jax.jacrev):
+        found = jax.jit(jax.vmap(jacobian(function, by)))(q, qd, tau)
+        close(found[1], expected.dqd, 1e-8)
+        close(found[2], expected.dtau, 1e-8)
+        rates = jnp.stack([own.velocity_to_qdot(q, np.tile(v, (3, 1))) for v in np.eye(own.nv)], -1)
+        close(found[0] @ rates, expected.dq, 1e-8)
+    # Derivatives of a batch by one argument that all states share.
+    shared = jax.jacrev(lambda tau: function(q, qd, tau))(tau[0])
+    close(shared, own.forward_dynamics_derivatives(q, qd, np.tile(tau[0], (3, 1))).dtau, 1e-8)
+    hessian = jax.jit(jax.hessian(lambda *x: function(*x) @ weights[0], by))(q[0], qd[0], tau[0])
+    reverse = jax.jacrev(jax.grad(lambda *x: function(*x) @ weights[0], by), by)(q[0], qd[0], tau[0])
+    for a, b in zip(jax.tree.leaves(hessian), jax.tree.leaves(reverse)):
+        close(a, b, 1e-8)
+    contracted = own.forward_dynamics_hessian(q[0], qd[0], tau[0], weights[0])
+    close(hessian[1][1], contracted.dqd_dqd, 1e-8)
+
+
+def test_transformations_of_a_motion():
+    own = robot()
+    q, qd, _, tau = (x[0] for x in states(own, 1))
+    dynamics, integrate = (modyn.jax.function(own, name) for name in ("forward_dynamics", "integrate"))
+    forces = 0.1 * np.random.default_rng(1).normal(size=(6, own.nv))
+
+    @jax.checkpoint
+    def step(state, tau):
+        q, qd = state
+        qd = qd + 0.01 * dynamics(q, qd, tau)
+        return (integrate(q, 0.01 * qd), qd), q[:3]
+
+    def cost(forces):
+        (q, qd), path = jax.lax.scan(step, (jnp.asarray(q0), jnp.asarray(qd0)), forces)
+        return (q**2).sum() + (qd**2).sum() + (path**2).sum()
+
+    q0, qd0 = q, 0.1 * qd
+    gradient = jax.jit(jax.grad(cost))(forces)
+    direction = np.random.default_rng(2).normal(size=forces.shape)
+    numeric = (cost(forces + 1e-5 * direction) - cost(forces - 1e-5 * direction)) / 2e-5
+    close(float((gradient * direction).sum()), float(numeric), 1e-6)
+    many = jax.jit(jax.vmap(jax.grad(cost)))(np.stack([forces, 2 * forces]))
+    close(many[0], gradient, 1e-12)
+    assert np.abs(many[1] - many[0]).max() > 1e-6
+    along = jax.jvp(jax.grad(cost), (forces,), (direction,))[1]
+    numeric = (jax.grad(cost)(forces + 1e-5 * direction) - jax.grad(cost)(forces - 1e-5 * direction)) / 2e-5
+    close(along, numeric, 1e-5)
+
+
+def test_gradients_in_tangent_space():
+    own = robot()
+    q, qd, weights, tau = states(own, 2)
+    gradient = jax.grad(lambda q: (modyn.jax.function(own, "forward_dynamics")(q, qd, tau) * weights).sum())(q)
+    assert gradient.shape == q.shape
+    # Lengths of quaternions have no effect.
+    close((gradient[:, 3:7] * q[:, 3:7]).sum(1), np.zeros(2), 1e-9)
+    close(modyn.jax.to_tangent(own, q, gradient), own.forward_dynamics_vjp(q, qd, tau, weights).dq, 1e-9)
+
+
+OPTIONS = {"runtime_gravity": True, "runtime_inertia": ["link1", "link2"], "payload": ["link3"]}
+
+
+def test_run_time_parameters():
+    own = robot("fixed", **OPTIONS)
+    own.set_payload("link3", 0.7, (0.1, 0.2, -0.1), (0.02, 0.001, 0.0, 0.03, 0.0, 0.02))
+    q, qd, _, tau = states(own, 5)
+    dynamics = modyn.jax.function(own, "forward_dynamics")
+    given = modyn.jax.parameters(own)
+    assert given["payload"]["link3"][0] == 0.7 and given["gravity"].shape == (3,)
+    close(dynamics(q, qd, tau), own.forward_dynamics(q, qd, tau), 1e-9)
+    close(dynamics(q, qd, tau, parameters=given), own.forward_dynamics(q, qd, tau), 1e-9)
+    check_grads(lambda p: dynamics(q[0], qd[0], tau[0], parameters=p), (given,), order=2, modes=["rev"], atol=1e-4, rtol=1e-4)
+    # A mass for each state.
+    masses = np.linspace(0.1, 2.0, 5)
+    payloads = jnp.tile(given["payload"]["link3"], (5, 1)).at[:, 0].set(masses)
+    found = jax.jit(lambda p: dynamics(q, qd, tau, parameters={**given, "payload": {"link3": p}}))(payloads)
+    for i, mass in enumerate(masses):
+        own.set_payload("link3", mass, *np.split(np.asarray(payloads[i, 1:]), [3]))
+        close(found[i], own.forward_dynamics(q[i], qd[i], tau[i]), 1e-9)
+    with pytest.raises(ValueError, match=r'lacks \["payload"\]\["link3"\]'):
+        dynamics(q, qd, tau, parameters={**given, "payload": {}})
+    with pytest.raises(ValueError, match=r'\["gravity"\]. of `forward_dynamics` has the shape \(2,\); expected \(3,\)'):
+        dynamics(q, qd, tau, parameters={**given, "gravity": np.zeros(2)})
+    with pytest.raises(ValueError, match="the robot has no run-time parameters"):
+        modyn.jax.parameters(robot("fixed"))
+
+
+def test_a_payload_is_found_by_gradient_descent():
+    own = robot("fixed", payload=["link3"])
+    q, qd, qdd, _ = states(own, 50)
+    own.set_payload("link3", 1.5, (0.1, 0.0, 0.2))
+    measured = own.inverse_dynamics(q, qd, qdd)
+    forces = modyn.jax.function(own, "inverse_dynamics")
+    payload = lambda x: {"payload": {"link3": jnp.concatenate([x[:1], x[1:] / x[0], jnp.zeros(6)])}}
+    # The forces are linear in mass and mass times centre up to the inertia about the origin, so a few steps of Newton do.
+    cost = lambda x: ((forces(q, qd, qdd, parameters=payload(x)) - measured) ** 2).mean()
+    newton = jax.jit(lambda x: x - jnp.linalg.solve(jax.hessian(cost)(x), jax.grad(cost)(x)))
+    x = jnp.array([1.0, 0.0, 0.0, 0.0])
+    for _ in range(8):
+        x = newton(x)
+    close(x, [1.5, 0.15, 0.0, 0.3], 1e-6)
+
+
+def test_single_precision():
+    own = robot("floating", scalar="f32")
+    exact = robot("floating")
+    q, qd, weights, tau = states(exact, 9)
+    function = modyn.jax.function(own, "forward_dynamics")
+    found = jax.jit(function)(q, qd, tau)
+    assert found.dtype == np.float32
+    close(found, exact.forward_dynamics(q, qd, tau), 1e-3)
+    gradient = jax.grad(lambda tau: (function(q, qd, tau) * weights).sum())(tau.astype(np.float32))
+    assert gradient.dtype == np.float32
+    close(gradient, exact.forward_dynamics_vjp(q, qd, tau, weights).dtau, 1e-3)
+
+
+def test_axes_of_states():
+    """States have any axes, which are broadcast; each has its own numbers, also where one of them is no number."""
+    own = robot("fixed")
+    q, qd, _, tau = states(own, 12)
+    function = jax.jit(modyn.jax.function(own, "forward_dynamics"))
+    expected = own.forward_dynamics(q, qd, tau)
+    n = own.nv
+    close(function(q.reshape(3, 4, n), qd.reshape(3, 4, n), tau.reshape(3, 4, n)), expected.reshape(3, 4, n), 1e-12)
+    crossed = function(q[:3, None], qd[None, :4], tau[0])
+    for i, k in np.ndindex(3, 4):
+        close(crossed[i, k], own.forward_dynamics(q[i], qd[k], tau[0]), 1e-9)
+    nested = jax.vmap(jax.vmap(function, (None, 0, None)), (0, None, None))(q[:3], qd[:4], tau[0])
+    close(nested, crossed, 1e-12)
+    other = jax.vmap(function, in_axes=(1, 0, None), out_axes=1)(q[:3].T, qd[:3], tau[0])
+    close(other.T, [own.forward_dynamics(q[i], qd[i], tau[0]) for i in range(3)], 1e-9)
+    assert function(q[:0], qd[:0], tau[:0]).shape == (0, n)
+    close(function(q[::2], np.asfortranarray(qd[::2]), tau[::2]), expected[::2], 1e-12)
+    broken = q.copy()
+    broken[5, 1] = np.nan
+    found = function(broken, qd, tau)
+    assert np.isnan(found[5]).any()
+    close(np.delete(found, 5, 0), np.delete(expected, 5, 0), 1e-12)
+
+
+def test_many_states_in_threads():
+    own = robot("fixed")
+    q, qd, _, tau = states(own, 4001)
+    function = jax.jit(modyn.jax.function(own, "forward_dynamics"))
+    expected = own.forward_dynamics(q, qd, tau)
+    close(function(q, qd, tau), expected, 1e-12)
+    wrong = []
+
+    def work():
+        for _ in range(10):
+            found = function(q, qd, tau)
+            wrong.extend([] if np.allclose(found, expected, rtol=1e-9, atol=1e-9) else [1])
+
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not wrong
+
+
+def test_several_robots_in_one_program():
+    first, second = robot("fixed"), modyn.loads(chain(5, joints=4))
+    q, qd, _, tau = (x[0] for x in states(first, 1))
+    functions = [modyn.jax.function(one, "forward_dynamics") for one in (first, second)]
+    both = jax.jit(jax.grad(lambda tau: sum(f(q, qd, tau).sum() for f in functions)))(tau)
+    expected = sum(one.forward_dynamics_derivatives(q, qd, tau).dtau.sum(0) for one in (first, second))
+    close(both, expected, 1e-9)
+    # The same description is the same function to `jit`.
+    traced = []
+    again = jax.jit(lambda x: traced.append(1) or functions[0](q, qd, x))
+    again(tau)
+    functions[0] = modyn.jax.function(robot("fixed"), "forward_dynamics")
+    close(again(tau), first.forward_dynamics(q, qd, tau), 1e-12)
+    assert len(traced) == 1
+
+
+def test_without_machine_code():
+    slow, fast = robot("fixed", machine_code=False), robot("fixed")
+    q, qd, _, tau = states(fast, 3)
+    function = modyn.jax.function(slow, "forward_dynamics")
+    close(jax.jit(function)(q, qd, tau), fast.forward_dynamics(q, qd, tau), 1e-9)
+    close(jax.jacrev(function, 2)(q[0], qd[0], tau[0]), fast.forward_dynamics_derivatives(q[0], qd[0], tau[0]).dtau, 1e-9)
+
+
+def test_the_module_can_be_reloaded():
+    own = robot("fixed")
+    q, qd, _, tau = (x[0] for x in states(own, 1))
+    before = modyn.jax.function(own, "forward_dynamics")
+    importlib.reload(modyn.jax)
+    after = modyn.jax.function(own, "forward_dynamics")
+    close(jax.jit(after)(q, qd, tau), before(q, qd, tau), 0)
+
+
+def test_refused():
+    own = robot("fixed")
+    q, qd, _, tau = (x[0] for x in states(own, 1))
+    function = modyn.jax.function(own, "forward_dynamics")
+    with pytest.raises(ValueError, match=r"`qd` of `forward_dynamics` has the shape \(3,\); expected \(4,\), or \(\.\.\., 4\)"):
+        function(q, qd[:3], tau)
+    with pytest.raises(ValueError, match=r"do not fit: `q` \(2,\), `tau` \(3,\)"):
+        function(np.tile(q, (2, 1)), qd, np.tile(tau, (3, 1)))
+    with pytest.raises(TypeError, match="`tau` of `forward_dynamics` must be an array of real numbers, not of complex128"):
+        function(q, qd, tau + 1j)
+    with pytest.raises(TypeError, match="`q` of `forward_dynamics` must be an array of real numbers"):
+        function("zero", qd, tau)
+    with pytest.raises(TypeError, match="`forward_dynamics`: missing a required argument: 'tau'"):
+        function(q, qd)
+    with pytest.raises(TypeError, match="unexpected keyword argument 'torque'"):
+        function(q, qd, tau, torque=tau)
+    with pytest.raises(ValueError, match="no function `foward_dynamics`; did you mean `forward_dynamics`"):
+        modyn.jax.function(own, "foward_dynamics")
+    with pytest.raises(ValueError, match="`brge` returns factors"):
+        modyn.jax.function(own, "brge")
+    with pytest.raises(TypeError, match="`jacobian` is a function of a link"):
+        modyn.jax.function(own, "jacobian")
+    with pytest.raises(TypeError, match="`mass_matrix` is no function of a link"):
+        modyn.jax.function(own, "mass_matrix", "link1")
+    with pytest.raises(ValueError, match="no link `lnk1`; did you mean `link1`"):
+        modyn.jax.function(own, "jacobian", "lnk1")
+    with pytest.raises(ValueError, match="only robots with closed loops or contacts"):
+        modyn.jax.function(own, "constrained_forward_dynamics")
+    with pytest.raises(TypeError, match="use `jax.vjp`"):
+        jax.linear_transpose(function, q, qd, tau)(qd)
+    close(function(q=q, tau=tau, qd=qd), function(q, qd, tau), 0)
+
+
+def run(code, *arguments):
+    """Runs Python in another process."""
+    done = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_double_precision_needs_a_setting():
+    code = """
+import sys, numpy as np, modyn, modyn.jax
+x = np.zeros(7)
+try:
+    modyn.jax.function(modyn.load(sys.argv[1], friction="none"), "forward_dynamics")(x, x, x)
+except TypeError as error:
+    print(error)
+print(modyn.jax.function(modyn.load(sys.argv[1], friction="none", scalar="f32"), "forward_dynamics")(x, x, x).dtype)
+"""
+    message, dtype = run(code, str(GOLDEN / "panda.urdf")).splitlines()
+    assert 'jax.config.update("jax_enable_x64", True)' in message and 'scalar="f32"' in message
+    assert dtype == "float32"
+
+
+def test_an_exported_program_runs_in_another_process(tmp_path):
+    """The key of a function is the same in each process; without the function there, the error says so."""
+    own = robot("fixed")
+    q, qd, _, tau = (x[0] for x in states(own, 1))
+    function = modyn.jax.function(own, "forward_dynamics")
+    checks = [jax.export.DisabledSafetyCheck.custom_call("modyn")]
+    exported = jax.export.export(jax.jit(function), disabled_checks=checks)(q, qd, tau)
+    (tmp_path / "program").write_bytes(exported.serialize())
+    (tmp_path / "robot.urdf").write_text(chain(3, joints=4))
+    np.save(tmp_path / "state.npy", [q, qd, tau])
+    code = """
+import pathlib, sys, numpy as np, jax
+jax.config.update("jax_enable_x64", True)
+import modyn, modyn.jax
+folder = pathlib.Path(sys.argv[1])
+program = jax.export.deserialize((folder / "program").read_bytes())
+state = np.load(folder / "state.npy")
+try:
+    program.call(*state)
+except Exception as error:
+    print("load the robot and call `modyn.jax.function`" in str(error))
+modyn.jax.function(modyn.load(folder / "robot.urdf", base="fixed"), "forward_dynamics")
+print(*program.call(*state).tolist())
+"""
+    refused, found = run(code, str(tmp_path)).splitlines()
+    assert refused == "True"
+    close([float(x) for x in found.split()], function(q, qd, tau), 0)
+
+
+def rolled(own, steps=5, n=3):
+    q, qd, *_ = states(own, n)
+    return q, 0.2 * qd, np.random.default_rng(3).normal(size=(n, steps, own.nv))
+
+
+@pytest.mark.parametrize("trajectory", [True, False])
+def test_rollouts(trajectory):
+    """The states and first and second derivatives of a rollout in one call beside those of a `scan`."""
+    own = robot()
+    q, qd, controls = rolled(own)
+    rollout = modyn.jax.rollout(own, trajectory=trajectory)
+    step = modyn.jax.function(own, "step_semi_implicit")
+    close(jax.jit(rollout)(q, qd, controls, 0.01).q, own.rollout(q, qd, controls, 0.01, trajectory=trajectory).q, 1e-12)
+
+    def scanned(q, qd, controls, dt):
+        def advance(state, tau):
+            state = tuple(step(*state, tau, dt))
+            return state, state
+
+        end, path = jax.lax.scan(advance, (jnp.asarray(q), jnp.asarray(qd)), controls)
+        return path if trajectory else end
+
+    given = (q[0], qd[0], controls[0], 0.01)
+    by = (0, 1, 2, 3)
+    weights = jax.tree.map(lambda x: np.random.default_rng(4).normal(size=x.shape), tuple(scanned(*given)))
+    cost = lambda f: lambda *x: sum((w * y**2).sum() for w, y in zip(weights, f(*x)))
+    found = jax.jit(jax.grad(cost(rollout), by))(*given)
+    expected = jax.grad(cost(scanned), by)(*given)
+    for a, b in zip(found, expected):
+        close(a, b, 1e-9)
+    changes = tuple(np.random.default_rng(5).normal(size=np.shape(x)) for x in given)
+    for a, b in zip(jax.jvp(rollout, given, changes)[1], jax.jvp(scanned, given, changes)[1]):
+        close(a, b, 1e-9)
+    # Second derivatives: along a direction, backwards over backwards, and whole matrices.
+    for a, b in zip(*(jax.jvp(jax.grad(cost(f), by), given, changes)[1] for f in (rollout, scanned))):
+        close(a, b, 1e-8)
+    along = lambda f: jax.grad(lambda c: (jax.grad(cost(f), 2)(q[0], qd[0], c, 0.01) * changes[2]).sum())(given[2])
+    close(along(rollout), along(scanned), 1e-8)
+    close(jax.jit(jax.jacfwd(rollout, 1))(*given).q, jax.jacfwd(scanned, 1)(*given)[0], 1e-9)
+    close(jax.hessian(cost(rollout), 1)(*given), jax.hessian(cost(scanned), 1)(*given), 1e-8)
+    # Many motions: some arguments have axes of `vmap`, others have axes of their own.
+    many = jax.vmap(jax.grad(cost(rollout), 2), (0, None, 0, None))(q, qd[0], controls, 0.01)
+    close(many[1], jax.grad(cost(scanned), 2)(q[1], qd[0], controls[1], 0.01), 1e-9)
+    shared = jax.grad(lambda q: sum((x**2).sum() for x in rollout(q, qd, controls, 0.01)))(q[0])
+    separate = [jax.grad(lambda q: sum((x**2).sum() for x in rollout(q, qd[i], controls[i], 0.01)))(q[0]) for i in range(3)]
+    close(shared, sum(separate), 1e-9)
+
+
+def test_rollouts_with_feedback_and_parameters():
+    own = robot(payload=["link3"])
+    q, qd, controls = (x[0] for x in rolled(own))
+    rollout = modyn.jax.rollout(own)
+    gains = 0.1 * np.random.default_rng(6).normal(size=(own.nv, 2 * own.nv))
+    reference = {"q_ref": np.tile(q, (5, 1)), "qd_ref": 0 * qd}
+    given = modyn.jax.parameters(own)
+    given["payload"]["link3"] = given["payload"]["link3"].at[:].set([1.0, 0.1, 0.2, 0.3, 0.1, 0, 0, 0.1, 0, 0.1])
+    cost = lambda gains, p: sum((x**2).sum() for x in rollout(q, qd, controls, 0.01, gains=gains, parameters=p, **reference))
+    check_grads(cost, (gains, given), order=1, modes=["rev"], atol=1e-5, rtol=1e-5)
+    own.set_payload("link3", 1.0, (0.1, 0.2, 0.3), (0.1, 0, 0, 0.1, 0, 0.1))
+    expected = own.rollout(q, qd, controls, 0.01, gains=gains, **reference)
+    close(rollout(q, qd, controls, 0.01, gains=gains, parameters=given, **reference).q, expected.q, 1e-9)
+    with pytest.raises(TypeError, match="no run-time parameters"):
+        modyn.jax.rollout(robot())(q, qd, controls, 0.01, parameters=given)

@@ -1,0 +1,184 @@
+"""`modyn.torch`: values and derivatives under PyTorch's transformations, and what is refused."""
+
+import numpy as np
+import pytest
+from conftest import chain, close, states
+
+import modyn
+
+torch = pytest.importorskip("torch", reason="PyTorch is not installed: pip install modyn[torch]")
+
+import modyn.torch  # noqa: E402
+
+# PyTorch's compiler warns of Python's own modules.
+pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::FutureWarning", "ignore::UserWarning")
+
+
+def robot(base="floating", **options):
+    return modyn.loads(chain(3, joints=4), base=base, **options)
+
+
+def tensors(own, n=3, dynamics=True):
+    q, qd, _, tau = states(own, n)
+    return [torch.from_numpy(x) for x in (q, qd, tau)[: 3 if dynamics else 2]]
+
+
+def leaves(result):
+    return [result] if isinstance(result, torch.Tensor) else [leaf for field in result for leaf in leaves(field)]
+
+
+ARGUMENTS = {
+    "forward_dynamics": 3,
+    "inverse_dynamics": 3,
+    "mass_matrix": 1,
+    "kinetic_energy": 2,
+    "integrate": 2,
+    "link_pose": 1,
+    "forward_dynamics_derivatives": 3,
+}
+
+
+@pytest.mark.parametrize("name", ARGUMENTS)
+def test_values_and_first_derivatives(name):
+    own = robot()
+    x = tensors(own)[: ARGUMENTS[name]]
+    link = "link2" if name == "link_pose" else None
+    function = modyn.torch.function(own, name, link)
+    method = getattr(own, name)
+    expected = method(*(a.numpy() for a in x), *([link] if link else []))
+    found = function(*x)
+    assert type(found) is type(expected) or not isinstance(expected, tuple)
+    for a, b in zip(leaves(found), expected if isinstance(expected, tuple) else [expected]):
+        close(a, b, 1e-9)
+    varying = [a.clone().requires_grad_() for a in x]
+    assert torch.autograd.gradcheck(lambda *x: tuple(leaves(function(*x))), varying, fast_mode=True, check_forward_ad=True)
+
+
+@pytest.mark.parametrize("name", ["forward_dynamics", "inverse_dynamics", "integrate"])
+def test_second_derivatives(name):
+    own = robot()
+    x = [a[0].clone().requires_grad_() for a in tensors(own)[: ARGUMENTS[name]]]
+    function = modyn.torch.function(own, name)
+    assert torch.autograd.gradgradcheck(function, x, fast_mode=True, check_fwd_over_rev=True)
+
+
+def test_functional_transformations():
+    own = robot()
+    q, qd, tau = tensors(own)
+    function = modyn.torch.function(own, "forward_dynamics")
+    expected = own.forward_dynamics_derivatives(q.numpy(), qd.numpy(), tau.numpy())
+    for jacobian in (torch.func.jacrev, torch.func.jacfwd):
+        close(torch.vmap(jacobian(function, 2))(q, qd, tau), expected.dtau, 1e-9)
+    hessian = torch.func.hessian(lambda qd: function(q[0], qd, tau[0]).sum())(qd[0])
+    close(hessian, own.forward_dynamics_hessian(q[0].numpy(), qd[0].numpy(), tau[0].numpy(), np.ones(own.nv)).dqd_dqd, 1e-8)
+    crossed = torch.vmap(torch.vmap(function, (None, 0, None)), (0, None, None))(q, qd, tau[0])
+    close(crossed[2, 1], own.forward_dynamics(q[2].numpy(), qd[1].numpy(), tau[0].numpy()), 1e-9)
+    close(function(q[:, None], qd[None], tau[0]), crossed, 1e-12)
+    # Some arguments of all states: their gradients are sums.
+    shared = tau[0].clone().requires_grad_()
+    function(q, qd, shared).sum().backward()
+    expected = own.forward_dynamics_derivatives(q.numpy(), qd.numpy(), np.tile(tau[0].numpy(), (3, 1)))
+    close(shared.grad, expected.dtau.sum((0, 1)), 1e-9)
+
+
+def test_memory_and_precision():
+    own = robot("fixed", scalar="f32")
+    exact = robot("fixed")
+    q, qd, tau = tensors(exact, 8)
+    function = modyn.torch.function(own, "forward_dynamics")
+    found = function(q, qd.float(), tau)
+    assert found.dtype == torch.float32
+    close(found, exact.forward_dynamics(q.numpy(), qd.numpy(), tau.numpy()), 1e-3)
+    function = modyn.torch.function(exact, "forward_dynamics")
+    close(function(q.T.contiguous().T, qd[::2].repeat_interleave(2, 0), tau), function(q, qd[::2].repeat_interleave(2, 0), tau), 0)
+    broken = q.clone()
+    broken[3, 0] = float("nan")
+    found = function(broken, qd, tau)
+    assert torch.isnan(found[3]).any() and not torch.isnan(found[[0, 1, 2, 4, 5, 6, 7]]).any()
+
+
+def test_the_operator():
+    own = robot("fixed")
+    x = [a.clone().requires_grad_() for a in tensors(own)]
+    number = modyn.torch._numbered(modyn.torch.ArrayFunction(own, "forward_dynamics"))
+    torch.library.opcheck(torch.ops.modyn.call, (number, False, x))
+
+
+def test_compiled():
+    own = robot("fixed")
+    function = modyn.torch.function(own, "forward_dynamics")
+    motion = modyn.torch.rollout(own)
+
+    def cost(q, qd, tau):
+        return (torch.sin(function(q, qd, 2 * tau)) ** 2).sum() + motion(q, qd, tau[..., None, :].expand(3, 5, -1), 0.01).q.sum()
+
+    x = [a.clone().requires_grad_() for a in tensors(own)]
+    y = [a.clone().requires_grad_() for a in tensors(own)]
+    compiled = torch.compile(cost, fullgraph=True, backend="aot_eager")
+    found, expected = compiled(*x), cost(*y)
+    close(found.item(), expected.item(), 1e-9)
+    found.backward()
+    expected.backward()
+    for a, b in zip(x, y):
+        close(a.grad, b.grad, 1e-9)
+
+
+def test_rollouts():
+    own = robot()
+    q, qd, tau = tensors(own)
+    controls = torch.from_numpy(np.random.default_rng(1).normal(size=(3, 5, own.nv)))
+    motion = modyn.torch.rollout(own)
+    expected = own.rollout(q.numpy(), qd.numpy(), controls.numpy(), 0.01)
+    close(motion(q, qd, controls, 0.01).q, expected.q, 1e-12)
+    x = [a.clone().requires_grad_() for a in (q, qd, controls)]
+    dt = torch.tensor(0.01, dtype=torch.float64, requires_grad=True)
+    assert torch.autograd.gradcheck(lambda *x: tuple(motion(*x)), (*x, dt), fast_mode=True)
+    gradient = torch.func.grad(lambda c: motion(q, qd, c, 0.01).qd.sum())(controls)
+    close(gradient, own.rollout_vjp(q.numpy(), qd.numpy(), controls.numpy(), 0.01, 0 * expected.q, 1 + 0 * expected.qd).controls, 1e-9)
+    with pytest.raises(NotImplementedError, match="first derivatives in reverse mode"):
+        torch.func.jvp(lambda c: motion(q, qd, c, 0.01).q, (controls,), (controls,))
+
+
+def test_run_time_parameters_and_tangent_space():
+    own = robot(payload=["link3"], runtime_gravity=True)
+    q, qd, tau = tensors(own)
+    function = modyn.torch.function(own, "forward_dynamics")
+    given = modyn.torch.parameters(own)
+    mass = torch.tensor([0.5, 0.1, 0.2, 0.3, 0.1, 0, 0, 0.1, 0, 0.1], dtype=torch.float64, requires_grad=True)
+    found = function(q, qd, tau, parameters={**given, "payload": {"link3": mass}})
+    own.set_payload("link3", 0.5, (0.1, 0.2, 0.3), (0.1, 0, 0, 0.1, 0, 0.1))
+    close(found.detach(), own.forward_dynamics(q.numpy(), qd.numpy(), tau.numpy()), 1e-9)
+    assert torch.autograd.gradcheck(
+        lambda mass: function(q, qd, tau, parameters={**given, "payload": {"link3": mass}}), (mass,), fast_mode=True
+    )
+    own = robot()
+    q = q.clone().requires_grad_()
+    modyn.torch.function(own, "forward_dynamics")(q, qd, tau).sum().backward()
+    expected = own.forward_dynamics_vjp(q.detach().numpy(), qd.numpy(), tau.numpy(), np.ones((3, own.nv))).dq
+    close(modyn.torch.to_tangent(own, q.detach(), q.grad), expected, 1e-9)
+
+
+def test_defaults_of_contacts():
+    own = robot(contacts={"foot": ("point", "link3", (0.1, -0.2, 0.05))})
+    q, qd, tau = tensors(own)
+    function = modyn.torch.function(own, "constrained_forward_dynamics")
+    expected = own.constrained_forward_dynamics(q.numpy(), qd.numpy(), tau.numpy())
+    close(function(q, qd, tau).qdd, expected.qdd, 1e-9)
+    given = torch.zeros(1, dtype=torch.float64)
+    close(function(q, qd, tau, contacts=given).qdd, own.constrained_forward_dynamics(q.numpy(), qd.numpy(), tau.numpy(), np.zeros(1)).qdd)
+
+
+def test_refused():
+    own = robot("fixed")
+    q, qd, tau = (x[0] for x in tensors(own))
+    function = modyn.torch.function(own, "forward_dynamics")
+    with pytest.raises(ValueError, match=r"`qd` of `forward_dynamics` has the shape \(3,\); expected \(4,\)"):
+        function(q, qd[:3], tau)
+    with pytest.raises(TypeError, match="`tau` of `forward_dynamics` must be a tensor of real numbers, not of torch.complex128"):
+        function(q, qd, tau + 1j)
+    with pytest.raises(ValueError, match="`q` of `forward_dynamics` is on the device meta"):
+        function(q.to("meta"), qd, tau)
+    with pytest.raises(TypeError, match="missing a required argument: 'tau'"):
+        function(q, qd)
+    with pytest.raises(ValueError, match="did you mean `forward_dynamics`"):
+        modyn.torch.function(own, "forward_dynamic")
