@@ -1,6 +1,8 @@
 //! The suite of all back ends, for machine code in memory and for object files: each computes the bits of its programs'
 //! evaluation on robots of every kind, for all instruction sets of the processor.
 
+mod python;
+
 use std::path::Path;
 
 use modyn_codegen::diagnostics::{Code, Diagnostics};
@@ -196,10 +198,9 @@ fn random_limbs() {
 mod objects {
     use std::process::Command;
 
-    use modyn_codegen::plan::Plan;
     use modyn_jit::object::{Object, ObjectBuilder, ObjectFormat, ObjectOptions};
     use modyn_tests::conformance::c::{STRICT, call, execute, write_main};
-    use modyn_tests::conformance::{Made, command, conforms, is_installed};
+    use modyn_tests::conformance::{command, conforms, is_installed};
 
     use super::*;
 
@@ -218,20 +219,8 @@ mod objects {
         link: Link,
     }
 
-    /// An object file with its programs.
-    struct ObjectRobot {
-        object: Object,
-        planning: Planning,
-    }
-
-    impl Made for ObjectRobot {
-        fn parts(&self) -> (&Plan, &Model) {
-            self.planning.parts()
-        }
-    }
-
     impl BackEnd for Objects {
-        type Robot = ObjectRobot;
+        type Robot = (Planning, Object);
 
         fn name(&self) -> String {
             format!("{} {:?} {:?}", self.compiler[0], self.link, self.instruction_set)
@@ -258,18 +247,18 @@ mod objects {
             false
         }
 
-        fn make(&self, builder: &Builder) -> Result<ObjectRobot, Diagnostics> {
+        fn make(&self, builder: &Builder) -> Result<(Planning, Object), Diagnostics> {
             let options = ObjectOptions {
                 instruction_set: self.instruction_set,
                 format: ObjectFormat::Elf,
                 prefix: Some("ours".into()),
             };
             let object = builder.generate_object(&options).expect("an object");
-            Ok(ObjectRobot { object, planning: builder.plan()? })
+            Ok((builder.plan()?, object))
         }
 
-        fn run(&self, subject: &Subject<'_, ObjectRobot>, folder: &Path) -> Vec<Vec<f64>> {
-            let object = &subject.robot.object;
+        fn run(&self, subject: &Subject<'_, (Planning, Object)>, folder: &Path) -> Vec<Vec<f64>> {
+            let (_, object) = subject.robot;
             let files: [(&str, &[u8]); 3] = [
                 ("ours.o", &object.bytes),
                 ("libours.a", &object.static_library().expect("a library")),

@@ -29,43 +29,6 @@ def test_shapes_decide(panda):
     close(moved.qd[3], panda.step_rk4(q[3], qd[3], tau[3], dt[3]).qd, 1e-8)
 
 
-def test_matrices_have_rows_and_columns(panda):
-    """A matrix that is not symmetric, against differences."""
-    (q,), (qd,), _, (tau,) = states(panda, 1, seed=7)
-    found = panda.forward_dynamics_derivatives(q, qd, tau)
-    step = 1e-6
-    for j in range(7):
-        change = np.zeros(7)
-        change[j] = step
-        ahead, behind = (panda.forward_dynamics(q + s * change, qd, tau) for s in (1, -1))
-        close(found.dq[:, j], (ahead - behind) / (2 * step), 1e-5)
-        ahead, behind = (panda.forward_dynamics(q, qd + s * change, tau) for s in (1, -1))
-        close(found.dqd[:, j], (ahead - behind) / (2 * step), 1e-5)
-    close(panda.jacobian(q, "panda_hand") @ qd, panda.link_velocity(q, qd, "panda_hand"))
-
-
-def test_hessians_have_rows_and_columns(panda):
-    """The blocks of Hessians, against differences of the gradients."""
-    (q,), (qd,), (weights,), (tau,) = states(panda, 1, seed=11)
-    found = panda.forward_dynamics_hessian(q, qd, tau, weights)
-    gradient = panda.forward_dynamics_vjp(q, qd, tau, weights)
-    for name in ("qdd", "dq", "dqd", "dtau"):
-        close(getattr(found, name), getattr(gradient, name), 1e-8)
-    step = 1e-6
-    for j in range(7):
-        change = np.zeros(7)
-        change[j] = step
-        ahead, behind = (panda.forward_dynamics_vjp(q + s * change, qd, tau, weights) for s in (1, -1))
-        close(found.dq_dq[:, j], (ahead.dq - behind.dq) / (2 * step), 1e-5)
-        close(found.dq_dqd[j], (ahead.dqd - behind.dqd) / (2 * step), 1e-5)
-        close(found.dq_dtau[j], (ahead.dtau - behind.dtau) / (2 * step), 1e-5)
-        ahead, behind = (panda.forward_dynamics_vjp(q, qd + s * change, tau, weights) for s in (1, -1))
-        close(found.dq_dqd[:, j], (ahead.dq - behind.dq) / (2 * step), 1e-5)
-        close(found.dqd_dqd[:, j], (ahead.dqd - behind.dqd) / (2 * step), 1e-5)
-        ahead, behind = (panda.forward_dynamics_vjp(q, qd, tau + s * change, weights) for s in (1, -1))
-        close(found.dq_dtau[:, j], (ahead.dq - behind.dq) / (2 * step), 1e-5)
-
-
 def test_anything_that_is_an_array_of_numbers(panda):
     (q,), (qd,), _, (tau,) = states(panda, 1)
     expected = panda.forward_dynamics(q, qd, tau)

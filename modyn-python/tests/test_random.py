@@ -1,4 +1,4 @@
-"""Every function of random robots beside a textbook's mechanics (`naive.py`), by machine code and by evaluated programs.
+"""The functions of random robots beside a textbook's mechanics (`naive.py`), by machine code and by evaluated programs.
 
 `MODYN_SEEDS=1000..1100 pytest tests/test_random.py -s` takes other seeds, and shows how many states were left out.
 
@@ -13,8 +13,8 @@ The tolerances and the limits of the first two rules were fixed before the first
 - A state whose rows contradict each other, by more than `CONTRADICTION` of the accelerations, is left out of the derivatives,
   which are not defined there (docs/loops.md).
 
-Functions of `ALONE` are compared between machine code and programs only, of robots with at most `SMALL` velocities, since their
-programs are long; tests in Rust have references for them.
+Hessians, time steps and derivatives of coordinates have references in Rust's tests; the suite of back ends (`modyn-jit/tests/conformance`)
+compares every function of the package with those.
 """
 
 import os
@@ -29,11 +29,7 @@ import modyn
 DIRECT, SOLVED = 1e-10, 1e-13
 UNDEFINED = 1e-13, 1e-6
 CONTRADICTION = 1e-8
-ALONE = ("inverse_dynamics_hessian", "forward_dynamics_hessian", "step_semi_implicit_hessian", "step_semi_implicit_derivatives",
-         "step_rk4", "step_rk4_derivatives", "step_implicit_midpoint", "step_implicit_midpoint_derivatives", "integrate_derivatives",
-         "difference_derivatives", "constrained_forward_dynamics_hessian")
 STATES = 2
-SMALL = 6
 
 
 def seeds():
@@ -410,23 +406,6 @@ class State:
     def contacts_on_base(self):
         return self.case.floating and self.case.contacts
 
-    def alone(self):
-        """The functions without expected results."""
-        q, qd, qdd, tau, x = self.q, self.qd, self.qdd, self.tau, self.x
-        for name in ALONE:
-            if name.startswith("step"):
-                costate = (np.concatenate([x, self.y]),) if "hessian" in name else ()
-                arguments = q, qd, tau, 0.01, *costate
-            elif name.startswith("constrained"):
-                if not self.naive.constraints or self.left_out:
-                    continue
-                arguments = q, qd, tau, x, np.zeros((len(self.naive.constraints), 6))
-            elif "hessian" in name:
-                arguments = q, qd, qdd if name.startswith("inverse") else tau, x
-            else:
-                arguments = q, self.y if name.startswith("integrate") else self.robot.integrate(q, x)
-            yield name, arguments, None, True
-
 
 def within(values):
     return ((values > UNDEFINED[0]) & (values < UNDEFINED[1])).any()
@@ -438,13 +417,11 @@ def arrays(results):
 
 def check(case, seed, counts):
     """Compares all functions of a case, and returns the disagreements."""
-    compiled, evaluated = robots = case.load(), case.load(machine_code=False)
+    robots = case.load(), case.load(machine_code=False)
     rng, wrong = np.random.default_rng(seed + 1), []
 
     def compare(state, name, arguments, expected, solved, part=lambda result: result):
         tolerance = max(DIRECT, SOLVED * state.condition * state.rows_condition * solved)
-        if expected is None:
-            expected = getattr(evaluated, name)(*arguments)
         for robot, kind in zip(robots, ("machine code", "program")):
             result = part(getattr(robot, name)(*arguments))
             for k, (found, right) in enumerate(zip(arrays(result), arrays(expected), strict=True)):
@@ -457,7 +434,7 @@ def check(case, seed, counts):
 
     for _ in range(STATES):
         state = State(case, rng)
-        state.robot = evaluated
+        state.robot = robots[1]
         counts["states"] += 1
         for function in state.tree():
             compare(state, *function)
@@ -466,8 +443,6 @@ def check(case, seed, counts):
             for function in state.constrained():
                 compare(state, *function)
             counts.update(f"left out ({reason})" for reason in state.left_out)
-        for function in state.alone() if case.naive.nv <= SMALL else ():
-            compare(state, *function)
     return wrong
 
 

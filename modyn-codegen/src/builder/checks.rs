@@ -12,7 +12,8 @@ use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity, Subject, sugge
 use crate::emit::Target;
 use crate::names;
 use crate::options::{Bundle, ModuleChoice, shared_names, user};
-use crate::plan::{Function, MAX_LINKS, MAX_OPERATIONS, Plan, TooLong};
+use crate::plan::{Choices, Function, MAX_LINKS, MAX_OPERATIONS, Plan, TooLong};
+use crate::program::Execution;
 
 impl Builder {
     /// Returns the errors of options that are copied into the text.
@@ -283,6 +284,15 @@ pub fn too_long_entries(
     Diagnostic::error(Code::TooLarge, message).with_help(help)
 }
 
+/// Returns whether these functions are short enough with modules of one link, whose factors have no dense pivots.
+fn helps_by_links(model: &Model, modules: &ModuleTree, names: &[&str]) -> bool {
+    let links = ModuleTree::links(model);
+    let functions = Function::ALL.iter().copied();
+    let functions = functions.filter(|function| names.contains(&function.name())).collect();
+    let choices = Choices { functions, ..Choices::default() };
+    *modules != links && Plan::new(model, &links, &choices, Execution::Scalar).is_ok()
+}
+
 /// Returns the error that the functions of a robot take too many operations.
 pub fn too_long(model: &Model, modules: &ModuleTree, reason: &TooLong) -> Diagnostic {
     let joints = model.links().len();
@@ -295,6 +305,7 @@ pub fn too_long(model: &Model, modules: &ModuleTree, reason: &TooLong) -> Diagno
         return Diagnostic::error(Code::TooLarge, message).with_help(help);
     };
     let listed = |(name, operations): &(&str, usize)| format!("`{name}` {operations}");
+    let reached: Vec<&str> = before.iter().map(|(name, _)| *name).chain([*name]).collect();
     let mut before = before.clone();
     before.sort_by_key(|(_, operations)| std::cmp::Reverse(*operations));
     before.retain(|(_, operations)| *operations > MAX_OPERATIONS / 10);
@@ -315,8 +326,7 @@ pub fn too_long(model: &Model, modules: &ModuleTree, reason: &TooLong) -> Diagno
         model.frames().len(),
         longest.unwrap_or_default(),
     );
-    // The factors by modules of one link have no dense pivots.
-    let help = if *name == Function::Brge.name() && *modules != ModuleTree::links(model) {
+    let help = if *name == Function::Brge.name() && helps_by_links(model, modules, &reached) {
         format!(
             "try `modules = links`, or leave `{name}` out of the option `functions`; or {other}"
         )
@@ -324,8 +334,12 @@ pub fn too_long(model: &Model, modules: &ModuleTree, reason: &TooLong) -> Diagno
         let long = before.iter().map(|(name, _)| *name).chain([*name]);
         let long: Vec<String> = long.map(|name| format!("`{name}`")).collect();
         let long = long.join(" or ");
+        let instead = match *name == Function::Brge.name() {
+            true => " (`forward_dynamics` solves for accelerations without the factors)",
+            false => "",
+        };
         format!(
-            "leave {long} out of the option `functions`, or remove links that nothing needs; or {other}"
+            "leave {long} out of the option `functions`{instead}, or remove links that nothing needs; or {other}"
         )
     };
     Diagnostic::error(Code::TooLarge, message).with_help(help)

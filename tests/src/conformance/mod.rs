@@ -233,6 +233,13 @@ impl Made for Planning {
     }
 }
 
+/// A robot with what else a back end needs.
+impl<M: Made, X> Made for (M, X) {
+    fn parts(&self) -> (&Plan, &Model) {
+        self.0.parts()
+    }
+}
+
 /// A back end of the suite.
 pub trait BackEnd {
     /// A robot of this back end.
