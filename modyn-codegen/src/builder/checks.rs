@@ -263,15 +263,6 @@ pub(super) fn moving_frames(
     if errors.is_empty() { Ok(frames) } else { Err(Diagnostics::new(errors)) }
 }
 
-/// Returns whether these functions are short enough with modules of one link, whose factors have no dense pivots.
-fn helps_by_links(model: &Model, modules: &ModuleTree, names: &[&str]) -> bool {
-    let links = ModuleTree::links(model);
-    let functions = Function::ALL.iter().copied();
-    let functions = functions.filter(|function| names.contains(&function.name())).collect();
-    let choices = Choices { functions, ..Choices::default() };
-    *modules != links && Plan::new(model, &links, &choices, Execution::Scalar).is_ok()
-}
-
 /// Returns the error that a function of arrays, which is differentiated this many times, takes too many operations.
 pub fn too_long_entries(
     model: &Model,
@@ -291,6 +282,15 @@ pub fn too_long_entries(
     let message =
         format!("{what} of {joints} moving joints takes more than {MAX_OPERATIONS} operations");
     Diagnostic::error(Code::TooLarge, message).with_help(help)
+}
+
+/// Returns whether these functions are short enough with modules of one link, whose factors have no dense pivots.
+fn helps_by_links(model: &Model, modules: &ModuleTree, names: &[&str]) -> bool {
+    let links = ModuleTree::links(model);
+    let functions = Function::ALL.iter().copied();
+    let functions = functions.filter(|function| names.contains(&function.name())).collect();
+    let choices = Choices { functions, ..Choices::default() };
+    *modules != links && Plan::new(model, &links, &choices, Execution::Scalar).is_ok()
 }
 
 /// Returns the error that the functions of a robot take too many operations.
