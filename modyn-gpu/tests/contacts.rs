@@ -143,6 +143,6 @@ fn a_quadruped_lands_and_stands() {
     // Settings of another length are refused, and the default ones are those of the interpreter.
     let short = RolloutArguments { settings: Some(&q), ..arguments };
     let error = rollout.run(&short).expect_err("too few").to_string();
-    assert!(error.contains("takes 100 numbers a state as `settings`, not 19"), "{error}");
+    assert!(error.contains("takes 104 numbers a state as `settings`, not 19"), "{error}");
     assert!(rollout.run(&RolloutArguments { settings: None, ..arguments }).is_ok());
 }
