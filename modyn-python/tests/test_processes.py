@@ -113,8 +113,9 @@ def test_processes(panda, method):
     context = multiprocessing.get_context(method)
     queue = context.Queue()
     with warnings.catch_warnings():
-        # Newer Pythons warn of forks beside threads.
+        # Newer Pythons warn of forks beside threads, and so does JAX after its tests.
         warnings.simplefilter("ignore", DeprecationWarning)
+        warnings.simplefilter("ignore", RuntimeWarning)
         process = context.Process(target=child, args=(panda, q, qd, tau, expected, queue))
         process.start()
     assert queue.get(timeout=60) is True
