@@ -135,6 +135,8 @@ def reference(row, path, joints):
 def compare(task):
     """Fills in the comparison of an accepted file, or whether the other library loads a refused MJCF."""
     row, path, states = task
+    # The folder of the collection is one of this machine.
+    root = str(path).removesuffix(row.file)
     is_accepted = row.verdict in ("accepted", "by an option")
     if not is_accepted and (row.verdict == "static" or row.format != "mjcf"):
         return row
@@ -176,7 +178,7 @@ def compare(task):
             agrees &= loops_agree(interpreter, theirs, random)
         row.compared = "agrees" if agrees else "DIFFERS"
     except (Unloaded, NotImplementedError, KeyError, RuntimeError) as error:
-        row.compared = f"not compared: {error}".replace(f"{path.parent}/", "")[:200]
+        row.compared = f"not compared: {error}".replace(f"{path.parent}/", "").replace(root, "")[:200]
     except Exception as error:  # The table has the fault, and the exit code.
         row.compared = f"DIFFERS: {type(error).__name__}: {error}"[:300]
     return row
