@@ -1,5 +1,5 @@
-//! Functions of arrays of plain numbers, and their derivatives of any order: what libraries that differentiate by every
-//! entry of their arrays call.
+//! Functions of arrays of plain numbers, and their derivatives of any order. Libraries call them that differentiate with
+//! respect to every entry of an array, such as JAX and PyTorch.
 //!
 //! A function of the table becomes one whose inputs are its arguments, then the run-time parameters if it depends on them. It
 //! scales quaternions to length 1 first, so its derivatives by all four entries are those of this value. A derivative is again

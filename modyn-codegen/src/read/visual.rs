@@ -1,4 +1,4 @@
-//! Shapes in XML, for pictures. Nothing in a shape is an error: what cannot be read is left out, with a note.
+//! The shapes of links in XML, for pictures. A shape that cannot be read is left out with a note, and is never an error.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -64,7 +64,7 @@ pub struct Residual<T = f64> {
     pub stops: T,
 }
 
-/// The work of a solver: limits, or what it took.
+/// Numbers of iterations of the solver: the largest allowed ones, or those of a solution.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effort {
     /// The number of sweeps.
