@@ -8,9 +8,8 @@ use crate::read::mesh::{self, Purpose};
 
 /// Returns `N` numbers, separated by white space; `None` for another text.
 pub fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
-    let number = |word: &str| word.parse().ok().filter(|x: &f64| x.abs() < MAX_NUMBER);
-    let list: Option<Vec<f64>> = text.split_ascii_whitespace().map(number).collect();
-    list?.try_into().ok()
+    let list = crate::read::xml::numbers::numbers(text).ok()?;
+    list.iter().all(|x| x.abs() < MAX_NUMBER).then_some(list)
 }
 
 /// Returns the geometry of an element of this name, which is the same in URDF and SDF; `None` if it is no solid, or if a length

@@ -7,11 +7,12 @@
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::factorization::{Factorizable, MergedUduLayout};
 use modyn_runtime::equations::{ConstraintWorkspace, Workspace, constraints};
-use modyn_runtime::mechanism::Mechanism;
+use modyn_runtime::mechanism::{Mechanism, MergedMechanism};
 use modyn_runtime::spatial::{Twist, Vector3, Wrench};
 use modyn_runtime::{ConstraintSettings, ContactTarget, Scalar};
 
-use super::Tracer;
+use super::limbs::ContactPacking;
+use super::{LimbPacking, Tracer};
 use crate::graph::{Expr, Graph};
 
 impl Tracer<'_> {
@@ -20,6 +21,17 @@ impl Tracer<'_> {
     #[must_use]
     pub fn constrained_forward_dynamics(&self, layout: &UduLayout) -> Graph {
         self.solution(layout, Unknowns::Accelerations)
+    }
+
+    /// Returns the contacts of merged limbs, and the mechanism of the merged limbs with them.
+    fn merged_contacts(
+        &self,
+        limbs: &LimbPacking,
+        gravity: Vector3<Expr>,
+    ) -> (ContactPacking, MergedMechanism<Expr>) {
+        let contacts = limbs.contacts(self.model);
+        let merged = contacts.add_to(limbs.merged(self.model, gravity), limbs, self.model);
+        (contacts, merged)
     }
 
     /// Traces the equations of `unknowns`, with the contacts of merged limbs merged. Results are joint vectors, then six numbers
@@ -35,19 +47,15 @@ impl Tracer<'_> {
                 let [vectors, sixes, rank] = unknowns.solve(model, layout, inputs, sizes);
                 return [vectors, sixes, rank].concat();
             };
-            let contacts = limbs.contacts(self.model);
-            let merged =
-                contacts.add_to(limbs.merged(self.model, model.gravity), limbs, self.model);
+            let (contacts, merged) = self.merged_contacts(limbs, model.gravity);
             let partition = limbs.partition(layout.partition());
             let layout = &MergedUduLayout::by_modules(&merged, partition);
-            let (settings, targets) = settings.split_at(ConstraintSettings::<Expr>::COUNT);
-            let targets = contacts.numbers(targets, ContactTarget::<Expr>::COUNT);
             let inputs = [
                 limbs.coordinates(&q),
                 limbs.vector(&qd),
                 if forces == 0 { Vec::new() } else { limbs.vector(&tau) },
                 contacts.numbers(&active, 1),
-                [settings, &targets].concat(),
+                merged_settings(&contacts, &settings),
             ];
             let (n, count) = (merged.nv(), contacts.count());
             let [vectors, sixes, rank] = unknowns.solve(&merged, layout, inputs, (n, count));
@@ -148,18 +156,14 @@ impl Tracer<'_> {
                 let inputs = [q, qd, tau, settings];
                 return contact_problem(model, layout, inputs, dt[0], [nv, count, count]).concat();
             };
-            let contacts = limbs.contacts(self.model);
-            let merged =
-                contacts.add_to(limbs.merged(self.model, model.gravity), limbs, self.model);
+            let (contacts, merged) = self.merged_contacts(limbs, model.gravity);
             let partition = limbs.partition(layout.partition());
             let layout = &MergedUduLayout::by_modules(&merged, partition);
-            let (settings, targets) = settings.split_at(ConstraintSettings::<Expr>::COUNT);
-            let targets = contacts.numbers(targets, ContactTarget::<Expr>::COUNT);
             let inputs = [
                 limbs.coordinates(&q),
                 limbs.vector(&qd),
                 limbs.vector(&tau),
-                [settings, &targets].concat(),
+                merged_settings(&contacts, &settings),
             ];
             let sizes = [merged.nv(), contacts.count(), count];
             let [qd, heights, before, free, mobility, responses] =
@@ -270,6 +274,12 @@ impl Unknowns {
 }
 
 /// Returns the number of scalars of the settings.
+/// Returns the settings of merged contacts, from those of the robot's.
+fn merged_settings(contacts: &ContactPacking, settings: &[Expr]) -> Vec<Expr> {
+    let (own, targets) = settings.split_at(ConstraintSettings::<Expr>::COUNT);
+    [own, &contacts.numbers(targets, ContactTarget::<Expr>::COUNT)].concat()
+}
+
 pub(super) fn settings_count(model: &Mechanism<f64>) -> usize {
     ConstraintSettings::<Expr>::COUNT + ContactTarget::<Expr>::COUNT * model.contacts()
 }

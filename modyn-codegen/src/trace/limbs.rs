@@ -13,6 +13,7 @@ pub(crate) mod groups;
 mod merged;
 mod unpack;
 
+pub(in crate::trace) use contacts::ContactPacking;
 use std::iter;
 use std::ops::Range;
 
