@@ -158,13 +158,11 @@ impl Impulses {
             let range = velocity_range(q[joint.coordinate], joint.range, settings.beta, dt);
             stops[joint.velocity].range = range;
         }
-        let inverse = if self.limited.is_empty() {
+        if self.limited.is_empty() {
             stops.clear();
-            Vec::new()
-        } else {
-            matrix(&interpreter.brge(q)?.inverse(), n)
-        };
-        let memory = Vectors { contacts, velocities: n, inverse: || inverse.clone() };
+        }
+        let factors = interpreter.brge(q)?;
+        let memory = Vectors { contacts, velocities: n, inverse: || matrix(&factors.inverse(), n) };
         let mut next = free.clone();
         let (residual, _) = solve_step(
             &memory,
