@@ -1,5 +1,6 @@
 """Robots and states for the tests."""
 
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -61,6 +62,15 @@ def close(found, expected, tolerance=1e-10):
     assert found.shape == expected.shape
     scale = max(1.0, np.abs(expected).max(initial=0.0))
     assert np.abs(found - expected).max(initial=0.0) <= tolerance * scale
+
+
+def in_threads(work):
+    """Does the work in four threads at the same time."""
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
 
 
 @pytest.fixture

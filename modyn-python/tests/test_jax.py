@@ -3,11 +3,10 @@
 import importlib
 import subprocess
 import sys
-import threading
 
 import numpy as np
 import pytest
-from conftest import GOLDEN, chain, close, states
+from conftest import GOLDEN, chain, close, in_threads, states
 
 import modyn
 
@@ -264,11 +263,7 @@ def test_many_states_in_threads():
             found = function(q, qd, tau)
             wrong.extend([] if np.allclose(found, expected, rtol=1e-9, atol=1e-9) else [1])
 
-    threads = [threading.Thread(target=work) for _ in range(4)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    in_threads(work)
     assert not wrong
 
 

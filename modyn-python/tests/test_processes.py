@@ -10,7 +10,7 @@ import warnings
 
 import numpy as np
 import pytest
-from conftest import GOLDEN, chain, close, states
+from conftest import GOLDEN, chain, close, in_threads, states
 
 import modyn
 
@@ -70,11 +70,7 @@ def test_threads_share_a_robot():
             many = robot.forward_dynamics(q, qd, tau)
             wrong.extend([] if np.allclose(many, expected, rtol=1e-9, atol=1e-9) else ["many"])
 
-    threads = [threading.Thread(target=work) for _ in range(4)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    in_threads(work)
     assert not wrong
 
 

@@ -90,17 +90,19 @@ impl<S: Number> StateFunction<S> {
     ///
     /// # Errors
     ///
-    /// If the function was not compiled, which no caller can bring about.
+    /// If the function was not compiled or has no program of one state, which no caller can bring about.
     pub fn kernel(&self) -> Result<Kernel<'_, S>, String> {
-        let (call, program) = match &self.code {
+        let runner = match &self.code {
             Code::Machine(compiled, name) => {
-                (Some(compiled.bundle(name).map_err(|error| error.to_string())?), None)
+                Runner::Machine(compiled.bundle(name).map_err(|error| error.to_string())?)
             }
             Code::Evaluated(planned) => {
-                (None, planned.kernels.straight().map(|(program, _)| program))
+                let straight = planned.kernels.straight();
+                let (program, _) = straight.ok_or("modyn: a function without a program")?;
+                Runner::Evaluated(program)
             }
         };
-        Ok(Kernel { shapes: &self.shapes, call, program })
+        Ok(Kernel { shapes: &self.shapes, runner })
     }
 }
 
@@ -200,25 +202,35 @@ impl<'a, S: Number> Arrays<'a, S> {
 /// A function of arrays, ready to be called.
 pub struct Kernel<'a, S: Number> {
     shapes: &'a ArrayShapes,
-    call: Option<Call<'a, S>>,
-    program: Option<&'a Program>,
+    runner: Runner<'a, S>,
+}
+
+enum Runner<'a, S: Number> {
+    Machine(Call<'a, S>),
+    Evaluated(&'a Program),
 }
 
 impl<S: Number> Kernel<'_, S> {
     /// Returns the instructions of one state, as they count in threads.
     pub fn cost(&self) -> usize {
-        self.call.map_or(INSTRUCTIONS_PER_THREAD, |call| call.size().instructions / 4 + 1)
+        match &self.runner {
+            Runner::Machine(call) => call.size().instructions / 4 + 1,
+            Runner::Evaluated(_) => INSTRUCTIONS_PER_THREAD,
+        }
     }
 
     /// Returns the states that are computed together.
     pub fn lanes(&self) -> usize {
-        self.call.map_or(1, |call| call.lanes())
+        match &self.runner {
+            Runner::Machine(call) => call.lanes(),
+            Runner::Evaluated(_) => 1,
+        }
     }
 
     /// Computes the result for one state, or for as many as there are lanes.
     pub fn run(&self, numbers: &[S], result: &mut [S], lanes: usize) {
-        match (self.call, self.program) {
-            (Some(call), _) => {
+        match &self.runner {
+            Runner::Machine(call) => {
                 // The lengths are those of the program.
                 let done = match lanes {
                     1 => call.one(&[numbers], result),
@@ -226,8 +238,7 @@ impl<S: Number> Kernel<'_, S> {
                 };
                 debug_assert!(done.is_ok(), "{done:?}");
             }
-            (None, Some(program)) => result.copy_from_slice(&program.evaluate(numbers)),
-            (None, None) => result.fill(S::from_f64(f64::NAN)),
+            Runner::Evaluated(program) => result.copy_from_slice(&program.evaluate(numbers)),
         }
     }
 
