@@ -33,7 +33,7 @@ from jax.interpreters import ad, batching, mlir
 from . import _modyn
 from ._arrays import ArrayFunction, Rollout, RolloutGradient, RolloutSignature, Signature, documented
 from ._modyn import Robot
-from ._types import RolloutStates
+from ._types import ConstraintSettings, Ground, GroundStates, RolloutStates
 
 __all__ = ["function", "parameters", "rollout", "to_tangent"]
 
@@ -62,13 +62,16 @@ def function(robot: Robot, name: str, link: str | int | None = None) -> Callable
     return documented(call, signature, "JAX")
 
 
-def rollout(robot: Robot, step: str = "semi_implicit", trajectory: bool = True) -> Callable[..., RolloutStates]:
+def rollout(
+    robot: Robot, step: str = "semi_implicit", trajectory: bool = True, ground: Ground | None = None
+) -> Callable[..., RolloutStates | GroundStates]:
     """Returns the function `Robot.rollout` of a robot as a function of JAX's arrays.
 
     It is one call from the first step to the last, and so is its gradient, which stores few states. Other derivatives go through
-    `lax.scan`. Its arguments are `q`, `qd`, `controls`, `dt`, and by keyword `gains`, `q_ref`, `qd_ref` and `parameters`.
+    `lax.scan`. Its arguments are `q`, `qd`, `controls`, `dt`, and by keyword `gains`, `q_ref`, `qd_ref`, `settings` and `parameters`.
+    With `step="ground"`, `ground` are the options of the step, and there are first derivatives alone.
     """
-    signature = RolloutSignature(robot, step)
+    signature = RolloutSignature(robot, step, ground)
     dtype = np.dtype(robot.dtype)
 
     def call(
@@ -80,18 +83,23 @@ def rollout(robot: Robot, step: str = "semi_implicit", trajectory: bool = True) 
         gains: Any = None,
         q_ref: Any = None,
         qd_ref: Any = None,
+        settings: Any = None,
         parameters: Any = None,
-    ) -> RolloutStates:
+    ) -> RolloutStates | GroundStates:
         """Returns the states after each step, (..., steps, n), or after the last one."""
         arguments = {"q": q, "qd": qd, "controls": controls, "dt": dt, "gains": gains, "q_ref": q_ref, "qd_ref": qd_ref}
+        if isinstance(settings, ConstraintSettings):
+            settings = np.asarray(settings, dtype)
+        arguments["settings"] = settings
         given = {name: None if x is None else _array(x, dtype, name, "rollout") for name, x in arguments.items()}
+        signature.start(given, jnp.asarray)
         if signature.parameters.parameters:
             asarray = lambda x: _array(x, dtype, "parameters", "rollout")
             given["parameters"] = signature.parameters.flat(parameters, asarray, _concatenate)
         elif parameters is not None:
             raise TypeError("`rollout`: the robot has no run-time parameters")
         arrays, own = signature.arrays(given)
-        return RolloutStates(*_rollout.bind(*arrays, code=signature.code(trajectory, *own)))
+        return signature.states(_rollout.bind(*arrays, code=signature.code(trajectory, *own)))
 
     return call
 
@@ -238,7 +246,7 @@ def _batched(arrays: Any, dims: Any, *, code: ArrayFunction) -> Any:
     moved = _moved(arrays, dims, code.inputs)
     count = next(array.shape[0] for array, dim in zip(moved, dims) if dim is not None)
     base = code.base
-    if base is not None and all(dim is None for dim in dims[: len(base.inputs)]):
+    if base is not None and base.has_matrices and all(dim is None for dim in dims[: len(base.inputs)]):
         # One point and many changes or weights, as in `jacfwd` and `jacrev`: products with the matrices of derivatives.
         sizes = [sum(map(_size, shapes)) for shapes in (base.outputs, [base.inputs[i] for i in code.variables])]
         if count * 4 >= min(sizes):
