@@ -173,6 +173,27 @@ def test_rollouts_are_single_steps():
     assert all(np.array_equal(a, b[:, -1]) for a, b in zip(end, found))
 
 
+def test_a_feedback_holds_the_posture():
+    robot, q = quadruped()
+    gains = np.hstack([np.diag(np.r_[np.zeros(6), 20 * np.ones(12)]), np.diag(np.r_[np.zeros(6), 0.4 * np.ones(12)])])
+    controls = np.zeros((60, robot.nv))
+    feedback = dict(gains=gains, q_ref=q, qd_ref=np.zeros(robot.nv))
+    found = robot.rollout(q, np.zeros(robot.nv), controls, 0.002, step="ground", **feedback)
+    state, last = (q, np.zeros(robot.nv)), None
+    for k in range(60):
+        last = robot.step_on_ground(*state, hold(robot, q, state), 0.002, last=last)
+        state = last[:2]
+        close(found.q[k], last.q, 1e-8)
+        close(found.contact_impulses[k], last.contact_impulses, 1e-6)
+    # By the gains, where the feet hold.
+    weights = np.random.default_rng(6).normal(size=(60, robot.nq)), np.zeros((60, robot.nv))
+    total = lambda gains: (weights[0] * robot.rollout(q, np.zeros(robot.nv), controls, 0.002, step="ground", **(feedback | {"gains": gains})).q).sum()
+    gradient = robot.rollout_vjp(q, np.zeros(robot.nv), controls, 0.002, *weights, step="ground", **feedback).gains
+    change = np.random.default_rng(7).normal(size=gains.shape) * (gains != 0)
+    expected = (total(gains + 1e-5 * change) - total(gains - 1e-5 * change)) / 2e-5
+    close((gradient * change).sum(), expected, 1e-5)
+
+
 def derivative(function, x, step=1e-6):
     """Returns central differences by the numbers of an array, the last axis of the result."""
     columns = []

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ._modyn import Robot, functions, rollout_code
-from ._types import Ground, GroundStates, RolloutStates
+from ._types import Ground, GroundStates, QuadraticCost, RolloutCosts, RolloutStates
 
 Shape = tuple[int, ...]
 
@@ -54,9 +54,10 @@ class ArrayFunction(Code):
         link: str | int | None = None,
         derivatives: tuple[Any, ...] = (),
         feedback: bool = False,
+        cost: bool = False,
     ) -> None:
-        super().__init__(name, robot._array_code(name, link, list(derivatives), feedback))
-        self.robot, self.link, self.derivatives, self.feedback = robot, link, derivatives, feedback
+        super().__init__(name, robot._array_code(name, link, list(derivatives), feedback, cost))
+        self.robot, self.link, self.derivatives, self.extras = robot, link, derivatives, (feedback, cost)
         self._derived: dict[tuple[str, tuple[int, ...]], ArrayFunction] = {}
 
     def derivative(self, mode: str, variables: Sequence[int]) -> ArrayFunction:
@@ -70,7 +71,7 @@ class ArrayFunction(Code):
         found = self._derived.get(at)
         if found is None:
             derivatives = (*self.derivatives, (mode, list(variables)))
-            found = ArrayFunction(self.robot, self.name, self.link, derivatives, self.feedback)
+            found = ArrayFunction(self.robot, self.name, self.link, derivatives, *self.extras)
             found.base = self
             self._derived[at] = found
         return found
@@ -94,11 +95,13 @@ class GroundStep(Code):
 
     has_matrices = False
 
-    def __init__(self, robot: Robot, ground: Ground, derivative: tuple[str, list[int]] | None = None) -> None:
+    def __init__(
+        self, robot: Robot, ground: Ground, derivative: tuple[str, list[int]] | None = None, feedback: bool = False
+    ) -> None:
         heights = None if ground.heights is None else ground.heights._numbers()
         options = (ground.joint_limits, ground.tolerance, ground.sweeps, ground.newton_steps, heights)
-        super().__init__("step_on_ground", robot._ground_code(options, derivative))
-        self.robot, self.ground = robot, ground
+        super().__init__("step_on_ground", robot._ground_code(options, derivative, feedback))
+        self.robot, self.ground, self.feedback = robot, ground, feedback
         self.mode, self.variables = derivative or (None, [])
         self._derived: dict[tuple[str, tuple[int, ...]], GroundStep] = {}
 
@@ -109,7 +112,7 @@ class GroundStep(Code):
         at = (mode, tuple(variables))
         found = self._derived.get(at)
         if found is None:
-            found = GroundStep(self.robot, self.ground, (mode, list(variables)))
+            found = GroundStep(self.robot, self.ground, (mode, list(variables)), self.feedback)
             found.base = self
             self._derived[at] = found
         return found
@@ -163,6 +166,9 @@ FIRST = "a rollout in one call has first derivatives in reverse mode; for others
 FEEDBACK = ("gains", "q_ref", "qd_ref")
 """the arguments of a step with a feedback"""
 
+COST = ("q_goal", "qd_goal", "state_weights", "control_weights")
+"""the arguments of a step with a cost"""
+
 
 class RolloutSignature:
     """The arguments of the rollouts of a time step."""
@@ -177,53 +183,6 @@ class RolloutSignature:
         self.ground = (ground or Ground()) if step == "ground" else None
         self.parameters = Signature(robot, self.step if self.ground is None else "contact_problem", None)
 
-    def arrays(self, given: dict[str, Any]) -> tuple[list[Any], tuple[int, bool, tuple[int, ...]]]:
-        """Returns the arguments in the order of the step, without those that are `None`; and the arguments of `code`."""
-        nq, nv = self.robot.nq, self.robot.nv
-        controls = given["controls"]
-        if controls.ndim < 2:
-            shape = tuple(controls.shape)
-            raise ValueError(f"`controls` of `rollout` has the shape {shape}; expected (steps, {nv}), or (..., steps, {nv})")
-        missing = [name for name in FEEDBACK if given[name] is None]
-        if len(missing) not in (0, 3):
-            raise TypeError(f"`rollout` needs `gains`, `q_ref` and `qd_ref` together: `{missing[0]}` is missing")
-        steps = int(controls.shape[-2])
-        one = {"q": (nq,), "qd": (nv,)}
-        if self.ground is not None:
-            if not missing:
-                raise TypeError('`rollout` with `step="ground"` has no feedback: leave `gains` out')
-            contacts = len(self.robot.contact_names)
-            one |= {"contact_impulses": (contacts, 3), "stop_impulses": (nv,), "residual": (2,)}
-        one |= {"controls": (nv,), "dt": ()}
-        if self.ground is not None:
-            one["settings"] = self.parameters.shapes[self.parameters.names.index("settings")]
-        one |= {"gains": (nv, 2 * nv), "q_ref": (nq,), "qd_ref": (nv,)}
-        names = [name for name in one if name not in missing]
-        sequences = ["controls"]
-        for name in FEEDBACK if not missing else ():
-            shape, at = tuple(given[name].shape), given[name].ndim - len(one[name]) - 1
-            if at >= 0 and shape[at] == 1:
-                # One step stands for all of them.
-                given[name] = given[name].reshape(shape[:at] + shape[at + 1 :])
-            elif at >= 0:
-                sequences.append(name)
-        shapes = [(steps, *one[name]) if name in sequences else one[name] for name in names]
-        arrays = [given[name] for name in names]
-        check("rollout", names, shapes, arrays)
-        if self.parameters.parameters:
-            arrays.append(given["parameters"])
-        return arrays, (steps, not missing, tuple(names.index(name) for name in sequences))
-
-    def code(self, trajectory: bool, steps: int, feedback: bool, sequences: tuple[int, ...]) -> Rollout:
-        """Returns the rollout of this number of steps."""
-        return Rollout(self.one_step(feedback), steps, trajectory, sequences)
-
-    def one_step(self, feedback: bool) -> ArrayFunction | GroundStep:
-        """Returns the function of one step."""
-        if self.ground is not None:
-            return GroundStep(self.robot, self.ground)
-        return ArrayFunction(self.robot, self.step, feedback=feedback)
-
     def start(self, given: dict[str, Any], asarray: Callable[[Any], Any], last: GroundStates | None = None) -> None:
         """Adds the impulses of the last step, the residual and the default settings to the arguments of a step on the ground."""
         if self.ground is None:
@@ -237,9 +196,85 @@ class RolloutSignature:
         if given["settings"] is None:
             given["settings"] = asarray(self.parameters.defaults[self.parameters.names.index("settings")])
 
-    def states(self, arrays: Sequence[Any]) -> Any:
-        """Returns the results of a rollout as a named tuple."""
-        return RolloutStates(*arrays) if self.ground is None else GroundStates(*arrays)
+    def add_cost(self, given: dict[str, Any], cost: QuadraticCost, asarray: Callable[[str, Any], Any], library: Any) -> None:
+        """Adds the arguments of a cost to those of a rollout. `library` has `zeros`, `broadcast_to` and `concatenate`."""
+        if not isinstance(cost, QuadraticCost):
+            raise TypeError(f"`cost` of `rollout` must be a `modyn.QuadraticCost`, not {type(cost).__name__}")
+        arrays = {name: None if x is None else asarray(name, x) for name, x in cost._asdict().items()}
+        missing = [name for name in ("q_goal", "state_weights") if arrays[name] is None]
+        if missing:
+            raise TypeError(f"`cost` of `rollout` needs `{missing[0]}`")
+        terminal, weights, nv = arrays.pop("terminal_weights"), arrays["state_weights"], self.robot.nv
+        dtype = weights.dtype
+        for name in ("qd_goal", "control_weights"):
+            arrays[name] = library.zeros((nv,), dtype=dtype) if arrays[name] is None else arrays[name]
+        if terminal is not None:
+            check("rollout", ["terminal_weights"], [(2 * nv,)], [terminal])
+            steps = given["controls"].shape[-2]
+            if weights.ndim == 1:
+                weights = weights[None]
+            whole = lambda x, count: library.broadcast_to(x, (*lead, count, x.shape[-1]))
+            lead = np.broadcast_shapes(weights.shape[:-2], terminal.shape[:-1])
+            weights = whole(weights, steps)
+            last = weights[..., steps - 1 :, :] + terminal[..., None, :]
+            arrays["state_weights"] = library.concatenate([weights[..., : steps - 1, :], last], -2) if steps else weights
+        given.update(arrays, cost=library.zeros((), dtype=dtype))
+
+    def arrays(self, given: dict[str, Any]) -> tuple[list[Any], tuple[int, bool, bool, tuple[int, ...]]]:
+        """Returns the arguments in the order of the step, without those that are `None`; and the arguments of `code`."""
+        nq, nv = self.robot.nq, self.robot.nv
+        controls = given["controls"]
+        if controls.ndim < 2:
+            shape = tuple(controls.shape)
+            raise ValueError(f"`controls` of `rollout` has the shape {shape}; expected (steps, {nv}), or (..., steps, {nv})")
+        missing = [name for name in FEEDBACK if given[name] is None]
+        if len(missing) not in (0, 3):
+            raise TypeError(f"`rollout` needs `gains`, `q_ref` and `qd_ref` together: `{missing[0]}` is missing")
+        steps = int(controls.shape[-2])
+        has_cost = "cost" in given
+        one: dict[str, Shape] = {"q": (nq,), "qd": (nv,)}
+        if self.ground is None:
+            one |= {"cost": (), "controls": (nv,), "dt": ()}
+        else:
+            if has_cost:
+                raise TypeError('`rollout` with `step="ground"` has no cost: compute it from the states, and leave `cost` out')
+            one |= {"contact_impulses": (len(self.robot.contact_names), 3), "stop_impulses": (nv,), "residual": (2,)}
+            one |= {"controls": (nv,), "dt": (), "settings": self.parameters.shapes[self.parameters.names.index("settings")]}
+        one |= {"gains": (nv, 2 * nv), "q_ref": (nq,), "qd_ref": (nv,)}
+        one |= {"q_goal": (nq,), "qd_goal": (nv,), "state_weights": (2 * nv,), "control_weights": (nv,)}
+        left_out = (*missing, *(() if has_cost else ("cost", *COST)))
+        names = [name for name in one if name not in left_out]
+        sequences = ["controls"]
+        for name in (*FEEDBACK, *COST):
+            if name not in names:
+                continue
+            shape, at = tuple(given[name].shape), given[name].ndim - len(one[name]) - 1
+            if at >= 0 and shape[at] == 1:
+                # One step stands for all of them.
+                given[name] = given[name].reshape(shape[:at] + shape[at + 1 :])
+            elif at >= 0:
+                sequences.append(name)
+        shapes = [(steps, *one[name]) if name in sequences else one[name] for name in names]
+        arrays = [given[name] for name in names]
+        check("rollout", names, shapes, arrays)
+        if self.parameters.parameters:
+            arrays.append(given["parameters"])
+        return arrays, (steps, not missing, has_cost, tuple(names.index(name) for name in sequences))
+
+    def code(self, trajectory: bool, steps: int, feedback: bool, cost: bool, sequences: tuple[int, ...]) -> Rollout:
+        """Returns the rollout of this number of steps."""
+        return Rollout(self.one_step(feedback, cost), steps, trajectory, sequences)
+
+    def one_step(self, feedback: bool = False, cost: bool = False) -> ArrayFunction | GroundStep:
+        """Returns the function of one step."""
+        if self.ground is not None:
+            return GroundStep(self.robot, self.ground, feedback=feedback)
+        return ArrayFunction(self.robot, self.step, feedback=feedback, cost=cost)
+
+
+def motions(results: Sequence[Any]) -> Any:
+    """Returns the results of a rollout, with a type for those with a cost and for those on the ground."""
+    return {2: RolloutStates, 3: RolloutCosts, 5: GroundStates}[len(results)](*results)
 
 
 STEP = re.compile("step_(?!.*_(?:derivatives|hessian)$).*")

@@ -6,9 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from ._arrays import Rollout, RolloutSignature, check
+from ._arrays import COST, FEEDBACK, GroundStep, Rollout, RolloutSignature, check, motions
 from ._modyn import Robot, call_arrays
-from ._types import ConstraintSettings, Ground, GroundStates, RolloutGradients, RolloutStates
+from ._types import ConstraintSettings, Ground, GroundStates, QuadraticCost, RolloutCosts, RolloutGradients, RolloutStates
+
+Step = tuple[str, Ground | None]
+"""the name of a time step, and the options of a step on the ground"""
 
 
 def _array(robot: Robot, function: str, argument: str, given: Any) -> Any:
@@ -25,16 +28,80 @@ def _array(robot: Robot, function: str, argument: str, given: Any) -> Any:
 
 
 def _given(
-    robot: Robot, name: str, arguments: dict[str, Any], step: tuple[str, Ground | None], trajectory: bool
-) -> tuple[list[Any], Rollout, RolloutSignature]:
+    robot: Robot, name: str, arguments: dict[str, Any], step: Step, trajectory: bool, cost: QuadraticCost | None
+) -> tuple[list[Any], Rollout]:
     """Returns the arguments as arrays in the order of the step, and the rollout."""
+    array = lambda argument, x: _array(robot, name, argument, x)
     signature = RolloutSignature(robot, *step)
-    arrays = {argument: _array(robot, name, argument, given) for argument, given in arguments.items()}
+    arrays = {argument: array(argument, given) for argument, given in arguments.items()}
     signature.start(arrays, np.asarray)
+    if cost is not None:
+        signature.add_cost(arrays, cost, array, np)
+        arrays["state_weights"] = np.ascontiguousarray(arrays["state_weights"])
     if signature.parameters.parameters:
         arrays["parameters"] = signature.parameters.flat(None, np.asarray, np.concatenate)
     found, own = signature.arrays(arrays)
-    return found, signature.code(trajectory, *own), signature
+    return found, signature.code(trajectory, *own)
+
+
+def rollout(
+    robot: Robot, arguments: dict[str, Any], step: Step, trajectory: bool, cost: QuadraticCost | None
+) -> RolloutStates | RolloutCosts | GroundStates:
+    """Returns the result of `Robot.rollout`."""
+    arrays, code = _given(robot, "rollout", arguments, step, trajectory, cost)
+    return motions(call_arrays(code.key, arrays))
+
+
+def rollout_vjp(
+    robot: Robot,
+    arguments: dict[str, Any],
+    weights: tuple[Any, ...],
+    step: Step,
+    trajectory: bool,
+    cost: QuadraticCost | None,
+) -> RolloutGradients:
+    """Returns the result of `Robot.rollout_vjp`."""
+    arrays, code = _given(robot, "rollout_vjp", arguments, step, trajectory, cost)
+    if cost is None and weights[2] is not None:
+        raise TypeError("`cost_weights` of `rollout_vjp` are those of a `cost`")
+    on_ground = isinstance(code.step, GroundStep)
+    own = ("contact_impulses", "stop_impulses", "residual") if on_ground else ("cost",) if cost is not None else ()
+    names = ["q", "qd", *own, "controls", "dt", *(["settings"] if on_ground else [])]
+    names += [name for name in FEEDBACK if arguments[name] is not None]
+    names += COST if cost is not None else ()
+    wanted = [k for k, name in enumerate(names) if name not in own]
+    gradient = code.gradient(wanted)
+    weights = (*weights[:2], None, None, None) if on_ground else weights
+    for name, shape, given in zip(("q_weights", "qd_weights", "cost_weights", "", ""), code.outputs, weights):
+        weight = np.ascontiguousarray(np.zeros(shape) if given is None else given, robot.dtype).reshape(np.shape(given) or shape)
+        if weight.shape[weight.ndim - len(shape) :] != shape:
+            raise ValueError(f"`{name}` of `rollout_vjp` has the shape {weight.shape}; expected {shape}, after axes of motions")
+        arrays.append(weight)
+    found = dict(zip((names[k] for k in wanted), call_arrays(gradient.key, arrays)))
+    if cost is not None and cost.terminal_weights is not None:
+        # Those of the weights of each step, of which the last has the terminal weights added.
+        by_step = found["state_weights"]
+        found["terminal_weights"] = by_step[..., -1:, :].sum(-2)
+        if _steps(cost.state_weights, "state_weights") in (None, 1):
+            found["state_weights"] = by_step.sum(-2)
+    given = {**arguments, **(cost._asdict() if cost is not None else {})}
+    for name in (*FEEDBACK, *COST):
+        if name in found and _steps(given[name], name) == 1:
+            found[name] = np.expand_dims(found[name], -1 - _rank(name))
+    if cost is not None:
+        of_cost = {name: found.pop(name, None) for name in QuadraticCost._fields}
+        found["cost"] = QuadraticCost(**{name: None if given[name] is None else x for name, x in of_cost.items()})
+    return RolloutGradients(**found)
+
+
+def _rank(name: str) -> int:
+    return 2 if name == "gains" else 1
+
+
+def _steps(given: Any, name: str) -> int | None:
+    """Returns the length of the axis of steps of an argument; `None` if it has none."""
+    shape = np.shape(given)
+    return shape[-1 - _rank(name)] if len(shape) > _rank(name) else None
 
 
 def step_on_ground(robot: Robot, arguments: dict[str, Any], last: GroundStates | None, ground: Ground | None) -> GroundStates:
@@ -43,47 +110,10 @@ def step_on_ground(robot: Robot, arguments: dict[str, Any], last: GroundStates |
     signature = RolloutSignature(robot, "ground", ground)
     arrays = {argument: _array(robot, name, argument, given) for argument, given in arguments.items()}
     signature.start(arrays, lambda x: _array(robot, name, "last", x), last)
-    code = signature.one_step(False)
+    code = signature.one_step()
     names = ["q", "qd", "contact_impulses", "stop_impulses", "residual", "tau", "dt", "settings"]
     given = [arrays[own] for own in names]
     check(name, names, code.inputs, given)
     if signature.parameters.parameters:
         given.append(signature.parameters.flat(None, np.asarray, np.concatenate))
-    return signature.states(call_arrays(code.key, given))
-
-
-def rollout(
-    robot: Robot, arguments: dict[str, Any], step: tuple[str, Ground | None], trajectory: bool
-) -> RolloutStates | GroundStates:
-    """Returns the result of `Robot.rollout`."""
-    arrays, code, signature = _given(robot, "rollout", arguments, step, trajectory)
-    return signature.states(call_arrays(code.key, arrays))
-
-
-def rollout_vjp(
-    robot: Robot, arguments: dict[str, Any], weights: tuple[Any, Any], step: tuple[str, Ground | None], trajectory: bool
-) -> RolloutGradients:
-    """Returns the result of `Robot.rollout_vjp`."""
-    arrays, code, _ = _given(robot, "rollout_vjp", arguments, step, trajectory)
-    own = ["q", "qd", *(["contact_impulses", "stop_impulses", "residual"] if step[0] == "ground" else [])]
-    names = [*own, *(name for name, given in arguments.items() if name not in own and given is not None)]
-    if step[0] == "ground" and "settings" not in names:
-        names.append("settings")
-    names.sort(key=ORDER.index)
-    wanted = [k for k, name in enumerate(names) if name in RolloutGradients._fields]
-    gradient = code.gradient(wanted)
-    for k, shape in enumerate(code.outputs):
-        weight = np.ascontiguousarray(weights[k], robot.dtype) if k < 2 else np.zeros(shape, robot.dtype)
-        if weight.shape[weight.ndim - len(shape) :] != shape:
-            name = ("q_weights", "qd_weights")[k]
-            raise ValueError(f"`{name}` of `rollout_vjp` has the shape {weight.shape}; expected {shape}, after axes of motions")
-        arrays.append(weight)
-    found = call_arrays(gradient.key, arrays)
-    return RolloutGradients(**dict(zip((names[k] for k in wanted), found)))
-
-
-ORDER = [
-    *("q", "qd", "contact_impulses", "stop_impulses", "residual", "controls", "dt"),
-    *("settings", "gains", "q_ref", "qd_ref"),
-]
-"""the arguments of a step in their order"""
+    return GroundStates(*call_arrays(code.key, given))

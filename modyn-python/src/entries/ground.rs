@@ -2,7 +2,7 @@
 //! all lanes before the next.
 //!
 //! The arrays are, in this order: `q`, `qd`, the impulses of contacts and of stops, and the residual, which are the state; `tau`, `dt`,
-//! the settings, those of a feedback, and the run-time parameters. The contact problem and the integration are programs; the
+//! the settings, the gains and references of a feedback, and the run-time parameters. The contact problem and the integration are programs; the
 //! impulses are found by `modyn_runtime::simulate::by_numbers`, lane by lane.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -72,7 +72,7 @@ impl Step {
     /// # Errors
     ///
     /// If the height field is none.
-    pub fn new(robot: &Robot, options: GroundOptions) -> Result<Self, String> {
+    pub fn new(robot: &Robot, options: GroundOptions, feedback: bool) -> Result<Self, String> {
         if let Some((origin, spacing, columns, heights)) = &options.4
             && HeightField::new(*origin, *spacing, *columns, heights).is_none()
         {
@@ -85,13 +85,15 @@ impl Step {
         let state = [vec![nq], vec![nv], vec![contacts, 3], vec![nv], vec![2]];
         let parameters = robot.parameter_count();
         let others = [vec![nv], Vec::new(), vec![settings]];
+        let of_feedback =
+            if feedback { vec![vec![nv, 2 * nv], vec![nq], vec![nv]] } else { Vec::new() };
         let parameters = (parameters > 0).then(|| vec![parameters]);
         let has_parameters = parameters.is_some();
         Ok(Self {
-            parts: Parts::of_step(&sizes, &ground_robot, options.4.is_some()),
+            parts: Parts::of_step(&sizes, &ground_robot, (options.4.is_some(), feedback)),
             robot: ground_robot,
             options,
-            inputs: state.into_iter().chain(others).chain(parameters).collect(),
+            inputs: state.into_iter().chain(others).chain(of_feedback).chain(parameters).collect(),
             has_parameters,
         })
     }
@@ -210,20 +212,24 @@ impl<T> Parts<T> {
 
 impl Parts<EntryFunction> {
     /// Returns the programs of a step of a robot with these sizes.
-    fn of_step(sizes: &Sizes, robot: &GroundRobot, has_field: bool) -> Self {
+    fn of_step(sizes: &Sizes, robot: &GroundRobot, (has_field, feedback): (bool, bool)) -> Self {
         let (nq, nv) = (sizes.nq, sizes.nv);
         let part = |function, places: Range<usize>| EntryFunction {
             function,
             link: None,
             results: vec![places.collect()],
             feedback: false,
+            cost: false,
             derivatives: Vec::new(),
         };
         // Of the derivatives of forward dynamics that by the joint forces, after the accelerations and two other matrices.
         let by_forces = nv + 2 * nv * nv..nv + 3 * nv * nv;
         let inverse = || part(Function::ForwardDynamicsDerivatives, by_forces);
         Self {
-            problem: part(Function::ContactProblem, 0..robot.problem_length()),
+            problem: EntryFunction {
+                feedback,
+                ..part(Function::ContactProblem, 0..robot.problem_length())
+            },
             integrate: part(Function::Integrate, 0..nq),
             inverse: robot.has_stops().then(inverse),
             places: has_field.then(|| EntryFunction {

@@ -119,8 +119,9 @@ impl Robot {
 
     /// Returns the key of the code of a function or of a derivative, and the shapes of its arrays of arguments and of results.
     /// Each derivative is its mode (`forward`, `reverse` or `matrix`) and the indices of the arrays that vary. With `feedback`, a time
-    /// step has the arguments `gains`, `q_ref` and `qd_ref`. For `modyn.jax` and `modyn.torch`.
-    #[pyo3(signature = (name, link, derivatives, feedback=false))]
+    /// step has the arguments `gains`, `q_ref` and `qd_ref`; with `cost`, the array `cost` of the state, and `q_goal`, `qd_goal`,
+    /// `state_weights` and `control_weights`. For `modyn.jax` and `modyn.torch`.
+    #[pyo3(signature = (name, link, derivatives, feedback=false, cost=false))]
     fn _array_code(
         &self,
         py: Python<'_>,
@@ -128,6 +129,7 @@ impl Robot {
         link: Option<&Bound<'_, PyAny>>,
         derivatives: Vec<(String, Vec<usize>)>,
         feedback: bool,
+        cost: bool,
     ) -> PyResult<KeyAndShapes> {
         let (function, link) = self.array_function(name, link)?;
         let of = |(mode, variables): (String, Vec<usize>)| {
@@ -140,8 +142,10 @@ impl Robot {
             Ok(Derivative { mode, variables })
         };
         let derivatives = derivatives.into_iter().map(of).collect::<PyResult<Vec<_>>>()?;
-        let results = signature::places(self, function);
-        let function = EntryFunction { function, link, results, feedback, derivatives };
+        let mut results = signature::places(self, function);
+        let count = results.iter().map(Vec::len).sum();
+        results.extend(cost.then(|| vec![count]));
+        let function = EntryFunction { function, link, results, feedback, cost, derivatives };
         let arrays = signature::shapes(self, &function).map_err(PyValueError::new_err)?;
         let key = self.array_key(&function, || self.array_code(py, &function, &arrays))?;
         Ok((key, arrays.inputs().to_vec(), arrays.outputs().to_vec()))
@@ -151,20 +155,21 @@ impl Robot {
 #[pymethods]
 impl Robot {
     /// Returns the key of the code of a step on the ground or of a derivative, and the shapes of its arrays of arguments and of results:
-    /// `q`, `qd`, the impulses of contacts and of stops and the residual are the state; then `tau`, `dt`, `settings`, and the
-    /// run-time parameters. A derivative is its mode (`forward` or `reverse`) and the indices of the arrays that vary. Of the
+    /// `q`, `qd`, the impulses of contacts and of stops and the residual are the state; then `tau`, `dt`, `settings`, with
+    /// `feedback` `gains`, `q_ref` and `qd_ref`, and the run-time parameters. A derivative is its mode (`forward` or `reverse`) and the indices of the arrays that vary. Of the
     /// options `joint_limits`, `tolerance`, `sweeps`, `newton_steps` and `heights`, `None` is the default.
-    #[pyo3(signature = (options, derivative=None))]
+    #[pyo3(signature = (options, derivative=None, feedback=false))]
     fn _ground_code(
         &self,
         py: Python<'_>,
         options: GroundOptions,
         derivative: Option<(String, Vec<usize>)>,
+        feedback: bool,
     ) -> PyResult<KeyAndShapes> {
         self.check_has(Function::ContactProblem)?;
         match self.scalar() {
-            FloatType::F64 => self.ground_code(py, options, derivative, AnyCode::F64),
-            FloatType::F32 => self.ground_code(py, options, derivative, AnyCode::F32),
+            FloatType::F64 => self.ground_code(py, (options, feedback), derivative, AnyCode::F64),
+            FloatType::F32 => self.ground_code(py, (options, feedback), derivative, AnyCode::F32),
         }
     }
 
@@ -176,9 +181,10 @@ impl Robot {
     /// `ground` are then arguments, too. With a feedback, the forces are `controls` +
     /// `gains` (x_ref - x), where the difference of states has that of coordinates in tangent space, then that of velocities:
     /// `gains`: (nv, 2 nv) or (steps, nv, 2 nv); `q_ref`: (nq,) or (steps, nq); `qd_ref`: (nv,) or (steps, nv); one step stands
-    /// for all of them. Leading axes are those of motions, and are broadcast.
-    /// Result: `RolloutStates`: `q` and `qd`; on the ground `GroundStates`.
-    #[pyo3(signature = (q, qd, controls, dt, *, step="semi_implicit", gains=None, q_ref=None, qd_ref=None, settings=None, ground=None, trajectory=true))]
+    /// for all of them. With `cost`, a `QuadraticCost`, each step adds the cost of its forces and of the state after it. Leading axes are
+    /// those of motions, and are broadcast.
+    /// Result: `RolloutStates`: `q` and `qd`; with a cost `RolloutCosts`, on the ground `GroundStates`.
+    #[pyo3(signature = (q, qd, controls, dt, *, step="semi_implicit", gains=None, q_ref=None, qd_ref=None, cost=None, settings=None, ground=None, trajectory=true))]
     #[allow(clippy::too_many_arguments)]
     fn rollout<'py>(
         slf: &Bound<'py, Self>,
@@ -190,6 +196,7 @@ impl Robot {
         gains: Option<&Bound<'py, PyAny>>,
         q_ref: Option<&Bound<'py, PyAny>>,
         qd_ref: Option<&Bound<'py, PyAny>>,
+        cost: Option<&Bound<'py, PyAny>>,
         settings: Option<&Bound<'py, PyAny>>,
         ground: Option<&Bound<'py, PyAny>>,
         trajectory: bool,
@@ -197,16 +204,16 @@ impl Robot {
         let given = [Some(q), Some(qd), Some(controls), Some(dt), settings, gains, q_ref, qd_ref];
         let arguments = named(slf.py(), &ROLLOUT_ARGUMENTS, &given)?;
         let rollout = slf.py().import("modyn._rollout")?.getattr("rollout")?;
-        rollout.call1((slf, arguments, (step, ground), trajectory))
+        rollout.call1((slf, arguments, (step, ground), trajectory, cost))
     }
 
     /// Returns the gradients of the weighted states of motions, which `rollout` returns, with respect to its arguments, for each motion:
     /// one call, which stores few states. Coordinates have an entry for each of their numbers; lengths of quaternions have no effect.
     ///
     /// Arguments: those of `rollout`; `q_weights`: (steps, nq) and `qd_weights`: (steps, nv), or (nq,) and (nv,) with
-    /// `trajectory=False`.
+    /// `trajectory=False`; `None` for zeros; `cost_weights`: (steps,), or () with `trajectory=False`, the weights of the cost.
     /// Result: `RolloutGradients`, with the names and the shapes of the arguments.
-    #[pyo3(signature = (q, qd, controls, dt, q_weights, qd_weights, *, step="semi_implicit", gains=None, q_ref=None, qd_ref=None, settings=None, ground=None, trajectory=true))]
+    #[pyo3(signature = (q, qd, controls, dt, q_weights, qd_weights, *, step="semi_implicit", gains=None, q_ref=None, qd_ref=None, cost=None, cost_weights=None, settings=None, ground=None, trajectory=true))]
     #[allow(clippy::too_many_arguments)]
     fn rollout_vjp<'py>(
         slf: &Bound<'py, Self>,
@@ -220,6 +227,8 @@ impl Robot {
         gains: Option<&Bound<'py, PyAny>>,
         q_ref: Option<&Bound<'py, PyAny>>,
         qd_ref: Option<&Bound<'py, PyAny>>,
+        cost: Option<&Bound<'py, PyAny>>,
+        cost_weights: Option<&Bound<'py, PyAny>>,
         settings: Option<&Bound<'py, PyAny>>,
         ground: Option<&Bound<'py, PyAny>>,
         trajectory: bool,
@@ -227,7 +236,8 @@ impl Robot {
         let given = [Some(q), Some(qd), Some(controls), Some(dt), settings, gains, q_ref, qd_ref];
         let arguments = named(slf.py(), &ROLLOUT_ARGUMENTS, &given)?;
         let vjp = slf.py().import("modyn._rollout")?.getattr("rollout_vjp")?;
-        vjp.call1((slf, arguments, (q_weights, qd_weights), (step, ground), trajectory))
+        let weights = (q_weights, qd_weights, cost_weights);
+        vjp.call1((slf, arguments, weights, (step, ground), trajectory, cost))
     }
 
     /// Returns the state after the time `dt` (s) on the ground under the joint forces `tau`: contacts are points that the ground can push
@@ -306,11 +316,11 @@ impl Robot {
     fn ground_code<S: Number>(
         &self,
         py: Python<'_>,
-        options: GroundOptions,
+        (options, feedback): (GroundOptions, bool),
         derivative: Option<(String, Vec<usize>)>,
         code: fn(ArrayCode<S>) -> AnyCode,
     ) -> PyResult<KeyAndShapes> {
-        let step = ground::Step::new(self, options).map_err(PyValueError::new_err)?;
+        let step = ground::Step::new(self, options, feedback).map_err(PyValueError::new_err)?;
         let derivative = derivative.map(|(mode, variables)| match &*mode {
             "forward" => Ok(Derivative { mode: DerivativeMode::Forward, variables }),
             "reverse" => Ok(Derivative { mode: DerivativeMode::Reverse, variables }),
