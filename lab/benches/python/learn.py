@@ -22,7 +22,7 @@ ROOT = Path(__file__).resolve().parents[3]
 ROBOTS = {"Panda": "panda.urdf", "quadruped": "solo12.urdf"}
 STATES, MOTIONS, STEPS, DT = 4096, 64, 50, 0.002
 # The longest time that a library may take, s.
-MAX_SECONDS = 280
+MAX_SECONDS = 180
 # The calls inside of a compiled program that are measured together.
 INSIDE = 1000
 
