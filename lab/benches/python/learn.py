@@ -12,8 +12,9 @@ import json
 import os
 import subprocess
 import sys
+import tempfile
 import time
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -32,7 +33,7 @@ def inputs(robot):
     import numpy as np
 
     rng = np.random.default_rng(0)
-    joints, floating = (12, True) if robot == "quadruped" else (7, False)
+    joints, floating = {"Panda": (7, False), "quadruped": (12, True), "tree": (6, False)}[robot]
     q, qd = rng.uniform(-1, 1, (STATES, joints)), 0.3 * rng.normal(size=(STATES, joints))
     tau, controls = rng.normal(size=(STATES, joints)), 0.1 * rng.normal(size=(MOTIONS, STEPS, joints))
     if not floating:
@@ -42,6 +43,18 @@ def inputs(robot):
     base[:, 3:] /= np.linalg.norm(base[:, 3:], axis=1, keepdims=True)
     still = lambda x: np.concatenate([np.zeros((*x.shape[:-1], 6)), x], -1)
     return np.hstack([base, q]), still(qd), still(tau), still(controls)
+
+
+def path_of(robot):
+    if robot != "tree":
+        return ROOT / "tests" / "golden" / ROBOTS[robot]
+    # A tree in general position, of the tests of the Python package.
+    sys.path.insert(0, str(ROOT / "modyn-python" / "tests"))
+    from conftest import chain
+
+    path = Path(tempfile.gettempdir()) / "modyn-learn-tree.urdf"
+    path.write_text(chain(3))
+    return path
 
 
 class Modyn:
@@ -135,7 +148,7 @@ LIBRARIES = [Modyn, Rollout, Frax, Mjx, Jax]
 
 
 def measure_jax(library, robot, first):
-    """Returns the times of a library in JAX by measurement, s, and the gradient of a motion; or the time to the first gradient alone."""
+    """Returns the times of a library in JAX by measurement, s, and the gradient of a motion; or the time to the first gradient, and the gradient."""
     os.environ.update(JAX_ENABLE_X64="1", JAX_PLATFORMS="cpu")
     if library is Frax:
         # The flags that its README recommends.
@@ -146,7 +159,7 @@ def measure_jax(library, robot, first):
     from main import least
 
     floating = robot == "quadruped"
-    own = library(ROOT / "tests" / "golden" / ROBOTS[robot], floating)
+    own = library(path_of(robot), floating)
     q, qd, tau, controls = inputs(robot)
     q, qd, tau, controls = map(jnp.asarray, (own.of_modyn(q), qd, tau, controls))
     joints = (7, 6) if floating else (0, 0)
@@ -166,7 +179,7 @@ def measure_jax(library, robot, first):
     found = gradient(*one).block_until_ready()
     times["first"] = time.perf_counter() - BEGIN
     if first or library is Jax:
-        return times, None
+        return times, None if library is Jax else found[:, joints[1] :].tolist()
     times["gradient of one motion"] = least(lambda: gradient(*one).block_until_ready())
     if library is not Mjx:
         gradients = jax.jit(jax.vmap(jax.grad(cost, 2)))
@@ -309,7 +322,7 @@ def main():
     parser.add_argument("--without", nargs="*", default=[], help="processes to leave out, such as Mjx")
     parser.add_argument("--process", help="measure in this process")
     parser.add_argument("--first", action="store_true", help="measure the time to the first gradient alone")
-    parser.add_argument("--robot", choices=ROBOTS, default="Panda")
+    parser.add_argument("--robot", choices=[*ROBOTS, "tree"], default="Panda")
     arguments = parser.parse_args()
     if arguments.process:
         classes = {library.__name__: library for library in LIBRARIES}
@@ -323,19 +336,26 @@ def main():
         return
     if arguments.versions:
         model = next(line for line in Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("model name"))
-        libraries = ["jax", "frax", "mujoco-mjx", "pin", "torch", "numpy"]
-        versions = ", ".join(f"{name} {version(name)}" for name in libraries)
-        print(f"{model.split(':', 1)[1].strip()}, {os.cpu_count()} cores, {versions}")
+        versions = []
+        for name in ("jax", "frax", "mujoco-mjx", "pin", "torch", "numpy"):
+            try:
+                versions.append(f"{name} {version(name)}")
+            except PackageNotFoundError:
+                versions.append(f"without {name}")
+        print(f"{model.split(':', 1)[1].strip()}, {os.cpu_count()} cores, {', '.join(versions)}")
         return
     import numpy as np
 
     times, gradients = {}, {}
-    for robot in ROBOTS:
+    for robot in [*ROBOTS, "tree"]:
         for process in [own for column in COLUMNS.values() for own in column]:
+            # The gradients of a robot in general position are compared alone.
+            if robot == "tree" and process not in ("Modyn", "Rollout", "Frax"):
+                continue
             only_panda = process in ("Mjx", "Jax") or process.startswith("torch")
             if process in arguments.without or (only_panda and robot != "Panda"):
                 continue
-            found, gradient = measured(process, robot)
+            found, gradient = measured(process, robot, *(["--first"] if robot == "tree" else []))
             if robot == "Panda" and process in ("Modyn", "Rollout", "Frax", "Jax"):
                 again = [measured(process, robot, "--first")[0].get("first", float("inf")) for _ in range(2)]
                 found["first"] = min([found.get("first", float("inf")), *again])

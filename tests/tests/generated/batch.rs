@@ -456,7 +456,10 @@ fn rollouts() {
     let [places, speeds, plans]: [Vec<[f64; N]>; 3] =
         [0.4, 1.0, 5.0].map(|size| vectors(MOTIONS, size));
     let starts: Vec<State<Zoo>> = (places.iter().zip(&speeds))
-        .map(|(place, &qd)| State { q: Zoo::random(&place.map(|x| x + 0.5)), qd })
+        .map(|(place, &qd)| {
+            let mut uniforms = place.iter().map(|x| x + 0.5);
+            State { q: Zoo::random(|| uniforms.next().expect("a number for each entry")), qd }
+        })
         .collect();
     // A plan with a feedback.
     let forces = |at: Instant, state: &State<Zoo>| -> [f64; N] {
