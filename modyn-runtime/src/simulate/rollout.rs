@@ -33,7 +33,7 @@ pub struct Instant {
 ///
 /// ```
 /// use modyn_runtime::simulate::{State, rollout};
-/// use modyn_runtime::{Array, BatchError, Robot, functions};
+/// use modyn_runtime::{BatchError, Robot, functions};
 ///
 /// /// The sums of the squared velocities of motions under the forces of `plans`, over 100 steps of 10 ms. `accelerations` is
 /// /// `R::forward_dynamics_each`.
