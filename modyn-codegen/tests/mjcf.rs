@@ -122,6 +122,7 @@ fn the_numbers_are_those_of_mujoco() {
         (include_str!("mjcf/hulls.xml"), include_str!("mjcf/hulls.txt"), 1e-7),
         (include_str!("mjcf/springs.xml"), include_str!("mjcf/springs.txt"), 1e-12),
         (include_str!("mjcf/floating.xml"), include_str!("mjcf/floating.txt"), 1e-12),
+        (include_str!("mjcf/spring_dampers.xml"), include_str!("mjcf/spring_dampers.txt"), 1e-11),
     ] {
         let mut robot = Interpreter::<f64>::new(read_in_folder(text).expect("an MJCF").model);
         let lines: Vec<Vec<f64>> = golden
@@ -517,6 +518,37 @@ fn springs_and_compensated_gravity_are_read() {
     assert!(read(r#"spring="disable""#).springs().is_empty());
 }
 
+/// The damping that follows from `springdamper` is that of `MuJoCo`, which `mjcf/golden.py` writes; `mjcf/spring_dampers.txt`
+/// holds the stiffness against `MuJoCo`. Without springs, the damping remains.
+#[test]
+fn dampers_follow_from_time_constants() {
+    let text = include_str!("mjcf/spring_dampers.xml");
+    let without = text.replace("<option", "<option><flag spring=\"disable\"/></option><option");
+    // A constraint does not count.
+    let coupled = text.replace(
+        "</worldbody>",
+        r#"</worldbody><equality><joint joint1="last" joint2="slide"/></equality>"#,
+    );
+    for text in [text, &without, &coupled] {
+        let model = read(text).expect("an MJCF");
+        let damping = model.links().iter().map(|link| link.joint.dynamics.damping);
+        let damping: Vec<f64> = damping.filter(|damping| *damping != 0.0).collect();
+        let expected = [
+            2.471038296767137,
+            28.114349824396506,
+            1.1016387091323172,
+            0.2260944151520347,
+            0.4543534666213909,
+            0.11758767760205989,
+        ];
+        assert_eq!(damping.len(), expected.len(), "{damping:?}");
+        for (found, expected) in damping.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-12 * expected, "{found} is not {expected}");
+        }
+        assert_eq!(model.springs().is_empty(), text == without);
+    }
+}
+
 /// The largest force of a joint is that of its actuators, if each has a limit.
 #[test]
 fn ranges_of_actuators_are_effort_limits() {
@@ -639,7 +671,16 @@ fn unsupported_elements_are_refused() {
         format!("<joint/><body><joint/>{inertial}<geom type=\"mesh\" mesh=\"m\"/></body>");
     for (bad, code, fixed) in [
         (r#"<joint class="nowhere"/>"#, Code::NotRead, r#"<joint class="main"/>"#),
-        (r#"<joint springdamper="1 1"/>"#, Code::NotRead, "<joint/>"),
+        (
+            r#"<joint springdamper="1 0"/>"#,
+            Code::NegativeJointDynamics,
+            r#"<joint springdamper="1 2"/>"#,
+        ),
+        (
+            r#"<joint springdamper="1 1"/><body><joint axis="1 0 0" springdamper="0 0"/></body>"#,
+            Code::NotRead,
+            r#"<joint springdamper="0 0"/>"#,
+        ),
         (
             r#"<joint/></body><body><joint type="free" frictionloss="2"/><geom size="1"/>"#,
             Code::NotRead,

@@ -22,6 +22,7 @@ mod mesh;
 mod models;
 mod pose;
 mod settings;
+mod spring_dampers;
 mod table;
 
 use crate::check::gravity_error;
@@ -46,6 +47,7 @@ pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> O
     }
     let mut bodies = bodies::Bodies::read(&sources, options, report);
     bodies.keyframes();
+    bodies.spring_dampers();
     bodies.equality();
     bodies.tendons();
     bodies.actuators();
