@@ -458,7 +458,7 @@ fn servo_actuators_are_named_and_sites_are_frames() {
         .iter()
         .map(|one| (one.code, one.position.map(|at| at.line), one.message.as_str()))
         .collect();
-    let message = "the controller of its actuator is not read: the argument of the dynamics is the joint force; the same \
+    let message = "the controller of the actuator is not read: the dynamics have the joint force as an argument; the same \
                    holds for joint `j` (line 8)";
     assert_eq!(found, [(Code::NotRead, Some(7), message)]);
     let help = reading.warnings[0].help.as_deref().unwrap_or_default();

@@ -41,7 +41,8 @@ impl<'e> Bodies<'e, '_, '_> {
 
     /// Sets the effort limits of joints whose actuators have a limited force, and warns of servo actuators.
     pub fn actuators(&mut self) {
-        let (mut servos, mut is_general): (Vec<Place>, _) = (Vec::new(), false);
+        let mut servos: Vec<Place> = Vec::new();
+        let (mut has_general, mut has_others) = (false, false);
         // For each joint, the sum of its actuators' largest forces; `None` if one has no limit.
         let mut efforts = vec![Some(0.0); self.description.joints.len()];
         for item in self.of_section("actuator") {
@@ -52,7 +53,8 @@ impl<'e> Bodies<'e, '_, '_> {
             let joint = joint.map(|joint| item.naming.name(&joint.value));
             if SERVOS.contains(&element.name.as_str()) || element.name == "general" && is_affine {
                 servos.push((Some(element.at), joint.clone().map(Subject::Joint)));
-                is_general |= element.name == "general";
+                has_general |= element.name == "general";
+                has_others |= element.name != "general";
             }
             let found = joint.and_then(|name| {
                 self.description.joints.iter().position(|joint| joint.name.text == name)
@@ -70,16 +72,16 @@ impl<'e> Bodies<'e, '_, '_> {
             }
         }
         servos.sort_by_key(|(at, _)| *at);
-        let message = "the controller of its actuator is not read: the argument of the dynamics is the joint force";
-        let general = if is_general {
-            "for `<general>` `gear * (gainprm[0] * ctrl + biasprm[0] + biasprm[1] * gear * q + biasprm[2] * gear * qd)`, "
-        } else {
-            ""
-        };
-        let help = format!(
-            "compute the force, {general}for `<position>` `gear * (kp * (target - gear * q) - kv * gear * qd)`, within \
-             `forcerange`, and pass it as `tau`"
-        );
+        let message = "the controller of the actuator is not read: the dynamics have the joint force as an argument";
+        let laws = [
+            (
+                has_general,
+                "for `<general>` `gear * (gainprm[0] * ctrl + biasprm[0] + biasprm[1] * gear * q + biasprm[2] * gear * qd)`, ",
+            ),
+            (has_others, "for `<position>` `gear * (kp * (target - gear * q) - kv * gear * qd)`, "),
+        ];
+        let laws: String = laws.iter().filter(|(has, _)| *has).map(|(_, law)| *law).collect();
+        let help = format!("compute the force, {laws}within `forcerange`, and pass it as `tau`");
         self.report.warn_once(Code::NotRead, &servos, message, &help);
     }
 

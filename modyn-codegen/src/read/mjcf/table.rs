@@ -113,13 +113,13 @@ const TABLE: &[Row] = &[
                 (
                     "density",
                     Zero(
-                        "forces of a fluid are not supported: write 0, and the robot moves as in a vacuum",
+                        "forces of air and other fluids are not supported: write `density=\"0\"`, and the robot moves as in a vacuum",
                     ),
                 ),
                 (
                     "viscosity",
                     Zero(
-                        "forces of a fluid are not supported: write 0, and the robot moves as in a vacuum",
+                        "forces of air and other fluids are not supported: write `viscosity=\"0\"`, and the robot moves as in a vacuum",
                     ),
                 ),
             ],
