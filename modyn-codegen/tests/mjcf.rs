@@ -601,6 +601,48 @@ fn attributes_that_are_not_read_are_not_judged() {
     .expect("an MJCF");
 }
 
+/// Forces of fluids and tendons are refused, or left out with a warning if an option says so. The inertia of a tendon is no
+/// force.
+#[test]
+fn unread_forces_are_refused_or_left_out() {
+    let text = |armature: &str| {
+        format!(
+            r#"<mujoco model="m"><option density="1.2"/>
+            <option density="0" viscosity="1e-5"/><option density="1" viscosity="2"/><worldbody><body>
+            <joint name="a"/><geom size="1"/><site name="p" pos="1 0 0"/></body><site name="q"/></worldbody><tendon>
+            <fixed stiffness="2" damping="1"><joint joint="a" coef="2"/></fixed>
+            <spatial damping="3"><site site="p"/><site site="q"/></spatial>
+            <spatial armature="{armature}"><site site="p"/><site site="q"/></spatial></tendon></mujoco>"#
+        )
+    };
+    let read = |armature: &str, unread_forces| {
+        let options = ReadOptions { unread_forces, ..ReadOptions::default() };
+        modyn_codegen::read_mjcf(&text(armature), "m.xml", &options)
+    };
+    let lines = |found: &[modyn_codegen::diagnostics::Diagnostic]| -> Vec<_> {
+        found.iter().map(|one| (one.severity, one.position.map_or(0, |at| at.line))).collect()
+    };
+    let found = read("0", Severity::Error).expect_err("forces").into_vec();
+    assert_eq!(lines(&found), [1, 2, 2, 4].map(|line| (Severity::Error, line)), "{found:?}");
+    assert!(found[2].message.contains("(`density`, `viscosity`)"), "{}", found[2].message);
+    let tendons =
+        "forces of a tendon (`damping`, `stiffness`) are not read; the same holds for line 5";
+    assert_eq!(found[3].message, tendons);
+    for one in &found {
+        let help = one.help.as_deref().unwrap_or_default();
+        assert!(help.contains("`unread_forces = warn`"), "{help}");
+    }
+    let reading = read("0", Severity::Warning).expect("warnings");
+    let warnings = [1, 2, 2, 4].map(|line| (Severity::Warning, line));
+    assert_eq!(lines(&reading.warnings), warnings);
+    assert_eq!(reading.model.nv(), 1);
+    let found = read("0.5", Severity::Warning).expect_err("an inertia").into_vec();
+    assert_eq!(
+        lines(&found).iter().filter(|(severity, _)| *severity == Severity::Error).count(),
+        1
+    );
+}
+
 /// Asserts that a piece of the text is refused with this code, at line 2, where the piece is, and that the error is gone
 /// once its help was followed.
 fn assert_refused(before: &str, (bad, code, fixed): (&str, Code, Option<&str>), after: &str) {

@@ -49,7 +49,8 @@ pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> O
     bodies.keyframes();
     bodies.spring_dampers();
     bodies.equality();
-    bodies.tendons();
+    bodies.fluids(options.unread_forces);
+    bodies.tendons(options.unread_forces);
     bodies.actuators();
     let mut description = bodies.description;
     let error = description.gravity.and_then(gravity_error).filter(|_| options.gravity.is_none());
