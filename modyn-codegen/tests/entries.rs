@@ -44,6 +44,15 @@ fn close(found: &[f64], expected: &[f64], tolerance: f64) {
     }
 }
 
+fn of_the_table(
+    function: Function,
+    link: Option<usize>,
+    results: Vec<Vec<usize>>,
+) -> EntryFunction {
+    let derivatives = Vec::new();
+    EntryFunction { function, link, results, feedback: false, cost: false, derivatives }
+}
+
 /// Returns a function of `q` and two joint vectors with run-time gravity and a payload, its arrays, and their lengths.
 fn function(function: Function) -> (Evaluated, Vec<f64>, [usize; 4]) {
     let robot = builder();
@@ -52,8 +61,7 @@ fn function(function: Function) -> (Evaluated, Vec<f64>, [usize; 4]) {
     assert!(nq > nv, "there are quaternions");
     // The result as two arrays.
     let results = vec![(0..nv - 1).collect(), vec![nv - 1]];
-    let own =
-        EntryFunction { function, link: None, results, feedback: false, derivatives: Vec::new() };
+    let own = of_the_table(function, None, results);
     let payload = [0.7, 0.1, -0.2, 0.3, 0.02, 0.001, -0.002, 0.03, 0.004, 0.025];
     let x = [&*numbers(nq + 2 * nv, 3), &[0.5, -0.7, -9.5], &payload].concat();
     (Evaluated(robot, own), x, [nq, nv, nv, 13])
@@ -157,13 +165,7 @@ fn derivatives_are_those_of_the_function() {
 fn a_function_of_a_link_has_the_link() {
     let robot = Builder::new().urdf(path());
     let at = |link: usize| {
-        let function = EntryFunction {
-            function: Function::LinkPose,
-            link: Some(link),
-            results: vec![vec![9, 10, 11]],
-            feedback: false,
-            derivatives: Vec::new(),
-        };
+        let function = of_the_table(Function::LinkPose, Some(link), vec![vec![9, 10, 11]]);
         Evaluated(robot.clone(), function)
     };
     let model = robot.plan().expect("a robot").model;

@@ -11,6 +11,8 @@ from conftest import GOLDEN, chain, close, in_threads, states
 import modyn
 
 jax = pytest.importorskip("jax", reason="JAX is not installed: pip install modyn[jax]")
+import jax.export  # noqa: E402
+
 jnp = jax.numpy
 jax.config.update("jax_enable_x64", True)
 
@@ -300,6 +302,14 @@ def test_the_module_can_be_reloaded():
     close(jax.jit(after)(q, qd, tau), before(q, qd, tau), 0)
 
 
+def test_an_old_jax_is_refused(monkeypatch):
+    monkeypatch.setattr(jax, "__version_info__", (0, 6, 2))
+    with pytest.raises(ImportError, match="needs JAX 0.7 or later; this is JAX .*: pip install"):
+        importlib.reload(modyn.jax)
+    monkeypatch.undo()
+    importlib.reload(modyn.jax)
+
+
 def test_refused():
     own = robot("fixed")
     q, qd, _, tau = (x[0] for x in states(own, 1))
@@ -366,7 +376,7 @@ def test_an_exported_program_runs_in_another_process(tmp_path):
     (tmp_path / "robot.urdf").write_text(chain(3, joints=4))
     np.save(tmp_path / "state.npy", [q, qd, tau])
     code = """
-import pathlib, sys, numpy as np, jax
+import pathlib, sys, numpy as np, jax, jax.export
 jax.config.update("jax_enable_x64", True)
 import modyn, modyn.jax
 folder = pathlib.Path(sys.argv[1])
@@ -447,3 +457,29 @@ def test_rollouts_with_feedback_and_parameters():
     close(rollout(q, qd, controls, 0.01, gains=gains, parameters=given, **reference).q, expected.q, 1e-9)
     with pytest.raises(TypeError, match="no run-time parameters"):
         modyn.jax.rollout(robot())(q, qd, controls, 0.01, parameters=given)
+
+
+def test_rollouts_with_a_cost():
+    """The cost of a rollout in one call, and its gradient, beside a cost of the states."""
+    own = robot()
+    q, qd, controls = rolled(own)
+    rng = np.random.default_rng(8)
+    states_of, difference = modyn.jax.rollout(own), modyn.jax.function(own, "difference")
+    cost = modyn.QuadraticCost(q[1], *(jnp.asarray(rng.normal(size=n * own.nv)) for n in (2, 1, 1, 2)))
+
+    def by_states(controls, cost):
+        path = states_of(q, qd, controls, 0.01)
+        error = jnp.concatenate([difference(path.q, cost.q_goal), cost.qd_goal - path.qd], -1)
+        terminal = (cost.terminal_weights * error[:, -1] ** 2).sum()
+        return (cost.state_weights * error**2).sum() + (cost.control_weights * controls**2).sum() + terminal
+
+    for trajectory in (True, False):
+        rollout = modyn.jax.rollout(own, trajectory=trajectory)
+        last = lambda x: x[:, -1] if trajectory else x
+        in_one_call = lambda controls, cost: last(rollout(q, qd, controls, 0.01, cost=cost).cost).sum()
+        found, expected = (jax.jit(jax.value_and_grad(f, (0, 1)))(controls, cost) for f in (in_one_call, by_states))
+        for a, b in zip(jax.tree.leaves(found), jax.tree.leaves(expected)):
+            close(a, b, 1e-9)
+    second = [jax.grad(lambda c: (jax.grad(f)(c, cost) * controls).sum())(controls) for f in (in_one_call, by_states)]
+    close(*second, 1e-8)
+    assert modyn.jax.rollout(own)(q, qd, controls, 0.01, cost=modyn.QuadraticCost(q[1], np.ones(2 * own.nv))).cost.shape == (3, 5)

@@ -102,6 +102,82 @@ def test_gradients(steps, trajectory):
         close(along, expected, 1e-5)
 
 
+def costs(own, n, steps):
+    """Returns a cost with numbers of each step, of each motion, and of all of them."""
+    rng = np.random.default_rng(7)
+    return modyn.QuadraticCost(
+        q_goal=np.stack([states(own, steps, k)[0] for k in range(n)]),
+        qd_goal=rng.normal(size=own.nv),
+        state_weights=rng.normal(size=(n, 1, 2 * own.nv)),
+        control_weights=rng.normal(size=(steps, own.nv)),
+        terminal_weights=rng.normal(size=2 * own.nv),
+    )
+
+
+@pytest.mark.parametrize("has_feedback", [False, True])
+def test_cost(has_feedback):
+    own = robot()
+    q, qd, controls, dt = motions(own, 5, 4)
+    cost = costs(own, 5, 4)
+    gains, q_ref, qd_ref = references(own, 5, 4)
+    feedback = {"gains": gains, "q_ref": q_ref, "qd_ref": qd_ref} if has_feedback else {}
+    found = own.rollout(q, qd, controls, dt, cost=cost, **feedback)
+    assert isinstance(found, modyn.RolloutCosts) and found.cost.shape == (5, 4)
+    alone = own.rollout(q, qd, controls, dt, **feedback)
+    close(found.q, alone.q, 1e-9)
+    expected = np.zeros((5, 4))
+    for k in range(4):
+        forces = controls[:, k]
+        if has_feedback:
+            before = (q, qd) if k == 0 else (alone.q[:, k - 1], alone.qd[:, k - 1])
+            error = np.concatenate([own.difference(before[0], q_ref[:, k]), qd_ref[:, k] - before[1]], -1)
+            forces = forces + error @ gains[k].T
+        goal = np.ascontiguousarray(cost.q_goal[:, k])
+        error = np.concatenate([own.difference(np.ascontiguousarray(alone.q[:, k]), goal), cost.qd_goal - alone.qd[:, k]], -1)
+        weights = cost.state_weights[:, 0] + (cost.terminal_weights if k == 3 else 0)
+        expected[:, k:] += ((weights * error**2).sum(1) + (cost.control_weights[k] * forces**2).sum(1))[:, None]
+    close(found.cost, expected, 1e-9)
+    last = own.rollout(q, qd, controls, dt, cost=cost, trajectory=False, **feedback)
+    assert np.array_equal(last.cost, found.cost[:, -1])
+    # Weights of states alone, the same for all steps and motions; a motion without a step.
+    plain = modyn.QuadraticCost(q[0], np.ones(2 * own.nv))
+    error = np.concatenate([own.difference(np.ascontiguousarray(alone.q[:, 0]), np.tile(q[0], (5, 1))), alone.qd[:, 0]], -1)
+    close(own.rollout(q, qd, controls, dt, cost=plain, **feedback).cost[:, 0], (error**2).sum(1), 1e-9)
+    assert not own.rollout(q, qd, controls[:, :0], dt, cost=plain, trajectory=False).cost.any()
+
+
+@pytest.mark.parametrize("trajectory", [True, False])
+def test_gradients_of_a_cost(trajectory):
+    """Beside differences along a random direction."""
+    own, rng = robot(), np.random.default_rng(2)
+    q, qd, controls, dt = motions(own, 5, 4)
+    cost = costs(own, 5, 4)
+    given = {"q": q, "qd": qd, "controls": controls, "dt": dt / 10}
+    values = lambda x, cost: own.rollout(**x, cost=cost, trajectory=trajectory)
+    weights = [rng.normal(size=x.shape) for x in values(given, cost)]
+    named = dict(zip(("q_weights", "qd_weights", "cost_weights"), weights))
+    found = own.rollout_vjp(**given, **named, cost=cost, trajectory=trajectory)
+    direction = {name: rng.normal(size=x.shape) for name, x in given.items()}
+    direction["dt"] = direction["dt"] * 1e-3
+    towards = modyn.QuadraticCost(*(rng.normal(size=x.shape) for x in cost))
+
+    def at(h):
+        moved = modyn.QuadraticCost(*(x + h * t for x, t in zip(cost, towards)))
+        return values({name: x + h * direction[name] for name, x in given.items()}, moved)
+
+    change = [(a - 8 * b + 8 * c - d) / 12e-4 for a, b, c, d in zip(*(at(k * 1e-4) for k in (-2, -1, 1, 2)))]
+    expected = sum((w * x).reshape(5, -1).sum(1) for w, x in zip(weights, change))
+    pairs = [(getattr(found, name), x) for name, x in direction.items()] + list(zip(found.cost, towards))
+    along = sum((gradient * np.broadcast_to(x, gradient.shape)).reshape(5, -1).sum(1) for gradient, x in pairs)
+    close(along, expected, 1e-5)
+    assert found.cost.state_weights.shape == (5, 1, 2 * own.nv) and found.cost.q_goal.shape == cost.q_goal.shape
+    only = own.rollout_vjp(**given, q_weights=None, qd_weights=None, cost_weights=weights[2], cost=cost, trajectory=trajectory)
+    zeros = [np.zeros_like(x) for x in weights[:2]]
+    again = own.rollout_vjp(**given, q_weights=zeros[0], qd_weights=zeros[1], cost_weights=weights[2], cost=cost, trajectory=trajectory)
+    assert np.array_equal(only.controls, again.controls) and np.abs(only.controls).max() > 0
+    assert own.rollout_vjp(**given, q_weights=weights[0], qd_weights=None, trajectory=trajectory).cost is None
+
+
 def test_single_precision_and_no_machine_code():
     own = robot("fixed")
     q, qd, controls, dt = motions(own)
@@ -155,6 +231,16 @@ def test_refused():
         own.rollout(q, qd[:3], controls, 0.01)
     with pytest.raises(TypeError, match="`gains`, `q_ref` and `qd_ref` together: `q_ref` is missing"):
         own.rollout(q, qd, controls, 0.01, gains=np.zeros((4, 8)))
+    with pytest.raises(TypeError, match="`cost` of `rollout` must be a `modyn.QuadraticCost`, not dict"):
+        own.rollout(q, qd, controls, 0.01, cost={})
+    with pytest.raises(TypeError, match="`cost` of `rollout` needs `state_weights`"):
+        own.rollout(q, qd, controls, 0.01, cost=modyn.QuadraticCost(q, None))
+    with pytest.raises(ValueError, match=r"`state_weights` of `rollout` has the shape \(4,\); expected \(8,\)"):
+        own.rollout(q, qd, controls, 0.01, cost=modyn.QuadraticCost(q, np.ones(4)))
+    with pytest.raises(ValueError, match=r"`terminal_weights` of `rollout` has the shape \(4,\); expected \(8,\)"):
+        own.rollout(q, qd, controls, 0.01, cost=modyn.QuadraticCost(q, np.ones(8), terminal_weights=np.ones(4)))
+    with pytest.raises(TypeError, match="`cost_weights` of `rollout_vjp` are those of a `cost`"):
+        own.rollout_vjp(q, qd, controls, 0.01, None, None, cost_weights=np.ones(7))
     with pytest.raises(TypeError, match="`q` of `rollout` must be an array of real numbers"):
         own.rollout("zero", qd, controls, 0.01)
     with pytest.raises(ValueError, match=r"`qd_weights` of `rollout_vjp` has the shape \(4,\); expected \(7, 4\)"):

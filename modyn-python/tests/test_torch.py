@@ -139,6 +139,25 @@ def test_rollouts():
         torch.func.jvp(lambda c: motion(q, qd, c, 0.01).q, (controls,), (controls,))
 
 
+def test_rollouts_with_a_cost():
+    own = robot()
+    q, qd, _ = tensors(own)
+    rng = np.random.default_rng(1)
+    controls = torch.from_numpy(rng.normal(size=(3, 5, own.nv)))
+    cost = modyn.QuadraticCost(q[1].numpy(), *(rng.normal(size=n * own.nv) for n in (2, 1, 1, 2)))
+    expected = own.rollout(q.numpy(), qd.numpy(), controls.numpy(), 0.01, cost=cost)
+    motion = modyn.torch.rollout(own)
+    given = [torch.from_numpy(x).requires_grad_() for x in cost]
+    found = motion(q, qd, controls, 0.01, cost=modyn.QuadraticCost(*given))
+    close(found.cost.detach(), expected.cost, 1e-12)
+    (found.cost[:, -1]).sum().backward()
+    weights = np.zeros((3, 5))
+    weights[:, -1] = 1
+    gradient = own.rollout_vjp(q.numpy(), qd.numpy(), controls.numpy(), 0.01, None, None, cost=cost, cost_weights=weights).cost
+    for own_gradient, tensor in zip(gradient, given):
+        close(tensor.grad, own_gradient.sum(0), 1e-9)
+
+
 def test_run_time_parameters_and_tangent_space():
     own = robot(payload=["link3"], runtime_gravity=True)
     q, qd, tau = tensors(own)

@@ -33,6 +33,10 @@ pub struct EntryFunction {
     /// Whether a function of a time step has a feedback: three more arguments, `gains` (nv, 2 nv), `q_ref` and `qd_ref`. The
     /// forces are then `tau` + `gains` (x_ref - x), with the difference of coordinates in tangent space, then that of velocities.
     pub feedback: bool,
+    /// Whether a function of a time step has a quadratic cost: a third array of the state, `cost`, and after the arguments of the step
+    /// and of its feedback `q_goal`, `qd_goal`, `state_weights` (2 nv) and `control_weights` (nv). The step adds the sum of
+    /// `state_weights` (x_goal - x)^2 over the state after the step and of `control_weights` forces^2.
+    pub cost: bool,
     /// The derivatives, the innermost first.
     pub derivatives: Vec<Derivative>,
 }
@@ -164,7 +168,7 @@ fn ranges(lengths: &[usize]) -> Vec<Range<usize>> {
 impl EntryFunction {
     /// Returns the function without derivatives, and where it is profitable the same function on vectors.
     fn value(&self, context: &PlanContext<'_>) -> (Arrays, Option<Graph>) {
-        let Self { function, link, results, feedback, .. } = self;
+        let Self { function, link, results, feedback, cost, .. } = self;
         let row = function.row();
         let (mut inputs, mut coordinates) = (Vec::new(), Vec::new());
         for argument in row.arguments {
@@ -173,10 +177,17 @@ impl EntryFunction {
             }
             inputs.push(argument.shape(&context.sizes).len());
         }
+        let (nq, nv) = (context.sizes.nq, context.sizes.nv);
+        if *cost {
+            inputs.insert(2, 1);
+        }
         if *feedback {
-            let (nq, nv) = (context.sizes.nq, context.sizes.nv);
             coordinates.push(inputs.iter().sum::<usize>() + 2 * nv * nv);
             inputs.extend([2 * nv * nv, nq, nv]);
+        }
+        if *cost {
+            coordinates.push(inputs.iter().sum());
+            inputs.extend([nq, nv, 2 * nv, nv]);
         }
         let parameters = context.parameters(row.depends_on_parameters);
         inputs.extend((parameters > 0).then_some(parameters));
@@ -190,15 +201,16 @@ impl EntryFunction {
             Some(link) => {
                 optimize(context.frames.of_link(*link, |t| context.evaluation(*function, t)))
             }
-            None if *feedback => {
+            None if *feedback || *cost => {
                 let step = packing::on_scalars(*function, context);
                 let difference = packing::on_scalars(Function::Difference, context);
-                optimize(context.tracer.with_feedback(&step, &difference))
+                optimize(context.tracer.with_extras((*feedback, *cost), &step, &difference))
             }
             None => packing::on_scalars(*function, context),
         };
         let is_packed = link.is_none()
             && !feedback
+            && !cost
             && self.derivatives.is_empty()
             && !matches!(Lowering::of(*function).source, GraphSource::Poses);
         let packed = is_packed.then(|| packing::packed(*function, context, &traced)).flatten();

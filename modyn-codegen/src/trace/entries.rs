@@ -102,22 +102,51 @@ impl Tracer<'_> {
         all.with_outputs(&[&outputs])
     }
 
-    /// Returns the graph of a time step under the forces `controls` + `gains` (x_ref - x), where the difference of states has
-    /// that of the coordinates in tangent space, then that of the velocities. `step` and `difference` are the graphs of the step and
-    /// of the difference of coordinates. Inputs: `q`, `qd`, `controls`, `dt`, `gains` (nv rows of 2 nv numbers), `q_ref`, `qd_ref`.
+    /// Returns the graph of a time step with the extras of a rollout. `step` and `difference` are the graphs of the step and of the
+    /// difference of coordinates.
+    ///
+    /// With a feedback, the forces are `controls` + `gains` (x_ref - x), where the difference of states has that of the coordinates
+    /// in tangent space, then that of the velocities. With a cost, the state has one number more, which grows by the sum of
+    /// `state_weights` (x_goal - x)^2 over the state after the step and of `control_weights` forces^2.
+    ///
+    /// Inputs: `q`, `qd`; of a cost `cost`; `controls`, `dt`; of a feedback `gains` (nv rows of 2 nv numbers), `q_ref`, `qd_ref`; of
+    /// a cost `q_goal`, `qd_goal`, `state_weights`, `control_weights`; the parameters.
     #[must_use]
-    pub fn with_feedback(&self, step: &Graph, difference: &Graph) -> Graph {
+    pub fn with_extras(
+        &self,
+        (feedback, cost): (bool, bool),
+        step: &Graph,
+        difference: &Graph,
+    ) -> Graph {
         let (nq, nv) = (self.model.nq, self.model.nv);
         let mut all = Composition::new();
-        let [q, qd, controls, dt, gains, q_ref, qd_ref] =
-            [nq, nv, nv, 1, 2 * nv * nv, nq, nv].map(|count| all.inputs(count));
+        let [q, qd] = [nq, nv].map(|count| all.inputs(count));
+        let before = all.inputs(usize::from(cost));
+        let [controls, dt] = [nv, 1].map(|count| all.inputs(count));
+        let reference = feedback.then(|| [2 * nv * nv, nq, nv].map(|count| all.inputs(count)));
+        let goal = cost.then(|| [nq, nv, 2 * nv, nv].map(|count| all.inputs(count)));
         let parameters = all.inputs(self.parameters.len());
-        let mut error = all.add(difference, &[&q, &q_ref, &parameters]);
-        error.extend(all.difference(&qd_ref, &qd));
-        let feedback: Vec<Id> = gains.chunks(2 * nv).map(|gains| all.dot(gains, &error)).collect();
-        let forces = all.sums(&controls, &feedback);
+        let mut forces = controls;
+        if let Some([gains, q_ref, qd_ref]) = reference {
+            let mut error = all.add(difference, &[&q, &q_ref, &parameters]);
+            error.extend(all.difference(&qd_ref, &qd));
+            let feedback: Vec<Id> =
+                gains.chunks(2 * nv).map(|gains| all.dot(gains, &error)).collect();
+            forces = all.sums(&forces, &feedback);
+        }
         let next = all.add(step, &[&q, &qd, &forces, &dt, &parameters]);
-        all.with_outputs(&[&next])
+        let Some([q_goal, qd_goal, state_weights, control_weights]) = goal else {
+            return all.with_outputs(&[&next]);
+        };
+        let mut error = all.add(difference, &[&next[..nq], &q_goal, &parameters]);
+        error.extend(all.difference(&qd_goal, &next[nq..]));
+        let numbers = [error, forces].concat();
+        let weights = [state_weights, control_weights].concat();
+        let weighted: Vec<Id> =
+            weights.iter().zip(&numbers).map(|(&weight, &x)| all.product(weight, x)).collect();
+        let added = all.dot(&weighted, &numbers);
+        let after = all.sums(&before, &[added]);
+        all.with_outputs(&[&next, &after])
     }
 
     /// Returns the graph of inverse dynamics with quaternions of length 1.

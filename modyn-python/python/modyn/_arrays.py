@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ._modyn import Robot, functions, rollout_code
+from ._types import QuadraticCost, RolloutCosts, RolloutStates
 
 Shape = tuple[int, ...]
 
@@ -27,10 +28,11 @@ class ArrayFunction:
         link: str | int | None = None,
         derivatives: tuple[Any, ...] = (),
         feedback: bool = False,
+        cost: bool = False,
     ) -> None:
-        self.robot, self.name, self.link, self.derivatives, self.feedback = robot, name, link, derivatives, feedback
+        self.robot, self.name, self.link, self.derivatives, self.extras = robot, name, link, derivatives, (feedback, cost)
         self.base: ArrayFunction | None = None
-        key, inputs, outputs = robot._array_code(name, link, list(derivatives), feedback)
+        key, inputs, outputs = robot._array_code(name, link, list(derivatives), *self.extras)
         self.key: int = key
         """the key of the code in this process"""
         self.inputs: list[Shape] = [tuple(shape) for shape in inputs]
@@ -50,7 +52,7 @@ class ArrayFunction:
         found = self._derived.get(at)
         if found is None:
             derivatives = (*self.derivatives, (mode, list(variables)))
-            found = ArrayFunction(self.robot, self.name, self.link, derivatives, self.feedback)
+            found = ArrayFunction(self.robot, self.name, self.link, derivatives, *self.extras)
             found.base = self
             self._derived[at] = found
         return found
@@ -148,6 +150,9 @@ FIRST = "a rollout in one call has first derivatives in reverse mode; for others
 FEEDBACK = ("gains", "q_ref", "qd_ref")
 """the arguments of a step with a feedback"""
 
+COST = ("q_goal", "qd_goal", "state_weights", "control_weights")
+"""the arguments of a step with a cost"""
+
 
 class RolloutSignature:
     """The arguments of the rollouts of a time step."""
@@ -159,7 +164,31 @@ class RolloutSignature:
         self.robot, self.step = robot, f"step_{step}"
         self.parameters = Signature(robot, self.step, None)
 
-    def arrays(self, given: dict[str, Any]) -> tuple[list[Any], tuple[int, bool, tuple[int, ...]]]:
+    def add_cost(self, given: dict[str, Any], cost: QuadraticCost, asarray: Callable[[str, Any], Any], library: Any) -> None:
+        """Adds the arguments of a cost to those of a rollout. `library` has `zeros`, `broadcast_to` and `concatenate`."""
+        if not isinstance(cost, QuadraticCost):
+            raise TypeError(f"`cost` of `rollout` must be a `modyn.QuadraticCost`, not {type(cost).__name__}")
+        arrays = {name: None if x is None else asarray(name, x) for name, x in cost._asdict().items()}
+        missing = [name for name in ("q_goal", "state_weights") if arrays[name] is None]
+        if missing:
+            raise TypeError(f"`cost` of `rollout` needs `{missing[0]}`")
+        terminal, weights, nv = arrays.pop("terminal_weights"), arrays["state_weights"], self.robot.nv
+        dtype = weights.dtype
+        for name in ("qd_goal", "control_weights"):
+            arrays[name] = library.zeros((nv,), dtype=dtype) if arrays[name] is None else arrays[name]
+        if terminal is not None:
+            check("rollout", ["terminal_weights"], [(2 * nv,)], [terminal])
+            steps = given["controls"].shape[-2]
+            if weights.ndim == 1:
+                weights = weights[None]
+            whole = lambda x, count: library.broadcast_to(x, (*lead, count, x.shape[-1]))
+            lead = np.broadcast_shapes(weights.shape[:-2], terminal.shape[:-1])
+            weights = whole(weights, steps)
+            last = weights[..., steps - 1 :, :] + terminal[..., None, :]
+            arrays["state_weights"] = library.concatenate([weights[..., : steps - 1, :], last], -2) if steps else weights
+        given.update(arrays, cost=library.zeros((), dtype=dtype))
+
+    def arrays(self, given: dict[str, Any]) -> tuple[list[Any], tuple[int, bool, bool, tuple[int, ...]]]:
         """Returns the arguments in the order of the step, without those that are `None`; and the arguments of `code`."""
         nq, nv = self.robot.nq, self.robot.nv
         controls = given["controls"]
@@ -170,10 +199,16 @@ class RolloutSignature:
         if len(missing) not in (0, 3):
             raise TypeError(f"`rollout` needs `gains`, `q_ref` and `qd_ref` together: `{missing[0]}` is missing")
         steps = int(controls.shape[-2])
-        one = {"q": (nq,), "qd": (nv,), "controls": (nv,), "dt": (), "gains": (nv, 2 * nv), "q_ref": (nq,), "qd_ref": (nv,)}
-        names = [name for name in one if name not in missing]
+        has_cost = "cost" in given
+        one: dict[str, Shape] = {"q": (nq,), "qd": (nv,), "cost": (), "controls": (nv,), "dt": ()}
+        one |= {"gains": (nv, 2 * nv), "q_ref": (nq,), "qd_ref": (nv,)}
+        one |= {"q_goal": (nq,), "qd_goal": (nv,), "state_weights": (2 * nv,), "control_weights": (nv,)}
+        left_out = (*missing, *(() if has_cost else ("cost", *COST)))
+        names = [name for name in one if name not in left_out]
         sequences = ["controls"]
-        for name in names[4:]:
+        for name in (*FEEDBACK, *COST):
+            if name not in names:
+                continue
             shape, at = tuple(given[name].shape), given[name].ndim - len(one[name]) - 1
             if at >= 0 and shape[at] == 1:
                 # One step stands for all of them.
@@ -185,11 +220,17 @@ class RolloutSignature:
         check("rollout", names, shapes, arrays)
         if self.parameters.parameters:
             arrays.append(given["parameters"])
-        return arrays, (steps, not missing, tuple(names.index(name) for name in sequences))
+        return arrays, (steps, not missing, has_cost, tuple(names.index(name) for name in sequences))
 
-    def code(self, trajectory: bool, steps: int, feedback: bool, sequences: tuple[int, ...]) -> Rollout:
+    def code(self, trajectory: bool, steps: int, feedback: bool, cost: bool, sequences: tuple[int, ...]) -> Rollout:
         """Returns the rollout of this number of steps."""
-        return Rollout(ArrayFunction(self.robot, self.step, feedback=feedback), steps, trajectory, sequences)
+        step = ArrayFunction(self.robot, self.step, feedback=feedback, cost=cost)
+        return Rollout(step, steps, trajectory, sequences)
+
+
+def motions(results: Sequence[Any]) -> Any:
+    """Returns the results of a rollout, with a type for those with a cost."""
+    return RolloutStates(*results) if len(results) == 2 else RolloutCosts(*results)
 
 
 STEP = re.compile("step_(?!.*_(?:derivatives|hessian)$).*")

@@ -14,6 +14,8 @@ from ._types import (
     ConstraintSettings,
     Joint,
     JointLimits,
+    QuadraticCost,
+    RolloutCosts,
     RolloutGradients,
     RolloutResults,
     RolloutStates,
@@ -335,10 +337,12 @@ class Robot:
         link: str | int | None,
         derivatives: Sequence[tuple[str, Sequence[int]]],
         feedback: bool = False,
+        cost: bool = False,
     ) -> tuple[int, list[list[int]], list[list[int]]]:
         """Returns the key of the code of a function or of a derivative, and the shapes of its arrays of arguments and of
         results. Each derivative is its mode (`forward`, `reverse` or `matrix`) and the indices of the arrays that vary. With
-        `feedback`, a time step has the arguments `gains`, `q_ref` and `qd_ref`."""
+        `feedback`, a time step has the arguments `gains`, `q_ref` and `qd_ref`; with `cost`, the array `cost` of the state, and
+        `q_goal`, `qd_goal`, `state_weights` and `control_weights`."""
     def rollout(
         self,
         q: ArrayLike,
@@ -350,8 +354,9 @@ class Robot:
         gains: ArrayLike | None = None,
         q_ref: ArrayLike | None = None,
         qd_ref: ArrayLike | None = None,
+        cost: QuadraticCost | None = None,
         trajectory: bool = True,
-    ) -> RolloutStates:
+    ) -> RolloutStates | RolloutCosts:
         """Returns the states of motions of many time steps in one call: after each step, (..., steps, n), or after the last
         one with `trajectory=False`. Many motions use the vector units and all cores.
 
@@ -359,8 +364,9 @@ class Robot:
         `step`: the method, such as `semi_implicit` for the function `step_semi_implicit`. With a feedback, the forces are
         `controls` + `gains` (x_ref - x), where the difference of states has that of coordinates in tangent space, then that
         of velocities: `gains`: (nv, 2 nv) or (steps, nv, 2 nv); `q_ref`: (nq,) or (steps, nq); `qd_ref`: (nv,) or
-        (steps, nv); one step stands for all of them. Leading axes are those of motions, and are broadcast.
-        Result: `RolloutStates`: `q` and `qd`.
+        (steps, nv); one step stands for all of them. With `cost`, a `QuadraticCost`, each step adds the cost of its forces and of
+        the state after it. Leading axes are those of motions, and are broadcast.
+        Result: `RolloutStates`: `q` and `qd`; with a cost `RolloutCosts`.
         """
     def rollout_vjp(
         self,
@@ -368,13 +374,15 @@ class Robot:
         qd: ArrayLike,
         controls: ArrayLike,
         dt: ArrayLike,
-        q_weights: ArrayLike,
-        qd_weights: ArrayLike,
+        q_weights: ArrayLike | None,
+        qd_weights: ArrayLike | None,
         *,
         step: str = "semi_implicit",
         gains: ArrayLike | None = None,
         q_ref: ArrayLike | None = None,
         qd_ref: ArrayLike | None = None,
+        cost: QuadraticCost | None = None,
+        cost_weights: ArrayLike | None = None,
         trajectory: bool = True,
     ) -> RolloutGradients:
         """Returns the gradients of the weighted states of motions, which `rollout` returns, with respect to its arguments, for
@@ -382,7 +390,7 @@ class Robot:
         quaternions have no effect.
 
         Arguments: those of `rollout`; `q_weights`: (steps, nq) and `qd_weights`: (steps, nv), or (nq,) and (nv,) with
-        `trajectory=False`.
+        `trajectory=False`; `None` for zeros; `cost_weights`: (steps,), or () with `trajectory=False`, the weights of the cost.
         Result: `RolloutGradients`, with the names and the shapes of the arguments.
         """
 

@@ -6,12 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from ._arrays import Rollout, RolloutSignature
+from ._arrays import COST, FEEDBACK, Rollout, RolloutSignature, motions
 from ._modyn import Robot, call_arrays
-from ._types import RolloutGradients, RolloutStates
+from ._types import QuadraticCost, RolloutCosts, RolloutGradients, RolloutStates
 
 
-def _given(robot: Robot, name: str, arguments: dict[str, Any], step: str, trajectory: bool) -> tuple[list[Any], Rollout]:
+def _given(
+    robot: Robot, name: str, arguments: dict[str, Any], step: str, trajectory: bool, cost: QuadraticCost | None
+) -> tuple[list[Any], Rollout]:
     """Returns the arguments as arrays in the order of the step, and the rollout."""
 
     def array(argument: str, given: Any) -> Any:
@@ -25,28 +27,67 @@ def _given(robot: Robot, name: str, arguments: dict[str, Any], step: str, trajec
 
     signature = RolloutSignature(robot, step)
     arrays = {argument: array(argument, given) for argument, given in arguments.items()}
+    if cost is not None:
+        signature.add_cost(arrays, cost, array, np)
+        arrays["state_weights"] = np.ascontiguousarray(arrays["state_weights"])
     if signature.parameters.parameters:
         arrays["parameters"] = signature.parameters.flat(None, np.asarray, np.concatenate)
     found, own = signature.arrays(arrays)
     return found, signature.code(trajectory, *own)
 
 
-def rollout(robot: Robot, arguments: dict[str, Any], step: str, trajectory: bool) -> RolloutStates:
+def rollout(
+    robot: Robot, arguments: dict[str, Any], step: str, trajectory: bool, cost: QuadraticCost | None
+) -> RolloutStates | RolloutCosts:
     """Returns the result of `Robot.rollout`."""
-    arrays, code = _given(robot, "rollout", arguments, step, trajectory)
-    return RolloutStates(*call_arrays(code.key, arrays))
+    arrays, code = _given(robot, "rollout", arguments, step, trajectory, cost)
+    return motions(call_arrays(code.key, arrays))
 
 
 def rollout_vjp(
-    robot: Robot, arguments: dict[str, Any], weights: tuple[Any, Any], step: str, trajectory: bool
+    robot: Robot,
+    arguments: dict[str, Any],
+    weights: tuple[Any, Any, Any],
+    step: str,
+    trajectory: bool,
+    cost: QuadraticCost | None,
 ) -> RolloutGradients:
     """Returns the result of `Robot.rollout_vjp`."""
-    arrays, code = _given(robot, "rollout_vjp", arguments, step, trajectory)
-    names = [name for name, given in arguments.items() if given is not None]
-    gradient = code.gradient(range(len(names)))
-    for name, own, given in zip(("q_weights", "qd_weights"), code.outputs, weights):
-        weight = np.ascontiguousarray(given, robot.dtype)
+    arrays, code = _given(robot, "rollout_vjp", arguments, step, trajectory, cost)
+    if cost is None and weights[2] is not None:
+        raise TypeError("`cost_weights` of `rollout_vjp` are those of a `cost`")
+    names = ["q", "qd", *(["cost"] if cost is not None else []), "controls", "dt"]
+    names += [name for name in FEEDBACK if arguments[name] is not None]
+    names += COST if cost is not None else ()
+    wanted = [k for k, name in enumerate(names) if name != "cost"]
+    gradient = code.gradient(wanted)
+    for name, own, given in zip(("q_weights", "qd_weights", "cost_weights"), code.outputs, weights):
+        weight = np.ascontiguousarray(np.zeros(own) if given is None else given, robot.dtype).reshape(np.shape(given) or own)
         if weight.shape[weight.ndim - len(own) :] != own:
             raise ValueError(f"`{name}` of `rollout_vjp` has the shape {weight.shape}; expected {own}, after axes of motions")
         arrays.append(weight)
-    return RolloutGradients(**dict(zip(names, call_arrays(gradient.key, arrays))))
+    found = dict(zip((names[k] for k in wanted), call_arrays(gradient.key, arrays)))
+    if cost is not None and cost.terminal_weights is not None:
+        # Those of the weights of each step, of which the last has the terminal weights added.
+        by_step = found["state_weights"]
+        found["terminal_weights"] = by_step[..., -1:, :].sum(-2)
+        if _steps(cost.state_weights, "state_weights") in (None, 1):
+            found["state_weights"] = by_step.sum(-2)
+    given = {**arguments, **(cost._asdict() if cost is not None else {})}
+    for name in (*FEEDBACK, *COST):
+        if name in found and _steps(given[name], name) == 1:
+            found[name] = np.expand_dims(found[name], -1 - _rank(name))
+    if cost is not None:
+        of_cost = {name: found.pop(name, None) for name in QuadraticCost._fields}
+        found["cost"] = QuadraticCost(**{name: None if given[name] is None else x for name, x in of_cost.items()})
+    return RolloutGradients(**found)
+
+
+def _rank(name: str) -> int:
+    return 2 if name == "gains" else 1
+
+
+def _steps(given: Any, name: str) -> int | None:
+    """Returns the length of the axis of steps of an argument; `None` if it has none."""
+    shape = np.shape(given)
+    return shape[-1 - _rank(name)] if len(shape) > _rank(name) else None

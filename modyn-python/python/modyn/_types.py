@@ -127,6 +127,37 @@ class RolloutStates(NamedTuple):
     """the velocities"""
 
 
+class RolloutCosts(NamedTuple):
+    """The states of motions with their costs: after each step, (..., steps, n), or after the last one, (..., n)."""
+
+    q: NDArray[Any]
+    """the coordinates"""
+    qd: NDArray[Any]
+    """the velocities"""
+    cost: NDArray[Any]
+    """the sum of the costs of the steps so far: (..., steps), or (...) after the last step"""
+
+
+class QuadraticCost(NamedTuple):
+    """The cost of a rollout: each step adds the sum of `state_weights` (x_goal - x)^2 over the state after it, and of `control_weights`
+    f^2 over its joint forces (those of a feedback included). The difference of states has that of coordinates in tangent space, then that
+    of velocities.
+
+    Arrays of NumPy, JAX or PyTorch, with the same numbers for all steps, or with an axis of steps; leading axes are those of motions.
+    """
+
+    q_goal: Any
+    """(nq,) or (steps, nq)"""
+    state_weights: Any
+    """(2 nv,) or (steps, 2 nv)"""
+    qd_goal: Any = None
+    """(nv,) or (steps, nv), by default zero"""
+    control_weights: Any = None
+    """(nv,) or (steps, nv), by default zero"""
+    terminal_weights: Any = None
+    """(2 nv,), by default zero: further weights of the last state"""
+
+
 class RolloutGradients(NamedTuple):
     """The gradients of the weighted states of motions, for each motion, with the shapes of the arguments."""
 
@@ -139,6 +170,8 @@ class RolloutGradients(NamedTuple):
     """`None` without a feedback"""
     q_ref: NDArray[Any] | None = None
     qd_ref: NDArray[Any] | None = None
+    cost: QuadraticCost | None = None
+    """`None` without a cost"""
 
 
 @cache

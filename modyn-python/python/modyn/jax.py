@@ -25,15 +25,17 @@ try:
     import jax
 except ImportError as error:
     raise ImportError("`modyn.jax` needs JAX: pip install modyn[jax]") from error
+if jax.__version_info__ < (0, 7):
+    raise ImportError(f"`modyn.jax` needs JAX 0.7 or later; this is JAX {jax.__version__}: pip install --upgrade modyn[jax]")
 import jax.numpy as jnp
 import numpy as np
 from jax.extend.core import Primitive
 from jax.interpreters import ad, batching, mlir
 
 from . import _modyn
-from ._arrays import ArrayFunction, Rollout, RolloutGradient, RolloutSignature, Signature, documented
+from ._arrays import ArrayFunction, Rollout, RolloutGradient, RolloutSignature, Signature, documented, motions
 from ._modyn import Robot
-from ._types import RolloutStates
+from ._types import QuadraticCost, RolloutCosts, RolloutStates
 
 __all__ = ["function", "parameters", "rollout", "to_tangent"]
 
@@ -62,11 +64,11 @@ def function(robot: Robot, name: str, link: str | int | None = None) -> Callable
     return documented(call, signature, "JAX")
 
 
-def rollout(robot: Robot, step: str = "semi_implicit", trajectory: bool = True) -> Callable[..., RolloutStates]:
+def rollout(robot: Robot, step: str = "semi_implicit", trajectory: bool = True) -> Callable[..., RolloutStates | RolloutCosts]:
     """Returns the function `Robot.rollout` of a robot as a function of JAX's arrays.
 
     It is one call from the first step to the last, and so is its gradient, which stores few states. Other derivatives go through
-    `lax.scan`. Its arguments are `q`, `qd`, `controls`, `dt`, and by keyword `gains`, `q_ref`, `qd_ref` and `parameters`.
+    `lax.scan`. Its arguments are `q`, `qd`, `controls`, `dt`, and by keyword `gains`, `q_ref`, `qd_ref`, `cost` and `parameters`.
     """
     signature = RolloutSignature(robot, step)
     dtype = np.dtype(robot.dtype)
@@ -80,18 +82,21 @@ def rollout(robot: Robot, step: str = "semi_implicit", trajectory: bool = True) 
         gains: Any = None,
         q_ref: Any = None,
         qd_ref: Any = None,
+        cost: QuadraticCost | None = None,
         parameters: Any = None,
-    ) -> RolloutStates:
+    ) -> Any:
         """Returns the states after each step, (..., steps, n), or after the last one."""
         arguments = {"q": q, "qd": qd, "controls": controls, "dt": dt, "gains": gains, "q_ref": q_ref, "qd_ref": qd_ref}
         given = {name: None if x is None else _array(x, dtype, name, "rollout") for name, x in arguments.items()}
+        if cost is not None:
+            signature.add_cost(given, cost, lambda name, x: _array(x, dtype, name, "rollout"), jnp)
         if signature.parameters.parameters:
             asarray = lambda x: _array(x, dtype, "parameters", "rollout")
             given["parameters"] = signature.parameters.flat(parameters, asarray, _concatenate)
         elif parameters is not None:
             raise TypeError("`rollout`: the robot has no run-time parameters")
         arrays, own = signature.arrays(given)
-        return RolloutStates(*_rollout.bind(*arrays, code=signature.code(trajectory, *own)))
+        return motions(_rollout.bind(*arrays, code=signature.code(trajectory, *own)))
 
     return call
 

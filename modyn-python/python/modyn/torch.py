@@ -23,9 +23,9 @@ except ImportError as error:
     raise ImportError("`modyn.torch` needs PyTorch: pip install modyn[torch]") from error
 import numpy as np
 
-from ._arrays import ArrayFunction, Rollout, RolloutSignature, Signature, documented
+from ._arrays import ArrayFunction, Rollout, RolloutSignature, Signature, documented, motions
 from ._modyn import Robot, call_arrays
-from ._types import RolloutStates
+from ._types import QuadraticCost, RolloutCosts, RolloutStates
 
 __all__ = ["function", "parameters", "rollout", "to_tangent"]
 
@@ -56,11 +56,11 @@ def function(robot: Robot, name: str, link: str | int | None = None) -> Callable
     return documented(call, signature, "PyTorch")
 
 
-def rollout(robot: Robot, step: str = "semi_implicit", trajectory: bool = True) -> Callable[..., RolloutStates]:
+def rollout(robot: Robot, step: str = "semi_implicit", trajectory: bool = True) -> Callable[..., RolloutStates | RolloutCosts]:
     """Returns the function `Robot.rollout` of a robot as a function of PyTorch's tensors.
 
     It is one call from the first step to the last, and so is its gradient, which stores few states. Its arguments are `q`, `qd`,
-    `controls`, `dt`, and by keyword `gains`, `q_ref`, `qd_ref` and `parameters`. It has first derivatives in reverse mode.
+    `controls`, `dt`, and by keyword `gains`, `q_ref`, `qd_ref`, `cost` and `parameters`. It has first derivatives in reverse mode.
     """
     signature = RolloutSignature(robot, step)
     dtype = _dtype(robot)
@@ -78,18 +78,21 @@ def rollout(robot: Robot, step: str = "semi_implicit", trajectory: bool = True) 
         gains: Any = None,
         q_ref: Any = None,
         qd_ref: Any = None,
+        cost: QuadraticCost | None = None,
         parameters: Any = None,
-    ) -> RolloutStates:
+    ) -> Any:
         """Returns the states after each step, (..., steps, n), or after the last one."""
         arguments = {"q": q, "qd": qd, "controls": controls, "dt": dt, "gains": gains, "q_ref": q_ref, "qd_ref": qd_ref}
         given = {name: None if x is None else _tensor(x, dtype, name, "rollout") for name, x in arguments.items()}
+        if cost is not None:
+            signature.add_cost(given, cost, lambda name, x: _tensor(x, dtype, name, "rollout"), torch)
         if signature.parameters.parameters:
             asarray = lambda x: _tensor(x, dtype, "parameters", "rollout")
             given["parameters"] = signature.parameters.flat(parameters, asarray, _concatenate)
         elif parameters is not None:
             raise TypeError("`rollout`: the robot has no run-time parameters")
         tensors, own = signature.arrays(given)
-        return RolloutStates(*_called(numbered(own), tensors))
+        return motions(_called(numbered(own), tensors))
 
     return call
 

@@ -114,8 +114,9 @@ impl Robot {
 
     /// Returns the key of the code of a function or of a derivative, and the shapes of its arrays of arguments and of results.
     /// Each derivative is its mode (`forward`, `reverse` or `matrix`) and the indices of the arrays that vary. With `feedback`, a time
-    /// step has the arguments `gains`, `q_ref` and `qd_ref`. For `modyn.jax` and `modyn.torch`.
-    #[pyo3(signature = (name, link, derivatives, feedback=false))]
+    /// step has the arguments `gains`, `q_ref` and `qd_ref`; with `cost`, the array `cost` of the state, and `q_goal`, `qd_goal`,
+    /// `state_weights` and `control_weights`. For `modyn.jax` and `modyn.torch`.
+    #[pyo3(signature = (name, link, derivatives, feedback=false, cost=false))]
     fn _array_code(
         &self,
         py: Python<'_>,
@@ -123,6 +124,7 @@ impl Robot {
         link: Option<&Bound<'_, PyAny>>,
         derivatives: Vec<(String, Vec<usize>)>,
         feedback: bool,
+        cost: bool,
     ) -> PyResult<KeyAndShapes> {
         let (function, link) = self.array_function(name, link)?;
         let of = |(mode, variables): (String, Vec<usize>)| {
@@ -135,8 +137,10 @@ impl Robot {
             Ok(Derivative { mode, variables })
         };
         let derivatives = derivatives.into_iter().map(of).collect::<PyResult<Vec<_>>>()?;
-        let results = signature::places(self, function);
-        let function = EntryFunction { function, link, results, feedback, derivatives };
+        let mut results = signature::places(self, function);
+        let count = results.iter().map(Vec::len).sum();
+        results.extend(cost.then(|| vec![count]));
+        let function = EntryFunction { function, link, results, feedback, cost, derivatives };
         let arrays = signature::shapes(self, &function).map_err(PyValueError::new_err)?;
         let key = self.array_key(&function, || self.array_code(py, &function, &arrays))?;
         Ok((key, arrays.inputs().to_vec(), arrays.outputs().to_vec()))
@@ -152,9 +156,10 @@ impl Robot {
     /// method, such as `semi_implicit` for the function `step_semi_implicit`. With a feedback, the forces are `controls` +
     /// `gains` (x_ref - x), where the difference of states has that of coordinates in tangent space, then that of velocities:
     /// `gains`: (nv, 2 nv) or (steps, nv, 2 nv); `q_ref`: (nq,) or (steps, nq); `qd_ref`: (nv,) or (steps, nv); one step stands
-    /// for all of them. Leading axes are those of motions, and are broadcast.
-    /// Result: `RolloutStates`: `q` and `qd`.
-    #[pyo3(signature = (q, qd, controls, dt, *, step="semi_implicit", gains=None, q_ref=None, qd_ref=None, trajectory=true))]
+    /// for all of them. With `cost`, a `QuadraticCost`, each step adds the cost of its forces and of the state after it. Leading axes are
+    /// those of motions, and are broadcast.
+    /// Result: `RolloutStates`: `q` and `qd`; with a cost `RolloutCosts`.
+    #[pyo3(signature = (q, qd, controls, dt, *, step="semi_implicit", gains=None, q_ref=None, qd_ref=None, cost=None, trajectory=true))]
     #[allow(clippy::too_many_arguments)]
     fn rollout<'py>(
         slf: &Bound<'py, Self>,
@@ -166,21 +171,22 @@ impl Robot {
         gains: Option<&Bound<'py, PyAny>>,
         q_ref: Option<&Bound<'py, PyAny>>,
         qd_ref: Option<&Bound<'py, PyAny>>,
+        cost: Option<&Bound<'py, PyAny>>,
         trajectory: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
         let arguments =
             rollout_arguments([Some(q), Some(qd), Some(controls), Some(dt), gains, q_ref, qd_ref])?;
         let rollout = slf.py().import("modyn._rollout")?.getattr("rollout")?;
-        rollout.call1((slf, arguments, step, trajectory))
+        rollout.call1((slf, arguments, step, trajectory, cost))
     }
 
     /// Returns the gradients of the weighted states of motions, which `rollout` returns, with respect to its arguments, for each motion:
     /// one call, which stores few states. Coordinates have an entry for each of their numbers; lengths of quaternions have no effect.
     ///
     /// Arguments: those of `rollout`; `q_weights`: (steps, nq) and `qd_weights`: (steps, nv), or (nq,) and (nv,) with
-    /// `trajectory=False`.
+    /// `trajectory=False`; `None` for zeros; `cost_weights`: (steps,), or () with `trajectory=False`, the weights of the cost.
     /// Result: `RolloutGradients`, with the names and the shapes of the arguments.
-    #[pyo3(signature = (q, qd, controls, dt, q_weights, qd_weights, *, step="semi_implicit", gains=None, q_ref=None, qd_ref=None, trajectory=true))]
+    #[pyo3(signature = (q, qd, controls, dt, q_weights, qd_weights, *, step="semi_implicit", gains=None, q_ref=None, qd_ref=None, cost=None, cost_weights=None, trajectory=true))]
     #[allow(clippy::too_many_arguments)]
     fn rollout_vjp<'py>(
         slf: &Bound<'py, Self>,
@@ -194,12 +200,15 @@ impl Robot {
         gains: Option<&Bound<'py, PyAny>>,
         q_ref: Option<&Bound<'py, PyAny>>,
         qd_ref: Option<&Bound<'py, PyAny>>,
+        cost: Option<&Bound<'py, PyAny>>,
+        cost_weights: Option<&Bound<'py, PyAny>>,
         trajectory: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
         let arguments =
             rollout_arguments([Some(q), Some(qd), Some(controls), Some(dt), gains, q_ref, qd_ref])?;
         let vjp = slf.py().import("modyn._rollout")?.getattr("rollout_vjp")?;
-        vjp.call1((slf, arguments, (q_weights, qd_weights), step, trajectory))
+        let weights = (q_weights, qd_weights, cost_weights);
+        vjp.call1((slf, arguments, weights, step, trajectory, cost))
     }
 }
 

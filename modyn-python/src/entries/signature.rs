@@ -96,19 +96,28 @@ pub fn shapes(robot: &Robot, function: &EntryFunction) -> Result<ArrayShapes, St
     let arguments = row.arguments.iter();
     let mut inputs: Vec<Vec<usize>> =
         arguments.map(|argument| layout::of_argument(&argument.shape(&sizes))).collect();
-    if function.feedback {
-        let (nq, nv) = (sizes.nq, sizes.nv);
+    let (nq, nv) = (sizes.nq, sizes.nv);
+    if function.feedback || function.cost {
         let is_step = row.arguments.iter().map(|argument| argument.name);
         if !is_step.eq(["q", "qd", "tau", "dt"]) {
             let name = function.function.name();
-            return Err(format!("`{name}` is no time step, so it has no feedback"));
+            return Err(format!("`{name}` is no time step, so it has no feedback and no cost"));
         }
+    }
+    if function.cost {
+        inputs.insert(2, Vec::new());
+    }
+    if function.feedback {
         inputs.extend([vec![nv, 2 * nv], vec![nq], vec![nv]]);
+    }
+    if function.cost {
+        inputs.extend([vec![nq], vec![nv], vec![2 * nv], vec![nv]]);
     }
     let parameters = robot.parameter_count();
     inputs.extend((row.depends_on_parameters && parameters > 0).then_some(vec![parameters]));
     let mut outputs = Vec::new();
     walk(&result(robot, function.function), &mut |leaf| outputs.push(leaf.shape(None)));
+    outputs.extend(function.cost.then(Vec::new));
     for Derivative { mode, variables } in &function.derivatives {
         let is_sorted = variables.is_sorted_by(|a, b| a < b);
         if !is_sorted || variables.last().is_none_or(|&last| last >= inputs.len()) {
