@@ -20,6 +20,7 @@ use pyo3::types::{PyDict, PyString, PyTuple};
 
 use crate::arrays::Given;
 use crate::change::Change;
+use crate::entries::GroundKey;
 use crate::errors::{description_error, warn_of_description, warn_of_machine_code};
 use crate::function::{self, RobotFunction};
 use crate::number::Number;
@@ -50,6 +51,8 @@ pub struct Robot {
     parameters: Parameters,
     /// The keys of functions of arrays that are compiled.
     array_keys: Mutex<Vec<(EntryFunction, i64)>>,
+    /// The keys of steps on the ground that are compiled.
+    ground_keys: Mutex<Vec<(GroundKey, i64)>>,
 }
 
 /// The place of a function, which is compiled at its first use.
@@ -115,6 +118,7 @@ impl Robot {
             changes: Mutex::default(),
             parameters,
             array_keys: Mutex::default(),
+            ground_keys: Mutex::default(),
             modules,
             model,
         })
@@ -329,14 +333,20 @@ impl Robot {
         function: &EntryFunction,
         code: impl FnOnce() -> PyResult<i64>,
     ) -> PyResult<i64> {
-        let keys = || self.array_keys.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = keys().iter().find(|(own, _)| own == function).map(|(_, key)| *key);
-        if let Some(key) = known {
-            return Ok(key);
-        }
-        let key = code()?;
-        keys().push((function.clone(), key));
-        Ok(key)
+        known(&self.array_keys, function.clone(), code)
+    }
+
+    /// Returns the key of a step on the ground, which is compiled by `code` at its first use.
+    ///
+    /// # Errors
+    ///
+    /// Those of `code`.
+    pub fn ground_key(
+        &self,
+        step: GroundKey,
+        code: impl FnOnce() -> PyResult<i64>,
+    ) -> PyResult<i64> {
+        known(&self.ground_keys, step, code)
     }
 
     /// Returns the bundles.
@@ -361,6 +371,22 @@ impl Robot {
         let own = links.filter(|(_, link)| link.joint.mimic.is_none());
         own.flat_map(|(i, link)| vec![number(i, link); count(link)]).collect()
     }
+}
+
+/// Returns the key of code that is known, or what `code` returns.
+fn known<K: PartialEq>(
+    keys: &Mutex<Vec<(K, i64)>>,
+    own: K,
+    code: impl FnOnce() -> PyResult<i64>,
+) -> PyResult<i64> {
+    let keys = || keys.lock().unwrap_or_else(PoisonError::into_inner);
+    let known = keys().iter().find(|(other, _)| *other == own).map(|(_, key)| *key);
+    if let Some(key) = known {
+        return Ok(key);
+    }
+    let key = code()?;
+    keys().push((own, key));
+    Ok(key)
 }
 
 /// Returns the argument `name` of `function` as a vector.

@@ -30,7 +30,7 @@ pub struct EntryFunction {
     /// The arrays that the result consists of: for each the places of its numbers among those of the function's result, in
     /// the order in which they are returned.
     pub results: Vec<Vec<usize>>,
-    /// Whether a function of a time step has a feedback: three more arguments, `gains` (nv, 2 nv), `q_ref` and `qd_ref`. The
+    /// Whether a function of a time step, or the contact problem of one, has a feedback: three more arguments, `gains` (nv, 2 nv), `q_ref` and `qd_ref`. The
     /// forces are then `tau` + `gains` (x_ref - x), with the difference of coordinates in tangent space, then that of velocities.
     pub feedback: bool,
     /// Whether a function of a time step has a quadratic cost: a third array of the state, `cost`, and after the arguments of the step
@@ -178,6 +178,7 @@ impl EntryFunction {
             inputs.push(argument.shape(&context.sizes).len());
         }
         let (nq, nv) = (context.sizes.nq, context.sizes.nv);
+        let settings = inputs.iter().skip(4).sum();
         if *cost {
             inputs.insert(2, 1);
         }
@@ -204,7 +205,8 @@ impl EntryFunction {
             None if *feedback || *cost => {
                 let step = packing::on_scalars(*function, context);
                 let difference = packing::on_scalars(Function::Difference, context);
-                optimize(context.tracer.with_extras((*feedback, *cost), &step, &difference))
+                let extras = (*feedback, *cost);
+                optimize(context.tracer.with_extras(extras, settings, &step, &difference))
             }
             None => packing::on_scalars(*function, context),
         };

@@ -109,12 +109,13 @@ impl Tracer<'_> {
     /// in tangent space, then that of the velocities. With a cost, the state has one number more, which grows by the sum of
     /// `state_weights` (x_goal - x)^2 over the state after the step and of `control_weights` forces^2.
     ///
-    /// Inputs: `q`, `qd`; of a cost `cost`; `controls`, `dt`; of a feedback `gains` (nv rows of 2 nv numbers), `q_ref`, `qd_ref`; of
+    /// Inputs: `q`, `qd`; of a cost `cost`; `controls`, `dt`, and as many `settings`; of a feedback `gains` (nv rows of 2 nv numbers), `q_ref`, `qd_ref`; of
     /// a cost `q_goal`, `qd_goal`, `state_weights`, `control_weights`; the parameters.
     #[must_use]
     pub fn with_extras(
         &self,
         (feedback, cost): (bool, bool),
+        settings: usize,
         step: &Graph,
         difference: &Graph,
     ) -> Graph {
@@ -122,7 +123,7 @@ impl Tracer<'_> {
         let mut all = Composition::new();
         let [q, qd] = [nq, nv].map(|count| all.inputs(count));
         let before = all.inputs(usize::from(cost));
-        let [controls, dt] = [nv, 1].map(|count| all.inputs(count));
+        let [controls, dt, settings] = [nv, 1, settings].map(|count| all.inputs(count));
         let reference = feedback.then(|| [2 * nv * nv, nq, nv].map(|count| all.inputs(count)));
         let goal = cost.then(|| [nq, nv, 2 * nv, nv].map(|count| all.inputs(count)));
         let parameters = all.inputs(self.parameters.len());
@@ -134,7 +135,7 @@ impl Tracer<'_> {
                 gains.chunks(2 * nv).map(|gains| all.dot(gains, &error)).collect();
             forces = all.sums(&forces, &feedback);
         }
-        let next = all.add(step, &[&q, &qd, &forces, &dt, &parameters]);
+        let next = all.add(step, &[&q, &qd, &forces, &dt, &settings, &parameters]);
         let Some([q_goal, qd_goal, state_weights, control_weights]) = goal else {
             return all.with_outputs(&[&next]);
         };

@@ -10,16 +10,42 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ._modyn import Robot, functions, rollout_code
-from ._types import QuadraticCost, RolloutCosts, RolloutStates
+from ._types import Ground, GroundStates, QuadraticCost, RolloutCosts, RolloutStates
 
 Shape = tuple[int, ...]
 
 
-class ArrayFunction:
-    """A function of arrays, or a derivative of one; compiled when it is made.
+class Code:
+    """Code for arrays, compiled. Two of them are equal if they have the same code."""
 
-    Two of them are equal if they have the same code.
-    """
+    base: ArrayFunction | GroundStep | None = None
+    """the function that a derivative is of"""
+    has_matrices = True
+    """whether there are derivatives of mode `matrix`"""
+
+    def __init__(self, name: str, code: tuple[int, list[list[int]], list[list[int]]]) -> None:
+        key, inputs, outputs = code
+        self.name = name
+        self.key: int = key
+        """the key of the code in this process"""
+        self.inputs: list[Shape] = [tuple(shape) for shape in inputs]
+        """the shapes of the arguments for one state"""
+        self.outputs: list[Shape] = [tuple(shape) for shape in outputs]
+        """the shapes of the results for one state"""
+
+    def __eq__(self, other: object) -> bool:
+        return type(other) is type(self) and isinstance(other, Code) and self.key == other.key
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __repr__(self) -> str:
+        # The text is part of the text of compiled programs, so it must be the same in each process.
+        return f"{self.name}[{self.key:016x}]"
+
+
+class ArrayFunction(Code):
+    """A function of arrays, or a derivative of one."""
 
     def __init__(
         self,
@@ -30,15 +56,8 @@ class ArrayFunction:
         feedback: bool = False,
         cost: bool = False,
     ) -> None:
-        self.robot, self.name, self.link, self.derivatives, self.extras = robot, name, link, derivatives, (feedback, cost)
-        self.base: ArrayFunction | None = None
-        key, inputs, outputs = robot._array_code(name, link, list(derivatives), *self.extras)
-        self.key: int = key
-        """the key of the code in this process"""
-        self.inputs: list[Shape] = [tuple(shape) for shape in inputs]
-        """the shapes of the arguments for one state"""
-        self.outputs: list[Shape] = [tuple(shape) for shape in outputs]
-        """the shapes of the results for one state"""
+        super().__init__(name, robot._array_code(name, link, list(derivatives), feedback, cost))
+        self.robot, self.link, self.derivatives, self.extras = robot, link, derivatives, (feedback, cost)
         self._derived: dict[tuple[str, tuple[int, ...]], ArrayFunction] = {}
 
     def derivative(self, mode: str, variables: Sequence[int]) -> ArrayFunction:
@@ -67,28 +86,45 @@ class ArrayFunction:
         """the arguments with respect to which the last derivative is"""
         return self.derivatives[-1][1] if self.derivatives else []
 
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, ArrayFunction) and self.key == other.key
 
-    def __hash__(self) -> int:
-        return hash(self.key)
+class GroundStep(Code):
+    """A step on the ground, or a derivative of it, of mode `forward` or `reverse`.
 
-    def __repr__(self) -> str:
-        # The text is part of the text of compiled programs, so it must be the same in each process.
-        return f"{self.name}[{self.key:016x}]"
+    `q`, `qd`, the impulses of contacts and of stops and the residual are the state.
+    """
+
+    has_matrices = False
+
+    def __init__(
+        self, robot: Robot, ground: Ground, derivative: tuple[str, list[int]] | None = None, feedback: bool = False
+    ) -> None:
+        heights = None if ground.heights is None else ground.heights._numbers()
+        options = (ground.joint_limits, ground.tolerance, ground.sweeps, ground.newton_steps, heights)
+        super().__init__("step_on_ground", robot._ground_code(options, derivative, feedback))
+        self.robot, self.ground, self.feedback = robot, ground, feedback
+        self.mode, self.variables = derivative or (None, [])
+        self._derived: dict[tuple[str, tuple[int, ...]], GroundStep] = {}
+
+    def derivative(self, mode: str, variables: Sequence[int]) -> GroundStep:
+        """Returns the derivative with respect to these arguments, as `ArrayFunction.derivative` does."""
+        if self.base is not None or mode == "matrix":
+            raise NotImplementedError("a step on the ground has first derivatives alone")
+        at = (mode, tuple(variables))
+        found = self._derived.get(at)
+        if found is None:
+            found = GroundStep(self.robot, self.ground, (mode, list(variables)), self.feedback)
+            found.base = self
+            self._derived[at] = found
+        return found
 
 
-class Rollout:
+class Rollout(Code):
     """A time step that is repeated: the states after all steps, or the state after the last one."""
 
-    def __init__(self, step: ArrayFunction, steps: int, trajectory: bool, sequences: tuple[int, ...]) -> None:
+    def __init__(self, step: ArrayFunction | GroundStep, steps: int, trajectory: bool, sequences: tuple[int, ...]) -> None:
+        code = rollout_code(step.key, steps, trajectory, list(sequences), None)
+        super().__init__(f"rollout of {step.name}", code)
         self.step, self.steps, self.trajectory, self.sequences = step, steps, trajectory, sequences
-        self.name = f"rollout of {step.name}"
-        self.base = None
-        key, inputs, outputs = rollout_code(step.key, steps, trajectory, list(sequences), None)
-        self.key: int = key
-        self.inputs: list[Shape] = [tuple(shape) for shape in inputs]
-        self.outputs: list[Shape] = [tuple(shape) for shape in outputs]
         self._gradients: dict[tuple[int, ...], RolloutGradient] = {}
 
     @property
@@ -109,40 +145,20 @@ class Rollout:
             raise NotImplementedError(FIRST)
         return self.gradient(variables)
 
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Rollout) and self.key == other.key
 
-    def __hash__(self) -> int:
-        return hash(self.key)
-
-    def __repr__(self) -> str:
-        return f"{self.name}[{self.key:016x}]"
-
-
-class RolloutGradient:
+class RolloutGradient(Code):
     """The gradients of the weighted states of a rollout."""
 
     def __init__(self, rollout: Rollout, variables: list[int]) -> None:
-        self.rollout, self.variables, self.name, self.base = rollout, variables, rollout.name, None
         step = rollout.step.derivative("reverse", sorted({*range(rollout.state), *variables}))
         own = (step.key, variables)
-        key, inputs, outputs = rollout_code(rollout.step.key, rollout.steps, rollout.trajectory, list(rollout.sequences), own)
-        self.key: int = key
-        self.inputs: list[Shape] = [tuple(shape) for shape in inputs]
-        self.outputs: list[Shape] = [tuple(shape) for shape in outputs]
+        code = rollout_code(rollout.step.key, rollout.steps, rollout.trajectory, list(rollout.sequences), own)
+        super().__init__(rollout.name, code)
+        self.rollout, self.variables = rollout, variables
 
     def derivative(self, mode: str, variables: Sequence[int]) -> Any:
         """Raises: there are no second derivatives."""
         raise NotImplementedError(FIRST)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, RolloutGradient) and self.key == other.key
-
-    def __hash__(self) -> int:
-        return hash(self.key)
-
-    def __repr__(self) -> str:
-        return f"{self.name}[{self.key:016x}]"
 
 
 FIRST = "a rollout in one call has first derivatives in reverse mode; for others, differentiate a loop over the function of its step"
@@ -157,12 +173,28 @@ COST = ("q_goal", "qd_goal", "state_weights", "control_weights")
 class RolloutSignature:
     """The arguments of the rollouts of a time step."""
 
-    def __init__(self, robot: Robot, step: str) -> None:
+    def __init__(self, robot: Robot, step: str, ground: Ground | None = None) -> None:
         steps = [name.removeprefix("step_") for name in functions() if STEP.fullmatch(name)]
-        if step not in steps:
-            raise ValueError(f"there is no time step `{step}`; there are: {', '.join(steps)}")
+        if step not in (*steps, "ground"):
+            raise ValueError(f"there is no time step `{step}`; there are: {', '.join([*steps, 'ground'])}")
+        if ground is not None and step != "ground":
+            raise TypeError('`ground` are the options of `step="ground"`')
         self.robot, self.step = robot, f"step_{step}"
-        self.parameters = Signature(robot, self.step, None)
+        self.ground = (ground or Ground()) if step == "ground" else None
+        self.parameters = Signature(robot, self.step if self.ground is None else "contact_problem", None)
+
+    def start(self, given: dict[str, Any], asarray: Callable[[Any], Any], last: GroundStates | None = None) -> None:
+        """Adds the impulses of the last step, the residual and the default settings to the arguments of a step on the ground."""
+        if self.ground is None:
+            if given.pop("settings") is not None:
+                raise TypeError('`settings` are those of `step="ground"`')
+            return
+        zeros = [np.zeros(shape, self.robot.dtype) for shape in ((len(self.robot.contact_names), 3), (self.robot.nv,), (2,))]
+        given["contact_impulses"] = asarray(zeros[0] if last is None else last.contact_impulses)
+        given["stop_impulses"] = asarray(zeros[1] if last is None else last.stop_impulses)
+        given["residual"] = asarray(zeros[2])
+        if given["settings"] is None:
+            given["settings"] = asarray(self.parameters.defaults[self.parameters.names.index("settings")])
 
     def add_cost(self, given: dict[str, Any], cost: QuadraticCost, asarray: Callable[[str, Any], Any], library: Any) -> None:
         """Adds the arguments of a cost to those of a rollout. `library` has `zeros`, `broadcast_to` and `concatenate`."""
@@ -200,7 +232,14 @@ class RolloutSignature:
             raise TypeError(f"`rollout` needs `gains`, `q_ref` and `qd_ref` together: `{missing[0]}` is missing")
         steps = int(controls.shape[-2])
         has_cost = "cost" in given
-        one: dict[str, Shape] = {"q": (nq,), "qd": (nv,), "cost": (), "controls": (nv,), "dt": ()}
+        one: dict[str, Shape] = {"q": (nq,), "qd": (nv,)}
+        if self.ground is None:
+            one |= {"cost": (), "controls": (nv,), "dt": ()}
+        else:
+            if has_cost:
+                raise TypeError('`rollout` with `step="ground"` has no cost: compute it from the states, and leave `cost` out')
+            one |= {"contact_impulses": (len(self.robot.contact_names), 3), "stop_impulses": (nv,), "residual": (2,)}
+            one |= {"controls": (nv,), "dt": (), "settings": self.parameters.shapes[self.parameters.names.index("settings")]}
         one |= {"gains": (nv, 2 * nv), "q_ref": (nq,), "qd_ref": (nv,)}
         one |= {"q_goal": (nq,), "qd_goal": (nv,), "state_weights": (2 * nv,), "control_weights": (nv,)}
         left_out = (*missing, *(() if has_cost else ("cost", *COST)))
@@ -224,13 +263,18 @@ class RolloutSignature:
 
     def code(self, trajectory: bool, steps: int, feedback: bool, cost: bool, sequences: tuple[int, ...]) -> Rollout:
         """Returns the rollout of this number of steps."""
-        step = ArrayFunction(self.robot, self.step, feedback=feedback, cost=cost)
-        return Rollout(step, steps, trajectory, sequences)
+        return Rollout(self.one_step(feedback, cost), steps, trajectory, sequences)
+
+    def one_step(self, feedback: bool = False, cost: bool = False) -> ArrayFunction | GroundStep:
+        """Returns the function of one step."""
+        if self.ground is not None:
+            return GroundStep(self.robot, self.ground, feedback=feedback)
+        return ArrayFunction(self.robot, self.step, feedback=feedback, cost=cost)
 
 
 def motions(results: Sequence[Any]) -> Any:
-    """Returns the results of a rollout, with a type for those with a cost."""
-    return RolloutStates(*results) if len(results) == 2 else RolloutCosts(*results)
+    """Returns the results of a rollout, with a type for those with a cost and for those on the ground."""
+    return {2: RolloutStates, 3: RolloutCosts, 5: GroundStates}[len(results)](*results)
 
 
 STEP = re.compile("step_(?!.*_(?:derivatives|hessian)$).*")

@@ -12,6 +12,8 @@ from ._results import *
 from ._types import (
     BaseParameters,
     ConstraintSettings,
+    Ground,
+    GroundStates,
     Joint,
     JointLimits,
     QuadraticCost,
@@ -343,6 +345,38 @@ class Robot:
         results. Each derivative is its mode (`forward`, `reverse` or `matrix`) and the indices of the arrays that vary. With
         `feedback`, a time step has the arguments `gains`, `q_ref` and `qd_ref`; with `cost`, the array `cost` of the state, and
         `q_goal`, `qd_goal`, `state_weights` and `control_weights`."""
+    def _ground_code(
+        self,
+        options: tuple[
+            bool | None, float | None, int | None, int | None, tuple[tuple[float, float], tuple[float, float], int, list[float]] | None
+        ],
+        derivative: tuple[str, Sequence[int]] | None = None,
+        feedback: bool = False,
+    ) -> tuple[int, list[list[int]], list[list[int]]]:
+        """Returns the key of the code of a step on the ground or of a derivative, and the shapes of its arrays of arguments and of
+        results: `q`, `qd`, the impulses of contacts and of stops and the residual are the state; then `tau`, `dt`,
+        `settings`, with `feedback` `gains`, `q_ref` and `qd_ref`, and the run-time parameters. A derivative is its mode (`forward` or `reverse`) and the indices of the
+        arrays that vary. Of the options `joint_limits`, `tolerance`, `sweeps`, `newton_steps` and `heights`, `None` is the default."""
+    def step_on_ground(
+        self,
+        q: ArrayLike,
+        qd: ArrayLike,
+        tau: ArrayLike,
+        dt: ArrayLike,
+        settings: ConstraintSettings | ArrayLike | None = None,
+        *,
+        last: GroundStates | None = None,
+        ground: Ground | None = None,
+    ) -> GroundStates:
+        """Returns the state after the time `dt` (s) on the ground under the joint forces `tau`: contacts are points that the
+        ground can push but not pull, with Coulomb friction, and joints stop at their limits. The method is semi-implicit
+        Euler with impulses, whose laws hold up to `residual`. Closed loops are not closed.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: (); `settings`: `ConstraintSettings`, by default with the
+        ground at z = 0 under all contacts; `last`: the `GroundStates` of the last step, whose impulses the solver starts
+        from; `ground`: `Ground`. Leading axes are those of states, and are broadcast.
+        Result: `GroundStates`.
+        """
     def rollout(
         self,
         q: ArrayLike,
@@ -355,18 +389,21 @@ class Robot:
         q_ref: ArrayLike | None = None,
         qd_ref: ArrayLike | None = None,
         cost: QuadraticCost | None = None,
+        settings: ConstraintSettings | ArrayLike | None = None,
+        ground: Ground | None = None,
         trajectory: bool = True,
-    ) -> RolloutStates | RolloutCosts:
+    ) -> RolloutStates | RolloutCosts | GroundStates:
         """Returns the states of motions of many time steps in one call: after each step, (..., steps, n), or after the last
         one with `trajectory=False`. Many motions use the vector units and all cores.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `controls`: (steps, nv), the joint forces of each step; `dt`: the time step, s;
-        `step`: the method, such as `semi_implicit` for the function `step_semi_implicit`. With a feedback, the forces are
-        `controls` + `gains` (x_ref - x), where the difference of states has that of coordinates in tangent space, then that
-        of velocities: `gains`: (nv, 2 nv) or (steps, nv, 2 nv); `q_ref`: (nq,) or (steps, nq); `qd_ref`: (nv,) or
-        (steps, nv); one step stands for all of them. With `cost`, a `QuadraticCost`, each step adds the cost of its forces and of
+        `step`: the method, such as `semi_implicit` for the function `step_semi_implicit`, or `ground` for `step_on_ground`,
+        whose `settings` and `ground` are then arguments, too. With a feedback, the forces are `controls` +
+        `gains` (x_ref - x), where the difference of states has that of coordinates in tangent space, then that of
+        velocities: `gains`: (nv, 2 nv) or (steps, nv, 2 nv); `q_ref`: (nq,) or (steps, nq); `qd_ref`: (nv,) or (steps, nv);
+        one step stands for all of them. With `cost`, a `QuadraticCost`, each step adds the cost of its forces and of
         the state after it. Leading axes are those of motions, and are broadcast.
-        Result: `RolloutStates`: `q` and `qd`; with a cost `RolloutCosts`.
+        Result: `RolloutStates`: `q` and `qd`; with a cost `RolloutCosts`, on the ground `GroundStates`.
         """
     def rollout_vjp(
         self,
@@ -383,6 +420,8 @@ class Robot:
         qd_ref: ArrayLike | None = None,
         cost: QuadraticCost | None = None,
         cost_weights: ArrayLike | None = None,
+        settings: ConstraintSettings | ArrayLike | None = None,
+        ground: Ground | None = None,
         trajectory: bool = True,
     ) -> RolloutGradients:
         """Returns the gradients of the weighted states of motions, which `rollout` returns, with respect to its arguments, for

@@ -6,27 +6,35 @@ from typing import Any
 
 import numpy as np
 
-from ._arrays import COST, FEEDBACK, Rollout, RolloutSignature, motions
+from ._arrays import COST, FEEDBACK, GroundStep, Rollout, RolloutSignature, check, motions
 from ._modyn import Robot, call_arrays
-from ._types import QuadraticCost, RolloutCosts, RolloutGradients, RolloutStates
+from ._types import ConstraintSettings, Ground, GroundStates, QuadraticCost, RolloutCosts, RolloutGradients, RolloutStates
+
+Step = tuple[str, Ground | None]
+"""the name of a time step, and the options of a step on the ground"""
+
+
+def _array(robot: Robot, function: str, argument: str, given: Any) -> Any:
+    """Returns an argument as an array in C order; `None` if it is not given."""
+    if given is None:
+        return None
+    try:
+        if isinstance(given, ConstraintSettings):
+            return np.asarray(given, robot.dtype)
+        found = np.asarray(given)
+        return np.ascontiguousarray(found.astype(robot.dtype, casting="same_kind")).reshape(found.shape)
+    except (TypeError, ValueError) as error:
+        raise TypeError(f"`{argument}` of `{function}` must be an array of real numbers: {error}") from None
 
 
 def _given(
-    robot: Robot, name: str, arguments: dict[str, Any], step: str, trajectory: bool, cost: QuadraticCost | None
+    robot: Robot, name: str, arguments: dict[str, Any], step: Step, trajectory: bool, cost: QuadraticCost | None
 ) -> tuple[list[Any], Rollout]:
     """Returns the arguments as arrays in the order of the step, and the rollout."""
-
-    def array(argument: str, given: Any) -> Any:
-        if given is None:
-            return None
-        try:
-            found = np.asarray(given)
-            return np.ascontiguousarray(found.astype(robot.dtype, casting="same_kind")).reshape(found.shape)
-        except (TypeError, ValueError) as error:
-            raise TypeError(f"`{argument}` of `{name}` must be an array of real numbers: {error}") from None
-
-    signature = RolloutSignature(robot, step)
+    array = lambda argument, x: _array(robot, name, argument, x)
+    signature = RolloutSignature(robot, *step)
     arrays = {argument: array(argument, given) for argument, given in arguments.items()}
+    signature.start(arrays, np.asarray)
     if cost is not None:
         signature.add_cost(arrays, cost, array, np)
         arrays["state_weights"] = np.ascontiguousarray(arrays["state_weights"])
@@ -37,8 +45,8 @@ def _given(
 
 
 def rollout(
-    robot: Robot, arguments: dict[str, Any], step: str, trajectory: bool, cost: QuadraticCost | None
-) -> RolloutStates | RolloutCosts:
+    robot: Robot, arguments: dict[str, Any], step: Step, trajectory: bool, cost: QuadraticCost | None
+) -> RolloutStates | RolloutCosts | GroundStates:
     """Returns the result of `Robot.rollout`."""
     arrays, code = _given(robot, "rollout", arguments, step, trajectory, cost)
     return motions(call_arrays(code.key, arrays))
@@ -47,8 +55,8 @@ def rollout(
 def rollout_vjp(
     robot: Robot,
     arguments: dict[str, Any],
-    weights: tuple[Any, Any, Any],
-    step: str,
+    weights: tuple[Any, ...],
+    step: Step,
     trajectory: bool,
     cost: QuadraticCost | None,
 ) -> RolloutGradients:
@@ -56,15 +64,18 @@ def rollout_vjp(
     arrays, code = _given(robot, "rollout_vjp", arguments, step, trajectory, cost)
     if cost is None and weights[2] is not None:
         raise TypeError("`cost_weights` of `rollout_vjp` are those of a `cost`")
-    names = ["q", "qd", *(["cost"] if cost is not None else []), "controls", "dt"]
+    on_ground = isinstance(code.step, GroundStep)
+    own = ("contact_impulses", "stop_impulses", "residual") if on_ground else ("cost",) if cost is not None else ()
+    names = ["q", "qd", *own, "controls", "dt", *(["settings"] if on_ground else [])]
     names += [name for name in FEEDBACK if arguments[name] is not None]
     names += COST if cost is not None else ()
-    wanted = [k for k, name in enumerate(names) if name != "cost"]
+    wanted = [k for k, name in enumerate(names) if name not in own]
     gradient = code.gradient(wanted)
-    for name, own, given in zip(("q_weights", "qd_weights", "cost_weights"), code.outputs, weights):
-        weight = np.ascontiguousarray(np.zeros(own) if given is None else given, robot.dtype).reshape(np.shape(given) or own)
-        if weight.shape[weight.ndim - len(own) :] != own:
-            raise ValueError(f"`{name}` of `rollout_vjp` has the shape {weight.shape}; expected {own}, after axes of motions")
+    weights = (*weights[:2], None, None, None) if on_ground else weights
+    for name, shape, given in zip(("q_weights", "qd_weights", "cost_weights", "", ""), code.outputs, weights):
+        weight = np.ascontiguousarray(np.zeros(shape) if given is None else given, robot.dtype).reshape(np.shape(given) or shape)
+        if weight.shape[weight.ndim - len(shape) :] != shape:
+            raise ValueError(f"`{name}` of `rollout_vjp` has the shape {weight.shape}; expected {shape}, after axes of motions")
         arrays.append(weight)
     found = dict(zip((names[k] for k in wanted), call_arrays(gradient.key, arrays)))
     if cost is not None and cost.terminal_weights is not None:
@@ -91,3 +102,18 @@ def _steps(given: Any, name: str) -> int | None:
     """Returns the length of the axis of steps of an argument; `None` if it has none."""
     shape = np.shape(given)
     return shape[-1 - _rank(name)] if len(shape) > _rank(name) else None
+
+
+def step_on_ground(robot: Robot, arguments: dict[str, Any], last: GroundStates | None, ground: Ground | None) -> GroundStates:
+    """Returns the result of `Robot.step_on_ground`."""
+    name = "step_on_ground"
+    signature = RolloutSignature(robot, "ground", ground)
+    arrays = {argument: _array(robot, name, argument, given) for argument, given in arguments.items()}
+    signature.start(arrays, lambda x: _array(robot, name, "last", x), last)
+    code = signature.one_step()
+    names = ["q", "qd", "contact_impulses", "stop_impulses", "residual", "tau", "dt", "settings"]
+    given = [arrays[own] for own in names]
+    check(name, names, code.inputs, given)
+    if signature.parameters.parameters:
+        given.append(signature.parameters.flat(None, np.asarray, np.concatenate))
+    return GroundStates(*call_arrays(code.key, given))

@@ -158,6 +158,66 @@ class QuadraticCost(NamedTuple):
     """(2 nv,), by default zero: further weights of the last state"""
 
 
+@dataclass(frozen=True, eq=False)
+class HeightField:
+    """Ground whose height is given on a grid in the xy plane of the world, and interpolated bilinearly. Beyond the grid the ground goes
+    on level at the height of the border."""
+
+    heights: ArrayLike
+    """(rows, columns), m: columns along x, rows along y; two or more of each"""
+    origin: tuple[float, float] = (0.0, 0.0)
+    """the x and y of the first height, m"""
+    spacing: tuple[float, float] = (1.0, 1.0)
+    """the distances of neighbours along x and y, m"""
+
+    def _numbers(self) -> tuple[tuple[float, float], tuple[float, float], int, list[float]]:
+        heights = np.asarray(self.heights, float)
+        if heights.ndim != 2:
+            raise ValueError(f"`heights` of `HeightField` has the shape {heights.shape}; expected (rows, columns)")
+        (x, y), (along_x, along_y) = self.origin, self.spacing
+        return (float(x), float(y)), (float(along_x), float(along_y)), heights.shape[1], heights.ravel().tolist()
+
+
+@dataclass(frozen=True)
+class Ground:
+    """The options of steps on the ground."""
+
+    joint_limits: bool = True
+    """whether joints stop at the limits of the description"""
+    tolerance: float | None = None
+    """the largest wrong velocity at which the solver ends, m/s and rad/s; by default 1e-9, and 8e-6 in single precision"""
+    sweeps: int = 8
+    """the largest number of sweeps over the contacts"""
+    newton_steps: int = 40
+    """the largest number of Newton steps after the sweeps"""
+    heights: HeightField | None = None
+    """the heights of the ground; they set the planes of the targets of all contacts, at each step"""
+
+
+class GroundStates(NamedTuple):
+    """The states of motions on the ground, with the impulses of the steps that led to them: after each step, (..., steps, n), or
+    after the last one, (..., n)."""
+
+    q: NDArray[Any]
+    """the coordinates"""
+    qd: NDArray[Any]
+    """the velocities"""
+    contact_impulses: NDArray[Any]
+    """(..., contacts, 3): along the x and y axes of the target of each contact, then along its normal, N s"""
+    stop_impulses: NDArray[Any]
+    """(..., nv): of the joint stops, N m s or N s"""
+    residual: NDArray[Any]
+    """(..., 2): the largest wrong velocity of a contact, m/s, and of a joint at a stop, rad/s or m/s, in all steps so far"""
+
+    def modes(self, friction: ArrayLike = 0.8) -> NDArray[np.int8]:
+        """Returns the state of each contact, (..., contacts): 0 for open, 1 for stick, 2 for slip. `friction` is the coefficient of
+        friction of the contacts."""
+        tangential = np.linalg.norm(self.contact_impulses[..., :2], axis=-1)
+        normal = self.contact_impulses[..., 2]
+        limit = np.asarray(friction) * normal * (1 - 1e-6)
+        return np.where(normal <= 0, 0, np.where((tangential > limit) | (limit <= 0), 2, 1)).astype(np.int8)
+
+
 class RolloutGradients(NamedTuple):
     """The gradients of the weighted states of motions, for each motion, with the shapes of the arguments."""
 
@@ -170,6 +230,8 @@ class RolloutGradients(NamedTuple):
     """`None` without a feedback"""
     q_ref: NDArray[Any] | None = None
     qd_ref: NDArray[Any] | None = None
+    settings: NDArray[Any] | None = None
+    """by the numbers of `settings`; `None` unless the steps are on the ground"""
     cost: QuadraticCost | None = None
     """`None` without a cost"""
 

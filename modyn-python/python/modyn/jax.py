@@ -35,7 +35,7 @@ from jax.interpreters import ad, batching, mlir
 from . import _modyn
 from ._arrays import ArrayFunction, Rollout, RolloutGradient, RolloutSignature, Signature, documented, motions
 from ._modyn import Robot
-from ._types import QuadraticCost, RolloutCosts, RolloutStates
+from ._types import ConstraintSettings, Ground, GroundStates, QuadraticCost, RolloutCosts, RolloutStates
 
 __all__ = ["function", "parameters", "rollout", "to_tangent"]
 
@@ -64,13 +64,16 @@ def function(robot: Robot, name: str, link: str | int | None = None) -> Callable
     return documented(call, signature, "JAX")
 
 
-def rollout(robot: Robot, step: str = "semi_implicit", trajectory: bool = True) -> Callable[..., RolloutStates | RolloutCosts]:
+def rollout(
+    robot: Robot, step: str = "semi_implicit", trajectory: bool = True, ground: Ground | None = None
+) -> Callable[..., RolloutStates | RolloutCosts | GroundStates]:
     """Returns the function `Robot.rollout` of a robot as a function of JAX's arrays.
 
     It is one call from the first step to the last, and so is its gradient, which stores few states. Other derivatives go through
     `lax.scan`. Its arguments are `q`, `qd`, `controls`, `dt`, and by keyword `gains`, `q_ref`, `qd_ref`, `cost` and `parameters`.
+    With `step="ground"`, `ground` are the options of the step; then `settings` is an argument, and there are first derivatives alone.
     """
-    signature = RolloutSignature(robot, step)
+    signature = RolloutSignature(robot, step, ground)
     dtype = np.dtype(robot.dtype)
 
     def call(
@@ -83,11 +86,16 @@ def rollout(robot: Robot, step: str = "semi_implicit", trajectory: bool = True) 
         q_ref: Any = None,
         qd_ref: Any = None,
         cost: QuadraticCost | None = None,
+        settings: Any = None,
         parameters: Any = None,
     ) -> Any:
         """Returns the states after each step, (..., steps, n), or after the last one."""
         arguments = {"q": q, "qd": qd, "controls": controls, "dt": dt, "gains": gains, "q_ref": q_ref, "qd_ref": qd_ref}
+        if isinstance(settings, ConstraintSettings):
+            settings = np.asarray(settings, robot.dtype)
+        arguments["settings"] = settings
         given = {name: None if x is None else _array(x, dtype, name, "rollout") for name, x in arguments.items()}
+        signature.start(given, jnp.asarray)
         if cost is not None:
             signature.add_cost(given, cost, lambda name, x: _array(x, dtype, name, "rollout"), jnp)
         if signature.parameters.parameters:
@@ -243,7 +251,7 @@ def _batched(arrays: Any, dims: Any, *, code: ArrayFunction) -> Any:
     moved = _moved(arrays, dims, code.inputs)
     count = next(array.shape[0] for array, dim in zip(moved, dims) if dim is not None)
     base = code.base
-    if base is not None and all(dim is None for dim in dims[: len(base.inputs)]):
+    if base is not None and base.has_matrices and all(dim is None for dim in dims[: len(base.inputs)]):
         # One point and many changes or weights, as in `jacfwd` and `jacrev`: products with the matrices of derivatives.
         sizes = [sum(map(_size, shapes)) for shapes in (base.outputs, [base.inputs[i] for i in code.variables])]
         if count * 4 >= min(sizes):

@@ -25,7 +25,7 @@ import numpy as np
 
 from ._arrays import ArrayFunction, Rollout, RolloutSignature, Signature, documented, motions
 from ._modyn import Robot, call_arrays
-from ._types import QuadraticCost, RolloutCosts, RolloutStates
+from ._types import ConstraintSettings, Ground, GroundStates, QuadraticCost, RolloutCosts, RolloutStates
 
 __all__ = ["function", "parameters", "rollout", "to_tangent"]
 
@@ -56,13 +56,16 @@ def function(robot: Robot, name: str, link: str | int | None = None) -> Callable
     return documented(call, signature, "PyTorch")
 
 
-def rollout(robot: Robot, step: str = "semi_implicit", trajectory: bool = True) -> Callable[..., RolloutStates | RolloutCosts]:
+def rollout(
+    robot: Robot, step: str = "semi_implicit", trajectory: bool = True, ground: Ground | None = None
+) -> Callable[..., RolloutStates | RolloutCosts | GroundStates]:
     """Returns the function `Robot.rollout` of a robot as a function of PyTorch's tensors.
 
     It is one call from the first step to the last, and so is its gradient, which stores few states. Its arguments are `q`, `qd`,
     `controls`, `dt`, and by keyword `gains`, `q_ref`, `qd_ref`, `cost` and `parameters`. It has first derivatives in reverse mode.
+    With `step="ground"`, `ground` are the options of the step, and `settings` is an argument.
     """
-    signature = RolloutSignature(robot, step)
+    signature = RolloutSignature(robot, step, ground)
     dtype = _dtype(robot)
 
     @torch.compiler.assume_constant_result
@@ -79,11 +82,16 @@ def rollout(robot: Robot, step: str = "semi_implicit", trajectory: bool = True) 
         q_ref: Any = None,
         qd_ref: Any = None,
         cost: QuadraticCost | None = None,
+        settings: Any = None,
         parameters: Any = None,
     ) -> Any:
         """Returns the states after each step, (..., steps, n), or after the last one."""
         arguments = {"q": q, "qd": qd, "controls": controls, "dt": dt, "gains": gains, "q_ref": q_ref, "qd_ref": qd_ref}
+        if isinstance(settings, ConstraintSettings):
+            settings = np.asarray(settings, robot.dtype)
+        arguments["settings"] = settings
         given = {name: None if x is None else _tensor(x, dtype, name, "rollout") for name, x in arguments.items()}
+        signature.start(given, lambda x: _tensor(x, dtype, "settings", "rollout"))
         if cost is not None:
             signature.add_cost(given, cost, lambda name, x: _tensor(x, dtype, name, "rollout"), torch)
         if signature.parameters.parameters:

@@ -8,6 +8,7 @@ use modyn_codegen::plan::Planned;
 use modyn_codegen::program::Program;
 use modyn_jit::{Call, Compiled, Options};
 
+use super::ground::{GroundFunction, ReadyGround};
 use super::states::{Broadcast, Numbers, Results};
 use crate::function::INSTRUCTIONS_PER_THREAD;
 use crate::number::Number;
@@ -16,7 +17,7 @@ use crate::number::Number;
 const SMALL: usize = 64;
 
 /// The shapes of the arrays of a function, for one state.
-#[derive(Clone, PartialEq, Eq, Hash)]
+#[derive(Clone, Default, PartialEq, Eq, Hash)]
 pub struct ArrayShapes {
     inputs: Vec<Vec<usize>>,
     outputs: Vec<Vec<usize>>,
@@ -56,6 +57,7 @@ pub struct StateFunction<S: Number> {
 enum Code<S: Number> {
     Machine(Box<Compiled<S>>, &'static str),
     Evaluated(Box<Planned>),
+    Ground(Box<GroundFunction<S>>),
 }
 
 impl<S: Number> StateFunction<S> {
@@ -81,6 +83,11 @@ impl<S: Number> StateFunction<S> {
         Some((Self { code, shapes }, reason))
     }
 
+    /// Returns a step on the ground with the shapes of its arrays.
+    pub fn on_ground(step: GroundFunction<S>, shapes: ArrayShapes) -> Self {
+        Self { code: Code::Ground(Box::new(step)), shapes }
+    }
+
     /// Returns the shapes of the arrays.
     pub fn shapes(&self) -> &ArrayShapes {
         &self.shapes
@@ -101,6 +108,7 @@ impl<S: Number> StateFunction<S> {
                 let (program, _) = straight.ok_or("modyn: a function without a program")?;
                 Runner::Evaluated(program)
             }
+            Code::Ground(step) => Runner::Ground(Box::new(step.ready()?)),
         };
         Ok(Kernel { shapes: &self.shapes, runner })
     }
@@ -208,6 +216,7 @@ pub struct Kernel<'a, S: Number> {
 enum Runner<'a, S: Number> {
     Machine(Call<'a, S>),
     Evaluated(&'a Program),
+    Ground(Box<ReadyGround<'a, S>>),
 }
 
 impl<S: Number> Kernel<'_, S> {
@@ -216,6 +225,7 @@ impl<S: Number> Kernel<'_, S> {
         match &self.runner {
             Runner::Machine(call) => call.size().instructions / 4 + 1,
             Runner::Evaluated(_) => INSTRUCTIONS_PER_THREAD,
+            Runner::Ground(step) => step.cost(),
         }
     }
 
@@ -224,6 +234,7 @@ impl<S: Number> Kernel<'_, S> {
         match &self.runner {
             Runner::Machine(call) => call.lanes(),
             Runner::Evaluated(_) => 1,
+            Runner::Ground(step) => step.lanes(),
         }
     }
 
@@ -239,6 +250,7 @@ impl<S: Number> Kernel<'_, S> {
                 debug_assert!(done.is_ok(), "{done:?}");
             }
             Runner::Evaluated(program) => result.copy_from_slice(&program.evaluate(numbers)),
+            Runner::Ground(step) => step.run(numbers, result, lanes),
         }
     }
 

@@ -8,6 +8,7 @@
 //! The code of a function is never dropped: XLA may call it as long as the process lives.
 
 mod code;
+mod ground;
 mod interface;
 mod kernel;
 mod pool;
@@ -32,6 +33,7 @@ use crate::errors::{description_error, warn_of_machine_code};
 use crate::number::Number;
 use crate::robot::Robot;
 use code::ArrayCode;
+use ground::GroundOptions;
 use kernel::{ArrayShapes, StateFunction};
 use pool::StartedThreads;
 use rollout::{Reverse, Rollout};
@@ -46,6 +48,9 @@ enum AnyCode {
     F64(ArrayCode<f64>),
     F32(ArrayCode<f32>),
 }
+
+/// The key of a step on the ground: its contact problem, and the numbers of its options.
+pub type GroundKey = (EntryFunction, [u64; 5]);
 
 impl AnyCode {
     /// Returns the only function of a planning, and the reason why there is no machine code, if it was wanted.
@@ -149,17 +154,37 @@ impl Robot {
 
 #[pymethods]
 impl Robot {
+    /// Returns the key of the code of a step on the ground or of a derivative, and the shapes of its arrays of arguments and of results:
+    /// `q`, `qd`, the impulses of contacts and of stops and the residual are the state; then `tau`, `dt`, `settings`, with
+    /// `feedback` `gains`, `q_ref` and `qd_ref`, and the run-time parameters. A derivative is its mode (`forward` or `reverse`) and the indices of the arrays that vary. Of the
+    /// options `joint_limits`, `tolerance`, `sweeps`, `newton_steps` and `heights`, `None` is the default.
+    #[pyo3(signature = (options, derivative=None, feedback=false))]
+    fn _ground_code(
+        &self,
+        py: Python<'_>,
+        options: GroundOptions,
+        derivative: Option<(String, Vec<usize>)>,
+        feedback: bool,
+    ) -> PyResult<KeyAndShapes> {
+        self.check_has(Function::ContactProblem)?;
+        match self.scalar() {
+            FloatType::F64 => self.ground_code(py, (options, feedback), derivative, AnyCode::F64),
+            FloatType::F32 => self.ground_code(py, (options, feedback), derivative, AnyCode::F32),
+        }
+    }
+
     /// Returns the states of motions of many time steps in one call: after each step, (..., steps, n), or after the last one with
     /// `trajectory=False`. Many motions use the vector units and all cores.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `controls`: (steps, nv), the joint forces of each step; `dt`: the time step, s; `step`: the
-    /// method, such as `semi_implicit` for the function `step_semi_implicit`. With a feedback, the forces are `controls` +
+    /// method, such as `semi_implicit` for the function `step_semi_implicit`, or `ground` for `step_on_ground`, whose `settings` and
+    /// `ground` are then arguments, too. With a feedback, the forces are `controls` +
     /// `gains` (x_ref - x), where the difference of states has that of coordinates in tangent space, then that of velocities:
     /// `gains`: (nv, 2 nv) or (steps, nv, 2 nv); `q_ref`: (nq,) or (steps, nq); `qd_ref`: (nv,) or (steps, nv); one step stands
     /// for all of them. With `cost`, a `QuadraticCost`, each step adds the cost of its forces and of the state after it. Leading axes are
     /// those of motions, and are broadcast.
-    /// Result: `RolloutStates`: `q` and `qd`; with a cost `RolloutCosts`.
-    #[pyo3(signature = (q, qd, controls, dt, *, step="semi_implicit", gains=None, q_ref=None, qd_ref=None, cost=None, trajectory=true))]
+    /// Result: `RolloutStates`: `q` and `qd`; with a cost `RolloutCosts`, on the ground `GroundStates`.
+    #[pyo3(signature = (q, qd, controls, dt, *, step="semi_implicit", gains=None, q_ref=None, qd_ref=None, cost=None, settings=None, ground=None, trajectory=true))]
     #[allow(clippy::too_many_arguments)]
     fn rollout<'py>(
         slf: &Bound<'py, Self>,
@@ -172,12 +197,14 @@ impl Robot {
         q_ref: Option<&Bound<'py, PyAny>>,
         qd_ref: Option<&Bound<'py, PyAny>>,
         cost: Option<&Bound<'py, PyAny>>,
+        settings: Option<&Bound<'py, PyAny>>,
+        ground: Option<&Bound<'py, PyAny>>,
         trajectory: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let arguments =
-            rollout_arguments([Some(q), Some(qd), Some(controls), Some(dt), gains, q_ref, qd_ref])?;
+        let given = [Some(q), Some(qd), Some(controls), Some(dt), settings, gains, q_ref, qd_ref];
+        let arguments = named(slf.py(), &ROLLOUT_ARGUMENTS, &given)?;
         let rollout = slf.py().import("modyn._rollout")?.getattr("rollout")?;
-        rollout.call1((slf, arguments, step, trajectory, cost))
+        rollout.call1((slf, arguments, (step, ground), trajectory, cost))
     }
 
     /// Returns the gradients of the weighted states of motions, which `rollout` returns, with respect to its arguments, for each motion:
@@ -186,7 +213,7 @@ impl Robot {
     /// Arguments: those of `rollout`; `q_weights`: (steps, nq) and `qd_weights`: (steps, nv), or (nq,) and (nv,) with
     /// `trajectory=False`; `None` for zeros; `cost_weights`: (steps,), or () with `trajectory=False`, the weights of the cost.
     /// Result: `RolloutGradients`, with the names and the shapes of the arguments.
-    #[pyo3(signature = (q, qd, controls, dt, q_weights, qd_weights, *, step="semi_implicit", gains=None, q_ref=None, qd_ref=None, cost=None, cost_weights=None, trajectory=true))]
+    #[pyo3(signature = (q, qd, controls, dt, q_weights, qd_weights, *, step="semi_implicit", gains=None, q_ref=None, qd_ref=None, cost=None, cost_weights=None, settings=None, ground=None, trajectory=true))]
     #[allow(clippy::too_many_arguments)]
     fn rollout_vjp<'py>(
         slf: &Bound<'py, Self>,
@@ -202,21 +229,55 @@ impl Robot {
         qd_ref: Option<&Bound<'py, PyAny>>,
         cost: Option<&Bound<'py, PyAny>>,
         cost_weights: Option<&Bound<'py, PyAny>>,
+        settings: Option<&Bound<'py, PyAny>>,
+        ground: Option<&Bound<'py, PyAny>>,
         trajectory: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let arguments =
-            rollout_arguments([Some(q), Some(qd), Some(controls), Some(dt), gains, q_ref, qd_ref])?;
+        let given = [Some(q), Some(qd), Some(controls), Some(dt), settings, gains, q_ref, qd_ref];
+        let arguments = named(slf.py(), &ROLLOUT_ARGUMENTS, &given)?;
         let vjp = slf.py().import("modyn._rollout")?.getattr("rollout_vjp")?;
         let weights = (q_weights, qd_weights, cost_weights);
-        vjp.call1((slf, arguments, weights, step, trajectory, cost))
+        vjp.call1((slf, arguments, weights, (step, ground), trajectory, cost))
+    }
+
+    /// Returns the state after the time `dt` (s) on the ground under the joint forces `tau`: contacts are points that the ground can push
+    /// but not pull, with Coulomb friction, and joints stop at their limits. The method is semi-implicit Euler with impulses, whose
+    /// laws hold up to `residual`. Closed loops are not closed.
+    ///
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: (); `settings`: `ConstraintSettings`, by default with the ground at
+    /// z = 0 under all contacts; `last`: the `GroundStates` of the last step, whose impulses the solver starts from; `ground`: `Ground`.
+    /// Leading axes are those of states, and are broadcast.
+    /// Result: `GroundStates`.
+    #[pyo3(signature = (q, qd, tau, dt, settings=None, *, last=None, ground=None))]
+    #[allow(clippy::too_many_arguments)]
+    fn step_on_ground<'py>(
+        slf: &Bound<'py, Self>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        settings: Option<&Bound<'py, PyAny>>,
+        last: Option<&Bound<'py, PyAny>>,
+        ground: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let given = [Some(q), Some(qd), Some(tau), Some(dt), settings];
+        let arguments = named(slf.py(), &["q", "qd", "tau", "dt", "settings"], &given)?;
+        let step = slf.py().import("modyn._rollout")?.getattr("step_on_ground")?;
+        step.call1((slf, arguments, last, ground))
     }
 }
 
-/// Returns the arguments of a rollout by their names.
-fn rollout_arguments<'py>(given: [Option<&Bound<'py, PyAny>>; 7]) -> PyResult<Bound<'py, PyDict>> {
-    let names = ["q", "qd", "controls", "dt", "gains", "q_ref", "qd_ref"];
-    let py = given.iter().flatten().next().map(|one| one.py());
-    let arguments = PyDict::new(py.ok_or_else(|| PyTypeError::new_err("no arguments"))?);
+/// The names of the arguments of a rollout.
+const ROLLOUT_ARGUMENTS: [&str; 8] =
+    ["q", "qd", "controls", "dt", "settings", "gains", "q_ref", "qd_ref"];
+
+/// Returns arguments by their names.
+fn named<'py>(
+    py: Python<'py>,
+    names: &[&str],
+    given: &[Option<&Bound<'py, PyAny>>],
+) -> PyResult<Bound<'py, PyDict>> {
+    let arguments = PyDict::new(py);
     for (name, given) in names.iter().zip(given) {
         arguments.set_item(name, given)?;
     }
@@ -249,6 +310,53 @@ impl Robot {
             }
         };
         Ok((function, link))
+    }
+
+    /// Returns the key and the shapes of a step on the ground, which is compiled at its first use.
+    fn ground_code<S: Number>(
+        &self,
+        py: Python<'_>,
+        (options, feedback): (GroundOptions, bool),
+        derivative: Option<(String, Vec<usize>)>,
+        code: fn(ArrayCode<S>) -> AnyCode,
+    ) -> PyResult<KeyAndShapes> {
+        let step = ground::Step::new(self, options, feedback).map_err(PyValueError::new_err)?;
+        let derivative = derivative.map(|(mode, variables)| match &*mode {
+            "forward" => Ok(Derivative { mode: DerivativeMode::Forward, variables }),
+            "reverse" => Ok(Derivative { mode: DerivativeMode::Reverse, variables }),
+            other => {
+                Err(PyValueError::new_err(format!("no mode `{other}` of a step on the ground")))
+            }
+        });
+        let derivative = derivative.transpose()?;
+        let arrays = step.shapes(derivative.as_ref()).map_err(PyValueError::new_err)?;
+        let key = self.ground_key(step.key(derivative.as_ref()), || {
+            let mut hasher = DefaultHasher::new();
+            (step.key(None).1, format!("{:?} {derivative:?}", step.robot())).hash(&mut hasher);
+            let compiled = |part: &EntryFunction| {
+                let planning = self.builder().plan_entries(part);
+                let planning = planning.map_err(|errors| description_error(py, &errors))?;
+                let none = || PyValueError::new_err("there is no such function");
+                let planned = planning.plan.functions.first().ok_or_else(none)?;
+                let machine = self.has_machine_code();
+                key_of(planned, &arrays, self.scalar(), machine).hash(&mut hasher);
+                let function = StateFunction::new(planning, ArrayShapes::default(), machine);
+                let (function, reason) = function.ok_or_else(none)?;
+                if let Some(reason) = reason {
+                    let message = format!("functions are evaluated, which is slow: {reason}");
+                    warn_of_machine_code(py, &message)?;
+                }
+                Ok::<_, PyErr>(function)
+            };
+            let function = step.compile(derivative.as_ref(), compiled)?;
+            let key = (hasher.finish() >> 1).cast_signed();
+            if find(key).is_none() {
+                let function = StateFunction::on_ground(function, arrays.clone());
+                register(key, code(ArrayCode::Function(function)));
+            }
+            Ok::<_, PyErr>(key)
+        })?;
+        Ok((key, arrays.inputs().to_vec(), arrays.outputs().to_vec()))
     }
 
     /// Compiles a function of arrays, unless there is the same code already, and returns its key.

@@ -91,12 +91,15 @@ impl<R: Robot, T: Decide> State<R, T> {
         R: functions::ContactProblem + functions::Brge + functions::Integrate,
     {
         let problem = R::contact_problem(&self.q, &self.qd, tau, dt, settings);
+        let rows = |vectors: &R::PerContact<Vector3<T>>| {
+            R::PerContactRow::<T>::from_fn(|row| vectors.as_ref()[row / 3][row % 3])
+        };
         let motion = FreeMotion {
             dt,
             qd: problem.qd.as_ref(),
             heights: problem.heights.as_ref(),
-            before: problem.before.as_ref(),
-            free: problem.free.as_ref(),
+            before: &rows(&problem.before),
+            free: &rows(&problem.free),
             mobility: problem.mobility.as_ref(),
             responses: problem.responses.as_ref(),
         };

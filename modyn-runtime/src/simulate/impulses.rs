@@ -4,12 +4,8 @@
 //! This module says which velocities the ground and the stops allow after the step, and [`solve`](crate::solve) finds the impulses.
 //! Stops take part only if a joint would pass one, or if one acted in the last step.
 
-#[cfg(feature = "alloc")]
-use alloc::{vec, vec::Vec};
-
 use crate::scalar::epsilon;
 use crate::solve::{Contact, ContactMode, Decide, Effort, GroundEquations, Residual, Row, Stop};
-use crate::spatial::Vector3;
 use crate::{ContactTarget, Scalar};
 
 /// The rounds after which all stops take part.
@@ -50,9 +46,9 @@ pub struct FreeMotion<'a, T, C, V> {
     /// The height of each contact, m.
     pub heights: &'a [T],
     /// The velocity of each contact relative to its target before the step, in the directions of its rows, m/s.
-    pub before: &'a [Vector3<T>],
+    pub before: &'a C,
     /// The same after the step without impulses, m/s.
-    pub free: &'a [Vector3<T>],
+    pub free: &'a C,
     /// J M^-1 J^T, 1/kg.
     pub mobility: &'a [C],
     /// M^-1 J^T: for each row the change of the velocities by a unit impulse.
@@ -96,49 +92,6 @@ pub trait StepMemory<T> {
     fn inverse(&self) -> Self::Inverse;
 }
 
-/// The memory of a step of a robot that is known at run time.
-#[cfg(feature = "alloc")]
-#[derive(Clone, Copy, Debug)]
-pub struct Vectors<F> {
-    /// The number of contacts.
-    pub contacts: usize,
-    /// The number of velocities.
-    pub velocities: usize,
-    /// The function that returns the inverse of the mass matrix, a column for each velocity.
-    pub inverse: F,
-}
-
-#[cfg(feature = "alloc")]
-impl<T: Decide, F: Fn() -> Vec<Vec<T>>> StepMemory<T> for Vectors<F> {
-    type ContactRow = Vec<T>;
-    type ContactMatrix = Vec<Vec<T>>;
-    type GroundRow = Vec<T>;
-    type GroundMatrix = Vec<Vec<T>>;
-    type Velocities = Vec<T>;
-    type Inverse = Vec<Vec<T>>;
-
-    fn contact_row(&self) -> Vec<T> {
-        vec![T::zero(); 3 * self.contacts]
-    }
-
-    fn contact_matrix(&self) -> Vec<Vec<T>> {
-        vec![self.contact_row(); 3 * self.contacts]
-    }
-
-    fn ground_row(&self) -> Vec<T> {
-        vec![T::zero(); 3 * self.contacts + self.velocities]
-    }
-
-    fn ground_matrix(&self) -> Vec<Vec<T>> {
-        let row = self.ground_row();
-        vec![row.clone(); row.len()]
-    }
-
-    fn inverse(&self) -> Vec<Vec<T>> {
-        (self.inverse)()
-    }
-}
-
 /// Returns the range of the velocity after a step of `dt` seconds of a joint at the coordinate `at` within `limits`, rad or m;
 /// limits may be infinite.
 ///
@@ -169,13 +122,7 @@ pub fn solve_step<T: Decide, M: StepMemory<T>>(
     velocities: &mut [T],
 ) -> (Residual<T>, Effort) {
     let most = (Effort { sweeps: ground.sweeps, newton: ground.newton_steps }, ground.tolerance);
-    let mut b = memory.contact_row();
-    for (c, (b, target)) in b.as_mut().chunks_exact_mut(3).zip(targets).enumerate() {
-        let (free, speeds) = (motion.free[c], (motion.before[c][2], motion.free[c][2]));
-        contacts[c] = Contact::new(target.friction);
-        let least = least_speed(target, motion.heights[c], speeds, motion.dt);
-        b.copy_from_slice(&[free[0], free[1], free[2] - least]);
-    }
+    let b = velocities_of_contacts(memory, motion, targets, contacts);
     let held = impulses.stops.as_ref().iter().take(stops.len());
     let held = held.fold(T::zero(), |most, impulse| most.max(impulse.abs()));
     let mut found = (Residual { contacts: T::zero(), stops: T::zero() }, Effort::default());
@@ -216,6 +163,26 @@ pub fn solve_step<T: Decide, M: StepMemory<T>>(
             newton: found.1.newton + stopped.1.newton,
         },
     )
+}
+
+/// Returns the velocities of the contacts without impulses, less the least speed along the normal. Sets the friction of the contacts.
+#[inline(always)]
+pub(super) fn velocities_of_contacts<T: Decide, M: StepMemory<T>>(
+    memory: &M,
+    motion: &FreeMotion<'_, T, M::ContactRow, M::Velocities>,
+    targets: &[ContactTarget<T>],
+    contacts: &mut [Contact<T>],
+) -> M::ContactRow {
+    let mut b = memory.contact_row();
+    let (before, free) = (motion.before.as_ref(), motion.free.as_ref());
+    for (c, (b, target)) in b.as_mut().chunks_exact_mut(3).zip(targets).enumerate() {
+        let [x, y, z] = [0, 1, 2].map(|k| 3 * c + k);
+        contacts[c] = Contact::new(target.friction);
+        let of = [motion.heights[c], before[z], free[z], motion.dt];
+        let least = least_speed(of, target.beta, target.restitution);
+        b.copy_from_slice(&[free[x], free[y], free[z] - least]);
+    }
+    b
 }
 
 /// [`solve_step`] with the stops that acted in the last step and, in rounds, those that joints would pass.
@@ -289,7 +256,7 @@ fn stop_joints<T: Decide, M: StepMemory<T>>(
             add_scaled(velocities, impulse, inverse[entry].as_ref());
         }
     }
-    impulses.contacts.as_mut().copy_from_slice(&p.as_ref()[..rows]);
+    impulses.contacts.as_mut()[..rows].copy_from_slice(&p.as_ref()[..rows]);
     impulses.stops.as_mut().fill(T::zero());
     for (&entry, &impulse) in order[..count].iter().zip(&p.as_ref()[rows..]) {
         impulses.stops.as_mut()[entry] = impulse;
@@ -318,7 +285,7 @@ fn is_limited<T: Decide>(stop: &Stop<T>) -> bool {
 }
 
 /// Copies the entries of rows into rows that may be longer.
-fn copy_rows<T: Decide, A: Row<T>, B: Row<T>>(from: &[A], to: &mut [B]) {
+pub(super) fn copy_rows<T: Decide, A: Row<T>, B: Row<T>>(from: &[A], to: &mut [B]) {
     for (from, to) in from.iter().zip(to) {
         let from = from.as_ref();
         to.as_mut()[..from.len()].copy_from_slice(from);
@@ -326,7 +293,7 @@ fn copy_rows<T: Decide, A: Row<T>, B: Row<T>>(from: &[A], to: &mut [B]) {
 }
 
 /// Adds the compliance of contacts along their normals.
-fn soften<T: Decide, R: Row<T>>(targets: &[ContactTarget<T>], matrix: &mut [R]) {
+pub(super) fn soften<T: Decide, R: Row<T>>(targets: &[ContactTarget<T>], matrix: &mut [R]) {
     for (c, target) in targets.iter().enumerate() {
         let row = 3 * c + 2;
         let entry = &mut matrix[row].as_mut()[row];
@@ -345,7 +312,7 @@ fn add_responses<T: Decide, V: Row<T>>(responses: &[V], impulses: &[T], velociti
 }
 
 #[inline(always)]
-fn add_scaled<T: Scalar>(velocities: &mut [T], impulse: T, response: &[T]) {
+pub(super) fn add_scaled<T: Scalar>(velocities: &mut [T], impulse: T, response: &[T]) {
     for (velocity, &by_unit) in velocities.iter_mut().zip(response) {
         *velocity = by_unit.mul_add(impulse, *velocity);
     }
@@ -357,21 +324,20 @@ fn return_rate<T: Scalar>(beta: T, dt: T) -> T {
     (per_step - beta).select_nonnegative(beta, per_step)
 }
 
-/// Returns the least speed of a contact along its normal after a step of `dt` seconds, m/s.
+/// Returns the least speed of a contact along its normal after a step, m/s.
 ///
 /// `height` is the height above the ground before the step, m. `before` is the speed along the normal, and `free` the
-/// speed after the step without impulses, m/s. A contact above the ground may reach it. A contact in the ground leaves it
-/// at `beta` times its depth. A contact that would pass the ground leaves it with `restitution` times its speed, unless
-/// that is below 0.01 m/s.
-fn least_speed<T: Scalar>(
-    target: &ContactTarget<T>,
-    height: T,
-    (before, free): (T, T),
-    dt: T,
+/// speed after the step without impulses, m/s; the step takes `dt` seconds. A contact above the ground may reach it. A contact in the
+/// ground leaves it at `beta` times its depth. A contact that would pass the ground leaves it with `restitution` times its speed,
+/// unless that is below 0.01 m/s.
+pub(super) fn least_speed<T: Scalar>(
+    [height, before, free, dt]: [T; 4],
+    beta: T,
+    restitution: T,
 ) -> T {
-    let gain = height.select_nonnegative(dt.recip(), return_rate(target.beta, dt));
+    let gain = height.select_nonnegative(dt.recip(), return_rate(beta, dt));
     let least = -(height * gain);
-    let rebound = -(target.restitution * before);
+    let rebound = -(restitution * before);
     let faster = rebound - least;
     let bounced = faster.select_nonnegative(rebound, least);
     let bounces = rebound - T::from_f64(0.01);

@@ -24,6 +24,8 @@
 //! [`State::step_on_ground`] is a step with unilateral contacts, friction and joint stops. [`SpringGround`] is the simple
 //! alternative: a force for each point, for [`State::semi_implicit_euler`].
 
+#[cfg(feature = "alloc")]
+pub mod by_numbers;
 mod ground;
 mod height_field;
 pub mod impulses;

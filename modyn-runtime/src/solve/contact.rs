@@ -33,6 +33,30 @@ pub enum ContactMode {
     Slip,
 }
 
+/// The law that a contact has to satisfy, by the natural map of `newton`.
+pub(super) enum Law<S> {
+    /// No impulse.
+    Open,
+    /// No velocity.
+    Stick,
+    /// No velocity along the normal, and friction against the slip.
+    Slip(Slip<S>),
+}
+
+/// The friction of a contact that slips: a_t (p_t - mu (p_n - u_n / a_n) e) = 0, with e the direction of p_t - u_t / a_t.
+pub(super) struct Slip<S> {
+    /// e.
+    pub direction: [S; 2],
+    /// p_n - u_n / a_n.
+    pub pressed: S,
+    /// The largest friction: mu times this.
+    pub limit: S,
+    /// The derivative of the two equations with respect to u_t, by rows; with respect to p_t it is a_t times one minus this.
+    pub turn: [[S; 2]; 2],
+    /// The derivative with respect to u_n; with respect to p_n it is -a_n times this.
+    pub push: [S; 2],
+}
+
 /// A contact with friction: three rows of the equations.
 #[derive(Clone, Copy, Debug)]
 pub struct Contact<S> {
@@ -211,7 +235,37 @@ impl<S: Decide> Contact<S> {
         (-self.normal).select_nonnegative(zero, worst)
     }
 
-    /// Returns the state of a contact with impulse `p` and velocity `u`.
+    /// Returns the law that a contact with impulse `p` and velocity `u` has to satisfy.
+    #[inline(always)]
+    pub(super) fn law(&self, p: [S; 3], u: [S; 3]) -> Law<S> {
+        let [across, along] = self.mobilities();
+        let scaled = along * p[2] - u[2];
+        if scaled.all_at_most(S::zero()) || !self.is_mobile() {
+            return Law::Open;
+        }
+        let (per_along, per_across) = (along.recip(), across.recip());
+        let pressed = scaled * per_along;
+        let limit = self.friction * pressed;
+        let (x, y) = (p[0] - u[0] * per_across, p[1] - u[1] * per_across);
+        let square = x * x + y * y;
+        if square.all_at_most(limit * limit) {
+            return Law::Stick;
+        }
+        let per_length = square.sqrt().recip();
+        let direction = [x * per_length, y * per_length];
+        let (part, normal) = (limit * per_length, across * self.friction * per_along);
+        // The change of the direction by that of its argument.
+        let turn = [0, 1].map(|k: usize| {
+            [0, 1].map(|l| {
+                let unit = if k == l { S::one() } else { S::zero() };
+                part * (unit - direction[k] * direction[l])
+            })
+        });
+        let push = direction.map(|e| normal * e);
+        Law::Slip(Slip { direction, pressed, limit, turn, push })
+    }
+
+    /// Returns the state of a contact with impulse `p`.
     #[inline]
     #[must_use]
     pub fn mode(&self, p: [S; 3]) -> ContactMode {

@@ -136,7 +136,7 @@ impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
 
     /// Sets the blocks of contacts and the mobilities of stops.
     #[inline(always)]
-    fn prepare(&mut self) {
+    pub(super) fn prepare(&mut self) {
         let a = self.a;
         let at = |i: usize, j: usize| a[i].as_ref()[j];
         for (c, contact) in self.contacts.iter_mut().enumerate() {

@@ -11,9 +11,12 @@
 //! | `sweeps` | all contacts and joint stops one after another |
 //! | `newton` | damped Newton steps for all of them, where sweeps do not suffice |
 //! | `ground` | both, one after the other |
+//! | `derivative` | the derivatives of the impulses that solve the equations |
 
 mod contact;
 mod decide;
+#[cfg(feature = "alloc")]
+mod derivative;
 mod ground;
 mod newton;
 mod sweeps;

@@ -14,6 +14,7 @@
 //! are redundant. It vanishes at the solution. A step that raises the sum of the squared residuals much is taken back: then a few
 //! sweeps lead on, and eps grows.
 
+use super::contact::Law;
 use super::decide::Decide;
 use super::ground::{GroundEquations, Row};
 use crate::scalar::epsilon;
@@ -30,8 +31,13 @@ const DECAY: f64 = 0.3;
 /// The sweeps after a step that was taken back.
 const SWEEPS: usize = 4;
 
+/// Returns the least proximal term.
+pub(super) fn least_eps<S: Decide>() -> S {
+    S::from_f64(1e-9).max(S::from_f64(64.0) * epsilon())
+}
+
 /// The sum of the squared residuals, each divided by its mobility, and the largest residual, m/s.
-struct Merit<S> {
+pub(super) struct Merit<S> {
     sum: S,
     worst: S,
 }
@@ -47,14 +53,14 @@ impl<S: Decide> Merit<S> {
 }
 
 /// The memory of the steps.
-struct Steps<'a, S, R> {
+pub(super) struct Steps<'a, S, R> {
     /// The derivatives of the active rows, and the negative residuals.
-    matrix: &'a mut [R],
-    right: R,
+    pub matrix: &'a mut [R],
+    pub right: R,
     /// For each row, 1 if it is active, else 0.
-    active: R,
+    pub active: R,
     /// The proximal term.
-    eps: S,
+    pub eps: S,
 }
 
 impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
@@ -68,7 +74,7 @@ impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
         matrix: &mut [R],
         (most, tolerance): (usize, S),
     ) -> usize {
-        let least = S::from_f64(1e-9).max(S::from_f64(64.0) * epsilon());
+        let least = least_eps();
         let (right, active) = (p.clone(), p.clone());
         let mut steps = Steps { matrix, right, active, eps: least };
         let (mut last, mut best) = ((p.clone(), u.clone()), (p.clone(), u.clone()));
@@ -119,7 +125,7 @@ impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
 
     /// Fills in the active rows and their right-hand sides.
     #[inline(always)]
-    fn linearize(&self, p: &[S], u: &[S], steps: &mut Steps<'_, S, R>) -> Merit<S> {
+    pub(super) fn linearize(&self, p: &[S], u: &[S], steps: &mut Steps<'_, S, R>) -> Merit<S> {
         let Steps { matrix, right, active, eps } = steps;
         let (right, active, eps) = (right.as_mut(), active.as_mut(), *eps);
         let (zero, one) = (S::zero(), S::one());
@@ -127,8 +133,8 @@ impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
         for (c, contact) in self.contacts.iter().enumerate() {
             let (x, y, z) = (3 * c, 3 * c + 1, 3 * c + 2);
             let [across, along] = contact.mobilities();
-            let scaled = along * p[z] - u[z];
-            let open = scaled.all_at_most(zero) || !contact.is_mobile();
+            let law = contact.law([p[x], p[y], p[z]], [u[x], u[y], u[z]]);
+            let open = matches!(law, Law::Open);
             active[x..=z].fill(if open { zero } else { one });
             if open {
                 if contact.is_mobile() {
@@ -137,35 +143,15 @@ impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
                 continue;
             }
             let (per_along, per_across) = (along.recip(), across.recip());
-            let limit = contact.friction * scaled * per_along;
-            let (ex, ey) = (p[x] - u[x] * per_across, p[y] - u[y] * per_across);
-            let square = ex * ex + ey * ey;
             let own = eps * across;
             merit.add(&[u[z]], per_along);
-            if square.all_at_most(limit * limit) {
-                merit.add(&[u[x], u[y]], per_across);
-                for row in [x, y] {
-                    matrix[row].clone_from(&self.a[row]);
-                    let entries = matrix[row].as_mut();
-                    entries[row] = entries[row] + own;
-                    right[row] = -u[row];
-                }
-            } else {
-                let per_length = square.sqrt().recip();
-                let e = [ex * per_length, ey * per_length];
-                let part = limit * per_length;
-                let normal = across * contact.friction * per_along;
+            if let Law::Slip(slip) = law {
                 let [rx, ry, rz] = [x, y, z].map(|row| self.a[row].as_ref());
                 for k in 0..2 {
                     let row = x + k;
-                    let residual = across * (p[row] - limit * e[k]);
+                    let residual = across * (p[row] - slip.limit * slip.direction[k]);
                     merit.add(&[residual], per_across);
-                    // The change of e by that of its argument.
-                    let turn = [0, 1].map(|l| {
-                        let unit = if k == l { one } else { zero };
-                        part * (unit - e[k] * e[l])
-                    });
-                    let push = normal * e[k];
+                    let (turn, push) = (slip.turn[k], slip.push[k]);
                     let entries = matrix[row].as_mut();
                     for (entry, ((&x, &y), &z)) in entries.iter_mut().zip(rx.iter().zip(ry).zip(rz))
                     {
@@ -176,6 +162,14 @@ impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
                     entries[z] = entries[z] - push * along;
                     entries[row] = entries[row] + across + own;
                     right[row] = -residual;
+                }
+            } else {
+                merit.add(&[u[x], u[y]], per_across);
+                for row in [x, y] {
+                    matrix[row].clone_from(&self.a[row]);
+                    let entries = matrix[row].as_mut();
+                    entries[row] = entries[row] + own;
+                    right[row] = -u[row];
                 }
             }
             matrix[z].clone_from(&self.a[z]);
@@ -203,7 +197,7 @@ impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
 
 impl<S: Decide, R: Row<S>> Steps<'_, S, R> {
     #[inline]
-    fn is_active(active: &[S], row: usize) -> bool {
+    pub(super) fn is_active(active: &[S], row: usize) -> bool {
         !active[row].all_at_most(S::zero())
     }
 
@@ -225,7 +219,7 @@ impl<S: Decide, R: Row<S>> Steps<'_, S, R> {
 
     /// Adds the solution of the active rows to the impulses, by Gaussian elimination without exchanges.
     #[inline(always)]
-    fn eliminate(&mut self, p: &mut [S], rows: usize) {
+    pub(super) fn eliminate(&mut self, p: &mut [S], rows: usize) {
         let Self { matrix, right, active, .. } = self;
         let (right, active) = (right.as_mut(), active.as_ref());
         for pivot in (0..rows).filter(|&row| Self::is_active(active, row)) {

@@ -3,15 +3,10 @@
 //! `modyn::simulate::State::step_on_ground` is the same step for generated robots.
 
 use modyn_runtime::model::Model;
-use modyn_runtime::simulate::impulses::{
-    FreeMotion, Impulses as StepImpulses, Vectors, solve_step, velocity_range,
-};
+use modyn_runtime::quantities::Function;
+use modyn_runtime::simulate::by_numbers::GroundRobot;
 use modyn_runtime::simulate::{Ground, Residual};
-use modyn_runtime::solve::{Contact, Stop};
-use modyn_runtime::spatial::Vector3;
-use modyn_runtime::{
-    ConstraintSettings, ContactProblemOutputs, ContactTarget, Interpreter, ShapeError,
-};
+use modyn_runtime::{ConstraintSettings, ContactTarget, FrameError, Interpreter};
 
 /// The unilateral constraints of a motion.
 #[derive(Clone, Copy, Default)]
@@ -27,16 +22,6 @@ impl Options {
     pub fn is_none(self) -> bool {
         self.friction.is_none() && !self.limits
     }
-}
-
-/// The limits of a joint with one coordinate.
-struct Limited {
-    coordinate: usize,
-    velocity: usize,
-    /// The lowest and the highest coordinate, rad or m; mimic joints included.
-    range: [f64; 2],
-    /// The largest joint force, N m or N.
-    effort: f64,
 }
 
 /// Returns the names of the mimic joints whose limits contradict those of their leaders. Such limits are not enforced.
@@ -57,9 +42,11 @@ pub fn contradictory_limits(model: &Model) -> Vec<String> {
 /// The unilateral constraints of a robot.
 pub struct Impulses {
     options: Options,
-    limited: Vec<Limited>,
-    /// The impulses of the last step.
-    last: StepImpulses<Vec<f64>, Vec<f64>>,
+    robot: GroundRobot,
+    /// The velocity of each joint with an effort limit, and the limit, N m or N.
+    efforts: Vec<(usize, f64)>,
+    /// The impulses of the last step, of contacts and of stops.
+    last: [Vec<f64>; 2],
 }
 
 /// The results of a step besides the coordinates.
@@ -78,24 +65,17 @@ pub struct Step {
 
 impl Impulses {
     pub fn new(model: &Model, options: Options) -> Self {
-        let limited = (0..model.links().len()).filter_map(|link| {
-            let joint = &model.links()[link].joint;
-            let (q, v) = (model.q_range(link), model.v_range(link));
-            (joint.mimic.is_none() && v.len() == 1).then(|| Limited {
-                coordinate: q.start,
-                velocity: v.start,
-                range: model.coordinate_range(link),
-                effort: joint
-                    .limits
-                    .as_ref()
-                    .and_then(|limits| limits.effort)
-                    .unwrap_or(f64::INFINITY),
-            })
-        });
-        let limited = if options.limits { limited.collect() } else { Vec::new() };
-        let contacts = options.friction.map_or(0, |_| model.contacts().len());
-        let last = StepImpulses { contacts: vec![0.0; 3 * contacts], stops: vec![0.0; model.nv()] };
-        Self { options, limited, last }
+        let effort = |link: usize| {
+            let (joint, v) = (&model.links()[link].joint, model.v_range(link));
+            let is_own = joint.mimic.is_none() && v.len() == 1;
+            Some((v.start, joint.limits.as_ref()?.effort?)).filter(|_| is_own)
+        };
+        let joints = 0..if options.limits { model.links().len() } else { 0 };
+        let robot = GroundRobot::new(model, options.limits);
+        // Without ground no contact takes part.
+        let robot = if options.friction.is_some() { robot } else { robot.without_contacts() };
+        let last = [3 * robot.contacts(), model.nv()].map(|count| vec![0.0; count]);
+        Self { options, robot, efforts: joints.filter_map(effort).collect(), last }
     }
 
     pub fn is_none(&self) -> bool {
@@ -104,8 +84,8 @@ impl Impulses {
 
     /// Reduces joint forces to the effort limits.
     pub fn limit(&self, tau: &mut [f64]) {
-        for joint in &self.limited {
-            tau[joint.velocity] = tau[joint.velocity].clamp(-joint.effort, joint.effort);
+        for &(velocity, effort) in &self.efforts {
+            tau[velocity] = tau[velocity].clamp(-effort, effort);
         }
     }
 
@@ -116,70 +96,37 @@ impl Impulses {
         (q, qd, tau): (&[f64], &[f64], &[f64]),
         settings: &ConstraintSettings<f64, Vec<ContactTarget<f64>>>,
         dt: f64,
-    ) -> Result<Step, ShapeError> {
-        let (n, count) = (qd.len(), settings.contacts.len());
-        let (mut free, mut heights) = (vec![0.0; n], vec![0.0; count]);
-        let (mut before, mut after) = (vec![Vector3::zero(); count], vec![Vector3::zero(); count]);
-        let rows = 3 * count;
-        let (mut mobility, mut responses) = (vec![0.0; rows * rows], vec![0.0; rows * n]);
-        let problem = ContactProblemOutputs {
-            qd: &mut free,
-            heights: &mut heights,
-            before: &mut before,
-            free: &mut after,
-            mobility: &mut mobility,
-            responses: &mut responses,
-        };
-        interpreter.contact_problem((q, qd, tau, dt), settings, problem)?;
-        let matrix = |numbers: &[f64], rows: usize| -> Vec<Vec<f64>> {
-            numbers.chunks(rows.max(1)).map(<[f64]>::to_vec).collect()
-        };
-        let (mobility, responses) = (matrix(&mobility, rows), matrix(&responses, n));
-        // Without ground no contact takes part.
-        let contacts = self.last.contacts.len() / 3;
-        let targets: Vec<ContactTarget<f64>> = settings.contacts[..contacts]
-            .iter()
-            .map(|target| ContactTarget {
-                friction: self.options.friction.unwrap_or_default(),
-                ..*target
-            })
-            .collect();
-        let motion = FreeMotion {
-            dt,
-            qd: &free,
-            heights: &heights[..contacts],
-            before: &before[..contacts],
-            free: &after[..contacts],
-            mobility: &mobility[..3 * contacts],
-            responses: &responses[..3 * contacts],
-        };
-        let mut stops = vec![Stop::new([f64::NEG_INFINITY, f64::INFINITY]); n];
-        for joint in &self.limited {
-            let range = velocity_range(q[joint.coordinate], joint.range, settings.beta, dt);
-            stops[joint.velocity].range = range;
-        }
-        if self.limited.is_empty() {
-            stops.clear();
-        }
+    ) -> Result<Step, FrameError> {
+        let model = interpreter.model();
+        let mut problem = vec![0.0; GroundRobot::new(model, false).problem_length()];
+        let numbers = settings.contacts.iter().flat_map(ContactTarget::numbers);
+        let numbers: Vec<f64> = settings.numbers().into_iter().chain(numbers).collect();
+        let arguments = [q, qd, tau, &[dt], &numbers];
+        interpreter.evaluate(Function::ContactProblem, &arguments, 0, &mut problem)?;
         let factors = interpreter.brge(q)?;
-        let memory = Vectors { contacts, velocities: n, inverse: || matrix(&factors.inverse(), n) };
-        let mut next = free.clone();
-        let (residual, _) = solve_step(
-            &memory,
-            &motion,
-            &targets,
+        let friction = self.options.friction.unwrap_or_default();
+        let contacts = settings.contacts[..self.robot.contacts()].iter();
+        let contacts: Vec<ContactTarget<f64>> =
+            contacts.map(|target| ContactTarget { friction, ..*target }).collect();
+        let settings = ConstraintSettings::from_numbers(settings.numbers(), contacts);
+        let mut next = vec![0.0; qd.len()];
+        let [of_contacts, of_stops] = &mut self.last;
+        let (residual, _) = self.robot.solve(
             &Ground::default(),
-            (&mut vec![Contact::new(0.0); contacts], &mut stops, &mut vec![0; n]),
-            &mut self.last,
+            (q, dt, &settings),
+            (|i| problem[i], |inverse| inverse.copy_from_slice(&factors.inverse())),
+            (of_contacts, of_stops),
             &mut next,
         );
+        let (free, heights) = problem.split_at(qd.len());
         let energies =
-            [interpreter.kinetic_energy(q, &free)?, interpreter.kinetic_energy(q, &next)?];
-        let lowest = motion.heights.iter().copied().fold(f64::INFINITY, f64::min);
-        let impulses = self.last.contacts.as_chunks::<3>().0;
+            [interpreter.kinetic_energy(q, free)?, interpreter.kinetic_energy(q, &next)?];
+        let heights = heights[..settings.contacts.len()].iter();
+        let lowest = heights.copied().fold(f64::INFINITY, f64::min);
+        let impulses = of_contacts.as_chunks::<3>().0;
         // Impulses are along the axes of the targets.
-        let forces =
-            targets.iter().zip(impulses).map(|(target, p)| target.pose.rotate(p.map(|x| x / dt)));
+        let forces = settings.contacts.iter().zip(impulses);
+        let forces = forces.map(|(target, p)| target.pose.rotate(p.map(|x| x / dt)));
         let forces = forces.collect();
         Ok(Step { qd: next, dissipated: energies[0] - energies[1], lowest, residual, forces })
     }

@@ -8,7 +8,7 @@ use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{Friction, Model};
 use modyn_runtime::simulate::Residual;
 use modyn_runtime::spatial::{Twist, Wrench};
-use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter, ShapeError};
+use modyn_runtime::{ConstraintSettings, ContactTarget, FrameError, Interpreter, ShapeError};
 
 use super::adaptive;
 use super::impulses::{Impulses, Options};
@@ -142,7 +142,8 @@ impl Motion {
                 (Some(control), _) => dynamics.steps(before, settings.step, state, control)?,
                 (None, true) => dynamics.step(before, settings.step, &state).map_err(shape)?,
                 (None, false) => {
-                    dynamics.impulse_step(before, settings.step, &state).map_err(shape)?
+                    let next = dynamics.impulse_step(before, settings.step, &state);
+                    next.map_err(|error| Failure::usage(format!("error: {error}")))?
                 }
             };
             let time = settings.step * i as f64;
@@ -285,7 +286,7 @@ impl Dynamics<'_> {
 
     /// Returns the state after one step of the semi-implicit Euler method with the impulses of the ground and of joint
     /// stops.
-    fn impulse_step(&mut self, time: f64, dt: f64, state: &State) -> Result<State, ShapeError> {
+    fn impulse_step(&mut self, time: f64, dt: f64, state: &State) -> Result<State, FrameError> {
         self.set_torques(time);
         let State { q, qd, energy: [work, dissipated] } = state;
         let motion = (&**q, &**qd, &*self.tau);

@@ -1,0 +1,725 @@
+//! The step on the ground as a function of arrays, and its derivatives: the contact problem, the impulses and the coordinates, each for
+//! all lanes before the next.
+//!
+//! The arrays are, in this order: `q`, `qd`, the impulses of contacts and of stops, and the residual, which are the state; `tau`, `dt`,
+//! the settings, the gains and references of a feedback, and the run-time parameters. The contact problem and the integration are programs; the
+//! impulses are found by `modyn_runtime::simulate::by_numbers`, lane by lane.
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::ops::Range;
+
+use modyn_codegen::Function;
+use modyn_codegen::plan::{Derivative, DerivativeMode, EntryFunction, Sizes};
+use modyn_runtime::simulate::by_numbers::{GroundRobot, StepChange, StepGradient};
+use modyn_runtime::simulate::{Ground, HeightField};
+use modyn_runtime::{ConstraintSettings, ContactTarget};
+
+use super::GroundKey;
+use super::kernel::{ArrayShapes, Kernel, StateFunction};
+use crate::number::Number;
+use crate::robot::Robot;
+
+// The arrays of arguments; the first five are also those of results.
+const Q: usize = 0;
+const QD: usize = 1;
+const CONTACTS: usize = 2;
+const STOPS: usize = 3;
+const RESIDUAL: usize = 4;
+const TAU: usize = 5;
+const DT: usize = 6;
+const SETTINGS: usize = 7;
+/// The number of arrays of the state.
+const STATE: usize = 5;
+/// The arrays of the state that are no arguments of the contact problem.
+const OWN: usize = 3;
+
+/// The options of a step on the ground; `None` is the default: whether joints have stops, the tolerance, the largest numbers of sweeps
+/// and of Newton steps, and the height field: its origin, its spacing, its columns and its heights.
+pub type GroundOptions =
+    (Option<bool>, Option<f64>, Option<usize>, Option<usize>, Option<FieldNumbers>);
+
+/// The origin, the spacing, the columns and the heights of a height field.
+pub type FieldNumbers = ([f64; 2], [f64; 2], usize, Vec<f64>);
+
+/// A height field in the scalar.
+struct Field<S> {
+    origin: [S; 2],
+    spacing: [S; 2],
+    columns: usize,
+    heights: Vec<S>,
+}
+
+impl<S: Number> Field<S> {
+    /// Returns the field that the functions of the runtime take.
+    fn view(&self) -> Option<HeightField<'_, S>> {
+        HeightField::new(self.origin, self.spacing, self.columns, &self.heights)
+    }
+}
+
+/// A step on the ground of a robot: what is compiled.
+pub struct Step {
+    parts: Parts<EntryFunction>,
+    robot: GroundRobot,
+    options: GroundOptions,
+    /// The shapes of the arguments.
+    inputs: Vec<Vec<usize>>,
+    has_parameters: bool,
+}
+
+impl Step {
+    /// Returns the step of a robot.
+    ///
+    /// # Errors
+    ///
+    /// If the height field is none.
+    pub fn new(robot: &Robot, options: GroundOptions, feedback: bool) -> Result<Self, String> {
+        if let Some((origin, spacing, columns, heights)) = &options.4
+            && HeightField::new(*origin, *spacing, *columns, heights).is_none()
+        {
+            return Err("a height field has at least two rows and two columns, and its spacing is above zero".into());
+        }
+        let sizes = Sizes::new(robot.model(), 0);
+        let ground_robot = GroundRobot::new(robot.model(), options.0.unwrap_or(true));
+        let Sizes { nq, nv, contacts, .. } = sizes;
+        let settings = ConstraintSettings::<f64>::COUNT + contacts * ContactTarget::<f64>::COUNT;
+        let state = [vec![nq], vec![nv], vec![contacts, 3], vec![nv], vec![2]];
+        let parameters = robot.parameter_count();
+        let others = [vec![nv], Vec::new(), vec![settings]];
+        let of_feedback =
+            if feedback { vec![vec![nv, 2 * nv], vec![nq], vec![nv]] } else { Vec::new() };
+        let parameters = (parameters > 0).then(|| vec![parameters]);
+        let has_parameters = parameters.is_some();
+        Ok(Self {
+            parts: Parts::of_step(&sizes, &ground_robot, (options.4.is_some(), feedback)),
+            robot: ground_robot,
+            options,
+            inputs: state.into_iter().chain(others).chain(of_feedback).chain(parameters).collect(),
+            has_parameters,
+        })
+    }
+
+    /// Returns the contacts and the joint stops.
+    pub fn robot(&self) -> &GroundRobot {
+        &self.robot
+    }
+
+    /// Returns the key of the step, or of a derivative of it.
+    pub fn key(&self, derivative: Option<&Derivative>) -> GroundKey {
+        let (limits, tolerance, sweeps, steps, field) = &self.options;
+        let mut hasher = DefaultHasher::new();
+        if let Some((origin, spacing, columns, heights)) = field {
+            let numbers = origin.iter().chain(spacing).chain(heights);
+            numbers.for_each(|number| number.to_bits().hash(&mut hasher));
+            columns.hash(&mut hasher);
+        }
+        let numbers = [
+            limits.map(u64::from),
+            tolerance.map(f64::to_bits),
+            sweeps.map(|count| count as u64),
+            steps.map(|count| count as u64),
+            field.as_ref().map(|_| hasher.finish()),
+        ];
+        let derivatives = derivative.cloned().into_iter().collect();
+        let problem = EntryFunction { derivatives, ..self.parts.problem.clone() };
+        (problem, numbers.map(|number| number.unwrap_or(u64::MAX)))
+    }
+
+    /// Returns the shapes of the arrays.
+    ///
+    /// # Errors
+    ///
+    /// If a derivative varies an array that there is not.
+    pub fn shapes(&self, derivative: Option<&Derivative>) -> Result<ArrayShapes, String> {
+        let (mut inputs, mut outputs) = (self.inputs.clone(), self.inputs[..STATE].to_vec());
+        if let Some(Derivative { mode, variables }) = derivative {
+            let count = inputs.len();
+            let is_sorted = variables.is_sorted_by(|a, b| a < b);
+            if !is_sorted || variables.last().is_none_or(|&last| last >= count) {
+                return Err(format!("{variables:?} must be ascending indices of {count} arrays"));
+            }
+            let varying: Vec<Vec<usize>> = variables.iter().map(|&k| inputs[k].clone()).collect();
+            match mode {
+                DerivativeMode::Reverse => inputs.extend(std::mem::replace(&mut outputs, varying)),
+                _ => inputs.extend(varying),
+            }
+        }
+        Ok(ArrayShapes::new(inputs, outputs))
+    }
+
+    /// Returns the step, or a derivative of it, whose programs `compiled` compiles.
+    ///
+    /// # Errors
+    ///
+    /// Those of `compiled`.
+    pub fn compile<S: Number, E>(
+        &self,
+        derivative: Option<&Derivative>,
+        mut compiled: impl FnMut(&EntryFunction) -> Result<StateFunction<S>, E>,
+    ) -> Result<GroundFunction<S>, E> {
+        let parameters = self.has_parameters.then(|| self.inputs.len() - 1);
+        let of = |derivative: &Derivative| {
+            let Derivative { mode, variables } = derivative;
+            let parts = self.parts.derivative(*mode, variables, parameters).map(&mut compiled)?;
+            let (is_forward, variables) = (*mode == DerivativeMode::Forward, variables.clone());
+            Ok(GroundDerivative { is_forward, variables, parts })
+        };
+        let derivative = derivative.map(of).transpose()?;
+        let (limits, tolerance, sweeps, steps, field) = &self.options;
+        let field = field.as_ref().map(|(origin, spacing, columns, heights)| Field {
+            origin: origin.map(S::from_f64),
+            spacing: spacing.map(S::from_f64),
+            columns: *columns,
+            heights: heights.iter().map(|&height| S::from_f64(height)).collect(),
+        });
+        let default = Ground::<S>::default();
+        Ok(GroundFunction {
+            parts: self.parts.map(compiled)?,
+            field,
+            robot: self.robot.clone(),
+            ground: Ground {
+                joint_limits: limits.unwrap_or(default.joint_limits),
+                tolerance: tolerance.map_or(default.tolerance, S::from_f64),
+                sweeps: sweeps.unwrap_or(default.sweeps),
+                newton_steps: steps.unwrap_or(default.newton_steps),
+            },
+            lengths: self.inputs.iter().map(|shape| shape.iter().product()).collect(),
+            has_parameters: self.has_parameters,
+            derivative,
+        })
+    }
+}
+
+/// The programs of a step, or of a derivative of it.
+struct Parts<T> {
+    /// The contact problem.
+    problem: T,
+    /// The coordinates after a displacement.
+    integrate: T,
+    /// The inverse of the mass matrix, for joint stops; `None` if no joint has a limit.
+    inverse: Option<T>,
+    /// The places of the contacts, for a height field; `None` without one.
+    places: Option<T>,
+}
+
+impl<T> Parts<T> {
+    /// Returns the results of a function of each part.
+    fn map<'a, O, E>(&'a self, mut of: impl FnMut(&'a T) -> Result<O, E>) -> Result<Parts<O>, E> {
+        let (problem, integrate) = (of(&self.problem)?, of(&self.integrate)?);
+        let inverse = self.inverse.as_ref().map(&mut of).transpose()?;
+        Ok(Parts { problem, integrate, inverse, places: self.places.as_ref().map(of).transpose()? })
+    }
+}
+
+impl Parts<EntryFunction> {
+    /// Returns the programs of a step of a robot with these sizes.
+    fn of_step(sizes: &Sizes, robot: &GroundRobot, (has_field, feedback): (bool, bool)) -> Self {
+        let (nq, nv) = (sizes.nq, sizes.nv);
+        let part = |function, places: Range<usize>| EntryFunction {
+            function,
+            link: None,
+            results: vec![places.collect()],
+            feedback: false,
+            cost: false,
+            derivatives: Vec::new(),
+        };
+        // Of the derivatives of forward dynamics that by the joint forces, after the accelerations and two other matrices.
+        let by_forces = nv + 2 * nv * nv..nv + 3 * nv * nv;
+        let inverse = || part(Function::ForwardDynamicsDerivatives, by_forces);
+        Self {
+            problem: EntryFunction {
+                feedback,
+                ..part(Function::ContactProblem, 0..robot.problem_length())
+            },
+            integrate: part(Function::Integrate, 0..nq),
+            inverse: robot.has_stops().then(inverse),
+            places: has_field.then(|| EntryFunction {
+                // Twists of loop constraints come first. The linear part is the last.
+                results: vec![
+                    (sizes.constraints - sizes.contacts..sizes.constraints)
+                        .flat_map(|twist| 6 * twist + 3..6 * twist + 6)
+                        .collect(),
+                ],
+                ..part(Function::ConstraintResidual, 0..0)
+            }),
+        }
+    }
+
+    /// Returns the derivatives of the programs for that of a step by these arguments. `parameters` is the index of the run-time
+    /// parameters among the arguments of the step.
+    fn derivative(
+        &self,
+        mode: DerivativeMode,
+        variables: &[usize],
+        parameters: Option<usize>,
+    ) -> Self {
+        let with = |part: &EntryFunction, variables: Vec<usize>| EntryFunction {
+            derivatives: vec![Derivative { mode, variables }],
+            ..part.clone()
+        };
+        let given = parameters.filter(|own| variables.contains(own));
+        Self {
+            problem: with(&self.problem, of_problem(variables)),
+            integrate: with(&self.integrate, vec![0, 1]),
+            // The arguments are q, qd, tau and the parameters.
+            inverse: self
+                .inverse
+                .as_ref()
+                .map(|part| with(part, [0].into_iter().chain(given.map(|_| 3)).collect())),
+            // The plane below a contact is held.
+            places: None,
+        }
+    }
+}
+
+/// Returns the arguments of the contact problem that vary with these of a step; the state always does.
+fn of_problem(variables: &[usize]) -> Vec<usize> {
+    let others = variables.iter().filter(|&&k| k >= STATE).map(|k| k - OWN);
+    [Q, QD].into_iter().chain(others).collect()
+}
+
+/// A step on the ground, or a derivative of one.
+pub struct GroundFunction<S: Number> {
+    /// The programs of the step.
+    parts: Parts<StateFunction<S>>,
+    /// The contacts and the joint stops.
+    robot: GroundRobot,
+    /// The options of the step.
+    ground: Ground<S>,
+    /// The heights of the ground, which set the planes of the contacts.
+    field: Option<Field<S>>,
+    /// The numbers of each argument of the step.
+    lengths: Vec<usize>,
+    /// Whether the last argument are the run-time parameters.
+    has_parameters: bool,
+    /// The derivative.
+    derivative: Option<GroundDerivative<S>>,
+}
+
+/// A derivative of a step.
+struct GroundDerivative<S: Number> {
+    /// Whether it is that of the state by the variables, not of the variables by the state.
+    is_forward: bool,
+    /// The arguments that vary, by their indices, in ascending order.
+    variables: Vec<usize>,
+    /// The derivatives of the programs.
+    parts: Parts<StateFunction<S>>,
+}
+
+/// A step on the ground, ready to be called.
+pub struct ReadyGround<'a, S: Number> {
+    function: &'a GroundFunction<S>,
+    parts: Parts<Kernel<'a, S>>,
+    derivative: Option<(&'a GroundDerivative<S>, Parts<Kernel<'a, S>>)>,
+}
+
+impl<S: Number> GroundFunction<S> {
+    /// Returns the step, ready to be called.
+    ///
+    /// # Errors
+    ///
+    /// If a program was not compiled, which no caller can bring about.
+    pub fn ready(&self) -> Result<ReadyGround<'_, S>, String> {
+        let derivative = self.derivative.as_ref().map(|derivative| {
+            derivative.parts.map(StateFunction::kernel).map(|parts| (derivative, parts))
+        });
+        let parts = self.parts.map(StateFunction::kernel)?;
+        Ok(ReadyGround { function: self, parts, derivative: derivative.transpose()? })
+    }
+}
+
+/// Numbers in lanes: a row of lanes for each number.
+struct Rows<S>(Vec<S>);
+
+impl<S: Number> Rows<S> {
+    fn zeros(count: usize, lanes: usize) -> Self {
+        Self(vec![S::zero(); count * lanes])
+    }
+
+    fn set(&mut self, lane: usize, lanes: usize, numbers: &[S]) {
+        numbers
+            .iter()
+            .zip(self.0.iter_mut().skip(lane).step_by(lanes))
+            .for_each(|(&x, place)| *place = x);
+    }
+}
+
+/// The results of a step in lanes, and what its derivatives need.
+struct Solved<S> {
+    problem: Rows<S>,
+    velocities: Rows<S>,
+    contacts: Rows<S>,
+    stops: Rows<S>,
+    residual: Rows<S>,
+    displacement: Rows<S>,
+}
+
+impl<S: Number> ReadyGround<'_, S> {
+    /// Returns the instructions of one state, as they count in threads.
+    pub fn cost(&self) -> usize {
+        let of = |parts: &Parts<Kernel<'_, S>>| parts.problem.cost() + parts.integrate.cost();
+        // Some thousand instructions find the impulses.
+        1000 + of(&self.parts) + self.derivative.as_ref().map_or(0, |(_, parts)| of(parts))
+    }
+
+    /// Returns the states that are computed together.
+    pub fn lanes(&self) -> usize {
+        let of = |parts: &Parts<Kernel<'_, S>>| parts.problem.lanes().min(parts.integrate.lanes());
+        of(&self.parts).min(self.derivative.as_ref().map_or(usize::MAX, |(_, parts)| of(parts)))
+    }
+
+    /// Computes the result for as many states as there are lanes.
+    pub fn run(&self, numbers: &[S], result: &mut [S], lanes: usize) {
+        let on_field = self.on_field(numbers, lanes);
+        let numbers = on_field.as_deref().unwrap_or(numbers);
+        let given = Given { numbers, lengths: &self.function.lengths, lanes };
+        let solved = self.solve(&given);
+        match &self.derivative {
+            None => self.value(&given, &solved, result),
+            Some((derivative, parts)) if derivative.is_forward => {
+                self.forward(&given, &solved, (derivative, parts), result);
+            }
+            Some((derivative, parts)) => {
+                self.reverse(&given, &solved, (derivative, parts), result);
+            }
+        }
+    }
+
+    /// Returns the arguments with the planes of the height field below the contacts as their targets.
+    fn on_field(&self, numbers: &[S], lanes: usize) -> Option<Vec<S>> {
+        let (function, kernel) = (self.function, self.parts.places.as_ref()?);
+        let field = function.field.as_ref()?.view()?;
+        let lengths = &function.lengths;
+        let given = Given { numbers, lengths, lanes };
+        let contacts = lengths[CONTACTS] / 3;
+        // Displacements from the world's origin are places.
+        let origin = ContactTarget { tangential: S::one(), ..S::GROUND };
+        let targets = std::iter::repeat_n(origin.numbers(), contacts).flatten();
+        let settings = S::SETTINGS.numbers().into_iter().chain(targets);
+        let settings = settings.flat_map(|number| std::iter::repeat_n(number, lanes));
+        let still = std::iter::repeat_n(S::zero(), lengths[QD] * lanes);
+        let arguments: Vec<S> =
+            given.rows(Q).iter().copied().chain(still).chain(settings).collect();
+        let mut places = Rows::zeros(3 * contacts, lanes);
+        kernel.run(&arguments, &mut places.0, lanes);
+        let mut numbers = numbers.to_vec();
+        let first: usize = lengths[..SETTINGS].iter().sum();
+        for contact in 0..contacts {
+            let own = first + of_contact(contact);
+            for lane in 0..lanes {
+                let place = |k: usize| places.0[(3 * contact + k) * lanes + lane];
+                let plane = field.plane([place(0), place(1)]);
+                let pose = plane.rotation.iter().flatten().chain(&plane.translation);
+                pose.zip(own..).for_each(|(&x, row)| numbers[row * lanes + lane] = x);
+            }
+        }
+        Some(numbers)
+    }
+
+    /// Sets the numbers of settings to zero that a height field sets.
+    fn without_planes(&self, settings: &mut Rows<S>, lanes: usize) {
+        if self.function.field.is_some() {
+            for contact in 0..self.function.lengths[CONTACTS] / 3 {
+                settings.0[of_contact(contact) * lanes..][..POSE * lanes].fill(S::zero());
+            }
+        }
+    }
+
+    /// Finds the impulses and the velocities.
+    fn solve(&self, given: &Given<'_, S>) -> Solved<S> {
+        let (function, lanes) = (self.function, given.lanes);
+        let [nv, contacts] = [QD, CONTACTS].map(|k| function.lengths[k]);
+        let mut problem = Rows::zeros(function.robot.problem_length(), lanes);
+        self.parts.problem.run(&given.of_problem(), &mut problem.0, lanes);
+        let [mut velocities, mut displacement] = [(); 2].map(|()| Rows::zeros(nv, lanes));
+        let (mut of_contacts, mut of_stops) =
+            (Rows::zeros(contacts, lanes), Rows::zeros(nv, lanes));
+        let mut residual = Rows::zeros(2, lanes);
+        let mut qd = vec![S::zero(); nv];
+        for lane in 0..lanes {
+            let (q, settings) = (given.lane(Q, lane), given.settings(lane));
+            let dt = given.lane(DT, lane)[0];
+            let (mut p, mut s) = (given.lane(CONTACTS, lane), given.lane(STOPS, lane));
+            let (wrong, _) = function.robot.solve(
+                &function.ground,
+                (&q, dt, &settings),
+                (
+                    |i| problem.0[i * lanes + lane],
+                    |inverse: &mut [S]| self.inverse(given, lane, inverse),
+                ),
+                (&mut p, &mut s),
+                &mut qd,
+            );
+            velocities.set(lane, lanes, &qd);
+            of_contacts.set(lane, lanes, &p);
+            of_stops.set(lane, lanes, &s);
+            let last = given.lane(RESIDUAL, lane);
+            residual.set(lane, lanes, &[last[0].max(wrong.contacts), last[1].max(wrong.stops)]);
+            qd.iter_mut().for_each(|x| *x = *x * dt);
+            displacement.set(lane, lanes, &qd);
+        }
+        Solved {
+            problem,
+            velocities,
+            contacts: of_contacts,
+            stops: of_stops,
+            residual,
+            displacement,
+        }
+    }
+
+    /// Sets the inverse of the mass matrix of a lane.
+    fn inverse(&self, given: &Given<'_, S>, lane: usize, inverse: &mut [S]) {
+        if let Some(kernel) = &self.parts.inverse {
+            kernel.run(&self.of_inverse(given, lane), inverse, 1);
+        }
+    }
+
+    /// Returns the arguments of the inverse of the mass matrix of a lane: q, qd, tau and the parameters.
+    fn of_inverse(&self, given: &Given<'_, S>, lane: usize) -> Vec<S> {
+        let parameters = self.function.has_parameters.then(|| given.lengths.len() - 1);
+        let all = [Q, QD, TAU].into_iter().chain(parameters);
+        all.flat_map(|k| given.lane(k, lane)).collect()
+    }
+
+    /// Writes the state after the step.
+    fn value(&self, given: &Given<'_, S>, solved: &Solved<S>, result: &mut [S]) {
+        let nq = self.function.lengths[Q] * given.lanes;
+        let (q, rest) = result.split_at_mut(nq);
+        let displaced = [&given.numbers[..nq], &solved.displacement.0].concat();
+        self.parts.integrate.run(&displaced, q, given.lanes);
+        let parts = [&solved.velocities, &solved.contacts, &solved.stops, &solved.residual];
+        rest.iter_mut()
+            .zip(parts.into_iter().flat_map(|rows| &rows.0))
+            .for_each(|(place, &x)| *place = x);
+    }
+
+    /// Writes the gradients of the weighted state by the variables.
+    fn reverse(
+        &self,
+        given: &Given<'_, S>,
+        solved: &Solved<S>,
+        (derivative, parts): (&GroundDerivative<S>, &Parts<Kernel<'_, S>>),
+        result: &mut [S],
+    ) {
+        let (function, lanes) = (self.function, given.lanes);
+        let lengths = &function.lengths;
+        let [nq, nv] = [Q, QD].map(|k| lengths[k]);
+        let weights = Given {
+            numbers: &given.numbers[lengths.iter().sum::<usize>() * lanes..],
+            lengths: &lengths[..STATE],
+            lanes,
+        };
+        // Through the coordinates.
+        let displaced =
+            [&given.numbers[..nq * lanes], &solved.displacement.0, weights.rows(Q)].concat();
+        let mut by_displaced = Rows::zeros(nq + nv, lanes);
+        parts.integrate.run(&displaced, &mut by_displaced.0, lanes);
+        let by_displaced = Given { numbers: &by_displaced.0, lengths: &[nq, nv], lanes };
+        // By each argument of the step, and each number of the contact problem.
+        let mut gradients: Vec<Rows<S>> =
+            lengths.iter().map(|&length| Rows::zeros(length, lanes)).collect();
+        gradients[Q].0.copy_from_slice(by_displaced.rows(Q));
+        let mut by_problem = Rows::zeros(function.robot.problem_length(), lanes);
+        for lane in 0..lanes {
+            let (q, settings) = (given.lane(Q, lane), given.settings(lane));
+            let dt = given.lane(DT, lane)[0];
+            let of = |rows: &Rows<S>| lane_of(&rows.0, lane, lanes);
+            let (p, s, moved) =
+                (of(&solved.contacts), of(&solved.stops), by_displaced.lane(QD, lane));
+            let mut of_velocities = weights.lane(QD, lane);
+            for (weight, &by) in of_velocities.iter_mut().zip(&moved) {
+                *weight = *weight + dt * by;
+            }
+            let qd = of(&solved.velocities);
+            let mut by_dt = qd.iter().zip(&moved).fold(S::zero(), |sum, (&v, &by)| sum + v * by);
+            let mut problem = vec![S::zero(); function.robot.problem_length()];
+            let (mut inverse, mut by_settings) = (Vec::new(), vec![S::zero(); lengths[SETTINGS]]);
+            let mut by_q = vec![S::zero(); nq];
+            function.robot.add_gradient(
+                (&q, dt, &settings),
+                (
+                    |i| solved.problem.0[i * lanes + lane],
+                    |w: &mut [S]| self.inverse(given, lane, w),
+                ),
+                (&p, &s),
+                [&of_velocities, &weights.lane(CONTACTS, lane), &weights.lane(STOPS, lane)],
+                StepGradient {
+                    problem: &mut problem,
+                    inverse: &mut inverse,
+                    q: &mut by_q,
+                    dt: &mut by_dt,
+                    settings: &mut by_settings,
+                },
+            );
+            let mut add = |array: usize, numbers: &[S]| {
+                let places = gradients[array].0.iter_mut().skip(lane).step_by(lanes);
+                places.zip(numbers).for_each(|(place, &x)| *place = *place + x);
+            };
+            if let Some(kernel) = parts.inverse.as_ref().filter(|_| !inverse.is_empty()) {
+                let arguments = [self.of_inverse(given, lane), inverse].concat();
+                let with_parameters = function.has_parameters
+                    && derivative.variables.last() == Some(&(lengths.len() - 1));
+                let parameters = if with_parameters { lengths[lengths.len() - 1] } else { 0 };
+                let mut found = vec![S::zero(); nq + parameters];
+                kernel.run(&arguments, &mut found, 1);
+                add(Q, &found[..nq]);
+                if with_parameters {
+                    add(lengths.len() - 1, &found[nq..]);
+                }
+            }
+            add(Q, &by_q);
+            add(DT, &[by_dt]);
+            add(SETTINGS, &by_settings);
+            by_problem.set(lane, lanes, &problem);
+        }
+        // Through the contact problem.
+        let arguments = [&*given.of_problem(), &by_problem.0].concat();
+        let of_problem = of_problem(&derivative.variables);
+        let of_step = |k: usize| if k < CONTACTS { k } else { k + OWN };
+        let count: usize = of_problem.iter().map(|&k| lengths[of_step(k)]).sum();
+        let mut found = Rows::zeros(count, lanes);
+        parts.problem.run(&arguments, &mut found.0, lanes);
+        let mut rest = &*found.0;
+        for k in of_problem.into_iter().map(of_step) {
+            let own;
+            (own, rest) = rest.split_at(lengths[k] * lanes);
+            gradients[k].0.iter_mut().zip(own).for_each(|(place, &x)| *place = *place + x);
+        }
+        self.without_planes(&mut gradients[SETTINGS], lanes);
+        let all = derivative.variables.iter().flat_map(|&k| &gradients[k].0);
+        result.iter_mut().zip(all).for_each(|(place, &x)| *place = x);
+    }
+
+    /// Writes the changes of the state under changes of the variables.
+    fn forward(
+        &self,
+        given: &Given<'_, S>,
+        solved: &Solved<S>,
+        (derivative, parts): (&GroundDerivative<S>, &Parts<Kernel<'_, S>>),
+        result: &mut [S],
+    ) {
+        let (function, lanes) = (self.function, given.lanes);
+        let lengths = &function.lengths;
+        let [nq, nv, contacts] = [Q, QD, CONTACTS].map(|k| lengths[k]);
+        // The change of each argument of the step.
+        let mut rest = &given.numbers[lengths.iter().sum::<usize>() * lanes..];
+        let mut changes: Vec<Rows<S>> =
+            lengths.iter().map(|&length| Rows::zeros(length, lanes)).collect();
+        for &k in &derivative.variables {
+            let own;
+            (own, rest) = rest.split_at(lengths[k] * lanes);
+            changes[k].0.copy_from_slice(own);
+        }
+        self.without_planes(&mut changes[SETTINGS], lanes);
+        let of_problem = of_problem(&derivative.variables);
+        let varying = of_problem.iter().map(|&k| if k < CONTACTS { k } else { k + OWN });
+        let varying = varying.flat_map(|k| &changes[k].0).copied();
+        let arguments: Vec<S> = given.of_problem().into_iter().chain(varying).collect();
+        let mut problem = Rows::zeros(function.robot.problem_length(), lanes);
+        parts.problem.run(&arguments, &mut problem.0, lanes);
+        let [mut velocities, mut stops, mut displacement] =
+            [(); 3].map(|()| Rows::zeros(nv, lanes));
+        let mut of_contacts = Rows::zeros(contacts, lanes);
+        for lane in 0..lanes {
+            let (q, settings) = (given.lane(Q, lane), given.settings(lane));
+            let dt = given.lane(DT, lane)[0];
+            let of = |rows: &Rows<S>| lane_of(&rows.0, lane, lanes);
+            let (p, s) = (of(&solved.contacts), of(&solved.stops));
+            let (dq, ddt) = (of(&changes[Q]), of(&changes[DT])[0]);
+            let mut inverse = Vec::new();
+            let acts = s.iter().any(|x| x.abs() > S::zero());
+            if let Some(kernel) = parts.inverse.as_ref().filter(|_| acts) {
+                let parameters = function.has_parameters
+                    && derivative.variables.last() == Some(&(lengths.len() - 1));
+                let parameters = parameters.then(|| of(&changes[lengths.len() - 1]));
+                let arguments =
+                    [self.of_inverse(given, lane), dq.clone(), parameters.unwrap_or_default()]
+                        .concat();
+                inverse.resize(nv * nv, S::zero());
+                kernel.run(&arguments, &mut inverse, 1);
+            }
+            let (mut qd, mut p_change, mut s_change) =
+                (vec![S::zero(); nv], vec![S::zero(); contacts], vec![S::zero(); nv]);
+            function.robot.change(
+                (&q, dt, &settings),
+                (
+                    |i| solved.problem.0[i * lanes + lane],
+                    |w: &mut [S]| self.inverse(given, lane, w),
+                ),
+                (&p, &s),
+                StepChange {
+                    problem: &of(&problem),
+                    inverse: &inverse,
+                    q: &dq,
+                    dt: ddt,
+                    settings: &of(&changes[SETTINGS]),
+                },
+                [&mut qd, &mut p_change, &mut s_change],
+            );
+            velocities.set(lane, lanes, &qd);
+            of_contacts.set(lane, lanes, &p_change);
+            stops.set(lane, lanes, &s_change);
+            let before = of(&solved.velocities);
+            qd.iter_mut().zip(&before).for_each(|(x, &v)| *x = *x * dt + v * ddt);
+            displacement.set(lane, lanes, &qd);
+        }
+        let displaced =
+            [&given.numbers[..nq * lanes], &solved.displacement.0, &changes[Q].0, &displacement.0]
+                .concat();
+        let (q, rest) = result.split_at_mut(nq * lanes);
+        parts.integrate.run(&displaced, q, lanes);
+        // The residual does not change.
+        let residual = Rows::zeros(2, lanes);
+        let all =
+            [&velocities, &of_contacts, &stops, &residual].into_iter().flat_map(|rows| &rows.0);
+        rest.iter_mut().zip(all).for_each(|(place, &x)| *place = x);
+    }
+}
+
+/// The numbers of a pose, the first ones of a target.
+const POSE: usize = 12;
+
+/// Returns the index of the first number of a contact among the settings.
+fn of_contact(contact: usize) -> usize {
+    ConstraintSettings::<f64>::COUNT + contact * ContactTarget::<f64>::COUNT
+}
+
+/// The arguments of a step in lanes.
+struct Given<'a, S> {
+    numbers: &'a [S],
+    lengths: &'a [usize],
+    lanes: usize,
+}
+
+impl<S: Number> Given<'_, S> {
+    /// Returns the rows of an array.
+    fn rows(&self, array: usize) -> &[S] {
+        let first: usize = self.lengths[..array].iter().sum();
+        &self.numbers[first * self.lanes..][..self.lengths[array] * self.lanes]
+    }
+
+    /// Returns the numbers of an array in a lane.
+    fn lane(&self, array: usize, lane: usize) -> Vec<S> {
+        lane_of(self.rows(array), lane, self.lanes)
+    }
+
+    /// Returns the arguments of the contact problem: those of the step without impulses and residual.
+    fn of_problem(&self) -> Vec<S> {
+        let count = |lengths: &[usize]| lengths.iter().sum::<usize>() * self.lanes;
+        let (state, all) = (count(&self.lengths[..CONTACTS]), count(self.lengths));
+        [&self.numbers[..state], &self.numbers[count(&self.lengths[..STATE])..all]].concat()
+    }
+
+    fn settings(&self, lane: usize) -> ConstraintSettings<S, Vec<ContactTarget<S>>> {
+        let numbers = self.lane(SETTINGS, lane);
+        let (first, contacts) = numbers.split_at(4);
+        let contacts = contacts.as_chunks::<25>().0.iter();
+        let contacts = contacts.map(|numbers| ContactTarget::from_numbers(*numbers)).collect();
+        ConstraintSettings::from_numbers([first[0], first[1], first[2], first[3]], contacts)
+    }
+}
+
+/// Returns the numbers of a lane.
+fn lane_of<S: Copy>(rows: &[S], lane: usize, lanes: usize) -> Vec<S> {
+    rows.iter().skip(lane).step_by(lanes).copied().collect()
+}
