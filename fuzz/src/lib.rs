@@ -4,7 +4,9 @@ mod mutate;
 pub mod vocabulary;
 
 use modyn_codegen::diagnostics::{Code, Diagnostics, Severity};
-use modyn_codegen::{Base, Friction, Mimic, ReadOptions, Reading, Rotor};
+use modyn_codegen::{
+    Base, Builder, Friction, Function, Mimic, ReadOptions, Reading, Rotor, joints_without_inertia,
+};
 
 pub use mutate::mutate;
 
@@ -57,4 +59,24 @@ pub fn check(text: &str, result: &Result<Reading, Diagnostics>) {
             );
         }
     }
+}
+
+/// Compiles a few functions of a model that was read: poses if the robot has no inertia, else dynamics.
+///
+/// # Panics
+///
+/// Panics if the model does not compile, if the text is no Rust, or if a constant is not a number.
+pub fn compile(reading: Reading) {
+    let functions = match joints_without_inertia(&reading.model).is_empty() {
+        true => [Function::InverseDynamics, Function::ForwardDynamics],
+        false => [Function::LinkPose, Function::Jacobian],
+    };
+    let generated = Builder::new()
+        .model(reading.model)
+        .unphysical_inertia(Severity::Warning)
+        .functions(functions)
+        .generate()
+        .expect("a model that was read compiles");
+    syn::parse_file(&generated.text).expect("Rust");
+    assert!(!generated.text.contains("NaN"), "a constant is not a number");
 }

@@ -81,7 +81,7 @@ def checked(collection, folder):
             subject = errors[0]["subject"]
             about = f"{subject['kind']} `{subject['name']}`: " if subject else ""
             row.code, row.why = errors[0]["code"], (about + errors[0]["message"]).replace(f"{folder}/", "")
-        if row.verdict == "refused" and row.format != "mjcf":
+        if row.verdict == "refused":
             tried = (option for option in modyn.OPTIONS if not modyn.check(path, option)[0])
             row.option = next(tried, "")
             row.verdict = "by an option" if row.option else row.verdict
@@ -116,7 +116,7 @@ def reference(row, path, joints):
             return reference(dataclasses.replace(row, format="urdf"), Path(urdf.name), joints)
     if row.format == "mjcf":
         import mujoco_reference
-        return mujoco_reference.Reference(path, joints)
+        return mujoco_reference.Reference(path, joints, with_forces="forces" not in row.option)
     if row.format == "sdf" and row.code == "inertia-without-mass":
         raise Unloaded("Drake gives a link that has inertia and no mass a mass of 1 kg")
     if row.format == "sdf":

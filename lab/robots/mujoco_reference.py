@@ -19,15 +19,18 @@ def flag(name):
 
 
 class Reference:
-    """MuJoCo's model of a file, for modyn's joints that have coordinates."""
+    """MuJoCo's model of a file, for modyn's joints that have coordinates; without forces of fluids and tendons, if so asked."""
 
-    def __init__(self, path, joints):
+    def __init__(self, path, joints, with_forces=True):
         try:
             self.model = model = mujoco.MjModel.from_xml_path(str(path))
         except ValueError as error:
             raise Unloaded(str(error).splitlines()[0]) from error
         for name in OFF:
             model.opt.disableflags |= flag(name)
+        if not with_forces:
+            model.opt.density = model.opt.viscosity = 0
+            model.tendon_stiffness[:] = 0
         model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
         self.data = mujoco.MjData(model)
         #: The degrees of freedom whose gravity compensation MuJoCo counts as a force of actuators.

@@ -142,6 +142,8 @@ fn collections_are_tables() {
         r#"<mujoco model="m"><worldbody><body><geom size="1"/></body></worldbody></mujoco>"#,
     );
     write("package.xml", "<package/>");
+    // The files of YARP configure programs.
+    write("wrapper.xml", r#"<robot name="r"><device name="d" type="motor"/></robot>"#);
     write(".hidden/bad.urdf", "<robot/>");
     write("notes.txt", "<robot/>");
     let path = folder.path().display().to_string();
@@ -174,6 +176,6 @@ fn collections_are_tables() {
     assert_eq!(text.code, 1);
     assert!(text.out.contains("negative-mass: link `b`: "), "{}", text.out);
     assert!(text.out.contains("mjcf           1       1        1     2"), "{}", text.out);
-    assert!(text.out.ends_with("1 other file is no description.\n"), "{}", text.out);
+    assert!(text.out.ends_with("2 other files are no descriptions.\n"), "{}", text.out);
     assert_eq!(modyn(&["check", "--collection", "robots/arm6.urdf"]).code, 2);
 }

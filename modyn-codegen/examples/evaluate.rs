@@ -11,7 +11,7 @@
 //! stabilization, then the loops' displacements, six for each loop. A robot with a joint that moves no inertia has no
 //! dynamics: then the numbers of a state are, for each of these joints, the pose of its link in the world (rotation by rows,
 //! translation) and its velocity in world axes (angular, linear). Words after the path: `fixed`, `floating`, `independent`
-//! (mimics) and `warn` (of inertias that no rigid body has).
+//! (mimics), `warn` (of inertias that no rigid body has) and `forces` (which are not read).
 
 use std::error::Error;
 use std::io::{BufRead as _, Write as _};
@@ -23,7 +23,9 @@ use modyn_runtime::{ConstraintSettings, Interpreter, Twist, Wrench};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
-    let path = arguments.next().ok_or("evaluate ROBOT [fixed] [floating] [independent] [warn]")?;
+    let path = arguments
+        .next()
+        .ok_or("evaluate ROBOT [fixed] [floating] [independent] [warn] [forces]")?;
     let mut options = ReadOptions::default();
     for word in arguments {
         match word.as_str() {
@@ -31,6 +33,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             "floating" => options.base = Base::Floating,
             "independent" => options.mimic = Mimic::Independent,
             "warn" => options.unphysical_inertia = Severity::Warning,
+            "forces" => options.unread_forces = Severity::Warning,
             other => return Err(format!("no option `{other}`").into()),
         }
     }

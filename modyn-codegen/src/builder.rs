@@ -26,8 +26,8 @@ use crate::plan::{
 use crate::program::Execution;
 use crate::read::{Format, Reading};
 use checks::{
-    invalid_programs, left_out, moving_frames, too_long, too_long_entries, without_hessian,
-    without_inertia,
+    invalid_programs, left_out, moving_frames, needs_inertia, too_long, too_long_entries,
+    without_hessian, without_inertia,
 };
 pub use object::ObjectPlanning;
 use source::Source;
@@ -478,8 +478,9 @@ impl Builder {
         });
         let mut functions = self.selected().to_vec();
         let bundled: Vec<Function> = code.bundles.iter().flat_map(Bundle::functions).collect();
+        let mut singular = Vec::new();
         if let Some(Reading { model, .. }) = &reading {
-            let singular = joints_without_inertia(model);
+            singular = joints_without_inertia(model);
             if !singular.is_empty() {
                 let error;
                 (functions, error) = without_inertia(model, &singular, &functions, &bundled);
@@ -508,7 +509,8 @@ impl Builder {
         };
         if let Some(Reading { model, .. }) = &reading {
             // Options with errors may be those of the functions.
-            let traced = errors.is_empty().then(|| self.traced_functions(model, &choices));
+            let traced =
+                errors.is_empty().then(|| self.traced_functions(model, &singular, &choices));
             let traced =
                 traced.and_then(|traced| traced.map_err(|found| errors.extend(found)).ok());
             let of = |bundle: &Bundle| {
@@ -540,14 +542,20 @@ impl Builder {
         Ok(Inputs { model, modules, choices, options, files })
     }
 
-    /// Returns the user's functions of a robot.
+    /// Returns the user's functions of a robot whose joints `singular` move no inertia.
     fn traced_functions(
         &self,
         model: &Model,
+        singular: &[usize],
         choices: &Choices,
     ) -> Result<Vec<TracedFunction>, Diagnostics> {
         let (mut traced, mut errors) = (Vec::new(), Vec::new());
         for function in &self.options.user_functions {
+            if !singular.is_empty() && function.depends_on_inertia(model) {
+                let names = format!("function `{}`", function.name);
+                errors.push(needs_inertia(model, singular, &names, "needs"));
+                continue;
+            }
             match function.of(model, choices.parameters(model)) {
                 Ok(one) => traced.push(one),
                 Err(reason) => errors.push(user::plan_error(function, &reason)),

@@ -128,6 +128,11 @@ macro_rules! option_table {
                 "unphysical_inertia" unphysical_inertia(severity: Severity)
                     unphysical_inertia: Severity, field => *field = severity,
                     "error | warn", "`error`", "warn";
+                /// How forces of fluids, such as air, and of tendons in an MJCF are reported, which are not read. With a
+                /// warning the robot is without them.
+                "unread_forces" unread_forces(severity: Severity)
+                    unread_forces: Severity, field => *field = severity,
+                    "error | warn", "`error`", "warn";
                 /// The folders of ROS packages, which a description names in `$(find ...)` and `package://`. Packages in the
                 /// folders above the description are found without this option, and so are those of `ROS_PACKAGE_PATH` and
                 /// `AMENT_PREFIX_PATH`.

@@ -122,6 +122,7 @@ fn the_numbers_are_those_of_mujoco() {
         (include_str!("mjcf/hulls.xml"), include_str!("mjcf/hulls.txt"), 1e-7),
         (include_str!("mjcf/springs.xml"), include_str!("mjcf/springs.txt"), 1e-12),
         (include_str!("mjcf/floating.xml"), include_str!("mjcf/floating.txt"), 1e-12),
+        (include_str!("mjcf/spring_dampers.xml"), include_str!("mjcf/spring_dampers.txt"), 1e-11),
     ] {
         let mut robot = Interpreter::<f64>::new(read_in_folder(text).expect("an MJCF").model);
         let lines: Vec<Vec<f64>> = golden
@@ -457,7 +458,7 @@ fn servo_actuators_are_named_and_sites_are_frames() {
         .iter()
         .map(|one| (one.code, one.position.map(|at| at.line), one.message.as_str()))
         .collect();
-    let message = "the controller of its actuator is not read: the argument of the dynamics is the joint force; the same \
+    let message = "the controller of the actuator is not read: the dynamics have the joint force as an argument; the same \
                    holds for joint `j` (line 8)";
     assert_eq!(found, [(Code::NotRead, Some(7), message)]);
     let help = reading.warnings[0].help.as_deref().unwrap_or_default();
@@ -517,6 +518,37 @@ fn springs_and_compensated_gravity_are_read() {
     assert!(read(r#"spring="disable""#).springs().is_empty());
 }
 
+/// The damping that follows from `springdamper` is that of `MuJoCo`, which `mjcf/golden.py` writes; `mjcf/spring_dampers.txt`
+/// holds the stiffness against `MuJoCo`. Without springs, the damping remains.
+#[test]
+fn dampers_follow_from_time_constants() {
+    let text = include_str!("mjcf/spring_dampers.xml");
+    let without = text.replace("<option", "<option><flag spring=\"disable\"/></option><option");
+    // A constraint does not count.
+    let coupled = text.replace(
+        "</worldbody>",
+        r#"</worldbody><equality><joint joint1="last" joint2="slide"/></equality>"#,
+    );
+    for text in [text, &without, &coupled] {
+        let model = read(text).expect("an MJCF");
+        let damping = model.links().iter().map(|link| link.joint.dynamics.damping);
+        let damping: Vec<f64> = damping.filter(|damping| *damping != 0.0).collect();
+        let expected = [
+            2.471038296767137,
+            28.114349824396506,
+            1.1016387091323172,
+            0.2260944151520347,
+            0.4543534666213909,
+            0.11758767760205989,
+        ];
+        assert_eq!(damping.len(), expected.len(), "{damping:?}");
+        for (found, expected) in damping.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-12 * expected, "{found} is not {expected}");
+        }
+        assert_eq!(model.springs().is_empty(), text == without);
+    }
+}
+
 /// The largest force of a joint is that of its actuators, if each has a limit.
 #[test]
 fn ranges_of_actuators_are_effort_limits() {
@@ -567,6 +599,48 @@ fn attributes_that_are_not_read_are_not_judged() {
         <actuator><position kp="high"/></actuator></mujoco>"#,
     )
     .expect("an MJCF");
+}
+
+/// Forces of fluids and tendons are refused, or left out with a warning if an option says so. The inertia of a tendon is no
+/// force.
+#[test]
+fn unread_forces_are_refused_or_left_out() {
+    let text = |armature: &str| {
+        format!(
+            r#"<mujoco model="m"><option density="1.2"/>
+            <option density="0" viscosity="1e-5"/><option density="1" viscosity="2"/><worldbody><body>
+            <joint name="a"/><geom size="1"/><site name="p" pos="1 0 0"/></body><site name="q"/></worldbody><tendon>
+            <fixed stiffness="2" damping="1"><joint joint="a" coef="2"/></fixed>
+            <spatial damping="3"><site site="p"/><site site="q"/></spatial>
+            <spatial armature="{armature}"><site site="p"/><site site="q"/></spatial></tendon></mujoco>"#
+        )
+    };
+    let read = |armature: &str, unread_forces| {
+        let options = ReadOptions { unread_forces, ..ReadOptions::default() };
+        modyn_codegen::read_mjcf(&text(armature), "m.xml", &options)
+    };
+    let lines = |found: &[modyn_codegen::diagnostics::Diagnostic]| -> Vec<_> {
+        found.iter().map(|one| (one.severity, one.position.map_or(0, |at| at.line))).collect()
+    };
+    let found = read("0", Severity::Error).expect_err("forces").into_vec();
+    assert_eq!(lines(&found), [1, 2, 2, 4].map(|line| (Severity::Error, line)), "{found:?}");
+    assert!(found[2].message.contains("(`density`, `viscosity`)"), "{}", found[2].message);
+    let tendons =
+        "forces of a tendon (`damping`, `stiffness`) are not read; the same holds for line 5";
+    assert_eq!(found[3].message, tendons);
+    for one in &found {
+        let help = one.help.as_deref().unwrap_or_default();
+        assert!(help.contains("`unread_forces = warn`"), "{help}");
+    }
+    let reading = read("0", Severity::Warning).expect("warnings");
+    let warnings = [1, 2, 2, 4].map(|line| (Severity::Warning, line));
+    assert_eq!(lines(&reading.warnings), warnings);
+    assert_eq!(reading.model.nv(), 1);
+    let found = read("0.5", Severity::Warning).expect_err("an inertia").into_vec();
+    assert_eq!(
+        lines(&found).iter().filter(|(severity, _)| *severity == Severity::Error).count(),
+        1
+    );
 }
 
 /// Asserts that a piece of the text is refused with this code, at line 2, where the piece is, and that the error is gone
@@ -639,7 +713,16 @@ fn unsupported_elements_are_refused() {
         format!("<joint/><body><joint/>{inertial}<geom type=\"mesh\" mesh=\"m\"/></body>");
     for (bad, code, fixed) in [
         (r#"<joint class="nowhere"/>"#, Code::NotRead, r#"<joint class="main"/>"#),
-        (r#"<joint springdamper="1 1"/>"#, Code::NotRead, "<joint/>"),
+        (
+            r#"<joint springdamper="1 0"/>"#,
+            Code::NegativeJointDynamics,
+            r#"<joint springdamper="1 2"/>"#,
+        ),
+        (
+            r#"<joint springdamper="1 1"/><body><joint axis="1 0 0" springdamper="0 0"/></body>"#,
+            Code::NotRead,
+            r#"<joint springdamper="0 0"/>"#,
+        ),
         (
             r#"<joint/></body><body><joint type="free" frictionloss="2"/><geom size="1"/>"#,
             Code::NotRead,

@@ -2,7 +2,7 @@
 
 use modyn_codegen::graph::Expr;
 use modyn_codegen::{
-    Builder, Bundle, Function, Interpreter, Scalar, Target, UserArgument, UserDerivatives,
+    Builder, Bundle, Function, Interpreter, Rotor, Scalar, Target, UserArgument, UserDerivatives,
     UserError, UserFunction,
 };
 
@@ -185,6 +185,70 @@ fn functions_that_cannot_be_traced_are_refused() {
     let builder = robot("arm7").function("one", link("a")).function("two", link("b"));
     let found = refused(builder);
     assert!(found.contains("link `a`") && found.contains("link `b`"), "{found}");
+}
+
+/// A function of forces or energies of a robot without inertia is refused by its name; one of poses is not.
+#[test]
+fn functions_that_need_inertia_are_refused_without() {
+    let text = include_str!("good/kinematics_only.urdf");
+    let builder = Builder::new().urdf_text(text, "r.urdf").functions([]);
+    let link = Reach { link: "hand", ..REACH };
+    let builder = builder.function("pose", Pose).function("reach", link).function("force", Force);
+    let found = builder.clone().generate().expect_err("an error").into_vec();
+    let found: Vec<String> = found.iter().map(ToString::to_string).collect();
+    assert_eq!(found.len(), 2, "{found:?}");
+    for (found, name) in found.iter().zip(["reach", "force"]) {
+        let message =
+            format!("function `{name}` needs inertia, and joints `shoulder`, `wrist` move none");
+        assert!(found.contains("kinematics-only") && found.contains(&message), "{found}");
+    }
+    let rotors = ["shoulder", "wrist"].map(|joint| Rotor::new(joint, 1.0, 1.0));
+    builder.rotors(rotors).generate().expect("rotors have inertia");
+}
+
+/// The height of a link.
+struct Pose;
+
+impl UserFunction<1> for Pose {
+    fn docs(&self) -> String {
+        "Returns a height.".into()
+    }
+
+    fn arguments(&self) -> [UserArgument; 1] {
+        [UserArgument::Q]
+    }
+
+    fn evaluate<S: Scalar>(
+        &self,
+        robot: &mut Interpreter<S>,
+        [q]: [&[S]; 1],
+    ) -> Result<Vec<S>, UserError> {
+        Ok(vec![robot.link_pose(q, 1)?.translation[2]])
+    }
+}
+
+/// The accelerations under gravity.
+struct Force;
+
+impl UserFunction<1> for Force {
+    fn docs(&self) -> String {
+        "Returns accelerations.".into()
+    }
+
+    fn arguments(&self) -> [UserArgument; 1] {
+        [UserArgument::Q]
+    }
+
+    fn evaluate<S: Scalar>(
+        &self,
+        robot: &mut Interpreter<S>,
+        [q]: [&[S]; 1],
+    ) -> Result<Vec<S>, UserError> {
+        let still = vec![S::zero(); robot.model().nv()];
+        let mut qdd = still.clone();
+        robot.forward_dynamics(q, &still, &still, &mut qdd)?;
+        Ok(qdd)
+    }
 }
 
 /// The sum of squares of all products of two velocities, of which there are many.

@@ -124,6 +124,29 @@ fn a_file_with_includes_is_read_with_arguments() {
     let _ = std::fs::remove_dir_all(root);
 }
 
+/// A package is also the folder of its name that contains the description, if no folder of its name has a `package.xml`.
+#[test]
+fn a_package_is_a_folder_above_the_description() {
+    let parts = [
+        ("parts/rod.xacro", ROD),
+        ("arm_description/urdf/arm.urdf.xacro", ROBOT),
+        ("arm_description/parts/rod.xacro", ROD),
+    ];
+    let root = files("above", &parts);
+    let path = root.join("arm_description/urdf/arm.urdf.xacro");
+    let builder = Builder::new().functions([]);
+    assert_eq!(builder.clone().file(&path).generate().expect("valid").model.nq(), 2);
+    // A folder beside it is none without a `package.xml`.
+    std::fs::create_dir_all(root.join("other")).expect("a folder");
+    let beside = root.join("other/arm.urdf.xacro");
+    std::fs::copy(&path, &beside).expect("a copy");
+    let found = builder.clone().file(&beside).generate().expect_err("no package").to_string();
+    assert!(found.contains("`arm_description` was not found"), "{found}");
+    std::fs::write(root.join("arm_description/package.xml"), "<package/>").expect("a file");
+    builder.file(&beside).generate().expect("a package beside");
+    let _ = std::fs::remove_dir_all(root);
+}
+
 /// Both the error of the URDF and that of an expression are at the xacro's line, with the calls that led there.
 #[test]
 fn errors_name_the_line_of_the_xacro_and_the_calls() {

@@ -1,18 +1,21 @@
 //! Keyframes of the description: named coordinates.
 
 use modyn_runtime::model::{Keyframe, Model};
+use rustc_hash::FxHashMap;
 
 use crate::description::Description;
 
 /// Returns the keyframes with the coordinates of the model's joints: fixed joints and mimic joints have none.
 pub fn keyframes(description: &Description, model: &Model) -> Vec<Keyframe> {
+    let independent = (0..).zip(model.links()).filter(|(i, _)| model.mimic(*i).is_none());
+    let links: FxHashMap<&str, usize> = if description.keyframes.is_empty() {
+        FxHashMap::default()
+    } else {
+        independent.map(|(i, link)| (link.joint.name.as_str(), i)).collect()
+    };
     let place = |joint: usize| {
         let name = description.joints[joint].name.text.as_str();
-        let links = model.links().iter();
-        let link = links
-            .enumerate()
-            .position(|(i, link)| link.joint.name == name && model.mimic(i).is_none())?;
-        Some(model.q_range(link))
+        links.get(name).map(|link| model.q_range(*link))
     };
     let all = description.keyframes.iter().map(|record| {
         let mut q = vec![0.0; model.nq()];

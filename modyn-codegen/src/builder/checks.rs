@@ -188,20 +188,29 @@ pub(super) fn without_inertia(
         |function: &&Function| has_all || has_default && Function::DEFAULT.contains(function);
     let named = selected.iter().filter(|function| !is_of_a_group(function)).chain(bundled);
     let named: Vec<&str> = named.filter(needs).map(|function| function.name()).collect();
-    let names = singular.iter().map(|&i| model.links()[i].joint.name.as_str());
     let error = named.first().map(|_| {
-        let message = format!(
-            "{} {} inertia, and {} {} none",
-            listed("function", named.iter().copied()),
-            if named.len() == 1 { "needs" } else { "need" },
-            listed("joint", names),
-            if singular.len() == 1 { "moves" } else { "move" },
-        );
-        let help = "select kinematic functions, such as `link_pose` and `jacobian`; or write the `<inertial>` of the links, or \
-                    give each joint a rotor by the option `rotors`";
-        Diagnostic::error(Code::KinematicsOnly, message).with_help(help)
+        let verb = if named.len() == 1 { "needs" } else { "need" };
+        needs_inertia(model, singular, &listed("function", named.iter().copied()), verb)
     });
     (selected.iter().copied().filter(|function| !function.row().needs_inertia).collect(), error)
+}
+
+/// Returns the error of functions that need inertia, of a robot whose joints `singular` move none.
+pub(super) fn needs_inertia(
+    model: &Model,
+    singular: &[usize],
+    functions: &str,
+    verb: &str,
+) -> Diagnostic {
+    let joints = singular.iter().map(|&i| model.links()[i].joint.name.as_str());
+    let message = format!(
+        "{functions} {verb} inertia, and {} {} none",
+        listed("joint", joints),
+        if singular.len() == 1 { "moves" } else { "move" },
+    );
+    let help = "select kinematic functions, such as `link_pose` and `jacobian`; or write the `<inertial>` of the links, or \
+                give each joint a rotor by the option `rotors`";
+    Diagnostic::error(Code::KinematicsOnly, message).with_help(help)
 }
 
 /// Returns a warning for each function whose packed program is invalid.

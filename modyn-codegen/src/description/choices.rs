@@ -16,6 +16,8 @@ pub struct ReadOptions {
     pub gravity: Option<[f64; 3]>,
     /// The severity of inertias that no rigid body has.
     pub unphysical_inertia: Severity,
+    /// The severity of forces that are not read: those of fluids and tendons of an MJCF.
+    pub unread_forces: Severity,
     /// The treatment of mimic joints.
     pub mimic: Mimic,
     /// Whether a root link is fixed or floats.

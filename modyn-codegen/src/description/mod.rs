@@ -19,6 +19,7 @@ use rustc_hash::FxHashMap;
 use crate::diagnostics::Subject;
 
 /// A robot as a collection of records.
+#[derive(Clone)]
 pub struct Description {
     /// The robot's name.
     pub name: String,
@@ -77,6 +78,7 @@ pub struct Located {
 }
 
 /// A link.
+#[derive(Clone)]
 pub struct LinkRecord {
     pub name: Located,
     pub inertial: Option<InertialRecord>,
@@ -99,6 +101,7 @@ impl LinkRecord {
 }
 
 /// The inertia of a link, in the link's frame.
+#[derive(Clone)]
 pub struct InertialRecord {
     pub inertial: Inertial,
     /// The byte offset of the inertia.
@@ -110,6 +113,7 @@ pub struct InertialRecord {
 }
 
 /// A joint.
+#[derive(Clone)]
 pub struct JointRecord {
     pub name: Located,
     pub kind: Kind,
@@ -159,6 +163,7 @@ pub enum Kind {
 }
 
 /// The mimic relation of a joint.
+#[derive(Clone)]
 pub struct MimicRecord {
     /// The name of the leader.
     pub leader: Located,
@@ -167,6 +172,7 @@ pub struct MimicRecord {
 }
 
 /// A joint that closes a loop, from the text or the options.
+#[derive(Clone)]
 pub struct LoopRecord {
     pub name: String,
     /// The byte offset; `None` for a joint of the options.
@@ -184,6 +190,7 @@ impl LoopRecord {
 }
 
 /// A frame of a link that can touch the world, from the text or the options.
+#[derive(Clone)]
 pub struct ContactRecord {
     pub name: String,
     /// The byte offset; `None` for a contact of the options.
@@ -201,6 +208,7 @@ impl ContactRecord {
 }
 
 /// Named coordinates of the robot.
+#[derive(Clone)]
 pub struct KeyframeRecord {
     pub name: Located,
     /// For joints of the description, by their index: the coordinates in modyn's order, with quaternions of unit length.
@@ -209,6 +217,7 @@ pub struct KeyframeRecord {
 }
 
 /// One of the two frames of a loop joint, or the frame of a contact.
+#[derive(Clone)]
 pub struct EndRecord {
     /// The link's name; `None` if it is missing.
     pub link: Option<String>,

@@ -187,6 +187,18 @@ impl<'a> Report<'a> {
     /// Adds one warning for all these places, of which a real file may have dozens: at the first place, with the number of
     /// the others and the lines of some. Adds nothing if there are no places.
     pub fn warn_once(&mut self, code: Code, places: &[Place], message: &str, help: &str) {
+        self.add_once(Severity::Warning, code, places, message, help);
+    }
+
+    /// Adds one error or warning for all these places, as [`warn_once`](Self::warn_once) does.
+    pub fn add_once(
+        &mut self,
+        severity: Severity,
+        code: Code,
+        places: &[Place],
+        message: &str,
+        help: &str,
+    ) {
         let Some(((at, subject), others)) = places.split_first() else { return };
         let shown: Vec<String> = others
             .iter()
@@ -208,7 +220,7 @@ impl<'a> Report<'a> {
                 format!("{message}; the same holds for {count} others: {}{more}", shown.join(", "))
             }
         };
-        self.add(Severity::Warning, code, *at, subject.as_ref(), message, help);
+        self.add(severity, code, *at, subject.as_ref(), message, help);
     }
 
     /// Adds a diagnostic. Without a file it is about the description.

@@ -243,6 +243,18 @@ impl NamedFunction {
         })
     }
 
+    /// Returns whether the function's value depends on the inertia of links; `false` if the function cannot be traced.
+    pub(crate) fn depends_on_inertia(&self, model: &Model) -> bool {
+        let carries =
+            |link: usize| model.frames().iter().position(|frame| frame.link == Some(link));
+        let frames: Vec<usize> = (0..model.links().len()).filter_map(carries).collect();
+        let robot = SymbolicRobot::new(model, Parameters::new(model, false, &frames, &[]));
+        let tracer = Tracer::with_parameters(&robot.mechanism, robot.parameters.clone());
+        let inputs = self.inputs(&Sizes::new(model, 0));
+        let graphs = tracer.user_function(model, inputs, &*self.evaluate);
+        graphs.is_ok_and(|graphs| graphs.optimized.depends_on_parameters())
+    }
+
     fn inputs(&self, sizes: &Sizes) -> Vec<TangentInput> {
         let input = |argument: &UserArgument| TangentInput {
             len: self::argument(argument).shape(sizes).len(),

@@ -8,7 +8,8 @@ use crate::description::{Package, ReadOptions};
 pub const PACKAGE_PATHS: [&str; 2] = ["ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"];
 
 /// Returns the folder of a package: by the option `packages`; by the folders that contain the description and their
-/// neighbours, of which one has this name and a `package.xml`; or by `ROS_PACKAGE_PATH` and `AMENT_PREFIX_PATH`.
+/// neighbours, of which one has this name and a `package.xml`; by `ROS_PACKAGE_PATH` and `AMENT_PREFIX_PATH`; or the folder of
+/// this name that contains the description.
 ///
 /// A description without a folder has the packages of the options alone.
 pub fn find(name: &str, options: &ReadOptions) -> Option<PathBuf> {
@@ -20,12 +21,11 @@ pub fn find(name: &str, options: &ReadOptions) -> Option<PathBuf> {
     // A name of several parts would leave the folders that are searched.
     let mut parts = Path::new(name).components();
     let (Some(Component::Normal(_)), None) = (parts.next(), parts.next()) else { return None };
-    let is_package = |folder: &PathBuf| {
-        folder.file_name().is_some_and(|own| own == name) && folder.join("package.xml").is_file()
-    };
+    let is_named = |folder: &Path| folder.file_name().is_some_and(|own| own == name);
+    let is_package = |folder: &PathBuf| is_named(folder) && folder.join("package.xml").is_file();
     let absolute = std::path::absolute(folder).unwrap_or_else(|_| folder.into());
     let around = absolute.ancestors().flat_map(|folder| [folder.to_owned(), folder.join(name)]);
-    around.into_iter().find(is_package).or_else(|| {
+    let of_ros = || {
         PACKAGE_PATHS.iter().find_map(|variable| {
             let folders = std::env::var_os(variable)?;
             std::env::split_paths(&folders).find_map(|folder| {
@@ -34,5 +34,7 @@ pub fn find(name: &str, options: &ReadOptions) -> Option<PathBuf> {
                     .find(is_package)
             })
         })
-    })
+    };
+    let above = || absolute.ancestors().find(|folder| is_named(folder)).map(Path::to_owned);
+    around.into_iter().find(is_package).or_else(of_ros).or_else(above)
 }

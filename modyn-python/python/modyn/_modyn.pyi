@@ -56,6 +56,9 @@ class Options(TypedDict, total=False):
     unphysical_inertia: str | None
     """How inertias that no rigid body has are reported. A negative mass is always an error. By default error. For
     example: `"warn"`."""
+    unread_forces: str | None
+    """How forces of fluids, such as air, and of tendons in an MJCF are reported, which are not read. With a
+    warning the robot is without them. By default error. For example: `"warn"`."""
     packages: Mapping[str, Any] | str | None
     """The folders of ROS packages, which a description names in `$(find ...)` and `package://`. Packages in the
     folders above the description are found without this option, and so are those of `ROS_PACKAGE_PATH` and
@@ -91,7 +94,7 @@ def load(path: str | os.PathLike[str], /, **options: Unpack[Options]) -> Robot:
     """Reads the robot of a file, URDF, SDF or MJCF.
 
     The keyword arguments are modyn's options about a robot: `gravity`, `base`, `mimic`, `rotors`, `loops`, `contacts`,
-    `friction`, `unphysical_inertia`, `packages`, `xacro_args`, `bundles`, `modules`, `scalar`, `runtime_gravity`, `runtime_inertia` and `payload`;
+    `friction`, `unphysical_inertia`, `unread_forces`, `packages`, `xacro_args`, `bundles`, `modules`, `scalar`, `runtime_gravity`, `runtime_inertia` and `payload`;
     with `machine_code=False`, functions are evaluated instead of compiled.
 
     `OSError` if the file cannot be read, `DescriptionError` with file, line and column if the description is wrong.

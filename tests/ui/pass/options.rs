@@ -14,6 +14,7 @@ modyn::modyn! {
     base = fixed,
     mimic = refuse,
     unphysical_inertia = error,
+    unread_forces = warn,
     crate = crate::modyn_under_another_name::renamed,
 }
 modyn::modyn!(Others = "../good.urdf", modules = links, scalar = f64, mimic = independent);

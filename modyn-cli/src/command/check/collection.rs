@@ -78,6 +78,7 @@ pub fn run(arguments: &Arguments, options: &ReadOptions) -> Result<(), Failure> 
         included.extend(included_by(&path, &description.text));
         let format = Format::found(&description.text, &name);
         let is_made_part = description.text.contains(PART_ROOT);
+        let format = format.filter(|format| !is_configuration(*format, &path, &description.text));
         let Some(format) = format.or(is_made_part.then_some(Format::Mjcf)) else {
             others += 1;
             continue;
@@ -102,6 +103,13 @@ pub fn run(arguments: &Arguments, options: &ReadOptions) -> Result<(), Failure> 
     to_stdout(&if arguments.json { as_json(&entries) } else { as_text(&entries, others) })?;
     let refused = entries.iter().any(|entry| entry.verdict == Verdict::Refused);
     if refused { Err(Failure::Reported) } else { Ok(()) }
+}
+
+/// Returns whether a file configures the program of a robot, and describes no robot, although its root element is that of a
+/// URDF, as the files of YARP do.
+fn is_configuration(format: Format, path: &Path, text: &str) -> bool {
+    let is_xml = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("xml"));
+    format == Format::Urdf && is_xml && !text.contains("<link") && !text.contains("<joint")
 }
 
 /// Returns whether there is nothing that moves.

@@ -40,6 +40,8 @@ pub struct Bodies<'e, 'r, 'f> {
     pub drawn: Vec<f64>,
     /// For each free joint of the description, by its index, its coordinates in the pose in which the model is drawn.
     pub free_poses: BTreeMap<usize, [f64; 7]>,
+    /// For joints of the description, by their index, the time constant, s, and the damping ratio of `springdamper`.
+    pub spring_dampers: Vec<(usize, [f64; 2])>,
     /// The models and their names in the whole model: the main model first, then each that was attached.
     pub attached: Vec<(usize, Rc<Naming>)>,
     /// The models in which the present element is.
@@ -106,6 +108,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
             drawn: Vec::new(),
             has_shapes: options.shapes,
             free_poses: BTreeMap::new(),
+            spring_dampers: Vec::new(),
             attached: vec![(0, naming.clone())],
             open: vec![0],
             items: 0,
@@ -352,6 +355,9 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
             let link = if last { name.clone() } else { format!("{name}_behind_{joint_name}") };
             let child = self.link(link, place, self.carriers.len());
             self.description.links[child].auxiliary = !last;
+            if let Some(numbers) = joints::spring_damper(joint) {
+                self.spring_dampers.push((self.description.joints.len(), numbers));
+            }
             self.push(JointRecord { origin, ..made }, reference, above, child);
             above = child;
             frame = translation(anchor.map(|x| -x));

@@ -67,10 +67,10 @@ pub fn joint(
     let mut refuse = |code, message: &str, help: &str| {
         report.error(code, at, Some(&subject), message, help);
     };
-    let damper: Option<[f64; 2]> = item.numbers("springdamper");
-    if damper.is_some_and(|[time, _]| time != 0.0) {
-        let help = "write the `stiffness` and the `damping` that MuJoCo computes from it (`mj_saveLastXML`)";
-        refuse(Code::NotRead, "`springdamper` is not read", help);
+    let spring_damper = spring_damper(item);
+    if spring_damper.is_some_and(|numbers| numbers.iter().any(|&number| number <= 0.0)) {
+        let help = "write a time constant, s, and a damping ratio, both above 0; or `0 0` for none";
+        refuse(Code::NegativeJointDynamics, "`springdamper` is not positive", help);
     }
     for name in ["damping", "stiffness"] {
         if polynomial(item, name).1 {
@@ -93,7 +93,8 @@ pub fn joint(
         refuse(Code::NotRead, message, "write 0, or the class that the joint should have");
     }
     let dynamics = JointDynamics { armature, damping, friction };
-    let spring = (stiffness > 0.0 && model.settings.springs)
+    let has_spring = stiffness > 0.0 || spring_damper.is_some();
+    let spring = (has_spring && model.settings.springs)
         .then(|| SpringRecord { stiffness, reference: spring_reference(item, kind, angle, pose) });
     let direction = item.numbers("axis").unwrap_or([0.0, 0.0, 1.0]);
     let axis =
@@ -132,6 +133,12 @@ pub fn joint(
     let record = fixed(name.into(), at);
     let reference = if single { angle * item.number("ref").unwrap_or(0.0) } else { 0.0 };
     (JointRecord { kind, axis, limits, dynamics, spring, sound, ..record }, reference)
+}
+
+/// Returns the time constant, s, and the damping ratio from which stiffness and damping of a joint follow; `None` if they are
+/// given as such.
+pub fn spring_damper(item: &Item) -> Option<[f64; 2]> {
+    item.numbers("springdamper").filter(|numbers| *numbers != [0.0; 2])
 }
 
 /// Returns the coordinates of the spring of a joint at rest; `pose` is that of the body, in which the model is drawn.

@@ -67,7 +67,6 @@ impl<'e> Bodies<'e, '_, '_> {
         let mut count = 0;
         for (joint, record) in self.description.joints.iter().enumerate() {
             let Kind::Moving(kind) = record.kind else { continue };
-            let (drawn, pose) = (self.drawn[joint], self.free_poses.get(&joint));
             count += kind.nq();
             let own = match &mut rest {
                 // The length is wrong, and reported below.
@@ -83,13 +82,11 @@ impl<'e> Bodies<'e, '_, '_> {
                 (JointType::Floating, Some(&[x, y, z, a, b, c, d])) => {
                     mujoco::from_qpos(joined([x, y, z], unit([a, b, c, d]))).to_vec()
                 }
-                (JointType::Floating, _) => pose.map(|pose| pose.to_vec()).unwrap_or_default(),
                 (JointType::Spherical, Some(&[a, b, c, d])) => {
                     xyzw_from_wxyz(unit([a, b, c, d])).to_vec()
                 }
-                (JointType::Spherical, _) => vec![0.0, 0.0, 0.0, 1.0],
+                (JointType::Floating, Some(_)) | (_, None) => self.drawn(joint, kind),
                 (_, Some(own)) => own.to_vec(),
-                (_, None) => vec![drawn],
             };
             all.push((joint, values));
         }
@@ -111,6 +108,26 @@ impl<'e> Bodies<'e, '_, '_> {
             self.report.error(Code::NumberCount, at, None, message, help);
         }
         None
+    }
+
+    /// Returns the coordinates of each moving joint in the pose in which the model is drawn.
+    pub fn drawn_coordinates(&self) -> Vec<(usize, Vec<f64>)> {
+        let moving = self.description.joints.iter().enumerate().filter_map(|(joint, record)| {
+            let Kind::Moving(kind) = record.kind else { return None };
+            Some((joint, self.drawn(joint, kind)))
+        });
+        moving.collect()
+    }
+
+    /// Returns the coordinates of a joint in the pose in which the model is drawn.
+    fn drawn(&self, joint: usize, kind: JointType) -> Vec<f64> {
+        match kind {
+            JointType::Floating => {
+                self.free_poses.get(&joint).map(|pose| pose.to_vec()).unwrap_or_default()
+            }
+            JointType::Spherical => vec![0.0, 0.0, 0.0, 1.0],
+            _ => vec![self.drawn[joint]],
+        }
     }
 }
 

@@ -22,6 +22,7 @@ mod mesh;
 mod models;
 mod pose;
 mod settings;
+mod spring_dampers;
 mod table;
 
 use crate::check::gravity_error;
@@ -46,8 +47,10 @@ pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> O
     }
     let mut bodies = bodies::Bodies::read(&sources, options, report);
     bodies.keyframes();
+    bodies.spring_dampers();
     bodies.equality();
-    bodies.tendons();
+    bodies.fluids(options.unread_forces);
+    bodies.tendons(options.unread_forces);
     bodies.actuators();
     let mut description = bodies.description;
     let error = description.gravity.and_then(gravity_error).filter(|_| options.gravity.is_none());

@@ -108,21 +108,7 @@ const TABLE: &[Row] = &[
         parents: MODEL,
         names: &["option"],
         treatment: Treatment::Read(
-            &[
-                ("gravity", Exactly(3)),
-                (
-                    "density",
-                    Zero(
-                        "forces of a fluid are not supported: write 0, and the robot moves as in a vacuum",
-                    ),
-                ),
-                (
-                    "viscosity",
-                    Zero(
-                        "forces of a fluid are not supported: write 0, and the robot moves as in a vacuum",
-                    ),
-                ),
-            ],
+            &[("gravity", Exactly(3)), ("density", Exactly(1)), ("viscosity", Exactly(1))],
             "timestep apirate impratio tolerance ls_tolerance noslip_tolerance mpr_tolerance ccd_tolerance sleep_tolerance wind \
              magnetic o_margin o_solref o_solimp o_friction integrator collision cone jacobian solver iterations \
              ls_iterations noslip_iterations mpr_iterations ccd_iterations sdf_iterations sdf_initpoints actuatorgroupdisable",

@@ -5,7 +5,7 @@ use roxmltree::Node;
 
 use super::reader::Reader;
 use crate::description::{InertialRecord, LinkRecord};
-use crate::diagnostics::Subject;
+use crate::diagnostics::{Code, Severity, Subject};
 
 impl<'a> Reader<'a, '_, '_, '_> {
     pub fn link(&mut self, node: Node<'a, '_>) -> Option<LinkRecord> {
@@ -18,13 +18,33 @@ impl<'a> Reader<'a, '_, '_, '_> {
             subject.as_ref(),
         );
         let inertial = self.xml.single(node, "inertial", subject.as_ref());
-        let inertial = inertial.map(|node| self.inertial(node, subject.as_ref()));
+        let inertial = inertial.and_then(|node| self.inertial(node, subject.as_ref()));
         let name = name?.located();
         let shapes = if self.options.shapes { self.shapes(node, &name.text) } else { Vec::new() };
         Some(LinkRecord { shapes, ..LinkRecord::new(name, inertial) })
     }
 
-    fn inertial(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> InertialRecord {
+    /// Returns the inertia of a link; `None` if it is zero and has no mass.
+    fn inertial(
+        &mut self,
+        node: Node<'a, '_>,
+        subject: Option<&Subject>,
+    ) -> Option<InertialRecord> {
+        if is_weightless(node) {
+            let message =
+                "`<inertial>` has no `<mass>`, and its inertia is zero: the link has no mass";
+            let help = "write `<mass value=\"1.5\"/>` and its inertia, or remove `<inertial>`; urdfdom does not read it either";
+            let at = node.range().start;
+            self.xml.report.add(
+                Severity::Warning,
+                Code::MissingElement,
+                at,
+                subject,
+                message,
+                help,
+            );
+            return None;
+        }
         let errors = self.xml.report.errors();
         self.xml.warn_of_misspelt_elements(
             node,
@@ -58,13 +78,22 @@ impl<'a> Reader<'a, '_, '_, '_> {
             self.dropped_inertias.push((Some(node.range().start), subject.cloned()));
         }
         let own = Inertial { mass, center_of_mass: [0.0; 3], inertia };
-        InertialRecord {
+        Some(InertialRecord {
             inertial: own.transformed(&pose),
             at: node.range().start,
             mass_at,
             sound: self.xml.report.errors() == errors,
-        }
+        })
     }
+}
+
+/// Returns whether an `<inertial>` has no `<mass>`, and an `<inertia>` whose numbers are zero.
+fn is_weightless(inertial: Node) -> bool {
+    let has = |name| inertial.children().filter(move |part| part.has_tag_name(name));
+    let is_zero = |text: &str| text.trim().parse() == Ok(0.0);
+    has("mass").next().is_none()
+        && has("inertia").next().is_some()
+        && has("inertia").flat_map(|part| part.attributes()).all(|own| is_zero(own.value()))
 }
 
 /// Returns whether a number in an `<inertial>` has white space with which urdfdom does not read it: anything after a single

@@ -1,0 +1,101 @@
+//! Stiffness and damping of joints whose `springdamper` gives a time constant and a damping ratio.
+
+use modyn_runtime::Interpreter;
+use modyn_runtime::model::{Friction, Inertial, Model};
+
+use super::bodies::Bodies;
+use crate::assemble::assemble;
+use crate::description::{KeyframeRecord, Located, Mimic, ReadOptions};
+use crate::diagnostics::{Code, Report, Severity};
+
+/// The largest number of joints with `springdamper`: each takes one evaluation of the forward dynamics.
+const MAX_SPRING_DAMPERS: usize = 1_000;
+
+/// The least positive number by which MuJoCo divides.
+const LEAST: f64 = 1e-15;
+
+impl Bodies<'_, '_, '_> {
+    /// Sets stiffness and damping of the joints with `springdamper`, by the inertia that opposes each in the pose in which
+    /// the model is drawn. Constraints of `<equality>` do not count.
+    pub fn spring_dampers(&mut self) {
+        if self.spring_dampers.is_empty() || self.report.errors() > 0 {
+            return;
+        }
+        let first = self.description.joints[self.spring_dampers[0].0].name.at;
+        if self.spring_dampers.len() > MAX_SPRING_DAMPERS {
+            let message = format!("more than {MAX_SPRING_DAMPERS} joints have a `springdamper`");
+            let help = "write `stiffness` and `damping`, as `mj_saveLastXML` does";
+            return self.report.error(Code::NotRead, first, None, message, help);
+        }
+        let Some(model) = self.free_model() else { return self.refuse_spring_damper(first) };
+        let has_inertia = model.links().iter().any(|link| link.inertial != Inertial::default());
+        let q = model.keyframes().first().map(|drawn| drawn.q.clone()).unwrap_or_default();
+        let links: Vec<Option<usize>> = self
+            .spring_dampers
+            .iter()
+            .map(|(joint, _)| {
+                let name = &self.description.joints[*joint].name.text;
+                model.links().iter().position(|link| link.joint.name == *name)
+            })
+            .collect();
+        let ranges: Vec<_> =
+            links.iter().map(|link| link.map(|link| model.v_range(link))).collect();
+        let n = model.nv();
+        let (mut tau, mut acceleration) = (vec![0.0; n], vec![0.0; n]);
+        let still = vec![0.0; n];
+        let mut robot = Interpreter::<f64>::new(model);
+        for (i, range) in ranges.into_iter().enumerate() {
+            let (joint, [time, ratio]) = self.spring_dampers[i];
+            let Some(range) = range else { continue };
+            let count = range.len() as f64;
+            let mut inverse = 0.0;
+            for k in range {
+                tau[k] = 1.0;
+                if robot.forward_dynamics(&q, &still, &tau, &mut acceleration).is_ok() {
+                    inverse += acceleration[k];
+                }
+                tau[k] = 0.0;
+            }
+            if !inverse.is_finite() {
+                // A robot without inertia has no dynamics.
+                if has_inertia {
+                    self.refuse_spring_damper(first);
+                }
+                return;
+            }
+            let inertia = count / inverse.max(LEAST);
+            let record = &mut self.description.joints[joint];
+            record.dynamics.damping = 2.0 * inertia / time.max(LEAST);
+            if let Some(spring) = &mut record.spring {
+                spring.stiffness = inertia / (time * time * ratio * ratio).max(LEAST);
+            }
+        }
+    }
+
+    fn refuse_spring_damper(&mut self, at: usize) {
+        let message = "the inertia that opposes a joint with `springdamper` is not known";
+        let help = "repair the other errors. If there are none, a joint moves no inertia where no constraint of `<equality>` \
+                    holds it: write `stiffness` and `damping` in place of `springdamper`";
+        self.report.error(Code::NotRead, at, None, message, help);
+    }
+
+    /// Returns the model without gravity, springs and constraints, whose keyframe is the pose in which it is drawn.
+    fn free_model(&self) -> Option<Model> {
+        let mut description = self.description.clone();
+        description.compensated.clear();
+        for joint in &mut description.joints {
+            joint.spring = None;
+        }
+        let name = Located { text: String::new(), at: description.at };
+        let coordinates = self.drawn_coordinates();
+        description.keyframes = vec![KeyframeRecord { name, coordinates }];
+        let options = ReadOptions {
+            gravity: Some([0.0; 3]),
+            mimic: Mimic::Follow,
+            unphysical_inertia: Severity::Warning,
+            friction: Some(Friction::None),
+            ..ReadOptions::default()
+        };
+        assemble(description, &options, &mut Report::without_file())
+    }
+}
