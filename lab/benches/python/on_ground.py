@@ -4,7 +4,9 @@
 
 Each robot stands, is pushed, and falls on the ground, by the same constant torques in both. MuJoCo has the settings that its users
 have: its default solver and contacts, `implicitfast`, steps of 2 ms, elliptic or pyramidal cones. Motions of 50 steps are one call
-in both: `mujoco.rollout`, and `Robot.rollout` with `step="ground"`. Times are those of one step, the least of several runs.
+in both: `mujoco.rollout`, and `Robot.rollout` with `step="ground"`. Times are those of one step, the least of several runs; the
+quotient is that to MuJoCo with pyramids, its default. `solved` are the motions in which modyn's impulses leave no velocity of a contact
+wrong by 0.1 mm/s in any step.
 """
 
 import os
@@ -22,7 +24,7 @@ ROOT = Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT / "lab/golden"))
 import ground  # noqa: E402
 
-STEPS, DT, MOTIONS, RUNS = 50, 0.002, 256, 7
+STEPS, DT, MOTIONS, RUNS = 50, 0.002, 128, 5
 ROBOTS = {"quadruped, four feet": ("quadruped.urdf", ground.FEET), "humanoid, eight points": ("humanoid.urdf", ground.SOLES)}
 
 
@@ -78,8 +80,8 @@ def least(call):
 
 
 def main():
-    print("| robot | motion | | modyn, us | MuJoCo, pyramids, us | MuJoCo, ellipses, us | MuJoCo / modyn |")
-    print("|---|---|---|---|---|---|---|")
+    print("| robot | motion | | modyn, us | MuJoCo, pyramids, us | MuJoCo, ellipses, us | MuJoCo / modyn | solved, % |")
+    print("|---|---|---|---|---|---|---|---|")
     for name, (file, points) in ROBOTS.items():
         model, robot, qpos = worlds(file, points)
         for motion, (q, qd, tau) in scenes(model, robot, qpos).items():
@@ -93,7 +95,8 @@ def main():
                 modyn.set_threads(threads)
                 own = lambda: robot.rollout(own_q[:count], own_qd[:count], own_tau[:count], DT, step="ground", trajectory=False)
                 found = own()
-                assert found.residual.max() < 1e-3, found.residual.max()
+                # The motions whose wrong velocities stay below 0.1 mm/s in all steps.
+                solved = 100 * (found.residual.max(-1) < 1e-4).mean()
                 times = [least(own)]
                 for cone in (mujoco.mjtCone.mjCONE_PYRAMIDAL, mujoco.mjtCone.mjCONE_ELLIPTIC):
                     model.opt.cone = cone
@@ -103,7 +106,7 @@ def main():
                         times.append(least(lambda: pool.rollout(model, data, state[:count], control[:count], control_spec=int(spec))))
                 times = [1e6 * x / (count * STEPS) for x in times]
                 row = " | ".join(f"{x:.2f}" for x in times)
-                print(f"| {name} | {motion} | {label} | {row} | {times[1] / times[0]:.1f} |", flush=True)
+                print(f"| {name} | {motion} | {label} | {row} | {times[1] / times[0]:.1f} | {solved:.0f} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -136,6 +136,7 @@ impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
 
     /// Sweeps from the impulses `p` on, in lanes: without stops and without Newton steps. Returns the velocities that are wrong at
     /// contacts in each lane.
+    #[cfg(feature = "alloc")]
     #[inline(always)]
     pub(crate) fn sweep_lanes(&mut self, p: &mut R, (most, tolerance): (usize, S)) -> S {
         self.prepare();

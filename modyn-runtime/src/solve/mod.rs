@@ -15,7 +15,6 @@
 
 mod contact;
 mod decide;
-#[cfg(feature = "alloc")]
 mod derivative;
 mod ground;
 mod newton;
