@@ -19,11 +19,13 @@ use super::decide::Decide;
 use super::ground::{GroundEquations, Row};
 use crate::scalar::epsilon;
 
-/// The factor by which a step may raise the merit. Where soles have redundant points, the merit rises before it falls: a factor of 4
-/// takes three times as many steps.
-const ACCEPTED: f64 = 300.0;
+/// The factor by which a step may raise the merit. The merit rises before it falls: with a factor of 300 six times as many problems of a
+/// humanoid's soles, whose points are redundant on light feet, are not solved.
+const ACCEPTED: f64 = 1e6;
+/// The first proximal term.
+const START: f64 = 0.01;
 /// The least and the largest proximal term after a step that was taken back, and its growth.
-const RETRY: f64 = 0.1;
+const RETRY: f64 = 0.01;
 const MAX_EPS: f64 = 10.0;
 const GROWTH: f64 = 10.0;
 /// The factor of the proximal term after a step that was not.
@@ -76,7 +78,7 @@ impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
     ) -> usize {
         let least = least_eps();
         let (right, active) = (p.clone(), p.clone());
-        let mut steps = Steps { matrix, right, active, eps: least };
+        let mut steps = Steps { matrix, right, active, eps: S::from_f64(START).max(least) };
         let (mut last, mut best) = ((p.clone(), u.clone()), (p.clone(), u.clone()));
         // No merit yet.
         let (mut accepted, mut least_worst) = (None, None);
