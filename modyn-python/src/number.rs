@@ -1,12 +1,12 @@
 //! The scalars of robots, which are the types of the numbers in their arrays.
 
 use modyn_jit::Real;
-use modyn_runtime::solve::Decide;
+use modyn_runtime::batch::Float;
 use modyn_runtime::{ConstraintSettings, ContactTarget};
 use numpy::Element;
 
 /// A scalar with machine code and with arrays of NumPy.
-pub trait Number: Real + Decide + Element + Into<f64> {
+pub trait Number: Real + Float + Element + Into<f64> {
     /// The name of NumPy's type.
     const DTYPE: &'static str;
 

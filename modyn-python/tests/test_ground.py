@@ -1,5 +1,7 @@
 """Steps on the ground: their laws, by the robot's other functions; rollouts, and derivatives beside differences."""
 
+import runpy
+
 import numpy as np
 import pytest
 from conftest import ROBOTS, chain, close, states
@@ -259,6 +261,13 @@ def test_gradients_in_jax():
     end = own.rollout(q, qd, controls, 0.002, step="ground", settings=settings, trajectory=False)
     expected = own.rollout_vjp(q, qd, controls, 0.002, 2 * end.q, 2 * end.qd, step="ground", settings=settings, trajectory=False)
     close(backward[2], expected.controls, 1e-9)
+
+
+def test_the_example_of_mppi():
+    program = ROBOTS.parent / "examples" / "mppi" / "walk.py"
+    walk = runpy.run_path(str(program))
+    state = walk["walk"](0.3)
+    assert state[0][0] > 0.03 and abs(state[0][2] - walk["HIP"]) < 0.03
 
 
 def test_single_precision():

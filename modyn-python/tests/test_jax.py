@@ -483,3 +483,20 @@ def test_rollouts_with_a_cost():
     second = [jax.grad(lambda c: (jax.grad(f)(c, cost) * controls).sum())(controls) for f in (in_one_call, by_states)]
     close(*second, 1e-8)
     assert modyn.jax.rollout(own)(q, qd, controls, 0.01, cost=modyn.QuadraticCost(q[1], np.ones(2 * own.nv))).cost.shape == (3, 5)
+
+
+def test_gradients_of_rollouts_of_many_motions():
+    """In single and double precision, in threads; a motion without numbers leaves the others alone."""
+    exact, single = robot(), robot(scalar="f32")
+    q, qd, controls = rolled(exact, 5, 300)
+    controls[17, 2] = np.nan
+    weights = np.ones((300, 5, exact.nq)), np.zeros((300, 5, exact.nv))
+    expected = np.stack([exact.rollout_vjp(q[i], qd[i], controls[i], 0.01, *(x[i] for x in weights)).controls for i in range(300)])
+    for own, tolerance in ((exact, 1e-9), (single, 1e-3)):
+        rollout = modyn.jax.rollout(own)
+        gradient = jax.jit(jax.grad(lambda c: rollout(q, qd, c, 0.01).q.sum()))
+        found = []
+        in_threads(lambda: found.append(gradient(controls.astype(own.dtype))))
+        for one in found:
+            assert one.dtype == own.dtype and np.isnan(one[17]).any()
+            close(np.delete(one, 17, 0), np.delete(expected, 17, 0), tolerance)

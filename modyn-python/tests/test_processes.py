@@ -95,17 +95,25 @@ def test_any_number_of_threads_and_states(count, scalar, tolerance):
         modyn.set_threads(0)
 
 
+def computed(robot, q, qd, tau):
+    """Returns accelerations, and the gradient of motions of three steps."""
+    controls = np.repeat(tau[:, None], 3, 1)
+    gradient = robot.rollout_vjp(q, qd, controls, 0.001, q, qd, trajectory=False).controls
+    return robot.forward_dynamics(q, qd, tau), gradient
+
+
 def child(robot, q, qd, tau, expected, queue):
-    found = robot.forward_dynamics(q, qd, tau)
+    found = computed(robot, q, qd, tau)
+    same = all(np.array_equal(a, b) for a, b in zip(found, expected))
     # A function that the parent did not compile, too.
-    queue.put(bool(np.array_equal(found, expected)) and robot.mass_matrix(q).shape == (len(q), 7, 7))
+    queue.put(same and robot.mass_matrix(q).shape == (len(q), 7, 7))
 
 
 @pytest.mark.parametrize("method", ["fork", "spawn"])
 def test_processes(panda, method):
     """A child that is forked after a batch in threads computes the same; a spawned one gets the robot as a pickle."""
     q, qd, _, tau = states(panda, 5000)
-    expected = panda.forward_dynamics(q, qd, tau)
+    expected = computed(panda, q, qd, tau)
     context = multiprocessing.get_context(method)
     queue = context.Queue()
     with warnings.catch_warnings():

@@ -12,8 +12,9 @@ import json
 import os
 import subprocess
 import sys
+import tempfile
 import time
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -22,7 +23,7 @@ ROOT = Path(__file__).resolve().parents[3]
 ROBOTS = {"Panda": "panda.urdf", "quadruped": "solo12.urdf"}
 STATES, MOTIONS, STEPS, DT = 4096, 64, 50, 0.002
 # The longest time that a library may take, s.
-MAX_SECONDS = 280
+MAX_SECONDS = 180
 # The calls inside of a compiled program that are measured together.
 INSIDE = 1000
 
@@ -32,7 +33,7 @@ def inputs(robot):
     import numpy as np
 
     rng = np.random.default_rng(0)
-    joints, floating = (12, True) if robot == "quadruped" else (7, False)
+    joints, floating = {"Panda": (7, False), "quadruped": (12, True), "tree": (6, False)}[robot]
     q, qd = rng.uniform(-1, 1, (STATES, joints)), 0.3 * rng.normal(size=(STATES, joints))
     tau, controls = rng.normal(size=(STATES, joints)), 0.1 * rng.normal(size=(MOTIONS, STEPS, joints))
     if not floating:
@@ -42,6 +43,18 @@ def inputs(robot):
     base[:, 3:] /= np.linalg.norm(base[:, 3:], axis=1, keepdims=True)
     still = lambda x: np.concatenate([np.zeros((*x.shape[:-1], 6)), x], -1)
     return np.hstack([base, q]), still(qd), still(tau), still(controls)
+
+
+def path_of(robot):
+    if robot != "tree":
+        return ROOT / "tests" / "golden" / ROBOTS[robot]
+    # A tree in general position, of the tests of the Python package.
+    sys.path.insert(0, str(ROOT / "modyn-python" / "tests"))
+    from conftest import chain
+
+    path = Path(tempfile.gettempdir()) / "modyn-learn-tree.urdf"
+    path.write_text(chain(3))
+    return path
 
 
 class Modyn:
@@ -134,8 +147,8 @@ class Jax:
 LIBRARIES = [Modyn, Rollout, Frax, Mjx, Jax]
 
 
-def measure_jax(library, robot):
-    """Returns the times of a library in JAX by measurement, s, and the gradient of a motion."""
+def measure_jax(library, robot, first):
+    """Returns the times of a library in JAX by measurement, s, and the gradient of a motion; or the time to the first gradient, and the gradient."""
     os.environ.update(JAX_ENABLE_X64="1", JAX_PLATFORMS="cpu")
     if library is Frax:
         # The flags that its README recommends.
@@ -146,7 +159,7 @@ def measure_jax(library, robot):
     from main import least
 
     floating = robot == "quadruped"
-    own = library(ROOT / "tests" / "golden" / ROBOTS[robot], floating)
+    own = library(path_of(robot), floating)
     q, qd, tau, controls = inputs(robot)
     q, qd, tau, controls = map(jnp.asarray, (own.of_modyn(q), qd, tau, controls))
     joints = (7, 6) if floating else (0, 0)
@@ -165,8 +178,8 @@ def measure_jax(library, robot):
     one = q[0], qd[0], controls[0]
     found = gradient(*one).block_until_ready()
     times["first"] = time.perf_counter() - BEGIN
-    if library is Jax:
-        return times, None
+    if first or library is Jax:
+        return times, None if library is Jax else found[:, joints[1] :].tolist()
     times["gradient of one motion"] = least(lambda: gradient(*one).block_until_ready())
     if library is not Mjx:
         gradients = jax.jit(jax.vmap(jax.grad(cost, 2)))
@@ -184,9 +197,13 @@ def inside(function, q, qd, tau, count):
     import jax
     from main import least
 
-    loop = lambda f: jax.jit(lambda q, qd, tau: jax.lax.fori_loop(0, count, lambda _, x: f(q, qd, tau + 1e-9 * x), tau))
+    def loop(f):
+        # All arguments change, so that nothing can be computed before the loop.
+        call = lambda q, qd, tau, x: f(q + 1e-9 * x[0], qd + 1e-9 * x, tau + 1e-9 * x)
+        return jax.jit(lambda q, qd, tau: jax.lax.fori_loop(0, count, lambda _, x: call(q, qd, tau, x), tau))
+
     times = []
-    for f in (function, lambda q, qd, tau: tau):
+    for f in (function, lambda q, qd, tau: tau + q[0] + qd[0]):
         compiled = loop(f)
         times.append(least(lambda: compiled(q, qd, tau).block_until_ready()))
     return (times[0] - times[1]) / count
@@ -285,9 +302,9 @@ COLUMNS = {
 }
 
 
-def measured(process, robot):
+def measured(process, robot, *more):
     """Returns what a process of its own measures; nothing if the library cannot be measured here."""
-    command = [sys.executable, __file__, "--process", process, "--robot", robot]
+    command = [sys.executable, __file__, "--process", process, "--robot", robot, *more]
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=MAX_SECONDS)
     except subprocess.TimeoutExpired:
@@ -304,12 +321,13 @@ def main():
     parser.add_argument("--versions", action="store_true", help="print the processor and the versions alone")
     parser.add_argument("--without", nargs="*", default=[], help="processes to leave out, such as Mjx")
     parser.add_argument("--process", help="measure in this process")
-    parser.add_argument("--robot", choices=ROBOTS, default="Panda")
+    parser.add_argument("--first", action="store_true", help="measure the time to the first gradient alone")
+    parser.add_argument("--robot", choices=[*ROBOTS, "tree"], default="Panda")
     arguments = parser.parse_args()
     if arguments.process:
         classes = {library.__name__: library for library in LIBRARIES}
         if arguments.process in classes:
-            result = measure_jax(classes[arguments.process], arguments.robot)
+            result = measure_jax(classes[arguments.process], arguments.robot, arguments.first)
         elif arguments.process == "pinocchio":
             result = measure_pinocchio(arguments.robot)
         else:
@@ -318,19 +336,29 @@ def main():
         return
     if arguments.versions:
         model = next(line for line in Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("model name"))
-        libraries = ["jax", "frax", "mujoco-mjx", "pin", "torch", "numpy"]
-        versions = ", ".join(f"{name} {version(name)}" for name in libraries)
-        print(f"{model.split(':', 1)[1].strip()}, {os.cpu_count()} cores, {versions}")
+        versions = []
+        for name in ("jax", "frax", "mujoco-mjx", "pin", "torch", "numpy"):
+            try:
+                versions.append(f"{name} {version(name)}")
+            except PackageNotFoundError:
+                versions.append(f"without {name}")
+        print(f"{model.split(':', 1)[1].strip()}, {os.cpu_count()} cores, {', '.join(versions)}")
         return
     import numpy as np
 
     times, gradients = {}, {}
-    for robot in ROBOTS:
+    for robot in [*ROBOTS, "tree"]:
         for process in [own for column in COLUMNS.values() for own in column]:
+            # The gradients of a robot in general position are compared alone.
+            if robot == "tree" and process not in ("Modyn", "Rollout", "Frax"):
+                continue
             only_panda = process in ("Mjx", "Jax") or process.startswith("torch")
             if process in arguments.without or (only_panda and robot != "Panda"):
                 continue
-            found, gradient = measured(process, robot)
+            found, gradient = measured(process, robot, *(["--first"] if robot == "tree" else []))
+            if robot == "Panda" and process in ("Modyn", "Rollout", "Frax", "Jax"):
+                again = [measured(process, robot, "--first")[0].get("first", float("inf")) for _ in range(2)]
+                found["first"] = min([found.get("first", float("inf")), *again])
             for name, seconds in found.items():
                 times[process, robot, name] = seconds
             if gradient is None:

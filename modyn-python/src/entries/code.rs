@@ -33,7 +33,7 @@ impl<S: Number> ArrayCode<S> {
     /// If there are other arrays than those of the function, or one is too short.
     pub fn compute(
         &self,
-        broadcast: &Broadcast,
+        broadcast: &Broadcast<'_>,
         inputs: &[Numbers<'_, S>],
         outputs: &[Results<'_, S>],
         pool: &dyn Pool,

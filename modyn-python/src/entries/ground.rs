@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use modyn_codegen::Function;
 use modyn_codegen::plan::{Derivative, DerivativeMode, EntryFunction, Sizes};
-use modyn_runtime::simulate::by_numbers::{GroundRobot, StepChange, StepGradient};
+use modyn_runtime::simulate::by_numbers::{GroundRobot, StepChange, StepGradient, StepLanes};
 use modyn_runtime::simulate::{Ground, HeightField};
 use modyn_runtime::{ConstraintSettings, ContactTarget};
 
@@ -434,11 +434,32 @@ impl<S: Number> ReadyGround<'_, S> {
         let (mut of_contacts, mut of_stops) =
             (Rows::zeros(contacts, lanes), Rows::zeros(nv, lanes));
         let mut residual = Rows::zeros(2, lanes);
+        of_contacts.0.copy_from_slice(given.rows(CONTACTS));
+        of_stops.0.copy_from_slice(given.rows(STOPS));
+        let mut solved = vec![None; lanes];
+        if lanes > 1 {
+            let numbers = StepLanes {
+                lanes,
+                q: given.rows(Q),
+                dt: given.rows(DT),
+                settings: given.rows(SETTINGS),
+                problem: &problem.0,
+                stops: &of_stops.0,
+            };
+            let found = (&mut *of_contacts.0, &mut *velocities.0);
+            function.robot.solve_lanes(&function.ground, &numbers, found, &mut solved);
+        }
         let mut qd = vec![S::zero(); nv];
-        for lane in 0..lanes {
+        for (lane, solved) in solved.into_iter().enumerate() {
+            let last = given.lane(RESIDUAL, lane);
+            if let Some(wrong) = solved {
+                residual.set(lane, lanes, &[last[0].max(wrong), last[1]]);
+                continue;
+            }
             let (q, settings) = (given.lane(Q, lane), given.settings(lane));
             let dt = given.lane(DT, lane)[0];
-            let (mut p, mut s) = (given.lane(CONTACTS, lane), given.lane(STOPS, lane));
+            let [mut p, mut s] =
+                [&of_contacts, &of_stops].map(|rows| lane_of(&rows.0, lane, lanes));
             let (wrong, _) = function.robot.solve(
                 &function.ground,
                 (&q, dt, &settings),
@@ -452,10 +473,12 @@ impl<S: Number> ReadyGround<'_, S> {
             velocities.set(lane, lanes, &qd);
             of_contacts.set(lane, lanes, &p);
             of_stops.set(lane, lanes, &s);
-            let last = given.lane(RESIDUAL, lane);
             residual.set(lane, lanes, &[last[0].max(wrong.contacts), last[1].max(wrong.stops)]);
-            qd.iter_mut().for_each(|x| *x = *x * dt);
-            displacement.set(lane, lanes, &qd);
+        }
+        for (places, qd) in displacement.0.chunks_mut(lanes).zip(velocities.0.chunks(lanes)) {
+            for ((place, &v), &dt) in places.iter_mut().zip(qd).zip(given.rows(DT)) {
+                *place = v * dt;
+            }
         }
         Solved {
             problem,

@@ -116,7 +116,7 @@ impl<S: Number> StateFunction<S> {
 
 /// The arrays of a call.
 pub struct Arrays<'a, S: Number> {
-    broadcast: &'a Broadcast,
+    broadcast: &'a Broadcast<'a>,
     inputs: &'a [Numbers<'a, S>],
     outputs: &'a [Results<'a, S>],
     /// The numbers of one state in each result.
@@ -131,7 +131,7 @@ impl<'a, S: Number> Arrays<'a, S> {
     /// If there are other arrays than those of the function, or one is too short.
     pub fn new(
         shapes: &'a ArrayShapes,
-        broadcast: &'a Broadcast,
+        broadcast: &'a Broadcast<'a>,
         inputs: &'a [Numbers<'a, S>],
         outputs: &'a [Results<'a, S>],
     ) -> Result<Self, String> {

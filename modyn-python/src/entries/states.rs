@@ -9,10 +9,10 @@
 use std::cell::Cell;
 
 /// Axes of states that several arrays have in common, as NumPy broadcasts them.
-pub struct Broadcast {
+pub struct Broadcast<'a> {
     axes: Vec<usize>,
     states: usize,
-    lengths: Vec<usize>,
+    lengths: &'a [usize],
     offsets: Vec<Offsets>,
 }
 
@@ -23,13 +23,13 @@ enum Offsets {
     Table(Vec<usize>),
 }
 
-impl Broadcast {
+impl<'a> Broadcast<'a> {
     /// Returns the broadcast of arrays with these axes of states and this many numbers of each state.
     ///
     /// # Errors
     ///
     /// If the axes do not fit.
-    pub fn new(axes: &[&[usize]], lengths: &[usize]) -> Result<Self, String> {
+    pub fn new(axes: &[&[usize]], lengths: &'a [usize]) -> Result<Self, String> {
         let count = axes.iter().map(|own| own.len()).max().unwrap_or_default();
         let mut all = vec![1; count];
         for own in axes {
@@ -48,7 +48,7 @@ impl Broadcast {
         }
         let states = all.iter().product();
         let offsets = axes.iter().map(|own| offsets(own, &all, states)).collect();
-        Ok(Self { axes: all, states, lengths: lengths.to_vec(), offsets })
+        Ok(Self { axes: all, states, lengths, offsets })
     }
 
     /// Returns the axes of the results.
@@ -77,7 +77,7 @@ impl Broadcast {
     /// If one is too short.
     pub fn check<S>(&self, arrays: &[Numbers<'_, S>]) -> Result<(), String> {
         let last = self.states.checked_sub(1);
-        for (k, (array, length)) in arrays.iter().zip(&self.lengths).enumerate() {
+        for (k, (array, length)) in arrays.iter().zip(self.lengths).enumerate() {
             let end = match (&self.offsets[k], last) {
                 (_, None) => 0,
                 (Offsets::Stride(stride), Some(last)) => (last * stride + 1) * length,

@@ -114,9 +114,9 @@ unsafe fn typed<S: Number>(
     if arguments.iter().chain(&results).any(|array| array.dtype != dtype) {
         return Err(format!("modyn: the arrays of a call must have numbers of {}", S::DTYPE));
     }
+    let axes = arguments.iter().zip(code.shapes().inputs());
     // SAFETY: see the header.
-    let all: Vec<Vec<usize>> = unsafe { arguments.iter().map(|array| dims(array)).collect() };
-    let axes = all.iter().zip(code.shapes().inputs()).map(|(axes, own)| leading(axes, own));
+    let axes = axes.map(|(array, own)| leading(unsafe { dims(array) }, own));
     let axes = axes.collect::<Result<Vec<&[usize]>, String>>()?;
     let broadcast = Broadcast::new(&axes, code.shapes().lengths()[0])?;
     // SAFETY: see the header.
@@ -152,11 +152,16 @@ unsafe fn arrays<'a>(buffers: &Buffers) -> Vec<&'a Buffer> {
     }
 }
 
-unsafe fn dims(array: &Buffer) -> Vec<usize> {
-    let rank = usize::try_from(array.rank).unwrap_or_default();
-    // SAFETY: see the header.
-    let dim = |i: usize| unsafe { *array.dims.add(i) };
-    (0..rank).map(|i| usize::try_from(dim(i)).unwrap_or_default()).collect()
+/// Returns the lengths of the axes of an array, none of which is negative.
+unsafe fn dims(array: &Buffer) -> &[usize] {
+    const { assert!(size_of::<usize>() == size_of::<i64>(), "XLA has processors of 64 bits alone") };
+    match usize::try_from(array.rank) {
+        Ok(rank @ 1..) => {
+            // SAFETY: see the header; the numbers have the same size.
+            unsafe { std::slice::from_raw_parts(array.dims.cast::<usize>(), rank) }
+        }
+        _ => &[],
+    }
 }
 
 /// The threads of XLA.

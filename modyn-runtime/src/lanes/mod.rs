@@ -26,14 +26,14 @@ mod sse2;
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 mod vector;
 
-use crate::Scalar;
 pub use crate::scalar::Chunk;
 use crate::scalar::SimdTask;
 use crate::scalar::trig::Precision;
+use crate::solve::Decide;
 pub use level::{SimdLevel, force_level, level};
 
 /// A vector type: the same operation applies to all its lanes.
-pub trait Lanes: Scalar {
+pub trait Lanes: Decide {
     /// The type of a lane.
     type Lane: Float;
 
@@ -43,6 +43,35 @@ pub trait Lanes: Scalar {
     /// Returns the vector with `number` in all lanes.
     #[must_use]
     fn splat(number: Self::Lane) -> Self;
+
+    /// Returns the vector of the first numbers of a slice.
+    ///
+    /// # Panics
+    ///
+    /// If there are fewer than [`LANES`](Self::LANES).
+    #[allow(unsafe_code)] // The length is checked.
+    #[doc(hidden)]
+    #[inline(always)]
+    #[must_use]
+    fn read(from: &[Self::Lane]) -> Self {
+        assert!(from.len() >= Self::LANES);
+        // SAFETY: there are as many numbers.
+        unsafe { Self::load(from.as_ptr()) }
+    }
+
+    /// Stores the lanes in the first numbers of a slice.
+    ///
+    /// # Panics
+    ///
+    /// If there are fewer than [`LANES`](Self::LANES).
+    #[allow(unsafe_code)] // The length is checked.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn write(self, to: &mut [Self::Lane]) {
+        assert!(to.len() >= Self::LANES);
+        // SAFETY: there is room for as many numbers.
+        unsafe { self.store(to.as_mut_ptr()) }
+    }
 
     /// Runs part of the work in a function of its own, compiled for the same instructions. rustc takes more than
     /// linear time for long functions.
@@ -70,7 +99,7 @@ pub trait Lanes: Scalar {
 
 /// A floating-point type with vectors: `f64` or `f32`.
 #[allow(private_bounds)] // Other crates cannot implement it.
-pub trait Float: Scalar + Precision + Send + Sync {
+pub trait Float: Decide + Precision + Send + Sync {
     /// Runs `work` on the widest vectors of the processor.
     #[doc(hidden)]
     fn dispatch(work: impl BatchTask<Self>);

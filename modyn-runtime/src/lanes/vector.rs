@@ -233,6 +233,17 @@ macro_rules! vector {
             }
         }
 
+        impl crate::solve::Decide for $name {
+            #[inline(always)]
+            fn all_nonnegative(self) -> bool {
+                let (numbers, mut all, mut i) = (self.numbers(), true, 0);
+                while i < $lanes {
+                    all &= numbers[i] >= 0.0;
+                    i += 1;
+                }
+                all
+            }
+        }
     };
 }
 

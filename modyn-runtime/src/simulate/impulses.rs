@@ -96,10 +96,10 @@ pub trait StepMemory<T> {
 /// limits may be infinite.
 ///
 /// A joint within its limits may reach them. A joint beyond a limit returns at `beta` (1/s) times its distance.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn velocity_range<T: Scalar>(at: T, limits: [f64; 2], beta: T, dt: T) -> [T; 2] {
-    let [below, above] = limits.map(|limit| T::from_f64(limit) - at);
+    let (below, above) = (T::from_f64(limits[0]) - at, T::from_f64(limits[1]) - at);
     [
         below * (-below).select_nonnegative(dt.recip(), return_rate(beta, dt)),
         above * above.select_nonnegative(dt.recip(), return_rate(beta, dt)),
@@ -319,6 +319,7 @@ pub(super) fn add_scaled<T: Scalar>(velocities: &mut [T], impulse: T, response: 
 }
 
 /// Returns the speed per depth at which a step of `dt` seconds resolves a violation: `beta`, at most 1 / `dt`.
+#[inline(always)]
 fn return_rate<T: Scalar>(beta: T, dt: T) -> T {
     let per_step = dt.recip();
     (per_step - beta).select_nonnegative(beta, per_step)
@@ -330,6 +331,7 @@ fn return_rate<T: Scalar>(beta: T, dt: T) -> T {
 /// speed after the step without impulses, m/s; the step takes `dt` seconds. A contact above the ground may reach it. A contact in the
 /// ground leaves it at `beta` times its depth. A contact that would pass the ground leaves it with `restitution` times its speed,
 /// unless that is below 0.01 m/s.
+#[inline(always)]
 pub(super) fn least_speed<T: Scalar>(
     [height, before, free, dt]: [T; 4],
     beta: T,

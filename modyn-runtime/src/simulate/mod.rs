@@ -21,6 +21,8 @@
 //! Nothing here allocates. The caller computes the accelerations in a function of the state, and can add external
 //! forces and payloads there.
 //!
+//! [`rollout::rollout`] moves many motions over many time steps, with the accelerations of a batch function.
+//!
 //! [`State::step_on_ground`] is a step with unilateral contacts, friction and joint stops. [`SpringGround`] is the simple
 //! alternative: a force for each point, for [`State::semi_implicit_euler`].
 
@@ -29,6 +31,7 @@ pub mod by_numbers;
 mod ground;
 mod height_field;
 pub mod impulses;
+pub mod rollout;
 
 pub use crate::solve::{ContactMode, Effort, Residual};
 pub use ground::{GroundImpulses, GroundStep, SpringGround, limit_effort};

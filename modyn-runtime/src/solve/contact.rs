@@ -12,6 +12,8 @@
 //! A slip exists whenever c_n < 0: mu p_n - |p_t| is negative at k = 0, and positive for large k. mu p_n / |p_t| - 1 is nearly
 //! linear in k, as in trust regions, so Newton's method on k takes few steps. The slip of the last visit is the first guess.
 //!
+//! These functions have no closures: those would not be compiled for the instructions of lanes.
+//!
 //! A direction in which the robot cannot move, such as that out of the plane of a planar robot, makes S singular. So each visit
 //! adds a small multiple of the change of p_t to u_t, which is zero at the solution.
 
@@ -78,7 +80,7 @@ pub struct Contact<S> {
 
 impl<S: Decide> Contact<S> {
     /// Returns a contact with this coefficient of friction.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn new(friction: S) -> Self {
         let zero = S::zero();
@@ -94,7 +96,7 @@ impl<S: Decide> Contact<S> {
     }
 
     /// Sets the mobility: xx, xy, xz, yy, yz, zz.
-    #[inline]
+    #[inline(always)]
     pub(super) fn set_block(&mut self, block: [S; 6]) {
         let [xx, xy, xz, yy, yz, zz] = block;
         let least = floor::<S>();
@@ -120,13 +122,13 @@ impl<S: Decide> Contact<S> {
     }
 
     /// Returns the mean mobility within the plane and the mobility along the normal, 1/kg.
-    #[inline]
+    #[inline(always)]
     pub(super) fn mobilities(&self) -> [S; 2] {
         [self.scale[0], self.block[5]]
     }
 
     /// Returns whether the robot can move along the normal. Else the contact takes no part.
-    #[inline]
+    #[inline(always)]
     pub(super) fn is_mobile(&self) -> bool {
         !self.normal.all_at_most(S::zero())
     }
@@ -149,11 +151,8 @@ impl<S: Decide> Contact<S> {
         let [sxx, sxy, syy, inverse] = self.tangential;
         let alone = pushed * self.normal;
         let (sx, sy) = (cx + xz * alone, cy + yz * alone);
-        let normal = self.normal;
-        let pressed = |px: S, py: S| alone - (xz * px + yz * py) * normal;
-
         let (px, py) = ((sxy * sy - syy * sx) * inverse, (sxy * sx - sxx * sy) * inverse);
-        let pn = pressed(px, py);
+        let pn = self.pressed(alone, [px, py]);
         let limit = self.friction * pn;
         // Negative if it slips.
         let sticks = pn.select_nonnegative(limit * limit - (px * px + py * py), pn);
@@ -162,20 +161,44 @@ impl<S: Decide> Contact<S> {
         if sticks.all_nonnegative() {
             self.slip = zero;
         } else {
-            let slid = self.slide([sx, sy], alone, &pressed);
+            let slid = self.slide([sx, sy], alone);
             self.slip = sticks.select_nonnegative(zero, self.slip);
             self.slip = open.select_nonnegative(zero, self.slip);
-            found = core::array::from_fn(|k| sticks.select_nonnegative(stuck[k], slid[k]));
+            found = [
+                sticks.select_nonnegative(stuck[0], slid[0]),
+                sticks.select_nonnegative(stuck[1], slid[1]),
+                sticks.select_nonnegative(stuck[2], slid[2]),
+            ];
         }
-        found.map(|x| open.select_nonnegative(zero, x))
+        [
+            open.select_nonnegative(zero, found[0]),
+            open.select_nonnegative(zero, found[1]),
+            open.select_nonnegative(zero, found[2]),
+        ]
     }
 
-    /// Returns the impulse of a contact that slips, and stores its slip. `s` and `alone` are s and -c_n / B_nn; `pressed` returns p_n
-    /// of p_t.
+    /// Returns p_n of p_t.
     #[inline(always)]
-    fn slide(&mut self, [sx, sy]: [S; 2], alone: S, pressed: &impl Fn(S, S) -> S) -> [S; 3] {
-        let [_, _, xz, _, yz, zz] = self.block;
+    fn pressed(&self, alone: S, [px, py]: [S; 2]) -> S {
+        alone - (self.block[2] * px + self.block[4] * py) * self.normal
+    }
+
+    /// Returns p_t = -(S + k)^-1 s with the slip k, and -(S + k)^-1 p_t, its derivative by k.
+    #[inline(always)]
+    fn tangential_impulse(&self, k: S, [sx, sy]: [S; 2]) -> [[S; 2]; 2] {
         let [sxx, sxy, syy, _] = self.tangential;
+        let (a, b) = (sxx + k, syy + k);
+        let inverse = (a * b - sxy * sxy).recip();
+        let (px, py) = ((sxy * sy - b * sx) * inverse, (sxy * sx - a * sy) * inverse);
+        let (dx, dy) = ((sxy * py - b * px) * inverse, (sxy * px - a * py) * inverse);
+        [[px, py], [dx, dy]]
+    }
+
+    /// Returns the impulse of a contact that slips, and stores its slip. `s` and `alone` are s and -c_n / B_nn.
+    #[inline(always)]
+    fn slide(&mut self, [sx, sy]: [S; 2], alone: S) -> [S; 3] {
+        let [_, _, xz, _, yz, zz] = self.block;
+        let [sxx, _, syy, _] = self.tangential;
         let one = S::one();
         // Without friction the slip is infinite; its direction is that of little friction.
         let friction = self.friction.max(S::from_f64(1e-6));
@@ -184,17 +207,10 @@ impl<S: Decide> Contact<S> {
         let length = (sx * sx + sy * sy).sqrt();
         let guess = length * (friction * alone).recip() - S::from_f64(0.5) * (sxx + syy);
         let mut k = (-self.slip).select_nonnegative(guess.max(least), self.slip);
-        let at = |k: S| {
-            let (a, b) = (sxx + k, syy + k);
-            let inverse = (a * b - sxy * sxy).recip();
-            let solve = |x: S, y: S| [(sxy * y - b * x) * inverse, (sxy * x - a * y) * inverse];
-            let [px, py] = solve(sx, sy);
-            ([px, py], solve(px, py))
-        };
         for _ in 0..SLIP_STEPS {
             // d p_t / dk = -(S + k)^-1 p_t.
-            let ([px, py], [dx, dy]) = at(k);
-            let (pn, dn) = (pressed(px, py), -(xz * dx + yz * dy) * self.normal);
+            let [[px, py], [dx, dy]] = self.tangential_impulse(k, [sx, sy]);
+            let (pn, dn) = (self.pressed(alone, [px, py]), -(xz * dx + yz * dy) * self.normal);
             let square = px * px + py * py;
             // f = mu p_n - |p_t|, and its derivative of mu p_n / |p_t| - 1 times |p_t|.
             let f = friction * pn - square.sqrt();
@@ -205,7 +221,7 @@ impl<S: Decide> Contact<S> {
             k = forward.max(k * S::from_f64(0.1));
         }
         self.slip = k;
-        let ([px, py], _) = at(k);
+        let [[px, py], _] = self.tangential_impulse(k, [sx, sy]);
         // Exactly on the cone, and exactly at rest along the normal.
         let per_length =
             (px * px + py * py).max(S::from_f64(f64::from(f32::MIN_POSITIVE))).sqrt().recip();
@@ -213,24 +229,24 @@ impl<S: Decide> Contact<S> {
         let divisor = zz + self.friction * (xz * ex + yz * ey);
         let wedged = S::from_f64(1e-3) * zz - divisor;
         let exact = alone * zz * wedged.select_nonnegative(one, divisor).recip();
-        let pn = wedged.select_nonnegative(pressed(px, py).max(S::zero()), exact);
+        let pn = wedged.select_nonnegative(self.pressed(alone, [px, py]).max(S::zero()), exact);
         let limit = self.friction * pn;
         [limit * ex, limit * ey, pn]
     }
 
     /// Returns the velocity of the contact with impulse `p` and velocity `u` that contradicts the laws of contacts, m/s: zero at a
     /// solution.
-    #[inline]
+    #[inline(always)]
     pub(super) fn residual(&self, p: [S; 3], u: [S; 3]) -> S {
         let (zero, [mean, per_mean]) = (S::zero(), self.scale);
         let along = p[2] - (p[2] - u[2] * self.normal).max(zero);
-        let wanted = [0, 1].map(|k| p[k] - u[k] * per_mean);
+        let wanted = [p[0] - u[0] * per_mean, p[1] - u[1] * per_mean];
         let (length, limit) = (norm(wanted), self.friction * p[2].max(zero));
         // At length zero the first choice applies, so nothing is divided by zero.
         let inside = limit - length;
         let part = inside
             .select_nonnegative(S::one(), limit / inside.select_nonnegative(S::one(), length));
-        let across = norm([0, 1].map(|k| p[k] - part * wanted[k])) * mean;
+        let across = norm([p[0] - part * wanted[0], p[1] - part * wanted[1]]) * mean;
         let worst = (along.abs() * self.block[5]).max(across);
         (-self.normal).select_nonnegative(zero, worst)
     }
@@ -266,7 +282,7 @@ impl<S: Decide> Contact<S> {
     }
 
     /// Returns the state of a contact with impulse `p`.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn mode(&self, p: [S; 3]) -> ContactMode {
         let limit = self.friction * p[2] * S::from_f64(1.0 - 1e-6);
@@ -280,12 +296,13 @@ impl<S: Decide> Contact<S> {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn norm<S: Decide>([x, y]: [S; 2]) -> S {
     (x * x + y * y).sqrt()
 }
 
 /// Returns the part of a mobility that counts as none.
+#[inline(always)]
 fn floor<S: Decide>() -> S {
     S::from_f64(1e-10).max(S::from_f64(16.0) * epsilon())
 }

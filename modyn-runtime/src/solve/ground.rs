@@ -19,14 +19,14 @@ pub struct Stop<S> {
 
 impl<S: Decide> Stop<S> {
     /// Returns a stop with this range of velocities.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn new(range: [S; 2]) -> Self {
         Self { range, mobility: S::zero() }
     }
 
     /// Returns the impulse that solves the equation of this stop, whose impulse is `p` and whose velocity is `u`.
-    #[inline]
+    #[inline(always)]
     pub(super) fn solve(&self, p: S, u: S) -> S {
         let per_unit = self.mobility.recip();
         let [up, down] = self.range.map(|bound| p + (bound - u) * per_unit);
@@ -35,7 +35,7 @@ impl<S: Decide> Stop<S> {
     }
 
     /// Returns the velocity that is missing to the limit which acts; `None` if none acts.
-    #[inline]
+    #[inline(always)]
     pub(super) fn missing(&self, p: S, u: S) -> Option<S> {
         let [up, down] = self.range.map(|bound| self.mobility * p + bound - u);
         let acts = |x: S| !x.all_at_most(S::zero());
@@ -49,7 +49,7 @@ impl<S: Decide> Stop<S> {
     }
 
     /// Returns the velocity that contradicts the law of a stop: zero at the solution.
-    #[inline]
+    #[inline(always)]
     pub(super) fn residual(&self, p: S, u: S) -> S {
         (self.solve(p, u) - p).abs() * self.mobility
     }
@@ -92,14 +92,14 @@ pub struct GroundEquations<'a, S, R> {
 
 impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
     /// Returns the number of rows.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn rows(&self) -> usize {
         3 * self.contacts.len() + self.stops.len()
     }
 
     /// Returns the velocities of these impulses.
-    #[inline]
+    #[inline(always)]
     pub(super) fn velocities(&self, p: &R) -> R {
         let mut velocities = self.b.clone();
         let u = velocities.as_mut();
@@ -134,35 +134,50 @@ impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
         (self.residual(p.as_ref(), u.as_ref()), Effort { sweeps, newton })
     }
 
+    /// Sweeps from the impulses `p` on, in lanes: without stops and without Newton steps. Returns the velocities that are wrong at
+    /// contacts in each lane.
+    #[inline(always)]
+    pub(crate) fn sweep_lanes(&mut self, p: &mut R, (most, tolerance): (usize, S)) -> S {
+        self.prepare();
+        let mut u = self.velocities(p);
+        self.sweep(p.as_mut(), u.as_mut(), (most, tolerance));
+        self.residual(p.as_ref(), u.as_ref()).contacts
+    }
+
     /// Sets the blocks of contacts and the mobilities of stops.
     #[inline(always)]
     pub(super) fn prepare(&mut self) {
         let a = self.a;
-        let at = |i: usize, j: usize| a[i].as_ref()[j];
         for (c, contact) in self.contacts.iter_mut().enumerate() {
-            let (x, y, z) = (3 * c, 3 * c + 1, 3 * c + 2);
-            contact.set_block([at(x, x), at(x, y), at(x, z), at(y, y), at(y, z), at(z, z)]);
+            let [x, y, z] = [3 * c, 3 * c + 1, 3 * c + 2];
+            let [rx, ry, rz] = [a[x].as_ref(), a[y].as_ref(), a[z].as_ref()];
+            contact.set_block([rx[x], rx[y], rx[z], ry[y], ry[z], rz[z]]);
         }
         let first = 3 * self.contacts.len();
         for (k, stop) in self.stops.iter_mut().enumerate() {
-            stop.mobility = at(first + k, first + k);
+            stop.mobility = a[first + k].as_ref()[first + k];
         }
     }
 
     /// Returns what is wrong with the impulses `p`, whose velocities are `u`.
     #[inline(always)]
     fn residual(&self, p: &[S], u: &[S]) -> Residual<S> {
-        let three = |x: &[S], c: usize| [x[3 * c], x[3 * c + 1], x[3 * c + 2]];
-        let contacts = self.contacts.iter().enumerate();
-        let contacts = contacts.map(|(c, contact)| contact.residual(three(p, c), three(u, c)));
-        let first = 3 * self.contacts.len();
-        let stops = self.stops.iter().enumerate();
-        let stops = stops.map(|(k, stop)| stop.residual(p[first + k], u[first + k]));
-        // Zero, unless an impulse is no finite number.
-        let sound = p[..self.rows()].iter().fold(S::zero(), |sum, &p| sum + p * S::zero());
-        Residual {
-            contacts: contacts.fold(S::zero(), S::max) + sound,
-            stops: stops.fold(S::zero(), S::max) + sound,
+        // No closures: they would not be compiled for the instructions of lanes.
+        let mut worst = Residual { contacts: S::zero(), stops: S::zero() };
+        for (c, contact) in self.contacts.iter().enumerate() {
+            let [x, y, z] = [3 * c, 3 * c + 1, 3 * c + 2];
+            let residual = contact.residual([p[x], p[y], p[z]], [u[x], u[y], u[z]]);
+            worst.contacts = worst.contacts.max(residual);
         }
+        let first = 3 * self.contacts.len();
+        for (k, stop) in self.stops.iter().enumerate() {
+            worst.stops = worst.stops.max(stop.residual(p[first + k], u[first + k]));
+        }
+        // Zero, unless an impulse is no finite number.
+        let mut sound = S::zero();
+        for &p in &p[..self.rows()] {
+            sound = sound + p * S::zero();
+        }
+        Residual { contacts: worst.contacts + sound, stops: worst.stops + sound }
     }
 }

@@ -48,10 +48,9 @@ impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
         }
         for (c, contact) in self.contacts.iter_mut().enumerate() {
             let row = 3 * c;
-            let three = |x: &[S]| [x[row], x[row + 1], x[row + 2]];
-            let before = three(p);
-            let after = contact.solve(before, three(u));
-            let step = [0, 1, 2].map(|k| after[k] - before[k]);
+            let before = [p[row], p[row + 1], p[row + 2]];
+            let after = contact.solve(before, [u[row], u[row + 1], u[row + 2]]);
+            let step = [after[0] - before[0], after[1] - before[1], after[2] - before[2]];
             let [across, along] = contact.mobilities();
             let moved = step[0].abs().max(step[1].abs()) * across;
             let moved = moved.max(step[2].abs() * along);

@@ -35,6 +35,15 @@ mod long {
     }
 }
 
+/// A robot with joints of all types that moves.
+mod moved {
+    modyn::modyn! {
+        pub Zoo = "../../../robots/joint_zoo.urdf",
+        friction = none,
+        functions = [random, integrate, forward_dynamics, forward_dynamics_batch]
+    }
+}
+
 /// Robots whose functions return several arrays.
 mod several {
     macro_rules! robots {
@@ -434,6 +443,55 @@ fn long_texts() {
         Humanoid::forward_dynamics_each(&q, &qd, &tau, &mut found).expect("sizes");
         same(&found, &expected, fused, "forward dynamics");
     });
+}
+
+#[test]
+fn rollouts() {
+    use modyn::simulate::State;
+    use modyn::simulate::rollout::{Instant, rollout};
+    use moved::Zoo;
+    const N: usize = Zoo::NV;
+    // Two blocks and a part of one.
+    const MOTIONS: usize = 131;
+    let [places, speeds, plans]: [Vec<[f64; N]>; 3] =
+        [0.4, 1.0, 5.0].map(|size| vectors(MOTIONS, size));
+    let starts: Vec<State<Zoo>> = (places.iter().zip(&speeds))
+        .map(|(place, &qd)| {
+            let mut uniforms = place.iter().map(|x| x + 0.5);
+            State { q: Zoo::random(|| uniforms.next().expect("a number for each entry")), qd }
+        })
+        .collect();
+    // A plan with a feedback.
+    let forces = |at: Instant, state: &State<Zoo>| -> [f64; N] {
+        std::array::from_fn(|j| plans[at.motion][(j + at.step) % N] - 0.3 * state.qd[j])
+    };
+    let (mut motions, mut visited) = (starts.clone(), vec![Vec::new(); MOTIONS]);
+    let visit = |at: Instant, tau: &[f64; N], state: &State<Zoo>| {
+        visited[at.motion].push((at.step, *tau, state.clone()));
+    };
+    rollout(&mut motions, 7, 0.005, forces, Zoo::forward_dynamics_each, visit).expect("sizes");
+    let close = |found: &[f64], expected: &[f64]| {
+        for (a, b) in found.iter().zip(expected) {
+            assert!((a - b).abs() <= 1e-9 * (1.0 + b.abs()), "{a}, not {b}");
+        }
+    };
+    for (i, start) in starts.iter().enumerate() {
+        let mut state = start.clone();
+        assert_eq!(visited[i].len(), 7);
+        for (step, (own, applied, after)) in visited[i].iter().enumerate() {
+            assert_eq!(*own, step);
+            let tau = forces(Instant { motion: i, step }, &state);
+            state = state
+                .semi_implicit_euler(0.005, |now| Zoo::forward_dynamics(&now.q, &now.qd, &tau));
+            close(applied, &tau);
+            close(&after.q, &state.q);
+            close(&after.qd, &state.qd);
+        }
+        assert_eq!(motions[i].q, visited[i][6].2.q);
+        assert_ne!(motions[i].qd, start.qd);
+    }
+    let refused = rollout(&mut motions, 1, 0.005, forces, |_, _, _, _| Err("no"), |_, _, _| {});
+    assert_eq!(refused, Err("no"));
 }
 
 /// Returns parameters that differ from those of the description.

@@ -52,6 +52,13 @@ macro_rules! fused {
             }
         }
 
+        impl crate::solve::Decide for $name {
+            #[inline(always)]
+            fn all_nonnegative(self) -> bool {
+                self.0 >= 0.0
+            }
+        }
+
         impl SingleLane for $name {
             #[inline(always)]
             fn number(self) -> $float {
