@@ -81,7 +81,8 @@ def checked(collection, folder):
             subject = errors[0]["subject"]
             about = f"{subject['kind']} `{subject['name']}`: " if subject else ""
             row.code, row.why = errors[0]["code"], (about + errors[0]["message"]).replace(f"{folder}/", "")
-        if row.verdict == "refused":
+        # With an option, a part of another MJCF may be a robot by itself.
+        if row.verdict == "refused" or row.verdict == "part" and row.format == "mjcf":
             tried = (option for option in modyn.OPTIONS if not modyn.check(path, option)[0])
             row.option = next(tried, "")
             row.verdict = "by an option" if row.option else row.verdict
@@ -178,6 +179,9 @@ def compare(task):
             agrees &= loops_agree(interpreter, theirs, random)
         row.compared = "agrees" if agrees else "DIFFERS"
     except (Unloaded, NotImplementedError, KeyError, RuntimeError) as error:
+        if row.format == "mjcf" and row.option and isinstance(error, Unloaded):
+            row.verdict, row.option, row.compared = "refused", "", "not loaded"
+            return row
         row.compared = f"not compared: {error}".replace(f"{path.parent}/", "").replace(root, "")[:200]
     except Exception as error:  # The table has the fault, and the exit code.
         row.compared = f"DIFFERS: {type(error).__name__}: {error}"[:300]

@@ -119,7 +119,7 @@ class Reference:
         pinocchio.forwardKinematics(self.model, self.data, self.coordinates(q), self.velocities @ qd)
         rows = []
         for joint in self.joints:
-            number = self.model.getJointId("root_joint" if joint.kind == "floating" else joint.name)
+            number = self.model.getJointId(joint.name if self.model.existJointName(joint.name) else "root_joint")
             pose = self.data.oMi[number]
             velocity = pinocchio.getVelocity(self.model, self.data, number, pinocchio.LOCAL_WORLD_ALIGNED)
             rows.append(numpy.concatenate([pose.rotation.ravel(), pose.translation, velocity.angular, velocity.linear]))
