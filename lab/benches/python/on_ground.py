@@ -80,7 +80,7 @@ def least(call):
 
 
 def main():
-    print("| robot | motion | | modyn, us | MuJoCo, pyramids, us | MuJoCo, ellipses, us | MuJoCo / modyn | solved, % |")
+    print("| robot | motion | motions | modyn, us | MuJoCo, pyramids, us | MuJoCo, ellipses, us | MuJoCo / modyn | solved, % |")
     print("|---|---|---|---|---|---|---|---|")
     for name, (file, points) in ROBOTS.items():
         model, robot, qpos = worlds(file, points)
