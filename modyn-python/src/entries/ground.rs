@@ -154,7 +154,7 @@ impl Step {
     pub fn compile<S: Number, E>(
         &self,
         derivative: Option<&Derivative>,
-        mut compiled: impl FnMut(&EntryFunction) -> Result<StateFunction<S>, E>,
+        mut compiled: impl FnMut(&EntryFunction) -> Result<&'static StateFunction<S>, E>,
     ) -> Result<GroundFunction<S>, E> {
         let parameters = self.has_parameters.then(|| self.inputs.len() - 1);
         let of = |derivative: &Derivative| {
@@ -278,9 +278,9 @@ fn of_problem(variables: &[usize]) -> Vec<usize> {
 }
 
 /// A step on the ground, or a derivative of one.
-pub struct GroundFunction<S: Number> {
+pub struct GroundFunction<S: Number + 'static> {
     /// The programs of the step.
-    parts: Parts<StateFunction<S>>,
+    parts: Parts<&'static StateFunction<S>>,
     /// The contacts and the joint stops.
     robot: GroundRobot,
     /// The options of the step.
@@ -296,17 +296,17 @@ pub struct GroundFunction<S: Number> {
 }
 
 /// A derivative of a step.
-struct GroundDerivative<S: Number> {
+struct GroundDerivative<S: Number + 'static> {
     /// Whether it is that of the state by the variables, not of the variables by the state.
     is_forward: bool,
     /// The arguments that vary, by their indices, in ascending order.
     variables: Vec<usize>,
     /// The derivatives of the programs.
-    parts: Parts<StateFunction<S>>,
+    parts: Parts<&'static StateFunction<S>>,
 }
 
 /// A step on the ground, ready to be called.
-pub struct ReadyGround<'a, S: Number> {
+pub struct ReadyGround<'a, S: Number + 'static> {
     function: &'a GroundFunction<S>,
     parts: Parts<Kernel<'a, S>>,
     derivative: Option<(&'a GroundDerivative<S>, Parts<Kernel<'a, S>>)>,
@@ -320,9 +320,9 @@ impl<S: Number> GroundFunction<S> {
     /// If a program was not compiled, which no caller can bring about.
     pub fn ready(&self) -> Result<ReadyGround<'_, S>, String> {
         let derivative = self.derivative.as_ref().map(|derivative| {
-            derivative.parts.map(StateFunction::kernel).map(|parts| (derivative, parts))
+            derivative.parts.map(|part| part.kernel()).map(|parts| (derivative, parts))
         });
-        let parts = self.parts.map(StateFunction::kernel)?;
+        let parts = self.parts.map(|part| part.kernel())?;
         Ok(ReadyGround { function: self, parts, derivative: derivative.transpose()? })
     }
 }

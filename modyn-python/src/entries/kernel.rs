@@ -49,12 +49,12 @@ impl ArrayShapes {
 }
 
 /// A function of arrays: all arguments are one row of numbers, and so are all results.
-pub struct StateFunction<S: Number> {
+pub struct StateFunction<S: Number + 'static> {
     code: Code<S>,
     shapes: ArrayShapes,
 }
 
-enum Code<S: Number> {
+enum Code<S: Number + 'static> {
     Machine(Box<Compiled<S>>, &'static str),
     Evaluated(Box<Planned>),
     Ground(Box<GroundFunction<S>>),
@@ -208,12 +208,12 @@ impl<'a, S: Number> Arrays<'a, S> {
 }
 
 /// A function of arrays, ready to be called.
-pub struct Kernel<'a, S: Number> {
+pub struct Kernel<'a, S: Number + 'static> {
     shapes: &'a ArrayShapes,
     runner: Runner<'a, S>,
 }
 
-enum Runner<'a, S: Number> {
+enum Runner<'a, S: Number + 'static> {
     Machine(Call<'a, S>),
     Evaluated(&'a Program),
     Ground(Box<ReadyGround<'a, S>>),

@@ -167,9 +167,20 @@ impl Robot {
         feedback: bool,
     ) -> PyResult<KeyAndShapes> {
         self.check_has(Function::ContactProblem)?;
+        let options = (options, feedback);
         match self.scalar() {
-            FloatType::F64 => self.ground_code(py, (options, feedback), derivative, AnyCode::F64),
-            FloatType::F32 => self.ground_code(py, (options, feedback), derivative, AnyCode::F32),
+            FloatType::F64 => {
+                self.ground_code(py, options, derivative, AnyCode::F64, |code| match code {
+                    AnyCode::F64(ArrayCode::Function(function)) => Some(function),
+                    _ => None,
+                })
+            }
+            FloatType::F32 => {
+                self.ground_code(py, options, derivative, AnyCode::F32, |code| match code {
+                    AnyCode::F32(ArrayCode::Function(function)) => Some(function),
+                    _ => None,
+                })
+            }
         }
     }
 
@@ -319,6 +330,7 @@ impl Robot {
         (options, feedback): (GroundOptions, bool),
         derivative: Option<(String, Vec<usize>)>,
         code: fn(ArrayCode<S>) -> AnyCode,
+        function: fn(&'static AnyCode) -> Option<&'static StateFunction<S>>,
     ) -> PyResult<KeyAndShapes> {
         let step = ground::Step::new(self, options, feedback).map_err(PyValueError::new_err)?;
         let derivative = derivative.map(|(mode, variables)| match &*mode {
@@ -333,20 +345,13 @@ impl Robot {
         let key = self.ground_key(step.key(derivative.as_ref()), || {
             let mut hasher = DefaultHasher::new();
             (step.key(None).1, format!("{:?} {derivative:?}", step.robot())).hash(&mut hasher);
+            // Steps with other options have the same programs.
             let compiled = |part: &EntryFunction| {
-                let planning = self.builder().plan_entries(part);
-                let planning = planning.map_err(|errors| description_error(py, &errors))?;
+                let arrays = signature::shapes(self, part).unwrap_or_default();
+                let key = self.array_key(part, || self.array_code(py, part, &arrays))?;
+                key.hash(&mut hasher);
                 let none = || PyValueError::new_err("there is no such function");
-                let planned = planning.plan.functions.first().ok_or_else(none)?;
-                let machine = self.has_machine_code();
-                key_of(planned, &arrays, self.scalar(), machine).hash(&mut hasher);
-                let function = StateFunction::new(planning, ArrayShapes::default(), machine);
-                let (function, reason) = function.ok_or_else(none)?;
-                if let Some(reason) = reason {
-                    let message = format!("functions are evaluated, which is slow: {reason}");
-                    warn_of_machine_code(py, &message)?;
-                }
-                Ok::<_, PyErr>(function)
+                find(key).and_then(function).ok_or_else(none)
             };
             let function = step.compile(derivative.as_ref(), compiled)?;
             let key = (hasher.finish() >> 1).cast_signed();
