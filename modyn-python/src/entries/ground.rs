@@ -2,8 +2,8 @@
 //! all lanes before the next.
 //!
 //! The arrays are, in this order: `q`, `qd`, the impulses of contacts and of stops, and the residual, which are the state; `tau`, `dt`,
-//! the settings, the gains and references of a feedback, and the run-time parameters. The contact problem and the integration are programs; the
-//! impulses are found by `modyn_runtime::simulate::by_numbers`, lane by lane.
+//! the settings, the gains and references of a feedback, and the run-time parameters. The contact problem and the integration are
+//! programs. `modyn_runtime::simulate::by_numbers` finds the impulses: in lanes where sweeps suffice, else lane by lane.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
@@ -71,7 +71,7 @@ impl Step {
     ///
     /// # Errors
     ///
-    /// If the height field is none.
+    /// If the height field has no cell.
     pub fn new(robot: &Robot, options: GroundOptions, feedback: bool) -> Result<Self, String> {
         if let Some((origin, spacing, columns, heights)) = &options.4
             && HeightField::new(*origin, *spacing, *columns, heights).is_none()
