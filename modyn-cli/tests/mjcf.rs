@@ -25,7 +25,7 @@ fn every_command_takes_mjcf() {
     let refused = modyn(&["check", &bad]);
     assert_eq!(refused.code, 1);
     assert!(
-        refused.out.contains("error[not-read]: a tendon with `stiffness` is not read"),
+        refused.out.contains("error[not-read]: forces of a tendon (`stiffness`) are not read"),
         "{}",
         refused.out
     );
