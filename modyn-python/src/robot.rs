@@ -20,7 +20,6 @@ use pyo3::types::{PyDict, PyString, PyTuple};
 
 use crate::arrays::Given;
 use crate::change::Change;
-use crate::entries::GroundKey;
 use crate::errors::{description_error, warn_of_description, warn_of_machine_code};
 use crate::function::{self, RobotFunction};
 use crate::number::Number;
@@ -60,6 +59,9 @@ type Slot = OnceLock<Box<dyn RobotFunction>>;
 
 /// A run-time parameter: the option, the link and the numbers.
 pub type RunTimeParameter<'a> = (&'static str, Option<&'a str>, Vec<f64>);
+
+/// The key of a step on the ground: its contact problem, and the numbers of its options.
+pub type GroundKey = (EntryFunction, [u64; 5]);
 
 /// The text of a description, the file's name, and the folder of files that the text names.
 pub type Source = (String, String, Option<PathBuf>);

@@ -14,10 +14,9 @@ use modyn_runtime::simulate::by_numbers::{GroundRobot, StepChange, StepGradient,
 use modyn_runtime::simulate::{Ground, HeightField};
 use modyn_runtime::{ConstraintSettings, ContactTarget};
 
-use super::GroundKey;
-use super::kernel::{ArrayShapes, Kernel, StateFunction};
+use super::kernel::{ArrayShapes, Kernel, OwnCode, OwnKernel, StateFunction};
 use crate::number::Number;
-use crate::robot::Robot;
+use crate::robot::{GroundKey, Robot};
 
 // The arrays of arguments; the first five are also those of results.
 const Q: usize = 0;
@@ -306,24 +305,19 @@ struct GroundDerivative<S: Number + 'static> {
 }
 
 /// A step on the ground, ready to be called.
-pub struct ReadyGround<'a, S: Number + 'static> {
+struct ReadyGround<'a, S: Number + 'static> {
     function: &'a GroundFunction<S>,
     parts: Parts<Kernel<'a, S>>,
     derivative: Option<(&'a GroundDerivative<S>, Parts<Kernel<'a, S>>)>,
 }
 
-impl<S: Number> GroundFunction<S> {
-    /// Returns the step, ready to be called.
-    ///
-    /// # Errors
-    ///
-    /// If a program was not compiled, which no caller can bring about.
-    pub fn ready(&self) -> Result<ReadyGround<'_, S>, String> {
+impl<S: Number> OwnCode<S> for GroundFunction<S> {
+    fn ready(&self) -> Result<Box<dyn OwnKernel<S> + '_>, String> {
         let derivative = self.derivative.as_ref().map(|derivative| {
             derivative.parts.map(|part| part.kernel()).map(|parts| (derivative, parts))
         });
-        let parts = self.parts.map(|part| part.kernel())?;
-        Ok(ReadyGround { function: self, parts, derivative: derivative.transpose()? })
+        let (derivative, parts) = (derivative.transpose()?, self.parts.map(|part| part.kernel())?);
+        Ok(Box::new(ReadyGround { function: self, parts, derivative }))
     }
 }
 
@@ -353,22 +347,19 @@ struct Solved<S> {
     displacement: Rows<S>,
 }
 
-impl<S: Number> ReadyGround<'_, S> {
-    /// Returns the instructions of one state, as they count in threads.
-    pub fn cost(&self) -> usize {
+impl<S: Number> OwnKernel<S> for ReadyGround<'_, S> {
+    fn cost(&self) -> usize {
         let of = |parts: &Parts<Kernel<'_, S>>| parts.problem.cost() + parts.integrate.cost();
         // Some thousand instructions find the impulses.
         1000 + of(&self.parts) + self.derivative.as_ref().map_or(0, |(_, parts)| of(parts))
     }
 
-    /// Returns the states that are computed together.
-    pub fn lanes(&self) -> usize {
+    fn lanes(&self) -> usize {
         let of = |parts: &Parts<Kernel<'_, S>>| parts.problem.lanes().min(parts.integrate.lanes());
         of(&self.parts).min(self.derivative.as_ref().map_or(usize::MAX, |(_, parts)| of(parts)))
     }
 
-    /// Computes the result for as many states as there are lanes.
-    pub fn run(&self, numbers: &[S], result: &mut [S], lanes: usize) {
+    fn run(&self, numbers: &[S], result: &mut [S], lanes: usize) {
         let on_field = self.on_field(numbers, lanes);
         let numbers = on_field.as_deref().unwrap_or(numbers);
         let given = Given { numbers, lengths: &self.function.lengths, lanes };
@@ -383,7 +374,9 @@ impl<S: Number> ReadyGround<'_, S> {
             }
         }
     }
+}
 
+impl<S: Number> ReadyGround<'_, S> {
     /// Returns the arguments with the planes of the height field below the contacts as their targets.
     fn on_field(&self, numbers: &[S], lanes: usize) -> Option<Vec<S>> {
         let (function, kernel) = (self.function, self.parts.places.as_ref()?);

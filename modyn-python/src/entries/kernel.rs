@@ -8,7 +8,6 @@ use modyn_codegen::plan::Planned;
 use modyn_codegen::program::Program;
 use modyn_jit::{Call, Compiled, Options};
 
-use super::ground::{GroundFunction, ReadyGround};
 use super::states::{Broadcast, Numbers, Results};
 use crate::function::INSTRUCTIONS_PER_THREAD;
 use crate::number::Number;
@@ -48,6 +47,28 @@ impl ArrayShapes {
     }
 }
 
+/// Code of a function that is more than one program.
+pub trait OwnCode<S: Number>: Send + Sync {
+    /// Returns the code, ready to be called.
+    ///
+    /// # Errors
+    ///
+    /// If a program was not compiled, which no caller can bring about.
+    fn ready(&self) -> Result<Box<dyn OwnKernel<S> + '_>, String>;
+}
+
+/// Code of a function that is more than one program, ready to be called.
+pub trait OwnKernel<S: Number>: Send + Sync {
+    /// Returns the instructions of one state, as they count in threads.
+    fn cost(&self) -> usize;
+
+    /// Returns the states that are computed together.
+    fn lanes(&self) -> usize;
+
+    /// Computes the result for one state, or for as many as there are lanes.
+    fn run(&self, numbers: &[S], result: &mut [S], lanes: usize);
+}
+
 /// A function of arrays: all arguments are one row of numbers, and so are all results.
 pub struct StateFunction<S: Number + 'static> {
     code: Code<S>,
@@ -57,7 +78,7 @@ pub struct StateFunction<S: Number + 'static> {
 enum Code<S: Number + 'static> {
     Machine(Box<Compiled<S>>, &'static str),
     Evaluated(Box<Planned>),
-    Ground(Box<GroundFunction<S>>),
+    Own(Box<dyn OwnCode<S>>),
 }
 
 impl<S: Number> StateFunction<S> {
@@ -83,9 +104,9 @@ impl<S: Number> StateFunction<S> {
         Some((Self { code, shapes }, reason))
     }
 
-    /// Returns a step on the ground with the shapes of its arrays.
-    pub fn on_ground(step: GroundFunction<S>, shapes: ArrayShapes) -> Self {
-        Self { code: Code::Ground(Box::new(step)), shapes }
+    /// Returns a function that is more than one program, with the shapes of its arrays.
+    pub fn of_own_code(code: impl OwnCode<S> + 'static, shapes: ArrayShapes) -> Self {
+        Self { code: Code::Own(Box::new(code)), shapes }
     }
 
     /// Returns the shapes of the arrays.
@@ -108,7 +129,7 @@ impl<S: Number> StateFunction<S> {
                 let (program, _) = straight.ok_or("modyn: a function without a program")?;
                 Runner::Evaluated(program)
             }
-            Code::Ground(step) => Runner::Ground(Box::new(step.ready()?)),
+            Code::Own(code) => Runner::Own(code.ready()?),
         };
         Ok(Kernel { shapes: &self.shapes, runner })
     }
@@ -216,7 +237,7 @@ pub struct Kernel<'a, S: Number + 'static> {
 enum Runner<'a, S: Number + 'static> {
     Machine(Call<'a, S>),
     Evaluated(&'a Program),
-    Ground(Box<ReadyGround<'a, S>>),
+    Own(Box<dyn OwnKernel<S> + 'a>),
 }
 
 impl<S: Number> Kernel<'_, S> {
@@ -225,7 +246,7 @@ impl<S: Number> Kernel<'_, S> {
         match &self.runner {
             Runner::Machine(call) => call.size().instructions / 4 + 1,
             Runner::Evaluated(_) => INSTRUCTIONS_PER_THREAD,
-            Runner::Ground(step) => step.cost(),
+            Runner::Own(kernel) => kernel.cost(),
         }
     }
 
@@ -234,7 +255,7 @@ impl<S: Number> Kernel<'_, S> {
         match &self.runner {
             Runner::Machine(call) => call.lanes(),
             Runner::Evaluated(_) => 1,
-            Runner::Ground(step) => step.lanes(),
+            Runner::Own(kernel) => kernel.lanes(),
         }
     }
 
@@ -250,7 +271,7 @@ impl<S: Number> Kernel<'_, S> {
                 debug_assert!(done.is_ok(), "{done:?}");
             }
             Runner::Evaluated(program) => result.copy_from_slice(&program.evaluate(numbers)),
-            Runner::Ground(step) => step.run(numbers, result, lanes),
+            Runner::Own(kernel) => kernel.run(numbers, result, lanes),
         }
     }
 

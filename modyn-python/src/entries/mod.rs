@@ -49,9 +49,6 @@ enum AnyCode {
     F32(ArrayCode<f32>),
 }
 
-/// The key of a step on the ground: its contact problem, and the numbers of its options.
-pub type GroundKey = (EntryFunction, [u64; 5]);
-
 impl AnyCode {
     /// Returns the only function of a planning, and the reason why there is no machine code, if it was wanted.
     fn new(
@@ -356,7 +353,7 @@ impl Robot {
             let function = step.compile(derivative.as_ref(), compiled)?;
             let key = (hasher.finish() >> 1).cast_signed();
             if find(key).is_none() {
-                let function = StateFunction::on_ground(function, arrays.clone());
+                let function = StateFunction::of_own_code(function, arrays.clone());
                 register(key, code(ArrayCode::Function(function)));
             }
             Ok::<_, PyErr>(key)
