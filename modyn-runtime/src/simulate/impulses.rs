@@ -167,7 +167,7 @@ pub fn solve_step<T: Decide, M: StepMemory<T>>(
 
 /// Returns the velocities of the contacts without impulses, less the least speed along the normal. Sets the friction of the contacts.
 #[inline(always)]
-pub(super) fn velocities_of_contacts<T: Decide, M: StepMemory<T>>(
+fn velocities_of_contacts<T: Decide, M: StepMemory<T>>(
     memory: &M,
     motion: &FreeMotion<'_, T, M::ContactRow, M::Velocities>,
     targets: &[ContactTarget<T>],
@@ -285,7 +285,7 @@ fn is_limited<T: Decide>(stop: &Stop<T>) -> bool {
 }
 
 /// Copies the entries of rows into rows that may be longer.
-pub(super) fn copy_rows<T: Decide, A: Row<T>, B: Row<T>>(from: &[A], to: &mut [B]) {
+fn copy_rows<T: Decide, A: Row<T>, B: Row<T>>(from: &[A], to: &mut [B]) {
     for (from, to) in from.iter().zip(to) {
         let from = from.as_ref();
         to.as_mut()[..from.len()].copy_from_slice(from);

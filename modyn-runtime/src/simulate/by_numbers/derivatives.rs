@@ -1,0 +1,311 @@
+//! Derivatives of a step by what it depends on.
+//!
+//! They follow from those of the impulses ([`GroundEquations::gradient`], [`GroundEquations::change`]) and of the contact problem.
+
+use alloc::{vec, vec::Vec};
+
+use super::{
+    BETA, BETA_OF_STOPS, Before, COMPLIANCE, FRICTION, GroundRobot, JointStop, RESTITUTION,
+    StepImpulses,
+};
+use crate::scalar::Tangent;
+use crate::simulate::impulses::{add_scaled, least_speed, soften, velocity_range};
+use crate::solve::{Contact, Decide, GroundEquations, Stop};
+use crate::{ConstraintSettings, ContactTarget};
+
+/// The gradients of a step with respect to what it depends on, to which those of one step are added.
+#[derive(Debug)]
+pub struct StepGradient<'a, T> {
+    /// By each number of the contact problem.
+    pub problem: &'a mut [T],
+    /// By each entry of the inverse of the mass matrix; empty if no stop acts.
+    pub inverse: &'a mut Vec<T>,
+    /// By the coordinates, through the stops.
+    pub q: &'a mut [T],
+    /// By the time step, through the least speeds and the stops.
+    pub dt: &'a mut T,
+    /// By the numbers of the settings, through the laws of contacts and stops.
+    pub settings: &'a mut [T],
+}
+
+/// The changes of what a step depends on.
+#[derive(Clone, Copy, Debug)]
+pub struct StepChange<'a, T> {
+    /// Of each number of the contact problem.
+    pub problem: &'a [T],
+    /// Of each entry of the inverse of the mass matrix; not read if no stop acts.
+    pub inverse: &'a [T],
+    /// Of the coordinates.
+    pub q: &'a [T],
+    /// Of the time step.
+    pub dt: T,
+    /// Of the numbers of the settings.
+    pub settings: &'a [T],
+}
+
+impl GroundRobot {
+    /// Adds the gradients of the weighted velocities and impulses of a step that [`solve`](Self::solve) found, with `weights` of the
+    /// velocities, of the impulses of contacts, and of those of stops.
+    pub fn add_gradient<T: Decide>(
+        &self,
+        (q, dt, settings): Before<'_, T>,
+        (problem, inverse): (impl Fn(usize) -> T, impl Fn(&mut [T])),
+        (p, s): StepImpulses<'_, T>,
+        [of_velocities, of_contacts, of_stops]: [&[T]; 3],
+        gradient: StepGradient<'_, T>,
+    ) {
+        let (at, rows, n) = (self.places(), 3 * self.contacts, self.velocities);
+        let mut solved = self.solved((q, dt, settings), (&problem, inverse), (p, s));
+        let mut weights = vec![T::zero(); rows + solved.acting.len()];
+        for (row, weight) in weights[..rows].iter_mut().enumerate() {
+            let response = |v: usize| problem(at.responses + row * n + v);
+            *weight = of_contacts[row] + dot(n, |v| (response(v), of_velocities[v]));
+        }
+        for (stop, weight) in solved.acting.iter().zip(&mut weights[rows..]) {
+            let column = &solved.inverse[stop.velocity * n..][..n];
+            *weight = of_stops[stop.velocity] + dot(n, |v| (column[v], of_velocities[v]));
+        }
+        let mut friction = vec![T::zero(); self.contacts];
+        let all = solved.impulses.clone();
+        let by_b = solved.equations(|equations, matrix| {
+            equations.gradient(&all, &weights, &mut friction, matrix)
+        });
+        // The weights of the velocities, those through the stops included.
+        let mut by_velocities = of_velocities.to_vec();
+        for (stop, &by) in solved.acting.iter().zip(&by_b[rows..]) {
+            by_velocities[stop.velocity] = by_velocities[stop.velocity] + by;
+        }
+        let StepGradient {
+            problem: by_problem,
+            inverse,
+            q: by_q,
+            dt: by_dt,
+            settings: by_settings,
+        } = gradient;
+        let add = |place: &mut T, x: T| *place = *place + x;
+        by_problem[..n].iter_mut().zip(&by_velocities).for_each(|(place, &x)| add(place, x));
+        for c in 0..self.contacts {
+            let own = Self::first_number_of(c);
+            let z = 3 * c + 2;
+            (0..3).for_each(|k| add(&mut by_problem[at.free + 3 * c + k], by_b[3 * c + k]));
+            let by = self.least_speed_changes((dt, settings), c, &problem);
+            let by = by.map(|slope| -(by_b[z] * slope));
+            add(&mut by_problem[at.heights + c], by[0]);
+            add(&mut by_problem[at.before + z], by[1]);
+            add(by_dt, by[3]);
+            add(&mut by_settings[own + BETA], by[4]);
+            add(&mut by_settings[own + RESTITUTION], by[5]);
+            add(&mut by_settings[own + COMPLIANCE], by_b[z] * p[z]);
+            add(&mut by_settings[own + FRICTION], friction[c]);
+        }
+        for row in 0..rows {
+            for column in 0..rows {
+                add(&mut by_problem[at.mobility + row * rows + column], by_b[row] * p[column]);
+            }
+            let responses = &mut by_problem[at.responses + row * n..][..n];
+            for (place, &by) in responses.iter_mut().zip(&by_velocities) {
+                add(place, by * p[row]);
+            }
+            for stop in &solved.acting {
+                add(&mut responses[stop.velocity], by_b[row] * s[stop.velocity]);
+            }
+        }
+        if solved.acting.is_empty() {
+            return;
+        }
+        inverse.resize(n * n, T::zero());
+        for (stop, &by) in solved.acting.iter().zip(&by_b[rows..]) {
+            let (v, impulse) = (stop.velocity, s[stop.velocity]);
+            for (place, &by) in inverse[v * n..][..n].iter_mut().zip(&by_velocities) {
+                add(place, by * impulse);
+            }
+            let slopes = stop_changes((q, dt, settings.beta), stop, impulse);
+            let [by_place, by_time, by_beta] = slopes.map(|slope| -(by * slope));
+            add(&mut by_q[stop.coordinate], by_place);
+            add(by_dt, by_time);
+            add(&mut by_settings[BETA_OF_STOPS], by_beta);
+        }
+    }
+
+    /// Writes the changes of the velocities, of the impulses of contacts and of those of stops of a step that [`solve`](Self::solve)
+    /// found.
+    pub fn change<T: Decide>(
+        &self,
+        (q, dt, settings): Before<'_, T>,
+        (problem, inverse): (impl Fn(usize) -> T, impl Fn(&mut [T])),
+        (p, s): StepImpulses<'_, T>,
+        change: StepChange<'_, T>,
+        [qd, of_contacts, of_stops]: [&mut [T]; 3],
+    ) {
+        let (at, rows, n) = (self.places(), 3 * self.contacts, self.velocities);
+        let mut solved = self.solved((q, dt, settings), (&problem, inverse), (p, s));
+        // With the present impulses.
+        qd.copy_from_slice(&change.problem[..n]);
+        for (row, &p) in p.iter().enumerate() {
+            add_scaled(qd, p, &change.problem[at.responses + row * n..][..n]);
+        }
+        for stop in &solved.acting {
+            let v = stop.velocity;
+            add_scaled(qd, s[v], &change.inverse[v * n..][..n]);
+        }
+        let mut faster = vec![T::zero(); rows + solved.acting.len()];
+        for (row, faster) in faster[..rows].iter_mut().enumerate() {
+            let own = |column: usize| change.problem[at.mobility + row * rows + column];
+            *faster = change.problem[at.free + row] + dot(rows, |column| (own(column), p[column]));
+            for stop in &solved.acting {
+                let v = stop.velocity;
+                *faster = *faster + change.problem[at.responses + row * n + v] * s[v];
+            }
+        }
+        let mut friction = vec![T::zero(); self.contacts];
+        for (c, friction) in friction.iter_mut().enumerate() {
+            let own = &change.settings[Self::first_number_of(c)..];
+            let z = 3 * c + 2;
+            let by = self.least_speed_changes((dt, settings), c, &problem);
+            let of = [
+                change.problem[at.heights + c],
+                change.problem[at.before + z],
+                change.problem[at.free + z],
+                change.dt,
+                own[BETA],
+                own[RESTITUTION],
+            ];
+            faster[z] = faster[z] + own[COMPLIANCE] * p[z] - dot(6, |k| (by[k], of[k]));
+            *friction = own[FRICTION];
+        }
+        for (stop, faster) in solved.acting.iter().zip(&mut faster[rows..]) {
+            let by = stop_changes((q, dt, settings.beta), stop, s[stop.velocity]);
+            let of = [change.q[stop.coordinate], change.dt, change.settings[BETA_OF_STOPS]];
+            *faster = qd[stop.velocity] - dot(3, |k| (by[k], of[k]));
+        }
+        let all = solved.impulses.clone();
+        let found = solved
+            .equations(|equations, matrix| equations.change(&all, (&faster, &friction), matrix));
+        for (row, &more) in found[..rows].iter().enumerate() {
+            let response = |v: usize| problem(at.responses + row * n + v);
+            qd.iter_mut().enumerate().for_each(|(v, x)| *x = *x + response(v) * more);
+        }
+        of_contacts.copy_from_slice(&found[..rows]);
+        of_stops.fill(T::zero());
+        for (stop, &more) in solved.acting.iter().zip(&found[rows..]) {
+            add_scaled(qd, more, &solved.inverse[stop.velocity * n..][..n]);
+            of_stops[stop.velocity] = more;
+        }
+    }
+
+    /// Returns the equations that the impulses of a step satisfy.
+    fn solved<T: Decide>(
+        &self,
+        (q, dt, settings): Before<'_, T>,
+        (problem, inverse): (&impl Fn(usize) -> T, impl Fn(&mut [T])),
+        (p, s): StepImpulses<'_, T>,
+    ) -> Solved<T> {
+        let (at, rows, n) = (self.places(), 3 * self.contacts, self.velocities);
+        let acts = |stop: &&JointStop| !s[stop.velocity].abs().all_at_most(T::zero());
+        let acting: Vec<JointStop> = self.stops.iter().filter(acts).copied().collect();
+        let mut w = Vec::new();
+        if !acting.is_empty() {
+            w.resize(n * n, T::zero());
+            inverse(&mut w);
+        }
+        let response = |row: usize, v: usize| problem(at.responses + row * n + v);
+        let mut matrix = Vec::with_capacity(rows + acting.len());
+        let (mut b, mut impulses) = (Vec::new(), p.to_vec());
+        for row in 0..rows {
+            let target = &settings.contacts[row / 3];
+            let own = |column: usize| problem(at.mobility + row * rows + column);
+            let mut line: Vec<T> = (0..rows).map(own).collect();
+            let mut velocity = problem(at.free + row);
+            if row % 3 == 2 {
+                let of = self.speeds(dt, row / 3, problem);
+                velocity = velocity - least_speed(of, target.beta, target.restitution);
+            }
+            line.extend(acting.iter().map(|stop| response(row, stop.velocity)));
+            matrix.push(line);
+            b.push(velocity);
+        }
+        soften(&settings.contacts, &mut matrix);
+        let mut stops = Vec::new();
+        for stop in &acting {
+            let v = stop.velocity;
+            let of_contacts = (0..rows).map(|row| response(row, v));
+            let of_stops = acting.iter().map(|other| w[v * n + other.velocity]);
+            matrix.push(of_contacts.chain(of_stops).collect());
+            b.push(problem(v));
+            impulses.push(s[v]);
+            let range = velocity_range(q[stop.coordinate], stop.range, settings.beta, dt);
+            stops.push(Stop::new(range));
+        }
+        let contacts = settings.contacts.iter().map(|target| Contact::new(target.friction));
+        Solved { matrix, b, contacts: contacts.collect(), stops, impulses, acting, inverse: w }
+    }
+
+    /// Returns the height of a contact, its speeds along the normal before the step and without impulses, and the time step.
+    fn speeds<T: Decide>(&self, dt: T, contact: usize, problem: &impl Fn(usize) -> T) -> [T; 4] {
+        let (at, z) = (self.places(), 3 * contact + 2);
+        [problem(at.heights + contact), problem(at.before + z), problem(at.free + z), dt]
+    }
+
+    /// Returns the derivatives of the least speed of a contact by [`speeds`](Self::speeds), `beta` and the restitution.
+    fn least_speed_changes<T: Decide>(
+        &self,
+        (dt, settings): (T, &ConstraintSettings<T, Vec<ContactTarget<T>>>),
+        contact: usize,
+        problem: &impl Fn(usize) -> T,
+    ) -> [T; 6] {
+        let ContactTarget { beta, restitution, .. } = settings.contacts[contact];
+        let [height, before, free, dt] = self.speeds(dt, contact, problem);
+        derivatives([height, before, free, dt, beta, restitution], |[a, b, c, d, beta, e]| {
+            least_speed([a, b, c, d], beta, e)
+        })
+    }
+}
+
+/// The equations of a step with their solution, the stops that act, and the inverse of the mass matrix, if one acts.
+struct Solved<T> {
+    matrix: Vec<Vec<T>>,
+    b: Vec<T>,
+    contacts: Vec<Contact<T>>,
+    stops: Vec<Stop<T>>,
+    impulses: Vec<T>,
+    acting: Vec<JointStop>,
+    inverse: Vec<T>,
+}
+
+impl<T: Decide> Solved<T> {
+    /// Calls `work` with the equations and memory for a matrix.
+    fn equations<O>(
+        &mut self,
+        work: impl FnOnce(&mut GroundEquations<'_, T, Vec<T>>, &mut [Vec<T>]) -> O,
+    ) -> O {
+        let Self { matrix, b, contacts, stops, .. } = self;
+        let mut memory = matrix.clone();
+        work(&mut GroundEquations { a: matrix, b, contacts, stops }, &mut memory)
+    }
+}
+
+/// Returns the derivatives of the velocity at which a stop holds its joint, by the coordinate, the time step and `beta`.
+fn stop_changes<T: Decide>((q, dt, beta): (&[T], T, T), stop: &JointStop, impulse: T) -> [T; 3] {
+    // The impulse at the lower limit is positive.
+    let side = usize::from(impulse.all_at_most(T::zero()));
+    derivatives([q[stop.coordinate], dt, beta], |[at, dt, beta]| {
+        velocity_range(at, stop.range, beta, dt)[side]
+    })
+}
+
+/// Returns the derivatives of a function by each of its arguments.
+fn derivatives<T: Decide, const N: usize>(
+    at: [T; N],
+    function: impl Fn([Tangent<T>; N]) -> Tangent<T>,
+) -> [T; N] {
+    core::array::from_fn(|k| {
+        let mut arguments = at.map(Tangent::constant);
+        arguments[k].dx = T::one();
+        function(arguments).dx
+    })
+}
+
+/// Returns the sum of as many products.
+fn dot<T: Decide>(count: usize, pair: impl Fn(usize) -> (T, T)) -> T {
+    (0..count).map(pair).fold(T::zero(), |sum, (a, b)| a.mul_add(b, sum))
+}

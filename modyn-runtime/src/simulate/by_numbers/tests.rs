@@ -1,0 +1,255 @@
+//! The steps of lanes are those of single states, and derivatives are those of differences.
+
+use alloc::{vec, vec::Vec};
+use core::array::from_fn;
+
+use super::{GroundRobot, JointStop, StepChange, StepGradient, StepLanes};
+use crate::simulate::Ground;
+use crate::{ConstraintSettings, ContactTarget};
+
+const CONTACTS: usize = 2;
+const N: usize = 7;
+const ROWS: usize = 3 * CONTACTS;
+const DT: f64 = 0.002;
+
+/// A sequence of numbers in -1..1.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        f64::from((self.0 >> 33) as u32) / f64::from(1_u32 << 30) - 1.0
+    }
+}
+
+fn robot() -> GroundRobot {
+    let stop = |k: usize| JointStop { coordinate: k, velocity: k, range: [-1.0, 1.0] };
+    GroundRobot { contacts: CONTACTS, velocities: N, stops: vec![stop(1), stop(5)] }
+}
+
+/// A state of a robot with a random mass matrix and Jacobian.
+struct Case {
+    q: Vec<f64>,
+    settings: ConstraintSettings<f64, Vec<ContactTarget<f64>>>,
+    problem: Vec<f64>,
+    inverse: Vec<f64>,
+}
+
+impl Case {
+    /// Returns a state; with `stopped` a joint is at its stop.
+    fn new(seed: u64, stopped: bool) -> Self {
+        let mut random = Random(seed);
+        let factor: [[f64; N]; N] = from_fn(|_| from_fn(|_| random.next()));
+        let entry = |i: usize, j: usize| {
+            let unit = if i == j { 0.3 } else { 0.0 };
+            (0..N).map(|k| factor[i][k] * factor[j][k]).sum::<f64>() + unit
+        };
+        let inverse: Vec<f64> = (0..N * N).map(|k| entry(k / N, k % N)).collect();
+        let jacobian: [[f64; N]; ROWS] = from_fn(|_| from_fn(|_| random.next()));
+        let response: [[f64; N]; ROWS] =
+            from_fn(|row| from_fn(|v| (0..N).map(|k| inverse[v * N + k] * jacobian[row][k]).sum()));
+        let mobility = (0..ROWS * ROWS)
+            .map(|k| (0..N).map(|v| jacobian[k / ROWS][v] * response[k % ROWS][v]).sum::<f64>());
+        let qd: [f64; N] = from_fn(|_| 2.0 * random.next());
+        let of = |row: usize| (0..N).map(|v| jacobian[row][v] * qd[v]).sum::<f64>();
+        let heights = [0.001 * random.next(), 0.001 * random.next()];
+        let before: [f64; ROWS] = from_fn(|row| of(row) + 0.1 * random.next());
+        let all = qd.iter().chain(&heights).chain(&before).copied();
+        let all = all.chain((0..ROWS).map(of)).chain(mobility);
+        let contact = |friction, restitution, compliance| ContactTarget {
+            friction,
+            restitution,
+            compliance,
+            ..ContactTarget::<f64>::GROUND
+        };
+        let contacts = vec![contact(0.2, 0.4, 0.0), contact(1.2, 0.0, 0.05)];
+        let numbers = ConstraintSettings::<f64, [ContactTarget<f64>; 0]>::DEFAULT.numbers();
+        let at = if stopped { 0.9999 } else { 0.0 };
+        Self {
+            q: (0..N).map(|k| if k == 1 { at } else { 0.1 * random.next() }).collect(),
+            settings: ConstraintSettings::from_numbers(numbers, contacts),
+            problem: all.chain(response.into_iter().flatten()).collect(),
+            inverse,
+        }
+    }
+
+    /// Returns the velocities after the step, then the impulses.
+    fn solve(&self, dt: f64) -> [Vec<f64>; 3] {
+        let [mut p, mut s, mut qd] = [ROWS, N, N].map(|count| vec![0.0; count]);
+        let ground = Ground { tolerance: 1e-13, ..Ground::default() };
+        let (wrong, _) = robot().solve(
+            &ground,
+            (&self.q, dt, &self.settings),
+            (|i| self.problem[i], |w: &mut [f64]| w.copy_from_slice(&self.inverse)),
+            (&mut p, &mut s),
+            &mut qd,
+        );
+        assert!(wrong.contacts.max(wrong.stops) < 1e-11, "{wrong:?}");
+        [qd, p, s]
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        let contacts = self.settings.contacts.iter().flat_map(ContactTarget::numbers);
+        self.settings.numbers().into_iter().chain(contacts).collect()
+    }
+
+    /// Returns this state after a change along a direction.
+    fn moved(&self, by: f64, along: &Direction) -> Self {
+        let add = |x: &[f64], dx: &[f64]| -> Vec<f64> {
+            x.iter().zip(dx).map(|(x, dx)| dx.mul_add(by, *x)).collect()
+        };
+        let numbers = add(&self.numbers(), &along.settings);
+        let (first, contacts) = numbers.split_at(4);
+        let contacts = contacts.as_chunks::<25>().0.iter();
+        let contacts = contacts.map(|numbers| ContactTarget::from_numbers(*numbers)).collect();
+        Self {
+            q: add(&self.q, &along.q),
+            settings: ConstraintSettings::from_numbers(from_fn(|k| first[k]), contacts),
+            problem: add(&self.problem, &along.problem),
+            inverse: add(&self.inverse, &along.inverse),
+        }
+    }
+}
+
+/// A change of all that a step depends on.
+struct Direction {
+    q: Vec<f64>,
+    settings: Vec<f64>,
+    problem: Vec<f64>,
+    inverse: Vec<f64>,
+}
+
+fn symmetrize(matrix: &mut [f64], n: usize) {
+    for i in 0..n {
+        for j in 0..i {
+            matrix[i * n + j] = matrix[j * n + i];
+        }
+    }
+}
+
+#[test]
+fn steps_in_lanes_are_those_of_single_states() {
+    const LANES: usize = 16;
+    let cases: Vec<Case> = (0..LANES as u64).map(|k| Case::new(k, k % 5 == 4)).collect();
+    let rows = |of: &dyn Fn(&Case) -> Vec<f64>| -> Vec<f64> {
+        let all: Vec<Vec<f64>> = cases.iter().map(of).collect();
+        (0..all[0].len() * LANES).map(|k| all[k % LANES][k / LANES]).collect()
+    };
+    let (mut p, mut qd) = (vec![0.0; ROWS * LANES], vec![0.0; N * LANES]);
+    let mut solved = [None; LANES];
+    let numbers = StepLanes {
+        lanes: LANES,
+        q: &rows(&|case| case.q.clone()),
+        dt: &[DT; LANES],
+        settings: &rows(&Case::numbers),
+        problem: &rows(&|case| case.problem.clone()),
+        stops: &[0.0; N * LANES],
+    };
+    // Sweeps alone: enough of them for two contacts.
+    let ground = Ground { sweeps: 300, ..Ground::default() };
+    robot().solve_lanes(&ground, &numbers, (&mut p, &mut qd), &mut solved);
+    let mut compared = 0;
+    for (lane, case) in cases.iter().enumerate() {
+        let [velocities, impulses, stops] = case.solve(DT);
+        if stops.iter().any(|&s| s != 0.0) {
+            assert_eq!(solved[lane], None, "{lane}: a stop acts");
+        }
+        if solved[lane].is_none() {
+            continue;
+        }
+        compared += 1;
+        for (v, x) in velocities.iter().enumerate() {
+            assert!((qd[v * LANES + lane] - x).abs() < 1e-7, "{lane}: {x}");
+        }
+        for (row, x) in impulses.iter().enumerate() {
+            assert!((p[row * LANES + lane] - x).abs() < 1e-6, "{lane}: {x}");
+        }
+    }
+    assert!(compared >= LANES / 4, "{compared} of {LANES} were solved by sweeps");
+}
+
+#[test]
+fn derivatives_are_those_of_differences() {
+    let (mut acted, mut stopped) = (0, 0);
+    for seed in 0..40 {
+        let case = Case::new(seed, seed % 2 == 0);
+        let mut random = Random(seed + 1000);
+        let mut numbers = |count: usize, scale: f64| -> Vec<f64> {
+            (0..count).map(|_| scale * random.next()).collect()
+        };
+        let mut along = Direction {
+            q: numbers(N, 1e-3),
+            settings: numbers(case.numbers().len(), 0.1),
+            problem: numbers(case.problem.len(), 1e-3),
+            inverse: numbers(N * N, 0.1),
+        };
+        // Matrices stay symmetric.
+        symmetrize(&mut along.inverse, N);
+        let mobility = robot().places().mobility;
+        symmetrize(&mut along.problem[mobility..][..ROWS * ROWS], ROWS);
+        let weights = [N, ROWS, N].map(|count| numbers(count, 1.0));
+        let found = case.solve(DT);
+        let at = |by: f64| case.moved(by, &along).solve(by.mul_add(1e-4, DT));
+        let difference = |step: f64| -> Vec<f64> {
+            let (ahead, back) = (at(step).concat(), at(-step).concat());
+            ahead.iter().zip(back).map(|(a, b)| (a - b) / (2.0 * step)).collect()
+        };
+        let (fine, coarse) = (difference(1e-6), difference(4e-6));
+        // Where two laws meet, there are two derivatives.
+        if fine.iter().zip(&coarse).any(|(a, b)| (a - b).abs() > 1e-4 * (1.0 + a.abs())) {
+            continue;
+        }
+        acted += usize::from(found[1].iter().any(|&p| p != 0.0));
+        stopped += usize::from(found[2].iter().any(|&s| s != 0.0));
+        let set = |w: &mut [f64]| w.copy_from_slice(&case.inverse);
+        let [mut qd, mut p, mut s] = [N, ROWS, N].map(|count| vec![0.0; count]);
+        let change = StepChange {
+            problem: &along.problem,
+            inverse: &along.inverse,
+            q: &along.q,
+            dt: 1e-4,
+            settings: &along.settings,
+        };
+        let before = (&*case.q, DT, &case.settings);
+        let problem = |i: usize| case.problem[i];
+        let impulses = (&*found[1], &*found[2]);
+        robot().change(before, (problem, set), impulses, change, [&mut qd, &mut p, &mut s]);
+        let all = [qd, p, s].concat();
+        for (k, (x, expected)) in all.iter().zip(&fine).enumerate() {
+            assert!(
+                (x - expected).abs() < 1e-4 * (1.0 + expected.abs()),
+                "{seed} {k}: {x}, {expected}"
+            );
+        }
+        let [mut of_q, mut of_settings, mut of_problem] =
+            [N, along.settings.len(), along.problem.len()].map(|count| vec![0.0; count]);
+        let (mut of_inverse, mut of_dt) = (Vec::new(), 0.0);
+        let gradient = StepGradient {
+            problem: &mut of_problem,
+            inverse: &mut of_inverse,
+            q: &mut of_q,
+            dt: &mut of_dt,
+            settings: &mut of_settings,
+        };
+        robot().add_gradient(
+            before,
+            (problem, set),
+            impulses,
+            weights.each_ref().map(Vec::as_slice),
+            gradient,
+        );
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let backward = dot(&of_q, &along.q)
+            + dot(&of_settings, &along.settings)
+            + dot(&of_problem, &along.problem)
+            + dot(&of_inverse, &along.inverse)
+            + 1e-4 * of_dt;
+        let forward = dot(&weights.concat(), &all);
+        assert!(
+            (backward - forward).abs() < 1e-9 * (1.0 + forward.abs()),
+            "{seed}: {backward}, {forward}"
+        );
+    }
+    assert!(acted >= 15 && stopped >= 5, "{acted} with contacts, {stopped} with stops");
+}
