@@ -193,7 +193,8 @@ fn functions_that_need_inertia_are_refused_without() {
     let text = include_str!("good/kinematics_only.urdf");
     let builder = Builder::new().urdf_text(text, "r.urdf").functions([]);
     let link = Reach { link: "hand", ..REACH };
-    let builder = builder.function("pose", Pose).function("reach", link).function("force", Force);
+    let builder = builder.function("pose", Of { forces: false }).function("reach", link);
+    let builder = builder.function("force", Of { forces: true });
     let found = builder.clone().generate().expect_err("an error").into_vec();
     let found: Vec<String> = found.iter().map(ToString::to_string).collect();
     assert_eq!(found.len(), 2, "{found:?}");
@@ -206,33 +207,14 @@ fn functions_that_need_inertia_are_refused_without() {
     builder.rotors(rotors).generate().expect("rotors have inertia");
 }
 
-/// The height of a link.
-struct Pose;
-
-impl UserFunction<1> for Pose {
-    fn docs(&self) -> String {
-        "Returns a height.".into()
-    }
-
-    fn arguments(&self) -> [UserArgument; 1] {
-        [UserArgument::Q]
-    }
-
-    fn evaluate<S: Scalar>(
-        &self,
-        robot: &mut Interpreter<S>,
-        [q]: [&[S]; 1],
-    ) -> Result<Vec<S>, UserError> {
-        Ok(vec![robot.link_pose(q, 1)?.translation[2]])
-    }
+/// The height of a link, or the accelerations under gravity.
+struct Of {
+    forces: bool,
 }
 
-/// The accelerations under gravity.
-struct Force;
-
-impl UserFunction<1> for Force {
+impl UserFunction<1> for Of {
     fn docs(&self) -> String {
-        "Returns accelerations.".into()
+        "Returns numbers.".into()
     }
 
     fn arguments(&self) -> [UserArgument; 1] {
@@ -244,6 +226,9 @@ impl UserFunction<1> for Force {
         robot: &mut Interpreter<S>,
         [q]: [&[S]; 1],
     ) -> Result<Vec<S>, UserError> {
+        if !self.forces {
+            return Ok(vec![robot.link_pose(q, 1)?.translation[2]]);
+        }
         let still = vec![S::zero(); robot.model().nv()];
         let mut qdd = still.clone();
         robot.forward_dynamics(q, &still, &still, &mut qdd)?;

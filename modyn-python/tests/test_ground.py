@@ -225,7 +225,7 @@ def test_gradients_are_those_of_differences(steps):
             smooth = np.abs(fine - coarse) <= 2e-4 * (1 + np.abs(fine))
             if name == "settings":
                 # Rotations that are none have no meaning.
-                smooth &= np.tile(np.r_[np.ones(4), np.tile(np.r_[np.zeros(9), np.ones(16)], 2)], 1) > 0
+                smooth &= np.r_[np.ones(4), np.tile(np.r_[np.zeros(9), np.ones(16)], 2)] > 0
             scale = 1 + np.abs(fine[smooth]).max(initial=0)
             assert np.abs(fine - own_gradient)[smooth].max(initial=0) < 1e-4 * scale, (i, name)
             assert smooth.mean() > 0.5 or name == "settings"

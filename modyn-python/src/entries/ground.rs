@@ -55,7 +55,7 @@ impl<S: Number> Field<S> {
     }
 }
 
-/// A step on the ground of a robot: what is compiled.
+/// The programs, the options and the arguments of a step on the ground of a robot.
 pub struct Step {
     parts: Parts<EntryFunction>,
     robot: GroundRobot,
@@ -80,7 +80,7 @@ impl Step {
         let sizes = Sizes::new(robot.model(), 0);
         let ground_robot = GroundRobot::new(robot.model(), options.0.unwrap_or(true));
         let Sizes { nq, nv, contacts, .. } = sizes;
-        let settings = ConstraintSettings::<f64>::COUNT + contacts * ContactTarget::<f64>::COUNT;
+        let settings = GroundRobot::first_number_of(contacts);
         let state = [vec![nq], vec![nv], vec![contacts, 3], vec![nv], vec![2]];
         let parameters = robot.parameter_count();
         let others = [vec![nv], Vec::new(), vec![settings]];
@@ -160,7 +160,8 @@ impl Step {
             let Derivative { mode, variables } = derivative;
             let parts = self.parts.derivative(*mode, variables, parameters).map(&mut compiled)?;
             let (is_forward, variables) = (*mode == DerivativeMode::Forward, variables.clone());
-            Ok(GroundDerivative { is_forward, variables, parts })
+            let parameters = parameters.filter(|own| variables.contains(own));
+            Ok(GroundDerivative { is_forward, variables, parameters, parts })
         };
         let derivative = derivative.map(of).transpose()?;
         let (limits, tolerance, sweeps, steps, field) = &self.options;
@@ -257,7 +258,12 @@ impl Parts<EntryFunction> {
         };
         let given = parameters.filter(|own| variables.contains(own));
         Self {
-            problem: with(&self.problem, of_problem(variables)),
+            problem: with(
+                &self.problem,
+                varying_in_problem(variables)
+                    .map(|k| if k < CONTACTS { k } else { k - OWN })
+                    .collect(),
+            ),
             integrate: with(&self.integrate, vec![0, 1]),
             // The arguments are q, qd, tau and the parameters.
             inverse: self
@@ -270,10 +276,9 @@ impl Parts<EntryFunction> {
     }
 }
 
-/// Returns the arguments of the contact problem that vary with these of a step; the state always does.
-fn of_problem(variables: &[usize]) -> Vec<usize> {
-    let others = variables.iter().filter(|&&k| k >= STATE).map(|k| k - OWN);
-    [Q, QD].into_iter().chain(others).collect()
+/// Returns the arguments of a step that vary in the contact problem, if these of the step do; `q` and `qd` always vary.
+fn varying_in_problem(variables: &[usize]) -> impl Iterator<Item = usize> {
+    [Q, QD].into_iter().chain(variables.iter().copied().filter(|&k| k >= STATE))
 }
 
 /// A step on the ground, or a derivative of one.
@@ -300,6 +305,8 @@ struct GroundDerivative<S: Number + 'static> {
     is_forward: bool,
     /// The arguments that vary, by their indices, in ascending order.
     variables: Vec<usize>,
+    /// The index of the run-time parameters, if they vary.
+    parameters: Option<usize>,
     /// The derivatives of the programs.
     parts: Parts<&'static StateFunction<S>>,
 }
@@ -337,7 +344,7 @@ impl<S: Number> Rows<S> {
     }
 }
 
-/// The results of a step in lanes, and what its derivatives need.
+/// The contact problem of a step and the results of the step, in lanes.
 struct Solved<S> {
     problem: Rows<S>,
     velocities: Rows<S>,
@@ -397,7 +404,7 @@ impl<S: Number> ReadyGround<'_, S> {
         let mut numbers = numbers.to_vec();
         let first: usize = lengths[..SETTINGS].iter().sum();
         for contact in 0..contacts {
-            let own = first + of_contact(contact);
+            let own = first + GroundRobot::first_number_of(contact);
             for lane in 0..lanes {
                 let place = |k: usize| places.0[(3 * contact + k) * lanes + lane];
                 let plane = field.plane([place(0), place(1)]);
@@ -412,7 +419,8 @@ impl<S: Number> ReadyGround<'_, S> {
     fn without_planes(&self, settings: &mut Rows<S>, lanes: usize) {
         if self.function.field.is_some() {
             for contact in 0..self.function.lengths[CONTACTS] / 3 {
-                settings.0[of_contact(contact) * lanes..][..POSE * lanes].fill(S::zero());
+                settings.0[GroundRobot::first_number_of(contact) * lanes..][..POSE * lanes]
+                    .fill(S::zero());
             }
         }
     }
@@ -449,8 +457,7 @@ impl<S: Number> ReadyGround<'_, S> {
                 residual.set(lane, lanes, &[last[0].max(wrong), last[1]]);
                 continue;
             }
-            let (q, settings) = (given.lane(Q, lane), given.settings(lane));
-            let dt = given.lane(DT, lane)[0];
+            let (q, dt, settings) = given.before(lane);
             let [mut p, mut s] =
                 [&of_contacts, &of_stops].map(|rows| lane_of(&rows.0, lane, lanes));
             let (wrong, _) = function.robot.solve(
@@ -481,6 +488,17 @@ impl<S: Number> ReadyGround<'_, S> {
             residual,
             displacement,
         }
+    }
+
+    /// Returns the contact problem and the inverse of the mass matrix of a lane.
+    fn of_lane<'a>(
+        &'a self,
+        given: &'a Given<'a, S>,
+        solved: &'a Solved<S>,
+        lane: usize,
+    ) -> (impl Fn(usize) -> S + 'a, impl Fn(&mut [S]) + 'a) {
+        let problem = move |i: usize| solved.problem.0[i * given.lanes + lane];
+        (problem, move |inverse: &mut [S]| self.inverse(given, lane, inverse))
     }
 
     /// Sets the inverse of the mass matrix of a lane.
@@ -537,8 +555,7 @@ impl<S: Number> ReadyGround<'_, S> {
         gradients[Q].0.copy_from_slice(by_displaced.rows(Q));
         let mut by_problem = Rows::zeros(function.robot.problem_length(), lanes);
         for lane in 0..lanes {
-            let (q, settings) = (given.lane(Q, lane), given.settings(lane));
-            let dt = given.lane(DT, lane)[0];
+            let (q, dt, settings) = given.before(lane);
             let of = |rows: &Rows<S>| lane_of(&rows.0, lane, lanes);
             let (p, s, moved) =
                 (of(&solved.contacts), of(&solved.stops), by_displaced.lane(QD, lane));
@@ -553,10 +570,7 @@ impl<S: Number> ReadyGround<'_, S> {
             let mut by_q = vec![S::zero(); nq];
             function.robot.add_gradient(
                 (&q, dt, &settings),
-                (
-                    |i| solved.problem.0[i * lanes + lane],
-                    |w: &mut [S]| self.inverse(given, lane, w),
-                ),
+                self.of_lane(given, solved, lane),
                 (&p, &s),
                 [&of_velocities, &weights.lane(CONTACTS, lane), &weights.lane(STOPS, lane)],
                 StepGradient {
@@ -573,15 +587,11 @@ impl<S: Number> ReadyGround<'_, S> {
             };
             if let Some(kernel) = parts.inverse.as_ref().filter(|_| !inverse.is_empty()) {
                 let arguments = [self.of_inverse(given, lane), inverse].concat();
-                let with_parameters = function.has_parameters
-                    && derivative.variables.last() == Some(&(lengths.len() - 1));
-                let parameters = if with_parameters { lengths[lengths.len() - 1] } else { 0 };
-                let mut found = vec![S::zero(); nq + parameters];
+                let count = derivative.parameters.map_or(0, |own| lengths[own]);
+                let mut found = vec![S::zero(); nq + count];
                 kernel.run(&arguments, &mut found, 1);
                 add(Q, &found[..nq]);
-                if with_parameters {
-                    add(lengths.len() - 1, &found[nq..]);
-                }
+                derivative.parameters.iter().for_each(|&own| add(own, &found[nq..]));
             }
             add(Q, &by_q);
             add(DT, &[by_dt]);
@@ -590,13 +600,11 @@ impl<S: Number> ReadyGround<'_, S> {
         }
         // Through the contact problem.
         let arguments = [&*given.of_problem(), &by_problem.0].concat();
-        let of_problem = of_problem(&derivative.variables);
-        let of_step = |k: usize| if k < CONTACTS { k } else { k + OWN };
-        let count: usize = of_problem.iter().map(|&k| lengths[of_step(k)]).sum();
+        let count = varying_in_problem(&derivative.variables).map(|k| lengths[k]).sum();
         let mut found = Rows::zeros(count, lanes);
         parts.problem.run(&arguments, &mut found.0, lanes);
         let mut rest = &*found.0;
-        for k in of_problem.into_iter().map(of_step) {
+        for k in varying_in_problem(&derivative.variables) {
             let own;
             (own, rest) = rest.split_at(lengths[k] * lanes);
             gradients[k].0.iter_mut().zip(own).for_each(|(place, &x)| *place = *place + x);
@@ -627,8 +635,7 @@ impl<S: Number> ReadyGround<'_, S> {
             changes[k].0.copy_from_slice(own);
         }
         self.without_planes(&mut changes[SETTINGS], lanes);
-        let of_problem = of_problem(&derivative.variables);
-        let varying = of_problem.iter().map(|&k| if k < CONTACTS { k } else { k + OWN });
+        let varying = varying_in_problem(&derivative.variables);
         let varying = varying.flat_map(|k| &changes[k].0).copied();
         let arguments: Vec<S> = given.of_problem().into_iter().chain(varying).collect();
         let mut problem = Rows::zeros(function.robot.problem_length(), lanes);
@@ -637,17 +644,14 @@ impl<S: Number> ReadyGround<'_, S> {
             [(); 3].map(|()| Rows::zeros(nv, lanes));
         let mut of_contacts = Rows::zeros(contacts, lanes);
         for lane in 0..lanes {
-            let (q, settings) = (given.lane(Q, lane), given.settings(lane));
-            let dt = given.lane(DT, lane)[0];
+            let (q, dt, settings) = given.before(lane);
             let of = |rows: &Rows<S>| lane_of(&rows.0, lane, lanes);
             let (p, s) = (of(&solved.contacts), of(&solved.stops));
             let (dq, ddt) = (of(&changes[Q]), of(&changes[DT])[0]);
             let mut inverse = Vec::new();
             let acts = s.iter().any(|x| x.abs() > S::zero());
             if let Some(kernel) = parts.inverse.as_ref().filter(|_| acts) {
-                let parameters = function.has_parameters
-                    && derivative.variables.last() == Some(&(lengths.len() - 1));
-                let parameters = parameters.then(|| of(&changes[lengths.len() - 1]));
+                let parameters = derivative.parameters.map(|own| of(&changes[own]));
                 let arguments =
                     [self.of_inverse(given, lane), dq.clone(), parameters.unwrap_or_default()]
                         .concat();
@@ -658,10 +662,7 @@ impl<S: Number> ReadyGround<'_, S> {
                 (vec![S::zero(); nv], vec![S::zero(); contacts], vec![S::zero(); nv]);
             function.robot.change(
                 (&q, dt, &settings),
-                (
-                    |i| solved.problem.0[i * lanes + lane],
-                    |w: &mut [S]| self.inverse(given, lane, w),
-                ),
+                self.of_lane(given, solved, lane),
                 (&p, &s),
                 StepChange {
                     problem: &of(&problem),
@@ -695,11 +696,6 @@ impl<S: Number> ReadyGround<'_, S> {
 /// The numbers of a pose, the first ones of a target.
 const POSE: usize = 12;
 
-/// Returns the index of the first number of a contact among the settings.
-fn of_contact(contact: usize) -> usize {
-    ConstraintSettings::<f64>::COUNT + contact * ContactTarget::<f64>::COUNT
-}
-
 /// The arguments of a step in lanes.
 struct Given<'a, S> {
     numbers: &'a [S],
@@ -726,12 +722,15 @@ impl<S: Number> Given<'_, S> {
         [&self.numbers[..state], &self.numbers[count(&self.lengths[..STATE])..all]].concat()
     }
 
-    fn settings(&self, lane: usize) -> ConstraintSettings<S, Vec<ContactTarget<S>>> {
+    /// Returns the coordinates, the time step and the settings of a lane.
+    fn before(&self, lane: usize) -> (Vec<S>, S, ConstraintSettings<S, Vec<ContactTarget<S>>>) {
         let numbers = self.lane(SETTINGS, lane);
         let (first, contacts) = numbers.split_at(4);
         let contacts = contacts.as_chunks::<25>().0.iter();
         let contacts = contacts.map(|numbers| ContactTarget::from_numbers(*numbers)).collect();
-        ConstraintSettings::from_numbers([first[0], first[1], first[2], first[3]], contacts)
+        let first = [first[0], first[1], first[2], first[3]];
+        let settings = ConstraintSettings::from_numbers(first, contacts);
+        (self.lane(Q, lane), self.rows(DT)[lane], settings)
     }
 }
 

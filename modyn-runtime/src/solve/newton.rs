@@ -19,8 +19,8 @@ use super::decide::Decide;
 use super::ground::{GroundEquations, Row};
 use crate::scalar::epsilon;
 
-/// The factor by which a step may raise the merit. The merit rises before it falls: with a factor of 300 six times as many problems of a
-/// humanoid's soles, whose points are redundant on light feet, are not solved.
+/// The factor by which a step may raise the merit. The merit rises before it falls where contacts are redundant: with a small factor the
+/// steps that lead to the solution are taken back.
 const ACCEPTED: f64 = 1e6;
 /// The first proximal term.
 const START: f64 = 0.01;
