@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from conftest import chain, close, states
+from test_ground import scene
 
 import modyn
 
@@ -156,6 +157,19 @@ def test_rollouts_with_a_cost():
     gradient = own.rollout_vjp(q.numpy(), qd.numpy(), controls.numpy(), 0.01, None, None, cost=cost, cost_weights=weights).cost
     for own_gradient, tensor in zip(gradient, given):
         close(tensor.grad, own_gradient.sum(0), 1e-9)
+
+
+def test_rollouts_on_the_ground():
+    own, q, qd, tau, settings = scene(3)
+    controls = np.repeat(tau[:, None], 4, 1)
+    end = own.rollout(q, qd, controls, 0.002, step="ground", settings=settings, trajectory=False)
+    expected = own.rollout_vjp(q, qd, controls, 0.002, 2 * end.q, 2 * end.qd, step="ground", settings=settings, trajectory=False)
+    given = [torch.from_numpy(x.copy()).requires_grad_() for x in (q, qd, controls, settings)]
+    found = modyn.torch.rollout(own, step="ground", trajectory=False)(*given[:3], 0.002, settings=given[3])
+    close(found.qd.detach(), end.qd, 1e-12)
+    ((found.q**2).sum() + (found.qd**2).sum()).backward()
+    close(given[2].grad, expected.controls, 1e-12)
+    close(given[3].grad, expected.settings.sum(0), 1e-12)
 
 
 def test_run_time_parameters_and_tangent_space():
