@@ -824,6 +824,22 @@ class Robot:
         (contacts, 3), `mobility` (3099, 3099), `responses` (nv, 3099). Several states have one more axis,
         the first.
         """
+    def contact_step(
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, impulses: ArrayLike, settings: ConstraintSettings | ArrayLike | None = None, *, out: ContactStep | None = None
+    ) -> ContactStep:
+        """Returns the state after a step of the time `dt` (s) on the ground under the joint forces `tau`:
+        contacts with Coulomb friction, which push and do not pull, at the planes of their targets.
+        `impulses` are those of the last step, or zero: the solver starts from them. It sweeps six times
+        over the contacts; `residual` says how well that sufficed. Of the targets, `pose`, the linear
+        `velocity`, `beta`, `restitution`, `compliance` and `friction` count. Joints have no stops, and
+        closed loops are not closed. In Rust and Python, `step_on_ground` also stops joints, and solves to a
+        tolerance.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `impulses`: (contacts, 3);
+        `settings`: `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
+        Result: `ContactStep`: `q` (nq,), `qd` (nv,), `impulses` (contacts, 3), `residual` a number. Several
+        states have one more axis, the first.
+        """
     def constrained_inverse_dynamics(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedInverseDynamics | None = None
     ) -> ConstrainedInverseDynamics:

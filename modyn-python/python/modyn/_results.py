@@ -18,6 +18,7 @@ __all__ = [
     "ConstraintResidual",
     "ContactImpulse",
     "ContactProblem",
+    "ContactStep",
     "DifferenceDerivatives",
     "ForwardDynamicsDerivatives",
     "ForwardDynamicsHessian",
@@ -170,6 +171,19 @@ class ContactProblem(NamedTuple):
     """(3099, 3099)"""
     responses: NDArray[Any]
     """(nv, 3099)"""
+
+
+class ContactStep(NamedTuple):
+    """The result of `contact_step`."""
+
+    q: NDArray[Any]
+    """(nq,)"""
+    qd: NDArray[Any]
+    """(nv,)"""
+    impulses: NDArray[Any]
+    """(contacts, 3)"""
+    residual: NDArray[Any]
+    """a number"""
 
 
 class DifferenceDerivatives(NamedTuple):
