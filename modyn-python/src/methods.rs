@@ -432,8 +432,8 @@ impl Robot {
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `settings`: `ConstraintSettings`,
     /// by default with the ground at z = 0 under all contacts.
     /// Result: `ContactProblem`: `qd` (nv,), `heights` (contacts,), `before` (contacts, 3), `free`
-    /// (contacts, 3), `mobility` (3099, 3099), `responses` (nv, 3099). Several states have one more axis,
-    /// the first.
+    /// (contacts, 3), `mobility` (3 contacts, 3 contacts), `responses` (nv, 3 contacts). Several states
+    /// have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, dt, settings=None, *, out=None))]
     fn contact_problem<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, dt: &Bound<'py, PyAny>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 36, &[Some(q), Some(qd), Some(tau), Some(dt), settings], None, out)

@@ -168,9 +168,9 @@ class ContactProblem(NamedTuple):
     free: NDArray[Any]
     """(contacts, 3)"""
     mobility: NDArray[Any]
-    """(3099, 3099)"""
+    """(3 contacts, 3 contacts)"""
     responses: NDArray[Any]
-    """(nv, 3099)"""
+    """(nv, 3 contacts)"""
 
 
 class ContactStep(NamedTuple):
