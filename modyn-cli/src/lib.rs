@@ -18,9 +18,13 @@
 mod command;
 mod escape;
 #[cfg(feature = "picture")]
+pub mod impulses;
+#[cfg(feature = "picture")]
 pub mod picture;
 #[cfg(feature = "picture")]
 mod random;
+#[cfg(feature = "report")]
+pub mod report;
 pub mod viewer;
 
 #[cfg(feature = "command")]

@@ -13,7 +13,9 @@ use modyn_runtime::model::{Friction, Model, ModuleTree};
 use modyn_runtime::{OperationCount, UserFunction};
 
 use crate::check::{conditioning_warning, joints_without_inertia};
-use crate::description::{Base, Contact, Loop, Mimic, Package, ReadOptions, Rotor, XacroArg};
+use crate::description::{
+    Base, Contact, FileStore, Loop, Mimic, Package, ReadOptions, Rotor, XacroArg,
+};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity};
 use crate::emit::{
     EmitOptions, File, FloatType, GpuKernel, GpuLanguage, PlannedRobot, Refused, RolloutOptions,
@@ -295,6 +297,13 @@ impl Builder {
     #[must_use]
     pub fn folder(mut self, folder: impl Into<PathBuf>) -> Self {
         self.options.read.folder = Some(folder.into());
+        self
+    }
+
+    /// Sets the place from which the files that a [text](Self::text) names are read.
+    #[must_use]
+    pub fn files(mut self, files: FileStore) -> Self {
+        self.options.read.files = files;
         self
     }
 

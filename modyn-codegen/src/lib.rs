@@ -31,8 +31,8 @@ mod write;
 pub use builder::{Builder, Emitted, Generated, ObjectPlanning, Planning};
 pub use check::{MAX_CONDITION_F32, condition_number, joints_without_inertia};
 pub use description::{
-    Base, Contact, Geometry, Loop, LoopEnd, Mesh, Mimic, Package, ReadOptions, Rotor, Shape,
-    Shapes, XacroArg,
+    Base, Contact, FileStore, Geometry, Loop, LoopEnd, Mesh, Mimic, Package, ReadOptions, Rotor,
+    Shape, Shapes, XacroArg,
 };
 pub use emit::{
     File, FloatType, GpuLanguage, MachineCode, MachineTarget, RolloutForces, RolloutOptions,

@@ -557,3 +557,79 @@ proptest! {
         }
     }
 }
+
+/// Files in memory are found by the ends of their paths, the longest first, and nothing is read from the disk.
+#[test]
+fn files_in_memory_are_found_by_their_names() {
+    let mesh = |size: f64| {
+        let vertices = [[0.0, 0.0, 0.0], [size, 0.0, 0.0], [0.0, size, 0.0], [0.0, 0.0, size]];
+        let lines = vertices.map(|[x, y, z]| format!("v {x} {y} {z}\n"));
+        (lines.concat() + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n").into_bytes()
+    };
+    let visual = |file: &str| {
+        format!("<visual><geometry><mesh filename=\"{file}\"/></geometry></visual></robot>")
+    };
+    let text = |file: &str| {
+        let all = pendulum();
+        let (before, after) = all.rsplit_once("</link>").expect("a link");
+        format!("{before}{}</link>{after}", visual(file).trim_end_matches("</robot>"))
+    };
+    let files = [("left/hand.obj", 1.0), ("pkg/right/hand.obj", 2.0), ("foot.obj", 3.0)];
+    let files = files.map(|(path, size)| (path.into(), mesh(size)));
+    let options = ReadOptions {
+        folder: Some("elsewhere".into()),
+        files: modyn_codegen::FileStore::in_memory(files),
+        shapes: true,
+        ..ReadOptions::default()
+    };
+    let extent = |file: &str| -> Option<f64> {
+        let reading = modyn_codegen::read(&text(file), "r.urdf", &options).expect("a robot");
+        let shape = reading.shapes.of_frames.iter().flatten().next()?;
+        let modyn_codegen::Geometry::Mesh(mesh) = &shape.geometry else { panic!("{shape:?}") };
+        Some(mesh.vertices[1][0])
+    };
+    for (file, expected) in [
+        ("hand.obj", Some(1.0)),
+        ("package://pkg/right/hand.obj", Some(2.0)),
+        ("../other/right/hand.obj", Some(2.0)),
+        ("package://unknown/meshes/foot.obj", Some(3.0)),
+        ("file:///foot.obj", Some(3.0)),
+        ("arm.obj", None),
+        ("Cargo.toml", None),
+    ] {
+        assert_eq!(extent(file), expected, "{file}");
+    }
+}
+
+/// Files that include themselves by other names end, with an error.
+#[test]
+fn files_in_memory_that_include_themselves_are_refused() {
+    let cases = [
+        (
+            "r.xml",
+            "<mujoco><include file=\"a.xml\"/></mujoco>",
+            "a.xml",
+            "<mujoco><include file=\"x/a.xml\"/></mujoco>",
+        ),
+        (
+            "r.sdf",
+            "<sdf version='1.9'><model name='m'><include><uri>a.sdf</uri></include></model></sdf>",
+            "a.sdf",
+            "<sdf version='1.9'><model name='m'><include><uri>x/a.sdf</uri></include></model></sdf>",
+        ),
+        (
+            "r.xacro",
+            "<robot name='r' xmlns:xacro='http://www.ros.org/wiki/xacro'><xacro:include filename='a.xacro'/></robot>",
+            "a.xacro",
+            "<robot xmlns:xacro='http://www.ros.org/wiki/xacro'><xacro:include filename='x/a.xacro'/></robot>",
+        ),
+    ];
+    for (main, text, name, included) in cases {
+        let file = (name.into(), included.as_bytes().to_vec());
+        let files = modyn_codegen::FileStore::in_memory([file]);
+        let options = ReadOptions { folder: Some("".into()), files, ..ReadOptions::default() };
+        let found = modyn_codegen::read(text, main, &options).expect_err("refused").to_string();
+        let reasons = ["included twice", "includes itself", "more than"];
+        assert!(reasons.iter().any(|reason| found.contains(reason)), "{found}");
+    }
+}

@@ -6,14 +6,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 use modyn_codegen::ReadOptions;
-use modyn_codegen::diagnostics::sanitize_for_display;
-use modyn_codegen::diagnostics::{Diagnostics, Severity};
+use modyn_codegen::diagnostics::Diagnostics;
 use serde_json::json;
 
 use crate::command::description::Description;
 use crate::command::diagnostics;
 use crate::command::options::ReadingOptions;
 use crate::command::outcome::{Failure, to_stdout};
+use crate::report;
 
 /// Report the errors and warnings of descriptions
 ///
@@ -98,18 +98,7 @@ fn as_text(outcomes: &[Outcome]) -> String {
     let mut out = String::new();
     for Outcome { name, description, found, usable } in outcomes {
         out += &diagnostics::render(found.as_slice(), description.as_ref());
-        let count = |severity, what: &str| {
-            let count = found.iter().filter(|one| one.severity == severity).count();
-            match count {
-                0 => String::new(),
-                1 => format!(", 1 {what}"),
-                _ => format!(", {count} {what}s"),
-            }
-        };
-        let errors = count(Severity::Error, "error");
-        let warnings = count(Severity::Warning, "warning");
-        let verdict = if *usable { "usable" } else { "refused" };
-        out += &format!("{}: {verdict}{errors}{warnings}\n", sanitize_for_display(name));
+        out += &report::verdict(name, *usable, found.as_slice());
     }
     out
 }

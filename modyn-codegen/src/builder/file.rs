@@ -54,7 +54,7 @@ impl Builder {
         target: Target,
         path: impl AsRef<Path>,
     ) -> Result<Vec<Diagnostic>, Diagnostics> {
-        let (files, warnings) = self.files(target, path.as_ref())?;
+        let (files, warnings) = self.files_to_write(target, path.as_ref())?;
         for (path, text) in files {
             if !file_has_text(&path, &text) {
                 let folder = path.parent().map_or(Ok(()), std::fs::create_dir_all);
@@ -71,12 +71,12 @@ impl Builder {
     ///
     /// Returns all errors of the description and the options.
     pub fn is_stale_as(&self, target: Target, path: impl AsRef<Path>) -> Result<bool, Diagnostics> {
-        let (files, _) = self.files(target, path.as_ref())?;
+        let (files, _) = self.files_to_write(target, path.as_ref())?;
         Ok(!files.iter().all(|(path, text)| file_has_text(path, text)))
     }
 
     /// Returns the paths and texts of the files of a language, and the warnings.
-    fn files(
+    fn files_to_write(
         &self,
         target: Target,
         path: &Path,

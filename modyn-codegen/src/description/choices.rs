@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
 
+use super::file_store::FileStore;
 use crate::diagnostics::Severity;
 
 /// The options of reading.
@@ -11,6 +12,8 @@ use crate::diagnostics::Severity;
 pub struct ReadOptions {
     /// The folder of the description, in which files that it names are looked for. `None`: no other file is read.
     pub folder: Option<PathBuf>,
+    /// The place from which these files are read.
+    pub files: FileStore,
     /// The acceleration of free fall in world axes, m/s^2. `None` takes the description's, if its format has it, else
     /// [`DEFAULT_GRAVITY`](modyn_runtime::model::DEFAULT_GRAVITY).
     pub gravity: Option<[f64; 3]>,

@@ -4,10 +4,12 @@
 //! report has the reason, and no model is made of the description.
 
 mod choices;
+mod file_store;
 mod geometry;
 mod shape;
 
 pub use choices::{Base, Contact, Loop, LoopEnd, Mimic, Package, ReadOptions, Rotor, XacroArg};
+pub use file_store::FileStore;
 pub use geometry::{MAX_NUMBER, UNLIMITED, are_parallel, normalized, roll_pitch_yaw};
 pub use shape::{Geometry, Mesh, Shape, Shapes};
 

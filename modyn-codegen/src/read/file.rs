@@ -1,12 +1,12 @@
 //! Reads the file of a description, for the macro, build scripts and the command line.
 
 use std::fmt::Display;
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::xml::document::USD_HELP;
 use super::xml::limits::MAX_BYTES;
+use crate::description::FileStore;
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Position, Report};
 
 /// Returns the path and the text of the first of `places` that exists. Diagnostics name the file `wanted`.
@@ -18,7 +18,16 @@ pub fn read_first(
     wanted: impl Display,
     places: &[PathBuf],
 ) -> Result<(&Path, String), Diagnostics> {
-    let Some(place) = places.iter().find(|place| place.exists()) else {
+    read_first_of(&FileStore::default(), wanted, places)
+}
+
+/// Returns the path and the text of the first of `places` that exists in a store, as [`read_first`].
+fn read_first_of<'p>(
+    files: &FileStore,
+    wanted: impl Display,
+    places: &'p [PathBuf],
+) -> Result<(&'p Path, String), Diagnostics> {
+    let Some(place) = places.iter().find(|place| files.exists(place)) else {
         let mut shown: Vec<String> = places.iter().map(|place| relative(place)).collect();
         shown.dedup();
         return Err(Diagnostic::missing_file(wanted, &shown).into());
@@ -29,11 +38,10 @@ pub fn read_first(
         Diagnostics::from(Diagnostic::error(Code::MissingFile, message).with_help(help))
     };
     // A device or a pipe might have no end.
-    if !place.is_file() {
+    if !files.is_file(place) {
         return Err(unreadable(&"it is not a file"));
     }
-    let file = File::open(place).map_err(|error| unreadable(&error))?;
-    let length = file.metadata().map_err(|error| unreadable(&error))?.len();
+    let (length, file) = files.open(place).map_err(|error| unreadable(&error))?;
     if length > MAX_BYTES as u64 {
         let message = format!("`{}` has {length} bytes, more than {MAX_BYTES}", relative(place));
         let help = "give the path of a URDF file; none is this large";
@@ -48,13 +56,14 @@ pub fn read_first(
 ///
 /// The robot depends on the file, whether it can be read or not.
 pub(crate) fn read_named(
+    files: &FileStore,
     path: &Path,
     shown: &str,
     at: usize,
     report: &mut Report<'_>,
 ) -> Option<(String, usize)> {
     report.depends_on(path.to_owned());
-    match read_first(shown, &[path.to_owned()]) {
+    match read_first_of(files, shown, &[path.to_owned()]) {
         Ok((_, text)) => {
             let start = report.add_file(shown.to_owned(), &text);
             Some((text, start))

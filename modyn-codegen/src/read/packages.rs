@@ -11,13 +11,17 @@ pub const PACKAGE_PATHS: [&str; 2] = ["ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"];
 /// neighbours, of which one has this name and a `package.xml`; by `ROS_PACKAGE_PATH` and `AMENT_PREFIX_PATH`; or the folder of
 /// this name that contains the description.
 ///
-/// A description without a folder has the packages of the options alone.
+/// A description without a folder has the packages of the options alone. Files in memory are found without the folder: any package
+/// is the folder of its name.
 pub fn find(name: &str, options: &ReadOptions) -> Option<PathBuf> {
     if let Some(Package { folder, .. }) = options.packages.iter().find(|own| own.name == name) {
         let root = std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default();
         return Some(Path::new(&root).join(folder));
     }
     let folder = options.folder.as_deref()?;
+    if options.files.is_in_memory() {
+        return Some(PathBuf::from(name));
+    }
     // A name of several parts would leave the folders that are searched.
     let mut parts = Path::new(name).components();
     let (Some(Component::Normal(_)), None) = (parts.next(), parts.next()) else { return None };

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::description::{Geometry, MAX_NUMBER};
+use crate::description::{FileStore, Geometry, MAX_NUMBER};
 use crate::read::mesh::{self, Purpose};
 
 /// Returns `N` numbers, separated by white space; `None` for another text.
@@ -33,12 +33,17 @@ pub fn solid<'t>(element: &str, text: impl Fn(&str) -> Option<&'t str>) -> Optio
 /// # Errors
 ///
 /// Returns what is wrong with the mesh, as the end of a sentence about it.
-pub fn surface(name: &str, places: &[PathBuf], scale: Option<&str>) -> Result<Geometry, String> {
+pub fn surface(
+    files: &FileStore,
+    name: &str,
+    places: &[PathBuf],
+    scale: Option<&str>,
+) -> Result<Geometry, String> {
     let scale = scale.map_or(Some([1.0; 3]), numbers::<3>);
     let scale = scale.filter(|scale| scale.iter().all(|&factor| factor != 0.0));
     let scale = scale.ok_or("has a `scale` that is not three numbers other than zero")?;
-    let place = places.iter().find(|place| place.is_file());
+    let place = places.iter().find(|place| files.is_file(place));
     let place: &Path = place.ok_or_else(|| format!("has the file `{name}`, which is not found"))?;
-    let mesh = mesh::read(place, Purpose::Picture)?;
+    let mesh = mesh::read(files, place, Purpose::Picture)?;
     Ok(Geometry::Mesh(Arc::new(mesh::scaled(mesh, scale))))
 }

@@ -1,7 +1,6 @@
 //! `modyn simulate`: computes a robot's motion as a table, as plots, and as a page with an animation.
 
 mod adaptive;
-mod impulses;
 mod motion;
 mod plot;
 mod state;
@@ -22,8 +21,8 @@ use crate::command::outcome::{Failure, to_file, to_stderr, to_stdout};
 use crate::command::progress::Progress;
 use crate::command::robot::{Robot, needs_dynamics};
 use crate::command::view::note_shapes;
+use crate::impulses::{Options, contradictory_limits, put_on_ground};
 use crate::viewer::Scene;
-use impulses::{Options, contradictory_limits};
 use motion::{Motion, Settings};
 use torques::Torques;
 
@@ -179,7 +178,7 @@ impl Arguments {
         let is_placed = q.is_some() || self.ground.is_none();
         let mut q = motion::place(model, q, self.random)?;
         if !is_placed {
-            motion::put_on_ground(model, &mut q)
+            put_on_ground(model, &mut q)
                 .map_err(|error| Failure::usage(format!("error: {error}")))?;
         }
         Ok((q, qd))

@@ -4,17 +4,16 @@
 //! and the work of joint forces and friction is integrated, too.
 
 use modyn_codegen::diagnostics::sanitize_for_display;
-use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{Friction, Model};
 use modyn_runtime::simulate::Residual;
 use modyn_runtime::spatial::{Twist, Wrench};
 use modyn_runtime::{ConstraintSettings, ContactTarget, FrameError, Interpreter, ShapeError};
 
 use super::adaptive;
-use super::impulses::{Impulses, Options};
 use super::state::State;
 use super::torques::Torques;
 use crate::command::outcome::Failure;
+use crate::impulses::{Impulses, OpenLoop, Options, close_loops, settings_of};
 use crate::random::Random;
 use crate::viewer;
 
@@ -359,86 +358,15 @@ pub fn place(
     done.map(|()| q).map_err(|error| Failure::usage(format!("error: {error}")))
 }
 
-/// Moves each floating base such that the lowest contact that it carries is on the ground, the plane z = 0.
-pub fn put_on_ground(model: &Model, q: &mut [f64]) -> Result<(), ShapeError> {
-    let mut interpreter = Interpreter::<f64>::new(model.clone());
-    let twists = || vec![Twist::zero(); model.constraints()];
-    let (mut displacements, mut velocities) = (twists(), twists());
-    let found = (&mut *displacements, &mut *velocities);
-    interpreter.constraint_residual((q, &vec![0.0; model.nv()]), &settings_of(model), found)?;
-    let base = |frame: usize| {
-        let links = std::iter::successors(model.frames()[frame].link, |&i| model.links()[i].parent);
-        links.last()
-    };
-    for (i, link) in model.links().iter().enumerate() {
-        if link.parent.is_some() || link.joint.joint_type != JointType::Floating {
-            continue;
-        }
-        // The constraints of loops come before those of contacts.
-        let heights = displacements.iter().skip(model.loop_constraints().len());
-        let own = model.contacts().iter().zip(heights);
-        let own = own.filter(|(contact, _)| base(contact.end.frame) == Some(i));
-        let lowest = own.map(|(_, height)| height.linear.0[2]).fold(f64::INFINITY, f64::min);
-        if lowest.is_finite() {
-            // The coordinates are in the axes of the joint's frame.
-            let [.., up] = link.joint.origin.rotation;
-            let place = &mut q[model.q_range(i).start..];
-            place.iter_mut().zip(up).for_each(|(x, up)| *x -= up * lowest);
-        }
-    }
-    Ok(())
-}
-
-/// Returns the default settings of a robot's constraints.
-fn settings_of(model: &Model) -> ConstraintSettings<f64, Vec<ContactTarget<f64>>> {
-    let ConstraintSettings { alpha, beta, tolerance, rounding, .. } =
-        ConstraintSettings::<f64>::DEFAULT;
-    let contacts = vec![ContactTarget::<f64>::GROUND; model.contacts().len()];
-    ConstraintSettings { alpha, beta, tolerance, rounding, contacts }
-}
-
-/// The largest number of projections onto closed loops. Each doubles the number of correct digits, so more never help.
-const PROJECTIONS: usize = 50;
-
-/// The largest residual of closed loops: m, and sines of angles.
-const CLOSED: f64 = 1e-9;
-
 /// Returns the coordinates and velocities with the loops closed, or the reason why they cannot be closed.
-pub fn closed(
-    model: &Model,
-    (mut q, mut qd): (Vec<f64>, Vec<f64>),
-) -> Result<(Vec<f64>, Vec<f64>), Failure> {
-    if model.loop_constraints().is_empty() {
-        return Ok((q, qd));
-    }
-    let shape = |error: ShapeError| Failure::usage(format!("error: {error}"));
-    let mut interpreter = Interpreter::<f64>::new(model.clone());
-    let (settings, inactive) = (settings_of(model), vec![false; model.contacts().len()]);
-    let (mut dq, mut dqd) = (vec![0.0; qd.len()], vec![0.0; qd.len()]);
-    for _ in 0..PROJECTIONS {
-        let into = (&mut *dq, &mut *dqd);
-        interpreter.project_constraints((&q, &qd), &inactive, &settings, into).map_err(shape)?;
-        let before = q.clone();
-        interpreter.integrate(&before, &dq, &mut q).map_err(shape)?;
-    }
-    // Velocities come last: a redundant loop that is open can be locked.
-    let into = (&mut *dq, &mut *dqd);
-    interpreter.project_constraints((&q, &qd), &inactive, &settings, into).map_err(shape)?;
-    qd.iter_mut().zip(&dqd).for_each(|(v, d)| *v += d);
-    let twists = || vec![Twist::zero(); model.constraints()];
-    let (mut displacements, mut velocities) = (twists(), twists());
-    let results = (&mut *displacements, &mut *velocities);
-    interpreter.constraint_residual((&q, &qd), &settings, results).map_err(shape)?;
-    let open = displacements.iter().zip(model.loop_constraints()).find(|(displacement, _)| {
-        // NaN is not closed.
-        !displacement.components().iter().all(|x| x.abs() < CLOSED)
-    });
-    match open {
-        None => Ok((q, qd)),
-        Some((_, constraint)) => Err(Failure::Negative(format!(
+pub fn closed(model: &Model, state: (Vec<f64>, Vec<f64>)) -> Result<(Vec<f64>, Vec<f64>), Failure> {
+    match close_loops(model, state) {
+        Ok(state) => Ok(state),
+        Err(OpenLoop::Shape(error)) => Err(Failure::usage(format!("error: {error}"))),
+        Err(OpenLoop::Constraint(constraint)) => Err(Failure::Negative(format!(
             "error: the loop of joint `{}` cannot be closed from where the robot starts: give coordinates near \
              closed ones by `--q`, or others by `--random`",
-            sanitize_for_display(&constraint.name)
+            sanitize_for_display(&model.loop_constraints()[constraint].name)
         ))),
     }
 }

@@ -3,9 +3,10 @@
 mod obj;
 mod stl;
 
+use std::io::Read as _;
 use std::path::Path;
 
-use crate::description::Mesh;
+use crate::description::{FileStore, Mesh};
 
 /// The largest number of bytes of a mesh file.
 const MAX_BYTES: u64 = 1 << 28;
@@ -24,8 +25,8 @@ pub enum Purpose {
 /// # Errors
 ///
 /// Returns what is wrong with the mesh, as the end of a sentence about it.
-pub fn read(place: &Path, purpose: Purpose) -> Result<Mesh, String> {
-    let bytes = bytes(place)?;
+pub fn read(files: &FileStore, place: &Path, purpose: Purpose) -> Result<Mesh, String> {
+    let bytes = bytes(files, place)?;
     let extension = place.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     let mesh = match extension.as_str() {
         "stl" => stl::read(&bytes),
@@ -43,17 +44,20 @@ pub fn read(place: &Path, purpose: Purpose) -> Result<Mesh, String> {
     checked(mesh)
 }
 
-fn bytes(place: &Path) -> Result<Vec<u8>, String> {
+fn bytes(files: &FileStore, place: &Path) -> Result<Vec<u8>, String> {
     let shown = place.display();
-    if !place.is_file() {
+    if !files.is_file(place) {
         return Err(format!("has the file `{shown}`, which does not exist"));
     }
-    let size = std::fs::metadata(place).map_or(0, |data| data.len());
+    let unreadable =
+        |why: std::io::Error| format!("has the file `{shown}`, which cannot be read: {why}");
+    let (size, mut file) = files.open(place).map_err(unreadable)?;
     if size > MAX_BYTES {
         return Err(format!("has the file `{shown}`, which has more than {MAX_BYTES} bytes"));
     }
-    std::fs::read(place)
-        .map_err(|why| format!("has the file `{shown}`, which cannot be read: {why}"))
+    let mut bytes = Vec::new();
+    file.read_to_end(&mut bytes).map_err(unreadable)?;
+    Ok(bytes)
 }
 
 /// Returns the mesh, if its triangles have vertices.

@@ -5,6 +5,7 @@ use std::path::{Component, Path, PathBuf};
 
 use roxmltree::Node;
 
+use crate::description::FileStore;
 use crate::diagnostics::{Code, Report};
 use crate::read::file::read_named;
 use crate::read::xml;
@@ -61,6 +62,8 @@ pub struct File<'p> {
     pub folder: Option<&'p Path>,
     /// The file's name in diagnostics.
     pub shown: &'p str,
+    /// The place from which files are read.
+    pub store: &'p FileStore,
 }
 
 /// Reads elements from the text of a model's main file, and from the files that it includes.
@@ -71,6 +74,7 @@ pub struct Elements<'r, 'f> {
     included: BTreeSet<PathBuf>,
     /// The start of each included file and its folder.
     folders: Vec<(usize, PathBuf)>,
+    store: &'r FileStore,
     report: &'r mut Report<'f>,
 }
 
@@ -80,12 +84,12 @@ impl<'r, 'f> Elements<'r, 'f> {
     pub fn read(
         text: &str,
         start: usize,
-        file: &File,
+        file: &File<'r>,
         report: &'r mut Report<'f>,
     ) -> Option<(Element, Vec<(usize, PathBuf)>)> {
         let folder = file.folder.map(Path::to_owned);
         let (included, folders) = (BTreeSet::new(), Vec::new());
-        let mut elements = Elements { folder, included, folders, report };
+        let mut elements = Elements { folder, included, folders, store: file.store, report };
         let root = elements.document(text, start, file, 0)?;
         Some((root, elements.folders))
     }
@@ -166,17 +170,17 @@ impl<'r, 'f> Elements<'r, 'f> {
         // MuJoCo looks in the folder of the main file first, then beside the file that has the `<include>`.
         let beside = file.folder.unwrap_or(main);
         let place = [main.join(&path), beside.join(&path)];
-        let place = place.iter().find(|place| place.is_file()).unwrap_or(&place[1]);
-        let place = normalized(place);
+        let place = place.iter().find(|place| self.store.is_file(place)).unwrap_or(&place[1]);
+        let place = self.store.named(normalized(place));
         if !self.included.insert(place.clone()) {
             let help = "include each file once; what several parts need belongs into a class or a model for `<attach>`";
             return error(format!("`{name}` is included twice"), help);
         }
         let parent = Path::new(file.shown).parent().unwrap_or(Path::new(""));
         let shown = normalized(&parent.join(&path)).display().to_string();
-        let (text, start) = read_named(&place, &shown, include.at, self.report)?;
+        let (text, start) = read_named(self.store, &place, &shown, include.at, self.report)?;
         self.folders.push((start, place.parent().map(Path::to_owned).unwrap_or_default()));
-        let file = File { folder: place.parent(), shown: &shown };
+        let file = File { folder: place.parent(), shown: &shown, store: self.store };
         // The root of an included file has any name, and its children take the place of `<include>`.
         let root = self.document(&text, start, &file, depth)?;
         Some(root.children)

@@ -32,7 +32,7 @@ use crate::diagnostics::{Code, Report};
 /// Returns the description; `None` with errors in the report.
 pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> Option<Description> {
     let shown = report.file_name(0).unwrap_or_default().to_owned();
-    let sources = models::read(text, options.folder.as_deref(), &shown, report)?;
+    let sources = models::read(text, options, &shown, report)?;
     let root = &sources[0].root;
     if root.name != "mujoco" {
         let message = format!("the root element is `<{}>`", root.name);

@@ -7,6 +7,7 @@ use super::check::check;
 use super::classes::Classes;
 use super::element::{Element, Elements, File, normalized, path_of};
 use super::settings::Settings;
+use crate::description::{FileStore, ReadOptions};
 use crate::diagnostics::{Code, Report};
 use crate::read::file::read_named;
 
@@ -15,6 +16,8 @@ pub struct Source {
     pub root: Element,
     /// The folder of the file; `None` if no other file is read.
     pub folder: Option<PathBuf>,
+    /// The place from which other files are read.
+    pub store: FileStore,
     /// The names of the models that it can attach, and their indices.
     models: BTreeMap<String, usize>,
     /// The start of each included file and its folder.
@@ -36,13 +39,14 @@ const MAX_MODELS: usize = 1000;
 /// with an error in the report.
 pub fn read(
     text: &str,
-    folder: Option<&Path>,
+    options: &ReadOptions,
     shown: &str,
     report: &mut Report<'_>,
 ) -> Option<Vec<Source>> {
-    let root = Elements::read(text, 0, &File { folder, shown }, report)?;
+    let (folder, store) = (options.folder.as_deref(), &options.files);
+    let root = Elements::read(text, 0, &File { folder, shown, store }, report)?;
     let mut files = vec![(shown.to_owned(), None)];
-    let mut sources = vec![source(root, folder)];
+    let mut sources = vec![source(root, folder, store)];
     let mut next = 0;
     while next < sources.len() {
         for (name, file, at) in assets(&sources[next], report) {
@@ -55,7 +59,7 @@ pub fn read(
                 report.error(Code::Include, at, None, message, help);
                 continue;
             };
-            let place = normalized(&folder.join(&file));
+            let place = store.named(normalized(&folder.join(&file)));
             let known = files.iter().position(|(_, path)| path.as_ref() == Some(&place));
             let index = match known {
                 Some(index) => index,
@@ -74,10 +78,10 @@ pub fn read(
                     let parent =
                         Path::new(&files[next].0).parent().unwrap_or(Path::new("")).join(&file);
                     let shown = normalized(&parent).display().to_string();
-                    let (text, start) = read_named(&place, &shown, at, report)?;
-                    let file = File { folder: place.parent(), shown: &shown };
+                    let (text, start) = read_named(store, &place, &shown, at, report)?;
+                    let file = File { folder: place.parent(), shown: &shown, store };
                     let root = Elements::read(&text, start, &file, report)?;
-                    sources.push(source(root, place.parent()));
+                    sources.push(source(root, place.parent(), store));
                     files.push((shown, Some(place)));
                     sources.len() - 1
                 }
@@ -91,8 +95,13 @@ pub fn read(
     Some(sources)
 }
 
-fn source((root, folders): (Element, Vec<(usize, PathBuf)>), folder: Option<&Path>) -> Source {
-    Source { root, folder: folder.map(Path::to_owned), models: BTreeMap::new(), folders }
+fn source(
+    (root, folders): (Element, Vec<(usize, PathBuf)>),
+    folder: Option<&Path>,
+    store: &FileStore,
+) -> Source {
+    let (folder, store) = (folder.map(Path::to_owned), store.clone());
+    Source { root, folder, store, models: BTreeMap::new(), folders }
 }
 
 /// Returns the name, the file relative to the folder, and the place of each model that a model can attach.

@@ -1,5 +1,6 @@
 //! Reads the file of an `<include>`.
 
+use std::io::Read as _;
 use std::path::{Component, Path, PathBuf};
 
 use roxmltree::Node;
@@ -55,7 +56,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
                 return;
             }
         };
-        let full = std::fs::canonicalize(&path).unwrap_or_else(|_| path.clone());
+        let full = self.options.files.canonical(&path);
         let problem = if self.files.open.contains(&full) {
             Some("the file includes itself".to_string())
         } else if self.files.count >= MAX_FILES {
@@ -70,9 +71,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         }
         self.files.count += 1;
         let shown = path.display().to_string();
-        let Some((text, start)) = read_named(&path, &shown, uri.at, self.xml.report) else {
-            return;
-        };
+        let found = read_named(&self.options.files, &path, &shown, uri.at, self.xml.report);
+        let Some((text, start)) = found else { return };
         let Some(text) = document::within_limits(&text, start, self.xml.report) else { return };
         let folder = path.parent().map(Path::to_owned);
         let outer = std::mem::replace(&mut self.files.folder, folder);
@@ -130,6 +130,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
     ///
     /// Returns what to do if there is no such file.
     pub fn file_of(&mut self, uri: &str) -> Result<PathBuf, String> {
+        let store = &self.options.files;
         let Some(folder) = self.files.folder.clone() else {
             return Err(
                 "give the path of this file instead of its text, so that others can be found"
@@ -139,7 +140,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let (scheme, rest) = uri.split_once("://").unwrap_or(("", uri));
         let beside = folder.join(rest);
         let place = match scheme {
-            "" | "file" if !rest.is_empty() && beside.exists() => beside,
+            "" | "file" if !rest.is_empty() && store.exists(&beside) => beside,
             "" | "file" | "model" | "package" => self.model_path(rest).ok_or_else(|| {
                 format!(
                     "files are looked for beside this file, in the folders around the first file, and in the folders of \
@@ -149,8 +150,12 @@ impl<'a> Reader<'a, '_, '_, '_> {
             })?,
             _ => return Err("download the model, and write `model://` and its name".into()),
         };
-        let place = if place.is_dir() { self.file_in(&place) } else { place };
-        if place.is_file() {
+        let place = if store.is_folder(&place) && !store.is_file(&place) {
+            self.file_in(&place)
+        } else {
+            place
+        };
+        if store.is_file(&place) {
             Ok(place)
         } else {
             Err(format!("there is no file `{}`", place.display()))
@@ -171,14 +176,19 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let of_variables: Vec<PathBuf> = of_variables
             .flat_map(|value| std::env::split_paths(&value).collect::<Vec<_>>())
             .collect();
-        around.chain(of_variables).map(|folder| folder.join(path)).find(|place| place.exists())
+        let mut places = around.chain(of_variables).map(|folder| folder.join(path));
+        places.find(|place| self.options.files.exists(place))
     }
 
     /// Returns the file of the model in a folder: by `model.config` its newest version that is read, else `model.sdf`.
     fn file_in(&mut self, folder: &Path) -> PathBuf {
         let default = folder.join("model.sdf");
         let config = folder.join("model.config");
-        let Ok(text) = std::fs::read_to_string(&config) else { return default };
+        let mut text = String::new();
+        let read = self.options.files.open(&config);
+        let Ok(_) = read.and_then(|(_, mut file)| file.read_to_string(&mut text)) else {
+            return default;
+        };
         self.xml.report.depends_on(config);
         let Ok(document) = roxmltree::Document::parse(&text) else { return default };
         let versions = document.root_element().children().filter(|node| node.has_tag_name("sdf"));

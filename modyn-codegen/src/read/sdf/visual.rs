@@ -53,7 +53,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let place =
             self.file_of(uri).map_err(|_| format!("has the file `{uri}`, which is not found"))?;
         self.xml.report.depends_on(place.clone());
-        surface(uri, &[place], content(root, shape, "scale"))
+        surface(&self.options.files, uri, &[place], content(root, shape, "scale"))
     }
 }
 

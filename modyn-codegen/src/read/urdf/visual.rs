@@ -43,7 +43,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         for place in &places {
             self.xml.report.depends_on(place.clone());
         }
-        surface(file, &places, geometry.attribute("scale"))
+        surface(&self.options.files, file, &places, geometry.attribute("scale"))
     }
 
     /// Returns the colour of a material, which may be one of the robot's.

@@ -433,7 +433,7 @@ impl<'e, 'r> Expander<'e, 'r> {
             let reason = "patterns of several files are not read";
             return self.refuse(name.place, Fault::with_help(reason, help));
         }
-        if optional && !self.absolute(&path).is_file() {
+        if optional && !self.options.files.is_file(&self.absolute(&path)) {
             return Ok(());
         }
         let inner = match element.attribute("ns") {
@@ -477,7 +477,7 @@ impl<'e, 'r> Expander<'e, 'r> {
         // Relative as the name of the description is.
         let shown = self.report.file_name(0).map(Path::new).and_then(Path::parent);
         let shown = shown.unwrap_or(Path::new("")).join(path).display().to_string();
-        read_named(&absolute, &shown, place.at, self.report)
+        read_named(&self.options.files, &absolute, &shown, place.at, self.report)
     }
 
     /// Returns the text of a file for an expression.

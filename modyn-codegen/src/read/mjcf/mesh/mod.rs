@@ -182,10 +182,10 @@ fn surface(
     places.extend(
         included.iter().flat_map(|folder| [folder.join(&file), folder.join(&meshes).join(&file)]),
     );
-    let place = places.iter().find(|place| place.is_file()).unwrap_or(&places[0]);
+    let place = places.iter().find(|place| model.source.store.is_file(place)).unwrap_or(&places[0]);
     let place = super::element::normalized(place);
     report.depends_on(place.clone());
-    read(&place, purpose)
+    read(&model.source.store, &place, purpose)
 }
 
 /// Returns the name of a file without its folder and its extension.
