@@ -2,7 +2,8 @@
 "use strict";
 
 const element = (id) => document.getElementById(id);
-const STEP = 0.001, LANGUAGES_OF_MANY_STATES = ["cuda", "wgsl"];
+// The time steps: of most robots, and of those that take long.
+const STEP = 0.001, LONG_STEP = 0.002, LANGUAGES_OF_MANY_STATES = ["cuda", "wgsl"];
 
 // modyn in a worker. A worker that has stopped is replaced by one that has the same files and robot.
 class Modyn {
@@ -162,6 +163,7 @@ async function readRobot() {
   const options = { base: element("base").value };
   if (element("contacts").value.trim()) options.contacts = element("contacts").value;
   stopMotion();
+  element("clock").textContent = "";
   say(`Reading ${page.main} …`);
   try {
     const answer = await page.compiler.read(page.files, page.main, options);
@@ -319,7 +321,7 @@ function showFile(index) {
 // --- Motion
 
 function stopMotion() {
-  page.motion = null;
+  Object.assign(page, { motion: null, paused: false });
   element("go").textContent = "Let go";
 }
 
@@ -341,13 +343,14 @@ async function startMotion() {
     while (page.motion === motion) {
       const start = performance.now(), wanted = Math.min((start - last) / 1000, 0.1);
       last = start;
+      const dt = cost > 0.6 * STEP ? LONG_STEP : STEP;
       // No more steps than a picture's time allows: a large robot moves slowly rather than by jumps.
-      const steps = Math.max(1, Math.min(Math.round(wanted / STEP), Math.floor(0.03 / cost)));
-      const { q, time, forces } = await page.mover.ask({ do: "step", dt: STEP, count: steps });
+      const steps = Math.max(1, Math.min(Math.round(wanted / dt), Math.floor(0.03 / cost)));
+      const { q, time, forces } = await page.mover.ask({ do: "step", dt, count: steps });
       if (page.motion !== motion) return;
       cost = 0.8 * cost + 0.2 * (performance.now() - start) / 1000 / steps;
       page.viewer.setState(shown, q, forces);
-      const rate = wanted > 0 ? steps * STEP / wanted : 1;
+      const rate = wanted > 0 ? steps * dt / wanted : 1;
       element("clock").textContent = `${time.toFixed(2)} s${rate < 0.9 ? ` (${rate.toFixed(2)} of real time)` : ""}`;
       await new Promise((resolve) => requestAnimationFrame(resolve));
     }
@@ -359,7 +362,6 @@ async function startMotion() {
 
 function resetMotion() {
   stopMotion();
-  page.paused = false;
   element("clock").textContent = "";
   if (instance()) page.viewer.setState(instance(), null);
 }
@@ -432,7 +434,7 @@ async function begin() {
   });
   element("reset").addEventListener("click", resetMotion);
   element("random").addEventListener("click", pose);
-  for (const id of ["ground", "limits", "hold"]) element(id).addEventListener("change", () => { page.paused = false; if (page.motion) { stopMotion(); startMotion(); } });
+  for (const id of ["ground", "limits", "hold"]) element(id).addEventListener("change", () => { const isMoving = page.motion; stopMotion(); if (isMoving) startMotion(); });
   const cover = element("drop");
   addEventListener("dragover", (event) => { event.preventDefault(); cover.classList.add("shown"); });
   addEventListener("dragleave", (event) => { if (!event.relatedTarget) cover.classList.remove("shown"); });
