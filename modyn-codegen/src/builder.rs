@@ -444,7 +444,8 @@ impl Builder {
         let (model, stem) = (&model, "");
         let robot = PlannedRobot { model, modules: &modules, plan: &plan, options: &options, stem };
         let source = emit_rollouts(&robot, language, rollouts);
-        if rollouts.contacts.is_some() && source.settings == 0 {
+        let holds = Function::ConstrainedForwardDynamics.name();
+        if rollouts.contacts.is_some() && !source.rollouts.iter().any(|one| one.step == holds) {
             let message =
                 "a rollout holds contacts by constrained forward dynamics, and there is none";
             let help = "give the robot contacts by the option `contacts`, and add `constrained_forward_dynamics` and \
@@ -453,7 +454,10 @@ impl Builder {
         }
         if source.rollouts.is_empty() {
             let message = "a rollout needs a function of a time step, and there is none";
-            return Err(error(message, "add `step_semi_implicit` to the option `functions`"));
+            return Err(error(
+                message,
+                "add `step_semi_implicit` (or `contact_step`, for steps on the ground) to the option `functions`",
+            ));
         }
         Ok((source, options.warnings))
     }

@@ -432,11 +432,28 @@ impl Robot {
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `settings`: `ConstraintSettings`,
     /// by default with the ground at z = 0 under all contacts.
     /// Result: `ContactProblem`: `qd` (nv,), `heights` (contacts,), `before` (contacts, 3), `free`
-    /// (contacts, 3), `mobility` (3099, 3099), `responses` (nv, 3099). Several states have one more axis,
-    /// the first.
+    /// (contacts, 3), `mobility` (3 contacts, 3 contacts), `responses` (nv, 3 contacts). Several states
+    /// have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, dt, settings=None, *, out=None))]
     fn contact_problem<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, dt: &Bound<'py, PyAny>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 36, &[Some(q), Some(qd), Some(tau), Some(dt), settings], None, out)
+    }
+
+    /// Returns the state after a step of the time `dt` (s) on the ground under the joint forces `tau`:
+    /// contacts with Coulomb friction, which push and do not pull, at the planes of their targets.
+    /// `impulses` are those of the last step, or zero: the solver starts from them. It sweeps six times
+    /// over the contacts; `residual` says how well that sufficed. Of the targets, `pose`, the linear
+    /// `velocity`, `beta`, `restitution`, `compliance` and `friction` count. Joints have no stops, and
+    /// closed loops are not closed. In Rust and Python, `step_on_ground` also stops joints, and solves to a
+    /// tolerance.
+    ///
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `impulses`: (contacts, 3);
+    /// `settings`: `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
+    /// Result: `ContactStep`: `q` (nq,), `qd` (nv,), `impulses` (contacts, 3), `residual` a number. Several
+    /// states have one more axis, the first.
+    #[pyo3(signature = (q, qd, tau, dt, impulses, settings=None, *, out=None))]
+    fn contact_step<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, dt: &Bound<'py, PyAny>, impulses: &Bound<'py, PyAny>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.call(py, 37, &[Some(q), Some(qd), Some(tau), Some(dt), Some(impulses), settings], None, out)
     }
 
     /// Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts that carry
@@ -452,7 +469,7 @@ impl Robot {
     /// moments before forces. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, contacts=None, settings=None, *, out=None))]
     fn constrained_inverse_dynamics<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, contacts: Argument<'_, 'py>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 37, &[Some(q), Some(qd), Some(qdd), contacts, settings], None, out)
+        self.call(py, 38, &[Some(q), Some(qd), Some(qdd), contacts, settings], None, out)
     }
 
     /// Returns the Jacobian of each constraint. The product with `qd` is, for a loop constraint, the
@@ -464,7 +481,7 @@ impl Robot {
     /// the first.
     #[pyo3(signature = (q, *, out=None))]
     fn constraint_jacobian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 38, &[Some(q)], None, out)
+        self.call(py, 39, &[Some(q)], None, out)
     }
 
     /// Returns the bias acceleration of each constraint: the time derivative of `constraint_jacobian` times
@@ -475,7 +492,7 @@ impl Robot {
     /// first.
     #[pyo3(signature = (q, qd, *, out=None))]
     fn constraint_bias_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 39, &[Some(q), Some(qd)], None, out)
+        self.call(py, 40, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T with the mass
@@ -489,7 +506,7 @@ impl Robot {
     /// rows, constraint rows), `rank` a number. Several states have one more axis, the first.
     #[pyo3(signature = (q, contacts=None, settings=None, *, out=None))]
     fn operational_inertia<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, contacts: Argument<'_, 'py>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 40, &[Some(q), contacts, settings], None, out)
+        self.call(py, 41, &[Some(q), contacts, settings], None, out)
     }
 
     /// Returns the regressor Y of inverse dynamics: tau = Y pi, without rotors and friction. pi has ten
@@ -500,7 +517,7 @@ impl Robot {
     /// Result: (nv, 10 moving links). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, *, out=None))]
     fn regressor<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 41, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 42, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the centre of mass of the moving links in world axes, m.
@@ -509,7 +526,7 @@ impl Robot {
     /// Result: (3,). Several states have one more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
     fn center_of_mass<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 42, &[Some(q)], None, out)
+        self.call(py, 43, &[Some(q)], None, out)
     }
 
     /// Returns the Jacobian of the centre of mass. Its product with `qd` is the velocity of the centre of
@@ -519,7 +536,7 @@ impl Robot {
     /// Result: (3, nv). Several states have one more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
     fn center_of_mass_jacobian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 43, &[Some(q)], None, out)
+        self.call(py, 44, &[Some(q)], None, out)
     }
 
     /// Returns the centroidal momentum matrix. Its product with `qd` is the momentum about the centre of
@@ -529,7 +546,7 @@ impl Robot {
     /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
     fn centroidal_momentum_matrix<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 44, &[Some(q)], None, out)
+        self.call(py, 45, &[Some(q)], None, out)
     }
 
     /// Returns the centroidal composite inertia. Its product with a twist is the momentum about the centre
@@ -539,7 +556,7 @@ impl Robot {
     /// Result: (6, 6), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
     fn centroidal_composite_inertia<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 45, &[Some(q)], None, out)
+        self.call(py, 46, &[Some(q)], None, out)
     }
 
     /// Returns the momentum of the moving links about their centre of mass, in world axes. Rotors have
@@ -549,7 +566,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, *, out=None))]
     fn centroidal_momentum<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 46, &[Some(q), Some(qd)], None, out)
+        self.call(py, 47, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the time derivative of the centroidal momentum in world axes: the moment (N m) and the force
@@ -560,7 +577,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, *, out=None))]
     fn centroidal_momentum_rate<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 47, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 48, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the momentum of the moving links about their centre of mass, its time derivative at `qdd`
@@ -574,7 +591,7 @@ impl Robot {
     /// more axis, the first.
     #[pyo3(signature = (q, qd, qdd, *, out=None))]
     fn centroidal_momentum_derivatives<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 48, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 49, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the poses in the world of all links of the description, fixed links included, in the order
@@ -585,7 +602,7 @@ impl Robot {
     /// axis, the first.
     #[pyo3(signature = (q, *, out=None))]
     fn link_poses<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 49, &[Some(q)], None, out)
+        self.call(py, 50, &[Some(q)], None, out)
     }
 
     /// Returns the pose of a link in the world. Computes the link's kinematic path only.
@@ -594,7 +611,7 @@ impl Robot {
     /// Result: `Pose`: `rotation` (3, 3), `translation` (3,). Several states have one more axis, the first.
     #[pyo3(signature = (q, link, *, out=None))]
     fn link_pose<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 50, &[Some(q)], Some(link), out)
+        self.call(py, 51, &[Some(q)], Some(link), out)
     }
 
     /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in world axes.
@@ -604,7 +621,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn link_velocity<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 51, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 52, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in the link's own
@@ -614,7 +631,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn local_link_velocity<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 52, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 53, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
@@ -625,7 +642,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, link, *, out=None))]
     fn link_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 53, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
+        self.call(py, 54, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
     }
 
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
@@ -636,7 +653,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, link, *, out=None))]
     fn local_link_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 54, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
+        self.call(py, 55, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
     }
 
     /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its origin, in
@@ -646,7 +663,7 @@ impl Robot {
     /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, link, *, out=None))]
     fn jacobian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 55, &[Some(q)], Some(link), out)
+        self.call(py, 56, &[Some(q)], Some(link), out)
     }
 
     /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its origin, in
@@ -656,7 +673,7 @@ impl Robot {
     /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, link, *, out=None))]
     fn local_jacobian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 56, &[Some(q)], Some(link), out)
+        self.call(py, 57, &[Some(q)], Some(link), out)
     }
 
     /// Returns the time derivative of `jacobian`. Its product with `qd` is `bias_acceleration`. Computes
@@ -666,7 +683,7 @@ impl Robot {
     /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn jacobian_time_derivative<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 57, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 58, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the time derivative of `local_jacobian`. Its product with `qd` is `local_bias_acceleration`.
@@ -676,7 +693,7 @@ impl Robot {
     /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn local_jacobian_time_derivative<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 58, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 59, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the bias acceleration of a link in world axes: the time derivative of `jacobian` times `qd`,
@@ -687,7 +704,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn bias_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 59, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 60, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the bias acceleration of a link in its own axes: the time derivative of `local_jacobian`
@@ -697,7 +714,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn local_bias_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 60, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 61, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the coordinates after the displacement `v` (a velocity times a time) from `q`.
@@ -706,7 +723,7 @@ impl Robot {
     /// Result: (nq,). Several states have one more axis, the first.
     #[pyo3(signature = (q, v, *, out=None))]
     fn integrate<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, v: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 61, &[Some(q), Some(v)], None, out)
+        self.call(py, 62, &[Some(q), Some(v)], None, out)
     }
 
     /// Returns the displacement `v` with which `integrate` leads from `from_` to `to`. Rotations are the
@@ -716,7 +733,7 @@ impl Robot {
     /// Result: (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (from_, to, *, out=None))]
     fn difference<'py>(&self, py: Python<'py>, from_: &Bound<'py, PyAny>, to: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 62, &[Some(from_), Some(to)], None, out)
+        self.call(py, 63, &[Some(from_), Some(to)], None, out)
     }
 
     /// Returns the derivatives of `integrate` with respect to `q` and `v` in tangent space: displacements
@@ -727,7 +744,7 @@ impl Robot {
     /// first.
     #[pyo3(signature = (q, v, *, out=None))]
     fn integrate_derivatives<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, v: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 63, &[Some(q), Some(v)], None, out)
+        self.call(py, 64, &[Some(q), Some(v)], None, out)
     }
 
     /// Returns the derivatives of `difference` with respect to `from_` and `to` in tangent space:
@@ -738,7 +755,7 @@ impl Robot {
     /// axis, the first.
     #[pyo3(signature = (from_, to, *, out=None))]
     fn difference_derivatives<'py>(&self, py: Python<'py>, from_: &Bound<'py, PyAny>, to: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 64, &[Some(from_), Some(to)], None, out)
+        self.call(py, 65, &[Some(from_), Some(to)], None, out)
     }
 
     /// Returns dq/dt, the rates of the coordinates `q` at the velocities `qd`.
@@ -747,7 +764,7 @@ impl Robot {
     /// Result: (nq,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, *, out=None))]
     fn velocity_to_qdot<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 65, &[Some(q), Some(qd)], None, out)
+        self.call(py, 66, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the coordinates with quaternions scaled to length 1.
@@ -756,7 +773,7 @@ impl Robot {
     /// Result: (nq,). Several states have one more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
     fn normalize<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 66, &[Some(q)], None, out)
+        self.call(py, 67, &[Some(q)], None, out)
     }
 
     /// Returns coordinates within the joint limits, from random numbers uniformly distributed in [0, 1).
@@ -767,7 +784,7 @@ impl Robot {
     /// Result: (nq,). Several states have one more axis, the first.
     #[pyo3(signature = (uniforms, *, out=None))]
     fn random<'py>(&self, py: Python<'py>, uniforms: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 67, &[Some(uniforms)], None, out)
+        self.call(py, 68, &[Some(uniforms)], None, out)
     }
     // <!-- end -->
 }

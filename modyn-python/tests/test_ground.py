@@ -236,6 +236,73 @@ def test_gradients_are_those_of_differences(steps):
     assert all(compared.values()), compared
 
 
+def test_derivatives_in_tangent_space():
+    own, q, qd, tau, settings = scene(16)
+    arguments = dict(dt=0.002, settings=settings, ground=Ground(tolerance=1e-13))
+    found = own.step_on_ground_derivatives(q, qd, tau, **arguments)
+    state = own.step_on_ground(q, qd, tau, **arguments)
+    assert np.array_equal(found.q, state.q) and np.array_equal(found.qd, state.qd)
+    n, compared = own.nv, 0
+
+    def moved(i, h):
+        """Returns the change of the state after the step by each entry of q, qd and tau, over 2 h."""
+        unit, zero = h * np.eye(n), np.zeros((n, n))
+        ends = []
+        for sign in (1, -1):
+            dq, dqd, dtau = (sign * np.concatenate(x) for x in ([unit, zero, zero], [zero, unit, zero], [zero, zero, unit]))
+            ends.append(own.step_on_ground(own.integrate(np.repeat(q[i : i + 1], 3 * n, 0), dq), qd[i] + dqd, tau[i] + dtau, **arguments))
+        changed = own.difference(ends[1].q, ends[0].q), ends[0].qd - ends[1].qd
+        return np.concatenate(changed, -1).T / (2 * h)
+
+    for i in range(len(q)):
+        fine, coarse = moved(i, 1e-7), moved(i, 4e-7)
+        smooth = (np.abs(fine - coarse) <= 2e-4 * (1 + np.abs(fine))).all(0)
+        columns = np.concatenate([found.a[i], found.b[i]], 1)
+        assert np.abs(fine - columns)[:, smooth].max() < 1e-4 * (1 + np.abs(fine).max()), i
+        compared += smooth.sum()
+    assert compared > 0.8 * 16 * 3 * n
+    one = own.step_on_ground_derivatives(q[3], qd[3], tau[3], **arguments)
+    close(one.a, found.a[3], 1e-7)
+    close(one.b, found.b[3], 1e-7)
+
+
+def test_a_policy_moves_the_quadruped():
+    robot, q = quadruped()
+    calls = []
+
+    def policy(time, q_now, qd_now):
+        calls.append(time)
+        return hold(robot, q, (q_now, qd_now))
+
+    found = robot.simulate(policy, q, np.zeros(robot.nv), 0.002, 50)
+    assert found.q.shape == (50, robot.nq) and found.contact_impulses.shape == (50, 4, 3)
+    np.testing.assert_allclose(calls, 0.002 * np.arange(50))
+    last, at = None, (q, np.zeros(robot.nv))
+    for k in range(50):
+        last = robot.step_on_ground(*at, hold(robot, q, at), 0.002, last=last)
+        at = last.q, last.qd
+        assert all(np.array_equal(a[k], b) for a, b in zip(found, last))
+    motions = robot.simulate(policy, np.stack([q, q]), np.zeros((2, robot.nv)), 0.002, 50)
+    assert motions.q.shape == (2, 50, robot.nq)
+    close(motions.q[1], found.q, 1e-9)
+    with pytest.raises(ValueError, match="`tau`.*expected"):
+        robot.simulate(lambda time, q, qd: np.zeros(3), q, np.zeros(robot.nv), 0.002, 2)
+    with pytest.raises(ValueError, match="at least 1"):
+        robot.simulate(policy, q, np.zeros(robot.nv), 0.002, 0)
+
+
+def test_a_fixed_number_of_sweeps():
+    robot, q = quadruped()
+    last = robot.step_on_ground(q, np.zeros(robot.nv), np.zeros(robot.nv), 0.002)
+    swept = robot.contact_step(q, np.zeros(robot.nv), np.zeros(robot.nv), 0.002, np.zeros((4, 3)))
+    for _ in range(200):
+        last = robot.step_on_ground(last.q, last.qd, hold(robot, q, last), 0.002, last=last, ground=Ground(joint_limits=False))
+        swept = robot.contact_step(swept.q, swept.qd, hold(robot, q, swept), 0.002, swept.impulses)
+        assert swept.residual < 1e-5
+    close(swept.q, last.q, 1e-5)
+    close(swept.impulses, last.contact_impulses, 1e-5)
+
+
 def test_gradients_in_jax():
     jax = pytest.importorskip("jax")
     import modyn.jax

@@ -64,9 +64,9 @@ pub use ::num_dual;
 pub use equations::Forces;
 #[cfg(feature = "alloc")]
 pub use interpreter::{
-    ConstrainedDerivatives, ConstrainedHessianOutputs, ContactProblemOutputs, DecompositionError,
-    ForwardDerivatives, FrameError, HessianOutputs, InertialError, Interpreter, ModuleMismatch,
-    ShapeError, StepHessianOutputs, StepOutputs, UduFactorization, UpdateError,
+    ConstrainedDerivatives, ConstrainedHessianOutputs, ContactProblemOutputs, ContactStepOutputs,
+    DecompositionError, ForwardDerivatives, FrameError, HessianOutputs, InertialError, Interpreter,
+    ModuleMismatch, ShapeError, StepHessianOutputs, StepOutputs, UduFactorization, UpdateError,
 };
 
 #[cfg(feature = "nalgebra")]
@@ -83,10 +83,10 @@ pub use results::{
     CentroidalMomentumDerivatives, ConstrainedForwardDynamics,
     ConstrainedForwardDynamicsDerivatives, ConstrainedForwardDynamicsHessian,
     ConstrainedInverseDynamics, ConstraintProjection, ConstraintResidual, ContactImpulse,
-    ContactProblem, DifferenceDerivatives, ForwardDynamicsDerivatives, ForwardDynamicsHessian,
-    ForwardDynamicsJvp, ForwardDynamicsVjp, GeneralizedForces, IntegrateDerivatives,
-    InverseDynamicsDerivatives, InverseDynamicsHessian, InverseDynamicsJvp, InverseDynamicsVjp,
-    OperationalInertia, Step, StepDerivatives, StepHessian,
+    ContactProblem, ContactStep, DifferenceDerivatives, ForwardDynamicsDerivatives,
+    ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp, GeneralizedForces,
+    IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian, InverseDynamicsJvp,
+    InverseDynamicsVjp, OperationalInertia, Step, StepDerivatives, StepHessian,
 };
 #[cfg(feature = "alloc")]
 pub use robot::EmbeddedModel;

@@ -266,6 +266,20 @@ pub struct ContactProblem<V, H, B, F, A, Y> {
     pub responses: Y,
 }
 
+/// The state after a step on the ground, and the impulses of the contacts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactStep<Q, V, P, T> {
+    /// The coordinates after the step.
+    pub q: Q,
+    /// The velocities after the step, rad/s or m/s.
+    pub qd: V,
+    /// The impulse of each contact along the x and y axes of its target, then along the normal, N s. The next step starts from
+    /// these.
+    pub impulses: P,
+    /// The largest velocity of a contact that contradicts the laws of contacts, m/s.
+    pub residual: T,
+}
+
 /// The joint forces of accelerations, and the wrenches of the contacts that carry the floating bases.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstrainedInverseDynamics<V, W, T> {

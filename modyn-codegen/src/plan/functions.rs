@@ -187,6 +187,8 @@ impl Lowering {
                 Lowering::traced(|t, s| t.contact_problem(&s.for_derivatives))
                     .packed(Packing::Contacts)
             }
+            Function::ContactStep => Lowering::traced(|t, s| t.contact_step(&s.for_derivatives))
+                .packed(Packing::Contacts),
             Function::OperationalInertia => {
                 Lowering::traced(|t, s| t.operational_inertia(&s.layout))
                     .packed(Packing::ConstrainedColumns)

@@ -124,10 +124,17 @@ impl Planned {
         }
     }
 
-    /// Returns whether the function computes the state after a time step, from `q`, `qd`, `tau` and `dt`.
+    /// Returns the name of the function that calls this function, a time step, in a loop; `None` for other functions.
     #[must_use]
-    pub fn is_step(&self) -> bool {
-        self.function.is_some() && matches!(self.result, Shape::Record(Record::Each("Step"), _))
+    pub fn rollout(&self) -> Option<String> {
+        match self.result {
+            _ if self.function.is_none() => None,
+            Shape::Record(Record::Each("Step"), _) => {
+                Some(self.name.replacen("step", "rollout", 1))
+            }
+            Shape::Record(Record::Each("ContactStep"), _) => Some("rollout_on_ground".into()),
+            _ => None,
+        }
     }
 
     /// Returns the operations of one call on scalars; for a function of one link, those of the most expensive link.

@@ -227,7 +227,7 @@ fn rollouts_that_hold_contacts() {
     let options = RolloutOptions { contacts: Some(proposed.into()), ..RolloutOptions::default() };
     let (source, _) = theirs.emit_rollouts(GpuLanguage::Cuda, &options).expect("good");
     let [rollout] = &*source.rollouts else { panic!("one kernel") };
-    assert_eq!((&*rollout.name, source.settings), ("theirs_rollout_constrained", 52));
+    assert_eq!((&*rollout.name, source.settings), ("theirs_rollout_constrained", 54));
     let model = builder.plan().expect("good").model;
     let quaternion = model.quaternions().next().expect("a floating base").1;
     let quaternion = i32::try_from(quaternion).expect("small");
@@ -245,8 +245,8 @@ fn rollouts_that_hold_contacts() {
         ours_integrate(q, moved, next);\n}\n";
     let fill = "settings = { 10, 8, 1e-10, 1e-10 };\n\
         for (int c = 0; c < 2; ++c) { const double a = 0.3 - 0.5 * c, s = sin(a), k = cos(a);\n\
-        const double target[24] = { 1, 0, 0, 0, k, -s, 0, s, k, 0.1, 0.2, -0.1, 0.1, 0, 0.2, 0.1, -0.2, 0.3, 0.5, 20, 15, 1e-3, 0, 1 };\n\
-        settings.insert(settings.end(), target, target + 24); }\n";
+        const double target[25] = { 1, 0, 0, 0, k, -s, 0, s, k, 0.1, 0.2, -0.1, 0.1, 0, 0.2, 0.1, -0.2, 0.3, 0.5, 20, 15, 1e-3, 0, 1, 0.5 };\n\
+        settings.insert(settings.end(), target, target + 25); }\n";
     let forces = "for (int j = 0; j < nv; ++j) tau[j] = u[j];\ncurrent = k;";
     let arguments = ["settings.data(), data.data(), ", ""];
     let main =
@@ -257,6 +257,42 @@ fn rollouts_that_hold_contacts() {
     assert!(main.contains(done) && main.contains(fill));
     let both = "printf(released > 20 && held > 5 * released / 4 ? \"done\\n\" : \"%u of %u\\n\", released, held);";
     build("rollout_constrained", &builder, (&source.text, &main.replace(done, both)));
+}
+
+/// Feet of a quadruped that falls onto tilted and moving ground: each step starts from the impulses of the last.
+#[test]
+#[ignore = "slow: g++ compiles a robot"]
+fn rollouts_on_the_ground() {
+    let builder =
+        robot("quadruped").functions([Function::ContactStep]).base(Base::Floating).contacts(feet());
+    let theirs = builder.clone().type_name("Theirs");
+    let options = RolloutOptions::default();
+    let (source, _) = theirs.emit_rollouts(GpuLanguage::Cuda, &options).expect("good");
+    let [rollout] = &*source.rollouts else { panic!("one kernel") };
+    assert_eq!((&*rollout.name, source.settings), ("theirs_rollout_on_ground", 54));
+    let model = builder.plan().expect("good").model;
+    let quaternion = model.quaternions().next().expect("a floating base").1;
+    let quaternion = i32::try_from(quaternion).expect("small");
+    let step = "static vector<double> settings;\nstatic unsigned current, pushed;\n\
+        static void ours_step_on_ground(const double *q, const double *qd, const double *tau, const double *dt, double *next)\n{\n\
+        static double impulses[6];\ndouble r[OURS_NQ + OURS_NV + 7];\n\
+        for (int j = 0; j < 6 && current == 0; ++j) impulses[j] = 0;\n\
+        ours_contact_step(q, qd, tau, dt, impulses, settings.data(), r);\n\
+        for (int j = 0; j < OURS_NQ + OURS_NV; ++j) next[j] = r[j];\n\
+        for (int j = 0; j < 6; ++j) { impulses[j] = r[OURS_NQ + OURS_NV + j]; pushed += impulses[j] != 0; }\n}\n";
+    let fill = "settings = { 10, 8, 1e-10, 1e-10 };\n\
+        for (int c = 0; c < 2; ++c) { const double a = 0.3 - 0.5 * c, s = sin(a), k = cos(a);\n\
+        const double target[25] = { 1, 0, 0, 0, k, -s, 0, s, k, 0.1, 0.2, -0.1, 0.1, 0, 0.2, 0.1, -0.2, 0.3, 0.5, 20, 15, 1e-3, 0.2, 1, 0.6 };\n\
+        settings.insert(settings.end(), target, target + 25); }\n";
+    let forces = "for (int j = 0; j < nv; ++j) tau[j] = u[j];\ncurrent = k;";
+    let arguments = ["settings.data(), ", ""];
+    let main = rollout_harness(("LEGS", "step_on_ground", 21), quaternion, arguments, (forces, ""));
+    let main = main.replace("LEGS_CONTROLS", "nv");
+    let main = main.replace("int main() {\n", &format!("{step}int main() {{\n{fill}"));
+    let done = "printf(\"done\\n\");";
+    assert!(main.contains(done) && main.contains(fill));
+    let both = "printf(pushed > 200 ? \"done\\n\" : \"%u\\n\", pushed);";
+    build("rollout_on_ground", &builder, (&source.text, &main.replace(done, both)));
 }
 
 /// Closed loops alone: no function of the user.
@@ -304,4 +340,49 @@ fn rollouts_need_a_step_and_controls() {
     let builder = builder.functions([Function::StepSemiImplicit]);
     let error = builder.emit_rollouts(GpuLanguage::Wgsl, &options).expect_err("no control");
     assert!(error.to_string().contains("at least 1"), "{error}");
+}
+
+/// A rollout in C is a loop of steps, from which the state, the impulses and the trajectory come.
+#[test]
+fn rollouts_in_c_are_loops_of_steps() {
+    let tip = Contact {
+        name: "tip".into(),
+        kind: ContactKind::Point,
+        end: LoopEnd { link: "lower".into(), xyz: [0.1, 0.0, -0.4], rpy: [0.0; 3] },
+    };
+    let builder = robot("double_pendulum").contacts([tip]);
+    let builder = builder.functions([Function::StepRk4, Function::ContactStep]).runtime_gravity();
+    let folder = folder("rollouts_in_c");
+    write(&builder.type_name("Ours").emit(Target::C).expect("good"), &folder);
+    let main = "#include <stdio.h>\n#include <string.h>\n#include \"ours.h\"\n\
+        enum { N = OURS_NQ + OURS_NV, STEPS = 60 };\n\
+        static const double gravity[3] = { 0.3, 0.2, -9.0 }, dt[1] = { 0.01 };\n\
+        static const double settings[29] = { 10, 8, 1e-10, 1e-10, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, -0.6,\n\
+        0, 0, 0, 0.1, 0, 0, 0, 20, 20, 0, 0.2, 1, 0.7 };\n\
+        static double controls[STEPS * OURS_NV], moved[2][N], one[STEPS * N], all[STEPS * N], next[N + 4];\n\
+        int main(void) {\n\
+        int ground, k, pushed = 0, j;\n\
+        for (k = 0; k < STEPS * OURS_NV; ++k) controls[k] = k % 7 * 0.01;\n\
+        for (ground = 0; ground < 2; ++ground) {\n\
+        double state[N] = { 0 }, impulses[2][3] = { { 0 } };\n\
+        state[0] = 1.2; state[1] = 0.4; state[OURS_NQ] = -0.5;\n\
+        memcpy(moved[0], state, sizeof state); memcpy(moved[1], state, sizeof state);\n\
+        for (k = 0; k < STEPS; ++k) {\n\
+        const double *tau = &controls[k * OURS_NV]; double *s = moved[0];\n\
+        if (ground) ours_contact_step_with(s, s + OURS_NQ, tau, dt, impulses[0], settings, gravity, next);\n\
+        else ours_step_rk4_with(s, s + OURS_NQ, tau, dt, gravity, next);\n\
+        memcpy(s, next, sizeof moved[0]); memcpy(&one[k * N], next, sizeof moved[0]);\n\
+        if (ground) memcpy(impulses[0], next + N, sizeof impulses[0]);\n\
+        if (ground) for (j = 0; j < 3; ++j) pushed += impulses[0][j] != 0;\n}\n\
+        for (k = 0; k < 2; ++k) { double *s = moved[1], *trajectory = k ? all + N * (STEPS / 2) : all;\n\
+        const double *tau = &controls[k * OURS_NV * (STEPS / 2)];\n\
+        if (ground) ours_rollout_on_ground(STEPS / 2, tau, dt, settings, gravity, s, s + OURS_NQ, impulses[1], trajectory);\n\
+        else ours_rollout_rk4(STEPS / 2, tau, dt, gravity, s, s + OURS_NQ, trajectory);\n}\n\
+        if (memcmp(one, all, sizeof one) || memcmp(moved[0], moved[1], sizeof moved[0]) || memcmp(impulses[0], impulses[1], sizeof impulses[0])) puts(\"differs\");\n}\n\
+        puts(pushed > 20 ? \"done\" : \"no contact\");\nreturn 0;\n}\n";
+    std::fs::write(folder.join("main.c"), main).expect("writes");
+    let mut gcc = Command::new("gcc");
+    gcc.args(STRICT).args(["-O1", "main.c", "ours.c", "-o", "main", "-lm"]);
+    command(gcc.current_dir(&folder));
+    assert_eq!(command(&mut Command::new(folder.join("main"))), "done\n");
 }

@@ -1,7 +1,7 @@
 # `cargo xtask pages` writes the parts between the marks.
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeAlias, final
 
 import numpy as np
@@ -376,6 +376,44 @@ class Robot:
         ground at z = 0 under all contacts; `last`: the `GroundStates` of the last step, whose impulses the solver starts
         from; `ground`: `Ground`. Leading axes are those of states, and are broadcast.
         Result: `GroundStates`.
+        """
+    def step_on_ground_derivatives(
+        self,
+        q: ArrayLike,
+        qd: ArrayLike,
+        tau: ArrayLike,
+        dt: ArrayLike,
+        settings: ConstraintSettings | ArrayLike | None = None,
+        *,
+        last: GroundStates | None = None,
+        ground: Ground | None = None,
+    ) -> StepDerivatives:
+        """Returns the state after a step on the ground, and its derivatives A with respect to the state and B with respect to
+        the joint forces, as `step_semi_implicit_derivatives` does for a free step: in tangent space, displacements in the axes
+        before and after the step. Contacts are held in the modes that they have in this step: open, sticking or sliding.
+
+        Arguments: those of `step_on_ground`.
+        Result: `StepDerivatives`.
+        """
+    def simulate(
+        self,
+        policy: Callable[[float, NDArray[Any], NDArray[Any]], ArrayLike],
+        q: ArrayLike,
+        qd: ArrayLike,
+        dt: ArrayLike,
+        steps: int,
+        settings: ConstraintSettings | ArrayLike | None = None,
+        *,
+        ground: Ground | None = None,
+    ) -> GroundStates:
+        """Returns the states after each of `steps` steps on the ground under the joint forces `policy(time, q, qd)`, which gets
+        the time (s) and the state before each step. `modyn.show` shows the motion. A rollout without a call of Python in each
+        step is `rollout`.
+
+        Arguments: `policy`: a function that returns tau: (nv,); `q`: (nq,); `qd`: (nv,); `dt`: (); `steps`: the number of
+        steps; `settings` and `ground` as in `step_on_ground`. Leading axes of `q` and `qd` are those of motions, which `policy`
+        gets, too.
+        Result: `GroundStates`, with an axis of steps after those of motions.
         """
     def rollout(
         self,
@@ -821,8 +859,24 @@ class Robot:
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `settings`: `ConstraintSettings`,
         by default with the ground at z = 0 under all contacts.
         Result: `ContactProblem`: `qd` (nv,), `heights` (contacts,), `before` (contacts, 3), `free`
-        (contacts, 3), `mobility` (3099, 3099), `responses` (nv, 3099). Several states have one more axis,
-        the first.
+        (contacts, 3), `mobility` (3 contacts, 3 contacts), `responses` (nv, 3 contacts). Several states
+        have one more axis, the first.
+        """
+    def contact_step(
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, impulses: ArrayLike, settings: ConstraintSettings | ArrayLike | None = None, *, out: ContactStep | None = None
+    ) -> ContactStep:
+        """Returns the state after a step of the time `dt` (s) on the ground under the joint forces `tau`:
+        contacts with Coulomb friction, which push and do not pull, at the planes of their targets.
+        `impulses` are those of the last step, or zero: the solver starts from them. It sweeps six times
+        over the contacts; `residual` says how well that sufficed. Of the targets, `pose`, the linear
+        `velocity`, `beta`, `restitution`, `compliance` and `friction` count. Joints have no stops, and
+        closed loops are not closed. In Rust and Python, `step_on_ground` also stops joints, and solves to a
+        tolerance.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `impulses`: (contacts, 3);
+        `settings`: `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
+        Result: `ContactStep`: `q` (nq,), `qd` (nv,), `impulses` (contacts, 3), `residual` a number. Several
+        states have one more axis, the first.
         """
     def constrained_inverse_dynamics(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedInverseDynamics | None = None

@@ -18,6 +18,7 @@ __all__ = [
     "ConstraintResidual",
     "ContactImpulse",
     "ContactProblem",
+    "ContactStep",
     "DifferenceDerivatives",
     "ForwardDynamicsDerivatives",
     "ForwardDynamicsHessian",
@@ -167,9 +168,22 @@ class ContactProblem(NamedTuple):
     free: NDArray[Any]
     """(contacts, 3)"""
     mobility: NDArray[Any]
-    """(3099, 3099)"""
+    """(3 contacts, 3 contacts)"""
     responses: NDArray[Any]
-    """(nv, 3099)"""
+    """(nv, 3 contacts)"""
+
+
+class ContactStep(NamedTuple):
+    """The result of `contact_step`."""
+
+    q: NDArray[Any]
+    """(nq,)"""
+    qd: NDArray[Any]
+    """(nv,)"""
+    impulses: NDArray[Any]
+    """(contacts, 3)"""
+    residual: NDArray[Any]
+    """a number"""
 
 
 class DifferenceDerivatives(NamedTuple):

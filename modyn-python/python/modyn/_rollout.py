@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from ._arrays import COST, FEEDBACK, GroundStep, Rollout, RolloutSignature, check, motions
+from ._arrays import COST, FEEDBACK, ArrayFunction, GroundStep, Rollout, RolloutSignature, check, motions
 from ._modyn import Robot, call_arrays
+from ._results import StepDerivatives
 from ._types import ConstraintSettings, Ground, GroundStates, QuadraticCost, RolloutCosts, RolloutGradients, RolloutStates
 
 Step = tuple[str, Ground | None]
@@ -104,16 +106,65 @@ def _steps(given: Any, name: str) -> int | None:
     return shape[-1 - _rank(name)] if len(shape) > _rank(name) else None
 
 
-def step_on_ground(robot: Robot, arguments: dict[str, Any], last: GroundStates | None, ground: Ground | None) -> GroundStates:
-    """Returns the result of `Robot.step_on_ground`."""
-    name = "step_on_ground"
+def _ground(
+    robot: Robot, name: str, arguments: dict[str, Any], last: GroundStates | None, ground: Ground | None
+) -> tuple[GroundStep, list[Any]]:
+    """Returns the step on the ground, and its arguments as arrays."""
     signature = RolloutSignature(robot, "ground", ground)
     arrays = {argument: _array(robot, name, argument, given) for argument, given in arguments.items()}
     signature.start(arrays, lambda x: _array(robot, name, "last", x), last)
     code = signature.one_step()
+    assert isinstance(code, GroundStep)
     names = ["q", "qd", "contact_impulses", "stop_impulses", "residual", "tau", "dt", "settings"]
     given = [arrays[own] for own in names]
     check(name, names, code.inputs, given)
     if signature.parameters.parameters:
         given.append(signature.parameters.flat(None, np.asarray, np.concatenate))
+    return code, given
+
+
+def step_on_ground(robot: Robot, arguments: dict[str, Any], last: GroundStates | None, ground: Ground | None) -> GroundStates:
+    """Returns the result of `Robot.step_on_ground`."""
+    code, given = _ground(robot, "step_on_ground", arguments, last, ground)
     return GroundStates(*call_arrays(code.key, given))
+
+
+def step_on_ground_derivatives(
+    robot: Robot, arguments: dict[str, Any], last: GroundStates | None, ground: Ground | None
+) -> StepDerivatives:
+    """Returns the result of `Robot.step_on_ground_derivatives`."""
+    code, given = _ground(robot, "step_on_ground_derivatives", arguments, last, ground)
+    q, qd, tau = (given[k] for k in (0, 1, 5))
+    states, n = np.broadcast_shapes(*(x.shape[: x.ndim - len(own)] for x, own in zip(given, code.inputs))), robot.nv
+    unit = np.eye(n, dtype=robot.dtype)
+    # A direction for each entry of q in tangent space, of qd and of tau: the next to last axis.
+    directions = [np.zeros((*states, 3 * n, size), robot.dtype) for size in (robot.nq, n, n)]
+    to_rates = ArrayFunction(robot, "velocity_to_qdot").key
+    directions[0][..., :n, :] = call_arrays(to_rates, [np.ascontiguousarray(q[..., None, :]), unit])[0]
+    directions[1][..., n : 2 * n, :] = directions[2][..., 2 * n :, :] = unit
+    along = [np.expand_dims(x, x.ndim - len(own)) if x.ndim > len(own) else x for x, own in zip(given, code.inputs)]
+    changes = call_arrays(code.derivative("forward", [0, 1, 5]).key, [*along, *directions])
+    q, qd, *_ = call_arrays(code.key, given)
+    # Velocities from rates of the coordinates: the rates of unit velocities are orthogonal.
+    rates = call_arrays(to_rates, [np.ascontiguousarray(q[..., None, :]), unit])[0]
+    moved = changes[0] @ np.swapaxes(rates, -1, -2) / np.sum(rates * rates, -1)[..., None, :]
+    columns = np.swapaxes(np.concatenate([moved, changes[1]], -1), -1, -2)
+    return StepDerivatives(q, qd, columns[..., : 2 * n], columns[..., 2 * n :])
+
+
+def simulate(
+    robot: Robot, policy: Callable[[float, Any, Any], Any], arguments: dict[str, Any], steps: int, ground: Ground | None
+) -> GroundStates:
+    """Returns the result of `Robot.simulate`."""
+    if steps < 1:
+        raise ValueError(f"`steps` of `simulate` is {steps}; expected at least 1")
+    q, qd, dt = (np.asarray(arguments[name], robot.dtype) for name in ("q", "qd", "dt"))
+    if dt.ndim:
+        raise ValueError(f"`dt` of `simulate` has the shape {dt.shape}; expected a number")
+    found: list[GroundStates] = []
+    for k in range(steps):
+        tau = policy(k * float(dt), q, qd)
+        of_step = {"q": q, "qd": qd, "tau": tau, "dt": dt, "settings": arguments["settings"]}
+        found.append(step_on_ground(robot, of_step, found[-1] if found else None, ground))
+        q, qd = found[-1].q, found[-1].qd
+    return GroundStates(*(np.stack(parts, q.ndim - 1) for parts in zip(*found)))

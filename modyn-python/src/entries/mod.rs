@@ -273,6 +273,54 @@ impl Robot {
         let step = slf.py().import("modyn._rollout")?.getattr("step_on_ground")?;
         step.call1((slf, arguments, last, ground))
     }
+
+    /// Returns the state after a step on the ground, and its derivatives A with respect to the state and B with respect to the joint
+    /// forces, as `step_semi_implicit_derivatives` does for a free step: in tangent space, displacements in the axes before and after
+    /// the step. Contacts are held in the modes that they have in this step: open, sticking or sliding.
+    ///
+    /// Arguments: those of `step_on_ground`.
+    /// Result: `StepDerivatives`.
+    #[pyo3(signature = (q, qd, tau, dt, settings=None, *, last=None, ground=None))]
+    #[allow(clippy::too_many_arguments)]
+    fn step_on_ground_derivatives<'py>(
+        slf: &Bound<'py, Self>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        settings: Option<&Bound<'py, PyAny>>,
+        last: Option<&Bound<'py, PyAny>>,
+        ground: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let given = [Some(q), Some(qd), Some(tau), Some(dt), settings];
+        let arguments = named(slf.py(), &["q", "qd", "tau", "dt", "settings"], &given)?;
+        let of = slf.py().import("modyn._rollout")?.getattr("step_on_ground_derivatives")?;
+        of.call1((slf, arguments, last, ground))
+    }
+
+    /// Returns the states after each of `steps` steps on the ground under the joint forces `policy(time, q, qd)`, which gets the time
+    /// (s) and the state before each step. `modyn.show` shows the motion. A rollout without a call of Python in each step is `rollout`.
+    ///
+    /// Arguments: `policy`: a function that returns tau: (nv,); `q`: (nq,); `qd`: (nv,); `dt`: (); `steps`: the number of steps;
+    /// `settings` and `ground` as in `step_on_ground`. Leading axes of `q` and `qd` are those of motions, which `policy` gets, too.
+    /// Result: `GroundStates`, with an axis of steps after those of motions.
+    #[pyo3(signature = (policy, q, qd, dt, steps, settings=None, *, ground=None))]
+    #[allow(clippy::too_many_arguments)]
+    fn simulate<'py>(
+        slf: &Bound<'py, Self>,
+        policy: &Bound<'py, PyAny>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        steps: &Bound<'py, PyAny>,
+        settings: Option<&Bound<'py, PyAny>>,
+        ground: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let given = [Some(q), Some(qd), Some(dt), settings];
+        let arguments = named(slf.py(), &["q", "qd", "dt", "settings"], &given)?;
+        let simulate = slf.py().import("modyn._rollout")?.getattr("simulate")?;
+        simulate.call1((slf, policy, arguments, steps, ground))
+    }
 }
 
 /// The names of the arguments of a rollout.

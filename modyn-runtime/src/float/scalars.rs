@@ -62,6 +62,11 @@ macro_rules! implement_scalar {
             fn select_nonnegative(self, then: Self, otherwise: Self) -> Self {
                 if self >= 0.0 { then } else { otherwise }
             }
+
+            #[inline]
+            fn is_known_nonnegative(self) -> bool {
+                self >= 0.0
+            }
         }
     };
 }

@@ -1,5 +1,7 @@
 //! Forward dynamics of closed loops and contacts, and the functions of constraints.
 
+use alloc::{vec, vec::Vec};
+
 use super::Interpreter;
 use super::errors::{ShapeError, check};
 use crate::Scalar;
@@ -9,7 +11,7 @@ pub use crate::equations::constraints::{ConstrainedDerivatives, ContactProblemOu
 use crate::equations::{ConstraintWorkspace, Workspace, constraints};
 use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
-use crate::spatial::{Twist, Wrench};
+use crate::spatial::{Twist, Vector3, Wrench};
 
 /// The arguments and the workspaces that constrained dynamics needs.
 struct Constraints<'a, S> {
@@ -19,6 +21,19 @@ struct Constraints<'a, S> {
     active: &'a [S],
     /// The workspaces.
     workspaces: (&'a mut Workspace<S>, &'a mut ConstraintWorkspace<S>),
+}
+
+/// The results of [`Interpreter::contact_step`].
+#[derive(Debug)]
+pub struct ContactStepOutputs<'a, S> {
+    /// The coordinates after the step.
+    pub q: &'a mut [S],
+    /// The velocities after the step.
+    pub qd: &'a mut [S],
+    /// The impulses of the contacts: for each, two in the plane, then the normal one.
+    pub impulses: &'a mut [S],
+    /// The largest velocity of a contact that contradicts the laws of contacts, m/s.
+    pub residual: &'a mut S,
 }
 
 /// Functions of closed loops and contacts: see
@@ -197,6 +212,43 @@ impl<S: Scalar> Interpreter<S> {
         let motion = (q, qd, tau, dt);
         constraints::contact_problem(mechanism, layout, motion, settings, workspaces, outputs);
         Ok(())
+    }
+
+    /// Computes a step of the time `dt` (s) on the ground under the joint forces `tau`, in a fixed number of sweeps over the contacts,
+    /// which start from `impulses`: see [`contact_step`](crate::Robot::contact_step). Allocates memory at each call.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn contact_step(
+        &mut self,
+        (q, qd, tau, dt): (&[S], &[S], &[S], S),
+        impulses: &[S],
+        settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
+        outputs: ContactStepOutputs<'_, S>,
+    ) -> Result<(), ShapeError> {
+        let (n, targets) = (self.model.nv(), settings.contacts.as_ref());
+        let (count, zero) = (self.model.contacts().len(), S::zero());
+        check("impulses", impulses, 3 * count)?;
+        check("outputs.impulses", outputs.impulses, 3 * count)?;
+        let vectors = || vec![Vector3::zero(); count];
+        let (mut heights, mut before, mut free) = (vec![zero; count], vectors(), vectors());
+        let mut mobility = vec![zero; 9 * count * count];
+        let mut responses = vec![zero; 3 * count * n];
+        let mut problem = ContactProblemOutputs {
+            qd: outputs.qd,
+            heights: &mut heights,
+            before: &mut before,
+            free: &mut free,
+            mobility: &mut mobility,
+            responses: &mut responses,
+        };
+        self.contact_problem((q, qd, tau, dt), settings, problem.reborrow())?;
+        outputs.impulses.copy_from_slice(impulses);
+        *outputs.residual =
+            constraints::sweep_contacts(&mut problem, dt, targets, outputs.impulses);
+        let moved: Vec<S> = problem.qd.iter().map(|&rate| rate * dt).collect();
+        self.integrate(q, &moved, outputs.q)
     }
 
     /// Computes the joint forces `tau` (N m or N) of the accelerations `qdd`, and the wrenches of the active

@@ -30,7 +30,7 @@ use crate::spatial::{Pose, Vector3};
 use inertias::Inertias;
 
 pub use constraint_hessians::ConstrainedHessianOutputs;
-pub use constraints::{ConstrainedDerivatives, ContactProblemOutputs};
+pub use constraints::{ConstrainedDerivatives, ContactProblemOutputs, ContactStepOutputs};
 pub use derivatives::ForwardDerivatives;
 pub use errors::{DecompositionError, FrameError, ModuleMismatch, ShapeError, UpdateError};
 pub use factorization::UduFactorization;

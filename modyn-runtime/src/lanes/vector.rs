@@ -231,11 +231,9 @@ macro_rules! vector {
                 // SAFETY: the processor has the instructions, see the module's header.
                 Self(unsafe { $select })
             }
-        }
 
-        impl crate::solve::Decide for $name {
             #[inline(always)]
-            fn all_nonnegative(self) -> bool {
+            fn is_known_nonnegative(self) -> bool {
                 let (numbers, mut all, mut i) = (self.numbers(), true, 0);
                 while i < $lanes {
                     all &= numbers[i] >= 0.0;
@@ -244,6 +242,8 @@ macro_rules! vector {
                 all
             }
         }
+
+        impl crate::solve::Decide for $name {}
     };
 }
 

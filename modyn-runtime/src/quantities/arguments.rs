@@ -32,6 +32,8 @@ pub enum ArgumentKind {
     Wrenches,
     /// A wrench for each constraint.
     ConstraintWrenches,
+    /// A vector for each contact.
+    ContactVectors,
     /// The set of active contacts.
     Contacts,
     /// The settings of constraints.
@@ -66,6 +68,7 @@ impl ArgumentKind {
             | Self::Time
             | Self::Number
             | Self::Numbers(_)
+            | Self::ContactVectors
             | Self::RandomNumbers
             | Self::Factors => BatchForm::Numbers,
             Self::Contacts => BatchForm::Sets,
@@ -87,6 +90,7 @@ impl Argument {
             ArgumentKind::Numbers(count) => Shape::vector(count),
             ArgumentKind::Wrenches => shapes::wrenches(sizes),
             ArgumentKind::ConstraintWrenches => shapes::constraint_wrenches(sizes),
+            ArgumentKind::ContactVectors => shapes::contact_vectors(sizes),
             ArgumentKind::Contacts => shapes::contacts(sizes),
             ArgumentKind::Settings => shapes::settings(sizes),
             ArgumentKind::Factors => Shape::vector(sizes.factors),

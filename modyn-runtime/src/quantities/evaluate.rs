@@ -8,8 +8,9 @@ use super::table;
 use crate::equations::Forces;
 use crate::equations::derivatives::CentroidalOutputs;
 use crate::interpreter::{
-    ConstrainedDerivatives, ConstrainedHessianOutputs, ContactProblemOutputs, ForwardDerivatives,
-    FrameError, HessianOutputs, Interpreter, ShapeError, StepHessianOutputs, StepOutputs,
+    ConstrainedDerivatives, ConstrainedHessianOutputs, ContactProblemOutputs, ContactStepOutputs,
+    ForwardDerivatives, FrameError, HessianOutputs, Interpreter, ShapeError, StepHessianOutputs,
+    StepOutputs,
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 use crate::{ConstraintSettings, ContactTarget, Scalar};

@@ -128,16 +128,21 @@ macro_rules! layouts {
                 Self::V<T>, Self::PerContact<T>, Self::PerContact<Vector3<T>>, Self::PerContact<Vector3<T>>,
                 Self::PerContactRow<Self::PerContactRow<T>>, Self::PerContactRow<Self::V<T>>
             >) |s| {
-                let (rows, vectors) = (3 * s.contacts, || Shape::vector3().array(s.contacts));
+                let rows = 3 * s.contacts;
                 let fields = vec![
                     ("qd", velocities(s)),
                     ("heights", Shape::vector(s.contacts)),
-                    ("before", vectors()),
-                    ("free", vectors()),
+                    ("before", contact_vectors(s)),
+                    ("free", contact_vectors(s)),
                     ("mobility", Shape::matrix(rows, rows)),
                     ("responses", velocities(s).columns(rows)),
                 ];
                 Shape::Record(Record::Each("ContactProblem"), fields)
+            };
+            contact_step (ContactStep<Self::Q<T>, Self::V<T>, Self::PerContact<Vector3<T>>, T>) |s| {
+                let state = [("q", coordinates(s)), ("qd", velocities(s))];
+                let contacts = [("impulses", contact_vectors(s)), ("residual", Shape::Scalar)];
+                Shape::Record(Record::Each("ContactStep"), [state, contacts].concat())
             };
             constrained_torques (ConstrainedInverseDynamics<Self::V<T>, Self::PerConstraint<Wrench<T>>, T>) |s| {
                 let wrenches = Shape::wrench().array(s.constraints);

@@ -252,6 +252,10 @@ pub mod shapes {
         Shape::wrench().array(s.constraints)
     }
 
+    pub fn contact_vectors(s: &Sizes) -> Shape {
+        Shape::vector3().array(s.contacts)
+    }
+
     pub fn contacts(s: &Sizes) -> Shape {
         Shape::Record(Record::Contacts, vec![("", Shape::vector(s.contacts))])
     }

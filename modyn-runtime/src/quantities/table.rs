@@ -45,6 +45,7 @@ macro_rules! arguments {
             from Coordinates,
             to Coordinates,
             forces Wrenches,
+            impulses ContactVectors,
             contacts Contacts,
             settings Settings,
             uniforms RandomNumbers,
@@ -412,6 +413,24 @@ macro_rules! quantities {
                         robot.contact_problem((q, qd, tau, dt[0]), &settings_of(settings), results)?;
                         write(&moving, before);
                         write(&falling, free);
+                    };
+
+            ContactStep contact_step / contact_step_with(q, qd, tau, dt, impulses, settings) -> contact_step, [constraints inertia],
+             "Returns the state after a step of the time `dt` (s) on the ground under the joint forces `tau`: contacts with Coulomb\n\
+             friction, which push and do not pull, at the planes of their targets. `impulses` are those of the last step, or zero:\n\
+             the solver starts from them. It sweeps six times over the contacts; `residual` says how well that sufficed. Of the\n\
+             targets, `pose`, the linear `velocity`, `beta`, `restitution`, `compliance` and `friction` count. Joints have no stops,\n\
+             and closed loops are not closed. In Rust and Python, `step_on_ground` also stops joints, and solves to a tolerance.",
+             "`{Self}` has no function `contact_step`",
+             batch ContactStepBatch "`{Self}` has no function `contact_step_batch`"
+             => |robot, [next, after, impulses_after, residual]| {
+                        let results = ContactStepOutputs {
+                            q: next,
+                            qd: after,
+                            impulses: impulses_after,
+                            residual: &mut residual[0],
+                        };
+                        robot.contact_step((q, qd, tau, dt[0]), impulses, &settings_of(settings), results)?;
                     };
 
             ConstrainedInverseDynamics constrained_inverse_dynamics / constrained_inverse_dynamics_with(q, qd, qdd, contacts, settings) -> constrained_torques, [constraints inertia],

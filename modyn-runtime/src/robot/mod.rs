@@ -17,10 +17,10 @@ use crate::results::{
     CentroidalMomentumDerivatives, ConstrainedForwardDynamics,
     ConstrainedForwardDynamicsDerivatives, ConstrainedForwardDynamicsHessian,
     ConstrainedInverseDynamics, ConstraintProjection, ConstraintResidual, ContactImpulse,
-    ContactProblem, DifferenceDerivatives, ForwardDynamicsDerivatives, ForwardDynamicsHessian,
-    ForwardDynamicsJvp, ForwardDynamicsVjp, GeneralizedForces, IntegrateDerivatives,
-    InverseDynamicsDerivatives, InverseDynamicsHessian, InverseDynamicsJvp, InverseDynamicsVjp,
-    OperationalInertia, Step, StepDerivatives, StepHessian,
+    ContactProblem, ContactStep, DifferenceDerivatives, ForwardDynamicsDerivatives,
+    ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp, GeneralizedForces,
+    IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian, InverseDynamicsJvp,
+    InverseDynamicsVjp, OperationalInertia, Step, StepDerivatives, StepHessian,
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 use functions::{declare_function, declare_functions, missing};

@@ -10,6 +10,7 @@ macro_rules! kind_type {
     (Time) => { T };
     (Wrenches) => { &Self::PerLink<Wrench<T>> };
     (ConstraintWrenches) => { &Self::PerConstraint<Wrench<T>> };
+    (ContactVectors) => { &Self::PerContact<Vector3<T>> };
     (Contacts) => { Self::Contacts };
     (Settings) => { &Settings<Self, T> };
     (RandomNumbers) => { impl FnMut() -> T };

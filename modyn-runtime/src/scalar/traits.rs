@@ -97,6 +97,14 @@ pub trait Scalar:
         false
     }
 
+    /// Returns true only if the number, or each number in lanes, is known not to be negative: then a loop leaves out work that has
+    /// no effect. Nothing is known of expressions.
+    #[doc(hidden)]
+    #[inline]
+    fn is_known_nonnegative(self) -> bool {
+        false
+    }
+
     /// Does `work` on vectors if the scalar has vector types.
     #[doc(hidden)]
     #[inline]

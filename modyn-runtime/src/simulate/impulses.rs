@@ -5,8 +5,12 @@
 //! Stops take part only if a joint would pass one, or if one acted in the last step.
 
 use crate::scalar::epsilon;
-use crate::solve::{Contact, ContactMode, Decide, Effort, GroundEquations, Residual, Row, Stop};
+use crate::solve::{
+    Contact, ContactMode, Decide, Effort, GroundEquations, Residual, Row, Stop, least_speed, soften,
+};
 use crate::{ContactTarget, Scalar};
+
+pub use crate::solve::velocity_range;
 
 /// The rounds after which all stops take part.
 const MAX_ROUNDS: usize = 4;
@@ -90,20 +94,6 @@ pub trait StepMemory<T> {
     fn ground_matrix(&self) -> Self::GroundMatrix;
     /// Returns the inverse of the mass matrix.
     fn inverse(&self) -> Self::Inverse;
-}
-
-/// Returns the range of the velocity after a step of `dt` seconds of a joint at the coordinate `at` within `limits`, rad or m;
-/// limits may be infinite.
-///
-/// A joint within its limits may reach them. A joint beyond a limit returns at `beta` (1/s) times its distance.
-#[inline(always)]
-#[must_use]
-pub fn velocity_range<T: Scalar>(at: T, limits: [f64; 2], beta: T, dt: T) -> [T; 2] {
-    let (below, above) = (T::from_f64(limits[0]) - at, T::from_f64(limits[1]) - at);
-    [
-        below * (-below).select_nonnegative(dt.recip(), return_rate(beta, dt)),
-        above * above.select_nonnegative(dt.recip(), return_rate(beta, dt)),
-    ]
 }
 
 /// Finds the impulses of a step from those of the last step, which are zero at first, and the velocities after it. Returns what is
@@ -292,15 +282,6 @@ fn copy_rows<T: Decide, A: Row<T>, B: Row<T>>(from: &[A], to: &mut [B]) {
     }
 }
 
-/// Adds the compliance of contacts along their normals.
-pub(super) fn soften<T: Decide, R: Row<T>>(targets: &[ContactTarget<T>], matrix: &mut [R]) {
-    for (c, target) in targets.iter().enumerate() {
-        let row = 3 * c + 2;
-        let entry = &mut matrix[row].as_mut()[row];
-        *entry = *entry + target.compliance;
-    }
-}
-
 /// Adds the responses to these impulses. Most contacts of a robot that moves have none.
 #[inline(always)]
 fn add_responses<T: Decide, V: Row<T>>(responses: &[V], impulses: &[T], velocities: &mut [T]) {
@@ -316,33 +297,4 @@ pub(super) fn add_scaled<T: Scalar>(velocities: &mut [T], impulse: T, response: 
     for (velocity, &by_unit) in velocities.iter_mut().zip(response) {
         *velocity = by_unit.mul_add(impulse, *velocity);
     }
-}
-
-/// Returns the speed per depth at which a step of `dt` seconds resolves a violation: `beta`, at most 1 / `dt`.
-#[inline(always)]
-fn return_rate<T: Scalar>(beta: T, dt: T) -> T {
-    let per_step = dt.recip();
-    (per_step - beta).select_nonnegative(beta, per_step)
-}
-
-/// Returns the least speed of a contact along its normal after a step, m/s.
-///
-/// `height` is the height above the ground before the step, m. `before` is the speed along the normal, and `free` the
-/// speed after the step without impulses, m/s; the step takes `dt` seconds. A contact above the ground may reach it. A contact in the
-/// ground leaves it at `beta` times its depth. A contact that would pass the ground leaves it with `restitution` times its speed,
-/// unless that is below 0.01 m/s.
-#[inline(always)]
-pub(super) fn least_speed<T: Scalar>(
-    [height, before, free, dt]: [T; 4],
-    beta: T,
-    restitution: T,
-) -> T {
-    let gain = height.select_nonnegative(dt.recip(), return_rate(beta, dt));
-    let least = -(height * gain);
-    let rebound = -(restitution * before);
-    let faster = rebound - least;
-    let bounced = faster.select_nonnegative(rebound, least);
-    let bounces = rebound - T::from_f64(0.01);
-    let bounced = bounces.select_nonnegative(bounced, least);
-    (least - free).select_nonnegative(bounced, least)
 }

@@ -18,6 +18,7 @@
 //! adds a small multiple of the change of p_t to u_t, which is zero at the solution.
 
 use super::decide::Decide;
+use crate::Scalar;
 use crate::scalar::epsilon;
 
 /// The Newton steps on the slip in one visit.
@@ -78,7 +79,7 @@ pub struct Contact<S> {
     slip: S,
 }
 
-impl<S: Decide> Contact<S> {
+impl<S: Scalar> Contact<S> {
     /// Returns a contact with this coefficient of friction.
     #[inline(always)]
     #[must_use]
@@ -127,12 +128,6 @@ impl<S: Decide> Contact<S> {
         [self.scale[0], self.block[5]]
     }
 
-    /// Returns whether the robot can move along the normal. Else the contact takes no part.
-    #[inline(always)]
-    pub(super) fn is_mobile(&self) -> bool {
-        !self.normal.all_at_most(S::zero())
-    }
-
     /// Returns the impulse that solves the equations of this contact, whose impulse is `p` and whose velocity is `u`.
     #[inline(always)]
     pub(super) fn solve(&mut self, p: [S; 3], u: [S; 3]) -> [S; 3] {
@@ -142,7 +137,7 @@ impl<S: Decide> Contact<S> {
         // Open, or without effect along the normal.
         let pushed = (-self.normal).select_nonnegative(zero, (-cn).max(zero));
         let open = -pushed;
-        if open.all_nonnegative() {
+        if open.is_known_nonnegative() {
             self.slip = zero;
             return [zero; 3];
         }
@@ -158,7 +153,7 @@ impl<S: Decide> Contact<S> {
         let sticks = pn.select_nonnegative(limit * limit - (px * px + py * py), pn);
         let stuck = [px, py, pn];
         let mut found = stuck;
-        if sticks.all_nonnegative() {
+        if sticks.is_known_nonnegative() {
             self.slip = zero;
         } else {
             let slid = self.slide([sx, sy], alone);
@@ -250,6 +245,14 @@ impl<S: Decide> Contact<S> {
         let worst = (along.abs() * self.block[5]).max(across);
         (-self.normal).select_nonnegative(zero, worst)
     }
+}
+
+impl<S: Decide> Contact<S> {
+    /// Returns whether the robot can move along the normal. Else the contact takes no part.
+    #[inline(always)]
+    pub(super) fn is_mobile(&self) -> bool {
+        !self.normal.all_at_most(S::zero())
+    }
 
     /// Returns the law that a contact with impulse `p` and velocity `u` has to satisfy.
     #[inline(always)]
@@ -297,12 +300,12 @@ impl<S: Decide> Contact<S> {
 }
 
 #[inline(always)]
-fn norm<S: Decide>([x, y]: [S; 2]) -> S {
+fn norm<S: Scalar>([x, y]: [S; 2]) -> S {
     (x * x + y * y).sqrt()
 }
 
 /// Returns the part of a mobility that counts as none.
 #[inline(always)]
-fn floor<S: Decide>() -> S {
+fn floor<S: Scalar>() -> S {
     S::from_f64(1e-10).max(S::from_f64(16.0) * epsilon())
 }

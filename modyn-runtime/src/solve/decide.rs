@@ -7,11 +7,14 @@ use crate::Scalar;
 /// Equations do not branch on values; the number of iterations of a solver may depend on them.
 pub trait Decide: Scalar {
     /// Returns whether the number is not negative; in lanes, whether none of the numbers is. It is false for NaN.
+    #[inline(always)]
     #[must_use]
-    fn all_nonnegative(self) -> bool;
+    fn all_nonnegative(self) -> bool {
+        self.is_known_nonnegative()
+    }
 
     /// Returns whether the number is at most `other`; in lanes, whether all numbers are.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     fn all_at_most(self, other: Self) -> bool {
         (other - self).all_nonnegative()
@@ -21,11 +24,6 @@ pub trait Decide: Scalar {
 macro_rules! decide {
     ($($float:ty)*) => {
         $(impl Decide for $float {
-            #[inline]
-            fn all_nonnegative(self) -> bool {
-                self >= 0.0
-            }
-
             #[inline]
             fn all_at_most(self, other: Self) -> bool {
                 self <= other

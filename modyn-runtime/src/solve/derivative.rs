@@ -89,7 +89,7 @@ impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
     /// Returns J for the active rows, and the velocities of the impulses.
     fn linear<'m>(&mut self, p: &R, matrix: &'m mut [R]) -> (Steps<'m, S, R>, R) {
         self.prepare();
-        let u = self.velocities(p);
+        let u = self.velocities(p.as_ref());
         let (right, active) = (zeros(p), zeros(p));
         let mut steps = Steps { matrix, right, active, eps: least_eps() };
         self.linearize(p.as_ref(), u.as_ref(), &mut steps);

@@ -2,6 +2,7 @@
 
 use super::contact::Contact;
 use super::decide::Decide;
+use crate::Scalar;
 
 /// Numbers with an entry for each row of a problem, or more: an array or a vector.
 pub trait Row<S>: Clone + AsRef<[S]> + AsMut<[S]> {}
@@ -17,7 +18,7 @@ pub struct Stop<S> {
     pub(super) mobility: S,
 }
 
-impl<S: Decide> Stop<S> {
+impl<S: Scalar> Stop<S> {
     /// Returns a stop with this range of velocities.
     #[inline(always)]
     #[must_use]
@@ -34,6 +35,14 @@ impl<S: Decide> Stop<S> {
         up.select_nonnegative(up, S::zero()) + (-down).select_nonnegative(down, S::zero())
     }
 
+    /// Returns the velocity that contradicts the law of a stop: zero at the solution.
+    #[inline(always)]
+    pub(super) fn residual(&self, p: S, u: S) -> S {
+        (self.solve(p, u) - p).abs() * self.mobility
+    }
+}
+
+impl<S: Decide> Stop<S> {
     /// Returns the velocity that is missing to the limit which acts; `None` if none acts.
     #[inline(always)]
     pub(super) fn missing(&self, p: S, u: S) -> Option<S> {
@@ -46,12 +55,6 @@ impl<S: Decide> Stop<S> {
         } else {
             None
         }
-    }
-
-    /// Returns the velocity that contradicts the law of a stop: zero at the solution.
-    #[inline(always)]
-    pub(super) fn residual(&self, p: S, u: S) -> S {
-        (self.solve(p, u) - p).abs() * self.mobility
     }
 }
 
@@ -90,7 +93,7 @@ pub struct GroundEquations<'a, S, R> {
     pub stops: &'a mut [Stop<S>],
 }
 
-impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
+impl<S: Scalar, R: Row<S>> GroundEquations<'_, S, R> {
     /// Returns the number of rows.
     #[inline(always)]
     #[must_use]
@@ -100,49 +103,15 @@ impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
 
     /// Returns the velocities of these impulses.
     #[inline(always)]
-    pub(super) fn velocities(&self, p: &R) -> R {
+    pub(super) fn velocities(&self, p: &[S]) -> R {
         let mut velocities = self.b.clone();
         let u = velocities.as_mut();
-        for (&p, row) in p.as_ref()[..self.rows()].iter().zip(self.a) {
+        for (&p, row) in p[..self.rows()].iter().zip(self.a) {
             for (u, &a) in u.iter_mut().zip(row.as_ref()) {
                 *u = a.mul_add(p, *u);
             }
         }
         velocities
-    }
-
-    /// Solves the equations from the impulses `p` on, in sweeps and, where these do not suffice, by Newton steps. `matrix` returns
-    /// memory with as many rows as `a`. Returns what is still wrong, m/s and rad/s, and the work.
-    ///
-    /// There are at most `most.sweeps` sweeps, with stops at most one, since stops are coupled strongly. Neither method allocates.
-    /// The scalar must be a single number.
-    #[inline(always)]
-    pub fn solve<M: AsMut<[R]>>(
-        &mut self,
-        p: &mut R,
-        matrix: impl FnOnce() -> M,
-        (most, tolerance): (Effort, S),
-    ) -> (Residual<S>, Effort) {
-        self.prepare();
-        let mut u = self.velocities(p);
-        let sweeps = if self.stops.is_empty() { most.sweeps } else { most.sweeps.min(1) };
-        let (sweeps, change) = self.sweep(p.as_mut(), u.as_mut(), (sweeps, tolerance));
-        let mut newton = 0;
-        if !change.all_at_most(tolerance) && most.newton > 0 {
-            newton = self.newton(p, &mut u, matrix().as_mut(), (most.newton, tolerance));
-        }
-        (self.residual(p.as_ref(), u.as_ref()), Effort { sweeps, newton })
-    }
-
-    /// Sweeps from the impulses `p` on, in lanes: without stops and without Newton steps. Returns the velocities that are wrong at
-    /// contacts in each lane.
-    #[cfg(feature = "alloc")]
-    #[inline(always)]
-    pub(crate) fn sweep_lanes(&mut self, p: &mut R, (most, tolerance): (usize, S)) -> S {
-        self.prepare();
-        let mut u = self.velocities(p);
-        self.sweep(p.as_mut(), u.as_mut(), (most, tolerance));
-        self.residual(p.as_ref(), u.as_ref()).contacts
     }
 
     /// Sets the blocks of contacts and the mobilities of stops.
@@ -160,9 +129,21 @@ impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
         }
     }
 
+    /// Sweeps this many times over all contacts from the impulses `p` on. Returns the largest velocity that is wrong at contacts.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn sweep_times(&mut self, p: &mut [S], times: usize) -> S {
+        self.prepare();
+        let mut velocities = self.velocities(p);
+        let u = velocities.as_mut();
+        for _ in 0..times {
+            self.sweep_once(p, u);
+        }
+        self.residual(p, u).contacts
+    }
+
     /// Returns what is wrong with the impulses `p`, whose velocities are `u`.
     #[inline(always)]
-    fn residual(&self, p: &[S], u: &[S]) -> Residual<S> {
+    pub(super) fn residual(&self, p: &[S], u: &[S]) -> Residual<S> {
         // No closures: they would not be compiled for the instructions of lanes.
         let mut worst = Residual { contacts: S::zero(), stops: S::zero() };
         for (c, contact) in self.contacts.iter().enumerate() {
@@ -180,5 +161,41 @@ impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
             sound = sound + p * S::zero();
         }
         Residual { contacts: worst.contacts + sound, stops: worst.stops + sound }
+    }
+}
+
+impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
+    /// Solves the equations from the impulses `p` on, in sweeps and, where these do not suffice, by Newton steps. `matrix` returns
+    /// memory with as many rows as `a`. Returns what is still wrong, m/s and rad/s, and the work.
+    ///
+    /// There are at most `most.sweeps` sweeps, with stops at most one, since stops are coupled strongly. Neither method allocates.
+    /// The scalar must be a single number.
+    #[inline(always)]
+    pub fn solve<M: AsMut<[R]>>(
+        &mut self,
+        p: &mut R,
+        matrix: impl FnOnce() -> M,
+        (most, tolerance): (Effort, S),
+    ) -> (Residual<S>, Effort) {
+        self.prepare();
+        let mut u = self.velocities(p.as_ref());
+        let sweeps = if self.stops.is_empty() { most.sweeps } else { most.sweeps.min(1) };
+        let (sweeps, change) = self.sweep(p.as_mut(), u.as_mut(), (sweeps, tolerance));
+        let mut newton = 0;
+        if !change.all_at_most(tolerance) && most.newton > 0 {
+            newton = self.newton(p, &mut u, matrix().as_mut(), (most.newton, tolerance));
+        }
+        (self.residual(p.as_ref(), u.as_ref()), Effort { sweeps, newton })
+    }
+
+    /// Sweeps from the impulses `p` on, in lanes: without stops and without Newton steps. Returns the velocities that are wrong at
+    /// contacts in each lane.
+    #[cfg(feature = "alloc")]
+    #[inline(always)]
+    pub(crate) fn sweep_lanes(&mut self, p: &mut R, (most, tolerance): (usize, S)) -> S {
+        self.prepare();
+        let mut u = self.velocities(p.as_ref());
+        self.sweep(p.as_mut(), u.as_mut(), (most, tolerance));
+        self.residual(p.as_ref(), u.as_ref()).contacts
     }
 }

@@ -7,6 +7,7 @@
 //! | file | content |
 //! |---|---|
 //! | `decide` | the trait of numbers on which a loop can decide to end |
+//! | `laws` | the velocities that the ground and joint stops allow |
 //! | `contact` | one contact with friction: its exact solution, and its residual |
 //! | `sweeps` | all contacts and joint stops one after another |
 //! | `newton` | damped Newton steps for all of them, where sweeps do not suffice |
@@ -17,12 +18,15 @@ mod contact;
 mod decide;
 mod derivative;
 mod ground;
+mod laws;
 mod newton;
 mod sweeps;
 
 pub use contact::{Contact, ContactMode};
 pub use decide::Decide;
 pub use ground::{Effort, GroundEquations, Residual, Row, Stop};
+pub use laws::velocity_range;
+pub(crate) use laws::{least_speed, soften};
 
 #[cfg(test)]
 mod tests;

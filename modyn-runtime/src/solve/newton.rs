@@ -121,7 +121,7 @@ impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
             last = (p.clone(), u.clone());
             steps.clear(p.as_mut(), self.rows());
             steps.eliminate(p.as_mut(), self.rows());
-            *u = self.velocities(p);
+            *u = self.velocities(p.as_ref());
         }
     }
 

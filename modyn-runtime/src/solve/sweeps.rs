@@ -6,6 +6,7 @@
 
 use super::decide::Decide;
 use super::ground::{GroundEquations, Row};
+use crate::Scalar;
 
 impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
     /// Sweeps until a sweep changes velocities by less than `tolerance`, until it makes little progress, or `most` times. Returns the
@@ -28,16 +29,18 @@ impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
         }
         (most, last)
     }
+}
 
+impl<S: Scalar, R: Row<S>> GroundEquations<'_, S, R> {
     /// Visits each stop and each contact once. Returns the largest change of a velocity.
     #[inline(always)]
-    fn sweep_once(&mut self, p: &mut [S], u: &mut [S]) -> S {
+    pub(super) fn sweep_once(&mut self, p: &mut [S], u: &mut [S]) -> S {
         let mut change = S::zero();
         let first = 3 * self.contacts.len();
         for (k, stop) in self.stops.iter().enumerate() {
             let row = first + k;
             let step = stop.solve(p[row], u[row]) - p[row];
-            if (-step.abs()).all_nonnegative() {
+            if (-step.abs()).is_known_nonnegative() {
                 continue;
             }
             change = change.max(step.abs() * stop.mobility);
@@ -54,7 +57,7 @@ impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
             let [across, along] = contact.mobilities();
             let moved = step[0].abs().max(step[1].abs()) * across;
             let moved = moved.max(step[2].abs() * along);
-            if (-moved).all_nonnegative() {
+            if (-moved).is_known_nonnegative() {
                 continue;
             }
             change = change.max(moved);

@@ -29,6 +29,7 @@ fn length(n: usize) -> String {
         (10 * SIZES.moving, "10 moving links"),
         (SIZES.constraints, "constraints"),
         (SIZES.contacts, "contacts"),
+        (3 * SIZES.contacts, "3 contacts"),
         (SIZES.constraint_rows, "constraint rows"),
     ];
     let named = sizes.iter().find(|(size, _)| *size == n);

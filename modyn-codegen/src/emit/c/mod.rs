@@ -6,6 +6,7 @@
 
 mod function;
 mod recursion;
+mod rollout;
 mod support;
 
 use std::collections::BTreeSet;
@@ -56,6 +57,8 @@ struct Item<'a> {
     programs: Programs<'a>,
     /// Whether run-time parameters are the function's last argument.
     with_parameters: bool,
+    /// The name of the function that calls this function, a time step, in a loop.
+    rollout: Option<String>,
 }
 
 impl Item<'_> {
@@ -140,6 +143,9 @@ impl Printer {
         }
         for item in items {
             self.item(&item, &plan.frames);
+            if let Some(name) = &item.rollout {
+                self.rollout(name, &item, [plan.sizes.nq, plan.sizes.nv]);
+            }
         }
         let header = self.header_file(model, "");
         let source = format!(
@@ -416,6 +422,7 @@ fn items<'a>(plan: &'a Plan, prefix: &str) -> Vec<Item<'a>> {
             result: &planned.result,
             programs,
             with_parameters,
+            rollout: planned.rollout().map(|name| format!("{prefix}_{name}")),
         });
     }
     for function in &plan.factorization {
@@ -426,6 +433,7 @@ fn items<'a>(plan: &'a Plan, prefix: &str) -> Vec<Item<'a>> {
             result: &function.result,
             programs: Programs::One(&function.program),
             with_parameters: false,
+            rollout: None,
         });
     }
     items

@@ -25,16 +25,16 @@ const SETTINGS: [usize; 2] = [ConstraintSettings::<f64>::COUNT, ContactTarget::<
 /// The places of the ground's normal in the settings of a contact: the third column of a rotation by rows.
 const NORMAL: [usize; 3] = [2, 5, 8];
 
+/// Returns the number of settings of a robot with this number of contacts.
+pub(super) fn settings_count(contacts: usize) -> usize {
+    SETTINGS[0] + SETTINGS[1] * contacts
+}
+
 /// The numbers of a wrench, and the place of its force.
 const WRENCH: usize = 6;
 const FORCE: usize = 3;
 
 impl ConstrainedStep<'_> {
-    /// Returns the number of settings.
-    pub fn settings(&self) -> usize {
-        SETTINGS[0] + SETTINGS[1] * self.contacts
-    }
-
     /// Returns the lines that change `q` and `qd` by a step under the joint forces `forces`. The user's function `contacts`
     /// has the arguments `user`; `parameters` are the further arguments of constrained forward dynamics.
     pub fn lines(

@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::constrained::ConstrainedStep;
+use super::constrained::{ConstrainedStep, settings_count};
 use super::{Dialect, GpuKernel, GpuLanguage, Kernel, Storage, dialect, function, head, kernels};
 use crate::emit::PlannedRobot;
 use crate::plan::{Function, Plan};
@@ -121,7 +121,7 @@ pub struct GpuRollout {
     /// The name of the entry point.
     pub name: String,
     /// The name of the function of a time step; `constrained_forward_dynamics` for a semi-implicit Euler step that closes the
-    /// loops and holds contacts.
+    /// loops and holds contacts. `contact_step` starts from zero impulses, then from those of the step before.
     pub step: &'static str,
     /// The number of statements of a time step, without those of the user's functions.
     pub statements: usize,
@@ -158,7 +158,19 @@ pub(in crate::emit) fn print(
     let has_functions =
         options.cost.is_some() || options.forces.is_some() || options.contacts.is_some();
     let constrained = constrained_step(&kernels, plan, options);
-    let settings = constrained.as_ref().map_or(0, ConstrainedStep::settings);
+    let of_table = plan.functions.iter().filter_map(|planned| {
+        let kernel = kernels.iter().find(|kernel| kernel.description.function == planned.name)?;
+        Some((&kernel.description, planned.rollout()?))
+    });
+    let contacts = sizes.contacts;
+    let steps =
+        of_table.map(|(step, rollout)| match step.function == Function::ContactStep.name() {
+            true => Step::Ground { step, contacts, rollout },
+            false => Step::Free { step, rollout },
+        });
+    let steps: Vec<Step<'_>> = steps.chain(constrained.map(Step::Constrained)).collect();
+    let has_settings = steps.iter().any(|step| step.contacts().is_some());
+    let settings = if has_settings { settings_count(contacts) } else { 0 };
     let optional = [
         (RolloutBuffer::StartQ, true),
         (RolloutBuffer::StartQd, true),
@@ -175,13 +187,9 @@ pub(in crate::emit) fn print(
     let shared = dialect.shared_buffers().iter().filter(|buffer| buffers.contains(buffer));
     let shared: Vec<String> = shared.map(|buffer| dialect.buffer(*buffer)).collect();
     let (mut rollouts, mut loops) = (Vec::new(), String::new());
-    let steps_of_table: Vec<&str> =
-        plan.functions.iter().filter(|planned| planned.is_step()).map(|step| step.name).collect();
-    let steps = kernels.iter().map(|kernel| &kernel.description);
-    let steps = steps.filter(|kernel| steps_of_table.contains(&kernel.function)).map(Step::Free);
-    for step in steps.chain(constrained.map(Step::Constrained)) {
+    for step in &steps {
         let name = format!("{prefix}_{}", step.rollout());
-        let body = body(&*dialect, &step, (sizes.nq, sizes.nv, controls), options, &shared);
+        let body = body(&*dialect, step, (sizes.nq, sizes.nv, controls), options, &shared);
         let rollout = Rollout { prefix, name: &name, docs: &docs(options), buffers: &buffers };
         loops += &dialect.rollout_kernel(&rollout, &body);
         rollouts.push(GpuRollout { name, step: step.function(), statements: step.statements() });
@@ -213,30 +221,41 @@ pub(in crate::emit) fn print(
 /// The way a kernel computes the state after a time step.
 enum Step<'a> {
     /// By a function of the table.
-    Free(&'a GpuKernel),
+    Free { step: &'a GpuKernel, rollout: String },
     /// By a semi-implicit Euler step with constrained accelerations.
     Constrained(ConstrainedStep<'a>),
+    /// By a step with contacts that slide and leave the ground, whose impulses the next step starts from.
+    Ground { step: &'a GpuKernel, contacts: usize, rollout: String },
 }
 
 impl Step<'_> {
     /// Returns the name of the kernel without the robot's.
-    fn rollout(&self) -> String {
+    fn rollout(&self) -> &str {
         match self {
-            Self::Free(step) => step.function.replacen("step", "rollout", 1),
-            Self::Constrained(_) => "rollout_constrained".into(),
+            Self::Free { rollout, .. } | Self::Ground { rollout, .. } => rollout,
+            Self::Constrained(_) => "rollout_constrained",
+        }
+    }
+
+    /// Returns the number of contacts of a step with settings.
+    fn contacts(&self) -> Option<usize> {
+        match self {
+            Self::Free { .. } => None,
+            Self::Constrained(step) => Some(step.contacts),
+            Self::Ground { contacts, .. } => Some(*contacts),
         }
     }
 
     fn function(&self) -> &'static str {
         match self {
-            Self::Free(step) => step.function,
+            Self::Free { step, .. } | Self::Ground { step, .. } => step.function,
             Self::Constrained(step) => step.dynamics.function,
         }
     }
 
     fn statements(&self) -> usize {
         match self {
-            Self::Free(step) => step.statements,
+            Self::Free { step, .. } | Self::Ground { step, .. } => step.statements,
             Self::Constrained(step) => step.dynamics.statements + step.integrate.statements,
         }
     }
@@ -299,9 +318,13 @@ fn body(
     if options.cost.is_some() {
         let _ = writeln!(text, "    {}", dialect.zero("sum"));
     }
-    if let Step::Constrained(step) = step {
-        let settings = dialect.shared_array(RolloutBuffer::Settings, step.settings());
+    if let Some(contacts) = step.contacts() {
+        let settings = dialect.shared_array(RolloutBuffer::Settings, settings_count(contacts));
         text.extend(settings.map(|line| format!("    {line}\n")));
+    }
+    if let Step::Ground { contacts, .. } = step {
+        let zeros = vec![dialect.literal(0.0); 3 * contacts];
+        let _ = writeln!(text, "    {}", dialect.array("impulses", &zeros));
     }
     let _ = writeln!(text, "    {}", dialect.counting("step", "steps"));
     let mut line = |line: String| {
@@ -320,11 +343,19 @@ fn body(
     };
     let state = |j: usize| if j < nq { format!("q[{j}]") } else { format!("qd[{}]", j - nq) };
     match step {
-        Step::Free(step) => {
+        Step::Free { step, .. } => {
             let of_step = ["q", "qd", forces, "dt"].map(String::from).into_iter();
             let of_step: Vec<String> = of_step.chain(passed(step)).collect();
             line(dialect.call_into("next", nq + nv, &step.name, &of_step));
             (0..nq + nv).for_each(|j| line(format!("{} = next[{j}];", state(j))));
+        }
+        Step::Ground { step, contacts, .. } => {
+            let of_step = ["q", "qd", forces, "dt", "impulses", "settings"].map(String::from);
+            let of_step: Vec<String> = of_step.into_iter().chain(passed(step)).collect();
+            line(dialect.call_into("next", step.result, &step.name, &of_step));
+            (0..nq + nv).for_each(|j| line(format!("{} = next[{j}];", state(j))));
+            let first = nq + nv;
+            (0..3 * contacts).for_each(|j| line(format!("impulses[{j}] = next[{}];", first + j)));
         }
         Step::Constrained(step) => {
             let (user, passed) = (arguments(&["q", "qd", "u", "step"]), passed(step.dynamics));

@@ -31,6 +31,14 @@ pub struct ContactProblemOutputs<'a, S> {
     pub responses: &'a mut [S],
 }
 
+impl<S> ContactProblemOutputs<'_, S> {
+    /// Returns the results for a call.
+    pub fn reborrow(&mut self) -> ContactProblemOutputs<'_, S> {
+        let Self { qd, heights, before, free, mobility, responses } = self;
+        ContactProblemOutputs { qd, heights, before, free, mobility, responses }
+    }
+}
+
 /// Computes what a step of the time `dt` under the joint forces `tau` needs to find the impulses of its contacts: the motion
 /// without them, and the effects of unit impulses on the velocities and on each other. Closed loops are not closed.
 ///

@@ -14,6 +14,7 @@
 //! | `loop_derivatives` | the part of loop constraints in the derivatives |
 //! | `impulse` | velocities after an impact, and the impulses |
 //! | `contact_problem` | the velocities of a step without impulses, J M^-1 J^T and M^-1 J^T of the contacts' points |
+//! | `contact_step` | the impulses of a step on the ground, in a fixed number of sweeps |
 //! | `inverse_dynamics` | joint forces of accelerations, and the contact wrenches that carry a floating base |
 //! | `jacobian` | the Jacobian and the bias acceleration |
 //! | `operational_inertia` | J M^-1 J^T and its pseudo-inverse |
@@ -47,6 +48,7 @@
 mod adjoint;
 mod contact;
 mod contact_problem;
+mod contact_step;
 mod derivative_terms;
 mod derivatives;
 mod factorization;
@@ -64,8 +66,9 @@ mod residual;
 mod rows;
 
 pub use {
-    adjoint::*, contact_problem::*, derivatives::*, forward_dynamics::*, impulse::*,
-    inverse_dynamics::*, jacobian::*, operational_inertia::*, projection::*, residual::*,
+    adjoint::*, contact_problem::*, contact_step::*, derivatives::*, forward_dynamics::*,
+    impulse::*, inverse_dynamics::*, jacobian::*, operational_inertia::*, projection::*,
+    residual::*,
 };
 
 use alloc::{vec, vec::Vec};

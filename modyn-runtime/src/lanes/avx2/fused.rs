@@ -52,12 +52,7 @@ macro_rules! fused {
             }
         }
 
-        impl crate::solve::Decide for $name {
-            #[inline(always)]
-            fn all_nonnegative(self) -> bool {
-                self.0 >= 0.0
-            }
-        }
+        impl crate::solve::Decide for $name {}
 
         impl SingleLane for $name {
             #[inline(always)]
@@ -161,6 +156,11 @@ macro_rules! fused {
             #[inline(always)]
             fn select_nonnegative(self, then: Self, otherwise: Self) -> Self {
                 if self.0 >= 0.0 { then } else { otherwise }
+            }
+
+            #[inline(always)]
+            fn is_known_nonnegative(self) -> bool {
+                self.0 >= 0.0
             }
         }
     };

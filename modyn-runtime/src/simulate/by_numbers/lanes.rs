@@ -3,8 +3,7 @@
 use super::{BETA, BETA_OF_STOPS, COMPLIANCE, FRICTION, GroundRobot, RESTITUTION};
 use crate::lanes::{BatchTask, Float, Lanes, MAX_LANES};
 use crate::simulate::Ground;
-use crate::simulate::impulses::{least_speed, velocity_range};
-use crate::solve::{Contact, GroundEquations};
+use crate::solve::{Contact, GroundEquations, least_speed, velocity_range};
 
 /// What the steps of several states depend on, a state in each lane: each slice has a row of lanes for each number.
 #[derive(Clone, Copy, Debug)]
