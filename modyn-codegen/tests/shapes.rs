@@ -204,3 +204,136 @@ fn shapes_that_cannot_be_read_are_notes() {
         assert_eq!(only(&found).len(), 5);
     }
 }
+
+/// The vertices and the faces of a mesh.
+type Surface = (Vec<[f64; 3]>, Vec<[usize; 3]>);
+
+/// Returns the surface of a COLLADA file.
+fn collada(dae: &str) -> Option<Surface> {
+    let text = r#"<robot name="r"><link name="a"/>
+  <joint name="j" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 1 0"/></joint>
+  <link name="b"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+    <visual><geometry><mesh filename="part.dae" scale="1 1 2"/></geometry></visual></link></robot>"#;
+    let files = modyn_codegen::FileStore::in_memory([("part.dae".into(), dae.as_bytes().to_vec())]);
+    let folder = Some("".into());
+    let options = ReadOptions { folder, files, shapes: true, ..ReadOptions::default() };
+    let shapes = read(text, "r.urdf", &options).expect("read").shapes;
+    let shape = shapes.of_frames.iter().flatten().next()?;
+    let Geometry::Mesh(mesh) = &shape.geometry else { panic!("{shape:?}") };
+    Some((mesh.vertices.clone(), mesh.faces.clone()))
+}
+
+/// Returns six times the signed volume inside of triangles.
+fn volume(vertices: &[[f64; 3]], faces: &[[usize; 3]]) -> f64 {
+    let determinant = |face: &[usize; 3]| {
+        let [a, b, c] = face.map(|i| vertices[i]);
+        (0..3).map(move |i| {
+            let (k, l) = ((i + 1) % 3, (i + 2) % 3);
+            a[i] * (b[k] * c[l] - b[l] * c[k])
+        })
+    };
+    faces.iter().flat_map(determinant).sum()
+}
+
+/// A tetrahedron of triangles and a box of quadrangles under transforms of nodes, one of which is a mirror, in tenths of a metre.
+#[test]
+fn collada_has_its_axes_unit_and_nodes() {
+    let list = |points: &[[f64; 3]]| {
+        let words: Vec<String> = points.as_flattened().iter().map(ToString::to_string).collect();
+        words.join(" ")
+    };
+    let source = |name: &str, points: &[[f64; 3]]| {
+        format!(
+            "<source id=\"{name}\"><float_array id=\"{name}-a\" count=\"{}\">{}</float_array><technique_common>\
+             <accessor source=\"#{name}-a\" count=\"{}\" stride=\"3\"/></technique_common></source>\
+             <vertices id=\"{name}-v\"><input semantic=\"POSITION\" source=\"#{name}\"/></vertices>",
+            3 * points.len(),
+            list(points),
+            points.len()
+        )
+    };
+    let corners: Vec<[f64; 3]> = (0..8)
+        .map(|i| [f64::from(i & 1), 2.0 * f64::from(i >> 1 & 1), 3.0 * f64::from(i >> 2)])
+        .collect();
+    // Corners have a normal before the vertex.
+    let triangles: Vec<String> =
+        FACES.iter().flatten().map(|corner| format!("7 {corner}")).collect();
+    let dae = |up: &str, pieces: &str| {
+        format!(
+            "<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\">\
+             <asset><unit name=\"decimeter\" meter=\"0.1\"/><up_axis>{up}</up_axis></asset>\
+             <library_geometries><geometry id=\"tetra\"><mesh>{}<triangles count=\"4\"><input semantic=\"NORMAL\" offset=\"0\" source=\"#n\"/>\
+             <input semantic=\"VERTEX\" offset=\"1\" source=\"#t-v\"/><p>{}</p></triangles></mesh></geometry>\
+             <geometry id=\"box\"><mesh>{}<polylist count=\"6\"><input semantic=\"VERTEX\" offset=\"0\" source=\"#b-v\"/>\
+             <vcount>4 4 4 4 4 4</vcount><p>0 2 3 1 4 5 7 6 0 1 5 4 2 6 7 3 0 4 6 2 1 3 7 5</p></polylist></mesh></geometry></library_geometries>\
+             <library_nodes><node id=\"inner\"><matrix>1 0 0 10 0 1 0 0 0 0 1 0 0 0 0 1</matrix><instance_geometry url=\"#tetra\"/></node></library_nodes>\
+             <library_visual_scenes><visual_scene id=\"s\">{pieces}</visual_scene></library_visual_scenes>\
+             <scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>",
+            source("t", &CORNERS),
+            triangles.join(" "),
+            source("b", &corners)
+        )
+    };
+    let mirrored = "<node><translate>1 2 3</translate><rotate>1 1 1 120</rotate><scale>2 1 -1</scale><instance_node url=\"#inner\"/></node>";
+    let (vertices, faces) = collada(&dae("Y_UP", mirrored)).expect("a mesh");
+    // The third of a turn permutes the axes. The URDF doubles z.
+    let expected = CORNERS.map(|[x, y, z]| {
+        let [x, y, z] =
+            [1.0 - z, 2.0 + 2.0 * (x + 10.0), 3.0 + y].map(|length: f64| -> f64 { length / 10.0 });
+        [x, -z, 2.0 * y]
+    });
+    for (found, expected) in vertices.iter().zip(expected) {
+        assert!(
+            found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12),
+            "{found:?} {expected:?}"
+        );
+    }
+    let tetra = 0.1 * 0.2 * 0.3;
+    assert!((volume(&vertices, &faces) - 2.0 * 2.0 * tetra / 1000.0).abs() < 1e-12);
+    // A rotation in general position keeps the volume; the diagonal of the box keeps its length before the doubling.
+    let tilted = "<node><rotate>0.48 0.6 0.64 50</rotate><node><rotate>0 0 2 -20</rotate><instance_geometry url=\"#box\"/></node></node>";
+    for up in ["X_UP", "Y_UP", "Z_UP"] {
+        let (vertices, faces) = collada(&dae(up, tilted)).expect("a mesh");
+        assert_eq!((vertices.len(), faces.len()), (8, 12));
+        assert!((volume(&vertices, &faces) - 2.0 * 6.0 * 6.0 / 1000.0).abs() < 1e-12, "{up}");
+        let diagonal: f64 = [1.0, 1.0, 0.5]
+            .iter()
+            .zip(0..)
+            .map(|(s, k)| (s * (vertices[7][k] - vertices[0][k])).powi(2))
+            .sum();
+        assert!((diagonal - (1.0 + 4.0 + 9.0) / 100.0).abs() < 1e-12, "{up}");
+    }
+    // The axes to the right and upwards become x and z.
+    for (up, right, upwards) in
+        [("X_UP", "0 -1 0", "1 0 0"), ("Y_UP", "1 0 0", "0 1 0"), ("Z_UP", "1 0 0", "0 0 1")]
+    {
+        for (way, expected) in [(right, [0.1, 0.0, 0.0]), (upwards, [0.0, 0.0, 0.2])] {
+            let moved = format!(
+                "<node><translate>{way}</translate><instance_geometry url=\"#box\"/></node>"
+            );
+            let (vertices, _) = collada(&dae(up, &moved)).expect("a mesh");
+            assert!(
+                vertices[0].iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-15),
+                "{up} {way}: {:?}",
+                vertices[0]
+            );
+        }
+    }
+    // Files that are not sound are left out, and nodes that contain themselves end.
+    let sound = dae("Y_UP", mirrored);
+    for (from, to) in [
+        ("#inner", "#outer"),
+        ("7 3", "7 4"),
+        ("meter=\"0.1\"", "meter=\"x\""),
+        ("Y_UP", "W_UP"),
+        (
+            "<instance_geometry url=\"#tetra\"/>",
+            "<instance_node url=\"#inner\"/><instance_node url=\"#inner\"/>",
+        ),
+        ("</scene>", ""),
+        ("120", "a"),
+    ] {
+        assert!(sound.contains(from), "{from}");
+        assert_eq!(collada(&sound.replace(from, to)), None, "{from} {to}");
+    }
+}

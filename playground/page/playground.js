@@ -341,7 +341,7 @@ async function startMotion() {
     page.paused = false;
     let last = performance.now(), cost = 0.0005;
     while (page.motion === motion) {
-      const start = performance.now(), wanted = Math.min((start - last) / 1000, 0.1);
+      const start = performance.now(), elapsed = (start - last) / 1000, wanted = Math.min(elapsed, 0.1);
       last = start;
       const dt = cost > 0.6 * STEP ? LONG_STEP : STEP;
       // No more steps than a picture's time allows: a large robot moves slowly rather than by jumps.
@@ -350,7 +350,7 @@ async function startMotion() {
       if (page.motion !== motion) return;
       cost = 0.8 * cost + 0.2 * (performance.now() - start) / 1000 / steps;
       page.viewer.setState(shown, q, forces);
-      const rate = wanted > 0 ? steps * dt / wanted : 1;
+      const rate = elapsed > 0.002 ? steps * dt / elapsed : 1;
       element("clock").textContent = `${time.toFixed(2)} s${rate < 0.9 ? ` (${rate.toFixed(2)} of real time)` : ""}`;
       await new Promise((resolve) => requestAnimationFrame(resolve));
     }

@@ -1,5 +1,6 @@
-//! Meshes in files: STL, Wavefront OBJ, and the format of `MuJoCo`.
+//! Meshes in files: STL, Wavefront OBJ, COLLADA, and the format of `MuJoCo`.
 
+mod dae;
 mod obj;
 mod stl;
 
@@ -32,9 +33,11 @@ pub fn read(files: &FileStore, place: &Path, purpose: Purpose) -> Result<Mesh, S
         "stl" => stl::read(&bytes),
         "obj" => obj::read(&bytes, purpose),
         "msh" => msh(&bytes),
+        // MuJoCo reads no COLLADA.
+        "dae" if purpose == Purpose::Picture => dae::read(&bytes),
         _ => {
             return Err(format!(
-                "has a file of an unknown format, `{}`; STL, OBJ and MSH are read",
+                "has a file of an unknown format, `{}`; STL, OBJ and MSH are read, and DAE for pictures",
                 place.display()
             ));
         }

@@ -31,7 +31,7 @@ pub fn read(bytes: &[u8], purpose: Purpose) -> Option<Mesh> {
 }
 
 /// Adds the triangles of a face; `None` if a vertex does not exist, or if finding them takes too long.
-fn triangulate(mesh: &mut Mesh, mut face: Vec<usize>, tests: &mut usize) -> Option<()> {
+pub fn triangulate(mesh: &mut Mesh, mut face: Vec<usize>, tests: &mut usize) -> Option<()> {
     if face.len() > MAX_CORNERS {
         return Some(());
     }
