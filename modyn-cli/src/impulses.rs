@@ -62,7 +62,7 @@ pub struct Step {
     pub qd: Vec<f64>,
     /// The energy that the impulses take, J.
     pub dissipated: f64,
-    /// The height of the lowest contact above the ground before the step, m; infinite without ground.
+    /// The height of the lowest contact above the ground before the step, m; infinite for a robot without contacts.
     pub lowest: f64,
     /// The velocities that are wrong.
     pub residual: Residual,
