@@ -41,6 +41,13 @@ fn feet() -> [Contact; 2] {
     ]
 }
 
+/// Returns the place of the quaternion of a floating base among the coordinates.
+fn quaternion_of(builder: &Builder) -> i32 {
+    let model = builder.plan().expect("good").model;
+    let (_, quaternion) = model.quaternions().next().expect("a floating base");
+    i32::try_from(quaternion).expect("small")
+}
+
 /// Run-time parameters are common to all states; WGSL has them as a buffer, too.
 #[test]
 fn texts_name_their_buffers() {
@@ -202,9 +209,7 @@ fn rollouts_of_a_floating_robot() {
     let theirs = builder.clone().type_name("Theirs");
     let options = RolloutOptions::default();
     let (source, _) = theirs.emit_rollouts(GpuLanguage::Cuda, &options).expect("good");
-    let model = builder.plan().expect("good").model;
-    let quaternion = model.quaternions().next().expect("a floating base").1;
-    let quaternion = i32::try_from(quaternion).expect("small");
+    let quaternion = quaternion_of(&builder);
     let forces = "for (int j = 0; j < nv; ++j) tau[j] = u[j];";
     let main =
         rollout_harness(("LEGS", "step_semi_implicit", 4), quaternion, ["", ""], (forces, ""));
@@ -228,9 +233,7 @@ fn rollouts_that_hold_contacts() {
     let (source, _) = theirs.emit_rollouts(GpuLanguage::Cuda, &options).expect("good");
     let [rollout] = &*source.rollouts else { panic!("one kernel") };
     assert_eq!((&*rollout.name, source.settings), ("theirs_rollout_constrained", 54));
-    let model = builder.plan().expect("good").model;
-    let quaternion = model.quaternions().next().expect("a floating base").1;
-    let quaternion = i32::try_from(quaternion).expect("small");
+    let quaternion = quaternion_of(&builder);
     let step = "static vector<double> settings;\nstatic unsigned current, held, released;\n\
         static void ours_step_constrained(const double *q, const double *qd, const double *tau, const double *dt, double *next)\n{\n\
         const int nq = OURS_NQ, nv = OURS_NV;\ndouble pose[12], r[nv + 25], moved[nv];\n\
@@ -270,9 +273,7 @@ fn rollouts_on_the_ground() {
     let (source, _) = theirs.emit_rollouts(GpuLanguage::Cuda, &options).expect("good");
     let [rollout] = &*source.rollouts else { panic!("one kernel") };
     assert_eq!((&*rollout.name, source.settings), ("theirs_rollout_on_ground", 54));
-    let model = builder.plan().expect("good").model;
-    let quaternion = model.quaternions().next().expect("a floating base").1;
-    let quaternion = i32::try_from(quaternion).expect("small");
+    let quaternion = quaternion_of(&builder);
     let step = "static vector<double> settings;\nstatic unsigned current, pushed;\n\
         static void ours_step_on_ground(const double *q, const double *qd, const double *tau, const double *dt, double *next)\n{\n\
         static double impulses[6];\ndouble r[OURS_NQ + OURS_NV + 7];\n\

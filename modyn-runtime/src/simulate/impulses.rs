@@ -4,11 +4,12 @@
 //! This module says which velocities the ground and the stops allow after the step, and [`solve`](crate::solve) finds the impulses.
 //! Stops take part only if a joint would pass one, or if one acted in the last step.
 
+use crate::ContactTarget;
 use crate::scalar::epsilon;
 use crate::solve::{
-    Contact, ContactMode, Decide, Effort, GroundEquations, Residual, Row, Stop, least_speed, soften,
+    Contact, ContactMode, Decide, Effort, GroundEquations, Residual, Row, Stop, add_scaled,
+    relative_velocity, soften,
 };
-use crate::{ContactTarget, Scalar};
 
 pub use crate::solve::velocity_range;
 
@@ -168,9 +169,8 @@ fn velocities_of_contacts<T: Decide, M: StepMemory<T>>(
     for (c, (b, target)) in b.as_mut().chunks_exact_mut(3).zip(targets).enumerate() {
         let [x, y, z] = [0, 1, 2].map(|k| 3 * c + k);
         contacts[c] = Contact::new(target.friction);
-        let of = [motion.heights[c], before[z], free[z], motion.dt];
-        let least = least_speed(of, target.beta, target.restitution);
-        b.copy_from_slice(&[free[x], free[y], free[z] - least]);
+        let of = [motion.heights[c], before[z], motion.dt];
+        b.copy_from_slice(&relative_velocity([free[x], free[y], free[z]], of, target));
     }
     b
 }
@@ -289,12 +289,5 @@ fn add_responses<T: Decide, V: Row<T>>(responses: &[V], impulses: &[T], velociti
         if !impulse.abs().all_at_most(T::zero()) {
             add_scaled(velocities, impulse, response.as_ref());
         }
-    }
-}
-
-#[inline(always)]
-pub(super) fn add_scaled<T: Scalar>(velocities: &mut [T], impulse: T, response: &[T]) {
-    for (velocity, &by_unit) in velocities.iter_mut().zip(response) {
-        *velocity = by_unit.mul_add(impulse, *velocity);
     }
 }

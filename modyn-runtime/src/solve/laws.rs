@@ -40,6 +40,26 @@ pub(crate) fn least_speed<T: Scalar>(
     (least - free).select_nonnegative(bounced, least)
 }
 
+/// Returns the velocity of a contact after the step without impulses, m/s, less the least speed along its normal. `motion` are the height
+/// and the speed along the normal before the step, and the time step.
+#[inline(always)]
+pub(crate) fn relative_velocity<T: Scalar>(
+    [x, y, z]: [T; 3],
+    [height, before, dt]: [T; 3],
+    target: &ContactTarget<T>,
+) -> [T; 3] {
+    let least = least_speed([height, before, z, dt], target.beta, target.restitution);
+    [x, y, z - least]
+}
+
+/// Adds the change of the velocities by an impulse, from that by a unit impulse.
+#[inline(always)]
+pub(crate) fn add_scaled<T: Scalar>(velocities: &mut [T], impulse: T, response: &[T]) {
+    for (velocity, &by_unit) in velocities.iter_mut().zip(response) {
+        *velocity = by_unit.mul_add(impulse, *velocity);
+    }
+}
+
 /// Adds the compliance of contacts along their normals.
 pub(crate) fn soften<T: Scalar, R: Row<T>>(targets: &[ContactTarget<T>], matrix: &mut [R]) {
     for (c, target) in targets.iter().enumerate() {

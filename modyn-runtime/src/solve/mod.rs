@@ -25,8 +25,10 @@ mod sweeps;
 pub use contact::{Contact, ContactMode};
 pub use decide::Decide;
 pub use ground::{Effort, GroundEquations, Residual, Row, Stop};
+#[cfg(feature = "alloc")]
+pub(crate) use laws::least_speed;
 pub use laws::velocity_range;
-pub(crate) use laws::{least_speed, soften};
+pub(crate) use laws::{add_scaled, relative_velocity, soften};
 
 #[cfg(test)]
 mod tests;

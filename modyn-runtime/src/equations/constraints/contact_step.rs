@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use super::contact_problem::ContactProblemOutputs;
 use crate::Scalar;
 use crate::constraint_settings::ContactTarget;
-use crate::solve::{Contact, GroundEquations, least_speed, soften};
+use crate::solve::{Contact, GroundEquations, add_scaled, relative_velocity, soften};
 
 /// The sweeps of a step. Three are typical for feet of different legs, and the next step starts from the impulses of the last.
 const SWEEPS: usize = 6;
@@ -25,18 +25,15 @@ pub fn sweep_contacts<S: Scalar>(
     soften(targets, &mut a);
     let mut b = Vec::with_capacity(rows);
     for (c, target) in targets.iter().enumerate() {
-        let ([x, y, z], before) = (problem.free[c].0, problem.before[c].0[2]);
-        let motion = [problem.heights[c], before, z, dt];
-        b.extend([x, y, z - least_speed(motion, target.beta, target.restitution)]);
+        let motion = [problem.heights[c], problem.before[c].0[2], dt];
+        b.extend(relative_velocity(problem.free[c].0, motion, target));
     }
     let mut contacts: Vec<_> = targets.iter().map(|target| Contact::new(target.friction)).collect();
     let mut equations = GroundEquations { a: &a, b: &b, contacts: &mut contacts, stops: &mut [] };
     let residual = equations.sweep_times(impulses, SWEEPS);
     let velocities = problem.responses.chunks(problem.qd.len().max(1));
     for (response, &impulse) in velocities.zip(&*impulses) {
-        for (velocity, &by_unit) in problem.qd.iter_mut().zip(response) {
-            *velocity = by_unit.mul_add(impulse, *velocity);
-        }
+        add_scaled(problem.qd, impulse, response);
     }
     residual
 }

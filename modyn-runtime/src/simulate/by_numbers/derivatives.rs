@@ -9,8 +9,9 @@ use super::{
     StepImpulses,
 };
 use crate::scalar::Tangent;
-use crate::simulate::impulses::add_scaled;
-use crate::solve::{Contact, Decide, GroundEquations, Stop, least_speed, soften, velocity_range};
+use crate::solve::{
+    Contact, Decide, GroundEquations, Stop, add_scaled, least_speed, soften, velocity_range,
+};
 use crate::{ConstraintSettings, ContactTarget};
 
 /// The gradients of a step with respect to what it depends on, to which those of one step are added.
