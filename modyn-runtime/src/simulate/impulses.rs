@@ -1,7 +1,7 @@
 //! Impulses of a step on the ground: contacts with Coulomb friction, and joint stops.
 //!
 //! [`contact_problem`](crate::Robot::contact_problem) gives the motion of a step without contacts and the effects of unit impulses.
-//! This module says which velocities the ground and the stops allow after the step, and [`solve`](crate::solve) finds the impulses.
+//! [`solve`](crate::solve) has the laws of the ground and of stops, and finds the impulses. This module chooses the rows of a step.
 //! Stops take part only if a joint would pass one, or if one acted in the last step.
 
 use crate::ContactTarget;
