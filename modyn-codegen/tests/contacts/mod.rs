@@ -1227,6 +1227,10 @@ fn contact_steps_obey_the_laws_of_contacts() {
             let [px, py, pz] = [0, 1, 2].map(|k| p[3 * c + k]);
             let height = heights[c];
             let mut least = -height * if height > 0.0 { 1.0 / dt } else { target.beta };
+            if target.compliance > 0.0 {
+                let kept = (1.0 - 2.0 * target.alpha * dt) * before[3 * c + 2];
+                least = if height < 0.0 { kept - target.beta.powi(2) * dt * height } else { least.min(kept) };
+            }
             let rebound = -target.restitution * before[3 * c + 2];
             if free[3 * c + 2] < least && rebound > 0.01 {
                 least = least.max(rebound);
