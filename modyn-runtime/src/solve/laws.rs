@@ -18,6 +18,9 @@ pub fn velocity_range<T: Scalar>(at: T, limits: [f64; 2], beta: T, dt: T) -> [T;
     ]
 }
 
+/// A speed towards the ground that no contact reaches, m/s.
+const UNREACHED: f64 = 1e6;
+
 /// Returns the least speed of a contact along its normal after a step, m/s, without an impulse.
 ///
 /// `height` is the height above the ground before the step, m. `before` is the speed along the normal, and `free` the
@@ -25,21 +28,20 @@ pub fn velocity_range<T: Scalar>(at: T, limits: [f64; 2], beta: T, dt: T) -> [T;
 /// `restitution` times its speed, unless that is below 0.01 m/s.
 ///
 /// A rigid contact above the ground may reach it. A rigid contact in the ground leaves it at `beta` times its depth. A contact with
-/// `compliance` accelerates in the ground by -2 alpha v - beta^2 h at least; the impulse's own effect is in [`soften`].
+/// `compliance` is free above the ground, and accelerates by -2 alpha v - beta^2 h at least in the ground; the impulse's own effect is
+/// in [`soften`].
 #[inline(always)]
 pub(crate) fn least_speed<T: Scalar>(
     [height, before, free, dt]: [T; 4],
     [alpha, beta, compliance, restitution]: [T; 4],
 ) -> T {
-    let per_step = dt.recip();
-    let reaching = -(height * per_step);
-    let rigid = height.select_nonnegative(reaching, -(height * return_rate(beta, dt)));
-    // At most the whole speed is damped, and at most the whole depth is left, in a step.
+    let gain = height.select_nonnegative(dt.recip(), return_rate(beta, dt));
+    let rigid = -(height * gain);
+    // A step damps at most the whole speed, and undoes at most the whole depth.
     let kept = T::one() - T::from_f64(2.0) * alpha * dt;
     let kept = before * kept.select_nonnegative(kept, T::zero());
-    let slowing = (reaching - kept).select_nonnegative(kept, reaching);
-    let leaving = kept - height * return_rate(beta * beta * dt, dt);
-    let compliant = height.select_nonnegative(slowing, leaving);
+    let pushed = kept - height * return_rate(beta * beta * dt, dt);
+    let compliant = height.select_nonnegative(T::from_f64(-UNREACHED), pushed);
     let least = (-compliance).select_nonnegative(rigid, compliant);
     let rebound = -(restitution * before);
     let faster = rebound - least;
