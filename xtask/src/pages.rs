@@ -23,7 +23,7 @@ const FILES: [(&str, Make); 2] = [
     ("modyn-macro/options.md", options::of_macro),
 ];
 
-/// The files with marks, besides the pages of `docs`.
+/// The files with marks, besides the pages of `docs` and `docs/internals`.
 const MARKED: [&str; 4] = [
     "README.md",
     "modyn-python/src/methods.rs",
@@ -88,7 +88,8 @@ pub fn run(check: bool) -> Vec<String> {
     if !faults.is_empty() {
         return faults;
     }
-    for path in MARKED.into_iter().map(String::from).chain(files("docs", ".md")) {
+    let pages = ["docs", "docs/internals"].into_iter().flat_map(|folder| files(folder, ".md"));
+    for path in MARKED.into_iter().map(String::from).chain(pages) {
         let found = read(&path);
         faults.extend(compare(&path, &found, &filled(&path, &found, &mut shown)));
     }
