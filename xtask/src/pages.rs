@@ -6,6 +6,7 @@
 mod data;
 mod errors;
 mod functions;
+mod gallery;
 mod measured;
 mod operations;
 mod options;
@@ -32,9 +33,10 @@ const MARKED: [&str; 4] = [
 ];
 
 /// The marks of texts that are made of the compiler's tables. The others show a file of `docs/data`.
-const MARKS: [(&str, Make); 8] = [
+const MARKS: [(&str, Make); 9] = [
     ("error-list", errors::list),
     ("function-table", functions::table),
+    ("gallery", gallery::table_of_robots),
     ("option-table", options::whole),
     ("options-of-files", options::of_files),
     ("python-functions", python::method_stubs),
