@@ -3,6 +3,7 @@
 //! A file is made as a whole (`FILES`), or only between the marks `<!-- data: NAME -->` and `<!-- end -->`. Measured tables come
 //! from the commands that their files name; each command writes its file (`lab/record`).
 
+mod chart;
 mod data;
 mod errors;
 mod functions;
@@ -19,8 +20,9 @@ use std::path::{Path, PathBuf};
 type Make = fn() -> String;
 
 /// The files that are made as a whole, before the pages that show them.
-const FILES: [(&str, Make); 2] = [
+const FILES: [(&str, Make); 3] = [
     ("docs/data/operations.tsv", operations::counted),
+    ("docs/figures/speed.svg", chart::speed),
     ("modyn-macro/options.md", options::of_macro),
 ];
 
