@@ -36,7 +36,7 @@ def scene(n=24, seed=0, **options):
         else:
             # Some joints are at their limits, some a little beyond.
             q[k::6, joint.q] = np.sign(q[k::6, joint.q]) * (2 + 0.001 * rng.normal(size=q[k::6, joint.q].shape))
-    kinds = [dict(friction=0.1, restitution=0.4, beta=15), dict(friction=1.5, compliance=1e-3)]
+    kinds = [dict(friction=0.1, restitution=0.4, beta=15), dict(friction=1.5, compliance=1e-3, alpha=150, beta=150)]
     settings = ConstraintSettings([plane(rng, 0.4 * k - 0.2, **kind) for k, kind in enumerate(kinds)], beta=25)
     return own, q, 2 * qd, tau, np.asarray(settings, own.dtype)
 
