@@ -30,7 +30,7 @@ def test_the_readme(monkeypatch, capsys):
     (program,) = blocks(ROOT / "README.md")
     exec(compile(program, "README.md", "exec"), {})
     # The torques and the entry of the Jacobian are those that the Rust program prints.
-    shown = [float(number) for number in re.findall(r"-?\d+\.\d+", capsys.readouterr().out)]
+    shown = [float(number) for number in re.findall(r"-?\d+\.\d*(?:e[+-]\d+)?", capsys.readouterr().out)]
     printed = re.search(r"joint torques: \[(.*)\] N m\n.* at (.*) m/s", (ROOT / "README.md").read_text())
     expected = [float(number) for number in printed[1].split(",")]
     assert shown[:7] == pytest.approx(expected, abs=6e-3)

@@ -337,7 +337,7 @@ pub(super) fn text_of(name: &str) -> Option<String> {
         "machine-code" => machine_code_in_short(),
         "f64-by-software" => range(firmware("instructions", "f64 by software")),
         "shared-flash" => range(per_cent("flash, with callees", "shared limbs")),
-        "shared-instructions" => range(per_cent("instructions", "shared limbs").map(|x| 100.0 - x)),
+        "shared-instructions" => range(per_cent("instructions", "shared limbs").map(|x| x - 100.0)),
         "c-instructions" => range(per_cent("instructions", "C and Rust")),
         "c-flash" => range(per_cent("flash, with callees", "C and Rust")),
         "small-flash" => range(per_cent("flash, with callees", "opt-level s").map(|x| 100.0 - x)),
