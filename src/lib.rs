@@ -19,7 +19,6 @@
 //! |---|---|---|
 //! | `std` | yes | the standard library; implies `alloc` |
 //! | `alloc` | through `std` | the model, the equations and the interpreter |
-//! | `mjcf` | no | MuJoCo's descriptions (MJCF) in the macro |
 //! | `nalgebra` | no | the most used functions over `SVector`, `SMatrix`, `Isometry3` |
 //! | `num-dual` | no | the numbers of num-dual as scalars, for exact derivatives |
 //! | `rayon` | no | batches on all cores |
@@ -34,8 +33,8 @@ pub use modyn_runtime::*;
 /// The guides and reference pages of modyn.
 ///
 /// Start with [`start`](guides::start), then read the guide for your use: a controller
-/// ([`tutorial_controller`](guides::tutorial_controller)), firmware ([`tutorial_firmware`](guides::tutorial_firmware)), or
-/// sampling ([`tutorial_sampling`](guides::tutorial_sampling)). [`coming_from`](guides::coming_from) compares modyn with
+/// ([`tutorial_controller`](guides::tutorial_controller)), firmware ([`firmware`](guides::firmware)), or
+/// sampling ([`batch`](guides::batch)). [`coming_from`](guides::coming_from) compares modyn with
 /// other libraries, function by function.
 #[cfg(all(doc, not(doctest)))]
 pub mod guides {

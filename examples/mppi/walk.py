@@ -102,8 +102,8 @@ class Controller:
         self.offsets = np.stack([np.interp(at, np.arange(KNOTS), own) for own in self.offsets.T], -1)
 
 
-def walk(seconds):
-    """Walks for a time; returns the last coordinates and velocities."""
+def walk(seconds, watch=lambda motion: None):
+    """Walks for a time; returns the last coordinates and velocities. `watch` gets each part of the motion, in steps of FINE."""
     robot = modyn.load(ROBOT, base="floating", contacts={foot: ("point", foot, [0, 0, 0]) for foot in FEET})
     ground = modyn.Ground(heights=stairs(), tolerance=1e-6)
     controller = Controller(robot, ground)
@@ -121,12 +121,13 @@ def walk(seconds):
         own = np.stack([np.interp(times, now + DT * np.arange(1, STEPS + 1), angle) for angle in references.T], -1)
         last = robot.rollout(
             *state, np.zeros((len(times), 18)), FINE, step="ground", ground=ground, gains=controller.gains, q_ref=own,
-            qd_ref=np.zeros(18), trajectory=False,
+            qd_ref=np.zeros(18),
         )
-        state = last.q, last.qd
+        watch(last)
+        state = last.q[-1], last.qd[-1]
         controller.advance(times)
         if k % 25 == 0:
-            x, y, z = last.q[:3]
+            x, y, z = last.q[-1, :3]
             print(f"{now + PLAN:5.2f} s: {x:5.2f} m along, {y:5.2f} m aside, {z:.3f} m high; {controller.steps / spent:,.0f} steps/s", flush=True)
     print(f"{controller.steps:,} steps on the ground in {spent:.2f} s: {controller.steps / spent:,.0f} steps/s")
     return state

@@ -32,9 +32,7 @@ fn commands_in_the_documentation_run() {
         names.push(format!("robots/{name}"));
     }
     let mut pages = vec![root().join("README.md")];
-    let docs = std::fs::read_dir(root().join("docs")).expect("docs");
-    let docs = docs.map(|entry| entry.expect("an entry").path());
-    pages.extend(docs.filter(|path| path.extension().is_some_and(|end| end == "md")));
+    pages.extend(guides());
     let mut count = 0;
     for page in &pages {
         for line in commands(&std::fs::read_to_string(page).expect("a page")) {
@@ -55,6 +53,14 @@ fn commands_in_the_documentation_run() {
     assert!(count >= 15, "only {count} commands were found");
 }
 
+/// Returns the pages of `docs` and `docs/internals`.
+fn guides() -> Vec<PathBuf> {
+    let folders = ["docs", "docs/internals"].map(|folder| root().join(folder));
+    let entries = folders.into_iter().flat_map(|folder| std::fs::read_dir(folder).expect("docs"));
+    let paths = entries.map(|entry| entry.expect("an entry").path());
+    paths.filter(|path| path.extension().is_some_and(|end| end == "md")).collect()
+}
+
 /// The first block of `language` in a page from `start` on.
 fn block<'a>(page: &'a str, start: &str, language: &str) -> &'a str {
     let (_, rest) = page.split_once(start).unwrap_or_else(|| panic!("no {start:?}"));
@@ -65,7 +71,7 @@ fn block<'a>(page: &'a str, start: &str, language: &str) -> &'a str {
 /// The C program of the firmware guide prints what the page says.
 #[test]
 fn the_c_program_runs() {
-    let page = std::fs::read_to_string(root().join("docs/tutorial-firmware.md")).expect("a page");
+    let page = std::fs::read_to_string(root().join("docs/firmware.md")).expect("a page");
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::create_dir(folder.path().join("robots")).expect("a folder");
     let robot = "robots/arm7.urdf";
@@ -104,7 +110,7 @@ fn collect_files(folder: &Path, files: &mut Vec<PathBuf>) {
 
 #[test]
 fn the_page_on_extending_names_existing_places() {
-    let page = std::fs::read_to_string(root().join("docs/extending.md")).expect("a page");
+    let page = std::fs::read_to_string(root().join("docs/internals/extending.md")).expect("a page");
     let mut rows = 0;
     for line in page.lines().filter(|line| line.starts_with("| `")) {
         let (_, rest) = line.split_once("| ").expect("a row");
@@ -134,18 +140,14 @@ fn the_page_on_extending_names_existing_places() {
     }
     assert!(named > 20, "{named}");
     // The target of each link exists.
-    for page in ["README.md", "ARCHITECTURE.md"].map(String::from).into_iter().chain(
-        std::fs::read_dir(root().join("docs"))
-            .expect("docs")
-            .map(|entry| format!("docs/{}", entry.expect("an entry").file_name().to_string_lossy()))
-            .filter(|name| name.ends_with(".md")),
-    ) {
-        let text = std::fs::read_to_string(root().join(&page)).expect("a page");
-        let folder = root().join(&page).parent().expect("a folder").to_owned();
+    let others = ["README.md", "ARCHITECTURE.md"].map(|page| root().join(page));
+    for page in others.into_iter().chain(guides()) {
+        let text = std::fs::read_to_string(&page).expect("a page");
+        let folder = page.parent().expect("a folder").to_owned();
         for link in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
             let file = link.split('#').next().unwrap_or_default();
             if !link.contains("://") && !file.is_empty() && !file.contains(char::is_whitespace) {
-                assert!(folder.join(file).exists(), "{page}: {link}");
+                assert!(folder.join(file).exists(), "{}: {link}", page.display());
             }
         }
     }

@@ -1,5 +1,5 @@
 //! The table of options: all that the builder, the macro, the command line, the first lines of generated files and
-//! `docs/options.md` know about each, in one row.
+//! `docs/command.md` know about each, in one row.
 //!
 //! A new option is a row in `option_table!`; one about reading has a field in [`ReadOptions`], too.
 

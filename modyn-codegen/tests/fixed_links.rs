@@ -174,10 +174,10 @@ fn text_grows_by_little_for_each_fixed_link() {
         let builder = Builder::new().urdf_text(urdf, "comb.urdf");
         builder.generate().unwrap_or_else(|errors| panic!("{errors}"))
     };
-    let (few, many) = (generated(1000), generated(2000));
-    let growth = (many.text.len() - few.text.len()) / 1000;
+    let (few, many) = (generated(200), generated(400));
+    let growth = (many.text.len() - few.text.len()) / 200;
     assert!(growth < 1500, "{growth} bytes a link");
-    assert!(generated(20_000).text.len() < 20_000_000);
+    assert!(generated(4000).text.len() < 5_000_000);
     // All functions except the one shared by the links have the same operations as before.
     let operations = |generated: &modyn_codegen::Generated| -> Vec<_> {
         let of_one = generated.static_operations.iter().filter(|(name, _)| *name != "link_poses");

@@ -49,7 +49,7 @@ fn the_default_functions_are_listed() {
 /// Each function has a row for each robot of the table, or is in the list of functions without a row.
 #[test]
 fn each_function_has_its_costs_or_is_said_to_have_none() {
-    let page = page();
+    let page = file("docs/internals/measurements.md").replace("\r\n", "\n");
     let without = sorted(names(between(&page, "Not in the table are", "The last takes")));
     let table = between(&page, "| robot | function |", "Generic functions");
     for robot in ["arm7", "quadruped", "humanoid"] {
@@ -87,7 +87,7 @@ fn test_module(name: &str) -> String {
 /// function against other software, or code that shares nothing with it.
 #[test]
 fn each_function_is_held_against_something_else() {
-    let page = file("docs/quantities.md");
+    let page = file("docs/internals/tests.md");
     let (rows, _) = page.split_once("\n\n| | | test |").expect("two tables");
     for function in Function::ALL.iter().filter(|function| function.batched().is_none()) {
         let name = function.name();

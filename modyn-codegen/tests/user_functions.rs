@@ -315,7 +315,7 @@ fn casadi_has_no_functions_of_users() {
     assert!(errors.to_string().contains("`CasADi` has no functions of users"), "{errors}");
 }
 
-/// The velocities after a Runge-Kutta step, as docs/derivatives.md has them.
+/// The velocities after a Runge-Kutta step, as docs/optimal-control.md has them.
 struct Step;
 
 impl UserFunction<4> for Step {

@@ -61,9 +61,9 @@ mod tests {
 
     #[test]
     fn links_lead_to_modules() {
-        let page = "See [a](coming-from.md), [b](loops.md#rank), [c](https://x.org/y.md), [d](#e),\n\
+        let page = "See [a](coming-from.md), [b](contacts.md#rank), [c](https://x.org/y.md), [d](#e),\n\
                     [e](../robots/arm6.urdf) and ![f](figures/g.svg).";
-        let expected = "See [a](../coming_from/index.html), [b](../loops/index.html#rank), \
+        let expected = "See [a](../coming_from/index.html), [b](../contacts/index.html#rank), \
                         [c](https://x.org/y.md), [d](#e),\ne (`../robots/arm6.urdf`) and f (`figures/g.svg`).";
         assert_eq!(linked(page), expected);
     }

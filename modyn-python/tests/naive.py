@@ -339,7 +339,7 @@ class Naive:
             yield np.concatenate([angular.T @ own[:len(angular)] * length**power, linear.T @ own[len(angular):]])
 
     def length(self, constraint):
-        """The characteristic length, as docs/loops.md defines it."""
+        """The characteristic length, as docs/internals/constraints.md defines it."""
         neutral = np.zeros(self.nq, REAL)
         for link, place in zip(self.links, self.places):
             if link.kind in ("spherical", "floating"):

@@ -36,7 +36,7 @@ def scene(n=24, seed=0, **options):
         else:
             # Some joints are at their limits, some a little beyond.
             q[k::6, joint.q] = np.sign(q[k::6, joint.q]) * (2 + 0.001 * rng.normal(size=q[k::6, joint.q].shape))
-    kinds = [dict(friction=0.1, restitution=0.4, beta=15), dict(friction=1.5, compliance=1e-3)]
+    kinds = [dict(friction=0.1, restitution=0.4, beta=15), dict(friction=1.5, compliance=1e-3, alpha=150, beta=150)]
     settings = ConstraintSettings([plane(rng, 0.4 * k - 0.2, **kind) for k, kind in enumerate(kinds)], beta=25)
     return own, q, 2 * qd, tau, np.asarray(settings, own.dtype)
 
@@ -75,8 +75,11 @@ def test_the_laws_of_contacts_and_stops(seed):
             rotation, friction, compliance = target[:9].reshape(3, 3), target[24], target[21]
             u = rows[3 * k : 3 * k + 3] @ after - rotation.T @ target[15:18]
             before = rows[3 * k : 3 * k + 3] @ qd[i] - rotation.T @ target[15:18]
-            own_p, height, beta = p[3 * k : 3 * k + 3], heights[k], min(target[20], 1 / dt)
+            own_p, height, (alpha, beta) = p[3 * k : 3 * k + 3], heights[k], target[19:21]
             least = -height / dt if height >= 0 else -height * beta
+            if compliance > 0:
+                kept = (1 - 2 * alpha * dt) * before[2]
+                least = -1e6 if height >= 0 else kept - beta**2 * dt * height
             if own_p[2] > 0:
                 rebound = -target[23 - 1] * before[2]
                 least = max(least, rebound) if rebound > 0.01 else least

@@ -25,6 +25,18 @@ def test_the_guide(tmp_path, monkeypatch, capsys):
     assert (tmp_path / "motion.html").read_text().startswith("<!doctype html>")
 
 
+def test_the_readme(monkeypatch, capsys):
+    monkeypatch.chdir(ROOT)
+    (program,) = blocks(ROOT / "README.md")
+    exec(compile(program, "README.md", "exec"), {})
+    # The torques and the entry of the Jacobian are those that the Rust program prints.
+    shown = [float(number) for number in re.findall(r"-?\d+\.\d*(?:e[+-]\d+)?", capsys.readouterr().out)]
+    printed = re.search(r"joint torques: \[(.*)\] N m\n.* at (.*) m/s", (ROOT / "README.md").read_text())
+    expected = [float(number) for number in printed[1].split(",")]
+    assert shown[:7] == pytest.approx(expected, abs=6e-3)
+    assert shown[7] == pytest.approx(float(printed[2]), abs=6e-4)
+
+
 def test_the_page_about_jax(monkeypatch):
     pytest.importorskip("jax", reason="JAX is not installed: pip install modyn[jax]")
     monkeypatch.chdir(ROOT)

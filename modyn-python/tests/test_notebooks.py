@@ -1,4 +1,4 @@
-"""The notebooks of the documentation run from their first cell to their last. They hold no outputs, or what their cells print."""
+"""The notebooks of the documentation run from their first cell to their last. They hold what their cells print."""
 
 import json
 
@@ -37,9 +37,8 @@ def test_outputs_of_a_notebook_are_what_it_prints(path):
     assert (notebook["nbformat"], notebook["nbformat_minor"]) == (4, 5)
     assert len({cell["id"] for cell in notebook["cells"]}) == len(notebook["cells"])
     cells = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
-    is_run = path.stem == "learning"
     for number, cell in enumerate(cells, 1):
-        prints = is_run and any("print(" in line for line in cell["source"])
-        assert cell["execution_count"] == (number if is_run else None)
+        prints = any("print(" in line for line in cell["source"])
+        assert cell["execution_count"] == number
         assert [(output["output_type"], output["name"]) for output in cell["outputs"]] == [("stream", "stdout")] * prints
-        assert all(0 < sum(map(len, output["text"])) < 500 for output in cell["outputs"])
+        assert all(0 < sum(map(len, output["text"])) < 2000 for output in cell["outputs"])

@@ -7,11 +7,11 @@ The tolerances and the limits of the first two rules were fixed before the first
 - A number may differ by `DIRECT` of its array's largest number and 1. Where the mass matrix or the constraints are solved for,
   by `SOLVED` times the condition numbers of both, if that is more.
 - A state is left out of the functions that solve for constraints if its rank is not defined: an eigenvalue of J M^-1 J^T, whose
-  rows are divided by the roots of their constraints' mobilities, is within `UNDEFINED` (docs/loops.md).
+  rows are divided by the roots of their constraints' mobilities, is within `UNDEFINED` (docs/contacts.md).
 - `constrained_inverse_dynamics` has the second rule for the squared singular values of the base's columns. There the lengths, and the
   weights of what no contact can carry, are modyn's own.
 - A state whose rows contradict each other, by more than `CONTRADICTION` of the accelerations, is left out of the derivatives,
-  which are not defined there (docs/loops.md).
+  which are not defined there (docs/contacts.md).
 
 Hessians, time steps and derivatives of coordinates have references in Rust's tests; the suite of back ends (`modyn-jit/tests/conformance`)
 compares every function of the package with those.
@@ -459,7 +459,7 @@ def test_random_robots():
 
 
 def test_near_a_change_of_rank():
-    """The foot of a leg of two links is held. docs/loops.md has the angles of the knee at which the row along the leg is dropped."""
+    """The foot of a leg of two links is held. docs/contacts.md has the angles of the knee at which the row along the leg is dropped."""
     case = Case(3)
     thigh = Link(-1, "revolute", (0.1, 0.2, 0.3), (0.3, 0.7, -0.4), (0.0, 1.0, 0.0), **body(case.rng))
     shank = Link(0, "revolute", (0.0, 0.0, -0.4), axis=(0.0, 1.0, 0.0), **body(case.rng))

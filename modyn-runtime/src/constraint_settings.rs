@@ -53,11 +53,13 @@ pub struct ContactTarget<T> {
     pub tangential: T,
     /// The damping of the displacement, 1/s.
     pub alpha: T,
-    /// The stiffness of the displacement, 1/s.
+    /// The stiffness of the displacement, 1/s. In steps on the ground a rigid contact leaves the ground at `beta`
+    /// times its depth.
     pub beta: T,
     /// The relative acceleration that the contact allows per force, 1/kg; per moment the value is divided by
     /// the squared characteristic length. A rigid contact has 0. Redundant contacts with compliance share the
-    /// load by it.
+    /// load by it. In steps on the ground it acts along the normal: h'' = -2 alpha h' - `beta`^2 h + compliance f
+    /// in the ground, with the height h and the force f. The contact carries f at the depth compliance f / `beta`^2.
     pub compliance: T,
     /// The coefficient of restitution along the normal: the speed after an impact divided by the speed before.
     pub restitution: T,

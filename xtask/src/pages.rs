@@ -3,9 +3,11 @@
 //! A file is made as a whole (`FILES`), or only between the marks `<!-- data: NAME -->` and `<!-- end -->`. Measured tables come
 //! from the commands that their files name; each command writes its file (`lab/record`).
 
+mod chart;
 mod data;
 mod errors;
 mod functions;
+mod gallery;
 mod measured;
 mod operations;
 mod options;
@@ -18,12 +20,13 @@ use std::path::{Path, PathBuf};
 type Make = fn() -> String;
 
 /// The files that are made as a whole, before the pages that show them.
-const FILES: [(&str, Make); 2] = [
+const FILES: [(&str, Make); 3] = [
     ("docs/data/operations.tsv", operations::counted),
+    ("docs/figures/speed.svg", chart::speed),
     ("modyn-macro/options.md", options::of_macro),
 ];
 
-/// The files with marks, besides the pages of `docs`.
+/// The files with marks, besides the pages of `docs` and `docs/internals`.
 const MARKED: [&str; 4] = [
     "README.md",
     "modyn-python/src/methods.rs",
@@ -32,9 +35,10 @@ const MARKED: [&str; 4] = [
 ];
 
 /// The marks of texts that are made of the compiler's tables. The others show a file of `docs/data`.
-const MARKS: [(&str, Make); 8] = [
+const MARKS: [(&str, Make); 9] = [
     ("error-list", errors::list),
     ("function-table", functions::table),
+    ("gallery", gallery::table_of_robots),
     ("option-table", options::whole),
     ("options-of-files", options::of_files),
     ("python-functions", python::method_stubs),
@@ -88,7 +92,8 @@ pub fn run(check: bool) -> Vec<String> {
     if !faults.is_empty() {
         return faults;
     }
-    for path in MARKED.into_iter().map(String::from).chain(files("docs", ".md")) {
+    let pages = ["docs", "docs/internals"].into_iter().flat_map(|folder| files(folder, ".md"));
+    for path in MARKED.into_iter().map(String::from).chain(pages) {
         let found = read(&path);
         faults.extend(compare(&path, &found, &filled(&path, &found, &mut shown)));
     }

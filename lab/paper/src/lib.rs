@@ -1,7 +1,7 @@
 //! The paper's tables and plots, reproduced, and studies beyond them.
 //!
 //! `cargo run --release --manifest-path lab/Cargo.toml -- OUTDIR` writes all of them into a folder with an index
-//! page, the paper's numbers beside modyn's. Each topic has one file; `docs/paper.md` lists the equations with their places.
+//! page, the paper's numbers beside modyn's. Each topic has one file; `docs/internals/equations.md` lists the equations with their places.
 
 pub mod biped;
 pub mod complexity;

@@ -1,15 +1,15 @@
-//! `docs/paper.md` is complete and current: every equation has a row, and every name is defined in the file that it
+//! `docs/internals/equations.md` is complete and current: every equation has a row, and every name is defined in the file that it
 //! links to.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 fn docs() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/internals")
 }
 
 fn page() -> String {
-    fs::read_to_string(docs().join("paper.md")).expect("docs/paper.md")
+    fs::read_to_string(docs().join("equations.md")).expect("docs/internals/equations.md")
 }
 
 /// Returns the names in the page, each with the file that it links to: [`name`](file).

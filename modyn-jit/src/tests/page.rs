@@ -1,4 +1,4 @@
-//! The listings and pictures of `docs/machine-code.md`: a small program at each step of compilation. With the variable
+//! The listings and pictures of `docs/internals/machine-code.md`: a small program at each step of compilation. With the variable
 //! `UPDATE_SNAPSHOTS`, the test writes them: `UPDATE_SNAPSHOTS=1 cargo test -p modyn-jit --lib page`.
 
 mod pictures;
@@ -352,7 +352,7 @@ fn the_page_shows_what_the_compiler_does() {
     let code = Code::new(&program, &arrays);
     assert_eq!(code.generated.size.spills, 0, "the text says that the example needs no spill");
     let (of_aarch64, size_of_aarch64) = code.of_aarch64(arrays.len());
-    check("machine-code.md", |page| {
+    check("internals/machine-code.md", |page| {
         let listings = [
             ("description", CART_POLE.to_owned() + "\n"),
             ("program", statements(&program)),

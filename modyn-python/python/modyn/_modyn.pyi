@@ -869,9 +869,9 @@ class Robot:
         contacts with Coulomb friction, which push and do not pull, at the planes of their targets.
         `impulses` are those of the last step, or zero: the solver starts from them. It sweeps six times
         over the contacts; `residual` says how well that sufficed. Of the targets, `pose`, the linear
-        `velocity`, `beta`, `restitution`, `compliance` and `friction` count. Joints have no stops, and
-        closed loops are not closed. In Rust and Python, `step_on_ground` also stops joints, and solves to a
-        tolerance.
+        `velocity`, `alpha`, `beta`, `restitution`, `compliance` and `friction` count. Joints have no stops,
+        and closed loops are not closed. In Rust and Python, `step_on_ground` also stops joints, and solves
+        to a tolerance.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `impulses`: (contacts, 3);
         `settings`: `ConstraintSettings`, by default with the ground at z = 0 under all contacts.

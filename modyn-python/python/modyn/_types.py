@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import namedtuple
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -53,15 +53,26 @@ class ContactTarget:
     alpha: float = 20.0
     """the damping of the displacement, 1/s"""
     beta: float = 20.0
-    """the stiffness of the displacement, 1/s"""
+    """the stiffness of the displacement, 1/s; in steps on the ground a rigid contact leaves the ground at `beta` times its depth"""
     compliance: float = 0.0
-    """the relative acceleration that the contact allows per force, 1/kg"""
+    """the relative acceleration that the contact allows per force, 1/kg; in steps on the ground h'' = -2 alpha h' - beta^2 h +
+    compliance f along the normal, with the height h and the force f"""
     restitution: float = 0.0
     """the coefficient of restitution along the normal"""
     weight: float = 1.0
     """the weight of the contact in the distribution of the load by inverse dynamics"""
     friction: float = 0.8
     """the coefficient of Coulomb friction, for steps on the ground"""
+
+    def compliant(self, time_constant: float, damping_ratio: float, impedance: float, mobility: float) -> ContactTarget:
+        """Returns this target with a compliant contact that moves as MuJoCo's with `solref` = (`time_constant`, `damping_ratio`) and
+        with `solimp` whose impedance is `impedance` at all depths.
+
+        `mobility` is the inverse of the mass that the contact moves along its normal, 1/kg: MuJoCo takes `body_invweight0`, an entry
+        of the diagonal of `contact_problem`'s `mobility` serves as well. Friction stays rigid, as with a large `impratio`."""
+        alpha = 1 / (impedance * time_constant)
+        beta = 1 / (impedance**0.5 * time_constant * damping_ratio)
+        return replace(self, alpha=alpha, beta=beta, compliance=mobility * (1 - impedance) / impedance)
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
         vectors = [np.asarray(x, float).ravel() for x in (self.rotation, self.translation, self.velocity)]

@@ -419,7 +419,7 @@ macro_rules! quantities {
              "Returns the state after a step of the time `dt` (s) on the ground under the joint forces `tau`: contacts with Coulomb\n\
              friction, which push and do not pull, at the planes of their targets. `impulses` are those of the last step, or zero:\n\
              the solver starts from them. It sweeps six times over the contacts; `residual` says how well that sufficed. Of the\n\
-             targets, `pose`, the linear `velocity`, `beta`, `restitution`, `compliance` and `friction` count. Joints have no stops,\n\
+             targets, `pose`, the linear `velocity`, `alpha`, `beta`, `restitution`, `compliance` and `friction` count. Joints have no stops,\n\
              and closed loops are not closed. In Rust and Python, `step_on_ground` also stops joints, and solves to a tolerance.",
              "`{Self}` has no function `contact_step`",
              batch ContactStepBatch "`{Self}` has no function `contact_step_batch`"

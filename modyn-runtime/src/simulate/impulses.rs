@@ -19,7 +19,7 @@ const MAX_ROUNDS: usize = 4;
 /// The options of steps on the ground.
 ///
 /// The ground under each contact is the target of the contact in [`ConstraintSettings`](crate::ConstraintSettings): the xy plane of
-/// its pose, its velocity, `beta`, `restitution`, `compliance` and `friction`.
+/// its pose, its velocity, `alpha`, `beta`, `restitution`, `compliance` and `friction`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ground<T = f64> {
     /// Whether joints stop at the limits of the description. A joint beyond a limit returns at the rate `beta` of the settings.

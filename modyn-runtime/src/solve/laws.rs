@@ -18,20 +18,31 @@ pub fn velocity_range<T: Scalar>(at: T, limits: [f64; 2], beta: T, dt: T) -> [T;
     ]
 }
 
-/// Returns the least speed of a contact along its normal after a step, m/s.
+/// A speed towards the ground that no contact reaches, m/s.
+const UNREACHED: f64 = 1e6;
+
+/// Returns the least speed of a contact along its normal after a step, m/s, without an impulse.
 ///
 /// `height` is the height above the ground before the step, m. `before` is the speed along the normal, and `free` the
-/// speed after the step without impulses, m/s; the step takes `dt` seconds. A contact above the ground may reach it. A contact in the
-/// ground leaves it at `beta` times its depth. A contact that would pass the ground leaves it with `restitution` times its speed,
-/// unless that is below 0.01 m/s.
+/// speed after the step without impulses, m/s; the step takes `dt` seconds. A contact that would pass the ground leaves it with
+/// `restitution` times its speed, unless that is below 0.01 m/s.
+///
+/// A rigid contact above the ground may reach it. A rigid contact in the ground leaves it at `beta` times its depth. A contact with
+/// `compliance` is free above the ground, and accelerates by -2 alpha v - beta^2 h at least in the ground; the impulse's own effect is
+/// in [`soften`].
 #[inline(always)]
 pub(crate) fn least_speed<T: Scalar>(
     [height, before, free, dt]: [T; 4],
-    beta: T,
-    restitution: T,
+    [alpha, beta, compliance, restitution]: [T; 4],
 ) -> T {
     let gain = height.select_nonnegative(dt.recip(), return_rate(beta, dt));
-    let least = -(height * gain);
+    let rigid = -(height * gain);
+    // A step damps at most the whole speed, and undoes at most the whole depth.
+    let kept = T::one() - T::from_f64(2.0) * alpha * dt;
+    let kept = before * kept.select_nonnegative(kept, T::zero());
+    let pushed = kept - height * return_rate(beta * beta * dt, dt);
+    let compliant = height.select_nonnegative(T::from_f64(-UNREACHED), pushed);
+    let least = (-compliance).select_nonnegative(rigid, compliant);
     let rebound = -(restitution * before);
     let faster = rebound - least;
     let bounced = faster.select_nonnegative(rebound, least);
@@ -48,8 +59,49 @@ pub(crate) fn relative_velocity<T: Scalar>(
     [height, before, dt]: [T; 3],
     target: &ContactTarget<T>,
 ) -> [T; 3] {
-    let least = least_speed([height, before, z, dt], target.beta, target.restitution);
+    let least = least_speed([height, before, z, dt], normal_law(target));
     [x, y, z - least]
+}
+
+/// Returns the numbers of [`least_speed`] that belong to a target.
+#[inline(always)]
+pub(crate) fn normal_law<T: Scalar>(target: &ContactTarget<T>) -> [T; 4] {
+    [target.alpha, target.beta, target.compliance, target.restitution]
+}
+
+impl<T: Scalar> ContactTarget<T> {
+    /// Returns this target with a compliant contact that moves as MuJoCo's with `solref` = (`time_constant`, `damping_ratio`), in s and
+    /// without unit, and with `solimp` whose impedance is `impedance` at all depths.
+    ///
+    /// `mobility` is the inverse of the mass that the contact moves along its normal, 1/kg: MuJoCo takes `body_invweight0`, an entry
+    /// of the diagonal of [`contact_problem`](crate::Robot::contact_problem)'s `mobility` serves as well. Friction stays rigid, as
+    /// with a large `impratio`.
+    ///
+    /// ```
+    /// use modyn_runtime::ContactTarget;
+    ///
+    /// let ground = ContactTarget::<f64>::GROUND.compliant([0.02, 1.0], 0.9, 0.1);
+    /// assert!((ground.alpha - 1.0 / (0.9 * 0.02)).abs() < 1e-12);
+    /// // 3 kg sink by compliance times force / beta^2.
+    /// let depth = ground.compliance * 3.0 * 9.81 / (ground.beta * ground.beta);
+    /// assert!((depth - 1.177e-4).abs() < 1e-7);
+    /// ```
+    ///
+    /// Source: MuJoCo's documentation, "Computation", solver parameters.
+    #[must_use]
+    pub fn compliant(
+        self,
+        [time_constant, damping_ratio]: [T; 2],
+        impedance: T,
+        mobility: T,
+    ) -> Self {
+        Self {
+            alpha: (impedance * time_constant).recip(),
+            beta: (impedance.sqrt() * time_constant * damping_ratio).recip(),
+            compliance: mobility * (T::one() - impedance) * impedance.recip(),
+            ..self
+        }
+    }
 }
 
 /// Adds the change of the velocities by an impulse, from that by a unit impulse.

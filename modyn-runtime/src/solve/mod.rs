@@ -26,7 +26,7 @@ pub use contact::{Contact, ContactMode};
 pub use decide::Decide;
 pub use ground::{Effort, GroundEquations, Residual, Row, Stop};
 #[cfg(feature = "alloc")]
-pub(crate) use laws::least_speed;
+pub(crate) use laws::{least_speed, normal_law};
 pub use laws::velocity_range;
 pub(crate) use laws::{add_scaled, relative_velocity, soften};
 

@@ -1,4 +1,4 @@
-//! The sections of `docs/errors.md`.
+//! The sections of errors and warnings in `docs/troubleshooting.md`.
 
 use modyn_codegen::diagnostics::Code;
 
@@ -6,7 +6,7 @@ use modyn_codegen::diagnostics::Code;
 pub(super) fn list() -> String {
     let section = |code: &Code| {
         let (name, cause, remedy) = (code.name(), code.cause(), code.remedy());
-        format!("\n## {name}\n\n{cause}\n\n**Remedy.** {remedy}\n")
+        format!("\n### {name}\n\n{cause}\n\n**Remedy.** {remedy}\n")
     };
     Code::ALL.iter().map(section).collect()
 }

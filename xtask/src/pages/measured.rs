@@ -45,7 +45,7 @@ fn speed(file: &str, reference: &str) -> String {
 
 /// The README's table.
 fn speed_in_short() -> String {
-    let data = Data::load("speed");
+    let (warm, cold) = (Data::load("speed"), Data::load("speed-cold"));
     let robots = [
         ("ur5", "UR5, 6 joints"),
         ("panda", "Panda, 7 joints"),
@@ -53,18 +53,27 @@ fn speed_in_short() -> String {
         ("g1", "G1 humanoid, 29 joints"),
         ("g1_ff", "G1 humanoid, floating, 35"),
     ];
-    let cell = |quantity: &str, robot: &str| {
+    let cell = |data: &Data, quantity: &str, robot: &str| {
         let ns = |program| data.find(&[quantity, robot, program], "ns")?.parse::<f64>().ok();
         let own = ns("modyn native")?;
-        let [casadi, pinocchio] =
-            ["CasADi C", "Pinocchio C++"].map(|program| Some(ratio(ns(program)? / own)));
-        Some(format!("{own:.0} ns (CasADi {}x, Pinocchio {}x)", casadi?, pinocchio?))
+        let others = [("CasADi C", "CasADi"), ("Pinocchio C++", "Pinocchio")];
+        let others = others
+            .into_iter()
+            .filter_map(|(program, name)| Some(format!("{name} {}x", ratio(ns(program)? / own))));
+        Some(format!("{own:.0} ns ({})", others.collect::<Vec<_>>().join(", ")))
     };
     let rows = robots.map(|(robot, title)| {
-        let cell = |quantity| cell(quantity, robot).unwrap_or("not measured".into());
-        [title.into(), cell("forward dynamics"), cell("forward dynamics derivatives")]
+        let cell = |data, quantity| cell(data, quantity, robot).unwrap_or("not measured".into());
+        let [dynamics, derivatives] = ["forward dynamics", "forward dynamics derivatives"];
+        [
+            title.into(),
+            cell(&warm, dynamics),
+            cell(&cold, dynamics),
+            cell(&warm, derivatives),
+            cell(&cold, derivatives),
+        ]
     });
-    table("robot | forward dynamics | its derivatives", rows)
+    table("robot | forward dynamics, warm | cold | its derivatives, warm | cold", rows)
 }
 
 /// The least and the largest of numbers, as text.
@@ -328,7 +337,7 @@ pub(super) fn text_of(name: &str) -> Option<String> {
         "machine-code" => machine_code_in_short(),
         "f64-by-software" => range(firmware("instructions", "f64 by software")),
         "shared-flash" => range(per_cent("flash, with callees", "shared limbs")),
-        "shared-instructions" => range(per_cent("instructions", "shared limbs").map(|x| 100.0 - x)),
+        "shared-instructions" => range(per_cent("instructions", "shared limbs").map(|x| x - 100.0)),
         "c-instructions" => range(per_cent("instructions", "C and Rust")),
         "c-flash" => range(per_cent("flash, with callees", "C and Rust")),
         "small-flash" => range(per_cent("flash, with callees", "opt-level s").map(|x| 100.0 - x)),

@@ -126,7 +126,7 @@ impl<'e, 'r> Expander<'e, 'r> {
     fn refuse<T>(&mut self, place: Place, fault: impl Into<Fault>) -> Expanded<T> {
         let Fault { reason, help } = fault.into();
         let help = help.unwrap_or_else(|| {
-            "the language is that of `xacro` 2; docs/formats.md says what modyn reads of it".into()
+            "the language is that of `xacro` 2; docs/command.md says what modyn reads of it".into()
         });
         let call = place.call.unwrap_or(0);
         self.report.error_in_call(Code::Xacro, place.at, (&self.calls, call), reason, help);

@@ -1,4 +1,4 @@
-//! The pictures of `docs/machine-code.md`.
+//! The pictures of `docs/internals/machine-code.md`.
 
 use std::fmt::Write as _;
 

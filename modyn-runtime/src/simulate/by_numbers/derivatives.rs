@@ -5,12 +5,12 @@
 use alloc::{vec, vec::Vec};
 
 use super::{
-    BETA, BETA_OF_STOPS, Before, COMPLIANCE, FRICTION, GroundRobot, JointStop, RESTITUTION,
+    ALPHA, BETA, BETA_OF_STOPS, Before, COMPLIANCE, FRICTION, GroundRobot, JointStop, RESTITUTION,
     StepImpulses,
 };
 use crate::scalar::Tangent;
 use crate::solve::{
-    Contact, Decide, GroundEquations, Stop, add_scaled, least_speed, soften, velocity_range,
+    Contact, Decide, GroundEquations, Stop, add_scaled, least_speed, normal_law, soften, velocity_range,
 };
 use crate::{ConstraintSettings, ContactTarget};
 
@@ -94,8 +94,8 @@ impl GroundRobot {
             add(&mut by_problem[at.heights + c], by[0]);
             add(&mut by_problem[at.before + z], by[1]);
             add(by_dt, by[3]);
-            add(&mut by_settings[own + BETA], by[4]);
-            add(&mut by_settings[own + RESTITUTION], by[5]);
+            let law = [ALPHA, BETA, COMPLIANCE, RESTITUTION];
+            law.iter().zip(&by[4..]).for_each(|(at, &by)| add(&mut by_settings[own + at], by));
             add(&mut by_settings[own + COMPLIANCE], by_b[z] * p[z]);
             add(&mut by_settings[own + FRICTION], friction[c]);
         }
@@ -168,10 +168,12 @@ impl GroundRobot {
                 change.problem[at.before + z],
                 change.problem[at.free + z],
                 change.dt,
+                own[ALPHA],
                 own[BETA],
+                own[COMPLIANCE],
                 own[RESTITUTION],
             ];
-            faster[z] = faster[z] + own[COMPLIANCE] * p[z] - dot(6, |k| (by[k], of[k]));
+            faster[z] = faster[z] + own[COMPLIANCE] * p[z] - dot(8, |k| (by[k], of[k]));
             *friction = own[FRICTION];
         }
         for (stop, faster) in solved.acting.iter().zip(&mut faster[rows..]) {
@@ -219,7 +221,7 @@ impl GroundRobot {
             let mut velocity = problem(at.free + row);
             if row % 3 == 2 {
                 let of = self.speeds(dt, row / 3, problem);
-                velocity = velocity - least_speed(of, target.beta, target.restitution);
+                velocity = velocity - least_speed(of, normal_law(target));
             }
             line.extend(acting.iter().map(|stop| response(row, stop.velocity)));
             matrix.push(line);
@@ -247,18 +249,21 @@ impl GroundRobot {
         [problem(at.heights + contact), problem(at.before + z), problem(at.free + z), dt]
     }
 
-    /// Returns the derivatives of the least speed of a contact by [`speeds`](Self::speeds), `beta` and the restitution.
+    /// Returns the derivatives of the least speed of a contact by [`speeds`](Self::speeds) and [`normal_law`].
     fn least_speed_changes<T: Decide>(
         &self,
         (dt, settings): (T, &ConstraintSettings<T, Vec<ContactTarget<T>>>),
         contact: usize,
         problem: &impl Fn(usize) -> T,
-    ) -> [T; 6] {
-        let ContactTarget { beta, restitution, .. } = settings.contacts[contact];
+    ) -> [T; 8] {
         let [height, before, free, dt] = self.speeds(dt, contact, problem);
-        derivatives([height, before, free, dt, beta, restitution], |[a, b, c, d, beta, e]| {
-            least_speed([a, b, c, d], beta, e)
-        })
+        let [alpha, beta, compliance, restitution] = normal_law(&settings.contacts[contact]);
+        derivatives(
+            [height, before, free, dt, alpha, beta, compliance, restitution],
+            |[height, before, free, dt, alpha, beta, compliance, restitution]| {
+                least_speed([height, before, free, dt], [alpha, beta, compliance, restitution])
+            },
+        )
     }
 }
 

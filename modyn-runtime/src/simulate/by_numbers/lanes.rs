@@ -1,6 +1,6 @@
 //! Steps of several states at once, a state in each lane, as far as sweeps suffice.
 
-use super::{BETA, BETA_OF_STOPS, COMPLIANCE, FRICTION, GroundRobot, RESTITUTION};
+use super::{ALPHA, BETA, BETA_OF_STOPS, COMPLIANCE, FRICTION, GroundRobot, RESTITUTION};
 use crate::lanes::{BatchTask, Float, Lanes, MAX_LANES};
 use crate::simulate::Ground;
 use crate::solve::{Contact, GroundEquations, least_speed, velocity_range};
@@ -91,14 +91,17 @@ impl<F: Float, const CONTACTS: usize, const ROWS: usize, const VELOCITIES: usize
                     let c = row / 3;
                     let own = GroundRobot::first_number_of(c);
                     contacts[c] = Contact::new(get!(numbers.settings, own + FRICTION));
-                    a[row][row] = a[row][row] + get!(numbers.settings, own + COMPLIANCE);
+                    let compliance = get!(numbers.settings, own + COMPLIANCE);
+                    a[row][row] = a[row][row] + compliance;
                     let height = get!(numbers.problem, at.heights + c);
                     let before = get!(numbers.problem, at.before + row);
-                    let least = least_speed(
-                        [height, before, b[row], dt],
+                    let law = [
+                        get!(numbers.settings, own + ALPHA),
                         get!(numbers.settings, own + BETA),
+                        compliance,
                         get!(numbers.settings, own + RESTITUTION),
-                    );
+                    ];
+                    let least = least_speed([height, before, b[row], dt], law);
                     b[row] = b[row] - least;
                 }
                 row += 1;

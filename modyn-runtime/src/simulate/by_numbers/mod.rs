@@ -207,6 +207,7 @@ impl GroundRobot {
 
 // The indices of numbers of the settings, and of numbers of a target.
 const BETA_OF_STOPS: usize = 1;
+const ALPHA: usize = 19;
 const BETA: usize = 20;
 const COMPLIANCE: usize = 21;
 const RESTITUTION: usize = 22;
