@@ -10,12 +10,12 @@ use modyn_codegen::program::{
 };
 use modyn_codegen::trace::{LimbPacking, Tracer};
 use modyn_codegen::{Base, CodeForm, Function, ReadOptions, read};
-use modyn_runtime::Scalar;
 use modyn_runtime::equations::ModulePartition;
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
+use modyn_runtime::{Interpreter, Scalar};
 
 fn robot(name: &str) -> Model {
     let path = format!("{}/../robots/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
@@ -132,33 +132,53 @@ fn invalid_products_are_found() {
     assert_eq!(rule, "numbers are added to results that are products");
 }
 
-/// Loops are taken where the user chooses the shortest code; they compute the same.
+/// Loops are taken where straight-line code would be long, and where the user chooses the shortest code. They compute what the
+/// interpreter computes.
 #[test]
-fn plans_take_products_in_loops_for_short_code() {
-    let path = format!("{}/../robots/quadruped.urdf", env!("CARGO_MANIFEST_DIR"));
-    let text = std::fs::read_to_string(path).expect("a robot");
-    let options = ReadOptions { base: Base::Floating, ..ReadOptions::default() };
-    let model = read(&text, "quadruped", &options).expect("good").model;
-    let planned = |code: CodeForm| {
+fn plans_take_products_in_loops_for_long_or_short_code() {
+    let read = |name: &str, base| {
+        let options = ReadOptions { base, ..ReadOptions::default() };
+        let path = format!("{}/../robots/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
+        let text = std::fs::read_to_string(path).expect("a robot");
+        read(&text, name, &options).expect("good").model
+    };
+    let planned = |model: &Model, code: CodeForm, execution: Execution| {
         let functions = vec![Function::ForwardDynamicsDerivatives];
         let choices = Choices { functions, code, ..Choices::default() };
-        Plan::new(&model, &ModuleTree::links(&model), &choices, Execution::Simd).expect("short")
+        Plan::new(model, &ModuleTree::links(model), &choices, execution).expect("short")
     };
-    let results = [CodeForm::Auto, CodeForm::Small].map(|code| {
-        let plan = planned(code);
-        let (scalar, simd) = plan.functions[0].kernels.straight().expect("straight-line code");
-        for program in [scalar, simd] {
-            assert_eq!(program.products.is_some(), code == CodeForm::Small);
-        }
-        assert!(simd.widths().len() > 1);
-        let mut inputs = inputs(scalar.arguments);
-        inputs[3..7].copy_from_slice(&[0.1, -0.5, 0.7, 0.5]);
-        [scalar.evaluate(&inputs), simd.evaluate(&inputs)]
-    });
-    let expected = &results[0][0];
+    let [arm, quadruped] =
+        [("arm6", Base::Fixed), ("quadruped", Base::Floating)].map(|(name, base)| read(name, base));
+    let mut expected = vec![0.0; 18 + 3 * 18 * 18];
+    let mut inputs = inputs(19 + 2 * 18);
+    inputs[3..7].copy_from_slice(&[0.1, -0.5, 0.7, 0.5]);
+    let arguments = [&inputs[..19], &inputs[19..37], &inputs[37..]];
+    Interpreter::new(quadruped.clone())
+        .evaluate(Function::ForwardDynamicsDerivatives, &arguments, 0, &mut expected)
+        .expect("lengths");
     let scale = expected.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-    for (found, expected) in results.iter().flatten().flat_map(|found| found.iter().zip(expected)) {
-        assert!((found - expected).abs() <= 1e-12 * scale, "{found} {expected}");
+    for code in [CodeForm::Fast, CodeForm::Auto, CodeForm::Small] {
+        let plan = planned(&quadruped, code, Execution::Simd);
+        let (scalar, simd) = plan.functions[0].kernels.straight().expect("straight-line code");
+        assert!(simd.widths().len() > 1);
+        for program in [scalar, simd] {
+            assert_eq!(program.products.is_some(), code != CodeForm::Fast);
+            for (found, expected) in program.evaluate(&inputs).iter().zip(&expected) {
+                assert!((found - expected).abs() <= 1e-12 * scale, "{found} {expected}");
+            }
+        }
+        assert_eq!(plan.loops().len(), usize::from(code != CodeForm::Fast));
+    }
+    // Short code, programs on scalars of medium length, and back ends without loops.
+    for (model, code, execution, loops) in [
+        (arm, CodeForm::Auto, Execution::Simd, false),
+        (quadruped.clone(), CodeForm::Auto, Execution::Scalar, false),
+        (quadruped.clone(), CodeForm::Small, Execution::Scalar, true),
+        (quadruped, CodeForm::Small, Execution::Threads, false),
+    ] {
+        let plan = planned(&model, code, execution);
+        let (scalar, _) = plan.functions[0].kernels.straight().expect("straight-line code");
+        assert_eq!(scalar.products.is_some(), loops, "{code:?} {execution:?}");
     }
 }
 

@@ -280,8 +280,8 @@ impl Plan {
         let of = |planned: &Planned| {
             let (loops, limit) = match &planned.kernels {
                 Kernels::Looped(_) => ("loops over the bodies", looped::MAX_STRAIGHT),
-                Kernels::Straight { scalar, .. } if scalar.products.is_some() => {
-                    ("products of matrices in loops", products::MAX_STRAIGHT)
+                Kernels::Straight { scalar, simd } if scalar.products.is_some() => {
+                    ("products of matrices in loops", products::limit(simd.is_some()))
                 }
                 _ => return None,
             };

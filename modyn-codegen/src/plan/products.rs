@@ -12,11 +12,19 @@ use crate::passes::optimize;
 use crate::program::{Execution, Program, ROW_LANES, product_blocks};
 use crate::trace::ProductGraph;
 
-/// The largest number of operations of straight-line code for which products in loops are not taken unless the user chooses them. The
-/// derivatives of a humanoid with a floating base have 32,000: with loops they take as long in a tight loop, two thirds of the time with
-/// code that is not in the cache, half of the text, and less than half of rustc's time. With a fixed base they have 13,000, and take a
-/// tenth more time in a tight loop, since rustc copies the products into the result.
-pub(super) const MAX_STRAIGHT: usize = 20_000;
+/// The largest number of operations of straight-line code on vectors for which products in loops are not taken unless the user chooses
+/// them. The derivatives of a quadruped on a floating base have 4,800: with loops they take nine tenths of the time in a tight
+/// loop, seven tenths where code is not in the cache, and half of the text (`lab/benches/chains`). Those of arms of up to
+/// seven joints are as quick when called cold.
+const MAX_IN_LANES: usize = 4_000;
+
+/// The same limit on scalars. The derivatives of a humanoid with a fixed base have 29,000, and take as long in loops in a tight loop.
+const MAX_ON_SCALARS: usize = 20_000;
+
+/// Returns the largest number of operations of straight-line code for which it is taken, on vectors or on scalars.
+pub(super) fn limit(in_lanes: bool) -> usize {
+    if in_lanes { MAX_IN_LANES } else { MAX_ON_SCALARS }
+}
 
 /// Returns the programs of a function whose products of matrices are loops: without packs, and on vectors where that is
 /// profitable. `None` for functions without products, and where straight-line code is taken. `straight` are the graphs of
@@ -31,7 +39,10 @@ pub(super) fn kernels(
     let is_wanted = match context.code {
         CodeForm::Fast => false,
         CodeForm::Small => true,
-        CodeForm::Auto => straight.1.unwrap_or(straight.0).takes_more_than(MAX_STRAIGHT),
+        CodeForm::Auto => {
+            let shortest = straight.1.unwrap_or(straight.0);
+            shortest.takes_more_than(limit(straight.1.is_some()))
+        }
     };
     if !is_wanted || context.share || context.sizes.nv < ROW_LANES {
         return None;

@@ -1,6 +1,7 @@
 //! The products of matrices after the statements of a function, in loops.
 
 use std::fmt::Write as _;
+use std::ops::Range;
 
 use super::Printer;
 use crate::emit::rust::shape::Shape;
@@ -13,6 +14,9 @@ impl Printer<'_> {
         let a = format!("result{}", self.result.matrix(products.factor));
         let matrices = products.matrices.iter().map(|&first| self.result.matrix(first));
         let matrices: Vec<String> = matrices.map(|matrix| format!("result{matrix}")).collect();
+        if self.program.execution == Execution::Simd {
+            *text += "    use __modyn::{Scalar as _, batch::Pack as _};\n";
+        }
         let _ = writeln!(text, "    let mut result = {value};");
         for block in &products.blocks {
             let columns = &block.columns;
@@ -48,25 +52,24 @@ impl Printer<'_> {
 
 /// Prints the sums of a block's rows, one row after another.
 fn scalars(text: &mut String, block: &ProductBlock, (a, columns): (&str, &[String])) {
-    let (rows, count) = (&block.rows, columns.len());
+    let Range { start, end } = block.rows;
     let _ = writeln!(
         text,
-        "        let mut row = {};\n        while row < {} {{\n            let mut sums = [T::zero(); {count}];",
-        rows.start, rows.end
+        "        let mut row = {start};\n        while row < {end} {{\n            let mut sums = [T::zero(); {}];",
+        columns.len()
     );
-    for terms in &block.terms {
+    for Range { start, end } in &block.terms {
         let _ = writeln!(
             text,
-            "            let mut k = {};\n            while k < {} {{",
-            terms.start, terms.end
+            "            let mut term = {start};\n            while term < {end} {{"
         );
-        for m in 0..count {
+        for m in 0..columns.len() {
             let _ = writeln!(
                 text,
-                "                sums[{m}] = {a}[k][row].mul_add(b[{m}][k], sums[{m}]);"
+                "                sums[{m}] = {a}[term][row].mul_add(b[{m}][term], sums[{m}]);"
             );
         }
-        *text += "                k += 1;\n            }\n";
+        *text += "                term += 1;\n            }\n";
     }
     for (m, column) in columns.iter().enumerate() {
         let _ = writeln!(text, "            {column}[row] = sums[{m}];");
@@ -81,24 +84,18 @@ fn vectors(
     (first, vectors): (usize, usize),
     (a, columns): (&str, &[String]),
 ) {
+    let list =
+        |of: &dyn Fn(usize) -> String, count| (0..count).map(of).collect::<Vec<_>>().join(", ");
     let count = columns.len();
-    let lanes =
-        |of: &dyn Fn(usize) -> String| (0..ROW_LANES).map(of).collect::<Vec<_>>().join(", ");
+    let factors = list(&|m| format!("V::Four::broadcast(V::one(b[{m}][term]))"), count);
+    let rows = list(&|lane| format!("V::one({a}[term][row + {lane}])"), ROW_LANES);
     let _ = writeln!(text, "        let mut sums = [[V::Four::zero(); {vectors}]; {count}];");
-    let of_rows = format!(
-        "            let mut r = 0;\n            while r < {vectors} {{\n                let row = {first} + {ROW_LANES} * r;\n"
-    );
-    for terms in &block.terms {
-        let factors = (0..count).map(|m| format!("V::Four::broadcast(V::one(b[{m}][k]))"));
-        let factors: Vec<String> = factors.collect();
-        let row = lanes(&|lane| format!("V::one({a}[k][row + {lane}])"));
+    for Range { start, end } in &block.terms {
         let _ = writeln!(
             text,
-            "        let mut k = {};\n        while k < {} {{\n            let factors = [{}];\n{of_rows}                \
-             let a = V::Four::pack([{row}]);",
-            terms.start,
-            terms.end,
-            factors.join(", "),
+            "        let mut term = {start};\n        while term < {end} {{\n            let factors = [{factors}];\n            \
+             let (mut row, mut r) = ({first}, 0);\n            while r < {vectors} {{\n                \
+             let a = V::Four::pack([{rows}]);"
         );
         for m in 0..count {
             let _ = writeln!(
@@ -106,19 +103,25 @@ fn vectors(
                 "                sums[{m}][r] = a.mul_add(factors[{m}], sums[{m}][r]);"
             );
         }
-        *text += "                r += 1;\n            }\n            k += 1;\n        }\n";
-    }
-    *text += &of_rows;
-    for (m, column) in columns.iter().enumerate() {
-        let names = lanes(&|lane| format!("x{lane}"));
-        let places = lanes(&|lane| format!("{column}[row + {lane}]"));
-        let numbers = lanes(&|lane| format!("V::number(x{lane})"));
         let _ = writeln!(
             text,
-            "                let [{names}] = sums[{m}][r].unpack();\n                [{places}] = [{numbers}];"
+            "                (row, r) = (row + {ROW_LANES}, r + 1);\n            }}\n            term += 1;\n        }}"
         );
     }
-    *text += "                r += 1;\n            }\n";
+    let _ = writeln!(
+        text,
+        "        let (mut row, mut r) = ({first}, 0);\n        while r < {vectors} {{"
+    );
+    for (m, column) in columns.iter().enumerate() {
+        let names = list(&|lane| format!("x{lane}"), ROW_LANES);
+        let places = list(&|lane| format!("{column}[row + {lane}]"), ROW_LANES);
+        let numbers = list(&|lane| format!("V::number(x{lane})"), ROW_LANES);
+        let _ = writeln!(
+            text,
+            "            let [{names}] = sums[{m}][r].unpack();\n            [{places}] = [{numbers}];"
+        );
+    }
+    let _ = writeln!(text, "            (row, r) = (row + {ROW_LANES}, r + 1);\n        }}");
 }
 
 impl Shape {
