@@ -1,7 +1,9 @@
 //! Line charts as SVG that can be read without colour: every line has its own dashes and markers.
 
+use std::ops::Range;
 use std::path::Path;
 
+use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 use plotters::prelude::*;
 
 /// A scale with its label and unit.
@@ -30,6 +32,26 @@ impl<'a> Axis<'a> {
         if self.logarithmic { x.log10() } else { x }
     }
 
+    /// Returns the places of round numbers within a range of places, which are the ticks.
+    fn ticks(self, range: &Range<f64>) -> Vec<f64> {
+        let (low, high) = (range.start, range.end);
+        if self.logarithmic {
+            let exponents = low.floor() as i32..=high.ceil() as i32;
+            // At most ten numbers: of each decade 1, 2 and 5, or 1 alone.
+            let of_decade: &[f64] = if high - low < 3.3 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+            let all =
+                exponents.flat_map(|k| of_decade.iter().map(move |x| x.log10() + f64::from(k)));
+            return all.filter(|at| range.contains(at)).collect();
+        }
+        let rough = (high - low) / 10.0;
+        let decade = 10f64.powf(rough.log10().floor());
+        let step =
+            [1.0, 2.0, 5.0, 10.0].map(|x| x * decade).into_iter().find(|step| *step >= rough);
+        let step = step.unwrap_or(10.0 * decade);
+        let steps = (low / step).ceil() as i64..=(high / step).floor() as i64;
+        steps.map(|k| k as f64 * step).collect()
+    }
+
     fn text(self, at: f64) -> String {
         // Ticks are sums of steps: a rounding error in place of zero becomes zero.
         let value = if self.logarithmic {
@@ -46,6 +68,31 @@ impl<'a> Axis<'a> {
         } else {
             format!("{rounded:e}")
         }
+    }
+}
+
+/// A scale in pixels, with its ticks.
+struct Scale {
+    range: Range<f64>,
+    ticks: Vec<f64>,
+}
+
+impl Ranged for Scale {
+    type FormatOption = DefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, (from, to): (i32, i32)) -> i32 {
+        let part = (value - self.range.start) / (self.range.end - self.range.start);
+        from + (part * f64::from(to - from)).round() as i32
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        // Lines between the ticks are not drawn.
+        if hint.weight().allow_light_points() { Vec::new() } else { self.ticks.clone() }
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.range.clone()
     }
 }
 
@@ -128,6 +175,7 @@ impl Chart<'_> {
             let margin = (0.04 * (high - low)).max(1e-9 * high.abs()).max(1e-12);
             if low <= high { low - margin..high + margin } else { 0.0..1.0 }
         };
+        let (x, y) = (range(|p| p.0), range(|p| p.1));
         let root = SVGBackend::new(path, SIZE).into_drawing_area();
         root.fill(&WHITE)?;
         let (left, right) = root.split_horizontally(LEGEND);
@@ -136,7 +184,10 @@ impl Chart<'_> {
             .margin(12)
             .x_label_area_size(48)
             .y_label_area_size(78)
-            .build_cartesian_2d(range(|p| p.0), range(|p| p.1))?;
+            .build_cartesian_2d(
+                Scale { ticks: self.x.ticks(&x), range: x },
+                Scale { ticks: self.y.ticks(&y), range: y },
+            )?;
         chart
             .configure_mesh()
             .light_line_style(WHITE)

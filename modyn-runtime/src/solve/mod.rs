@@ -25,10 +25,10 @@ mod sweeps;
 pub use contact::{Contact, ContactMode};
 pub use decide::Decide;
 pub use ground::{Effort, GroundEquations, Residual, Row, Stop};
-#[cfg(feature = "alloc")]
-pub(crate) use laws::{least_speed, normal_law};
 pub use laws::velocity_range;
 pub(crate) use laws::{add_scaled, relative_velocity, soften};
+#[cfg(feature = "alloc")]
+pub(crate) use laws::{least_speed, normal_law};
 
 #[cfg(test)]
 mod tests;

@@ -10,7 +10,8 @@ use super::{
 };
 use crate::scalar::Tangent;
 use crate::solve::{
-    Contact, Decide, GroundEquations, Stop, add_scaled, least_speed, normal_law, soften, velocity_range,
+    Contact, Decide, GroundEquations, Stop, add_scaled, least_speed, normal_law, soften,
+    velocity_range,
 };
 use crate::{ConstraintSettings, ContactTarget};
 
