@@ -34,7 +34,7 @@ from ._types import (
     RolloutStates,
 )
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 __all__ = [
     "Animation",
