@@ -102,6 +102,18 @@ fn a_refused_description_is_json_too() {
 }
 
 #[test]
+fn loops_are_shown_with_their_reason() {
+    let derivatives = ["--functions", "forward_dynamics_derivatives"];
+    let of = |robot: &[&str]| modyn(&[&["inspect"], robot, &derivatives].concat()).out;
+    let shown = of(&["robots/humanoid.urdf", "--base", "floating"]);
+    let words = shown.split_whitespace().collect::<Vec<_>>().join(" ");
+    let wanted = "forward_dynamics_derivatives has products of matrices in loops, since straight-line code would have more \
+                  than 4000 operations";
+    assert!(words.contains(wanted), "{words}");
+    assert!(!of(&["robots/arm6.urdf"]).contains("loops"));
+}
+
+#[test]
 fn the_picture_shows_modules_and_sparsity() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("gripper.svg");

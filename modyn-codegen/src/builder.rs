@@ -131,11 +131,15 @@ pub struct Generated {
     pub files: Vec<PathBuf>,
     /// The operations of one call of each function.
     pub operations: Vec<(&'static str, OperationCount)>,
+    /// The operations of one call of each function that has a program on vectors, on vectors.
+    pub operations_in_lanes: Vec<(&'static str, OperationCount)>,
     /// The operations in the text of each function of one state; [`operations`](Self::operations) has those of a call.
     ///
     /// For a function of one link they include all links. Equal limbs count once if they share their code. If they
     /// are packed into vectors, the packed code and the scalar code count, both.
     pub static_operations: Vec<(&'static str, OperationCount)>,
+    /// The functions that have loops in place of straight-line code: which loops, and why.
+    pub loops: Vec<(&'static str, String)>,
     /// The modules of forward dynamics.
     pub partition: ModuleTree,
     /// The operations of each partition that was considered; the chosen one is first.
@@ -382,7 +386,9 @@ impl Builder {
             warnings,
             files: read,
             operations: plan.operations_per_call(),
+            operations_in_lanes: plan.operations_in_lanes(),
             static_operations: plan.static_operations(),
+            loops: plan.loops(),
             partition: plan.elimination_modules,
             partition_costs: plan.candidates,
         })

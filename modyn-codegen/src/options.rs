@@ -196,7 +196,8 @@ macro_rules! option_table {
                 /// the robot. `small` is a loop over the bodies with a table of constants: a few kB for any robot, and for long
                 /// chains quicker than straight-line code where other work has taken the caches. `auto` takes loops for
                 /// long chains of some 45 joints and more. Robots with mimic joints, a `payload` or a
-                /// `runtime_inertia` have straight-line code.
+                /// `runtime_inertia` have straight-line code. The derivatives of forward dynamics have products of matrices in
+                /// loops where that is shorter (`small`), or where the robot is large (`auto`).
                 "code" code(form: CodeForm)
                     code: CodeForm, field => *field = form,
                     "auto | fast | small", "`auto`", "small";

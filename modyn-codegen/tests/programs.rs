@@ -1,17 +1,21 @@
 //! Programs compute the same as their graphs, and an invalid program is found before it is printed.
 
+use std::collections::BTreeSet;
+
 use modyn_codegen::graph::{Expr, Graph};
 use modyn_codegen::passes::{balance, optimize};
-use modyn_codegen::plan::LIMB_LIMITS;
-use modyn_codegen::program::{Execution, Operation, Program, Source};
+use modyn_codegen::plan::{Choices, LIMB_LIMITS, Plan};
+use modyn_codegen::program::{
+    Execution, Operand, Operation, ProductBlock, Products, Program, Source, product_blocks,
+};
 use modyn_codegen::trace::{LimbPacking, Tracer};
-use modyn_codegen::{ReadOptions, read};
-use modyn_runtime::Scalar;
+use modyn_codegen::{Base, CodeForm, Function, ReadOptions, read};
 use modyn_runtime::equations::ModulePartition;
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
+use modyn_runtime::{Interpreter, Scalar};
 
 fn robot(name: &str) -> Model {
     let path = format!("{}/../robots/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
@@ -37,6 +41,145 @@ fn same(graph: &Graph, program: &Program) {
         assert!((expected - found).abs() <= tolerance, "{expected} {found}");
     }
     assert_eq!(found.len(), expected.len());
+}
+
+/// Derivatives whose products with the inverse of the mass matrix are loops, on scalars, columns in lanes and packed limbs.
+#[test]
+fn products_in_loops_agree_with_straight_line_code() {
+    for (name, base) in
+        [("arm7", Base::Fixed), ("joint_zoo", Base::Fixed), ("quadruped", Base::Floating)]
+    {
+        let path = format!("{}/../robots/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
+        let text = std::fs::read_to_string(path).expect("a robot");
+        let options = ReadOptions { base, ..ReadOptions::default() };
+        let model = read(&text, name, &options).expect("good").model;
+        let mechanism = Mechanism::new(&model);
+        let layout = UduLayout::new(&mechanism, &ModuleTree::links(&model));
+        let (tracer, n) = (Tracer::new(&mechanism), model.nv());
+        let limbs = LimbPacking::find(&mechanism, &LIMB_LIMITS);
+        let limbs = limbs.as_ref().filter(|limbs| limbs.share_root_path(&mechanism));
+        assert_eq!(limbs.is_some(), name == "quadruped");
+        let arguments = model.nq() + 2 * n;
+        let (inputs, expected) =
+            (inputs(arguments), optimize(tracer.forward_dynamics_derivatives(&layout)));
+        let expected = expected.evaluate(&inputs);
+        let scale = expected.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let packed = limbs.map(|limbs| tracer.packed(limbs));
+        let mut blocks: Option<Vec<ProductBlock>> = None;
+        let simd = [tracer.column_lanes(4)].into_iter().chain(packed);
+        let simd = simd.map(|tracer| (tracer, Execution::Simd));
+        for (tracer, execution) in [(tracer.clone(), Execution::Scalar)].into_iter().chain(simd) {
+            let mut graph = tracer.forward_dynamics_derivatives_by_products(&layout);
+            graph.graph = optimize(graph.graph);
+            let blocks = blocks.get_or_insert_with(|| product_blocks(&graph));
+            let program = Program::with_products(&graph, blocks, arguments, execution);
+            let program = program.expect("valid");
+            assert_eq!(program.to_string().parse(), Ok(program.clone()));
+            let products = program.products.as_ref().expect("products");
+            assert_eq!(products.addends.is_empty(), base == Base::Fixed, "free fall");
+            let found = program.evaluate(&inputs);
+            assert_eq!(found.len(), expected.len());
+            for (i, (found, expected)) in found.iter().zip(&expected).enumerate() {
+                let error = (found - expected).abs();
+                assert!(error <= 1e-12 * scale, "{name}, {i}: {found} {expected}");
+            }
+        }
+    }
+}
+
+/// Vectors of rows cover their blocks, and have no rows that the matrices lack.
+#[test]
+fn vectors_of_rows_are_within_their_matrices() {
+    for size in 4..=45 {
+        for (start, end) in (0..size).flat_map(|s| (s + 1..=size).map(move |end| (s, end))) {
+            let block = ProductBlock { columns: 0..1, rows: start..end, terms: Vec::new() };
+            let vectors = block.vectors(size);
+            let rows = vectors.iter().flat_map(|&(first, count)| first..first + 4 * count);
+            let rows: BTreeSet<usize> = rows.collect();
+            assert!((start..end).all(|row| rows.contains(&row)), "{size}: {block:?}");
+            assert!(rows.last().is_some_and(|&last| last < size), "{size}: {block:?}");
+        }
+    }
+}
+
+/// Ranges outside of matrices, and matrices that are no results.
+#[test]
+fn invalid_products_are_found() {
+    let model = robot("arm6");
+    let mechanism = Mechanism::new(&model);
+    let layout = UduLayout::new(&mechanism, &ModuleTree::links(&model));
+    let graph = Tracer::new(&mechanism).forward_dynamics_derivatives_by_products(&layout);
+    let blocks = product_blocks(&graph);
+    let program = Program::with_products(&graph, &blocks, 18, Execution::Scalar).expect("valid");
+    let rule = |change: fn(&mut Products)| {
+        let mut program = program.clone();
+        change(program.products.as_mut().expect("products"));
+        program.validate().expect_err("invalid").rule
+    };
+    let ranges = "blocks of products are in order, and within their matrices";
+    assert_eq!(rule(|products| products.blocks[0].rows.end = 7), ranges);
+    assert_eq!(rule(|products| products.blocks[0].terms[0].end = 7), ranges);
+    assert_eq!(rule(|products| products.blocks.push(products.blocks[0].clone())), ranges);
+    assert_eq!(rule(|products| products.factor = 90), "matrices of products are results");
+    assert_eq!(
+        rule(|products| products.factor = products.matrices[0] + 1),
+        "matrices of products are different results"
+    );
+    let zero = Operand { source: Source::Constant(0.0), negated: false, lanes: 1 };
+    let mut other = program.clone();
+    other.products.as_mut().expect("products").addends.push((0, zero));
+    let rule = other.validate().expect_err("invalid").rule;
+    assert_eq!(rule, "numbers are added to results that are products");
+}
+
+/// Loops are taken where straight-line code would be long, and where the user chooses the shortest code. They compute what the
+/// interpreter computes.
+#[test]
+fn plans_take_products_in_loops_for_long_or_short_code() {
+    let read = |name: &str, base| {
+        let options = ReadOptions { base, ..ReadOptions::default() };
+        let path = format!("{}/../robots/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
+        let text = std::fs::read_to_string(path).expect("a robot");
+        read(&text, name, &options).expect("good").model
+    };
+    let planned = |model: &Model, code: CodeForm, execution: Execution| {
+        let functions = vec![Function::ForwardDynamicsDerivatives];
+        let choices = Choices { functions, code, ..Choices::default() };
+        Plan::new(model, &ModuleTree::links(model), &choices, execution).expect("short")
+    };
+    let [arm, quadruped] =
+        [("arm6", Base::Fixed), ("quadruped", Base::Floating)].map(|(name, base)| read(name, base));
+    let mut expected = vec![0.0; 18 + 3 * 18 * 18];
+    let mut inputs = inputs(19 + 2 * 18);
+    inputs[3..7].copy_from_slice(&[0.1, -0.5, 0.7, 0.5]);
+    let arguments = [&inputs[..19], &inputs[19..37], &inputs[37..]];
+    Interpreter::new(quadruped.clone())
+        .evaluate(Function::ForwardDynamicsDerivatives, &arguments, 0, &mut expected)
+        .expect("lengths");
+    let scale = expected.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    for code in [CodeForm::Fast, CodeForm::Auto, CodeForm::Small] {
+        let plan = planned(&quadruped, code, Execution::Simd);
+        let (scalar, simd) = plan.functions[0].kernels.straight().expect("straight-line code");
+        assert!(simd.widths().len() > 1);
+        for program in [scalar, simd] {
+            assert_eq!(program.products.is_some(), code != CodeForm::Fast);
+            for (found, expected) in program.evaluate(&inputs).iter().zip(&expected) {
+                assert!((found - expected).abs() <= 1e-12 * scale, "{found} {expected}");
+            }
+        }
+        assert_eq!(plan.loops().len(), usize::from(code != CodeForm::Fast));
+    }
+    // Short code, programs on scalars of medium length, and back ends without loops.
+    for (model, code, execution, loops) in [
+        (arm, CodeForm::Auto, Execution::Simd, false),
+        (quadruped.clone(), CodeForm::Auto, Execution::Scalar, false),
+        (quadruped.clone(), CodeForm::Small, Execution::Scalar, true),
+        (quadruped, CodeForm::Small, Execution::Threads, false),
+    ] {
+        let plan = planned(&model, code, execution);
+        let (scalar, _) = plan.functions[0].kernels.straight().expect("straight-line code");
+        assert_eq!(scalar.products.is_some(), loops, "{code:?} {execution:?}");
+    }
 }
 
 /// Derivatives, which are split into chunks, and forward dynamics.

@@ -1,9 +1,9 @@
-//! Compiles forward dynamics of chains and robots, as straight-line code and as loops, and writes tables of them for
-//! `src/main.rs` and `src/bin/cold.rs`.
+//! Compiles forward dynamics of chains and robots and its derivatives of robots, as straight-line code and as loops, and writes tables
+//! of them for `src/main.rs` and the files of `src/bin`.
 
 use std::error::Error;
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use modyn_codegen::{Base, Builder, CodeForm, Function, ModuleChoice};
 use modyn_reproduce::robots;
@@ -26,49 +26,61 @@ struct Types {
 }
 
 impl Types {
-    /// Adds both forms of a robot, in a row that begins with `label`.
-    fn add(&mut self, label: &str, name: &str, builder: &Builder) -> Result<(), Box<dyn Error>> {
+    /// Adds both forms of a robot and its function, in a row that begins with `label`.
+    fn add(
+        &mut self,
+        label: &str,
+        name: &str,
+        builder: &Builder,
+        function: Function,
+    ) -> Result<(), Box<dyn Error>> {
         write!(self.table, "    {label}")?;
         for code in [CodeForm::Fast, CodeForm::Small] {
             let name = format!("{code:?}{name}");
-            let generated = builder.clone().type_name(&name).code(code).generate()?;
+            let functions = [function, Function::Random];
+            let builder = builder.clone().functions(functions).type_name(&name).code(code);
+            let generated = builder.generate()?;
             self.items += &generated.text;
             let mut counts = generated.operations.iter();
-            let found = counts.find(|(name, _)| *name == "forward_dynamics");
-            let (_, count) = found.ok_or("no forward dynamics")?;
+            let found = counts.find(|(name, _)| *name == function.name());
+            let (_, count) = found.ok_or("no such function")?;
             write!(self.table, " {name} {}", count.total())?;
         }
         writeln!(self.table, ";")?;
         Ok(())
     }
 
-    /// Writes the types, and the call of the macro.
-    fn write(self, folder: &Path, call: &str) -> Result<(), Box<dyn Error>> {
-        let text = format!("{}\n{call}! {{\n{}}}\n", self.items, self.table);
-        Ok(std::fs::write(folder.join(format!("{call}.rs")), text)?)
+    /// Writes a file of the types, and of the call of a macro, which starts with `start`.
+    fn write(self, file: &Path, start: &str) -> Result<(), Box<dyn Error>> {
+        let text = format!("{}\n{start}\n{}}}\n", self.items, self.table);
+        Ok(std::fs::write(file, text)?)
     }
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed=build.rs");
-    let out = std::env::var_os("OUT_DIR").ok_or("no OUT_DIR")?;
+    let out = PathBuf::from(std::env::var_os("OUT_DIR").ok_or("no OUT_DIR")?);
     let mut chains = Types::default();
     for n in LENGTHS {
         let builder = Builder::new()
             .model(robots::chain(n))
             // The factorization by the user's modules limits the size; it is not generated here.
-            .modules(ModuleChoice::Links)
-            .functions([Function::ForwardDynamics]);
-        chains.add(&n.to_string(), &format!("Chain{n}"), &builder)?;
+            .modules(ModuleChoice::Links);
+        chains.add(&n.to_string(), &format!("Chain{n}"), &builder, Function::ForwardDynamics)?;
     }
-    chains.write(Path::new(&out), "chains")?;
-    let mut all = Types::default();
+    chains.write(&out.join("chains.rs"), "chains! {")?;
+    let mut of_robots = [Types::default(), Types::default()];
     for (robot, name, base) in ROBOTS {
-        let functions = [Function::ForwardDynamics, Function::Random];
         let file = format!("../../../robots/{robot}.urdf");
-        let builder = Builder::new().urdf(file).base(base).functions(functions);
+        let builder = Builder::new().urdf(file).base(base);
         let floating = if base == Base::Floating { ", floating" } else { "" };
-        all.add(&format!("{:?}", format!("{robot}{floating}")), name, &builder)?;
+        let label = format!("{:?}", format!("{robot}{floating}"));
+        let functions = [Function::ForwardDynamics, Function::ForwardDynamicsDerivatives];
+        for (types, function) in of_robots.iter_mut().zip(functions) {
+            types.add(&label, name, &builder, function)?;
+        }
     }
-    all.write(Path::new(&out), "robots")
+    let [forward, derivatives] = of_robots;
+    forward.write(&out.join("robots.rs"), "robots! { forward_dynamics")?;
+    derivatives.write(&out.join("derivatives.rs"), "robots! { forward_dynamics_derivatives")
 }

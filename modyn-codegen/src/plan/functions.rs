@@ -8,7 +8,7 @@ use modyn_runtime::quantities::{Argument, ArgumentKind, Function, Shape, Sizes};
 use super::PlanContext;
 use crate::diagnostics::suggest;
 use crate::graph::{Expr, Graph};
-use crate::trace::{Solvers, Tracer};
+use crate::trace::{ProductGraph, Solvers, Tracer};
 
 /// The factors of the mass matrix, an argument of the functions of the factors.
 pub(super) const FACTORS: Argument = Argument { name: "factors", kind: ArgumentKind::Factors };
@@ -76,6 +76,8 @@ pub struct Lowering {
     pub packing: Packing,
     /// The equations of one body, if they can run in loops over the bodies.
     pub recursion: Option<fn() -> BodyRecursion<Expr>>,
+    /// The graphs before products of matrices, if these can be loops.
+    pub products: Option<fn(&Tracer<'_>, &PlanContext<'_>) -> ProductGraph>,
     /// Other graphs of a function of one link, which share more with those of other functions of a bundle.
     pub in_bundles: Option<fn(&Tracer<'_>) -> Graph>,
     /// The forms that C can call.
@@ -88,6 +90,7 @@ impl Lowering {
         source: GraphSource::Evaluation,
         packing: Packing::Never,
         recursion: None,
+        products: None,
         in_bundles: None,
         c_form: CForm::SourceAndExport,
     };
@@ -105,6 +108,11 @@ impl Lowering {
     /// Returns the lowering of a function that can run in loops over the bodies.
     const fn recursion(self, recursion: fn() -> BodyRecursion<Expr>) -> Self {
         Self { recursion: Some(recursion), ..self }
+    }
+
+    /// Returns the lowering of a function whose products of matrices can be loops.
+    const fn products(self, trace: fn(&Tracer<'_>, &PlanContext<'_>) -> ProductGraph) -> Self {
+        Self { products: Some(trace), ..self }
     }
 
     /// Returns the lowering of a function with this graph as another one in bundles.
@@ -144,6 +152,7 @@ impl Lowering {
             Function::ForwardDynamicsDerivatives => {
                 Lowering::traced(|t, s| t.forward_dynamics_derivatives(&s.for_derivatives))
                     .packed(Packing::Derivatives)
+                    .products(|t, s| t.forward_dynamics_derivatives_by_products(&s.for_derivatives))
             }
             Function::InverseDynamicsVjp => Lowering::traced(|t, _| t.inverse_dynamics_vjp()),
             Function::InverseDynamicsJvp => Lowering::traced(|t, _| t.inverse_dynamics_jvp()),

@@ -12,7 +12,7 @@ use crate::program::Recursion;
 /// operation takes about 7 bytes. From this length on, some 45 joints, loops take at most a sixth more time than straight-line
 /// code on processors that fetch instructions quickly (`docs/data/chains.tsv`), and less on others; in the first call they take
 /// a fifth everywhere.
-const MAX_STRAIGHT: usize = 16_000;
+pub(super) const MAX_STRAIGHT: usize = 16_000;
 
 /// The smallest mean number of bodies in a loop for which loops are taken unless the user chooses them: in a branched tree of
 /// few bodies in each limb, loops are short, and straight-line code is quicker at any length.

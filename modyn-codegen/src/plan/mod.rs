@@ -22,6 +22,7 @@ mod looped;
 mod packing;
 pub mod partition;
 mod planned;
+mod products;
 mod programs;
 mod user;
 mod wrapped;
@@ -255,10 +256,42 @@ impl Plan {
         planned.map(|planned| (planned.name, planned.operations_per_call())).collect()
     }
 
+    /// Returns the operations of one call on vectors of each function and bundle that has a program on vectors, by name.
+    #[must_use]
+    pub fn operations_in_lanes(&self) -> Vec<(&'static str, OperationCount)> {
+        let in_lanes = |planned: &Planned| match &planned.kernels {
+            Kernels::Straight { simd: Some(simd), .. } => {
+                Some((planned.name, simd.operations_per_call()))
+            }
+            _ => None,
+        };
+        self.functions.iter().filter_map(in_lanes).collect()
+    }
+
     /// Returns the functions and bundles whose packed programs are invalid, by name: each has its program on scalars alone. There
     /// are none unless modyn has a fault.
     pub fn faults(&self) -> impl Iterator<Item = (&'static str, &InvalidProgram)> {
         self.functions.iter().filter_map(|planned| Some((planned.name, planned.fault.as_ref()?)))
+    }
+
+    /// Returns the functions that have loops in place of straight-line code, by name: which loops, and why.
+    #[must_use]
+    pub fn loops(&self) -> Vec<(&'static str, String)> {
+        let of = |planned: &Planned| {
+            let (loops, limit) = match &planned.kernels {
+                Kernels::Looped(_) => ("loops over the bodies", looped::MAX_STRAIGHT),
+                Kernels::Straight { scalar, simd } if scalar.products.is_some() => {
+                    ("products of matrices in loops", products::limit(simd.is_some()))
+                }
+                _ => return None,
+            };
+            let why = match self.choices.code {
+                CodeForm::Small => "the option `code` is `small`".to_string(),
+                _ => format!("straight-line code would have more than {limit} operations"),
+            };
+            Some((planned.name, format!("{loops}, since {why}")))
+        };
+        self.functions.iter().filter_map(of).collect()
     }
 
     /// Returns the operations of all programs of each function and bundle of one state, by name.

@@ -50,15 +50,24 @@ pub(super) fn packed(
     context: &PlanContext<'_>,
     scalar: &Graph,
 ) -> Option<Graph> {
+    packed_by(function, context, scalar, &|tracer| context.graph(function, tracer))
+}
+
+/// Returns the packed graph of a function, as [`packed`] does, for a function that `trace` traces in another way.
+pub(super) fn packed_by<'a>(
+    function: Function,
+    context: &PlanContext<'a>,
+    scalar: &Graph,
+    trace: &dyn Fn(&Tracer<'_>) -> Graph,
+) -> Option<Graph> {
     let packing = Lowering::of(function).packing;
     let by_limbs = context.limbs.iter().flat_map(|limbs| {
         let tracer = context.tracer.packed(limbs);
-        candidates(function, context, (limbs, &tracer))
+        candidates(function, context, (limbs, &tracer), trace)
     });
     let has_columns =
         packing.has_columns() && context.has_vectors() && operations(scalar) <= MAX_COLUMNS;
-    let columns =
-        has_columns.then(|| context.graph(function, &context.tracer.column_lanes(COLUMN_LANES)));
+    let columns = has_columns.then(|| trace(&context.tracer.column_lanes(COLUMN_LANES)));
     profitable(by_limbs.chain(columns), function.row().hot, context, scalar)
 }
 
@@ -73,7 +82,8 @@ pub(super) fn packed_bundle(
     let by_limbs = context.limbs.iter().filter_map(|limbs| {
         let tracer = context.tracer.packed(limbs);
         graphs.packed(|function| {
-            let all = candidates(function, context, (limbs, &tracer));
+            let trace = |tracer: &Tracer<'_>| context.graph(function, tracer);
+            let all = candidates(function, context, (limbs, &tracer), &trace);
             all.into_iter().min_by_key(operations)
         })
     });
@@ -109,11 +119,12 @@ fn profitable(
     dispatched.then(|| scalar.clone())
 }
 
-/// Returns the graphs with packed limbs; the cheapest is taken.
+/// Returns the graphs with packed limbs that `trace` returns; the cheapest is taken.
 fn candidates(
     function: Function,
     context: &PlanContext<'_>,
     (limbs, tracer): (&LimbPacking, &Tracer<'_>),
+    trace: &dyn Fn(&Tracer<'_>) -> Graph,
 ) -> Vec<Graph> {
     match Lowering::of(function).packing {
         Packing::ByModules => {
@@ -136,5 +147,5 @@ fn candidates(
         Packing::OnRootPath | Packing::Derivatives | Packing::Columns | Packing::Contacts => {}
         Packing::Never | Packing::ConstrainedColumns => return Vec::new(),
     }
-    vec![context.graph(function, tracer)]
+    vec![trace(tracer)]
 }

@@ -11,6 +11,7 @@ use super::functions::{CForm, GraphSource, Lowering};
 use super::looped;
 use super::packing;
 use super::planned::{Kernels, Planned};
+use super::products;
 use super::user::{TracedForm, TracedFunction};
 use crate::graph::Graph;
 use crate::intern::intern;
@@ -88,14 +89,15 @@ impl Planned {
                     Kernels::of(Program::new(&graph, scalars, Execution::Batch))
                 } else {
                     let packed = packing::packed(function, context, &graph);
-                    match looped::recursion(function, context, (&graph, packed.as_ref())) {
-                        Some(recursion) => Kernels::Looped(recursion),
-                        None => {
-                            let (kernels, found) = context.kernels(&graph, packed, scalars);
-                            fault = found;
-                            kernels
-                        }
-                    }
+                    let straight = (&graph, packed.as_ref());
+                    let looped = looped::recursion(function, context, straight);
+                    let looped = looped.map(Kernels::Looped);
+                    let products = || products::kernels(function, context, straight, scalars);
+                    looped.or_else(products).unwrap_or_else(|| {
+                        let (kernels, found) = context.kernels(&graph, packed, scalars);
+                        fault = found;
+                        kernels
+                    })
                 }
             }
         };
@@ -193,9 +195,14 @@ impl Planned {
 }
 
 impl PlanContext<'_> {
+    /// Returns the way that programs without packs run.
+    pub(super) fn without_packs(&self) -> Execution {
+        without_packs(self.execution)
+    }
+
     /// Returns the program of a graph without packs.
     fn program(&self, graph: &Graph, scalars: usize) -> Program {
-        Program::new(graph, scalars, without_packs(self.execution))
+        Program::new(graph, scalars, self.without_packs())
     }
 
     /// Returns the programs of a graph, as [`Kernels::lowered`] does.

@@ -72,7 +72,12 @@ impl Program {
             };
             values.push(width, &mut results);
         }
-        self.results.iter().map(|result| values.lane(result, 0, arguments)).collect()
+        let value = |operand: &Operand| values.lane(operand, 0, arguments);
+        let mut results: Vec<S> = self.results.iter().map(value).collect();
+        if let Some(products) = &self.products {
+            products.apply(&mut results, value);
+        }
+        results
     }
 }
 

@@ -32,19 +32,24 @@ impl Program {
         arguments: usize,
         execution: Execution,
     ) -> Result<Self, InvalidProgram> {
+        Self::lowered(graph, arguments, execution).finished()
+    }
+
+    /// Returns the statements and results of a graph, as a program that is not [`finished`](Self::finished).
+    pub(super) fn lowered(graph: &Graph, arguments: usize, execution: Execution) -> Self {
         let lowering = Lowering::new(graph);
         let statements = lowering.order.iter().map(|item| lowering.statement(item)).collect();
         let results = graph.outputs.iter().map(|&id| lowering.operand(id, 1)).collect();
-        let program = Self {
+        Self {
             execution,
             arguments,
             statements,
             results,
+            products: None,
             first_stores: Vec::new(),
             chunks: Vec::new(),
             routines: Vec::new(),
-        };
-        program.finished()
+        }
     }
 
     /// Computes the last use of each value, cuts the statements into chunks, and checks the program.
@@ -63,7 +68,7 @@ impl Program {
             }
         }
         if !self.execution.has_many_states() {
-            for value in self.results.iter().filter_map(Operand::value) {
+            for value in self.outputs().filter_map(Operand::value).collect::<Vec<_>>() {
                 self.statements[value.statement].last_use = usize::MAX;
             }
         }

@@ -21,6 +21,7 @@ mod evaluate;
 mod lower;
 mod outline;
 mod places;
+mod products;
 mod recursion;
 mod repeat;
 mod text;
@@ -30,6 +31,7 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 
 pub use places::argument_of;
+pub use products::{ProductBlock, Products, ROW_LANES, product_blocks};
 pub use recursion::{Places, Read, Recursion, Run, Step, Sweep, Write};
 pub use text::ParseProgramError;
 pub use validate::InvalidProgram;
@@ -66,6 +68,8 @@ pub struct Program {
     pub statements: Vec<Statement>,
     /// The results.
     pub results: Vec<Operand>,
+    /// The products of matrices that replace some results, in loops after the statements.
+    pub products: Option<Products>,
     /// The results that need no statement, and can be stored at once. Empty unless results are stored as soon as they are
     /// computed.
     pub first_stores: Vec<usize>,

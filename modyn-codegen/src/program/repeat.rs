@@ -60,6 +60,7 @@ impl Program {
             arguments,
             statements,
             results,
+            products: None,
             first_stores: Vec::new(),
             chunks: Vec::new(),
             routines,

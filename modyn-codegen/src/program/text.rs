@@ -10,14 +10,17 @@
 //!
 //! `a0` is an argument, `x0` the first result of statement 0, `x0.1` its second result. A vector of four lanes is defined as
 //! `x3<4>`. A call `call 0, 1 (x2; a1)` is repetition 1 of routine 0, with its own operands and those that all repetitions
-//! share. Routines come before the statements, each with its tables and its program.
+//! share. Routines come before the statements, each with its tables and its program. Products of matrices come after the results:
+//! `products 3, 3, 12 21` are those of matrices of three columns, A from result 3 on and B from results 12 and 21 on; `block 0..2, 0..3,
+//! 0..1 2..3` has columns, rows and terms, and `add 13 x4` adds a number to a result.
 
 use std::fmt;
+use std::ops::Range;
 use std::str::{FromStr, Lines};
 
 use super::{
-    Addend, Call, Execution, MultiplyAdd, Operand, Operation, Program, Routine, Source, Statement,
-    Value,
+    Addend, Call, Execution, MultiplyAdd, Operand, Operation, ProductBlock, Products, Program,
+    Routine, Source, Statement, Value,
 };
 
 impl Execution {
@@ -65,7 +68,24 @@ impl fmt::Display for Program {
             let lanes = if *lanes == 1 { String::new() } else { format!("<{lanes}>") };
             writeln!(f, "x{s}{lanes} = {operation}")?;
         }
-        writeln!(f, "results {}", list(&self.results))
+        writeln!(f, "results {}", list(&self.results))?;
+        match &self.products {
+            Some(products) => products.fmt(f),
+            None => Ok(()),
+        }
+    }
+}
+
+impl fmt::Display for Products {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { size, factor, matrices, blocks, addends } = self;
+        let matrices: Vec<String> = matrices.iter().map(usize::to_string).collect();
+        writeln!(f, "products {size}, {factor}, {}", matrices.join(" "))?;
+        for ProductBlock { columns, rows, terms } in blocks {
+            let terms: Vec<String> = terms.iter().map(|range| format!("{range:?}")).collect();
+            writeln!(f, "block {columns:?}, {rows:?}, {}", terms.join(" "))?;
+        }
+        addends.iter().try_for_each(|(result, addend)| writeln!(f, "add {result} {addend}"))
     }
 }
 
@@ -203,6 +223,7 @@ impl<'a> Parser<'a> {
             arguments,
             statements: Vec::new(),
             results: Vec::new(),
+            products: None,
             first_stores: Vec::new(),
             chunks: Vec::new(),
             routines: Vec::new(),
@@ -211,6 +232,7 @@ impl<'a> Parser<'a> {
             let line = self.next()?;
             if let Some(results) = line.strip_prefix("results") {
                 program.results = self.operands(&program, results, 1)?;
+                program.products = self.products(&program)?;
                 break;
             } else if let Some(head) = line.strip_prefix("routine ") {
                 let routine = self.routine(head)?;
@@ -224,6 +246,57 @@ impl<'a> Parser<'a> {
             program.statements[value.statement].used[value.place] = true;
         }
         program.finished().map_err(|invalid| self.error(format!("the rule is: {}", invalid.rule)))
+    }
+
+    /// Returns the products of a program whose results were read; `None` if the next line is something else.
+    fn products(&mut self, program: &Program) -> Result<Option<Products>, ParseProgramError> {
+        let Some(head) = self.next_after("products ") else { return Ok(None) };
+        let numbers = |text: &str| -> Option<Vec<usize>> {
+            text.split_whitespace().map(|number| number.parse().ok()).collect()
+        };
+        let parts: Vec<&str> = head.split(", ").collect();
+        let read = match *parts {
+            [size, factor, matrices] => {
+                size.parse().ok().zip(factor.parse().ok()).zip(numbers(matrices))
+            }
+            _ => None,
+        };
+        let ((size, factor), matrices) = read
+            .ok_or_else(|| self.error(format!("{head:?} are no products, as `3, 3, 12 21` are")))?;
+        let (mut blocks, mut addends) = (Vec::new(), Vec::new());
+        while let Some(text) = self.next_after("block ") {
+            let ranges: Option<Vec<Vec<Range<usize>>>> =
+                text.split(", ").map(|part| part.split_whitespace().map(range).collect()).collect();
+            let block = match ranges.as_deref() {
+                Some([columns, rows, terms]) if columns.len() == 1 && rows.len() == 1 => {
+                    Some(ProductBlock {
+                        columns: columns[0].clone(),
+                        rows: rows[0].clone(),
+                        terms: terms.clone(),
+                    })
+                }
+                _ => None,
+            };
+            blocks.push(block.ok_or_else(|| {
+                self.error(format!("{text:?} is no block, as `0..2, 0..3, 0..1 2..3` is"))
+            })?);
+        }
+        while let Some(text) = self.next_after("add ") {
+            let parts =
+                text.split_once(' ').and_then(|(i, addend)| Some((i.parse().ok()?, addend)));
+            let (result, addend) =
+                parts.ok_or_else(|| self.error(format!("{text:?} is no sum, as `13 x4` is")))?;
+            addends.push((result, self.operand(program, addend, 1)?));
+        }
+        Ok(Some(Products { size, factor, matrices, blocks, addends }))
+    }
+
+    /// Returns the rest of the next line if that begins with `word`; otherwise the line is not read.
+    fn next_after(&mut self, word: &str) -> Option<&'a str> {
+        let rest = self.lines.clone().next()?.trim().strip_prefix(word)?;
+        self.lines.next();
+        self.line += 1;
+        Some(rest)
     }
 
     fn routine(&mut self, head: &str) -> Result<Routine, ParseProgramError> {
@@ -432,8 +505,14 @@ impl<'a> Parser<'a> {
 fn values(program: &Program) -> Vec<Value> {
     let statements = program.statements.iter();
     let operands = statements.flat_map(|statement| statement.operation.operands());
-    let operands = operands.chain(program.results.iter().copied());
+    let operands = operands.chain(program.outputs().copied());
     operands.filter_map(|operand| operand.value()).collect()
+}
+
+/// Returns a range of numbers.
+fn range(text: &str) -> Option<Range<usize>> {
+    let (start, end) = text.split_once("..")?;
+    Some(start.parse().ok()?..end.parse().ok()?)
 }
 
 /// Returns the items of a list that commas separate.

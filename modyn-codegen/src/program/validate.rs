@@ -29,12 +29,13 @@ impl Program {
                 .map_or(Ok(()), |rule| Err(InvalidProgram { statement: Some(s), rule }))?;
         }
         let end = self.statements.len();
-        let results = self.results.iter().find_map(|result| self.operand_fault(result, end));
-        let scalars = self.results.iter().all(|result| result.lanes == 1);
+        let results = self.outputs().find_map(|result| self.operand_fault(result, end));
+        let scalars = self.outputs().all(|result| result.lanes == 1);
         let rule = results
             .or((!scalars).then_some("results are scalars"))
             .or_else(|| self.store_fault())
             .or_else(|| self.cut_fault())
+            .or_else(|| self.products.as_ref()?.fault(self))
             .or_else(|| self.routines.iter().find_map(routine_fault));
         rule.map_or(Ok(()), |rule| Err(InvalidProgram { statement: None, rule }))?;
         self.routines.iter().try_for_each(|routine| routine.program.validate())

@@ -10,6 +10,19 @@ use modyn_runtime::mechanism::MergedMechanism;
 use super::Tracer;
 use crate::graph::{Expr, Graph};
 
+/// A graph whose results are the factors of products.
+#[derive(Clone, Debug)]
+pub struct ProductGraph {
+    /// The graph. Its outputs are the results, with the matrices B in place of the products, then the matrix C of each product.
+    pub graph: Graph,
+    /// The number of rows and of columns of the matrices.
+    pub size: usize,
+    /// The index of the first output of A.
+    pub factor: usize,
+    /// The index of the first output of each matrix B.
+    pub matrices: Vec<usize>,
+}
+
 impl Tracer<'_> {
     /// Returns the graph of the derivatives of the joint forces: by q, then by qd, by columns. Inputs: `q`, `qd`, `qdd`.
     #[must_use]
@@ -47,6 +60,38 @@ impl Tracer<'_> {
             [limbs.unpack_vector(&qdd, self.model.nv), matrices.concat()].concat()
         })
     }
+
+    /// Returns the graph of [`forward_dynamics_derivatives`](Self::forward_dynamics_derivatives) before the products with the
+    /// inverse of the mass matrix.
+    #[must_use]
+    pub fn forward_dynamics_derivatives_by_products(&self, layout: &UduLayout) -> ProductGraph {
+        let n = self.model.nv;
+        let graph = match self.limbs {
+            None => self.trace(|model, state| {
+                let model = &self.with_column_lanes(model);
+                let layout = &MergedUduLayout::new(model, layout.clone());
+                let (results, free_fall) =
+                    derive_factors(model, layout, state, &mut Workspace::new(model));
+                [results.concat(), free_fall.concat()].concat()
+            }),
+            Some(limbs) => self.trace_lanes(limbs, |model, state| {
+                let modules = limbs.partition(layout.partition());
+                let layout = MergedUduLayout::by_modules(model, modules);
+                let workspace = &mut Workspace::new(model);
+                let ([qdd, dq, dqd, dtau], free_fall) =
+                    derive_factors(model, &layout, state, workspace);
+                let tau = cross_limb(model, &layout, workspace, &dtau);
+                // Derivatives of inverse dynamics and of free fall are zero between limbs.
+                let sparse = |x: Vec<Expr>| limbs.unpack_matrix(&x, n);
+                let [fall_dq, fall_dqd] = free_fall.map(sparse);
+                let dtau = limbs.unpack_symmetric(&dtau, &tau);
+                let qdd = limbs.unpack_vector(&qdd, n);
+                [qdd, sparse(dq), sparse(dqd), dtau, fall_dq, fall_dqd].concat()
+            }),
+        };
+        let [dq, dqd, factor] = [0, 1, 2].map(|matrix| n + matrix * n * n);
+        ProductGraph { graph, size: n, factor, matrices: vec![dq, dqd] }
+    }
 }
 
 /// Returns the accelerations and their derivatives from `q`, `qd`, `tau`.
@@ -67,6 +112,30 @@ fn derive(
     let state = (&*q, &*qd, &*tau);
     derivatives::forward_dynamics_derivatives(model, layout, state, workspace, outputs);
     [qdd, dq, dqd, dtau]
+}
+
+/// Returns the accelerations, the matrices that the inverse of the mass matrix multiplies in derivatives by `q` and `qd`, that
+/// inverse, and the derivatives of free fall by `q` and `qd`.
+fn derive_factors(
+    model: &MergedMechanism<Expr>,
+    layout: &MergedUduLayout,
+    [q, qd, tau]: [Vec<Expr>; 3],
+    workspace: &mut Workspace<Expr>,
+) -> ([Vec<Expr>; 4], [Vec<Expr>; 2]) {
+    let mut qdd = vec![Expr::zero(); model.nv()];
+    let (mut dq, mut dqd, mut dtau) = (square(model), square(model), square(model));
+    let outputs = ForwardDerivatives {
+        qdd: &mut qdd,
+        dqdd_dq: &mut dq,
+        dqdd_dqd: &mut dqd,
+        dqdd_dtau: &mut dtau,
+    };
+    let state = (&*q, &*qd, &*tau);
+    derivatives::forward_dynamics_factors(model, layout, state, workspace, outputs);
+    let mut free_fall = [square(model), square(model)];
+    let [fall_dq, fall_dqd] = &mut free_fall;
+    derivatives::add_free_fall(model, &qd, workspace, (&mut qdd, fall_dq, fall_dqd));
+    ([qdd, dq, dqd, dtau], free_fall)
 }
 
 /// Returns memory for an nv x nv matrix.

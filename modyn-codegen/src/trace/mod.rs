@@ -27,6 +27,7 @@ use modyn_runtime::mechanism::{BodyFrame, Mechanism, MergedMechanism};
 
 use crate::graph::{Expr, ForeignExpr, Graph};
 
+pub use derivatives::ProductGraph;
 pub use entries::{EntryDerivatives, EntryForm, second_derivatives};
 pub use evaluation::Solvers;
 pub use limbs::{LimbLimits, LimbPacking};

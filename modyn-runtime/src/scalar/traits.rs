@@ -122,7 +122,7 @@ pub(crate) fn epsilon<S: Scalar>() -> S {
 /// The types of an instruction set: a single value, and packs of two, four and eight.
 pub trait SimdBackend: 'static {
     /// The scalar that is packed.
-    type Number;
+    type Number: Copy;
     /// A single value.
     type One: Scalar;
     /// A pack of two.

@@ -106,7 +106,7 @@ pub fn large() -> Case {
 }
 
 /// Returns robots of every other kind: all joint types, closed loops, mimic joints, run-time parameters, equal limbs in
-/// routines, loops over bodies, many links on one
+/// routines, loops over bodies, products of matrices in loops, many links on one
 /// body, bundles and functions of the user.
 ///
 /// # Panics
@@ -126,9 +126,16 @@ pub fn kinds() -> Vec<Case> {
         case("parameters", gripper.runtime_inertia([replaced]).payload([loaded])),
         case("routines", robot("quadruped").share().functions(USED)),
         case("loops", sprung().functions(looped).code(CodeForm::Small).runtime_gravity()),
+        case("products", products()),
         case("comb", comb().functions(USED)),
         case("own_functions", own_functions()),
     ]
+}
+
+/// Returns a robot whose derivatives multiply matrices in loops, and add the free fall of its base.
+fn products() -> Builder {
+    let functions = [Function::ForwardDynamicsDerivatives];
+    robot("arm6").base(Base::Floating).functions(functions).code(CodeForm::Small)
 }
 
 /// Returns a robot with all joint types, and a spring at each joint.

@@ -1,6 +1,7 @@
 //! Code in loops over bodies: the values of straight-line code and of the interpreter, and an amount of code that does not
 //! depend on the number of bodies.
 
+use modyn::{EmbeddedModel, Robot};
 use modyn_codegen::plan::{Choices, Kernels, Plan};
 use modyn_codegen::program::{Execution, Recursion};
 use modyn_codegen::{CodeForm, Function};
@@ -153,6 +154,43 @@ macro_rules! compared {
             assert_close(what, &found, &expected, $tolerance);
         }
     }};
+}
+
+modyn::modyn! {
+    Legged = "../../../robots/quadruped.urdf", base = floating, code = small, embed_model = true,
+    functions = [forward_dynamics_derivatives, random]
+}
+
+/// Products of matrices in loops, on vectors where the processor has them, of numbers in both precisions.
+#[test]
+fn compiled_products_have_the_values_of_the_interpreter() {
+    let mut random = Random::new(8);
+    let mut interpreter = Interpreter::new(<Legged as EmbeddedModel>::model());
+    for _ in 0..20 {
+        let q = Legged::random(|| random.between(0.0, 1.0));
+        let [qd, tau]: [[f64; Legged::NV]; 2] =
+            std::array::from_fn(|_| std::array::from_fn(|_| random.between(-2.0, 2.0)));
+        let mut expected = vec![0.0; Legged::NV * (1 + 3 * Legged::NV)];
+        let arguments = [&q[..], &qd, &tau];
+        interpreter
+            .evaluate(Function::ForwardDynamicsDerivatives, &arguments, 0, &mut expected)
+            .expect("lengths");
+        let found = Legged::forward_dynamics_derivatives(&q, &qd, &tau);
+        let matrices = [found.dq, found.dqd, found.dtau];
+        let found = [&found.qdd[..], matrices.as_flattened().as_flattened()].concat();
+        assert_close("f64", &found, &expected, 1e-11);
+        let single = |x: &[f64]| x.iter().map(|&x| x as f32).collect::<Vec<_>>();
+        let [q, qd, tau] = arguments.map(single);
+        let found = <Legged as Robot>::forward_dynamics_derivatives(
+            &q.try_into().expect("length"),
+            &qd.try_into().expect("length"),
+            &tau.try_into().expect("length"),
+        );
+        let matrices = [found.dq, found.dqd, found.dtau];
+        let found = [&found.qdd[..], matrices.as_flattened().as_flattened()].concat();
+        let found: Vec<f64> = found.into_iter().map(f64::from).collect();
+        assert_close("f32", &found, &expected, 2e-3);
+    }
 }
 
 #[test]

@@ -62,12 +62,11 @@ fn count(robot: &Robot) -> String {
     let mut text = String::new();
     for (name, operations) in generated.iter().flat_map(|generated| &generated.operations) {
         let scalar = operations.total();
-        let mut all = generated.iter().flat_map(|generated| &generated.static_operations);
-        let all = all.find(|(one, _)| one == name);
-        let all = all.map_or(scalar, |(_, all)| all.total());
         // A function of one state may have a second program, on vectors.
         let one = MAIN.split(' ').any(|function| function == *name);
-        let lanes = all.checked_sub(scalar).filter(|&lanes| one && lanes > 0 && lanes < scalar);
+        let mut lanes = generated.iter().flat_map(|generated| &generated.operations_in_lanes);
+        let lanes = lanes.find(|(function, _)| one && function == name);
+        let lanes = lanes.map(|(_, lanes)| lanes.total()).filter(|&lanes| lanes < scalar);
         let lanes = lanes.map_or(String::new(), |lanes| lanes.to_string());
         let _ = writeln!(text, "{}\t{scalar}\t{lanes}", robot.key(name).join("\t"));
     }

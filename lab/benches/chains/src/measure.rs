@@ -27,11 +27,11 @@ fn median(mut times: Vec<f64>) -> f64 {
 /// A state: coordinates, velocities and joint forces.
 pub type State<const NQ: usize, const NV: usize> = ([f64; NQ], [f64; NV], [f64; NV]);
 
-/// Measures forward dynamics at these states: warm over 31 repetitions of about a millisecond, cold over 101 calls.
-pub fn measured<const NQ: usize, const N: usize>(
+/// Measures a function at these states: warm over 31 repetitions of about a millisecond, cold over 101 calls.
+pub fn measured<const NQ: usize, const N: usize, R>(
     operations: usize,
     states: &[State<NQ, N>],
-    function: impl Fn(&[f64; NQ], &[f64; N], &[f64; N]) -> [f64; N],
+    function: impl Fn(&[f64; NQ], &[f64; N], &[f64; N]) -> R,
 ) -> Form {
     let call = |state: &State<NQ, N>| {
         let (q, qd, tau) = black_box(state);

@@ -106,7 +106,7 @@ fn joint(model: &Model, link: usize) -> Value {
     })
 }
 
-fn cost(Cost { name, operations, bytes }: &Cost) -> Value {
+fn cost(Cost { name, operations, bytes, loops }: &Cost) -> Value {
     let OperationCount { multiplications, additions, divisions, sin_cos, others } = operations;
     json!({
         "name": name,
@@ -117,5 +117,6 @@ fn cost(Cost { name, operations, bytes }: &Cost) -> Value {
         "others": others,
         "operations": operations.total(),
         "estimated_code_bytes": bytes.map(f64::round),
+        "loops": loops,
     })
 }

@@ -66,6 +66,8 @@ struct Cost {
     operations: OperationCount,
     /// The estimated bytes of machine code; `None` for batches, which have code for each instruction set.
     bytes: Option<f64>,
+    /// The loops in place of straight-line code, and why; `None` for straight-line code.
+    loops: Option<String>,
 }
 
 /// Prints the inspection.
@@ -145,9 +147,10 @@ fn costs(
         Ok(generated) => {
             let static_operations: BTreeMap<_, _> =
                 generated.static_operations.into_iter().collect();
+            let mut loops: BTreeMap<_, _> = generated.loops.into_iter().collect();
             let cost = |(name, operations)| {
                 let bytes = static_operations.get(name).map(size::bytes);
-                Cost { name, operations, bytes }
+                Cost { name, operations, bytes, loops: loops.remove(name) }
             };
             Ok(Ok(generated.operations.into_iter().map(cost).collect()))
         }

@@ -250,7 +250,7 @@ fn tree(model: &Model, tree: &ModuleTree) -> String {
 
 fn functions(costs: &[Cost]) -> String {
     let mut table = Table::new(&["function", "mul", "add", "div", "sin/cos", "in all", "code, kB"]);
-    for Cost { name, operations, bytes } in costs {
+    for Cost { name, operations, bytes, .. } in costs {
         table.row([
             (*name).into(),
             operations.multiplications.to_string(),
@@ -261,7 +261,10 @@ fn functions(costs: &[Cost]) -> String {
             bytes.map_or_else(|| "-".into(), |bytes| format!("{:.1}", bytes / 1000.0)),
         ]);
     }
-    table.right_aligned_from(1).text()
+    let loops = costs
+        .iter()
+        .filter_map(|cost| Some(paragraph(&format!("{} has {}", cost.name, cost.loops.as_ref()?))));
+    table.right_aligned_from(1).text() + &loops.collect::<String>()
 }
 
 fn conditioning(condition: Option<f64>, has_dynamics: bool) -> String {

@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::{Array, Printer, literal};
+use super::{Array, Printer, literal, products};
 use crate::emit::statements::{Body, Syntax, sum_of_products};
 use crate::emit::support::Support;
 use crate::program::{Call, Chunk, MultiplyAdd, Operand, Program, Source, argument_of};
@@ -72,10 +72,14 @@ impl Printer {
             for (i, value) in stored.iter().enumerate() {
                 let _ = writeln!(text, "    out[{i}] = {value};");
             }
+            let products = program.products.as_ref().filter(|_| k == last);
+            if let Some(products) = products {
+                products::print(&mut text, products, self, &|addend| body.operand(addend));
+            }
             let mut unread = String::new();
             let calls = k == last && last > 0;
-            let stored_operands = if k == last { &*program.results } else { &[] };
-            let read = arguments_read(program, chunk, stored_operands, &lengths);
+            let outputs = program.outputs().filter(|_| k == last).copied();
+            let read = arguments_read(program, chunk, outputs, &lengths);
             let read = |name: &str| {
                 read.iter().any(|&i| given[i].name == name) || calls || name.starts_with("chunk")
             };
@@ -166,7 +170,7 @@ impl Syntax for C<'_> {
 fn arguments_read(
     program: &Program,
     chunk: &Chunk,
-    stored: &[Operand],
+    stored: impl Iterator<Item = Operand>,
     lengths: &[usize],
 ) -> BTreeSet<usize> {
     let statements = program.statements[chunk.statements.clone()].iter();
@@ -175,5 +179,5 @@ fn arguments_read(
         Source::Argument(number) => Some(argument_of(number, lengths.iter().copied()).ok()?.0),
         _ => None,
     };
-    operands.chain(stored.iter().copied()).filter_map(number).collect()
+    operands.chain(stored).filter_map(number).collect()
 }

@@ -4,6 +4,7 @@
 //! values that later chunks read. The last chunk has the function's own name.
 
 pub(crate) mod operations;
+mod products;
 mod vectors;
 
 use std::cell::{Cell, OnceCell};
@@ -105,6 +106,9 @@ impl Printer<'_> {
             Execution::Batch => String::new(),
             _ => self.result.value(&results.collect::<Vec<_>>()),
         };
+        if let Some(products) = &self.program.products {
+            return self.products(text, &value, products);
+        }
         let _ = writeln!(text, "    {value}\n}}\n");
     }
 

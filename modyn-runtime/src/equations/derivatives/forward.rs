@@ -47,6 +47,36 @@ pub fn forward_dynamics_derivatives<S: Scalar, T: Factorizable<S>>(
     outputs: ForwardDerivatives<'_, S>,
 ) {
     let ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau } = outputs;
+    let outputs = ForwardDerivatives {
+        qdd: &mut *qdd,
+        dqdd_dq: &mut *dqdd_dq,
+        dqdd_dqd: &mut *dqdd_dqd,
+        dqdd_dtau: &mut *dqdd_dtau,
+    };
+    forward_dynamics_factors(tree, limbs, (q, qd, tau), workspace, outputs);
+    let model = tree.mechanism();
+    for columns in [&mut *dqdd_dq, &mut *dqdd_dqd] {
+        for (j, column) in columns.chunks_mut(model.nv.max(1)).enumerate() {
+            match tree.column_lanes() {
+                1 => solve_column(limbs, &workspace.factors, j, column),
+                lanes => multiply(tree, dqdd_dtau, lanes, column),
+            }
+        }
+    }
+    add_free_fall(tree, qd, workspace, (qdd, dqdd_dq, dqdd_dqd));
+}
+
+/// Computes the accelerations and the inverse of the mass matrix as [`forward_dynamics_derivatives`] does, and instead of the
+/// derivatives by q and qd the matrices that M^-1 multiplies: minus the derivatives of inverse dynamics. A floating base's
+/// accelerations are relative to free fall, which [`add_free_fall`] adds.
+pub fn forward_dynamics_factors<S: Scalar, T: Factorizable<S>>(
+    tree: &T,
+    limbs: &T::Layout,
+    (q, qd, tau): (&[S], &[S], &[S]),
+    workspace: &mut Workspace<S>,
+    outputs: ForwardDerivatives<'_, S>,
+) {
+    let ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau } = outputs;
     let (model, layout) = (tree.mechanism(), limbs.layout());
     let n = model.nv;
     workspace.reserve(layout.pivots(), n * n, layout.size());
@@ -75,15 +105,8 @@ pub fn forward_dynamics_derivatives<S: Scalar, T: Factorizable<S>>(
     inverse(limbs, &factors, dqdd_dtau);
     for columns in [&mut *dqdd_dq, &mut *dqdd_dqd] {
         columns.iter_mut().for_each(|entry| *entry = -*entry);
-        for (j, column) in columns.chunks_mut(n.max(1)).enumerate() {
-            match tree.column_lanes() {
-                1 => solve_column(limbs, &factors, j, column),
-                lanes => multiply(tree, dqdd_dtau, lanes, column),
-            }
-        }
     }
     (workspace.matrix, workspace.factors) = (matrix, factors);
-    add_free_fall(model, qd, workspace, (qdd, dqdd_dq, dqdd_dqd));
 }
 
 /// Replaces `x` by the product of a matrix, stored by columns, and `x`. Computes `lanes` rows at a time.
@@ -165,12 +188,13 @@ fn generalized_force<S: Scalar>(
 }
 
 /// Adds the free fall g - omega x v of floating bases to their accelerations, and its derivatives.
-fn add_free_fall<S: Scalar>(
-    model: &Mechanism<S>,
+pub fn add_free_fall<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
     qd: &[S],
     workspace: &Workspace<S>,
     (qdd, dqdd_dq, dqdd_dqd): (&mut [S], &mut [S], &mut [S]),
 ) {
+    let model = tree.mechanism();
     let n = model.nv;
     for i in (0..model.bodies.len()).filter(|&i| is_base(model, i)) {
         let rates = model.rates(i, qd);
