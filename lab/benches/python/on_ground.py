@@ -7,6 +7,10 @@ have: its default solver and contacts, `implicitfast`, steps of 2 ms, elliptic o
 in both: `mujoco.rollout`, and `Robot.rollout` with `step="ground"`. Times are those of one step, the least of several runs; the
 quotient is that to MuJoCo with pyramids, its default. `solved` are the motions in which modyn's impulses leave no velocity of a contact
 wrong by 0.1 mm/s in any step.
+
+The rows `A and B` have the matrices of one step, from the first states of the motions: `Robot.step_on_ground_derivatives`, exact, for
+many states in one call, and `mujoco.mjd_transitionFD`, one-sided differences, state by state. The latter has A alone, since the
+models have no actuators.
 """
 
 import os
@@ -68,6 +72,15 @@ def scenes(model, robot, qpos):
     }
 
 
+def differences(model, state):
+    """Computes A of a step from each state by MuJoCo."""
+    data, a = mujoco.MjData(model), np.zeros((2 * model.nv, 2 * model.nv))
+    q, qd, tau = state
+    for i in range(len(q)):
+        data.qpos[:], data.qvel[:], data.qfrc_applied[:] = q[i], qd[i], tau[i]
+        mujoco.mjd_transitionFD(model, data, 1e-6, False, a, None, None, None)
+
+
 def least(call):
     """Returns the least time of several runs, s."""
     call()
@@ -107,6 +120,17 @@ def main():
                 times = [1e6 * x / (count * STEPS) for x in times]
                 row = " | ".join(f"{x:.2f}" for x in times)
                 print(f"| {name} | {motion} | {label} | {row} | {times[1] / times[0]:.1f} | {solved:.0f} |", flush=True)
+            modyn.set_threads(1)
+            derivatives = lambda: robot.step_on_ground_derivatives(own_q, own_qd, own_tau[:, 0], DT)
+            found = robot.step_on_ground(own_q, own_qd, own_tau[:, 0], DT)
+            solved = 100 * (found.residual.max(-1) < 1e-4).mean()
+            times = [least(derivatives)]
+            for cone in (mujoco.mjtCone.mjCONE_PYRAMIDAL, mujoco.mjtCone.mjCONE_ELLIPTIC):
+                model.opt.cone = cone
+                times.append(least(lambda: differences(model, (q, qd, tau))))
+            times = [1e6 * x / MOTIONS for x in times]
+            row = " | ".join(f"{x:.2f}" for x in times)
+            print(f"| {name} | {motion} | A and B, one core | {row} | {times[1] / times[0]:.1f} | {solved:.0f} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -172,7 +172,7 @@ fn steps_in_lanes_are_those_of_single_states() {
 #[test]
 fn derivatives_are_those_of_differences() {
     let (mut acted, mut stopped) = (0, 0);
-    for seed in 0..40 {
+    for seed in 0..60 {
         let case = Case::new(seed, seed % 2 == 0);
         let mut random = Random(seed + 1000);
         let mut numbers = |count: usize, scale: f64| -> Vec<f64> {
