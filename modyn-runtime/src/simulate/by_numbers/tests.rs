@@ -172,7 +172,7 @@ fn steps_in_lanes_are_those_of_single_states() {
 #[test]
 fn derivatives_are_those_of_differences() {
     let (mut acted, mut stopped) = (0, 0);
-    for seed in 0..60 {
+    for seed in 0..40 {
         let case = Case::new(seed, seed % 2 == 0);
         let mut random = Random(seed + 1000);
         let mut numbers = |count: usize, scale: f64| -> Vec<f64> {
@@ -251,5 +251,5 @@ fn derivatives_are_those_of_differences() {
             "{seed}: {backward}, {forward}"
         );
     }
-    assert!(acted >= 15 && stopped >= 5, "{acted} with contacts, {stopped} with stops");
+    assert!(acted >= 10 && stopped >= 5, "{acted} with contacts, {stopped} with stops");
 }
