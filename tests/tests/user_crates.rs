@@ -238,28 +238,39 @@ fn a_member_of_a_workspace() {
     succeeds(&member, "build");
 }
 
-/// Returns the text of the README's first block of code in `language` after `mark`.
-fn block<'a>(readme: &'a str, mark: &str, language: &str) -> &'a str {
-    let (_, rest) = readme.split_once(mark).unwrap_or_else(|| panic!("no {mark}"));
+/// Returns the text of a page's first block of code in `language` after `mark`.
+fn block<'a>(page: &'a str, mark: &str, language: &str) -> &'a str {
+    let (_, rest) = page.split_once(mark).unwrap_or_else(|| panic!("no {mark}"));
     let (_, rest) = rest.split_once(&format!("```{language}\n")).expect("a block of code");
     rest.split_once("```").expect("the end of a block").0
 }
 
+fn page(name: &str) -> String {
+    std::fs::read_to_string(root().join(name)).expect("a page")
+}
+
 #[test]
 fn the_first_program_prints_the_output_in_the_readme() {
-    let readme = std::fs::read_to_string(root().join("README.md")).expect("the README");
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("swing");
-    std::fs::create_dir_all(folder.join("src")).expect("a folder");
-    let manifest = format!(
-        "[package]\nname = \"swing\"\nedition = \"2024\"\n[dependencies]\nmodyn = {{ path = {:?} }}\n[workspace]\n",
-        root()
-    );
+    let readme = page("README.md");
+    let folder = new_crate("reach", "");
     let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).expect("a file");
-    write("Cargo.toml", &manifest);
-    write("pendulum.urdf", block(&readme, "`pendulum.urdf`", "xml"));
-    write("src/main.rs", block(&readme, "`src/main.rs`", "rust,ignore"));
-    pin(&folder);
+    std::fs::create_dir_all(folder.join("robots")).expect("a folder");
+    write("robots/arm7.urdf", &page("robots/arm7.urdf"));
+    write("src/main.rs", block(&readme, "`src/main.rs`", "rust"));
     let printed = succeeds(&folder, "run");
-    let expected = block(&readme, "`cargo run` prints", "text");
-    assert!(printed.contains(expected), "{printed}");
+    let expected = block(&readme, "`cargo run --release` prints", "text");
+    // The last line is a time.
+    let (expected, time) = expected.split_once("forward dynamics:").expect("a time");
+    assert!(printed.contains(expected) && time.ends_with(" ns\n"), "{printed}");
+}
+
+#[test]
+fn the_program_of_the_start_page_runs() {
+    let start = page("docs/start.md");
+    let folder = new_crate("swing", "");
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).expect("a file");
+    write("pendulum.urdf", block(&start, "`pendulum.urdf`", "xml"));
+    write("src/main.rs", block(&start, "`src/main.rs`", "rust,ignore"));
+    let printed = succeeds(&folder, "run");
+    assert!(printed.contains("torque that holds it: 1.1758 N m"), "{printed}");
 }
