@@ -101,17 +101,10 @@ fn derive(
     [q, qd, tau]: [Vec<Expr>; 3],
     workspace: &mut Workspace<Expr>,
 ) -> [Vec<Expr>; 4] {
-    let mut qdd = vec![Expr::zero(); model.nv()];
-    let (mut dq, mut dqd, mut dtau) = (square(model), square(model), square(model));
-    let outputs = ForwardDerivatives {
-        qdd: &mut qdd,
-        dqdd_dq: &mut dq,
-        dqdd_dqd: &mut dqd,
-        dqdd_dtau: &mut dtau,
-    };
-    let state = (&*q, &*qd, &*tau);
-    derivatives::forward_dynamics_derivatives(model, layout, state, workspace, outputs);
-    [qdd, dq, dqd, dtau]
+    results(model, |outputs| {
+        let state = (&*q, &*qd, &*tau);
+        derivatives::forward_dynamics_derivatives(model, layout, state, workspace, outputs);
+    })
 }
 
 /// Returns the accelerations, the matrices that the inverse of the mass matrix multiplies in derivatives by `q` and `qd`, that
@@ -122,20 +115,30 @@ fn derive_factors(
     [q, qd, tau]: [Vec<Expr>; 3],
     workspace: &mut Workspace<Expr>,
 ) -> ([Vec<Expr>; 4], [Vec<Expr>; 2]) {
+    let mut free_fall = [square(model), square(model)];
+    let results = results(model, |mut outputs| {
+        let state = (&*q, &*qd, &*tau);
+        derivatives::forward_dynamics_factors(model, layout, state, workspace, &mut outputs);
+        let [dq, dqd] = &mut free_fall;
+        derivatives::add_free_fall(model, &qd, workspace, (outputs.qdd, dq, dqd));
+    });
+    (results, free_fall)
+}
+
+/// Returns the accelerations and the three matrices that `compute` writes.
+fn results(
+    model: &MergedMechanism<Expr>,
+    compute: impl FnOnce(ForwardDerivatives<'_, Expr>),
+) -> [Vec<Expr>; 4] {
     let mut qdd = vec![Expr::zero(); model.nv()];
     let (mut dq, mut dqd, mut dtau) = (square(model), square(model), square(model));
-    let outputs = ForwardDerivatives {
+    compute(ForwardDerivatives {
         qdd: &mut qdd,
         dqdd_dq: &mut dq,
         dqdd_dqd: &mut dqd,
         dqdd_dtau: &mut dtau,
-    };
-    let state = (&*q, &*qd, &*tau);
-    derivatives::forward_dynamics_factors(model, layout, state, workspace, outputs);
-    let mut free_fall = [square(model), square(model)];
-    let [fall_dq, fall_dqd] = &mut free_fall;
-    derivatives::add_free_fall(model, &qd, workspace, (&mut qdd, fall_dq, fall_dqd));
-    ([qdd, dq, dqd, dtau], free_fall)
+    });
+    [qdd, dq, dqd, dtau]
 }
 
 /// Returns memory for an nv x nv matrix.

@@ -21,7 +21,8 @@ pub(super) fn table_of_robots() -> String {
         let functions =
             [Function::ForwardDynamics, Function::InverseDynamics, Function::MassMatrix];
         let builder = Builder::new().urdf(root(&path)).functions(functions);
-        let model = builder.plan().unwrap_or_else(|found| panic!("{path}: {found}")).model;
+        let generated = builder.generate().unwrap_or_else(|found| panic!("{path}: {found}"));
+        let model = &generated.model;
         let mut counts: Vec<(&str, usize)> = Vec::new();
         for name in model.links().iter().map(|link| link.joint.joint_type.name()) {
             match counts.iter_mut().find(|(one, _)| *one == name) {
@@ -35,7 +36,6 @@ pub(super) fn table_of_robots() -> String {
         if loops > 0 {
             joints.push(format!("{loops} that closes a loop"));
         }
-        let generated = builder.generate().expect("a robot that was planned");
         let operations = |function: &str| {
             let found = generated.operations.iter().find(|(one, _)| *one == function);
             found.expect("a function").1.total().to_string()

@@ -44,16 +44,10 @@ pub fn forward_dynamics_derivatives<S: Scalar, T: Factorizable<S>>(
     limbs: &T::Layout,
     (q, qd, tau): (&[S], &[S], &[S]),
     workspace: &mut Workspace<S>,
-    outputs: ForwardDerivatives<'_, S>,
+    mut outputs: ForwardDerivatives<'_, S>,
 ) {
+    forward_dynamics_factors(tree, limbs, (q, qd, tau), workspace, &mut outputs);
     let ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau } = outputs;
-    let outputs = ForwardDerivatives {
-        qdd: &mut *qdd,
-        dqdd_dq: &mut *dqdd_dq,
-        dqdd_dqd: &mut *dqdd_dqd,
-        dqdd_dtau: &mut *dqdd_dtau,
-    };
-    forward_dynamics_factors(tree, limbs, (q, qd, tau), workspace, outputs);
     let model = tree.mechanism();
     for columns in [&mut *dqdd_dq, &mut *dqdd_dqd] {
         for (j, column) in columns.chunks_mut(model.nv.max(1)).enumerate() {
@@ -74,7 +68,7 @@ pub fn forward_dynamics_factors<S: Scalar, T: Factorizable<S>>(
     limbs: &T::Layout,
     (q, qd, tau): (&[S], &[S], &[S]),
     workspace: &mut Workspace<S>,
-    outputs: ForwardDerivatives<'_, S>,
+    outputs: &mut ForwardDerivatives<'_, S>,
 ) {
     let ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau } = outputs;
     let (model, layout) = (tree.mechanism(), limbs.layout());
