@@ -1,5 +1,6 @@
 //! States of other libraries: modyn's conversions of one joint, for the joints of many states.
 
+use modyn_runtime::ContactTarget;
 use modyn_runtime::conventions::{mujoco, pinocchio};
 use numpy::prelude::*;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
@@ -58,6 +59,13 @@ conversions! {
     mujoco_to_qacc = mujoco::to_qacc, (q: 7, qd: 6, qdd: 6);
     /// Returns the accelerations of a floating joint, (n, 6), from MuJoCo's `qacc`.
     mujoco_from_qacc = mujoco::from_qacc, (q: 7, qd: 6, qacc: 6);
+}
+
+/// Returns `alpha`, `beta` and `compliance` of a contact with MuJoCo's `solref`, an impedance, and a mobility (1/kg).
+#[pyfunction]
+pub fn mujoco_contact(solref: [f64; 2], impedance: f64, mobility: f64) -> (f64, f64, f64) {
+    let target = ContactTarget::<f64>::GROUND.compliant(solref, impedance, mobility);
+    (target.alpha, target.beta, target.compliance)
 }
 
 /// Returns Pinocchio's coordinates of an unbounded revolute joint, (n, 2), from angles, (n,).

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
+from . import _modyn
+
 if TYPE_CHECKING:
     from ._modyn import GpuArray
 
@@ -70,9 +72,8 @@ class ContactTarget:
 
         `mobility` is the inverse of the mass that the contact moves along its normal, 1/kg: MuJoCo takes `body_invweight0`, an entry
         of the diagonal of `contact_problem`'s `mobility` serves as well. Friction stays rigid, as with a large `impratio`."""
-        alpha = 1 / (impedance * time_constant)
-        beta = 1 / (impedance**0.5 * time_constant * damping_ratio)
-        return replace(self, alpha=alpha, beta=beta, compliance=mobility * (1 - impedance) / impedance)
+        alpha, beta, compliance = _modyn.mujoco_contact((time_constant, damping_ratio), impedance, mobility)
+        return replace(self, alpha=alpha, beta=beta, compliance=compliance)
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
         vectors = [np.asarray(x, float).ravel() for x in (self.rotation, self.translation, self.velocity)]
