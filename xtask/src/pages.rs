@@ -165,9 +165,9 @@ mod tests {
 
     #[test]
     fn text_between_marks_is_replaced() {
-        let sum = text_of("cuda-sum");
-        let page = "It is <!-- data: cuda-sum -->\nold\n<!-- end --> and <!-- data: cuda-sum -->old<!-- end -->.\n";
-        let expected = page.replacen("old\n", &format!("{sum}It is "), 1).replace("old", &sum);
+        let number = text_of("batched-ur5");
+        let page = "It is <!-- data: batched-ur5 -->\nold\n<!-- end --> and <!-- data: batched-ur5 -->old<!-- end -->.\n";
+        let expected = page.replacen("old\n", &format!("{number}It is "), 1).replace("old", &number);
         assert_eq!(filled("page.md", page, &mut BTreeSet::new()), expected);
     }
 }

@@ -1,8 +1,8 @@
 //! Time of kernels on the machine's graphics processor, from 256 states to a million.
 //!
 //! ```text
-//! lab/benches/gpu/run docs/data/gpu.tsv    # measures and writes the table
-//! lab/benches/gpu/run                      # measures nothing: compares small batches with the interpreter
+//! lab/benches/gpu/run measure | lab/record "lab/benches/gpu/run measure" "NOTE" > docs/data/gpu.tsv
+//! lab/benches/gpu/run    # measures nothing: compares small batches with the interpreter
 //! ```
 //!
 //! A row has the time of a state in ns: of a call on arrays that are on the processor, which takes memory for the result; and
@@ -33,7 +33,8 @@ const MEMORY: usize = 1 << 30;
 /// The states that are compared with the interpreter.
 const COMPARED: usize = 200;
 
-const TITLES: &str = "robot\tkernel\tstates\tns a state\tns to copy there\tns to copy back\tms to compile\tprocessor";
+const TITLES: &str =
+    "| robot | kernel | states | ns a state | ns to copy there | ns to copy back | ms to compile |";
 
 /// The result of an expression that fails only if the processor does.
 type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
@@ -130,10 +131,9 @@ fn measure(gpu: &Gpu, index: usize) -> Fallible<String> {
         let [kernel, there, back] =
             [kernel, there, back].map(|time| time.as_secs_f64() * 1e9 / count as f64);
         rows += &format!(
-            "{name}\t`{}`\t{count}\t{kernel:.3}\t{there:.2}\t{back:.2}\t{:.0}\t{}\n",
+            "| {name} | `{}` | {count} | {kernel:.3} | {there:.2} | {back:.2} | {:.0} |\n",
             function.name(),
             compile.as_secs_f64() * 1e3,
-            gpu.name(),
         );
     }
     Ok(rows)
@@ -168,16 +168,17 @@ fn compare(gpu: &Gpu, index: usize) -> Fallible<()> {
 fn main() -> Fallible<()> {
     let gpu = Gpu::new()?;
     let all = 0..KERNELS.len();
-    // Cargo adds options of its own.
-    let Some(path) = std::env::args().skip(1).find(|argument| !argument.starts_with('-')) else {
+    if !std::env::args().any(|argument| argument == "measure") {
         return all.into_iter().try_for_each(|index| compare(&gpu, index));
-    };
+    }
     if gpu.is_software() {
         return Err(
             format!("{} is a software processor, whose times say nothing", gpu.name()).into()
         );
     }
-    let rows = all.map(|index| measure(&gpu, index)).collect::<Fallible<Vec<String>>>()?;
-    let command = "# command: lab/benches/gpu/run docs/data/gpu.tsv";
-    Ok(std::fs::write(path, format!("{command}\n{TITLES}\n{}", rows.concat()))?)
+    println!("{TITLES}\n|---|---|---|---|---|---|---|");
+    for index in all {
+        print!("{}", measure(&gpu, index)?);
+    }
+    Ok(())
 }

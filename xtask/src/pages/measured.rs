@@ -1,9 +1,6 @@
 //! Tables and numbers of pages that are made of measurements.
 
-use modyn_codegen::{Base, Builder};
-
 use super::data::{Data, table};
-use super::root;
 
 /// A ratio of times, to two digits.
 fn ratio(ratio: f64) -> String {
@@ -138,86 +135,23 @@ fn other(comparison: &str, [core, scalar, level, function]: Measurement) -> Opti
     Some([core.into(), scalar.into(), "3".into(), function])
 }
 
-/// Estimates the speed of a kernel of the table `cuda`, by NVIDIA's data sheet of the H200. Returns the threads that
-/// the processor has at a time, the time (ns) of a state or of a rollout's step if all instructions of a thread run at the full
-/// rate, and the sum behind the time.
-fn h200(robot: &str, kernel: &str, scalar: &str) -> (usize, f64, String) {
-    const MULTIPROCESSORS: usize = 132;
-    const REGISTERS: usize = 65_536;
-    const MAX_WARPS: usize = 64;
-    const GIGAHERTZ: f64 = 1.98;
-    // A block has 4 warps of 32 threads; a warp's registers are given out in units of 8 a thread.
-    let (warps_of_block, warp) = (4, 32);
-    let data = Data::load("cuda");
-    let key = [robot, kernel, scalar, "sm_90"];
-    let registers = (data.number(&key, "registers") as usize).next_multiple_of(8);
-    let instructions = data.number(&key, "instructions");
-    let blocks = REGISTERS / (registers * warp * warps_of_block);
-    let threads = MULTIPROCESSORS * warp * (blocks * warps_of_block).min(MAX_WARPS);
-    let lanes = if scalar == "f32" { 128.0 } else { 64.0 };
-    let nanoseconds = instructions / (MULTIPROCESSORS as f64 * lanes * GIGAHERTZ);
-    let sum = format!(
-        "{instructions} instructions / ({MULTIPROCESSORS} * {lanes} * {GIGAHERTZ} GHz) = {nanoseconds:.3} ns a state"
-    );
-    (threads, nanoseconds, sum)
-}
-
-/// The estimates for the kernels of the table `cuda`.
-fn cuda_estimates() -> String {
-    let data = Data::load("cuda");
-    let rows = data.rows.iter().filter(|row| row[data.column("architecture")] == "sm_90");
-    let rows = rows.map(|row| {
-        let (threads, time, _) = h200(&row[0], &row[1], &row[2]);
-        [&row[..3], &[threads.to_string(), format!("{time:.2}")]].concat()
+/// The rows of the table of kernels in `f32` for a million states, with the other libraries beside them.
+fn gpu_in_short() -> String {
+    const MILLION: &str = "1,048,576 states";
+    let data = Data::load("gpu-libraries");
+    let own = data.rows.iter().filter(|row| row[2] == "modyn, CUDA" && row[3] == "f32");
+    let rows = own.map(|row| {
+        let others = ["GRiD", "frax", "MuJoCo XLA, `mjx.forward`"];
+        let others = others
+            .map(|library| data.find(&[&row[0], &row[1], library, "f32"], MILLION).unwrap_or(""));
+        let time = row[data.column(MILLION)].as_str();
+        [&[row[0].as_str(), &row[1], time], &others[..]]
+            .concat()
+            .into_iter()
+            .map(String::from)
+            .collect::<Vec<_>>()
     });
-    let titles =
-        "robot | kernel | scalar | threads at a time | estimate, ns a state (of a rollout: a step)";
-    table(titles, rows) + "\nEstimated from the table `docs/data/cuda.tsv`.\n"
-}
-
-/// From how many states on the kernels of forward dynamics in `f64` are faster than batches on cores of a processor, by the
-/// estimates for the kernels and the batch times of the table `speed`.
-fn cuda_crossover() -> String {
-    /// The time to start a kernel and to wait for it, ns.
-    const START: f64 = 10_000.0;
-    /// The bytes of a copy in a nanosecond: PCI Express 5 with 16 lanes.
-    const BYTES: f64 = 63.0;
-    const CORES: f64 = 16.0;
-    let speed = Data::load("speed");
-    let robots = [
-        ("Panda", "panda", "panda", Base::Fixed),
-        ("Solo12, floating base", "solo12_ff", "solo12", Base::Floating),
-        ("G1", "g1", "g1", Base::Fixed),
-    ];
-    let rows = robots.map(|(title, measured, file, base)| {
-        let kernel = h200(title, "`forward_dynamics`", "f64").1;
-        let core = speed.number(&["forward dynamics", measured, "modyn batch"], "ns");
-        let file = root(&format!("tests/golden/{file}.urdf"));
-        let model = Builder::new().urdf(file).base(base).plan().expect("a robot").model;
-        // The arguments and the result.
-        let copies = 8.0 * (model.nq() + 3 * model.nv()) as f64 / BYTES;
-        let from = |core: f64, state: f64| match core - state {
-            gain if gain > 0.0 => format!("{:.0}", (START / gain / 100.0).ceil() * 100.0),
-            _ => "never".into(),
-        };
-        [
-            title.into(),
-            format!("{core}"),
-            format!("{kernel:.2}"),
-            from(core, kernel),
-            from(core / CORES, kernel),
-            format!("{copies:.1}"),
-            from(core, kernel + copies),
-            from(core / CORES, kernel + copies),
-        ]
-    });
-    let titles = "robot | one core, ns a state (measured) | kernel, ns a state | faster than one core from \
-        | than 16 cores from | copies, ns a state | with copies, than one core from | with copies, than 16 cores from";
-    let date = format!("{} of {}", speed.note("command"), speed.note("date"));
-    table(titles, rows)
-        + &format!(
-            "\nEstimated from the tables `docs/data/cuda.tsv` and `docs/data/speed.tsv` (`{date}`).\n"
-        )
+    table("robot | kernel | modyn, ns | GRiD | frax | MuJoCo XLA", rows) + &data.source()
 }
 
 /// The rows of the firmware's table that its page shows.
@@ -330,9 +264,7 @@ pub(super) fn text_of(name: &str) -> Option<String> {
         "robots-in-short" => robots_in_short(),
         "collections-in-short" => collections_in_short(),
         "collected" => refused_models(),
-        "cuda-sum" => h200("Panda", "`forward_dynamics`", "f32").2,
-        "cuda-estimates" => cuda_estimates(),
-        "cuda-crossover" => cuda_crossover(),
+        "gpu-in-short" => gpu_in_short(),
         "firmware" => firmware_in_short(),
         "machine-code" => machine_code_in_short(),
         "f64-by-software" => range(firmware("instructions", "f64 by software")),
