@@ -167,7 +167,8 @@ mod tests {
     fn text_between_marks_is_replaced() {
         let number = text_of("batched-ur5");
         let page = "It is <!-- data: batched-ur5 -->\nold\n<!-- end --> and <!-- data: batched-ur5 -->old<!-- end -->.\n";
-        let expected = page.replacen("old\n", &format!("{number}It is "), 1).replace("old", &number);
+        let expected =
+            page.replacen("old\n", &format!("{number}It is "), 1).replace("old", &number);
         assert_eq!(filled("page.md", page, &mut BTreeSet::new()), expected);
     }
 }
