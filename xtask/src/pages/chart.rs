@@ -37,7 +37,7 @@ fn place(nanoseconds: f64) -> f64 {
 
 /// Returns the chart, SVG.
 pub(super) fn speed() -> String {
-    let (warm, cold) = (Data::load("speed"), Data::load("speed-cold"));
+    let (warm, cold) = (Data::load("calls"), Data::load("calls-cold"));
     let bottom = TOP + ROW * ROBOTS.len() as f64;
     let (width, height) = (870.0, bottom + 34.0);
     let mut out = format!(
