@@ -10,7 +10,7 @@ wrong by 0.1 mm/s in any step.
 
 The rows `A and B` have the matrices of one step, from the first states of the motions: `Robot.step_on_ground_derivatives`, exact, for
 many states in one call, and `mujoco.mjd_transitionFD`, one-sided differences, state by state. The latter has A alone, since the
-models have no actuators.
+models have no actuators. MuJoCo XLA has one step of all motions, compiled, on all cores.
 """
 
 import os
@@ -81,6 +81,24 @@ def differences(model, state):
         mujoco.mjd_transitionFD(model, data, 1e-6, False, a, None, None, None)
 
 
+def xla(model):
+    """Returns a function that prepares one step of many states by MuJoCo XLA, f64; `None` where it cannot be installed."""
+    os.environ.update(JAX_ENABLE_X64="1", JAX_PLATFORMS="cpu")
+    try:
+        import jax
+        from mujoco import mjx
+    except ImportError:
+        return None
+    own, data = mjx.put_model(model), mjx.make_data(model)
+    step = jax.jit(jax.vmap(lambda q, qd, tau: mjx.step(own, data.replace(qpos=q, qvel=qd, qfrc_applied=tau)).qvel))
+
+    def prepared(state):
+        given = [jax.numpy.asarray(x) for x in state]
+        return lambda: step(*given).block_until_ready()
+
+    return prepared
+
+
 def least(call):
     """Returns the least time of several runs, s."""
     call()
@@ -93,10 +111,11 @@ def least(call):
 
 
 def main():
-    print("| robot | motion | motions | modyn, us | MuJoCo, pyramids, us | MuJoCo, ellipses, us | MuJoCo / modyn | solved, % |")
-    print("|---|---|---|---|---|---|---|---|")
+    print("| robot | motion | motions | modyn, us | MuJoCo, pyramids, us | MuJoCo, ellipses, us | MuJoCo XLA, us | MuJoCo / modyn | solved, % |")
+    print("|---|---|---|---|---|---|---|---|---|")
     for name, (file, points) in ROBOTS.items():
         model, robot, qpos = worlds(file, points)
+        prepared = xla(model)
         for motion, (q, qd, tau) in scenes(model, robot, qpos).items():
             convert = modyn.conventions.MuJoCo(robot, model)
             own_q = convert.from_qpos(q)
@@ -118,7 +137,9 @@ def main():
                         spec = mujoco.mjtState.mjSTATE_QFRC_APPLIED
                         times.append(least(lambda: pool.rollout(model, data, state[:count], control[:count], control_spec=int(spec))))
                 times = [1e6 * x / (count * STEPS) for x in times]
-                row = " | ".join(f"{x:.2f}" for x in times)
+                model.opt.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL
+                of_xla = f"{1e6 * least(prepared((q, qd, tau))) / count:.0f}" if prepared and threads is None else ""
+                row = " | ".join([*(f"{x:.2f}" for x in times), of_xla])
                 print(f"| {name} | {motion} | {label} | {row} | {times[1] / times[0]:.1f} | {solved:.0f} |", flush=True)
             modyn.set_threads(1)
             derivatives = lambda: robot.step_on_ground_derivatives(own_q, own_qd, own_tau[:, 0], DT)
@@ -129,7 +150,7 @@ def main():
                 model.opt.cone = cone
                 times.append(least(lambda: differences(model, (q, qd, tau))))
             times = [1e6 * x / MOTIONS for x in times]
-            row = " | ".join(f"{x:.2f}" for x in times)
+            row = " | ".join([*(f"{x:.2f}" for x in times), ""])
             print(f"| {name} | {motion} | A and B, one core | {row} | {times[1] / times[0]:.1f} | {solved:.0f} |", flush=True)
 
 

@@ -20,8 +20,6 @@ class Code:
 
     base: ArrayFunction | GroundStep | None = None
     """the function that a derivative is of"""
-    has_matrices = True
-    """whether there are derivatives of mode `matrix`"""
 
     def __init__(self, name: str, code: tuple[int, list[list[int]], list[list[int]]]) -> None:
         key, inputs, outputs = code
@@ -88,12 +86,10 @@ class ArrayFunction(Code):
 
 
 class GroundStep(Code):
-    """A step on the ground, or a derivative of it, of mode `forward` or `reverse`.
+    """A step on the ground, or a first derivative of it.
 
     `q`, `qd`, the impulses of contacts and of stops and the residual are the state.
     """
-
-    has_matrices = False
 
     def __init__(
         self, robot: Robot, ground: Ground, derivative: tuple[str, list[int]] | None = None, feedback: bool = False
@@ -107,7 +103,7 @@ class GroundStep(Code):
 
     def derivative(self, mode: str, variables: Sequence[int]) -> GroundStep:
         """Returns the derivative with respect to these arguments, as `ArrayFunction.derivative` does."""
-        if self.base is not None or mode == "matrix":
+        if self.base is not None:
             raise NotImplementedError("a step on the ground has first derivatives alone")
         at = (mode, tuple(variables))
         found = self._derived.get(at)

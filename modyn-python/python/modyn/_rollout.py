@@ -134,22 +134,18 @@ def step_on_ground_derivatives(
 ) -> StepDerivatives:
     """Returns the result of `Robot.step_on_ground_derivatives`."""
     code, given = _ground(robot, "step_on_ground_derivatives", arguments, last, ground)
-    q, qd, tau = (given[k] for k in (0, 1, 5))
-    states, n = np.broadcast_shapes(*(x.shape[: x.ndim - len(own)] for x, own in zip(given, code.inputs))), robot.nv
-    unit = np.eye(n, dtype=robot.dtype)
-    # A direction for each entry of q in tangent space, of qd and of tau: the next to last axis.
-    directions = [np.zeros((*states, 3 * n, size), robot.dtype) for size in (robot.nq, n, n)]
+    unit = np.eye(robot.nv, dtype=robot.dtype)
     to_rates = ArrayFunction(robot, "velocity_to_qdot").key
-    directions[0][..., :n, :] = call_arrays(to_rates, [np.ascontiguousarray(q[..., None, :]), unit])[0]
-    directions[1][..., n : 2 * n, :] = directions[2][..., 2 * n :, :] = unit
-    along = [np.expand_dims(x, x.ndim - len(own)) if x.ndim > len(own) else x for x, own in zip(given, code.inputs)]
-    changes = call_arrays(code.derivative("forward", [0, 1, 5]).key, [*along, *directions])
+    # The rates of the coordinates under each unit velocity: rows, which are orthogonal.
+    rates = lambda q: call_arrays(to_rates, [np.ascontiguousarray(q[..., None, :]), unit])[0]
+    before = np.swapaxes(rates(given[0]), -1, -2)
     q, qd, *_ = call_arrays(code.key, given)
-    # Velocities from rates of the coordinates: the rates of unit velocities are orthogonal.
-    rates = call_arrays(to_rates, [np.ascontiguousarray(q[..., None, :]), unit])[0]
-    moved = changes[0] @ np.swapaxes(rates, -1, -2) / np.sum(rates * rates, -1)[..., None, :]
-    columns = np.swapaxes(np.concatenate([moved, changes[1]], -1), -1, -2)
-    return StepDerivatives(q, qd, columns[..., : 2 * n], columns[..., 2 * n :])
+    after = rates(q)
+    by = call_arrays(code.derivative("matrix", [0, 1, 5]).key, given)
+    columns = [np.concatenate([of_q @ before, *others], -1) for of_q, *others in (by[:3], by[3:6])]
+    moved = after @ columns[0] / np.sum(after * after, -1)[..., None]
+    matrices = np.concatenate([moved, columns[1]], -2)
+    return StepDerivatives(q, qd, matrices[..., : 2 * robot.nv], matrices[..., 2 * robot.nv :])
 
 
 def simulate(

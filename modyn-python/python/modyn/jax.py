@@ -251,7 +251,7 @@ def _batched(arrays: Any, dims: Any, *, code: ArrayFunction) -> Any:
     moved = _moved(arrays, dims, code.inputs)
     count = next(array.shape[0] for array, dim in zip(moved, dims) if dim is not None)
     base = code.base
-    if base is not None and base.has_matrices and all(dim is None for dim in dims[: len(base.inputs)]):
+    if base is not None and all(dim is None for dim in dims[: len(base.inputs)]):
         # One point and many changes or weights, as in `jacfwd` and `jacrev`: products with the matrices of derivatives.
         sizes = [sum(map(_size, shapes)) for shapes in (base.outputs, [base.inputs[i] for i in code.variables])]
         if count * 4 >= min(sizes):

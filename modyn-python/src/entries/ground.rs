@@ -138,8 +138,15 @@ impl Step {
             }
             let varying: Vec<Vec<usize>> = variables.iter().map(|&k| inputs[k].clone()).collect();
             match mode {
+                DerivativeMode::Forward => inputs.extend(varying),
                 DerivativeMode::Reverse => inputs.extend(std::mem::replace(&mut outputs, varying)),
-                _ => inputs.extend(varying),
+                DerivativeMode::Matrix => {
+                    let of = |output: &Vec<usize>| {
+                        let own = output.clone();
+                        varying.iter().map(move |input| [&*own, input].concat()).collect::<Vec<_>>()
+                    };
+                    outputs = outputs.iter().flat_map(of).collect();
+                }
             }
         }
         Ok(ArrayShapes::new(inputs, outputs))
@@ -158,10 +165,16 @@ impl Step {
         let parameters = self.has_parameters.then(|| self.inputs.len() - 1);
         let of = |derivative: &Derivative| {
             let Derivative { mode, variables } = derivative;
-            let parts = self.parts.derivative(*mode, variables, parameters).map(&mut compiled)?;
-            let (is_forward, variables) = (*mode == DerivativeMode::Forward, variables.clone());
+            // Matrices are changes along each number.
+            let of_parts = match mode {
+                DerivativeMode::Matrix => DerivativeMode::Forward,
+                other => *other,
+            };
+            let parts =
+                self.parts.derivative(of_parts, variables, parameters).map(&mut compiled)?;
+            let (mode, variables) = (*mode, variables.clone());
             let parameters = parameters.filter(|own| variables.contains(own));
-            Ok(GroundDerivative { is_forward, variables, parameters, parts })
+            Ok(GroundDerivative { mode, variables, parameters, parts })
         };
         let derivative = derivative.map(of).transpose()?;
         let (limits, tolerance, sweeps, steps, field) = &self.options;
@@ -301,8 +314,7 @@ pub struct GroundFunction<S: Number + 'static> {
 
 /// A derivative of a step.
 struct GroundDerivative<S: Number + 'static> {
-    /// Whether it is that of the state by the variables, not of the variables by the state.
-    is_forward: bool,
+    mode: DerivativeMode,
     /// The arguments that vary, by their indices, in ascending order.
     variables: Vec<usize>,
     /// The index of the run-time parameters, if they vary.
@@ -337,10 +349,8 @@ impl<S: Number> Rows<S> {
     }
 
     fn set(&mut self, lane: usize, lanes: usize, numbers: &[S]) {
-        numbers
-            .iter()
-            .zip(self.0.iter_mut().skip(lane).step_by(lanes))
-            .for_each(|(&x, place)| *place = x);
+        let rows = self.0.chunks_exact_mut(lanes);
+        rows.zip(numbers).for_each(|(row, &x)| row[lane] = x);
     }
 }
 
@@ -352,6 +362,24 @@ struct Solved<S> {
     stops: Rows<S>,
     residual: Rows<S>,
     displacement: Rows<S>,
+}
+
+impl<S: Number> Solved<S> {
+    /// Returns the same in each lane.
+    fn in_lanes(self, lanes: usize) -> Self {
+        let of = |rows: Rows<S>| {
+            Rows(rows.0.iter().flat_map(|&x| std::iter::repeat_n(x, lanes)).collect())
+        };
+        let Self { problem, velocities, contacts, stops, residual, displacement } = self;
+        Self {
+            problem: of(problem),
+            velocities: of(velocities),
+            contacts: of(contacts),
+            stops: of(stops),
+            residual: of(residual),
+            displacement: of(displacement),
+        }
+    }
 }
 
 impl<S: Number> OwnKernel<S> for ReadyGround<'_, S> {
@@ -370,15 +398,14 @@ impl<S: Number> OwnKernel<S> for ReadyGround<'_, S> {
         let on_field = self.on_field(numbers, lanes);
         let numbers = on_field.as_deref().unwrap_or(numbers);
         let given = Given { numbers, lengths: &self.function.lengths, lanes };
-        let solved = self.solve(&given);
-        match &self.derivative {
-            None => self.value(&given, &solved, result),
-            Some((derivative, parts)) if derivative.is_forward => {
-                self.forward(&given, &solved, (derivative, parts), result);
-            }
-            Some((derivative, parts)) => {
-                self.reverse(&given, &solved, (derivative, parts), result);
-            }
+        let Some((derivative, parts)) = &self.derivative else {
+            return self.value(&given, &self.solve(&given), result);
+        };
+        let own = (*derivative, parts);
+        match derivative.mode {
+            DerivativeMode::Forward => self.forward(&given, &self.solve(&given), own, result),
+            DerivativeMode::Reverse => self.reverse(&given, &self.solve(&given), own, result),
+            DerivativeMode::Matrix => self.matrices(&given, own, result),
         }
     }
 }
@@ -427,6 +454,12 @@ impl<S: Number> ReadyGround<'_, S> {
 
     /// Finds the impulses and the velocities.
     fn solve(&self, given: &Given<'_, S>) -> Solved<S> {
+        if given.lanes > 1 && given.is_one_state() {
+            let count = given.lengths.iter().sum::<usize>() * given.lanes;
+            let numbers = lane_of(&given.numbers[..count], 0, given.lanes);
+            let one = Given { numbers: &numbers, lengths: given.lengths, lanes: 1 };
+            return self.solve(&one).in_lanes(given.lanes);
+        }
         let (function, lanes) = (self.function, given.lanes);
         let [nv, contacts] = [QD, CONTACTS].map(|k| function.lengths[k]);
         let mut problem = Rows::zeros(function.robot.problem_length(), lanes);
@@ -614,6 +647,56 @@ impl<S: Number> ReadyGround<'_, S> {
         result.iter_mut().zip(all).for_each(|(place, &x)| *place = x);
     }
 
+    /// Writes the derivatives of each array of the state by each variable.
+    fn matrices(
+        &self,
+        given: &Given<'_, S>,
+        (derivative, parts): (&GroundDerivative<S>, &Parts<Kernel<'_, S>>),
+        result: &mut [S],
+    ) {
+        let (lengths, together) = (&self.function.lengths, OwnKernel::lanes(self));
+        let varying: Vec<usize> = derivative.variables.iter().map(|&k| lengths[k]).collect();
+        let directions: usize = varying.iter().sum();
+        let state = lengths[..STATE].iter().sum::<usize>();
+        let mut changes = vec![S::zero(); state * together];
+        for lane in 0..given.lanes {
+            let count: usize = lengths.iter().sum();
+            let numbers = lane_of(&given.numbers[..count * given.lanes], lane, given.lanes);
+            let one = Given { numbers: &numbers, lengths, lanes: 1 };
+            let solved = self.solve(&one).in_lanes(together);
+            let mut numbers: Vec<S> =
+                numbers.iter().flat_map(|&x| std::iter::repeat_n(x, together)).collect();
+            numbers.resize((count + directions) * together, S::zero());
+            for first in (0..directions).step_by(together) {
+                let own = first..directions.min(first + together);
+                let place = |direction: usize| (count + direction) * together + direction - first;
+                own.clone().for_each(|direction| numbers[place(direction)] = S::one());
+                let wide = Given { numbers: &numbers, lengths, lanes: together };
+                self.forward(&wide, &solved, (derivative, parts), &mut changes);
+                own.clone().for_each(|direction| numbers[place(direction)] = S::zero());
+                // The matrices follow each other, by rows.
+                let (mut at, mut row) = (0, 0);
+                for &length in &lengths[..STATE] {
+                    let mut before = 0;
+                    for &columns in &varying {
+                        for direction in
+                            own.clone().filter(|k| (before..before + columns).contains(k))
+                        {
+                            for k in 0..length {
+                                let entry = at + k * columns + direction - before;
+                                result[entry * given.lanes + lane] =
+                                    changes[(row + k) * together + direction - first];
+                            }
+                        }
+                        at += length * columns;
+                        before += columns;
+                    }
+                    row += length;
+                }
+            }
+        }
+    }
+
     /// Writes the changes of the state under changes of the variables.
     fn forward(
         &self,
@@ -635,50 +718,60 @@ impl<S: Number> ReadyGround<'_, S> {
             changes[k].0.copy_from_slice(own);
         }
         self.without_planes(&mut changes[SETTINGS], lanes);
-        let varying = varying_in_problem(&derivative.variables);
-        let varying = varying.flat_map(|k| &changes[k].0).copied();
-        let arguments: Vec<S> = given.of_problem().into_iter().chain(varying).collect();
+        let mut arguments = given.of_problem();
+        varying_in_problem(&derivative.variables)
+            .for_each(|k| arguments.extend_from_slice(&changes[k].0));
         let mut problem = Rows::zeros(function.robot.problem_length(), lanes);
         parts.problem.run(&arguments, &mut problem.0, lanes);
         let [mut velocities, mut stops, mut displacement] =
             [(); 3].map(|()| Rows::zeros(nv, lanes));
         let mut of_contacts = Rows::zeros(contacts, lanes);
-        for lane in 0..lanes {
-            let (q, dt, settings) = given.before(lane);
-            let of = |rows: &Rows<S>| lane_of(&rows.0, lane, lanes);
-            let (p, s) = (of(&solved.contacts), of(&solved.stops));
-            let (dq, ddt) = (of(&changes[Q]), of(&changes[DT])[0]);
-            let mut inverse = Vec::new();
-            let acts = s.iter().any(|x| x.abs() > S::zero());
-            if let Some(kernel) = parts.inverse.as_ref().filter(|_| acts) {
-                let parameters = derivative.parameters.map(|own| of(&changes[own]));
-                let arguments =
-                    [self.of_inverse(given, lane), dq.clone(), parameters.unwrap_or_default()]
-                        .concat();
-                inverse.resize(nv * nv, S::zero());
-                kernel.run(&arguments, &mut inverse, 1);
-            }
-            let (mut qd, mut p_change, mut s_change) =
-                (vec![S::zero(); nv], vec![S::zero(); contacts], vec![S::zero(); nv]);
-            function.robot.change(
+        let of = |rows: &Rows<S>, lane| lane_of(&rows.0, lane, lanes);
+        let directions: Vec<_> = (0..lanes)
+            .map(|lane| {
+                let dq = of(&changes[Q], lane);
+                let mut inverse = Vec::new();
+                let acts = of(&solved.stops, lane).iter().any(|x| x.abs() > S::zero());
+                if let Some(kernel) = parts.inverse.as_ref().filter(|_| acts) {
+                    let parameters = derivative.parameters.map(|own| of(&changes[own], lane));
+                    let arguments =
+                        [self.of_inverse(given, lane), dq.clone(), parameters.unwrap_or_default()]
+                            .concat();
+                    inverse.resize(nv * nv, S::zero());
+                    kernel.run(&arguments, &mut inverse, 1);
+                }
+                let ddt = of(&changes[DT], lane)[0];
+                (of(&problem, lane), inverse, dq, ddt, of(&changes[SETTINGS], lane))
+            })
+            .collect();
+        let directions: Vec<_> = directions
+            .iter()
+            .map(|(problem, inverse, q, dt, settings)| StepChange {
+                problem,
+                inverse,
+                q,
+                dt: *dt,
+                settings,
+            })
+            .collect();
+        // The directions of one state share its equations.
+        let together = if given.is_one_state() { lanes } else { 1 };
+        for first in (0..lanes).step_by(together) {
+            let (q, dt, settings) = given.before(first);
+            let found = function.robot.changes(
                 (&q, dt, &settings),
-                self.of_lane(given, solved, lane),
-                (&p, &s),
-                StepChange {
-                    problem: &of(&problem),
-                    inverse: &inverse,
-                    q: &dq,
-                    dt: ddt,
-                    settings: &of(&changes[SETTINGS]),
-                },
-                [&mut qd, &mut p_change, &mut s_change],
+                self.of_lane(given, solved, first),
+                (&of(&solved.contacts, first), &of(&solved.stops, first)),
+                &directions[first..first + together],
             );
-            velocities.set(lane, lanes, &qd);
-            of_contacts.set(lane, lanes, &p_change);
-            stops.set(lane, lanes, &s_change);
-            let before = of(&solved.velocities);
-            qd.iter_mut().zip(&before).for_each(|(x, &v)| *x = *x * dt + v * ddt);
-            displacement.set(lane, lanes, &qd);
+            for (lane, [mut qd, p_change, s_change]) in (first..).zip(found) {
+                velocities.set(lane, lanes, &qd);
+                of_contacts.set(lane, lanes, &p_change);
+                stops.set(lane, lanes, &s_change);
+                let (before, ddt) = (of(&solved.velocities, lane), directions[lane].dt);
+                qd.iter_mut().zip(&before).for_each(|(x, &v)| *x = *x * dt + v * ddt);
+                displacement.set(lane, lanes, &qd);
+            }
         }
         let displaced =
             [&given.numbers[..nq * lanes], &solved.displacement.0, &changes[Q].0, &displacement.0]
@@ -710,6 +803,12 @@ impl<S: Number> Given<'_, S> {
         &self.numbers[first * self.lanes..][..self.lengths[array] * self.lanes]
     }
 
+    /// Returns whether the arguments are the same in all lanes, as they are for the directions of a derivative.
+    fn is_one_state(&self) -> bool {
+        let count = self.lengths.iter().sum::<usize>() * self.lanes;
+        self.numbers[..count].chunks(self.lanes).all(|row| row.iter().all(|x| *x == row[0]))
+    }
+
     /// Returns the numbers of an array in a lane.
     fn lane(&self, array: usize, lane: usize) -> Vec<S> {
         lane_of(self.rows(array), lane, self.lanes)
@@ -736,5 +835,5 @@ impl<S: Number> Given<'_, S> {
 
 /// Returns the numbers of a lane.
 fn lane_of<S: Copy>(rows: &[S], lane: usize, lanes: usize) -> Vec<S> {
-    rows.iter().skip(lane).step_by(lanes).copied().collect()
+    rows.chunks_exact(lanes).map(|row| row[lane]).collect()
 }

@@ -381,6 +381,7 @@ impl Robot {
         let derivative = derivative.map(|(mode, variables)| match &*mode {
             "forward" => Ok(Derivative { mode: DerivativeMode::Forward, variables }),
             "reverse" => Ok(Derivative { mode: DerivativeMode::Reverse, variables }),
+            "matrix" => Ok(Derivative { mode: DerivativeMode::Matrix, variables }),
             other => {
                 Err(PyValueError::new_err(format!("no mode `{other}` of a step on the ground")))
             }

@@ -16,33 +16,35 @@ use super::ground::{GroundEquations, Row};
 use super::newton::{Steps, least_eps};
 
 impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
-    /// Returns the change of the impulses `p`, which solve the equations, under the change dA p + db of the velocities and that of
-    /// the friction of each contact. `matrix` is memory with as many rows as `a`.
-    #[must_use]
-    pub fn change(&mut self, p: &R, (change, friction): (&R, &[S]), matrix: &mut [R]) -> R {
+    /// Replaces each change dA p + db of the velocities, which stands beside the change of the friction of each contact, by the change
+    /// of the impulses `p`, which solve the equations. `matrix` is memory with as many rows as `a`.
+    pub fn change<F: AsRef<[S]>>(&mut self, p: &R, changes: &mut [(R, F)], matrix: &mut [R]) {
         let (mut steps, u) = self.linear(p, matrix);
-        let (change, right) = (change.as_ref(), steps.right.as_mut());
-        for (c, contact) in self.contacts.iter().enumerate() {
-            let (x, y, z) = (3 * c, 3 * c + 1, 3 * c + 2);
-            for row in [x, y, z] {
-                right[row] = -change[row];
-            }
-            if let Law::Slip(slip) = contact.law(three(p, c), three(&u, c)) {
-                let across = contact.mobilities()[0];
-                for k in 0..2 {
-                    let turned = slip.turn[k][0] * change[x] + slip.turn[k][1] * change[y];
-                    let slower = across * slip.direction[k] * slip.pressed * friction[c];
-                    right[x + k] = slower - turned - slip.push[k] * change[z];
+        steps.factorize(self.rows());
+        let first = 3 * self.contacts.len();
+        for (change, friction) in changes {
+            let (faster, right) = (change.as_mut(), steps.right.as_mut());
+            for (c, contact) in self.contacts.iter().enumerate() {
+                let (x, y, z) = (3 * c, 3 * c + 1, 3 * c + 2);
+                for row in [x, y, z] {
+                    right[row] = -faster[row];
+                }
+                if let Law::Slip(slip) = contact.law(three(p, c), three(&u, c)) {
+                    let across = contact.mobilities()[0];
+                    for k in 0..2 {
+                        let turned = slip.turn[k][0] * faster[x] + slip.turn[k][1] * faster[y];
+                        let slower =
+                            across * slip.direction[k] * slip.pressed * friction.as_ref()[c];
+                        right[x + k] = slower - turned - slip.push[k] * faster[z];
+                    }
                 }
             }
+            for row in first..self.rows() {
+                right[row] = -faster[row];
+            }
+            faster.fill(S::zero());
+            steps.substitute(faster, self.rows());
         }
-        let first = 3 * self.contacts.len();
-        for row in first..self.rows() {
-            right[row] = -change[row];
-        }
-        let mut found = zeros(p);
-        steps.eliminate(found.as_mut(), self.rows());
-        found
     }
 
     /// Returns the gradient of the sum of the impulses `p`, which solve the equations, times `weights`: with respect to b, and in
@@ -64,7 +66,8 @@ impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
         }
         steps.right.as_mut()[..rows].copy_from_slice(&weights.as_ref()[..rows]);
         let mut multipliers = zeros(p);
-        steps.eliminate(multipliers.as_mut(), rows);
+        steps.factorize(rows);
+        steps.substitute(multipliers.as_mut(), rows);
         let l = multipliers.as_ref();
         let mut gradient = zeros(p);
         let by_b = gradient.as_mut();

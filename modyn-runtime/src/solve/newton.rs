@@ -120,7 +120,8 @@ impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
             accepted = Some(merit.sum);
             last = (p.clone(), u.clone());
             steps.clear(p.as_mut(), self.rows());
-            steps.eliminate(p.as_mut(), self.rows());
+            steps.factorize(self.rows());
+            steps.substitute(p.as_mut(), self.rows());
             *u = self.velocities(p.as_ref());
         }
     }
@@ -219,11 +220,11 @@ impl<S: Decide, R: Row<S>> Steps<'_, S, R> {
         }
     }
 
-    /// Adds the solution of the active rows to the impulses, by Gaussian elimination without exchanges.
+    /// Replaces the matrix of the active rows by its triangular factors, by Gaussian elimination without exchanges; the diagonal by
+    /// its reciprocals.
     #[inline(always)]
-    pub(super) fn eliminate(&mut self, p: &mut [S], rows: usize) {
-        let Self { matrix, right, active, .. } = self;
-        let (right, active) = (right.as_mut(), active.as_ref());
+    pub(super) fn factorize(&mut self, rows: usize) {
+        let (matrix, active) = (&mut *self.matrix, self.active.as_ref());
         for pivot in (0..rows).filter(|&row| Self::is_active(active, row)) {
             let (upper, lower) = matrix[..rows].split_at_mut(pivot + 1);
             let own = &mut upper[pivot].as_mut()[pivot..rows];
@@ -233,14 +234,27 @@ impl<S: Decide, R: Row<S>> Steps<'_, S, R> {
                 if !Self::is_active(active, below) {
                     continue;
                 }
-                let entries = &mut row.as_mut()[pivot..rows];
-                let factor = -(entries[0] * reciprocal);
-                for (entry, &other) in entries.iter_mut().zip(&*own) {
+                let (first, entries) = row.as_mut()[pivot..rows].split_at_mut(1);
+                let factor = -(first[0] * reciprocal);
+                for (entry, &other) in entries.iter_mut().zip(&own[1..]) {
                     *entry = factor.mul_add(other, *entry);
                 }
-                right[below] = factor.mul_add(right[pivot], right[below]);
+                first[0] = factor;
             }
             own[0] = reciprocal;
+        }
+    }
+
+    /// Adds the solution of the active rows to the impulses, by the factors of `factorize`. Overwrites the right-hand sides.
+    #[inline(always)]
+    pub(super) fn substitute(&mut self, p: &mut [S], rows: usize) {
+        let Self { matrix, right, active, .. } = self;
+        let (right, active) = (right.as_mut(), active.as_ref());
+        for pivot in (0..rows).filter(|&row| Self::is_active(active, row)) {
+            for below in (pivot + 1..rows).filter(|&row| Self::is_active(active, row)) {
+                let factor = matrix[below].as_ref()[pivot];
+                right[below] = factor.mul_add(right[pivot], right[below]);
+            }
         }
         for pivot in (0..rows).rev().filter(|&row| Self::is_active(active, row)) {
             let step = right[pivot] * matrix[pivot].as_ref()[pivot];

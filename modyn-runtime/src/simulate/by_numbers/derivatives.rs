@@ -129,72 +129,85 @@ impl GroundRobot {
         }
     }
 
-    /// Writes the changes of the velocities, of the impulses of contacts and of those of stops of a step that [`solve`](Self::solve)
-    /// found.
-    pub fn change<T: Decide>(
+    /// Returns the changes of the velocities, of the impulses of contacts and of those of stops of a step that [`solve`](Self::solve)
+    /// found, under each of `changes`.
+    pub fn changes<T: Decide>(
         &self,
         (q, dt, settings): Before<'_, T>,
         (problem, inverse): (impl Fn(usize) -> T, impl Fn(&mut [T])),
         (p, s): StepImpulses<'_, T>,
-        change: StepChange<'_, T>,
-        [qd, of_contacts, of_stops]: [&mut [T]; 3],
-    ) {
+        changes: &[StepChange<'_, T>],
+    ) -> Vec<[Vec<T>; 3]> {
         let (at, rows, n) = (self.places(), 3 * self.contacts, self.velocities);
         let mut solved = self.solved((q, dt, settings), (&problem, inverse), (p, s));
-        // With the present impulses.
-        qd.copy_from_slice(&change.problem[..n]);
-        for (row, &p) in p.iter().enumerate() {
-            add_scaled(qd, p, &change.problem[at.responses + row * n..][..n]);
-        }
-        for stop in &solved.acting {
-            let v = stop.velocity;
-            add_scaled(qd, s[v], &change.inverse[v * n..][..n]);
-        }
-        let mut faster = vec![T::zero(); rows + solved.acting.len()];
-        for (row, faster) in faster[..rows].iter_mut().enumerate() {
-            let own = |column: usize| change.problem[at.mobility + row * rows + column];
-            *faster = change.problem[at.free + row] + dot(rows, |column| (own(column), p[column]));
+        let of_stop = |stop| stop_changes((q, dt, settings.beta), stop, s[stop.velocity]);
+        let of_stops: Vec<[T; 3]> = solved.acting.iter().map(of_stop).collect();
+        let of_law = |c| self.least_speed_changes((dt, settings), c, &problem);
+        let of_laws: Vec<[T; 8]> = (0..self.contacts).map(of_law).collect();
+        let mut velocities = Vec::with_capacity(changes.len());
+        let mut equations = Vec::with_capacity(changes.len());
+        for change in changes {
+            // With the present impulses.
+            let mut qd = change.problem[..n].to_vec();
+            for (row, &p) in p.iter().enumerate() {
+                add_scaled(&mut qd, p, &change.problem[at.responses + row * n..][..n]);
+            }
             for stop in &solved.acting {
                 let v = stop.velocity;
-                *faster = *faster + change.problem[at.responses + row * n + v] * s[v];
+                add_scaled(&mut qd, s[v], &change.inverse[v * n..][..n]);
             }
-        }
-        let mut friction = vec![T::zero(); self.contacts];
-        for (c, friction) in friction.iter_mut().enumerate() {
-            let own = &change.settings[Self::first_number_of(c)..];
-            let z = 3 * c + 2;
-            let by = self.least_speed_changes((dt, settings), c, &problem);
-            let of = [
-                change.problem[at.heights + c],
-                change.problem[at.before + z],
-                change.problem[at.free + z],
-                change.dt,
-                own[ALPHA],
-                own[BETA],
-                own[COMPLIANCE],
-                own[RESTITUTION],
-            ];
-            faster[z] = faster[z] + own[COMPLIANCE] * p[z] - dot(8, |k| (by[k], of[k]));
-            *friction = own[FRICTION];
-        }
-        for (stop, faster) in solved.acting.iter().zip(&mut faster[rows..]) {
-            let by = stop_changes((q, dt, settings.beta), stop, s[stop.velocity]);
-            let of = [change.q[stop.coordinate], change.dt, change.settings[BETA_OF_STOPS]];
-            *faster = qd[stop.velocity] - dot(3, |k| (by[k], of[k]));
+            let mut faster = vec![T::zero(); rows + solved.acting.len()];
+            for (row, faster) in faster[..rows].iter_mut().enumerate() {
+                let own = |column: usize| change.problem[at.mobility + row * rows + column];
+                *faster =
+                    change.problem[at.free + row] + dot(rows, |column| (own(column), p[column]));
+                for stop in &solved.acting {
+                    let v = stop.velocity;
+                    *faster = *faster + change.problem[at.responses + row * n + v] * s[v];
+                }
+            }
+            let mut friction = vec![T::zero(); self.contacts];
+            for (c, (friction, by)) in friction.iter_mut().zip(&of_laws).enumerate() {
+                let own = &change.settings[Self::first_number_of(c)..];
+                let z = 3 * c + 2;
+                let of = [
+                    change.problem[at.heights + c],
+                    change.problem[at.before + z],
+                    change.problem[at.free + z],
+                    change.dt,
+                    own[ALPHA],
+                    own[BETA],
+                    own[COMPLIANCE],
+                    own[RESTITUTION],
+                ];
+                faster[z] = faster[z] + own[COMPLIANCE] * p[z] - dot(8, |k| (by[k], of[k]));
+                *friction = own[FRICTION];
+            }
+            for ((stop, by), faster) in solved.acting.iter().zip(&of_stops).zip(&mut faster[rows..])
+            {
+                let of = [change.q[stop.coordinate], change.dt, change.settings[BETA_OF_STOPS]];
+                *faster = qd[stop.velocity] - dot(3, |k| (by[k], of[k]));
+            }
+            velocities.push(qd);
+            equations.push((faster, friction));
         }
         let all = solved.impulses.clone();
-        let found = solved
-            .equations(|equations, matrix| equations.change(&all, (&faster, &friction), matrix));
-        for (row, &more) in found[..rows].iter().enumerate() {
-            let response = |v: usize| problem(at.responses + row * n + v);
-            qd.iter_mut().enumerate().for_each(|(v, x)| *x = *x + response(v) * more);
-        }
-        of_contacts.copy_from_slice(&found[..rows]);
-        of_stops.fill(T::zero());
-        for (stop, &more) in solved.acting.iter().zip(&found[rows..]) {
-            add_scaled(qd, more, &solved.inverse[stop.velocity * n..][..n]);
-            of_stops[stop.velocity] = more;
-        }
+        solved.equations(|own, matrix| own.change(&all, &mut equations, matrix));
+        let found = velocities.into_iter().zip(equations);
+        let found = found.map(|(mut qd, (mut of_contacts, _))| {
+            let mut of_stops = vec![T::zero(); n];
+            for (stop, &more) in solved.acting.iter().zip(&of_contacts[rows..]) {
+                add_scaled(&mut qd, more, &solved.inverse[stop.velocity * n..][..n]);
+                of_stops[stop.velocity] = more;
+            }
+            of_contacts.truncate(rows);
+            for (row, &more) in of_contacts.iter().enumerate() {
+                let response = |v: usize| problem(at.responses + row * n + v);
+                qd.iter_mut().enumerate().for_each(|(v, x)| *x = *x + response(v) * more);
+            }
+            [qd, of_contacts, of_stops]
+        });
+        found.collect()
     }
 
     /// Returns the equations that the impulses of a step satisfy.

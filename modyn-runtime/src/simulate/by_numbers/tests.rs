@@ -203,7 +203,6 @@ fn derivatives_are_those_of_differences() {
         acted += usize::from(found[1].iter().any(|&p| p != 0.0));
         stopped += usize::from(found[2].iter().any(|&s| s != 0.0));
         let set = |w: &mut [f64]| w.copy_from_slice(&case.inverse);
-        let [mut qd, mut p, mut s] = [N, ROWS, N].map(|count| vec![0.0; count]);
         let change = StepChange {
             problem: &along.problem,
             inverse: &along.inverse,
@@ -214,8 +213,18 @@ fn derivatives_are_those_of_differences() {
         let before = (&*case.q, DT, &case.settings);
         let problem = |i: usize| case.problem[i];
         let impulses = (&*found[1], &*found[2]);
-        robot().change(before, (problem, set), impulses, change, [&mut qd, &mut p, &mut s]);
-        let all = [qd, p, s].concat();
+        // One of two changes has none.
+        let zeros = [N, along.settings.len(), along.problem.len()].map(|count| vec![0.0; count]);
+        let none = StepChange {
+            problem: &zeros[2],
+            inverse: &along.inverse.iter().map(|_| 0.0).collect::<Vec<_>>(),
+            q: &zeros[0],
+            dt: 0.0,
+            settings: &zeros[1],
+        };
+        let found = robot().changes(before, (problem, set), impulses, &[none, change]);
+        assert!(found[0].concat().iter().all(|&x| x == 0.0), "{seed}: changes without a change");
+        let all = found[1].concat();
         for (k, (x, expected)) in all.iter().zip(&fine).enumerate() {
             assert!(
                 (x - expected).abs() < 1e-4 * (1.0 + expected.abs()),
