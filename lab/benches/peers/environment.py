@@ -22,6 +22,13 @@ CONSTRAINED = ["constrained_forward_dynamics", "constrained_forward_dynamics_der
 QUANTITIES = FREE + CONSTRAINED
 
 
+#: Debian's package, the endings of the commands' names, the commands for C and C++.
+COMPILERS = {
+    "gcc": ("g++", [""], ("gcc", "g++")),
+    "clang": ("clang-19", ["-19", "", "-18", "-17", "-16"], ("clang", "clang++")),
+}
+
+
 class Unavailable(Exception):
     """Why a contender cannot be had."""
 
@@ -117,12 +124,12 @@ def machine():
 class Toolbox:
     """The compilers and flags of the programs."""
 
-    def __init__(self, robots, install, beside=None):
+    def __init__(self, robots, install, beside=None, compilers=COMPILERS):
         self.robots, self.install, self.beside = robots, install, beside
         self.build = folder(OUTPUT / "build")
         self.data = folder(OUTPUT / "data")
         self.versions, self.missing = {}, {}
-        self.compilers = self._compilers()
+        self.compilers = self._compilers(compilers)
 
     @property
     def free(self):
@@ -141,13 +148,11 @@ class Toolbox:
         except metadata.PackageNotFoundError:
             raise Unavailable(f"the wheel `{name}` could not be installed") from None
 
-    def _compilers(self):
-        """gcc and clang: the name in the table, C, C++."""
+    def _compilers(self, names):
+        """The compilers of these names: the name in the table, C, C++."""
         found = []
-        for name, package, suffixes, (c, cpp) in [
-            ("gcc", "g++", [""], ("gcc", "g++")),
-            ("clang", "clang-19", ["-19", "", "-18", "-17", "-16"], ("clang", "clang++")),
-        ]:
+        for name in names:
+            package, suffixes, (c, cpp) = COMPILERS[name]
             def first():
                 return next((s for s in suffixes if shutil.which(c + s) and shutil.which(cpp + s)), None)
             suffix = first()

@@ -19,6 +19,7 @@ def options():
     parser.add_argument("--robots", metavar="NAME,...", help="only these of robots.txt")
     parser.add_argument("--only", metavar="NAME,...", help=f"only these contenders: {', '.join(CONTENDERS)}")
     parser.add_argument("--quantities", metavar="NAME,...", help=f"only these: {', '.join(QUANTITIES)}")
+    parser.add_argument("--compilers", metavar="NAME,...", help="only these of gcc, clang")
     parser.add_argument("--data", metavar="NAME", default="speed",
                         help="the name of the data files: NAME.tsv, NAME-cold.tsv, NAME-errors.tsv (speed)")
     parser.add_argument("--built", action="store_true", help="measure what is built already; compile nothing")
@@ -60,7 +61,8 @@ def main():
     quantities = chosen(arguments.quantities, QUANTITIES, "quantity")
     for robot in robots:
         robot.quantities = [quantity for quantity in robot.quantities if quantity in quantities]
-    toolbox = environment.Toolbox(robots, arguments.install, arguments.beside)
+    compilers = chosen(arguments.compilers, environment.COMPILERS, "compiler")
+    toolbox = environment.Toolbox(robots, arguments.install, arguments.beside, compilers)
     contenders = {"beside": modyn.build_beside} if arguments.beside else {}
     contenders.update((name, CONTENDERS[name]) for name in only)
 

@@ -12,6 +12,8 @@ import subprocess
 import tempfile
 from pathlib import Path
 
+#: The median, the 99th percentile and the largest time of a call with empty caches.
+COLD = ["cold", "cold_99", "cold_most"]
 #: As the programs have it too.
 LARGEST_ERROR = 1e-8
 
@@ -45,7 +47,7 @@ class Measurer:
 
     def one(self, program):
         result = dict(contender=program.contender, variant=program.variant, robot=program.robot,
-                      quantity=program.quantity, error=math.nan, ns=None, runs=[], cold=None, cold_runs=[], why=None)
+                      quantity=program.quantity, error=math.nan, ns=None, runs=[], cold=None, cold_runs=[], why=None, cold_99=None, cold_most=None)
         for _ in range(self.copies):
             said = self._run(program)
             if isinstance(said, str):
@@ -53,10 +55,11 @@ class Measurer:
                 break
             result["error"] = said["error"]
             result["runs"].append(said["ns"])
-            result["cold_runs"] += [said["cold"]] if "cold" in said else []
+            result["cold_runs"] += [[said[name] for name in COLD]] if "cold" in said else []
         if result["why"] is None:
             result["ns"] = min(result["runs"])
-            result["cold"] = min(result["cold_runs"], default=None)
+            # All three of the copy with the least median.
+            result.update(zip(COLD, min(result["cold_runs"], default=[None] * 3)))
         print("{contender:24} {variant:28} {robot:10} {quantity:30} error {error:8.1e}  "
               .format(**result) + (f"{result['ns']:10.1f} ns" if result["ns"] else result["why"])
               + (f", cold {result['cold']:10.1f} ns" if result["cold"] else ""), flush=True)

@@ -1,6 +1,7 @@
 """The results as Markdown."""
 
 from contenders import modyn
+from measure import COLD
 
 
 def best(report, contender, robot, quantity, time="ns"):
@@ -53,7 +54,8 @@ def head(report, commit, date):
 
 def data(report, commit, date, time="ns"):
     """The file `docs/data/speed.tsv`: of each contender, robot and quantity the fastest program that was right."""
-    lines = [*head(report, commit, date), "quantity\trobot\tprogram\tns\tvariant"]
+    titles = ["quantity", "robot", "program", "ns", *(["ns, 99 %", "ns, most"] if time == "cold" else []), "variant"]
+    lines = [*head(report, commit, date), "\t".join(titles)]
     for robot, quantity in cases(report):
         for contender in contenders(report):
             row = best(report, contender, robot, quantity, time)
@@ -61,7 +63,8 @@ def data(report, commit, date, time="ns"):
             if row and (time == "ns" or row[time] is not None):
                 ns = "failed" if row[time] is None else number(row[time])
                 variant = "" if contender in OWN or row["ns"] is None else row["variant"]
-                lines.append("\t".join([quantity.replace("_", " "), robot, contender, ns, variant]))
+                tail = [number(row[name]) for name in COLD[1:]] if time == "cold" else []
+                lines.append("\t".join([quantity.replace("_", " "), robot, contender, ns, *tail, variant]))
     return "\n".join(lines) + "\n"
 
 

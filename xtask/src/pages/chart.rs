@@ -24,7 +24,7 @@ const PROGRAMS: [(&str, &str, &str); 4] = [
 /// The colour of texts and lines.
 const INK: &str = "#7d8794";
 /// The range of times, ns, and the places of its ends, px.
-const TIMES: [f64; 2] = [30.0, 40_000.0];
+const TIMES: [f64; 2] = [40.0, 100_000.0];
 const PLACES: [f64; 2] = [150.0, 840.0];
 const ROW: f64 = 34.0;
 const TOP: f64 = 62.0;
@@ -37,7 +37,7 @@ fn place(nanoseconds: f64) -> f64 {
 
 /// Returns the chart, SVG.
 pub(super) fn speed() -> String {
-    let (warm, cold) = (Data::load("speed"), Data::load("speed-cold"));
+    let (warm, cold) = (Data::load("calls"), Data::load("calls-cold"));
     let bottom = TOP + ROW * ROBOTS.len() as f64;
     let (width, height) = (870.0, bottom + 34.0);
     let mut out = format!(
@@ -64,7 +64,7 @@ pub(super) fn speed() -> String {
         x + 87.0
     );
     // Lines at round times.
-    let times = [(1e2, "100 ns"), (1e3, "1 us"), (1e4, "10 us")];
+    let times = [(1e2, "100 ns"), (1e3, "1 us"), (1e4, "10 us"), (1e5, "100 us")];
     for (time, name) in times {
         let x = place(time);
         let _ = writeln!(

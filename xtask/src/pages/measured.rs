@@ -7,7 +7,11 @@ fn ratio(ratio: f64) -> String {
     if ratio >= 9.95 { format!("{ratio:.0}") } else { format!("{ratio:.1}") }
 }
 
-/// Times by robot and program, the ratio to the program `reference` in brackets, then the fastest of a program's variants.
+/// The columns of a file of cold times beside the medians.
+const LATE: [&str; 2] = ["ns, 99 %", "ns, most"];
+
+/// Times by robot and program, the ratio to the program `reference` in brackets, then the fastest of a program's variants. Of cold
+/// times the 99th percentile and the largest stand beside the median.
 fn speed(file: &str, reference: &str) -> String {
     let data = Data::load(file);
     let mut programs: Vec<&str> = Vec::new();
@@ -32,7 +36,9 @@ fn speed(file: &str, reference: &str) -> String {
                 true => String::new(),
                 false => format!(" ({}x)", ratio(value / own)),
             };
-            format!("{ns}{times} {}", data.cell(&key, "variant")).trim_end().into()
+            let late = LATE.into_iter().filter(|title| data.titles.iter().any(|one| one == title));
+            let late: String = late.map(|title| format!(" / {}", data.cell(&key, title))).collect();
+            format!("{ns}{late}{times} {}", data.cell(&key, "variant")).trim_end().into()
         };
         let cells = programs.iter().map(cell);
         [quantity.into(), robot.into()].into_iter().chain(cells).collect::<Vec<_>>()
@@ -42,7 +48,7 @@ fn speed(file: &str, reference: &str) -> String {
 
 /// The README's table.
 fn speed_in_short() -> String {
-    let (warm, cold) = (Data::load("speed"), Data::load("speed-cold"));
+    let (warm, cold) = (Data::load("calls"), Data::load("calls-cold"));
     let robots = [
         ("ur5", "UR5, 6 joints"),
         ("panda", "Panda, 7 joints"),
@@ -57,7 +63,14 @@ fn speed_in_short() -> String {
         let others = others
             .into_iter()
             .filter_map(|(program, name)| Some(format!("{name} {}x", ratio(ns(program)? / own))));
-        Some(format!("{own:.0} ns ({})", others.collect::<Vec<_>>().join(", ")))
+        let others = others.collect::<Vec<_>>().join(", ");
+        let key = [quantity, robot, "modyn native"];
+        let [late, most] = LATE.map(|title| {
+            data.titles.iter().any(|one| one == title).then(|| data.number(&key, title))
+        });
+        let late =
+            late.zip(most).map_or(String::new(), |(late, most)| format!(", {late:.0}, {most:.0}"));
+        Some(format!("{own:.0}{late} ns ({others})"))
     };
     let rows = robots.map(|(robot, title)| {
         let cell = |data, quantity| cell(data, quantity, robot).unwrap_or("not measured".into());
@@ -253,7 +266,7 @@ fn quotient(place: &str) -> f64 {
 pub(super) fn text_of(name: &str) -> Option<String> {
     let per_cent = |title, comparison| firmware(title, comparison).into_iter().map(|x| 100.0 * x);
     Some(match name {
-        "speed" | "speed-cold" | "contacts-speed" | "contacts-speed-cold" => {
+        "calls" | "calls-cold" | "speed" | "contacts-speed" | "contacts-speed-cold" => {
             speed(name, "modyn native")
         }
         "speed-of-c" => speed(name, "modyn, limbs one by one"),

@@ -17,8 +17,8 @@
 
 namespace cold {
 
-// The number of calls, of which the median counts.
-constexpr std::size_t CALLS = 101;
+// The number of calls.
+constexpr std::size_t CALLS = 401;
 
 using Mapping = std::pair<std::uintptr_t, std::uintptr_t>;
 
@@ -49,8 +49,8 @@ inline void flush(const std::vector<Mapping> &mappings) {
 #endif
 }
 
-// The median time of a call, ns.
-template <class Call> double median(const std::vector<Mapping> &mappings, std::size_t states, Call call) {
+// The times of the calls, ns, in ascending order.
+template <class Call> std::vector<double> times(const std::vector<Mapping> &mappings, std::size_t states, Call call) {
     using Clock = std::chrono::steady_clock;
     std::vector<double> times;
     times.reserve(CALLS);
@@ -67,17 +67,19 @@ template <class Call> double median(const std::vector<Mapping> &mappings, std::s
         times.push_back(std::chrono::duration<double, std::nano>(Clock::now() - start).count());
     }
     std::sort(times.begin(), times.end());
-    return times[CALLS / 2];
+    return times;
 }
 
-// Prints the median time of a call with empty caches, ns, less the time of the clock; nothing on other processors than
-// x86-64 and other systems than Linux.
+// Prints the median, the 99th percentile and the largest time of a call with empty caches, ns, each less the median time of the
+// clock; nothing on other processors than x86-64 and other systems than Linux.
 template <class Call> void print(std::size_t states, Call call) {
 #ifdef __x86_64__
     const std::vector<Mapping> all = mappings();
     if (all.empty()) return;
-    const double clock = median(all, states, [](std::size_t) {});
-    std::printf("cold %g\n", median(all, states, call) - clock);
+    const double clock = times(all, states, [](std::size_t) {})[CALLS / 2];
+    const std::vector<double> found = times(all, states, call);
+    std::printf("cold %g\ncold_99 %g\ncold_most %g\n", found[CALLS / 2] - clock, found[CALLS * 99 / 100] - clock,
+                found[CALLS - 1] - clock);
 #else
     (void)states, (void)call;
 #endif

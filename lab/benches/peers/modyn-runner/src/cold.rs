@@ -10,8 +10,8 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-/// The number of calls, of which the median counts.
-const CALLS: usize = 101;
+/// The number of calls.
+const CALLS: usize = 401;
 
 /// Returns the readable mappings of this process, without the pages of the kernel, which the clock reads.
 fn mappings() -> Vec<std::ops::Range<usize>> {
@@ -40,13 +40,13 @@ fn flush(mappings: &[std::ops::Range<usize>]) {
     unsafe { _mm_mfence() };
 }
 
-/// Returns the median time of a call with empty caches, ns, less the time of the clock; `None` on other processors than
-/// x86-64 and other systems than Linux. `call(i)` computes at state i of `states`.
-pub fn cold(states: usize, mut call: impl FnMut(usize)) -> Option<f64> {
+/// Returns the median, the 99th percentile and the largest time of a call with empty caches, ns, each less the median time of the
+/// clock; `None` on other processors than x86-64 and other systems than Linux. `call(i)` computes at state i of `states`.
+pub fn cold(states: usize, mut call: impl FnMut(usize)) -> Option<[f64; 3]> {
     #[cfg(target_arch = "x86_64")]
     {
         let mappings = mappings();
-        let median = |call: &mut dyn FnMut(usize)| {
+        let times = |call: &mut dyn FnMut(usize)| {
             let one = |i: usize| {
                 flush(&mappings);
                 // The code of the clock is in the caches again.
@@ -57,11 +57,12 @@ pub fn cold(states: usize, mut call: impl FnMut(usize)) -> Option<f64> {
             };
             let mut times: Vec<f64> = (0..CALLS).map(one).collect();
             times.sort_by(f64::total_cmp);
-            times[CALLS / 2]
+            times
         };
-        let clock = median(&mut |_| {});
-        let time = median(&mut call) - clock;
-        (!mappings.is_empty()).then_some(time)
+        let clock = times(&mut |_| {})[CALLS / 2];
+        let times = times(&mut call);
+        let found = [CALLS / 2, CALLS * 99 / 100, CALLS - 1].map(|k| times[k] - clock);
+        (!mappings.is_empty()).then_some(found)
     }
     #[cfg(not(target_arch = "x86_64"))]
     {

@@ -85,8 +85,10 @@ impl Job {
     /// through all states as many times as that takes. Then prints the median time with empty caches.
     pub fn time<S>(&self, states: &[S], mut call: impl FnMut(&S)) {
         self.time_all(states.len(), || states.iter().for_each(|state| call(black_box(state))));
-        if let Some(ns) = cold::cold(states.len(), |i| call(black_box(&states[i]))) {
-            println!("cold {ns}");
+        if let Some([median, late, most]) =
+            cold::cold(states.len(), |i| call(black_box(&states[i])))
+        {
+            println!("cold {median}\ncold_99 {late}\ncold_most {most}");
         }
     }
 
