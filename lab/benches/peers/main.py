@@ -69,16 +69,16 @@ def main():
     modyn.states(toolbox)
     copies, repetitions = (2, 5) if arguments.quick else (arguments.copies, 21)
     measurer = measure.Measurer(toolbox.data, copies, repetitions)
-    results, missing = [], {}
+    programs, missing = [], {}
     for name, build in contenders.items():
         print(f"{name}: building", flush=True)
         try:
-            programs = build(toolbox)
+            programs += build(toolbox)
         except Unavailable as why:
             print(f"{name}: left out: {why}", flush=True)
             missing[name] = str(why)
             continue
-        results += measurer.all(programs)
+    results = measurer.all(programs)
     missing.update(toolbox.missing)
 
     report = dict(command=command(arguments, defaults), machine=environment.machine(), versions=toolbox.versions,

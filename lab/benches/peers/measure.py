@@ -43,27 +43,33 @@ class Measurer:
             self.pin = ["taskset", "-c", str(max(os.sched_getaffinity(0)))]
 
     def all(self, programs):
-        return [self.one(program) for program in programs]
+        """Returns the results of all programs. Each runs once, then each again: other work of the machine meets all of them."""
+        results = [dict(contender=program.contender, variant=program.variant, robot=program.robot, quantity=program.quantity,
+                        error=math.nan, ns=None, runs=[], cold_runs=[], why=None, **dict.fromkeys(COLD))
+                   for program in programs]
+        for copy in range(self.copies):
+            print(f"copy {copy + 1} of {self.copies}", flush=True)
+            for program, result in zip(programs, results):
+                if result["why"] is None:
+                    self._add(result, self._run(program))
+        for result in results:
+            if result["why"] is None:
+                result["ns"] = min(result["runs"])
+                # All three of the copy with the least median.
+                result.update(zip(COLD, min(result["cold_runs"], default=[None] * 3)))
+            print("{contender:24} {variant:28} {robot:10} {quantity:30} error {error:8.1e}  "
+                  .format(**result) + (f"{result['ns']:10.1f} ns" if result["ns"] else result["why"])
+                  + (f", cold {result['cold']:10.1f} ns" if result["cold"] else ""), flush=True)
+        return results
 
-    def one(self, program):
-        result = dict(contender=program.contender, variant=program.variant, robot=program.robot,
-                      quantity=program.quantity, error=math.nan, ns=None, runs=[], cold=None, cold_runs=[], why=None, cold_99=None, cold_most=None)
-        for _ in range(self.copies):
-            said = self._run(program)
-            if isinstance(said, str):
-                result["why"] = said
-                break
-            result["error"] = said["error"]
-            result["runs"].append(said["ns"])
-            result["cold_runs"] += [[said[name] for name in COLD]] if "cold" in said else []
-        if result["why"] is None:
-            result["ns"] = min(result["runs"])
-            # All three of the copy with the least median.
-            result.update(zip(COLD, min(result["cold_runs"], default=[None] * 3)))
-        print("{contender:24} {variant:28} {robot:10} {quantity:30} error {error:8.1e}  "
-              .format(**result) + (f"{result['ns']:10.1f} ns" if result["ns"] else result["why"])
-              + (f", cold {result['cold']:10.1f} ns" if result["cold"] else ""), flush=True)
-        return result
+    def _add(self, result, said):
+        """Adds the output of a copy, or the reason why there is none."""
+        if isinstance(said, str):
+            result["why"] = said
+            return
+        result["error"] = said["error"]
+        result["runs"].append(said["ns"])
+        result["cold_runs"] += [[said[name] for name in COLD]] if "cold" in said else []
 
     def _run(self, program):
         """Returns the output of a fresh copy of the program, or the reason why there is none."""
