@@ -15,6 +15,7 @@ use modyn_runtime::simulate::{Ground, HeightField};
 use modyn_runtime::{ConstraintSettings, ContactTarget};
 
 use super::kernel::{ArrayShapes, Kernel, OwnCode, OwnKernel, StateFunction};
+use super::signature::matrices;
 use crate::number::Number;
 use crate::robot::{GroundKey, Robot};
 
@@ -140,13 +141,7 @@ impl Step {
             match mode {
                 DerivativeMode::Forward => inputs.extend(varying),
                 DerivativeMode::Reverse => inputs.extend(std::mem::replace(&mut outputs, varying)),
-                DerivativeMode::Matrix => {
-                    let of = |output: &Vec<usize>| {
-                        let own = output.clone();
-                        varying.iter().map(move |input| [&*own, input].concat()).collect::<Vec<_>>()
-                    };
-                    outputs = outputs.iter().flat_map(of).collect();
-                }
+                DerivativeMode::Matrix => outputs = matrices(&outputs, &varying),
             }
         }
         Ok(ArrayShapes::new(inputs, outputs))

@@ -128,16 +128,16 @@ pub fn shapes(robot: &Robot, function: &EntryFunction) -> Result<ArrayShapes, St
         match mode {
             DerivativeMode::Forward => inputs.extend(varying),
             DerivativeMode::Reverse => inputs.extend(std::mem::replace(&mut outputs, varying)),
-            DerivativeMode::Matrix => {
-                let of = |output: &Vec<usize>| {
-                    let own = output.clone();
-                    varying.iter().map(move |input| [&*own, input].concat()).collect::<Vec<_>>()
-                };
-                outputs = outputs.iter().flat_map(of).collect();
-            }
+            DerivativeMode::Matrix => outputs = matrices(&outputs, &varying),
         }
     }
     Ok(ArrayShapes::new(inputs, outputs))
+}
+
+/// Returns the shapes of the derivatives of each result by each variable.
+pub fn matrices(outputs: &[Vec<usize>], varying: &[Vec<usize>]) -> Vec<Vec<usize>> {
+    let of = |output| varying.iter().map(move |input| [output, &**input].concat());
+    outputs.iter().flat_map(|output| of(&**output)).collect()
 }
 
 /// Calls `each` with the arrays of a layout, in order.
