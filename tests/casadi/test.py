@@ -2,6 +2,7 @@
 
 import ctypes
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -286,6 +287,28 @@ class Comparison(unittest.TestCase):
             self.same(defects, np.zeros(defects.shape), problem.robot, 1e-6)
             stationary = ca.vec(gradient) + jacobian.T @ found["lam_g"] + found["lam_x"]
             self.same(stationary, np.zeros(stationary.shape), problem.robot, 1e-5)
+
+
+    def test_the_page(self):
+        """The first commands and the first program of docs/casadi.md."""
+        with open(f"{FOLDER}/../../docs/casadi.md") as page:
+            text = page.read()
+        commands, program = (re.search(rf"```{kind}\n(.*?)```", text, re.DOTALL)[1] for kind in ("console", "python"))
+        place = f"{WORK}/page"
+        os.mkdir(place)
+        os.symlink(os.path.realpath(ocp.ROBOTS), f"{place}/robots")
+        # The command is not on the path, and optimisation takes long.
+        commands = commands.replace("-O2", "-O0")
+        run("bash", "-c", f"set -e; cd {place}; modyn() {{ '{MODYN}' \"$@\"; }}; {commands}")
+        # The program loads `./arm7.so`.
+        session, before = {}, os.getcwd()
+        os.chdir(place)
+        try:
+            exec(program, session)
+        finally:
+            os.chdir(before)
+        self.assertEqual(session["jacobian"].shape, (7, 7))
+        self.assertEqual([session[name].shape for name in ("rotation", "position")], [(3, 3), (3, 1)])
 
 
 if __name__ == "__main__":
