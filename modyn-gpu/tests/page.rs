@@ -23,7 +23,6 @@ fn accelerations_of_a_million_states() -> Result<(), Box<dyn Error>> {
 
 #[test]
 fn a_type_with_its_description() -> Result<(), Box<dyn Error>> {
-    use modyn::Robot;
     use modyn_codegen::{Builder, Function};
     use modyn_gpu::{Gpu, GpuRobot};
 
