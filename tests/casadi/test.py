@@ -298,7 +298,7 @@ class Comparison(unittest.TestCase):
         os.symlink(os.path.realpath(ocp.ROBOTS), f"{place}/robots")
         return place, found
 
-    def test_the_first_program_of_the_page(self):
+    def test_the_programs_of_the_page(self):
         place, programs = self.programs("python")
         _, commands = self.programs("console")
         # The command is not on the path, and optimisation takes long.
@@ -313,6 +313,9 @@ class Comparison(unittest.TestCase):
             os.chdir(before)
         self.assertEqual(session["jacobian"].shape, (7, 7))
         self.assertEqual([session[name].shape for name in ("rotation", "position")], [(3, 3), (3, 1)])
+        if "ACADOS_SOURCE_DIR" in os.environ:
+            exec(programs[1], session)
+            self.assertEqual(session["ocp"].model.f_expl_expr.shape, (14, 1))
 
     @unittest.skipUnless(shutil.which("octave-cli"), "Octave is not installed")
     def test_the_programs_for_matlab(self):
