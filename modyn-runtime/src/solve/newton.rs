@@ -253,7 +253,7 @@ impl<S: Decide, R: Row<S>> Steps<'_, S, R> {
     #[inline(always)]
     pub(super) fn substitute(&self, right: &mut [S], rows: usize, count: usize) {
         let (matrix, active) = (&*self.matrix, self.active.as_ref());
-        for row in 0..rows {
+        for (row, entries) in matrix.iter().enumerate().take(rows) {
             let (before, own) = right.split_at_mut(row * count);
             let own = &mut own[..count];
             if !Self::is_active(active, row) {
@@ -261,7 +261,7 @@ impl<S: Decide, R: Row<S>> Steps<'_, S, R> {
                 continue;
             }
             for pivot in (0..row).filter(|&pivot| Self::is_active(active, pivot)) {
-                let factor = matrix[row].as_ref()[pivot];
+                let factor = entries.as_ref()[pivot];
                 add_scaled(own, factor, &before[pivot * count..][..count]);
             }
         }
