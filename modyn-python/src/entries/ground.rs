@@ -391,8 +391,8 @@ impl<S: Number> Rows<S> {
 
     /// Sets some lanes to the first lanes of rows of `width` lanes.
     fn set(&mut self, lanes: &Range<usize>, numbers: &[S], width: usize) {
-        let rows = self.numbers.chunks_exact_mut(self.lanes).zip(numbers.chunks_exact(width));
-        rows.for_each(|(row, own)| row[lanes.clone()].copy_from_slice(&own[..lanes.len()]));
+        let first = lanes.start.min(self.numbers.len());
+        copy_rows((numbers, width), (&mut self.numbers[first..], self.lanes), lanes.len());
     }
 
     /// Sets a lane.
@@ -402,9 +402,35 @@ impl<S: Number> Rows<S> {
 
     /// Appends the rows of some lanes, each with zeros up to `width` lanes.
     fn append(&self, lanes: &Range<usize>, width: usize, rows: &mut Vec<S>) {
-        for row in self.numbers.chunks_exact(self.lanes) {
-            rows.extend_from_slice(&row[lanes.clone()]);
-            rows.extend(std::iter::repeat_n(S::zero(), width - lanes.len()));
+        let end = rows.len();
+        rows.resize(end + self.numbers.len() / self.lanes * width, S::zero());
+        let first = lanes.start.min(self.numbers.len());
+        copy_rows((&self.numbers[first..], self.lanes), (&mut rows[end..], width), lanes.len());
+    }
+}
+
+/// Copies the first `count` numbers of each row to a row of another width.
+fn copy_rows<S: Copy>((from, width): (&[S], usize), to: (&mut [S], usize), count: usize) {
+    // The lanes of processors: without calls of `memcpy`.
+    match count {
+        2 => copy_numbers::<S, 2>((from, width), to),
+        4 => copy_numbers::<S, 4>((from, width), to),
+        8 => copy_numbers::<S, 8>((from, width), to),
+        _ => to.0.chunks_mut(to.1).zip(from.chunks(width)).for_each(|(to, from)| {
+            to[..count].copy_from_slice(&from[..count]);
+        }),
+    }
+}
+
+/// Copies the first numbers of each row to a row of another width.
+fn copy_numbers<S: Copy, const COUNT: usize>(
+    (from, width): (&[S], usize),
+    (to, own): (&mut [S], usize),
+) {
+    for (to, from) in to.chunks_mut(own).zip(from.chunks(width)) {
+        if let (Some(to), Some(from)) = (to.first_chunk_mut::<COUNT>(), from.first_chunk::<COUNT>())
+        {
+            *to = *from;
         }
     }
 }
