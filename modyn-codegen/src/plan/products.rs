@@ -14,7 +14,7 @@ use crate::trace::ProductGraph;
 
 /// The largest number of operations of straight-line code on vectors for which products in loops are not taken unless the user chooses
 /// them. The derivatives of an arm of seven joints have 2,700: with loops they take the same time in a tight loop, six sevenths where
-/// code is not in the cache, and two thirds of the text. Those of an arm of six joints have 1,600, and are as quick in both forms
+/// code is not in the cache, and five sixths of the text. Those of an arm of six joints have 1,600, and are as quick in both forms
 /// (`lab/benches/chains`).
 const MAX_IN_LANES: usize = 2_000;
 
