@@ -132,5 +132,5 @@ def collections(rows, seconds):
               "" if row.difference is None else f"{row.difference:.0e}", row.code, " ".join(row.why.split())]
              for row in rows]
     titles = ["collection", "file", "format", "verdict", "joints", "compared", "difference", "code", "why"]
-    command = "lab/robots/run collections"
+    command = "lab/robots/run collections NAME=FOLDER ..."
     return {"collections": data(head, sums, note, command), "collected": data(titles, every, note, command)}

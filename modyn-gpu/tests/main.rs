@@ -7,6 +7,7 @@ mod compiled;
 mod conformance;
 mod contacts;
 mod kernels;
+mod page;
 #[allow(dead_code)]
 #[path = "../../tests/src/random.rs"]
 mod random;

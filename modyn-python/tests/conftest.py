@@ -1,5 +1,6 @@
-"""Robots and states for the tests."""
+"""Robots, states and programs of pages for the tests."""
 
+import re
 import threading
 from pathlib import Path
 
@@ -11,6 +12,11 @@ import modyn
 ROOT = Path(__file__).resolve().parents[2]
 GOLDEN = ROOT / "tests" / "golden"
 ROBOTS = ROOT / "robots"
+
+
+def blocks(page, language="python"):
+    """Returns the programs of a page in this language."""
+    return re.findall(rf"^```{language}\n(.*?)^```", (ROOT / page).read_text(), re.DOTALL | re.MULTILINE)
 
 
 def rotation(rng):

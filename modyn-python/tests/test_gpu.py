@@ -5,7 +5,7 @@ import os
 
 import numpy as np
 import pytest
-from conftest import GOLDEN, ROBOTS, close, states
+from conftest import GOLDEN, ROBOTS, ROOT, blocks, close, states
 
 import modyn
 from modyn import _modyn
@@ -40,6 +40,20 @@ def test_functions_agree_with_the_robot(panda):
     for found, expected in zip(derivatives, panda.forward_dynamics_derivatives(q, qd, tau)):
         close(found, expected, 1e-3)
     assert type(derivatives) is modyn.ForwardDynamicsDerivatives and derivatives.dq.dtype == np.float32
+
+
+@needs_gpu
+def test_the_page(monkeypatch):
+    """The program of docs/gpu.md."""
+    monkeypatch.chdir(ROOT)
+    (program,) = blocks("docs/gpu.md")
+    robot = modyn.load("robots/arm7.urdf", friction="none")
+    (q, qd, _, tau), torques = states(robot, 5), np.ones((5, 3, 7))
+    session = {"Q": q, "QD": qd, "TAU": tau, "torques": torques}
+    exec(compile(program, "gpu.md", "exec"), session)
+    close(session["qdd"].numpy(), robot.forward_dynamics(q, qd, tau), 1e-3)
+    expected = robot.rollout(q[0], qd[0], torques, 0.01, trajectory=False)
+    close(session["results"].state.numpy(), np.hstack([expected.q, expected.qd]), 1e-4)
 
 
 @needs_gpu

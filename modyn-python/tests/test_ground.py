@@ -326,6 +326,13 @@ def test_gradients_in_jax():
     end = own.rollout(q, qd, controls, 0.002, step="ground", settings=settings, trajectory=False)
     expected = own.rollout_vjp(q, qd, controls, 0.002, 2 * end.q, 2 * end.qd, step="ground", settings=settings, trajectory=False)
     close(backward[2], expected.controls, 1e-9)
+    # All directions at a time: a batch of changes, and a batch of weights of the last state.
+    for found, other in zip(jax.jacfwd(energy, argnums=(2, 3))(q, qd, controls, settings), backward[2:]):
+        close(found, other, 1e-8)
+    last = lambda controls, settings: rollout(q[0], qd[0], controls, 0.002, settings=settings).qd
+    for found, other in zip(*(way(last, argnums=(0, 1))(controls[0], settings) for way in (jax.jacfwd, jax.jacrev))):
+        assert np.abs(found).max() > 1e-3
+        close(found, other, 1e-8)
 
 
 def test_the_example_of_mppi():

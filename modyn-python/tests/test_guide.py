@@ -4,18 +4,14 @@ import os
 import re
 
 import pytest
-from conftest import ROOT
-
-
-def blocks(path):
-    return re.findall(r"^```python\n(.*?)^```", path.read_text(), re.DOTALL | re.MULTILINE)
+from conftest import ROOT, blocks
 
 
 def test_the_guide(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     os.symlink(ROOT / "robots", tmp_path / "robots")
-    programs = blocks(ROOT / "docs" / "tutorial-python.md")
-    assert len(programs) >= 7
+    programs = blocks("docs/tutorial-python.md")
+    assert len(programs) >= 11
     session = {}
     for program in programs:
         exec(compile(program, "tutorial-python.md", "exec"), session)
@@ -27,7 +23,7 @@ def test_the_guide(tmp_path, monkeypatch, capsys):
 
 def test_the_readme(monkeypatch, capsys):
     monkeypatch.chdir(ROOT)
-    (program,) = blocks(ROOT / "README.md")
+    (program,) = blocks("README.md")
     exec(compile(program, "README.md", "exec"), {})
     # The torques and the entry of the Jacobian are those that the Rust program prints.
     shown = [float(number) for number in re.findall(r"-?\d+\.\d*(?:e[+-]\d+)?", capsys.readouterr().out)]
@@ -40,7 +36,7 @@ def test_the_readme(monkeypatch, capsys):
 def test_the_page_about_jax(monkeypatch):
     pytest.importorskip("jax", reason="JAX is not installed: pip install modyn[jax]")
     monkeypatch.chdir(ROOT)
-    programs = blocks(ROOT / "docs" / "learning.md")
+    programs = blocks("docs/learning.md")
     assert len(programs) == 6
     session = {}
     for program in programs:

@@ -2,6 +2,8 @@
 
 import ctypes
 import os
+import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -286,6 +288,43 @@ class Comparison(unittest.TestCase):
             self.same(defects, np.zeros(defects.shape), problem.robot, 1e-6)
             stationary = ca.vec(gradient) + jacobian.T @ found["lam_g"] + found["lam_x"]
             self.same(stationary, np.zeros(stationary.shape), problem.robot, 1e-5)
+
+
+    def programs(self, language):
+        """Makes a folder with the robots; returns it, and the programs of docs/casadi.md in a language."""
+        with open(f"{FOLDER}/../../docs/casadi.md") as page:
+            found = re.findall(rf"```{language}\n(.*?)```", page.read(), re.DOTALL)
+        place = tempfile.mkdtemp(dir=WORK)
+        os.symlink(os.path.realpath(ocp.ROBOTS), f"{place}/robots")
+        return place, found
+
+    def test_the_programs_of_the_page(self):
+        place, programs = self.programs("python")
+        _, commands = self.programs("console")
+        # The command is not on the path, and optimisation takes long.
+        commands = commands[0].replace("-O2", "-O0")
+        run("bash", "-c", f"set -e; cd {place}; modyn() {{ '{MODYN}' \"$@\"; }}; {commands}")
+        # The program loads `./arm7.so`.
+        session, before = {}, os.getcwd()
+        os.chdir(place)
+        try:
+            exec(programs[0], session)
+        finally:
+            os.chdir(before)
+        self.assertEqual(session["jacobian"].shape, (7, 7))
+        self.assertEqual([session[name].shape for name in ("rotation", "position")], [(3, 3), (3, 1)])
+        if "ACADOS_SOURCE_DIR" in os.environ:
+            exec(programs[1], session)
+            self.assertEqual(session["ocp"].model.f_expl_expr.shape, (14, 1))
+
+    @unittest.skipUnless(shutil.which("octave-cli"), "Octave is not installed")
+    def test_the_programs_for_matlab(self):
+        place, programs = self.programs("matlab")
+        run("bash", "-c", f"cd {place} && '{MODYN}' generate robots/arm7.urdf --target matlab -o +arm7")
+        checks = "assert(isequal(size(M), [7 7 1000])); assert(isequal(size(hand.rotation), [3 3]));"
+        with open(f"{place}/page.m", "w") as file:
+            file.write("\n".join([*programs, checks]))
+        run("octave-cli", "--norc", "--quiet", "--eval", f"cd {place}; page")
 
 
 if __name__ == "__main__":

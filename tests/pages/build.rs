@@ -24,10 +24,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     for page in pages {
         println!("cargo::rerun-if-changed={}", page.display());
         let name = page.file_stem().and_then(|name| name.to_str()).ok_or("a page's name")?;
-        fs::write(
-            out.join(name).with_extension("md"),
-            fs::read_to_string(&page)?.replace("\"robots/", &robots),
-        )?;
+        let mut text = fs::read_to_string(&page)?.replace("\"robots/", &robots);
+        if name == "run-time" {
+            text += &program(&text);
+        }
+        fs::write(out.join(name).with_extension("md"), text)?;
         let module = name.to_lowercase().replace('-', "_");
         writeln!(
             modules,
@@ -36,4 +37,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     fs::write(out.join("pages.rs"), modules)?;
     Ok(())
+}
+
+/// Returns the blocks of a page that go on from one to the next, as one program. Files of other crates begin with their names.
+fn program(page: &str) -> String {
+    let blocks = page.split("```rust,ignore\n").skip(1);
+    let blocks = blocks.filter_map(|rest| rest.split("```").next());
+    let text: String = blocks.filter(|block| !block.starts_with("//")).collect();
+    format!("\n```\n{text}\n# Ok::<(), Box<dyn std::error::Error>>(())\n```\n")
 }

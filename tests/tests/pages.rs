@@ -9,19 +9,43 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The Markdown files of the repository's root, `docs/` and the folders with a README of their own.
+/// The Markdown files and notebooks of the repository's root, of `docs/` and of the folders with a README of their own.
 fn pages() -> Vec<PathBuf> {
-    let folders =
-        ["", "docs", "docs/internals", "robots", "lab/benches/peers", "firmware", "examples"];
-    let mut pages = Vec::new();
-    for folder in folders {
-        let Ok(entries) = fs::read_dir(root().join(folder)) else { continue };
-        let files = entries.map(|entry| entry.expect("a readable folder").path());
-        pages.extend(files.filter(|path| path.extension().is_some_and(|ending| ending == "md")));
-    }
+    const FOLDERS: [&str; 10] = [
+        "",
+        "docs",
+        "docs/internals",
+        "docs/notebooks",
+        "lab/benches/peers",
+        "modyn-jit",
+        "modyn-python",
+        "playground",
+        "robots",
+        "tests/golden",
+    ];
+    let paths = FOLDERS.into_iter().flat_map(|folder| {
+        let entries = fs::read_dir(root().join(folder)).expect("a folder");
+        entries.map(|entry| entry.expect("an entry").path())
+    });
+    let is_page =
+        |path: &PathBuf| path.extension().is_some_and(|ending| ending == "md" || ending == "ipynb");
+    let mut pages: Vec<PathBuf> = paths.filter(is_page).collect();
     pages.sort();
     assert!(pages.len() > 20, "{pages:?}");
     pages
+}
+
+/// Returns the text of a page in Markdown: of a notebook, that of its cells of text.
+fn text_of(page: &Path) -> String {
+    let text = fs::read_to_string(page).expect("a page");
+    if page.extension().is_some_and(|ending| ending == "md") {
+        return text;
+    }
+    let notebook: serde_json::Value = serde_json::from_str(&text).expect("a notebook");
+    let cells = notebook["cells"].as_array().expect("cells").iter();
+    let cells = cells.filter(|cell| cell["cell_type"] == "markdown");
+    let lines = cells.flat_map(|cell| cell["source"].as_array().expect("lines"));
+    lines.map(|line| line.as_str().expect("a line")).collect()
 }
 
 /// The text without code: neither fenced blocks nor spans between backticks.
@@ -66,8 +90,7 @@ fn anchors(text: &str) -> BTreeSet<String> {
 fn every_link_leads_to_a_file_and_a_heading() {
     let mut broken = Vec::new();
     for page in pages() {
-        let text = fs::read_to_string(&page).expect("a page");
-        for link in links(&prose(&text)) {
+        for link in links(&prose(&text_of(&page))) {
             if link.contains("://") || link.starts_with("mailto:") {
                 continue;
             }

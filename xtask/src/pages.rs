@@ -52,7 +52,7 @@ fn text_of(name: &str) -> String {
     let own = MARKS.iter().find(|(mark, _)| *mark == name).map(|(_, text)| text());
     own.or_else(|| operations::text_of(name))
         .or_else(|| measured::text_of(name))
-        .unwrap_or_else(|| data::Data::load(name).shown())
+        .unwrap_or_else(|| measured::whole(&data::Data::load(name)))
 }
 
 /// Returns the path of a file of the repository.
@@ -151,6 +151,68 @@ mod tests {
     fn pages_are_up_to_date() {
         let faults = run(true);
         assert!(faults.is_empty(), "{}", faults.join("\n"));
+    }
+
+    /// Returns an attribute of a tag.
+    fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
+        tag.split_once(&format!(" {name}=\""))?.1.split('"').next()
+    }
+
+    /// Returns the luminance of a colour `#rrggbb`, from 0 of black to 1 of white.
+    fn luminance(colour: &str) -> f64 {
+        let number = u32::from_str_radix(colour.trim_start_matches('#'), 16).expect(colour);
+        let linear = |shift: u32| {
+            let part = f64::from(number >> shift & 0xff) / 255.0;
+            if part <= 0.04045 { part / 12.92 } else { ((part + 0.055) / 1.055).powf(2.4) }
+        };
+        0.2126 * linear(16) + 0.7152 * linear(8) + 0.0722 * linear(0)
+    }
+
+    #[test]
+    fn figures_are_read_on_white_and_on_dark_grounds() {
+        let folders = ["docs", "docs/figures", "docs/figures/robots"];
+        let paths = folders.into_iter().flat_map(|folder| files(folder, ".svg"));
+        let mut texts = 0;
+        for path in paths {
+            let figure = read(&path);
+            let root = figure.split('>').next().expect("a tag");
+            let (ink, width) = (attribute(root, "fill"), attribute(root, "width"));
+            // A group that is moved has coordinates of its own.
+            for part in figure.split("<g transform") {
+                let mut boxes = Vec::new();
+                for tag in part.split('<') {
+                    let number = |name| attribute(tag, name).and_then(|x| x.parse::<f64>().ok());
+                    let fill = attribute(tag, "fill").filter(|fill| *fill != "none");
+                    if tag.starts_with("rect ") && fill.is_some() {
+                        let is_ground = [width, Some("100%")].contains(&attribute(tag, "width"));
+                        assert!(!is_ground, "{path} has a ground: {tag}");
+                        let place = ["x", "y", "width", "height"].map(number);
+                        boxes.push((place.map(|x| x.expect("a number")), fill));
+                    } else if tag.starts_with("text ") {
+                        let at = ["x", "y"].map(|name| number(name).expect("a number"));
+                        let inside = |[x, y, width, height]: [f64; 4]| {
+                            (x..x + width).contains(&at[0]) && (y..y + height).contains(&at[1])
+                        };
+                        let own = boxes.iter().rev().find(|(place, _)| inside(*place));
+                        let grounds = match own {
+                            Some((_, fill)) => [*fill; 2],
+                            None => [Some("#ffffff"), Some("#0d1117")],
+                        };
+                        let of_text = luminance(fill.or(ink).unwrap_or("#000000"));
+                        for ground in grounds.into_iter().flatten().map(luminance) {
+                            let contrast =
+                                (of_text.max(ground) + 0.05) / (of_text.min(ground) + 0.05);
+                            assert!(
+                                contrast > 3.0,
+                                "{path} has a text that is hard to read: {tag}"
+                            );
+                        }
+                        texts += 1;
+                    }
+                }
+            }
+        }
+        assert!(texts > 300, "{texts}");
     }
 
     #[test]

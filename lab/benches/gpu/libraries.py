@@ -1,6 +1,7 @@
 """Time of a state on the machine's graphics processor: modyn's CUDA kernels, GRiD, frax and MuJoCo XLA; and modyn on the host.
 
-    python lab/benches/gpu/libraries.py --grid FOLDER | lab/record "lab/benches/gpu/libraries.py" "NOTE" > docs/data/gpu-libraries.tsv
+    measure="python lab/benches/gpu/libraries.py --grid FOLDER"
+    $measure | lab/record "$measure" "NOTE" > docs/data/gpu-libraries.tsv
 
 Needs nvcc, CuPy, JAX, frax, MuJoCo XLA, the package `modyn`, and the command `modyn` (MODYN); a library that is missing is left
 out. FOLDER has `grid.cuh`, which GRiD's `generateGRiD.py` writes for tests/golden/panda.urdf.

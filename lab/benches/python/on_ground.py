@@ -11,9 +11,14 @@ wrong by 0.1 mm/s in any step.
 The rows `A and B` have the matrices of one step, from the first states of the motions: `Robot.step_on_ground_derivatives`, exact, for
 many states in one call, and `mujoco.mjd_transitionFD`, one-sided differences, state by state. The latter has A alone, since the
 models have no actuators.
+
+MuJoCo XLA (MJX) has one step of all motions in f64, compiled, on all cores, in a process of its own: in one process with the other
+two, it waits for ever.
 """
 
+import json
 import os
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -81,6 +86,23 @@ def differences(model, state):
         mujoco.mjd_transitionFD(model, data, 1e-6, False, a, None, None, None)
 
 
+def xla():
+    """Prints the time of a step of MuJoCo XLA, us, by robot and motion, as JSON."""
+    os.environ.update(JAX_ENABLE_X64="1", JAX_PLATFORMS="cpu")
+    import jax
+    from mujoco import mjx
+
+    found = {}
+    for name, (file, points) in ROBOTS.items():
+        model, robot, qpos = worlds(file, points)
+        own, data = mjx.put_model(model), mjx.make_data(model)
+        step = jax.jit(jax.vmap(lambda q, qd, tau: mjx.step(own, data.replace(qpos=q, qvel=qd, qfrc_applied=tau)).qvel))
+        for motion, state in scenes(model, robot, qpos).items():
+            given = [jax.numpy.asarray(x) for x in state]
+            found[f"{name}, {motion}"] = 1e6 * least(lambda: step(*given).block_until_ready()) / MOTIONS
+    print(json.dumps(found))
+
+
 def least(call):
     """Returns the least time of several runs, s."""
     call()
@@ -93,8 +115,10 @@ def least(call):
 
 
 def main():
-    print("| robot | motion | motions | modyn, us | MuJoCo, pyramids, us | MuJoCo, ellipses, us | MuJoCo / modyn | solved, % |")
-    print("|---|---|---|---|---|---|---|---|")
+    alone = subprocess.run([sys.executable, __file__, "xla"], stdout=subprocess.PIPE, text=True, check=False).stdout
+    of_xla = json.loads(alone or "{}")
+    print("| robot | motion | motions | modyn, us | MuJoCo, pyramids, us | MuJoCo, ellipses, us | MJX, us | MuJoCo / modyn | solved, % |")
+    print("|---|---|---|---|---|---|---|---|---|")
     for name, (file, points) in ROBOTS.items():
         model, robot, qpos = worlds(file, points)
         for motion, (q, qd, tau) in scenes(model, robot, qpos).items():
@@ -118,7 +142,8 @@ def main():
                         spec = mujoco.mjtState.mjSTATE_QFRC_APPLIED
                         times.append(least(lambda: pool.rollout(model, data, state[:count], control[:count], control_spec=int(spec))))
                 times = [1e6 * x / (count * STEPS) for x in times]
-                row = " | ".join(f"{x:.2f}" for x in times)
+                compiled = of_xla.get(f"{name}, {motion}") if threads is None else None
+                row = " | ".join([*(f"{x:.2f}" for x in times), f"{compiled:.0f}" if compiled else ""])
                 print(f"| {name} | {motion} | {label} | {row} | {times[1] / times[0]:.1f} | {solved:.0f} |", flush=True)
             modyn.set_threads(1)
             derivatives = lambda: robot.step_on_ground_derivatives(own_q, own_qd, own_tau[:, 0], DT)
@@ -129,9 +154,9 @@ def main():
                 model.opt.cone = cone
                 times.append(least(lambda: differences(model, (q, qd, tau))))
             times = [1e6 * x / MOTIONS for x in times]
-            row = " | ".join(f"{x:.2f}" for x in times)
+            row = " | ".join([*(f"{x:.2f}" for x in times), ""])
             print(f"| {name} | {motion} | A and B, one core | {row} | {times[1] / times[0]:.1f} | {solved:.0f} |", flush=True)
 
 
 if __name__ == "__main__":
-    main()
+    xla() if sys.argv[1:] == ["xla"] else main()

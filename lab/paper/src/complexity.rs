@@ -93,19 +93,21 @@ pub fn seconds(links: usize) -> f64 {
 /// One of the counts.
 type Column = fn(&Counts) -> usize;
 
-fn lines(models: &[Model]) -> (Vec<Counts>, Vec<Line>) {
-    let counts: Vec<Counts> = models.iter().map(counts).collect();
-    let parts: [(&str, Column); 4] = [
-        ("BRGE by links", |c| c.by_links),
-        ("BRGE by chains", |c| c.by_chains),
-        ("composite inertias and elimination", |c| c.by_matrix),
-        ("BRGE by the modules found", |c| c.searched),
-    ];
-    let line = |(name, part): (&str, Column)| {
-        Line::new(name, counts.iter().map(|c| (c.n as f64, part(c) as f64)))
-    };
-    let lines = parts.map(line).into();
-    (counts, lines)
+/// The counts that are compared with that of the modules found.
+const COMPARED: [(&str, Column); 3] = [
+    ("BRGE by links", |c| c.by_links),
+    ("BRGE by chains", |c| c.by_chains),
+    ("composite inertias, elimination", |c| c.by_matrix),
+];
+
+/// Returns a line of quotients: a method's operations over those of the modules found.
+fn line(name: &str, counts: &[Counts], operations: impl Fn(&Counts) -> f64) -> Line {
+    Line::new(name, counts.iter().map(|c| (c.n as f64, operations(c) / c.searched as f64)))
+}
+
+/// Returns a line for each of the methods.
+fn lines(counts: &[Counts], methods: &[(&str, Column)]) -> Vec<Line> {
+    methods.iter().map(|(name, count)| line(name, counts, |c| count(c) as f64)).collect()
 }
 
 /// The lengths of the chains.
@@ -143,33 +145,25 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
          inertias and elimination, so both have the same count. The paper prints its Fig. 6 as a plot without numbers. \
          The search for modules stops after 80,000 traced operations, its budget.",
     );
-    let (joints, operations) = (Axis::linear("joints n"), Axis::linear("operations"));
-    let (counts, mut all) = lines(&CHAINS.map(robots::chain));
-    for (name, published) in PUBLISHED {
-        all.push(Line::new(name, CHAINS.map(|n| (n as f64, published(n as f64)))));
-    }
+    let counts = CHAINS.map(|n| counts(&robots::chain(n)));
     report.table(table_of(&counts));
-    let short = |line: &Line| {
-        Line::new(line.name.clone(), line.points.iter().copied().filter(|&(n, _)| n <= 12.0))
-    };
-    let few = all.iter().map(short).collect();
-    let title = "Chains of up to 12 joints: operations of forward dynamics";
-    report.plot("fig6-short.svg", &Chart { title, x: joints, y: operations, lines: few })?;
-    let title = "Fig. 6, chains: operations of forward dynamics";
-    let y = Axis::logarithmic("operations");
-    report.plot("fig6-chains.svg", &Chart { title, x: joints, y, lines: all })?;
-    let palms: Vec<Model> = [1, 2, 3, 4, 6, 8].map(|length| robots::palm(5, length)).into();
-    let title = "A first link with five equal branches: operations of forward dynamics";
-    report.plot(
-        "fig6-palms.svg",
-        &Chart { title, x: joints, y: operations, lines: lines(&palms).1 },
-    )?;
-    let trees: Vec<Model> = [1, 2, 3, 4].map(|length| robots::binary(4, length)).into();
-    let title = "Binary trees of 15 chains: operations of forward dynamics";
-    report.plot(
-        "fig6-trees.svg",
-        &Chart { title, x: joints, y: operations, lines: lines(&trees).1 },
-    )?;
+    // A chain as one module has the counts of composite inertias.
+    let mut of_chains = lines(&counts, &COMPARED[..2]);
+    let published = PUBLISHED.map(|(name, count)| line(name, &counts, |c| count(c.n as f64)));
+    of_chains.extend(published);
+    let of_trees =
+        |models: &[Model]| lines(&models.iter().map(self::counts).collect::<Vec<_>>(), &COMPARED);
+    let palms = of_trees(&[1, 2, 3, 4, 6, 8].map(|length| robots::palm(5, length)));
+    let trees = of_trees(&[1, 2, 3, 4].map(|length| robots::binary(4, length)));
+    for (file, title, lines) in [
+        ("fig6-chains.svg", "Fig. 6, chains: operations of forward dynamics", of_chains),
+        ("fig6-palms.svg", "A first link with five equal branches: forward dynamics", palms),
+        ("fig6-trees.svg", "Binary trees of 15 chains: operations of forward dynamics", trees),
+    ] {
+        let x = Axis::logarithmic("joints n");
+        let y = Axis::logarithmic("operations, divided by those of the modules found");
+        report.plot(file, &Chart { title, x, y, lines })?;
+    }
     let lengths = [10, 100, 1000, 10_000, 100_000];
     let times = lengths.map(|n| (n as f64, seconds(n)));
     let rows = times

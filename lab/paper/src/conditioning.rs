@@ -66,19 +66,24 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
     let halves: Vec<Vec<&str>> = [0..3, 3..7].into_iter().map(|r| r.map(name).collect()).collect();
     let halves = ModuleTree::from_names(&arm, &halves).expect("links of the arm");
     let cases = [
-        ("biped", &biped, robots::biped_modules(&biped), step),
-        ("arm", &arm, halves, stretching_arm(&times)),
+        (
+            "biped",
+            ["supporting leg, trunk", "swing leg"],
+            &biped,
+            robots::biped_modules(&biped),
+            step,
+        ),
+        ("arm", ["links 1 to 3", "links 4 to 7"], &arm, halves, stretching_arm(&times)),
     ];
-    for (name, model, modules, motion) in cases {
+    for (name, parts, model, modules, motion) in cases {
         let conditions = along(model, &modules, &motion);
         let over = |f: &dyn Fn(&Conditions) -> f64| -> Vec<(f64, f64)> {
             times.iter().copied().zip(conditions.iter().map(f)).collect()
         };
         let mut lines = vec![Line::new("whole mass matrix", over(&|c| c.mass_matrix))];
-        let count = modules.modules().len();
-        lines.extend(
-            (0..count).map(|m| Line::new(format!("module {}", m + 1), over(&|c| c.modules[m]))),
-        );
+        lines.extend(parts.iter().enumerate().map(|(m, part)| {
+            Line::new(format!("module {}: {part}", m + 1), over(&|c| c.modules[m]))
+        }));
         let title = format!("Condition numbers by module: {name}");
         let chart = Chart {
             title: &title,
@@ -93,7 +98,7 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
             format!("{} to {}", fixed(low, 1), fixed(high, 1))
         };
         let mut row = vec![name.to_owned(), range(&|c| c.mass_matrix)];
-        row.extend((0..count).map(|m| range(&|c| c.modules[m])));
+        row.extend((0..parts.len()).map(|m| range(&|c| c.modules[m])));
         report
             .table(Table::new(&["motion", "whole mass matrix", "module 1", "module 2"], vec![row]));
     }

@@ -130,14 +130,17 @@ const SIZE: (u32, u32) = (960, 500);
 /// The left end of the legend.
 const LEGEND: i32 = 700;
 
-/// Colours that are dark enough for white paper.
+/// The colour of texts and axes. A picture in a page does not know the page's colours, so all of these are seen on dark and on
+/// light grounds.
+const INK: RGBColor = RGBColor(0x7d, 0x87, 0x94);
+
 const COLOURS: [RGBColor; 6] = [
-    RGBColor(0, 0, 0),
-    RGBColor(200, 30, 30),
-    RGBColor(20, 90, 200),
-    RGBColor(10, 130, 60),
-    RGBColor(190, 100, 0),
-    RGBColor(120, 40, 160),
+    INK,
+    RGBColor(0xd9, 0x53, 0x4f),
+    RGBColor(0x4b, 0x91, 0xd1),
+    RGBColor(0x3f, 0xa3, 0x7c),
+    RGBColor(0xe8, 0x87, 0x1e),
+    RGBColor(0xa0, 0x7f, 0xd6),
 ];
 
 /// The largest number of markers on a line.
@@ -177,10 +180,10 @@ impl Chart<'_> {
         };
         let (x, y) = (range(|p| p.0), range(|p| p.1));
         let root = SVGBackend::new(path, SIZE).into_drawing_area();
-        root.fill(&WHITE)?;
+        let font = ("sans-serif", 15).into_font().color(&INK);
         let (left, right) = root.split_horizontally(LEGEND);
         let mut chart = ChartBuilder::on(&left)
-            .caption(self.title, ("sans-serif", 20))
+            .caption(self.title, ("sans-serif", 20, &INK))
             .margin(12)
             .x_label_area_size(48)
             .y_label_area_size(78)
@@ -190,13 +193,13 @@ impl Chart<'_> {
             )?;
         chart
             .configure_mesh()
-            .light_line_style(WHITE)
-            .bold_line_style(RGBColor(220, 220, 220))
+            .bold_line_style(INK.mix(0.3))
+            .axis_style(INK)
             .x_desc(self.x.label)
             .y_desc(self.y.label)
             .x_label_formatter(&|&at| self.x.text(at))
             .y_label_formatter(&|&at| self.y.text(at))
-            .label_style(("sans-serif", 15))
+            .label_style(font.clone())
             .draw()?;
         for (i, (line, points)) in self.lines.iter().zip(lines).enumerate() {
             let style = COLOURS[i % COLOURS.len()].stroke_width(2);
@@ -219,7 +222,8 @@ impl Chart<'_> {
             }
             let shape = shape.iter().map(|(dx, dy)| (x + 15 + dx, y + dy));
             right.draw(&PathElement::new(shape.collect::<Vec<_>>(), style))?;
-            right.draw(&Text::new(line.name.clone(), (x + 38, y - 8), ("sans-serif", 15)))?;
+            let name = Text::new(line.name.clone(), (x + 38, y - 8), font.clone());
+            right.draw(&name)?;
         }
         root.present()?;
         Ok(())

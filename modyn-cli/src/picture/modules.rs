@@ -10,10 +10,11 @@ use crate::escape::{markup, shortened};
 /// Light colours that colour-blind readers can distinguish (Okabe and Ito); numbers identify modules, too.
 const TINTS: [&str; 7] =
     ["#cfe3f3", "#f9dcc4", "#cbe9de", "#f3d9e6", "#fbf3c0", "#d9e2f7", "#e9d5c6"];
-const INK: &str = "#1d2733";
-const LINE: &str = "#7b8794";
+/// The colours of names in the boxes, and of texts and lines beside them, which are seen on dark and on light grounds.
+const INK: [&str; 2] = ["#1d2733", "#4a5560"];
+const LINE: &str = "#7d8794";
 /// The colour of nonzero entries.
-const ENTRY: &str = "#2f5673";
+const ENTRY: &str = "#4b7fa6";
 
 const MARGIN: f64 = 40.0;
 const TITLE: f64 = 70.0;
@@ -42,11 +43,10 @@ pub fn draw(model: &Model, modules: &ModuleTree, sparsity: &Sparsity) -> String 
     let height = TITLE + body + 2.0 * MARGIN;
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" \
-         height=\"{height:.0}\" font-family=\"Helvetica, Arial, sans-serif\" fill=\"{INK}\" role=\"img\">\n\
+         height=\"{height:.0}\" font-family=\"Helvetica, Arial, sans-serif\" fill=\"{LINE}\" role=\"img\">\n\
          <title>Kinematic modules of {name}, and the sparsity of its mass matrix and factors</title>\n\
-         <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n\
          <text x=\"{MARGIN}\" y=\"{y}\" font-size=\"26\" font-weight=\"bold\">{name}</text>\n\
-         <text x=\"{MARGIN}\" y=\"{below}\" font-size=\"15\" fill=\"{LINE}\">{} moving links in {} kinematic \
+         <text x=\"{MARGIN}\" y=\"{below}\" font-size=\"15\">{} moving links in {} kinematic \
          modules, {} degrees of freedom</text>\n",
         model.links().len(),
         modules.modules().len(),
@@ -154,14 +154,14 @@ fn draw_tree(
         };
         let (first, last) = (name(links.first()), name(links.last()));
         let last = if links.len() > 1 { format!("to {last}") } else { String::new() };
-        let x_text = x + 34.0;
+        let (x_text, [dark, grey]) = (x + 34.0, INK);
         let _ = writeln!(
             out,
-            "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{box_width:.1}\" height=\"{}\" rx=\"9\" fill=\"{}\" stroke=\"{INK}\" \
+            "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{box_width:.1}\" height=\"{}\" rx=\"9\" fill=\"{}\" stroke=\"{dark}\" \
              stroke-width=\"1.2\"/>\n\
-             <text x=\"{:.1}\" y=\"{:.1}\" font-size=\"19\" font-weight=\"bold\" text-anchor=\"middle\">{m}</text>\n\
-             <text x=\"{x_text:.1}\" y=\"{:.1}\" font-size=\"12\">{first}</text>\n\
-             <text x=\"{x_text:.1}\" y=\"{:.1}\" font-size=\"11\" fill=\"#4a5560\">{last}</text>",
+             <text x=\"{:.1}\" y=\"{:.1}\" font-size=\"19\" font-weight=\"bold\" fill=\"{dark}\" text-anchor=\"middle\">{m}</text>\n\
+             <text x=\"{x_text:.1}\" y=\"{:.1}\" font-size=\"12\" fill=\"{dark}\">{first}</text>\n\
+             <text x=\"{x_text:.1}\" y=\"{:.1}\" font-size=\"11\" fill=\"{grey}\">{last}</text>",
             BOX.1,
             tint(m),
             x + 17.0,
@@ -237,9 +237,9 @@ fn draw_matrix(
     let filled = pattern.iter().filter(|&&entry| entry).count();
     let _ = writeln!(
         out,
-        "<rect width=\"{MATRIX}\" height=\"{MATRIX}\" fill=\"none\" stroke=\"{INK}\" stroke-width=\"1.5\"/>\n\
+        "<rect width=\"{MATRIX}\" height=\"{MATRIX}\" fill=\"none\" stroke=\"{LINE}\" stroke-width=\"1.5\"/>\n\
          <text x=\"{x}\" y=\"{y}\" font-size=\"17\" font-weight=\"bold\" text-anchor=\"middle\">{name}</text>\n\
-         <text x=\"{x}\" y=\"{below}\" font-size=\"12\" fill=\"#4a5560\" text-anchor=\"middle\">{filled} of {} \
+         <text x=\"{x}\" y=\"{below}\" font-size=\"12\" text-anchor=\"middle\">{filled} of {} \
          entries are not zero</text>\n</g>",
         n * n,
         x = MATRIX / 2.0,

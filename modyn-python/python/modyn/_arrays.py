@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import inspect
 import re
 from collections.abc import Callable, Sequence
@@ -170,9 +171,8 @@ class RolloutSignature:
     """The arguments of the rollouts of a time step."""
 
     def __init__(self, robot: Robot, step: str, ground: Ground | None = None) -> None:
-        steps = [name.removeprefix("step_") for name in functions() if STEP.fullmatch(name)]
-        if step not in (*steps, "ground"):
-            raise ValueError(f"there is no time step `{step}`; there are: {', '.join([*steps, 'ground'])}")
+        if step not in time_steps():
+            raise ValueError(f"there is no time step `{step}`; there are: {', '.join(time_steps())}")
         if ground is not None and step != "ground":
             raise TypeError('`ground` are the options of `step="ground"`')
         self.robot, self.step = robot, f"step_{step}"
@@ -273,8 +273,11 @@ def motions(results: Sequence[Any]) -> Any:
     return {2: RolloutStates, 3: RolloutCosts, 5: GroundStates}[len(results)](*results)
 
 
-STEP = re.compile("step_(?!.*_(?:derivatives|hessian)$).*")
-"""the names of time steps"""
+@functools.cache
+def time_steps() -> list[str]:
+    """Returns the names of time steps."""
+    found = (re.fullmatch("step_(?!.*_(?:derivatives|hessian)$)(.*)", name) for name in functions())
+    return [*(step[1] for step in found if step), "ground"]
 
 
 class Parameter(NamedTuple):
@@ -297,6 +300,10 @@ class Signature:
         self.shapes: list[Shape] = [tuple(shape) for _, shape, _ in arguments]
         self.defaults = [default for _, _, default in arguments]
         self.parameters = [Parameter(option, link, np.array(numbers, robot.dtype)) for option, link, numbers in parameters]
+
+    @functools.cached_property
+    def signature(self) -> inspect.Signature:
+        """the arguments as those of a function of Python"""
         kind = inspect.Parameter.POSITIONAL_OR_KEYWORD
         empty = inspect.Parameter.empty
         own = [
@@ -305,7 +312,7 @@ class Signature:
         ]
         if self.parameters:
             own.append(inspect.Parameter("parameters", inspect.Parameter.KEYWORD_ONLY, default=None))
-        self.signature = inspect.Signature(own)
+        return inspect.Signature(own)
 
     def bind(self, given: tuple[Any, ...], named: dict[str, Any]) -> tuple[list[Any], Any]:
         """Returns the arguments in their order, with their defaults, and the run-time parameters or `None`."""

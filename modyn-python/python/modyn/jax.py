@@ -179,8 +179,6 @@ def _abstract(*arrays: Any, code: Any) -> list[Any]:
     return [jax.core.ShapedArray(lead + own, arrays[0].dtype) for own in code.outputs]
 
 
-
-
 def _eager(primitive: Primitive) -> Callable[..., Any]:
     """Returns the primitive on numbers: compiled once for each code."""
     compiled: dict[Any, Any] = {}

@@ -5,12 +5,13 @@
 //! the settings, the gains and references of a feedback, and the run-time parameters. The contact problem and the integration are
 //! programs. `modyn_runtime::simulate::by_numbers` finds the impulses: in lanes where sweeps suffice, else lane by lane.
 
+use std::borrow::Cow;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
 
 use modyn_codegen::Function;
 use modyn_codegen::plan::{Derivative, DerivativeMode, EntryFunction, Sizes};
-use modyn_runtime::simulate::by_numbers::{GroundRobot, StepChange, StepGradient, StepLanes};
+use modyn_runtime::simulate::by_numbers::{GroundRobot, StepChanges, StepGradient, StepLanes};
 use modyn_runtime::simulate::{Ground, HeightField};
 use modyn_runtime::{ConstraintSettings, ContactTarget};
 
@@ -218,6 +219,16 @@ impl<T> Parts<T> {
     }
 }
 
+impl<S: Number> Parts<Kernel<'_, S>> {
+    fn lanes(&self) -> usize {
+        self.problem.lanes().min(self.integrate.lanes())
+    }
+
+    fn cost(&self) -> usize {
+        self.problem.cost() + self.integrate.cost()
+    }
+}
+
 impl Parts<EntryFunction> {
     /// Returns the programs of a step of a robot with these sizes.
     fn of_step(sizes: &Sizes, robot: &GroundRobot, (has_field, feedback): (bool, bool)) -> Self {
@@ -307,6 +318,24 @@ pub struct GroundFunction<S: Number + 'static> {
     derivative: Option<GroundDerivative<S>>,
 }
 
+impl<S: Number> GroundFunction<S> {
+    /// Returns the number of all numbers that vary.
+    fn directions(&self, derivative: &GroundDerivative<S>) -> usize {
+        derivative.variables.iter().map(|&k| self.lengths[k]).sum()
+    }
+
+    /// Sets the numbers of settings to zero that a height field sets.
+    fn without_planes(&self, settings: &mut Rows<S>) {
+        if self.field.is_some() {
+            let lanes = settings.lanes;
+            for contact in 0..self.lengths[CONTACTS] / 3 {
+                settings.numbers[GroundRobot::first_number_of(contact) * lanes..][..POSE * lanes]
+                    .fill(S::zero());
+            }
+        }
+    }
+}
+
 /// A derivative of a step.
 struct GroundDerivative<S: Number + 'static> {
     mode: DerivativeMode,
@@ -336,57 +365,111 @@ impl<S: Number> OwnCode<S> for GroundFunction<S> {
 }
 
 /// Numbers in lanes: a row of lanes for each number.
-struct Rows<S>(Vec<S>);
+struct Rows<S> {
+    numbers: Vec<S>,
+    lanes: usize,
+}
 
 impl<S: Number> Rows<S> {
     fn zeros(count: usize, lanes: usize) -> Self {
-        Self(vec![S::zero(); count * lanes])
+        Self { numbers: vec![S::zero(); count * lanes], lanes }
     }
 
-    fn set(&mut self, lane: usize, lanes: usize, numbers: &[S]) {
-        let rows = self.0.chunks_exact_mut(lanes);
-        rows.zip(numbers).for_each(|(row, &x)| row[lane] = x);
+    /// Returns the numbers of a lane.
+    fn lane(&self, lane: usize) -> Vec<S> {
+        lane_of(&self.numbers, lane, self.lanes)
+    }
+
+    /// Returns the rows of some lanes.
+    fn some(&self, lanes: &Range<usize>) -> Cow<'_, [S]> {
+        if lanes.len() == self.lanes {
+            return Cow::Borrowed(&self.numbers);
+        }
+        let rows = self.numbers.chunks_exact(self.lanes);
+        rows.flat_map(|row| &row[lanes.clone()]).copied().collect()
+    }
+
+    /// Sets some lanes to the first lanes of rows of `width` lanes.
+    fn set(&mut self, lanes: &Range<usize>, numbers: &[S], width: usize) {
+        let first = lanes.start.min(self.numbers.len());
+        copy_rows((numbers, width), (&mut self.numbers[first..], self.lanes), lanes.len());
+    }
+
+    /// Sets a lane.
+    fn set_lane(&mut self, lane: usize, numbers: &[S]) {
+        self.set(&(lane..lane + 1), numbers, 1);
+    }
+
+    /// Appends the rows of some lanes, each with zeros up to `width` lanes.
+    fn append(&self, lanes: &Range<usize>, width: usize, rows: &mut Vec<S>) {
+        let end = rows.len();
+        rows.resize(end + self.numbers.len() / self.lanes * width, S::zero());
+        let first = lanes.start.min(self.numbers.len());
+        copy_rows((&self.numbers[first..], self.lanes), (&mut rows[end..], width), lanes.len());
     }
 }
 
-/// The contact problem of a step and the results of the step, in lanes.
-struct Solved<S> {
-    problem: Rows<S>,
-    velocities: Rows<S>,
-    contacts: Rows<S>,
-    stops: Rows<S>,
-    residual: Rows<S>,
-    displacement: Rows<S>,
+/// Copies the first `count` numbers of each row to a row of another width.
+fn copy_rows<S: Copy>((from, width): (&[S], usize), to: (&mut [S], usize), count: usize) {
+    // The lanes of processors: without calls of `memcpy`.
+    match count {
+        2 => copy_numbers::<S, 2>((from, width), to),
+        4 => copy_numbers::<S, 4>((from, width), to),
+        8 => copy_numbers::<S, 8>((from, width), to),
+        _ => to.0.chunks_mut(to.1).zip(from.chunks(width)).for_each(|(to, from)| {
+            to[..count].copy_from_slice(&from[..count]);
+        }),
+    }
 }
 
-impl<S: Number> Solved<S> {
-    /// Returns the same in each lane.
-    fn in_lanes(self, lanes: usize) -> Self {
-        let of = |rows: Rows<S>| {
-            Rows(rows.0.iter().flat_map(|&x| std::iter::repeat_n(x, lanes)).collect())
-        };
-        let Self { problem, velocities, contacts, stops, residual, displacement } = self;
-        Self {
-            problem: of(problem),
-            velocities: of(velocities),
-            contacts: of(contacts),
-            stops: of(stops),
-            residual: of(residual),
-            displacement: of(displacement),
+/// Copies the first numbers of each row to a row of another width.
+fn copy_numbers<S: Copy, const COUNT: usize>(
+    (from, width): (&[S], usize),
+    (to, own): (&mut [S], usize),
+) {
+    for (to, from) in to.chunks_mut(own).zip(from.chunks(width)) {
+        if let (Some(to), Some(from)) = (to.first_chunk_mut::<COUNT>(), from.first_chunk::<COUNT>())
+        {
+            *to = *from;
         }
     }
 }
 
+/// The velocities after a step, the impulses, and the displacement of the coordinates; or their changes.
+struct After<S> {
+    velocities: Rows<S>,
+    contacts: Rows<S>,
+    stops: Rows<S>,
+    displacement: Rows<S>,
+}
+
+/// The contact problem of a step, the results of the step, and what is wrong with them.
+struct Solved<S> {
+    problem: Rows<S>,
+    after: After<S>,
+    residual: Rows<S>,
+}
+
 impl<S: Number> OwnKernel<S> for ReadyGround<'_, S> {
     fn cost(&self) -> usize {
-        let of = |parts: &Parts<Kernel<'_, S>>| parts.problem.cost() + parts.integrate.cost();
+        let of_derivative = self.derivative.as_ref().map_or(0, |(derivative, parts)| {
+            let times = match derivative.mode {
+                DerivativeMode::Matrix => self.function.directions(derivative),
+                DerivativeMode::Forward | DerivativeMode::Reverse => 1,
+            };
+            times * parts.cost()
+        });
         // Some thousand instructions find the impulses.
-        1000 + of(&self.parts) + self.derivative.as_ref().map_or(0, |(_, parts)| of(parts))
+        1000 + self.parts.cost() + of_derivative
     }
 
     fn lanes(&self) -> usize {
-        let of = |parts: &Parts<Kernel<'_, S>>| parts.problem.lanes().min(parts.integrate.lanes());
-        of(&self.parts).min(self.derivative.as_ref().map_or(usize::MAX, |(_, parts)| of(parts)))
+        match &self.derivative {
+            // The lanes are directions.
+            Some((GroundDerivative { mode: DerivativeMode::Matrix, .. }, _)) => 1,
+            Some((_, parts)) => self.parts.lanes().min(parts.lanes()),
+            None => self.parts.lanes(),
+        }
     }
 
     fn run(&self, numbers: &[S], result: &mut [S], lanes: usize) {
@@ -400,7 +483,7 @@ impl<S: Number> OwnKernel<S> for ReadyGround<'_, S> {
         match derivative.mode {
             DerivativeMode::Forward => self.forward(&given, &self.solve(&given), own, result),
             DerivativeMode::Reverse => self.reverse(&given, &self.solve(&given), own, result),
-            DerivativeMode::Matrix => self.matrices(&given, own, result),
+            DerivativeMode::Matrix => self.matrices(&given, &self.solve(&given), own, result),
         }
     }
 }
@@ -422,13 +505,13 @@ impl<S: Number> ReadyGround<'_, S> {
         let arguments: Vec<S> =
             given.rows(Q).iter().copied().chain(still).chain(settings).collect();
         let mut places = Rows::zeros(3 * contacts, lanes);
-        kernel.run(&arguments, &mut places.0, lanes);
+        kernel.run(&arguments, &mut places.numbers, lanes);
         let mut numbers = numbers.to_vec();
         let first: usize = lengths[..SETTINGS].iter().sum();
         for contact in 0..contacts {
             let own = first + GroundRobot::first_number_of(contact);
             for lane in 0..lanes {
-                let place = |k: usize| places.0[(3 * contact + k) * lanes + lane];
+                let place = |k: usize| places.numbers[(3 * contact + k) * lanes + lane];
                 let plane = field.plane([place(0), place(1)]);
                 let pose = plane.rotation.iter().flatten().chain(&plane.translation);
                 pose.zip(own..).for_each(|(&x, row)| numbers[row * lanes + lane] = x);
@@ -437,34 +520,18 @@ impl<S: Number> ReadyGround<'_, S> {
         Some(numbers)
     }
 
-    /// Sets the numbers of settings to zero that a height field sets.
-    fn without_planes(&self, settings: &mut Rows<S>, lanes: usize) {
-        if self.function.field.is_some() {
-            for contact in 0..self.function.lengths[CONTACTS] / 3 {
-                settings.0[GroundRobot::first_number_of(contact) * lanes..][..POSE * lanes]
-                    .fill(S::zero());
-            }
-        }
-    }
-
     /// Finds the impulses and the velocities.
     fn solve(&self, given: &Given<'_, S>) -> Solved<S> {
-        if given.lanes > 1 && given.is_one_state() {
-            let count = given.lengths.iter().sum::<usize>() * given.lanes;
-            let numbers = lane_of(&given.numbers[..count], 0, given.lanes);
-            let one = Given { numbers: &numbers, lengths: given.lengths, lanes: 1 };
-            return self.solve(&one).in_lanes(given.lanes);
-        }
         let (function, lanes) = (self.function, given.lanes);
         let [nv, contacts] = [QD, CONTACTS].map(|k| function.lengths[k]);
         let mut problem = Rows::zeros(function.robot.problem_length(), lanes);
-        self.parts.problem.run(&given.of_problem(), &mut problem.0, lanes);
+        self.parts.problem.run(&given.of_problem(), &mut problem.numbers, lanes);
         let [mut velocities, mut displacement] = [(); 2].map(|()| Rows::zeros(nv, lanes));
         let (mut of_contacts, mut of_stops) =
             (Rows::zeros(contacts, lanes), Rows::zeros(nv, lanes));
         let mut residual = Rows::zeros(2, lanes);
-        of_contacts.0.copy_from_slice(given.rows(CONTACTS));
-        of_stops.0.copy_from_slice(given.rows(STOPS));
+        of_contacts.numbers.copy_from_slice(given.rows(CONTACTS));
+        of_stops.numbers.copy_from_slice(given.rows(STOPS));
         let mut solved = vec![None; lanes];
         if lanes > 1 {
             let numbers = StepLanes {
@@ -472,50 +539,45 @@ impl<S: Number> ReadyGround<'_, S> {
                 q: given.rows(Q),
                 dt: given.rows(DT),
                 settings: given.rows(SETTINGS),
-                problem: &problem.0,
-                stops: &of_stops.0,
+                problem: &problem.numbers,
+                stops: &of_stops.numbers,
             };
-            let found = (&mut *of_contacts.0, &mut *velocities.0);
+            let found = (&mut *of_contacts.numbers, &mut *velocities.numbers);
             function.robot.solve_lanes(&function.ground, &numbers, found, &mut solved);
         }
         let mut qd = vec![S::zero(); nv];
         for (lane, solved) in solved.into_iter().enumerate() {
             let last = given.lane(RESIDUAL, lane);
             if let Some(wrong) = solved {
-                residual.set(lane, lanes, &[last[0].max(wrong), last[1]]);
+                residual.set_lane(lane, &[last[0].max(wrong), last[1]]);
                 continue;
             }
             let (q, dt, settings) = given.before(lane);
-            let [mut p, mut s] =
-                [&of_contacts, &of_stops].map(|rows| lane_of(&rows.0, lane, lanes));
+            let [mut p, mut s] = [&of_contacts, &of_stops].map(|rows| rows.lane(lane));
             let (wrong, _) = function.robot.solve(
                 &function.ground,
                 (&q, dt, &settings),
                 (
-                    |i| problem.0[i * lanes + lane],
+                    |i| problem.numbers[i * lanes + lane],
                     |inverse: &mut [S]| self.inverse(given, lane, inverse),
                 ),
                 (&mut p, &mut s),
                 &mut qd,
             );
-            velocities.set(lane, lanes, &qd);
-            of_contacts.set(lane, lanes, &p);
-            of_stops.set(lane, lanes, &s);
-            residual.set(lane, lanes, &[last[0].max(wrong.contacts), last[1].max(wrong.stops)]);
+            velocities.set_lane(lane, &qd);
+            of_contacts.set_lane(lane, &p);
+            of_stops.set_lane(lane, &s);
+            residual.set_lane(lane, &[last[0].max(wrong.contacts), last[1].max(wrong.stops)]);
         }
-        for (places, qd) in displacement.0.chunks_mut(lanes).zip(velocities.0.chunks(lanes)) {
+        for (places, qd) in
+            displacement.numbers.chunks_mut(lanes).zip(velocities.numbers.chunks(lanes))
+        {
             for ((place, &v), &dt) in places.iter_mut().zip(qd).zip(given.rows(DT)) {
                 *place = v * dt;
             }
         }
-        Solved {
-            problem,
-            velocities,
-            contacts: of_contacts,
-            stops: of_stops,
-            residual,
-            displacement,
-        }
+        let after = After { velocities, contacts: of_contacts, stops: of_stops, displacement };
+        Solved { problem, after, residual }
     }
 
     /// Returns the contact problem and the inverse of the mass matrix of a lane.
@@ -525,7 +587,7 @@ impl<S: Number> ReadyGround<'_, S> {
         solved: &'a Solved<S>,
         lane: usize,
     ) -> (impl Fn(usize) -> S + 'a, impl Fn(&mut [S]) + 'a) {
-        let problem = move |i: usize| solved.problem.0[i * given.lanes + lane];
+        let problem = move |i: usize| solved.problem.numbers[i * given.lanes + lane];
         (problem, move |inverse: &mut [S]| self.inverse(given, lane, inverse))
     }
 
@@ -547,11 +609,16 @@ impl<S: Number> ReadyGround<'_, S> {
     fn value(&self, given: &Given<'_, S>, solved: &Solved<S>, result: &mut [S]) {
         let nq = self.function.lengths[Q] * given.lanes;
         let (q, rest) = result.split_at_mut(nq);
-        let displaced = [&given.numbers[..nq], &solved.displacement.0].concat();
+        let displaced = [&given.numbers[..nq], &solved.after.displacement.numbers].concat();
         self.parts.integrate.run(&displaced, q, given.lanes);
-        let parts = [&solved.velocities, &solved.contacts, &solved.stops, &solved.residual];
+        let parts = [
+            &solved.after.velocities,
+            &solved.after.contacts,
+            &solved.after.stops,
+            &solved.residual,
+        ];
         rest.iter_mut()
-            .zip(parts.into_iter().flat_map(|rows| &rows.0))
+            .zip(parts.into_iter().flat_map(|rows| &rows.numbers))
             .for_each(|(place, &x)| *place = x);
     }
 
@@ -573,25 +640,26 @@ impl<S: Number> ReadyGround<'_, S> {
         };
         // Through the coordinates.
         let displaced =
-            [&given.numbers[..nq * lanes], &solved.displacement.0, weights.rows(Q)].concat();
+            [&given.numbers[..nq * lanes], &solved.after.displacement.numbers, weights.rows(Q)]
+                .concat();
         let mut by_displaced = Rows::zeros(nq + nv, lanes);
-        parts.integrate.run(&displaced, &mut by_displaced.0, lanes);
-        let by_displaced = Given { numbers: &by_displaced.0, lengths: &[nq, nv], lanes };
+        parts.integrate.run(&displaced, &mut by_displaced.numbers, lanes);
+        let by_displaced = Given { numbers: &by_displaced.numbers, lengths: &[nq, nv], lanes };
         // By each argument of the step, and each number of the contact problem.
         let mut gradients: Vec<Rows<S>> =
             lengths.iter().map(|&length| Rows::zeros(length, lanes)).collect();
-        gradients[Q].0.copy_from_slice(by_displaced.rows(Q));
+        gradients[Q].numbers.copy_from_slice(by_displaced.rows(Q));
         let mut by_problem = Rows::zeros(function.robot.problem_length(), lanes);
         for lane in 0..lanes {
             let (q, dt, settings) = given.before(lane);
-            let of = |rows: &Rows<S>| lane_of(&rows.0, lane, lanes);
+            let of = |rows: &Rows<S>| lane_of(&rows.numbers, lane, lanes);
             let (p, s, moved) =
-                (of(&solved.contacts), of(&solved.stops), by_displaced.lane(QD, lane));
+                (of(&solved.after.contacts), of(&solved.after.stops), by_displaced.lane(QD, lane));
             let mut of_velocities = weights.lane(QD, lane);
             for (weight, &by) in of_velocities.iter_mut().zip(&moved) {
                 *weight = *weight + dt * by;
             }
-            let qd = of(&solved.velocities);
+            let qd = of(&solved.after.velocities);
             let mut by_dt = qd.iter().zip(&moved).fold(S::zero(), |sum, (&v, &by)| sum + v * by);
             let mut problem = vec![S::zero(); function.robot.problem_length()];
             let (mut inverse, mut by_settings) = (Vec::new(), vec![S::zero(); lengths[SETTINGS]]);
@@ -610,7 +678,7 @@ impl<S: Number> ReadyGround<'_, S> {
                 },
             );
             let mut add = |array: usize, numbers: &[S]| {
-                let places = gradients[array].0.iter_mut().skip(lane).step_by(lanes);
+                let places = gradients[array].numbers.iter_mut().skip(lane).step_by(lanes);
                 places.zip(numbers).for_each(|(place, &x)| *place = *place + x);
             };
             if let Some(kernel) = parts.inverse.as_ref().filter(|_| !inverse.is_empty()) {
@@ -624,70 +692,86 @@ impl<S: Number> ReadyGround<'_, S> {
             add(Q, &by_q);
             add(DT, &[by_dt]);
             add(SETTINGS, &by_settings);
-            by_problem.set(lane, lanes, &problem);
+            by_problem.set_lane(lane, &problem);
         }
         // Through the contact problem.
-        let arguments = [&*given.of_problem(), &by_problem.0].concat();
+        let arguments = [&*given.of_problem(), &by_problem.numbers].concat();
         let count = varying_in_problem(&derivative.variables).map(|k| lengths[k]).sum();
         let mut found = Rows::zeros(count, lanes);
-        parts.problem.run(&arguments, &mut found.0, lanes);
-        let mut rest = &*found.0;
+        parts.problem.run(&arguments, &mut found.numbers, lanes);
+        let mut rest = &*found.numbers;
         for k in varying_in_problem(&derivative.variables) {
             let own;
             (own, rest) = rest.split_at(lengths[k] * lanes);
-            gradients[k].0.iter_mut().zip(own).for_each(|(place, &x)| *place = *place + x);
+            gradients[k].numbers.iter_mut().zip(own).for_each(|(place, &x)| *place = *place + x);
         }
-        self.without_planes(&mut gradients[SETTINGS], lanes);
-        let all = derivative.variables.iter().flat_map(|&k| &gradients[k].0);
+        self.function.without_planes(&mut gradients[SETTINGS]);
+        let all = derivative.variables.iter().flat_map(|&k| &gradients[k].numbers);
         result.iter_mut().zip(all).for_each(|(place, &x)| *place = x);
     }
 
-    /// Writes the derivatives of each array of the state by each variable.
+    /// Writes the derivatives of each array of the state of one lane by each variable.
     fn matrices(
         &self,
         given: &Given<'_, S>,
+        solved: &Solved<S>,
         (derivative, parts): (&GroundDerivative<S>, &Parts<Kernel<'_, S>>),
         result: &mut [S],
     ) {
-        let (lengths, together) = (&self.function.lengths, OwnKernel::lanes(self));
-        let varying: Vec<usize> = derivative.variables.iter().map(|&k| lengths[k]).collect();
-        let directions: usize = varying.iter().sum();
-        let state = lengths[..STATE].iter().sum::<usize>();
-        let mut changes = vec![S::zero(); state * together];
-        for lane in 0..given.lanes {
-            let count: usize = lengths.iter().sum();
-            let numbers = lane_of(&given.numbers[..count * given.lanes], lane, given.lanes);
-            let one = Given { numbers: &numbers, lengths, lanes: 1 };
-            let solved = self.solve(&one).in_lanes(together);
-            let mut numbers: Vec<S> =
-                numbers.iter().flat_map(|&x| std::iter::repeat_n(x, together)).collect();
-            numbers.resize((count + directions) * together, S::zero());
-            for first in (0..directions).step_by(together) {
-                let own = first..directions.min(first + together);
-                let place = |direction: usize| (count + direction) * together + direction - first;
-                own.clone().for_each(|direction| numbers[place(direction)] = S::one());
-                let wide = Given { numbers: &numbers, lengths, lanes: together };
-                self.forward(&wide, &solved, (derivative, parts), &mut changes);
-                own.clone().for_each(|direction| numbers[place(direction)] = S::zero());
-                // The matrices follow each other, by rows.
-                let (mut at, mut row) = (0, 0);
-                for &length in &lengths[..STATE] {
-                    let mut before = 0;
-                    for &columns in &varying {
-                        for direction in
-                            own.clone().filter(|k| (before..before + columns).contains(k))
-                        {
-                            for k in 0..length {
-                                let entry = at + k * columns + direction - before;
-                                result[entry * given.lanes + lane] =
-                                    changes[(row + k) * together + direction - first];
-                            }
-                        }
-                        at += length * columns;
-                        before += columns;
-                    }
-                    row += length;
-                }
+        let (function, lengths, lanes) = (self.function, &self.function.lengths, parts.lanes());
+        let directions = function.directions(derivative);
+        if directions == 0 {
+            return;
+        }
+        let groups = || (0..directions).step_by(lanes).map(|k| k..directions.min(k + lanes));
+        // The change of each argument: one, along one direction.
+        let mut changes: Vec<Rows<S>> =
+            lengths.iter().map(|&length| Rows::zeros(length, directions)).collect();
+        let mut first = 0;
+        for &k in &derivative.variables {
+            for (number, row) in changes[k].numbers.chunks_exact_mut(directions).enumerate() {
+                row[first + number] = S::one();
+            }
+            first += lengths[k];
+        }
+        function.without_planes(&mut changes[SETTINGS]);
+        let mut problem = Rows::zeros(function.robot.problem_length(), directions);
+        let mut own = Rows::zeros(function.robot.problem_length(), lanes);
+        let at = in_lanes(&given.of_problem(), lanes);
+        for group in groups() {
+            let mut arguments = at.clone();
+            for k in varying_in_problem(&derivative.variables) {
+                changes[k].append(&group, lanes, &mut arguments);
+            }
+            parts.problem.run(&arguments, &mut own.numbers, lanes);
+            problem.set(&group, &own.numbers, lanes);
+        }
+        let nq = lengths[Q];
+        let after = self.changes(given, solved, (derivative, parts), (&changes, &problem));
+        let mut state: Vec<Rows<S>> =
+            lengths[..STATE].iter().map(|&length| Rows::zeros(length, directions)).collect();
+        let at = in_lanes(&[given.rows(Q), &solved.after.displacement.numbers].concat(), lanes);
+        let mut own = Rows::zeros(nq, lanes);
+        for group in groups() {
+            let mut arguments = at.clone();
+            for rows in [&changes[Q], &after.displacement] {
+                rows.append(&group, lanes, &mut arguments);
+            }
+            parts.integrate.run(&arguments, &mut own.numbers, lanes);
+            state[Q].set(&group, &own.numbers, lanes);
+        }
+        // The residual does not change.
+        (state[QD], state[CONTACTS], state[STOPS]) =
+            (after.velocities, after.contacts, after.stops);
+        // The matrices follow each other, by rows.
+        let mut places = result.iter_mut();
+        for rows in &state {
+            let mut first = 0;
+            for columns in derivative.variables.iter().map(|&k| lengths[k]) {
+                let own = rows.numbers.chunks_exact(directions);
+                let own = own.flat_map(|row| &row[first..first + columns]);
+                own.zip(places.by_ref()).for_each(|(&x, place)| *place = x);
+                first += columns;
             }
         }
     }
@@ -702,7 +786,7 @@ impl<S: Number> ReadyGround<'_, S> {
     ) {
         let (function, lanes) = (self.function, given.lanes);
         let lengths = &function.lengths;
-        let [nq, nv, contacts] = [Q, QD, CONTACTS].map(|k| lengths[k]);
+        let nq = lengths[Q];
         // The change of each argument of the step.
         let mut rest = &given.numbers[lengths.iter().sum::<usize>() * lanes..];
         let mut changes: Vec<Rows<S>> =
@@ -710,74 +794,99 @@ impl<S: Number> ReadyGround<'_, S> {
         for &k in &derivative.variables {
             let own;
             (own, rest) = rest.split_at(lengths[k] * lanes);
-            changes[k].0.copy_from_slice(own);
+            changes[k].numbers.copy_from_slice(own);
         }
-        self.without_planes(&mut changes[SETTINGS], lanes);
+        function.without_planes(&mut changes[SETTINGS]);
         let mut arguments = given.of_problem();
         varying_in_problem(&derivative.variables)
-            .for_each(|k| arguments.extend_from_slice(&changes[k].0));
+            .for_each(|k| arguments.extend_from_slice(&changes[k].numbers));
         let mut problem = Rows::zeros(function.robot.problem_length(), lanes);
-        parts.problem.run(&arguments, &mut problem.0, lanes);
-        let [mut velocities, mut stops, mut displacement] =
-            [(); 3].map(|()| Rows::zeros(nv, lanes));
-        let mut of_contacts = Rows::zeros(contacts, lanes);
-        let of = |rows: &Rows<S>, lane| lane_of(&rows.0, lane, lanes);
-        let directions: Vec<_> = (0..lanes)
-            .map(|lane| {
-                let dq = of(&changes[Q], lane);
-                let mut inverse = Vec::new();
-                let acts = of(&solved.stops, lane).iter().any(|x| x.abs() > S::zero());
-                if let Some(kernel) = parts.inverse.as_ref().filter(|_| acts) {
-                    let parameters = derivative.parameters.map(|own| of(&changes[own], lane));
-                    let arguments =
-                        [self.of_inverse(given, lane), dq.clone(), parameters.unwrap_or_default()]
-                            .concat();
-                    inverse.resize(nv * nv, S::zero());
-                    kernel.run(&arguments, &mut inverse, 1);
-                }
-                let ddt = of(&changes[DT], lane)[0];
-                (of(&problem, lane), inverse, dq, ddt, of(&changes[SETTINGS], lane))
-            })
-            .collect();
-        let directions: Vec<_> = directions
-            .iter()
-            .map(|(problem, inverse, q, dt, settings)| StepChange {
-                problem,
-                inverse,
-                q,
-                dt: *dt,
-                settings,
-            })
-            .collect();
-        // The directions of one state share its equations.
-        let together = if given.is_one_state() { lanes } else { 1 };
-        for first in (0..lanes).step_by(together) {
-            let (q, dt, settings) = given.before(first);
-            let found = function.robot.changes(
-                (&q, dt, &settings),
-                self.of_lane(given, solved, first),
-                (&of(&solved.contacts, first), &of(&solved.stops, first)),
-                &directions[first..first + together],
-            );
-            for (lane, [mut qd, p_change, s_change]) in (first..).zip(found) {
-                velocities.set(lane, lanes, &qd);
-                of_contacts.set(lane, lanes, &p_change);
-                stops.set(lane, lanes, &s_change);
-                let (before, ddt) = (of(&solved.velocities, lane), directions[lane].dt);
-                qd.iter_mut().zip(&before).for_each(|(x, &v)| *x = *x * dt + v * ddt);
-                displacement.set(lane, lanes, &qd);
-            }
-        }
-        let displaced =
-            [&given.numbers[..nq * lanes], &solved.displacement.0, &changes[Q].0, &displacement.0]
-                .concat();
+        parts.problem.run(&arguments, &mut problem.numbers, lanes);
+        let after = self.changes(given, solved, (derivative, parts), (&changes, &problem));
+        let displaced = [
+            &given.numbers[..nq * lanes],
+            &solved.after.displacement.numbers,
+            &changes[Q].numbers,
+            &after.displacement.numbers,
+        ]
+        .concat();
         let (q, rest) = result.split_at_mut(nq * lanes);
         parts.integrate.run(&displaced, q, lanes);
+        let all = [&after.velocities, &after.contacts, &after.stops];
+        let mut places = rest.iter_mut();
+        let own = all.into_iter().flat_map(|rows| &rows.numbers);
+        own.zip(places.by_ref()).for_each(|(&x, place)| *place = x);
         // The residual does not change.
-        let residual = Rows::zeros(2, lanes);
-        let all =
-            [&velocities, &of_contacts, &stops, &residual].into_iter().flat_map(|rows| &rows.0);
-        rest.iter_mut().zip(all).for_each(|(place, &x)| *place = x);
+        places.for_each(|place| *place = S::zero());
+    }
+
+    /// Returns the changes of what a step finds under changes of its arguments and of the numbers of the contact problem. Each has rows
+    /// of as many directions for each lane of `given`.
+    fn changes(
+        &self,
+        given: &Given<'_, S>,
+        solved: &Solved<S>,
+        (derivative, parts): (&GroundDerivative<S>, &Parts<Kernel<'_, S>>),
+        (changes, problem): (&[Rows<S>], &Rows<S>),
+    ) -> After<S> {
+        let lengths = &self.function.lengths;
+        let [nv, contacts] = [QD, CONTACTS].map(|k| lengths[k]);
+        let width = problem.lanes;
+        let directions = width / given.lanes;
+        let rows = |count| Rows::zeros(count, width);
+        let mut after = After {
+            velocities: rows(nv),
+            contacts: rows(contacts),
+            stops: rows(nv),
+            displacement: rows(nv),
+        };
+        for lane in 0..given.lanes {
+            let own = lane * directions..(lane + 1) * directions;
+            let (q, dt, settings) = given.before(lane);
+            let (p, s) = (solved.after.contacts.lane(lane), solved.after.stops.lane(lane));
+            let mut inverse = Rows::zeros(0, directions);
+            let acts = s.iter().any(|x| x.abs() > S::zero());
+            if let Some(kernel) = parts.inverse.as_ref().filter(|_| acts) {
+                inverse = Rows::zeros(nv * nv, directions);
+                let mut column = vec![S::zero(); nv * nv];
+                for (direction, k) in own.clone().enumerate() {
+                    let parameters = derivative.parameters.map(|own| changes[own].lane(k));
+                    let along = [changes[Q].lane(k), parameters.unwrap_or_default()].concat();
+                    // Along others, it does not change.
+                    if along.iter().any(|x| x.abs() > S::zero()) {
+                        let arguments = [self.of_inverse(given, lane), along].concat();
+                        kernel.run(&arguments, &mut column, 1);
+                        inverse.set_lane(direction, &column);
+                    }
+                }
+            }
+            let ddt = changes[DT].some(&own);
+            let step = StepChanges {
+                problem: &problem.some(&own),
+                inverse: &inverse.numbers,
+                q: &changes[Q].some(&own),
+                dt: &ddt,
+                settings: &changes[SETTINGS].some(&own),
+            };
+            let [mut velocities, mut of_contacts, mut stops] =
+                [nv, contacts, nv].map(|count| vec![S::zero(); count * directions]);
+            self.function.robot.changes(
+                (&q, dt, &settings),
+                self.of_lane(given, solved, lane),
+                (&p, &s),
+                &step,
+                [&mut velocities, &mut of_contacts, &mut stops],
+            );
+            after.velocities.set(&own, &velocities, directions);
+            after.contacts.set(&own, &of_contacts, directions);
+            after.stops.set(&own, &stops, directions);
+            let before = solved.after.velocities.lane(lane);
+            for (row, &v) in velocities.chunks_exact_mut(directions).zip(&before) {
+                row.iter_mut().zip(&*ddt).for_each(|(x, &ddt)| *x = *x * dt + v * ddt);
+            }
+            after.displacement.set(&own, &velocities, directions);
+        }
+        after
     }
 }
 
@@ -796,12 +905,6 @@ impl<S: Number> Given<'_, S> {
     fn rows(&self, array: usize) -> &[S] {
         let first: usize = self.lengths[..array].iter().sum();
         &self.numbers[first * self.lanes..][..self.lengths[array] * self.lanes]
-    }
-
-    /// Returns whether the arguments are the same in all lanes, as they are for the directions of a derivative.
-    fn is_one_state(&self) -> bool {
-        let count = self.lengths.iter().sum::<usize>() * self.lanes;
-        self.numbers[..count].chunks(self.lanes).all(|row| row.iter().all(|x| *x == row[0]))
     }
 
     /// Returns the numbers of an array in a lane.
@@ -831,4 +934,9 @@ impl<S: Number> Given<'_, S> {
 /// Returns the numbers of a lane.
 fn lane_of<S: Copy>(rows: &[S], lane: usize, lanes: usize) -> Vec<S> {
     rows.chunks_exact(lanes).map(|row| row[lane]).collect()
+}
+
+/// Returns the same numbers in each of the lanes.
+fn in_lanes<S: Copy>(numbers: &[S], lanes: usize) -> Vec<S> {
+    numbers.iter().flat_map(|&x| std::iter::repeat_n(x, lanes)).collect()
 }

@@ -16,35 +16,32 @@ use super::ground::{GroundEquations, Row};
 use super::newton::{Steps, least_eps};
 
 impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
-    /// Replaces each change dA p + db of the velocities, which stands beside the change of the friction of each contact, by the change
-    /// of the impulses `p`, which solve the equations. `matrix` is memory with as many rows as `a`.
-    pub fn change<F: AsRef<[S]>>(&mut self, p: &R, changes: &mut [(R, F)], matrix: &mut [R]) {
+    /// Replaces the changes dA p + db of the velocities along several directions by the changes of the impulses `p`, which solve the
+    /// equations. `changes` has a row for each row of the equations, and `friction`, the changes of the friction, one for each
+    /// contact: with an entry for each direction. `matrix` is memory with as many rows as `a`.
+    pub fn change(&mut self, p: &R, (changes, friction): (&mut [S], &[S]), matrix: &mut [R]) {
+        let rows = self.rows();
+        let directions = changes.len() / rows.max(1);
+        changes.iter_mut().for_each(|change| *change = -*change);
         let (mut steps, u) = self.linear(p, matrix);
-        steps.factorize(self.rows());
-        let first = 3 * self.contacts.len();
-        for (change, friction) in changes {
-            let (faster, right) = (change.as_mut(), steps.right.as_mut());
-            for (c, contact) in self.contacts.iter().enumerate() {
-                let (x, y, z) = (3 * c, 3 * c + 1, 3 * c + 2);
-                for row in [x, y, z] {
-                    right[row] = -faster[row];
-                }
-                if let Law::Slip(slip) = contact.law(three(p, c), three(&u, c)) {
-                    let across = contact.mobilities()[0];
-                    for k in 0..2 {
-                        let turned = slip.turn[k][0] * faster[x] + slip.turn[k][1] * faster[y];
-                        let slower =
-                            across * slip.direction[k] * slip.pressed * friction.as_ref()[c];
-                        right[x + k] = slower - turned - slip.push[k] * faster[z];
-                    }
+        steps.factorize(rows);
+        for (c, contact) in self.contacts.iter().enumerate() {
+            if let Law::Slip(slip) = contact.law(three(p, c), three(&u, c)) {
+                let pressed = contact.mobilities()[0] * slip.pressed;
+                let own = &mut changes[3 * c * directions..];
+                let (x, rest) = own.split_at_mut(directions);
+                let (y, z) = rest.split_at_mut(directions);
+                let friction = &friction[c * directions..];
+                for (((x, y), &z), &mu) in x.iter_mut().zip(y).zip(&*z).zip(friction) {
+                    let of = |k: usize| {
+                        let turned = slip.turn[k][0] * *x + slip.turn[k][1] * *y;
+                        turned + slip.push[k] * z + slip.direction[k] * (pressed * mu)
+                    };
+                    (*x, *y) = (of(0), of(1));
                 }
             }
-            for row in first..self.rows() {
-                right[row] = -faster[row];
-            }
-            faster.fill(S::zero());
-            steps.substitute(faster, self.rows());
         }
+        steps.substitute(changes, rows, directions);
     }
 
     /// Returns the gradient of the sum of the impulses `p`, which solve the equations, times `weights`: with respect to b, and in
@@ -64,10 +61,9 @@ impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
                 }
             }
         }
-        steps.right.as_mut()[..rows].copy_from_slice(&weights.as_ref()[..rows]);
-        let mut multipliers = zeros(p);
         steps.factorize(rows);
-        steps.substitute(multipliers.as_mut(), rows);
+        let mut multipliers = weights.clone();
+        steps.substitute(multipliers.as_mut(), rows, 1);
         let l = multipliers.as_ref();
         let mut gradient = zeros(p);
         let by_b = gradient.as_mut();

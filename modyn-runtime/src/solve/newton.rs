@@ -17,6 +17,7 @@
 use super::contact::Law;
 use super::decide::Decide;
 use super::ground::{GroundEquations, Row};
+use super::laws::add_scaled;
 use crate::scalar::epsilon;
 
 /// The factor by which a step may raise the merit. The merit rises before it falls where contacts are redundant: with a small factor the
@@ -121,7 +122,9 @@ impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
             last = (p.clone(), u.clone());
             steps.clear(p.as_mut(), self.rows());
             steps.factorize(self.rows());
-            steps.substitute(p.as_mut(), self.rows());
+            let mut step = steps.right.clone();
+            steps.substitute(step.as_mut(), self.rows(), 1);
+            add_scaled(&mut p.as_mut()[..self.rows()], S::one(), step.as_ref());
             *u = self.velocities(p.as_ref());
         }
     }
@@ -245,23 +248,31 @@ impl<S: Decide, R: Row<S>> Steps<'_, S, R> {
         }
     }
 
-    /// Adds the solution of the active rows to the impulses, by the factors of `factorize`. Overwrites the right-hand sides.
+    /// Replaces right-hand sides, `count` of them in each row, by their solutions, by the factors of `factorize`. Rows that are not
+    /// active become zero.
     #[inline(always)]
-    pub(super) fn substitute(&mut self, p: &mut [S], rows: usize) {
-        let Self { matrix, right, active, .. } = self;
-        let (right, active) = (right.as_mut(), active.as_ref());
-        for pivot in (0..rows).filter(|&row| Self::is_active(active, row)) {
-            for below in (pivot + 1..rows).filter(|&row| Self::is_active(active, row)) {
-                let factor = matrix[below].as_ref()[pivot];
-                right[below] = factor.mul_add(right[pivot], right[below]);
+    pub(super) fn substitute(&self, right: &mut [S], rows: usize, count: usize) {
+        let (matrix, active) = (&*self.matrix, self.active.as_ref());
+        for (row, entries) in matrix.iter().enumerate().take(rows) {
+            let (before, own) = right.split_at_mut(row * count);
+            let own = &mut own[..count];
+            if !Self::is_active(active, row) {
+                own.fill(S::zero());
+                continue;
+            }
+            for pivot in (0..row).filter(|&pivot| Self::is_active(active, pivot)) {
+                let factor = entries.as_ref()[pivot];
+                add_scaled(own, factor, &before[pivot * count..][..count]);
             }
         }
-        for pivot in (0..rows).rev().filter(|&row| Self::is_active(active, row)) {
-            let step = right[pivot] * matrix[pivot].as_ref()[pivot];
-            p[pivot] = p[pivot] + step;
-            for above in (0..pivot).filter(|&row| Self::is_active(active, row)) {
-                right[above] = right[above] - matrix[above].as_ref()[pivot] * step;
+        for row in (0..rows).rev().filter(|&row| Self::is_active(active, row)) {
+            let (before, after) = right.split_at_mut((row + 1) * count);
+            let own = &mut before[row * count..];
+            let entries = matrix[row].as_ref();
+            for later in (row + 1..rows).filter(|&later| Self::is_active(active, later)) {
+                add_scaled(own, -entries[later], &after[(later - row - 1) * count..][..count]);
             }
+            own.iter_mut().for_each(|x| *x = *x * entries[row]);
         }
     }
 }

@@ -4,13 +4,13 @@ use std::fmt::Write as _;
 
 use super::data::Data;
 
-/// The robots, by their names in the data.
-const ROBOTS: [(&str, &str); 5] = [
-    ("ur5", "UR5"),
-    ("panda", "Panda"),
-    ("solo12_ff", "Solo12, floating"),
-    ("g1", "G1"),
-    ("g1_ff", "G1, floating"),
+/// The robots: their names in the data, in the README's table and in the chart.
+pub(super) const ROBOTS: [(&str, &str, &str); 5] = [
+    ("ur5", "UR5, 6 joints", "UR5"),
+    ("panda", "Panda, 7 joints", "Panda"),
+    ("solo12_ff", "Solo12 quadruped, floating, 18", "Solo12, floating"),
+    ("g1", "G1 humanoid, 29 joints", "G1"),
+    ("g1_ff", "G1 humanoid, floating, 35", "G1, floating"),
 ];
 
 /// The programs: their names in the data and in the chart, and colours that are seen on dark and on light grounds.
@@ -86,7 +86,7 @@ pub(super) fn speed() -> String {
             }
         }
     }
-    for (row, (robot, title)) in ROBOTS.into_iter().enumerate() {
+    for (row, (robot, _, title)) in ROBOTS.into_iter().enumerate() {
         let y = TOP + ROW * row as f64;
         let _ = writeln!(
             out,

@@ -1,5 +1,6 @@
 //! Tables and numbers of pages that are made of measurements.
 
+use super::chart::ROBOTS;
 use super::data::{Data, table};
 
 /// A ratio of times, to two digits.
@@ -7,13 +8,18 @@ fn ratio(ratio: f64) -> String {
     if ratio >= 9.95 { format!("{ratio:.0}") } else { format!("{ratio:.1}") }
 }
 
-/// The columns of a file of cold times beside the medians.
-const LATE: [&str; 2] = ["ns, 99 %", "ns, most"];
+/// The program whose times the others are divided by.
+const OWN: &str = "modyn native";
 
-/// Times by robot and program, the ratio to the program `reference` in brackets, then the fastest of a program's variants. Of cold
-/// times the 99th percentile and the largest stand beside the median.
-fn speed(file: &str, reference: &str) -> String {
-    let data = Data::load(file);
+/// Returns the 99th percentile and the largest of the times of a row, which files of cold times have beside the median.
+fn late<'a>(data: &'a Data, key: &[&str]) -> Vec<&'a str> {
+    let titles = ["ns, 99 %", "ns, most"].into_iter();
+    let titles = titles.filter(|title| data.titles.iter().any(|one| one == title));
+    titles.map(|title| data.cell(key, title)).collect()
+}
+
+/// Times by robot and program, with the ratio to modyn's in brackets, then the fastest of a program's variants.
+fn by_program(data: &Data) -> String {
     let mut programs: Vec<&str> = Vec::new();
     let mut cases: Vec<[&str; 2]> = Vec::new();
     for row in &data.rows {
@@ -27,18 +33,17 @@ fn speed(file: &str, reference: &str) -> String {
     }
     let titles = [&["quantity", "robot"], &programs[..]].concat();
     let rows = cases.into_iter().map(|[quantity, robot]| {
-        let own = data.number(&[quantity, robot, reference], "ns");
+        let own = data.number(&[quantity, robot, OWN], "ns");
         let cell = |program: &&str| {
             let key = [quantity, robot, program];
             let Some(ns) = data.find(&key, "ns") else { return String::new() };
             let Ok(value) = ns.parse::<f64>() else { return ns.into() };
-            let times = match *program == reference {
-                true => String::new(),
-                false => format!(" ({}x)", ratio(value / own)),
+            let times = match *program {
+                OWN => String::new(),
+                _ => format!(" ({}x)", ratio(value / own)),
             };
-            let late = LATE.into_iter().filter(|title| data.titles.iter().any(|one| one == title));
-            let late: String = late.map(|title| format!(" / {}", data.cell(&key, title))).collect();
-            format!("{ns}{late}{times} {}", data.cell(&key, "variant")).trim_end().into()
+            let all = [&[ns], &late(data, &key)[..]].concat().join(" / ");
+            format!("{all}{times} {}", data.cell(&key, "variant")).trim_end().into()
         };
         let cells = programs.iter().map(cell);
         [quantity.into(), robot.into()].into_iter().chain(cells).collect::<Vec<_>>()
@@ -49,30 +54,19 @@ fn speed(file: &str, reference: &str) -> String {
 /// The README's table.
 fn speed_in_short() -> String {
     let (warm, cold) = (Data::load("calls"), Data::load("calls-cold"));
-    let robots = [
-        ("ur5", "UR5, 6 joints"),
-        ("panda", "Panda, 7 joints"),
-        ("solo12_ff", "Solo12 quadruped, floating, 18"),
-        ("g1", "G1 humanoid, 29 joints"),
-        ("g1_ff", "G1 humanoid, floating, 35"),
-    ];
     let cell = |data: &Data, quantity: &str, robot: &str| {
         let ns = |program| data.find(&[quantity, robot, program], "ns")?.parse::<f64>().ok();
-        let own = ns("modyn native")?;
+        let own = ns(OWN)?;
         let others = [("CasADi C", "CasADi"), ("Pinocchio C++", "Pinocchio")];
         let others = others
             .into_iter()
             .filter_map(|(program, name)| Some(format!("{name} {}x", ratio(ns(program)? / own))));
         let others = others.collect::<Vec<_>>().join(", ");
-        let key = [quantity, robot, "modyn native"];
-        let [late, most] = LATE.map(|title| {
-            data.titles.iter().any(|one| one == title).then(|| data.number(&key, title))
-        });
-        let late =
-            late.zip(most).map_or(String::new(), |(late, most)| format!(", {late:.0}, {most:.0}"));
-        Some(format!("{own:.0}{late} ns ({others})"))
+        let mut all = vec![format!("{own:.0}")];
+        all.extend(late(data, &[quantity, robot, OWN]).into_iter().map(String::from));
+        Some(format!("{} ns ({others})", all.join(", ")))
     };
-    let rows = robots.map(|(robot, title)| {
+    let rows = ROBOTS.map(|(robot, title, _)| {
         let cell = |data, quantity| cell(data, quantity, robot).unwrap_or("not measured".into());
         let [dynamics, derivatives] = ["forward dynamics", "forward dynamics derivatives"];
         [
@@ -100,7 +94,7 @@ fn interpreter() -> String {
     let slow = data.rows.iter().filter(|row| row[2] == "modyn interpreter");
     range(slow.map(|row| {
         let ns = |program| data.number(&[&row[0], &row[1], program], "ns");
-        ns("modyn interpreter") / ns("modyn native")
+        ns("modyn interpreter") / ns(OWN)
     }))
 }
 
@@ -108,7 +102,7 @@ fn interpreter() -> String {
 fn batched(robot: &str) -> String {
     let data = Data::load("speed");
     let ns = |program| data.number(&["forward dynamics", robot, program], "ns");
-    format!("{:.2}", ns("modyn batch") / ns("modyn native"))
+    format!("{:.2}", ns("modyn batch") / ns(OWN))
 }
 
 /// The first cells of a row of the firmware's table: core, scalar, level of optimisation, function.
@@ -262,14 +256,19 @@ fn quotient(place: &str) -> f64 {
     data.number(&[row], column) / data.number(&[other], column)
 }
 
+/// Returns a file as a whole.
+pub(super) fn whole(data: &Data) -> String {
+    if data.titles.starts_with(&["quantity", "robot", "program"].map(String::from)) {
+        by_program(data)
+    } else {
+        data.shown()
+    }
+}
+
 /// Returns the text of the mark `name`, if it is made of measurements.
 pub(super) fn text_of(name: &str) -> Option<String> {
     let per_cent = |title, comparison| firmware(title, comparison).into_iter().map(|x| 100.0 * x);
     Some(match name {
-        "calls" | "calls-cold" | "speed" | "contacts-speed" | "contacts-speed-cold" => {
-            speed(name, "modyn native")
-        }
-        "speed-of-c" => speed(name, "modyn, limbs one by one"),
         "speed-in-short" => speed_in_short(),
         "interpreter" => interpreter(),
         "batched-ur5" => batched("ur5"),

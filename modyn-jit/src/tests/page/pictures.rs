@@ -12,12 +12,16 @@ const COLORS: [&str; 16] = [
     "#e6d0de", "#dae8fc", "#fad9d5", "#cdeb8b", "#ffe6cc", "#c3d9ff", "#eeeeee", "#f0e0b0",
 ];
 
+/// The colours of texts on the coloured boxes, and of texts and lines beside them, which are seen on dark and on light grounds.
+const IN_BOX: &str = "#1d2733";
+const INK: &str = "#7d8794";
+
 /// Returns the head of a picture.
 fn head(width: usize, height: usize, title: &str) -> String {
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
-         font-family=\"Helvetica, Arial, sans-serif\" font-size=\"12\" fill=\"#1d2733\" role=\"img\">\n\
-         <title>{title}</title>\n<rect width=\"{width}\" height=\"{height}\" rx=\"10\" fill=\"white\"/>\n"
+         font-family=\"Helvetica, Arial, sans-serif\" font-size=\"12\" fill=\"{INK}\" role=\"img\">\n\
+         <title>{title}</title>\n"
     )
 }
 
@@ -87,7 +91,7 @@ pub(super) fn graph(graph: &Graph, inputs: &[&str]) -> String {
                 let middle = x - 34.0;
                 let _ = writeln!(
                     text,
-                    "<path d=\"M{from} {at:.1}C{:.1} {at:.1} {middle:.1} {y:.1} {x} {y:.1}\" fill=\"none\" stroke=\"#9aa5b1\"/>",
+                    "<path d=\"M{from} {at:.1}C{:.1} {at:.1} {middle:.1} {y:.1} {x} {y:.1}\" fill=\"none\" stroke=\"{INK}\"/>",
                     from + 34.0
                 );
             }
@@ -107,22 +111,21 @@ pub(super) fn graph(graph: &Graph, inputs: &[&str]) -> String {
                 .filter(|&operand| graph.is_constant(operand))
                 .map(|operand| label(nodes[operand as usize], inputs))
                 .collect();
+            // Constants are in the box, below the operation.
+            let half = if constants.is_empty() { 11.0 } else { 17.0 };
             let _ = writeln!(
                 text,
-                "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"44\" height=\"22\" rx=\"8\" fill=\"{fill}\" stroke=\"#1d2733\"/>\
-                 <text x=\"{cx}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
+                "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"44\" height=\"{}\" rx=\"8\" fill=\"{fill}\" stroke=\"{INK}\"/>",
                 cx - 22.0,
-                cy - 11.0,
-                cy + 4.0,
-                label(node, inputs)
+                cy - half,
+                2.0 * half,
             );
-            // The first text is the white edge of the second.
-            for edge in ["stroke=\"white\" stroke-width=\"3\"", ""] {
+            let lines = [(cy + 15.0 - half, 12, label(node, inputs))];
+            let below = constants.iter().map(|constant| (cy + 12.0, 9, constant.clone()));
+            for (y, size, line) in lines.into_iter().chain(below) {
                 let _ = writeln!(
                     text,
-                    "<text x=\"{cx}\" y=\"{:.1}\" text-anchor=\"middle\" font-size=\"9\" {edge}>{}</text>",
-                    cy + 20.0,
-                    constants.join(", ")
+                    "<text x=\"{cx}\" y=\"{y:.1}\" text-anchor=\"middle\" fill=\"{IN_BOX}\" font-size=\"{size}\">{line}</text>"
                 );
             }
         }
@@ -149,8 +152,8 @@ pub(super) fn lives(code: &Code) -> String {
         let _ = writeln!(
             text,
             "<text x=\"{}\" y=\"{}\" text-anchor=\"end\" font-size=\"10\">{}</text>\
-             <rect x=\"{x}\" y=\"{y}\" width=\"{length}\" height=\"12\" fill=\"{}\" stroke=\"#66717e\" stroke-width=\"0.6\"/>\
-             <text x=\"{}\" y=\"{}\" font-size=\"9\">{register}</text>",
+             <rect x=\"{x}\" y=\"{y}\" width=\"{length}\" height=\"12\" fill=\"{}\" stroke=\"{INK}\" stroke-width=\"0.6\"/>\
+             <text x=\"{}\" y=\"{}\" font-size=\"9\" fill=\"{IN_BOX}\">{register}</text>",
             left - 8,
             y + 10,
             code.name(value),
@@ -187,7 +190,7 @@ pub(super) fn pressure(code: &Code) -> String {
     let _ = writeln!(
         text,
         "<text x=\"{left}\" y=\"24\">values that later steps read, after each step; below, a line for each step that stores one in the \
-         stack frame</text>\n<polyline points=\"{}\" fill=\"none\" stroke=\"#2b6cb0\"/>",
+         stack frame</text>\n<polyline points=\"{}\" fill=\"none\" stroke=\"#4b91d1\"/>",
         points.join(" ")
     );
     for (count, dash) in [(0, ""), (16, " stroke-dasharray=\"5 4\""), (most, "")] {
@@ -201,7 +204,7 @@ pub(super) fn pressure(code: &Code) -> String {
         if count < most {
             let _ = writeln!(
                 text,
-                "<path d=\"M{x:.1} {y:.1}H{end:.1}\" stroke=\"#66717e\" fill=\"none\"{dash}/>"
+                "<path d=\"M{x:.1} {y:.1}H{end:.1}\" stroke=\"{INK}\" fill=\"none\"{dash}/>"
             );
         }
     }

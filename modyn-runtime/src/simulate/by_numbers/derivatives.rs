@@ -30,17 +30,17 @@ pub struct StepGradient<'a, T> {
     pub settings: &'a mut [T],
 }
 
-/// The changes of what a step depends on.
+/// The changes of what a step depends on along several directions: for each number a row, with an entry for each direction.
 #[derive(Clone, Copy, Debug)]
-pub struct StepChange<'a, T> {
-    /// Of each number of the contact problem.
+pub struct StepChanges<'a, T> {
+    /// Of the numbers of the contact problem.
     pub problem: &'a [T],
-    /// Of each entry of the inverse of the mass matrix; not read if no stop acts.
+    /// Of the entries of the inverse of the mass matrix; not read if no stop acts.
     pub inverse: &'a [T],
     /// Of the coordinates.
     pub q: &'a [T],
     /// Of the time step.
-    pub dt: T,
+    pub dt: &'a [T],
     /// Of the numbers of the settings.
     pub settings: &'a [T],
 }
@@ -129,85 +129,86 @@ impl GroundRobot {
         }
     }
 
-    /// Returns the changes of the velocities, of the impulses of contacts and of those of stops of a step that [`solve`](Self::solve)
-    /// found, under each of `changes`.
+    /// Sets the changes of the velocities, of the impulses of contacts and of those of stops of a step that [`solve`](Self::solve)
+    /// found: for each number a row, with an entry for each direction of `changes`.
     pub fn changes<T: Decide>(
         &self,
         (q, dt, settings): Before<'_, T>,
         (problem, inverse): (impl Fn(usize) -> T, impl Fn(&mut [T])),
         (p, s): StepImpulses<'_, T>,
-        changes: &[StepChange<'_, T>],
-    ) -> Vec<[Vec<T>; 3]> {
+        changes: &StepChanges<'_, T>,
+        [velocities, of_contacts, of_stops]: [&mut [T]; 3],
+    ) {
         let (at, rows, n) = (self.places(), 3 * self.contacts, self.velocities);
+        let directions = changes.dt.len();
+        let span = |first: usize, count: usize| first * directions..(first + count) * directions;
+        let of_problem = |number: usize| &changes.problem[span(number, 1)];
         let mut solved = self.solved((q, dt, settings), (&problem, inverse), (p, s));
-        let of_stop = |stop| stop_changes((q, dt, settings.beta), stop, s[stop.velocity]);
-        let of_stops: Vec<[T; 3]> = solved.acting.iter().map(of_stop).collect();
-        let of_law = |c| self.least_speed_changes((dt, settings), c, &problem);
-        let of_laws: Vec<[T; 8]> = (0..self.contacts).map(of_law).collect();
-        let mut velocities = Vec::with_capacity(changes.len());
-        let mut equations = Vec::with_capacity(changes.len());
-        for change in changes {
-            // With the present impulses.
-            let mut qd = change.problem[..n].to_vec();
-            for (row, &p) in p.iter().enumerate() {
-                add_scaled(&mut qd, p, &change.problem[at.responses + row * n..][..n]);
+        // With the present impulses.
+        velocities.copy_from_slice(&changes.problem[span(0, n)]);
+        for (row, &p) in p.iter().enumerate() {
+            add_scaled(velocities, p, &changes.problem[span(at.responses + row * n, n)]);
+        }
+        for stop in &solved.acting {
+            add_scaled(velocities, s[stop.velocity], &changes.inverse[span(stop.velocity * n, n)]);
+        }
+        let mut all = vec![T::zero(); span(0, rows + solved.acting.len()).end];
+        for (row, faster) in all[span(0, rows)].chunks_mut(directions).enumerate() {
+            faster.copy_from_slice(of_problem(at.free + row));
+            for (column, &p) in p.iter().enumerate() {
+                add_scaled(faster, p, of_problem(at.mobility + row * rows + column));
             }
             for stop in &solved.acting {
                 let v = stop.velocity;
-                add_scaled(&mut qd, s[v], &change.inverse[v * n..][..n]);
+                add_scaled(faster, s[v], of_problem(at.responses + row * n + v));
             }
-            let mut faster = vec![T::zero(); rows + solved.acting.len()];
-            for (row, faster) in faster[..rows].iter_mut().enumerate() {
-                let own = |column: usize| change.problem[at.mobility + row * rows + column];
-                *faster =
-                    change.problem[at.free + row] + dot(rows, |column| (own(column), p[column]));
-                for stop in &solved.acting {
-                    let v = stop.velocity;
-                    *faster = *faster + change.problem[at.responses + row * n + v] * s[v];
-                }
-            }
-            let mut friction = vec![T::zero(); self.contacts];
-            for (c, (friction, by)) in friction.iter_mut().zip(&of_laws).enumerate() {
-                let own = &change.settings[Self::first_number_of(c)..];
-                let z = 3 * c + 2;
-                let of = [
-                    change.problem[at.heights + c],
-                    change.problem[at.before + z],
-                    change.problem[at.free + z],
-                    change.dt,
-                    own[ALPHA],
-                    own[BETA],
-                    own[COMPLIANCE],
-                    own[RESTITUTION],
-                ];
-                faster[z] = faster[z] + own[COMPLIANCE] * p[z] - dot(8, |k| (by[k], of[k]));
-                *friction = own[FRICTION];
-            }
-            for ((stop, by), faster) in solved.acting.iter().zip(&of_stops).zip(&mut faster[rows..])
-            {
-                let of = [change.q[stop.coordinate], change.dt, change.settings[BETA_OF_STOPS]];
-                *faster = qd[stop.velocity] - dot(3, |k| (by[k], of[k]));
-            }
-            velocities.push(qd);
-            equations.push((faster, friction));
         }
-        let all = solved.impulses.clone();
-        solved.equations(|own, matrix| own.change(&all, &mut equations, matrix));
-        let found = velocities.into_iter().zip(equations);
-        let found = found.map(|(mut qd, (mut of_contacts, _))| {
-            let mut of_stops = vec![T::zero(); n];
-            for (stop, &more) in solved.acting.iter().zip(&of_contacts[rows..]) {
-                add_scaled(&mut qd, more, &solved.inverse[stop.velocity * n..][..n]);
-                of_stops[stop.velocity] = more;
+        let mut friction = Vec::with_capacity(span(0, self.contacts).end);
+        for c in 0..self.contacts {
+            let z = 3 * c + 2;
+            let own = |number| &changes.settings[span(Self::first_number_of(c) + number, 1)];
+            let of = [
+                of_problem(at.heights + c),
+                of_problem(at.before + z),
+                of_problem(at.free + z),
+                changes.dt,
+                own(ALPHA),
+                own(BETA),
+                own(COMPLIANCE),
+                own(RESTITUTION),
+            ];
+            let faster = &mut all[span(z, 1)];
+            add_scaled(faster, p[z], own(COMPLIANCE));
+            for (by, of) in self.least_speed_changes((dt, settings), c, &problem).iter().zip(of) {
+                add_scaled(faster, -*by, of);
             }
-            of_contacts.truncate(rows);
-            for (row, &more) in of_contacts.iter().enumerate() {
-                let response = |v: usize| problem(at.responses + row * n + v);
-                qd.iter_mut().enumerate().for_each(|(v, x)| *x = *x + response(v) * more);
+            friction.extend_from_slice(own(FRICTION));
+        }
+        for (stop, faster) in
+            solved.acting.iter().zip(all[span(0, rows).end..].chunks_mut(directions))
+        {
+            faster.copy_from_slice(&velocities[span(stop.velocity, 1)]);
+            let of = [stop.coordinate, BETA_OF_STOPS].map(|number| span(number, 1));
+            let of = [&changes.q[of[0].clone()], changes.dt, &changes.settings[of[1].clone()]];
+            let by = stop_changes((q, dt, settings.beta), stop, s[stop.velocity]);
+            by.iter().zip(of).for_each(|(by, of)| add_scaled(faster, -*by, of));
+        }
+        let impulses = solved.impulses.clone();
+        solved.equations(|own, matrix| own.change(&impulses, (&mut all, &friction), matrix));
+        of_contacts.copy_from_slice(&all[span(0, rows)]);
+        of_stops.fill(T::zero());
+        for (stop, more) in solved.acting.iter().zip(all[span(0, rows).end..].chunks(directions)) {
+            of_stops[span(stop.velocity, 1)].copy_from_slice(more);
+            let column = &solved.inverse[stop.velocity * n..][..n];
+            for (velocity, &by) in velocities.chunks_mut(directions).zip(column) {
+                add_scaled(velocity, by, more);
             }
-            [qd, of_contacts, of_stops]
-        });
-        found.collect()
+        }
+        for (row, more) in all[span(0, rows)].chunks(directions).enumerate() {
+            for (v, velocity) in velocities.chunks_mut(directions).enumerate() {
+                add_scaled(velocity, problem(at.responses + row * n + v), more);
+            }
+        }
     }
 
     /// Returns the equations that the impulses of a step satisfy.

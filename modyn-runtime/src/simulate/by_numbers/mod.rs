@@ -17,7 +17,7 @@ mod memory;
 #[cfg(test)]
 mod tests;
 
-pub use derivatives::{StepChange, StepGradient};
+pub use derivatives::{StepChanges, StepGradient};
 pub use lanes::StepLanes;
 
 use alloc::{vec, vec::Vec};

@@ -3,7 +3,7 @@
 use alloc::{vec, vec::Vec};
 use core::array::from_fn;
 
-use super::{GroundRobot, JointStop, StepChange, StepGradient, StepLanes};
+use super::{GroundRobot, JointStop, StepChanges, StepGradient, StepLanes};
 use crate::simulate::Ground;
 use crate::{ConstraintSettings, ContactTarget};
 
@@ -203,28 +203,28 @@ fn derivatives_are_those_of_differences() {
         acted += usize::from(found[1].iter().any(|&p| p != 0.0));
         stopped += usize::from(found[2].iter().any(|&s| s != 0.0));
         let set = |w: &mut [f64]| w.copy_from_slice(&case.inverse);
-        let change = StepChange {
-            problem: &along.problem,
-            inverse: &along.inverse,
-            q: &along.q,
-            dt: 1e-4,
-            settings: &along.settings,
-        };
         let before = (&*case.q, DT, &case.settings);
         let problem = |i: usize| case.problem[i];
         let impulses = (&*found[1], &*found[2]);
-        // One of two changes has none.
-        let zeros = [N, along.settings.len(), along.problem.len()].map(|count| vec![0.0; count]);
-        let none = StepChange {
-            problem: &zeros[2],
-            inverse: &along.inverse.iter().map(|_| 0.0).collect::<Vec<_>>(),
-            q: &zeros[0],
-            dt: 0.0,
-            settings: &zeros[1],
+        // Along one of two directions, nothing changes.
+        let rows = |along: &[f64]| along.iter().flat_map(|&x| [0.0, x]).collect::<Vec<_>>();
+        let [of_problem, of_inverse, of_q, of_settings] =
+            [&along.problem, &along.inverse, &along.q, &along.settings].map(|along| rows(along));
+        let changes = StepChanges {
+            problem: &of_problem,
+            inverse: &of_inverse,
+            q: &of_q,
+            dt: &[0.0, 1e-4],
+            settings: &of_settings,
         };
-        let found = robot().changes(before, (problem, set), impulses, &[none, change]);
-        assert!(found[0].concat().iter().all(|&x| x == 0.0), "{seed}: changes without a change");
-        let all = found[1].concat();
+        let [mut of_velocities, mut of_contacts, mut of_stops] =
+            [N, ROWS, N].map(|count| vec![0.0; 2 * count]);
+        let results = [&mut *of_velocities, &mut *of_contacts, &mut *of_stops];
+        robot().changes(before, (problem, set), impulses, &changes, results);
+        let all = [of_velocities, of_contacts, of_stops].concat();
+        let [still, all] =
+            [0, 1].map(|k| all.iter().skip(k).step_by(2).copied().collect::<Vec<_>>());
+        assert!(still.iter().all(|&x| x == 0.0), "{seed}: changes without a change");
         for (k, (x, expected)) in all.iter().zip(&fine).enumerate() {
             assert!(
                 (x - expected).abs() < 1e-4 * (1.0 + expected.abs()),
