@@ -4,12 +4,14 @@ use std::collections::BTreeSet;
 
 use modyn_codegen::graph::{Expr, Graph};
 use modyn_codegen::passes::{balance, optimize};
-use modyn_codegen::plan::{Choices, LIMB_LIMITS, Plan};
+use modyn_codegen::plan::{Choices, LIMB_LIMITS, Plan, Sizes};
 use modyn_codegen::program::{
     Execution, Operand, Operation, ProductBlock, Products, Program, Source, product_blocks,
 };
 use modyn_codegen::trace::{LimbPacking, Tracer};
-use modyn_codegen::{Base, CodeForm, Function, ReadOptions, read};
+use modyn_codegen::{
+    Base, Builder, CodeForm, Contact, ContactKind, Function, LoopEnd, ReadOptions, read,
+};
 use modyn_runtime::equations::ModulePartition;
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::dynamics::Elimination;
@@ -82,6 +84,58 @@ fn products_in_loops_agree_with_straight_line_code() {
             for (i, (found, expected)) in found.iter().zip(&expected).enumerate() {
                 let error = (found - expected).abs();
                 assert!(error <= 1e-12 * scale, "{name}, {i}: {found} {expected}");
+            }
+        }
+    }
+}
+
+/// Derivatives under constraints whose columns are results of one routine, one by one and four in lanes.
+#[test]
+fn columns_of_one_routine_agree_with_straight_line_code() {
+    let contact = |name: &str, kind, link: &str| Contact {
+        name: name.into(),
+        kind,
+        end: LoopEnd { link: link.into(), xyz: [0.01, 0.02, -0.03], rpy: [0.1, 0.2, 0.3] },
+    };
+    let builder = |name: &str| {
+        Builder::new().urdf(format!("{}/../robots/{name}.urdf", env!("CARGO_MANIFEST_DIR")))
+    };
+    let feet = [
+        contact("point", ContactKind::Point, "front_left_foot"),
+        contact("sole", ContactKind::Surface, "hind_right_foot"),
+    ];
+    let legged = builder("quadruped").base(Base::Floating).contacts(feet);
+    for (name, builder) in [("quadruped", legged), ("five_bar", builder("five_bar"))] {
+        let builder = builder.functions([Function::Random]);
+        let model = builder.generate().map_err(|error| error.to_string()).expect("good").model;
+        let mechanism = Mechanism::new(&model);
+        let layout = UduLayout::new(&mechanism, &ModuleTree::links(&model));
+        let tracer = Tracer::new(&mechanism);
+        let sizes = Sizes::new(&model, layout.size());
+        let of = Function::ConstrainedForwardDynamicsDerivatives.row().arguments.iter();
+        let lengths = of.map(|argument| argument.shape(&sizes).len());
+        let arguments = lengths.sum();
+        let mut inputs = inputs(arguments);
+        // All contacts are active, and no row is taken for a dependent one by a large threshold.
+        let state = model.nq() + 2 * model.nv();
+        let settings = state + model.contacts().len();
+        inputs[state..settings].fill(1.0);
+        inputs[settings + 2..settings + 4].fill(1e-10);
+        let graph = optimize(tracer.constrained_forward_dynamics_derivatives(&layout));
+        let expected = graph.evaluate(&inputs);
+        let scale = expected.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        for (lanes, execution) in [(1, Execution::Scalar), (4, Execution::Simd)] {
+            let tracer = tracer.column_lanes(lanes);
+            let graph = tracer.constrained_forward_dynamics_derivatives_by_columns(&layout);
+            let program = Program::with_columns(&graph, arguments, execution).expect("valid");
+            assert_eq!(program.to_string().parse(), Ok(program.clone()));
+            let calls = (3 * model.nv()).div_ceil(lanes);
+            assert_eq!(program.routines[0].tables.len(), calls);
+            let found = program.evaluate(&inputs);
+            assert_eq!(found.len(), expected.len());
+            for (i, (found, expected)) in found.iter().zip(&expected).enumerate() {
+                let error = (found - expected).abs();
+                assert!(error <= 1e-9 * scale, "{name}, {i}: {found} {expected}");
             }
         }
     }

@@ -8,7 +8,7 @@ use modyn_runtime::quantities::{Argument, ArgumentKind, Function, Shape, Sizes};
 use super::PlanContext;
 use crate::diagnostics::suggest;
 use crate::graph::{Expr, Graph};
-use crate::trace::{ProductGraph, Solvers, Tracer};
+use crate::trace::{ColumnsGraph, ProductGraph, Solvers, Tracer};
 
 /// The factors of the mass matrix, an argument of the functions of the factors.
 pub(super) const FACTORS: Argument = Argument { name: "factors", kind: ArgumentKind::Factors };
@@ -78,6 +78,8 @@ pub struct Lowering {
     pub recursion: Option<fn() -> BodyRecursion<Expr>>,
     /// The graphs before products of matrices, if these can be loops.
     pub products: Option<fn(&Tracer<'_>, &PlanContext<'_>) -> ProductGraph>,
+    /// The graphs of a function whose columns can be solved for in a loop.
+    pub columns: Option<fn(&Tracer<'_>, &PlanContext<'_>) -> ColumnsGraph>,
     /// Other graphs of a function of one link, which share more with those of other functions of a bundle.
     pub in_bundles: Option<fn(&Tracer<'_>) -> Graph>,
     /// The forms that C can call.
@@ -91,6 +93,7 @@ impl Lowering {
         packing: Packing::Never,
         recursion: None,
         products: None,
+        columns: None,
         in_bundles: None,
         c_form: CForm::SourceAndExport,
     };
@@ -113,6 +116,11 @@ impl Lowering {
     /// Returns the lowering of a function whose products of matrices can be loops.
     const fn products(self, trace: fn(&Tracer<'_>, &PlanContext<'_>) -> ProductGraph) -> Self {
         Self { products: Some(trace), ..self }
+    }
+
+    /// Returns the lowering of a function whose columns can be solved for in a loop.
+    const fn columns(self, trace: fn(&Tracer<'_>, &PlanContext<'_>) -> ColumnsGraph) -> Self {
+        Self { columns: Some(trace), ..self }
     }
 
     /// Returns the lowering of a function with this graph as another one in bundles.
@@ -184,6 +192,9 @@ impl Lowering {
             Function::ConstrainedForwardDynamicsDerivatives => {
                 Lowering::traced(|t, s| t.constrained_forward_dynamics_derivatives(&s.layout))
                     .packed(Packing::ConstrainedColumns)
+                    .columns(|t, s| {
+                        t.constrained_forward_dynamics_derivatives_by_columns(&s.layout)
+                    })
             }
             Function::ConstrainedForwardDynamicsHessian => {
                 Lowering::traced(|t, s| t.constrained_forward_dynamics_hessian(&s.layout))

@@ -11,6 +11,7 @@ mod bundle;
 mod casadi;
 mod choices;
 mod code_form;
+mod columns;
 mod constants;
 mod context;
 mod entries;
@@ -282,6 +283,11 @@ impl Plan {
                 Kernels::Looped(_) => ("loops over the bodies", looped::MAX_STRAIGHT),
                 Kernels::Straight { scalar, simd } if scalar.products.is_some() => {
                     ("products of matrices in loops", products::limit(simd.is_some()))
+                }
+                Kernels::Straight { scalar, .. }
+                    if !scalar.routines.is_empty() && !self.choices.share =>
+                {
+                    ("one routine for all columns", columns::MAX_STRAIGHT)
                 }
                 _ => return None,
             };

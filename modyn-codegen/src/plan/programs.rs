@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use modyn_runtime::quantities::{Argument, Function, Shape, Sizes};
 
 use super::bundle::{Bundle, Graphs, Member};
+use super::columns;
 use super::context::PlanContext;
 use super::frames::Frames;
 use super::functions::{CForm, GraphSource, Lowering};
@@ -93,7 +94,8 @@ impl Planned {
                     let looped = looped::recursion(function, context, straight);
                     let looped = looped.map(Kernels::Looped);
                     let products = || products::kernels(function, context, straight, scalars);
-                    looped.or_else(products).unwrap_or_else(|| {
+                    let columns = || columns::kernels(function, context, &graph, scalars);
+                    looped.or_else(products).or_else(columns).unwrap_or_else(|| {
                         let (kernels, found) = context.kernels(&graph, packed, scalars);
                         fault = found;
                         kernels

@@ -16,6 +16,7 @@
 //!
 //! A [`Recursion`] is the short form of code: loops over bodies, each of which runs a program.
 
+mod columns;
 mod count;
 mod evaluate;
 mod lower;
@@ -207,7 +208,7 @@ pub struct Scope {
     pub live_out: Vec<Value>,
 }
 
-/// A program that is called several times, each time with other constants. Its arguments are the constants of one
+/// A program that is called several times, each time with other constants or for other columns. Its arguments are the constants of one
 /// repetition, then the repetition's own operands, then operands that all repetitions share.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Routine {

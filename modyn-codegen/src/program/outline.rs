@@ -7,7 +7,7 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use super::{Chunk, Execution, Program, Scope, Value};
+use super::{Chunk, Execution, Operation, Program, Scope, Value};
 
 /// The largest number of statements in one scope.
 const MAX_SCOPE: usize = 250;
@@ -37,7 +37,19 @@ const THREAD: Limits = Limits { whole: 5000, chunk: 2500 };
 
 /// Returns the statements of a program in chunks of about equal length.
 pub(super) fn chunks(program: &Program) -> Vec<Chunk> {
-    let count = program.statements.len();
+    // Calls are in one function and one scope, in which the operands that they share have a name.
+    let shares = |s: &super::Statement| {
+        matches!(
+            s.operation,
+            Operation::Pack(_)
+                | Operation::Constants(_)
+                | Operation::Unpack(_)
+                | Operation::Call(_)
+        )
+    };
+    let calls = program.statements.iter().rev().take_while(|s| shares(s)).count();
+    let calls = if program.routines.is_empty() { 0 } else { calls };
+    let count = program.statements.len() - calls;
     let Limits { whole, chunk } = match program.execution {
         Execution::Batch => BATCH,
         Execution::Threads => THREAD,
@@ -45,8 +57,12 @@ pub(super) fn chunks(program: &Program) -> Vec<Chunk> {
         Execution::Scalar | Execution::Simd => SCALAR,
     };
     let chunks = if count <= whole { 1 } else { count.div_ceil(chunk) };
-    let ranges: Vec<Range<usize>> =
+    let mut ranges: Vec<Range<usize>> =
         (0..chunks).map(|k| k * count / chunks..(k + 1) * count / chunks).collect();
+    if calls > 0 {
+        ranges.retain(|range| !range.is_empty());
+        ranges.push(count..count + calls);
+    }
     let chunk = |statements: &Range<usize>| {
         let read = statements.clone().flat_map(|s| program.reads(s));
         let earlier = read.filter(|&s| s < statements.start);
@@ -55,10 +71,18 @@ pub(super) fn chunks(program: &Program) -> Vec<Chunk> {
             statements: statements.clone(),
             live_in: chunks.collect::<BTreeSet<usize>>().into_iter().collect(),
             live_out: live_out(program, statements),
-            scopes: scopes(program, statements),
+            scopes: match calls > 0 && statements.start == count {
+                true => one_scope(program, statements),
+                false => scopes(program, statements),
+            },
         }
     };
     ranges.iter().map(chunk).collect()
+}
+
+/// Returns a chunk as one scope.
+fn one_scope(program: &Program, chunk: &Range<usize>) -> Vec<Scope> {
+    vec![Scope { statements: chunk.clone(), live_out: live_out(program, chunk) }]
 }
 
 /// Returns the scopes of a chunk, each of maximal length.

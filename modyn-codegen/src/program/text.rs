@@ -378,8 +378,8 @@ impl<'a> Parser<'a> {
             return Ok(Operation::Call(Call {
                 routine: routine.parse().map_err(|_| wrong())?,
                 repetition: repetition.parse().map_err(|_| wrong())?,
-                own: self.operands(program, own, 1)?,
-                common: self.operands(program, common, 1)?,
+                own: self.operands(program, own, lanes)?,
+                common: self.operands(program, common, lanes)?,
             }));
         }
         let named = text.strip_suffix(')').and_then(|text| text.split_once('('));

@@ -57,7 +57,7 @@ impl Program {
                 (lanes == 1 && self.lanes_of(vector.source) > 1, vector.lanes.into())
             }
             Operation::SinCos(angles) => (all(statement.lanes), 2 * angles.len()),
-            Operation::Call(call) => (lanes == 1 && all(1), self.call_results(call)?),
+            Operation::Call(call) => (all(statement.lanes), self.call_results(call)?),
             _ => (all(statement.lanes), 1),
         };
         if !fits {

@@ -106,7 +106,7 @@ pub fn large() -> Case {
 }
 
 /// Returns robots of every other kind: all joint types, closed loops, mimic joints, run-time parameters, equal limbs in
-/// routines, loops over bodies, products of matrices in loops, many links on one
+/// routines, loops over bodies, products of matrices in loops, columns by one routine, many links on one
 /// body, bundles and functions of the user.
 ///
 /// # Panics
@@ -127,6 +127,7 @@ pub fn kinds() -> Vec<Case> {
         case("routines", robot("quadruped").share().functions(USED)),
         case("loops", sprung().functions(looped).code(CodeForm::Small).runtime_gravity()),
         case("products", products()),
+        case("columns", columns()),
         case("comb", comb().functions(USED)),
         case("own_functions", own_functions()),
     ]
@@ -136,6 +137,14 @@ pub fn kinds() -> Vec<Case> {
 fn products() -> Builder {
     let functions = [Function::ForwardDynamicsDerivatives];
     robot("arm6").base(Base::Floating).functions(functions).code(CodeForm::Small)
+}
+
+/// Returns a robot whose derivatives under constraints have one routine for all columns.
+fn columns() -> Builder {
+    let functions = [Function::ConstrainedForwardDynamicsDerivatives];
+    let hand = contact("hand", ContactKind::Surface, "wrist_3_link", [0.1, 0.0, -0.2]);
+    let arm = robot("ur5").base(Base::Floating).contacts([hand]);
+    arm.functions(functions).code(CodeForm::Small)
 }
 
 /// Returns a robot with all joint types, and a spring at each joint.

@@ -157,7 +157,12 @@ impl Syntax for C<'_> {
         let table = routine.tables[k].iter().map(|&x| self.literal(x));
         let table = array("table", table.collect());
         let own = array("own", call.own.iter().map(t).collect());
-        let common = array("common", call.common.iter().map(t).collect());
+        // All calls of a routine are in one function, and have the same operands in common.
+        let common = match (k, call.common.is_empty()) {
+            (_, true) => None,
+            (0, false) => array("common", call.common.iter().map(t).collect()),
+            (_, false) => Some(format!("common{p}_0")),
+        };
         let (result, results) = (format!("p{p}_{k}"), routine.program.results.len().max(1));
         let _ = writeln!(text, "    {real} {result}[{results}];");
         let all: Vec<String> = [table, own, common, Some(result)].into_iter().flatten().collect();

@@ -257,10 +257,23 @@ impl Printer<'_> {
                 parameters.push(Parameter::new(name, Shape::vector(count)));
             }
         }
-        if routine.never_inline {
+        let result = Shape::vector(routine.program.results.len());
+        if self.program.execution == Execution::Simd {
+            // Calls are compiled for vector instructions, in a function of their own.
+            let (kind, [own, common]) = (helper_type(&name), [routine.own, routine.common]);
+            let returned = result.type_of("T");
+            let _ = writeln!(
+                text,
+                "struct {kind}Call<'a, T> {{ own: &'a [T; {own}], common: &'a [T; {common}] }}\n\
+                 impl<T: __modyn::Scalar> __modyn::batch::Chunk for {kind}Call<'_, T> {{\n\
+                 type Output = {returned};\n\
+                 #[inline(always)]\nfn run(self) -> {returned} {{\n    \
+                 {name}(self.own, self.common)\n}}\n}}\n\
+                 #[inline(always)]"
+            );
+        } else if routine.never_inline {
             *text += "#[inline(never)]\n";
         }
-        let result = Shape::vector(routine.program.results.len());
         *text += &function(&name, &parameters, &result, &routine.program, self.float);
     }
 

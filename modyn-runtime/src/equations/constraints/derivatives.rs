@@ -99,15 +99,47 @@ pub fn constrained_forward_dynamics_derivatives<
     tree: &T,
     layout: &T::Layout,
     state: (&[S], &[S], &[S]),
-    (active, settings): Settings<'_, S, C>,
+    settings: Settings<'_, S, C>,
     (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
     outputs: ConstrainedDerivatives<'_, S>,
 ) -> S {
     let model = tree.mechanism();
     let n = model.nv.max(1);
+    let ConstrainedDerivatives { qdd, wrenches, .. } = outputs;
+    let (mut own, rank) =
+        equations_of_columns(tree, layout, state, settings, (workspace, memory), (qdd, wrenches));
+    let DerivativeWorkspace { forces, accelerations, inverse, solution, .. } = &mut own;
+    let ([f_q, f_qd], [c_q, c_qd]) = (forces, accelerations);
+    let ConstrainedDerivatives { dqdd_dq, dqdd_dqd, dqdd_dtau, .. } = outputs;
+    let ConstrainedDerivatives { dwrenches_dq, dwrenches_dqd, dwrenches_dtau, .. } = outputs;
+    let solver = Columns { tree, layout, memory, inverse };
+    let by_q = (|i, j| f_q[j * n + i], |r, j| c_q[r * n + j]);
+    let by_qd = (|i, j| f_qd[j * n + i], |r, j| c_qd[r * n + j]);
+    solver.solve(by_q, solution, (dqdd_dq, dwrenches_dq));
+    solver.solve(by_qd, solution, (dqdd_dqd, dwrenches_dqd));
+    let minus_one = |i, j| if i == j { -S::one() } else { S::zero() };
+    solver.solve((minus_one, |_, _| S::zero()), solution, (&mut *dqdd_dtau, dwrenches_dtau));
+    // The matrix is symmetric: the entries above its diagonal suffice.
+    for j in 0..model.nv {
+        (0..j).for_each(|i| dqdd_dtau[i * n + j] = dqdd_dtau[j * n + i]);
+    }
+    memory.derivatives = Some(own);
+    rank
+}
+
+/// Computes the accelerations and the wrenches, and the equations of the columns of their derivatives: F, c and A^+. Returns the
+/// memory that has them, and the number of independent rows.
+fn equations_of_columns<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
+    tree: &T,
+    layout: &T::Layout,
+    state: (&[S], &[S], &[S]),
+    (active, settings): Settings<'_, S, C>,
+    (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
+    (qdd, wrenches): (&mut [S], &mut [Wrench<S>]),
+) -> (DerivativeWorkspace<S>, S) {
+    let model = tree.mechanism();
     let taken = memory.derivatives.take();
     let mut own = taken.unwrap_or_else(|| DerivativeWorkspace::new(model, memory.rows));
-    let ConstrainedDerivatives { qdd, wrenches, .. } = outputs;
     let (q, qd, _) = state;
     let results = (&mut *qdd, wrenches, &mut *own.residuals);
     let rank = constrained_forward_dynamics(
@@ -136,24 +168,72 @@ pub fn constrained_forward_dynamics_derivatives<
         row += constraint.rows.len();
     }
     memory.factorization.inverse(tree, &mut own.inverse);
+    (own, rank)
+}
 
-    let DerivativeWorkspace { forces, accelerations, inverse, solution, .. } = &mut own;
-    let ([f_q, f_qd], [c_q, c_qd]) = (forces, accelerations);
-    let ConstrainedDerivatives { dqdd_dq, dqdd_dqd, dqdd_dtau, .. } = outputs;
-    let ConstrainedDerivatives { dwrenches_dq, dwrenches_dqd, dwrenches_dtau, .. } = outputs;
-    let solver = Columns { tree, layout, memory, inverse };
-    let by_q = (|i, j| f_q[j * n + i], |r, j| c_q[r * n + j]);
-    let by_qd = (|i, j| f_qd[j * n + i], |r, j| c_qd[r * n + j]);
-    solver.solve(by_q, solution, (dqdd_dq, dwrenches_dq));
-    solver.solve(by_qd, solution, (dqdd_dqd, dwrenches_dqd));
-    let minus_one = |i, j| if i == j { -S::one() } else { S::zero() };
-    solver.solve((minus_one, |_, _| S::zero()), solution, (&mut *dqdd_dtau, dwrenches_dtau));
-    // The matrix is symmetric: the entries above its diagonal suffice.
-    for j in 0..model.nv {
-        (0..j).for_each(|i| dqdd_dtau[i * n + j] = dqdd_dtau[j * n + i]);
+/// The equations of the columns of derivatives, whose solution is the same function for all columns.
+#[derive(Clone, Debug)]
+pub struct ColumnEquations<S> {
+    /// F with respect to q and qd, by columns.
+    pub forces: [Vec<S>; 2],
+    /// c with respect to q and qd, by rows.
+    pub accelerations: [Vec<S>; 2],
+    /// The numbers that the solutions of all columns read.
+    pub common: Vec<S>,
+    /// The number of independent rows.
+    pub rank: S,
+}
+
+impl<S: Scalar> ColumnEquations<S> {
+    /// Computes the accelerations and the wrenches of
+    /// [`constrained_forward_dynamics`](super::constrained_forward_dynamics), and returns the equations of the columns of
+    /// [`constrained_forward_dynamics_derivatives`].
+    pub fn new<T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
+        tree: &T,
+        layout: &T::Layout,
+        state: (&[S], &[S], &[S]),
+        settings: Settings<'_, S, C>,
+        (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
+        results: (&mut [S], &mut [Wrench<S>]),
+    ) -> Self {
+        let (own, rank) =
+            equations_of_columns(tree, layout, state, settings, (workspace, memory), results);
+        let reduced = &memory.reduced[..memory.rows * tree.mechanism().nv];
+        let mut common = [&memory.factors, reduced, &own.inverse].concat();
+        for frame in &memory.frames {
+            common.extend(frame.root_axes().0.as_flattened());
+        }
+        let DerivativeWorkspace { forces, accelerations, .. } = own;
+        Self { forces, accelerations, common, rank }
     }
-    memory.derivatives = Some(own);
-    rank
+
+    /// Computes a column of the derivatives of the accelerations, and the wrenches of that column, from a column of F and of c.
+    pub fn solve<T: Factorizable<S>>(
+        tree: &T,
+        layout: &T::Layout,
+        common: &[S],
+        (force, acceleration): (&[S], &[S]),
+        (dqdd, dwrenches): (&mut [S], &mut [Wrench<S>]),
+    ) {
+        let model = tree.mechanism();
+        let mut memory = ConstraintWorkspace::new(tree, layout);
+        let (rows, entries) = (memory.rows, memory.rows * model.nv);
+        let (factors, rest) = common.split_at(memory.factors.len());
+        let (reduced, rest) = rest.split_at(entries);
+        let (inverse, axes) = rest.split_at(rows * rows);
+        memory.factors.copy_from_slice(factors);
+        memory.reduced[..entries].copy_from_slice(reduced);
+        let contacts = model.constraints.iter().filter(|constraint| constraint.contact);
+        for (constraint, axes) in contacts.zip(axes.as_chunks::<9>().0) {
+            let axes = Matrix3(core::array::from_fn(|i| core::array::from_fn(|j| axes[3 * i + j])));
+            memory.frames.push(ContactFrame::with_root_axes(constraint.ends[1], axes));
+        }
+        dqdd.copy_from_slice(force);
+        let (mut change, mut multipliers) = (acceleration.to_vec(), acceleration.to_vec());
+        let solver = Columns { tree, layout, memory: &memory, inverse };
+        solver.solve_column(dqdd, &mut change, &mut multipliers);
+        memory.wrenches_of(model, &multipliers, dwrenches);
+    }
 }
 
 /// A factorized robot, which solves for columns of derivatives.
@@ -173,30 +253,14 @@ impl<S: Scalar, T: Factorizable<S>> Columns<'_, S, T> {
         (x, change, multipliers): &mut (Vec<S>, Vec<S>, Vec<S>),
         (dqdd, dwrenches): (&mut [S], &mut [Wrench<S>]),
     ) {
-        let Self { tree, layout, memory, inverse } = *self;
-        let (model, factors) = (tree.mechanism(), &memory.factors);
-        let (n, rows, count) = (model.nv, memory.rows, tree.column_lanes());
-        let reciprocals = &factors[layout.layout().reciprocals()];
-        let row = |r: usize| {
-            let (row, support) = (&memory.reduced[r * n..][..n], &memory.supports[memory.owner[r]]);
-            support.entries.iter().map(|&k| (k, row[k]))
-        };
+        let Self { tree, memory, .. } = *self;
+        let (model, n, count) = (tree.mechanism(), tree.mechanism().nv, tree.column_lanes());
         for first in (0..n).step_by(count) {
             let columns = first..n.min(first + count);
             let pack = |entry: &dyn Fn(usize) -> S| packed(tree, columns.clone(), entry);
             (0..n).for_each(|i| x[i] = pack(&|j| f(i, j)));
-            solve_upper_factor(layout, factors, x);
-            for (r, change) in change.iter_mut().enumerate() {
-                let response = sum(row(r).map(|(k, y)| y * (x[k] * reciprocals[k])));
-                *change = response - pack(&|j| c(r, j));
-            }
-            for (r, multiplier) in multipliers.iter_mut().enumerate() {
-                let products = inverse[r * rows..][..rows].iter().zip(&*change);
-                *multiplier = sum(products.map(|(&a, &b)| a * b));
-                row(r).for_each(|(k, y)| x[k] = x[k] - y * *multiplier);
-            }
-            x.iter_mut().zip(reciprocals).for_each(|(x, &reciprocal)| *x = -(*x * reciprocal));
-            solve_lower_factor(layout.layout(), factors, x);
+            (0..memory.rows).for_each(|r| change[r] = pack(&|j| c(r, j)));
+            self.solve_column(x, change, multipliers);
             for (lane, j) in columns.clone().enumerate() {
                 (0..n).for_each(|i| dqdd[j * n + i] = tree.extract_lane(x[i], lane));
             }
@@ -209,6 +273,29 @@ impl<S: Scalar, T: Factorizable<S>> Columns<'_, S, T> {
                 }
             });
         }
+    }
+
+    /// Replaces a column x of F by d qdd, and computes d lambda; `change` is the column of c.
+    fn solve_column(&self, x: &mut [S], change: &mut [S], multipliers: &mut [S]) {
+        let Self { layout, memory, inverse, .. } = *self;
+        let (n, rows, factors) = (x.len(), memory.rows, &memory.factors);
+        let reciprocals = &factors[layout.layout().reciprocals()];
+        let row = |r: usize| {
+            let (row, support) = (&memory.reduced[r * n..][..n], &memory.supports[memory.owner[r]]);
+            support.entries.iter().map(|&k| (k, row[k]))
+        };
+        solve_upper_factor(layout, factors, x);
+        for (r, change) in change.iter_mut().enumerate() {
+            let response = sum(row(r).map(|(k, y)| y * (x[k] * reciprocals[k])));
+            *change = response - *change;
+        }
+        for (r, multiplier) in multipliers.iter_mut().enumerate() {
+            let products = inverse[r * rows..][..rows].iter().zip(&*change);
+            *multiplier = sum(products.map(|(&a, &b)| a * b));
+            row(r).for_each(|(k, y)| x[k] = x[k] - y * *multiplier);
+        }
+        x.iter_mut().zip(reciprocals).for_each(|(x, &reciprocal)| *x = -(*x * reciprocal));
+        solve_lower_factor(layout.layout(), factors, x);
     }
 }
 

@@ -368,7 +368,12 @@ impl<S: Scalar> ConstraintWorkspace<S> {
     /// Computes the wrenches of the multipliers of right-hand side `side`; their axes are those of
     /// [`by_constraint`](Self::by_constraint).
     fn wrenches(&self, model: &Mechanism<S>, side: usize, wrenches: &mut [Wrench<S>]) {
-        self.by_constraint(model, &self.right_hand_sides[side], |c, constraint, sum| {
+        self.wrenches_of(model, &self.right_hand_sides[side], wrenches);
+    }
+
+    /// Computes the wrenches of these multipliers, as [`wrenches`](Self::wrenches) does.
+    fn wrenches_of(&self, model: &Mechanism<S>, multipliers: &[S], wrenches: &mut [Wrench<S>]) {
+        self.by_constraint(model, multipliers, |c, constraint, sum| {
             let moment = sum.angular.scale(constraint.length);
             wrenches[c] = Wrench { moment, force: sum.linear };
         });
