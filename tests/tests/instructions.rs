@@ -11,7 +11,7 @@ const CRATE: &str = r#"
 modyn::modyn! { pub Arm = "arm7.urdf", functions = [forward_dynamics_batch, mass_matrix_batch] }
 modyn::modyn! { pub Single = "arm7.urdf", scalar = f32, functions = [inverse_dynamics_batch] }
 modyn::modyn! { pub Quadruped = "quadruped.urdf", functions = [forward_dynamics] }
-modyn::modyn! { pub Slopes = "arm7.urdf", functions = [forward_dynamics_derivatives], code = fast }
+modyn::modyn! { pub Slopes = "arm7.urdf", functions = [forward_dynamics_derivatives] }
 modyn::modyn! { pub Humanoid = "humanoid.urdf", functions = [bias_forces_batch] }
 "#;
 

@@ -13,10 +13,10 @@ use crate::program::{Execution, Program, ROW_LANES, product_blocks};
 use crate::trace::ProductGraph;
 
 /// The largest number of operations of straight-line code on vectors for which products in loops are not taken unless the user chooses
-/// them. The derivatives of an arm of seven joints have 2,700: with loops they take the same time in a tight loop, six sevenths where
-/// code is not in the cache, and five sixths of the text. Those of an arm of six joints have 1,600, and are as quick in both forms
-/// (`lab/benches/chains`).
-const MAX_IN_LANES: usize = 2_000;
+/// them. The derivatives of a quadruped on a floating base have 4,800: with loops they take nine tenths of the time in a tight
+/// loop, seven tenths where code is not in the cache, and half of the text (`lab/benches/chains`). Those of arms of up to
+/// seven joints are as quick when called cold.
+const MAX_IN_LANES: usize = 4_000;
 
 /// The same limit on scalars. The derivatives of a humanoid with a fixed base have 29,000, and take as long in loops in a tight loop.
 const MAX_ON_SCALARS: usize = 20_000;
