@@ -10,13 +10,11 @@ use super::planned::Kernels;
 use crate::graph::Graph;
 use crate::program::{Execution, Program};
 
-/// The largest number of operations of straight-line code for which a routine is not taken unless the user chooses it: it is never
-/// taken. For a quadruped on four feet the routine has half of the code, but takes 11.0 us where straight-line code takes 9.3 us
-/// (x86-64 with AVX2): it does not know the zeros of a column.
-pub(super) const MAX_STRAIGHT: usize = usize::MAX;
-
-/// Returns the programs of a function whose columns are results of one routine: without packs, and on vectors. `None` for other
-/// functions, and where straight-line code is taken. `straight` is the graph of straight-line code on scalars.
+/// Returns the programs of a function whose columns are results of one routine, without packs and on vectors, if the user has chosen
+/// short code. `None` for other functions, and where straight-line code is shorter. `straight` is its graph on scalars.
+///
+/// `auto` does not take the routine: it does not know the zeros of a column, so it computes more than straight-line code does
+/// (docs/contacts.md).
 pub(super) fn kernels(
     function: Function,
     context: &PlanContext<'_>,
@@ -24,21 +22,15 @@ pub(super) fn kernels(
     scalars: usize,
 ) -> Option<Kernels> {
     let trace = Lowering::of(function).columns?;
-    let is_wanted = match context.code {
-        CodeForm::Fast => false,
-        CodeForm::Small => true,
-        CodeForm::Auto => straight.takes_more_than(MAX_STRAIGHT),
-    };
-    if !is_wanted || context.share {
+    if context.code != CodeForm::Small || context.share {
         return None;
     }
-    let program = |columns, execution| {
-        let tracer = context.tracer.column_lanes(columns);
+    let program = |lanes, execution| {
+        let tracer = context.tracer.column_lanes(lanes);
         Program::with_columns(&trace(&tracer, context), scalars, execution).ok()
     };
     let scalar = program(1, context.without_packs())?;
-    let is_shorter = scalar.static_operations().total() < straight.count().total();
-    if !is_shorter {
+    if scalar.static_operations().total() >= straight.count().total() {
         return None;
     }
     let simd = match context.has_vectors() {

@@ -280,20 +280,22 @@ impl Plan {
     pub fn loops(&self) -> Vec<(&'static str, String)> {
         let of = |planned: &Planned| {
             let (loops, limit) = match &planned.kernels {
-                Kernels::Looped(_) => ("loops over the bodies", looped::MAX_STRAIGHT),
+                Kernels::Looped(_) => ("loops over the bodies", Some(looped::MAX_STRAIGHT)),
                 Kernels::Straight { scalar, simd } if scalar.products.is_some() => {
-                    ("products of matrices in loops", products::limit(simd.is_some()))
+                    ("products of matrices in loops", Some(products::limit(simd.is_some())))
                 }
                 Kernels::Straight { scalar, .. }
                     if !scalar.routines.is_empty() && !self.choices.share =>
                 {
-                    ("one routine for all columns", columns::MAX_STRAIGHT)
+                    ("one routine for all columns", None)
                 }
                 _ => return None,
             };
-            let why = match self.choices.code {
-                CodeForm::Small => "the option `code` is `small`".to_string(),
-                _ => format!("straight-line code would have more than {limit} operations"),
+            let why = match limit.filter(|_| self.choices.code != CodeForm::Small) {
+                Some(limit) => {
+                    format!("straight-line code would have more than {limit} operations")
+                }
+                None => "the option `code` is `small`".to_string(),
             };
             Some((planned.name, format!("{loops}, since {why}")))
         };

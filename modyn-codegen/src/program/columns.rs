@@ -1,13 +1,12 @@
 //! Functions whose columns are results of calls of one routine, several columns at a time on vectors.
 
-use super::products::ROW_LANES;
 use super::{
     Call, Execution, InvalidProgram, Operand, Operation, Program, Routine, Source, Statement, Value,
 };
 use crate::trace::{ColumnResult, ColumnsGraph};
 
 impl Program {
-    /// Returns the program of a function with columns, over `arguments` scalars.
+    /// Returns the program of a function with columns, over `arguments` scalars. Columns in several lanes need vectors.
     ///
     /// # Errors
     ///
@@ -17,10 +16,10 @@ impl Program {
         arguments: usize,
         execution: Execution,
     ) -> Result<Self, InvalidProgram> {
-        let ColumnsGraph { ref graph, ref column, ref columns, ref common, ref results } = *of;
+        let ColumnsGraph { graph, column, columns, common, results, lanes } = of;
+        let lanes = *lanes;
         let mut program = Self::lowered(graph, arguments, execution);
         let outputs = std::mem::take(&mut program.results);
-        let lanes = if execution == Execution::Simd { ROW_LANES } else { 1 };
         let own = columns.first().map_or(0, Vec::len);
         let routine = Self::try_new(column, own + common.len(), Execution::Scalar)?;
         if routine.chunks.len() > 1 {

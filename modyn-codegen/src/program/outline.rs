@@ -7,7 +7,7 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use super::{Chunk, Execution, Operation, Program, Scope, Value};
+use super::{Chunk, Execution, Operation, Program, Scope, Statement, Value};
 
 /// The largest number of statements in one scope.
 const MAX_SCOPE: usize = 250;
@@ -38,17 +38,14 @@ const THREAD: Limits = Limits { whole: 5000, chunk: 2500 };
 /// Returns the statements of a program in chunks of about equal length.
 pub(super) fn chunks(program: &Program) -> Vec<Chunk> {
     // Calls are in one function and one scope, in which the operands that they share have a name.
-    let shares = |s: &super::Statement| {
-        matches!(
-            s.operation,
-            Operation::Pack(_)
-                | Operation::Constants(_)
-                | Operation::Unpack(_)
-                | Operation::Call(_)
-        )
+    let is_of_calls = |statement: &&Statement| {
+        use Operation::{Call, Constants, Pack, Unpack};
+        matches!(statement.operation, Pack(_) | Constants(_) | Unpack(_) | Call(_))
     };
-    let calls = program.statements.iter().rev().take_while(|s| shares(s)).count();
-    let calls = if program.routines.is_empty() { 0 } else { calls };
+    let calls = match program.routines.is_empty() {
+        true => 0,
+        false => program.statements.iter().rev().take_while(is_of_calls).count(),
+    };
     let count = program.statements.len() - calls;
     let Limits { whole, chunk } = match program.execution {
         Execution::Batch => BATCH,
@@ -72,26 +69,21 @@ pub(super) fn chunks(program: &Program) -> Vec<Chunk> {
             live_in: chunks.collect::<BTreeSet<usize>>().into_iter().collect(),
             live_out: live_out(program, statements),
             scopes: match calls > 0 && statements.start == count {
-                true => one_scope(program, statements),
-                false => scopes(program, statements),
+                true => scopes(program, statements, calls),
+                false => scopes(program, statements, MAX_SCOPE),
             },
         }
     };
     ranges.iter().map(chunk).collect()
 }
 
-/// Returns a chunk as one scope.
-fn one_scope(program: &Program, chunk: &Range<usize>) -> Vec<Scope> {
-    vec![Scope { statements: chunk.clone(), live_out: live_out(program, chunk) }]
-}
-
-/// Returns the scopes of a chunk, each of maximal length.
-fn scopes(program: &Program, chunk: &Range<usize>) -> Vec<Scope> {
+/// Returns the scopes of a chunk, each of `length` statements but the last.
+fn scopes(program: &Program, chunk: &Range<usize>, length: usize) -> Vec<Scope> {
     chunk
         .clone()
-        .step_by(MAX_SCOPE)
+        .step_by(length)
         .map(|start| {
-            let statements = start..(start + MAX_SCOPE).min(chunk.end);
+            let statements = start..(start + length).min(chunk.end);
             Scope { live_out: live_out(program, &statements), statements }
         })
         .collect()

@@ -25,6 +25,8 @@ pub struct ColumnsGraph {
     pub common: Vec<usize>,
     /// The results.
     pub results: Vec<ColumnResult>,
+    /// The columns that are computed together.
+    pub lanes: usize,
 }
 
 /// A result of a function with columns.
@@ -119,7 +121,7 @@ impl Tracer<'_> {
             of_columns.map(|(column, output)| ColumnResult::OfColumn { column, output });
         let outputs = |of: Vec<usize>| of.into_iter().map(ColumnResult::Output);
         let results = outputs(first).chain(of_columns).chain(outputs(rank)).collect();
-        ColumnsGraph { graph, column, columns, common, results }
+        ColumnsGraph { graph, column, columns, common, results, lanes: self.columns }
     }
 
     /// Returns the graph of a column, and which of the `common` outputs it reads. Outputs that are constants are folded, and equal ones

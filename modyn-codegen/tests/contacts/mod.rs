@@ -5,7 +5,7 @@ mod derivatives;
 mod stretched;
 
 use modyn_codegen::passes::optimize;
-use modyn_codegen::plan::{COLUMN_LANES, LIMB_LIMITS};
+use modyn_codegen::plan::{COLUMN_LANES, LIMB_LIMITS, Sizes};
 use modyn_codegen::program::{Execution, Program};
 use modyn_codegen::trace::{LimbPacking, Tracer};
 use modyn_codegen::{Base, Builder, Contact, ContactKind, Function, LoopEnd, ReadOptions, read};
@@ -1348,4 +1348,20 @@ fn operation_counts_are_as_frozen() {
         let row = format!("| `{name}` |{}|{in_lanes}|\n", shown(*count));
         assert!(page.contains(&row), "docs/contacts.md lacks the row {row:?}");
     }
+
+    // One routine for all columns computes more, in shorter text.
+    let arguments = Function::ConstrainedForwardDynamicsDerivatives.row().arguments.iter();
+    let sizes = Sizes::new(&model, layout.size());
+    let arguments = arguments.map(|argument| argument.shape(&sizes).len()).sum();
+    let counts =
+        [(1, Execution::Scalar), (COLUMN_LANES, Execution::Simd)].map(|(lanes, execution)| {
+            let tracer = tracer.column_lanes(lanes);
+            let graph = tracer.constrained_forward_dynamics_derivatives_by_columns(&layout);
+            let program = Program::with_columns(&graph, arguments, execution).expect("valid");
+            program.operations_per_call().total()
+        });
+    assert_eq!(counts, [85594, 33234]);
+    let [scalars, in_lanes] = counts.map(shown).map(|count| count.trim().to_string());
+    let sentence = format!("{scalars} operations ({in_lanes} in lanes)");
+    assert!(page.contains(&sentence), "docs/contacts.md lacks {sentence:?}");
 }
