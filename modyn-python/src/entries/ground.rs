@@ -381,7 +381,7 @@ impl<S: Number> Rows<S> {
     }
 
     /// Returns the rows of some lanes.
-    fn some(&self, lanes: &Range<usize>) -> Cow<'_, [S]> {
+    fn of_lanes(&self, lanes: &Range<usize>) -> Cow<'_, [S]> {
         if lanes.len() == self.lanes {
             return Cow::Borrowed(&self.numbers);
         }
@@ -422,7 +422,7 @@ fn copy_rows<S: Copy>((from, width): (&[S], usize), to: (&mut [S], usize), count
     }
 }
 
-/// Copies the first numbers of each row to a row of another width.
+/// [`copy_rows`] of a number of lanes that the compiler knows.
 fn copy_numbers<S: Copy, const COUNT: usize>(
     (from, width): (&[S], usize),
     (to, own): (&mut [S], usize),
@@ -443,7 +443,7 @@ struct After<S> {
     displacement: Rows<S>,
 }
 
-/// The contact problem of a step, the results of the step, and what is wrong with them.
+/// A step that is solved: its contact problem, its results, and the residual of these.
 struct Solved<S> {
     problem: Rows<S>,
     after: After<S>,
@@ -652,7 +652,7 @@ impl<S: Number> ReadyGround<'_, S> {
         let mut by_problem = Rows::zeros(function.robot.problem_length(), lanes);
         for lane in 0..lanes {
             let (q, dt, settings) = given.before(lane);
-            let of = |rows: &Rows<S>| lane_of(&rows.numbers, lane, lanes);
+            let of = |rows: &Rows<S>| rows.lane(lane);
             let (p, s, moved) =
                 (of(&solved.after.contacts), of(&solved.after.stops), by_displaced.lane(QD, lane));
             let mut of_velocities = weights.lane(QD, lane);
@@ -860,13 +860,13 @@ impl<S: Number> ReadyGround<'_, S> {
                     }
                 }
             }
-            let ddt = changes[DT].some(&own);
+            let ddt = changes[DT].of_lanes(&own);
             let step = StepChanges {
-                problem: &problem.some(&own),
+                problem: &problem.of_lanes(&own),
                 inverse: &inverse.numbers,
-                q: &changes[Q].some(&own),
+                q: &changes[Q].of_lanes(&own),
                 dt: &ddt,
-                settings: &changes[SETTINGS].some(&own),
+                settings: &changes[SETTINGS].of_lanes(&own),
             };
             let [mut velocities, mut of_contacts, mut stops] =
                 [nv, contacts, nv].map(|count| vec![S::zero(); count * directions]);
