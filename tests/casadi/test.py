@@ -26,6 +26,7 @@ WARNINGS = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-O1", "-fPI
 def run(*command):
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"
+    return done.stdout
 
 
 def timed(call):
@@ -324,7 +325,8 @@ class Comparison(unittest.TestCase):
         checks = "assert(isequal(size(M), [7 7 1000])); assert(isequal(size(hand.rotation), [3 3]));"
         with open(f"{place}/page.m", "w") as file:
             file.write("\n".join([*programs, checks]))
-        run("octave-cli", "--norc", "--quiet", "--eval", f"cd {place}; page")
+        shown = run("octave-cli", "--norc", "--quiet", "--eval", f"cd {place}; page")
+        self.assertIn("FORWARD_DYNAMICS", shown)
 
 
 if __name__ == "__main__":

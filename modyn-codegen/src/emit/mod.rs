@@ -180,8 +180,8 @@ pub trait Backend: Sync {
     /// Prints a robot: all files, the main one first.
     fn print(&self, robot: &PlannedRobot<'_>) -> Vec<File>;
 
-    /// Returns a comment.
-    fn comment(&self, text: &str) -> String;
+    /// Returns the text of a file with a comment on its origin.
+    fn with_origin(&self, text: &str, origin: &str) -> String;
 
     /// Returns the plan of a robot.
     fn plan(

@@ -37,8 +37,8 @@ impl Backend for C {
         vec![File::new(source, source_text), File::new(header, header_text)]
     }
 
-    fn comment(&self, text: &str) -> String {
-        format!("/* {text} */")
+    fn with_origin(&self, text: &str, origin: &str) -> String {
+        format!("/* {origin} */\n{text}")
     }
 }
 

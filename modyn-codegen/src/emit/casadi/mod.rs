@@ -26,8 +26,8 @@ impl Backend for Casadi {
         vec![File::new(format!("{}.c", robot.stem), print(robot))]
     }
 
-    fn comment(&self, text: &str) -> String {
-        format!("/* {text} */")
+    fn with_origin(&self, text: &str, origin: &str) -> String {
+        format!("/* {origin} */\n{text}")
     }
 
     fn plan(

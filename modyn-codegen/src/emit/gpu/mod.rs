@@ -55,8 +55,8 @@ impl Backend for Gpu {
         vec![File::new(format!("{}.{ending}", robot.stem), print(robot, self.0))]
     }
 
-    fn comment(&self, text: &str) -> String {
-        format!("// {text}")
+    fn with_origin(&self, text: &str, origin: &str) -> String {
+        format!("// {origin}\n{text}")
     }
 
     fn scalar(&self, chosen: FloatType) -> FloatType {

@@ -46,8 +46,9 @@ impl Backend for Matlab {
         files
     }
 
-    fn comment(&self, text: &str) -> String {
-        format!("% {text}")
+    /// The origin is at the end: `help` prints the first comment.
+    fn with_origin(&self, text: &str, origin: &str) -> String {
+        format!("{text}\n% {origin}\n")
     }
 
     /// Straight-line code: a loop or a call of a routine takes the interpreter longer.

@@ -56,8 +56,8 @@ impl Backend for Rust {
         [File::new(format!("{}.rs", robot.stem), text)].into_iter().chain(header).collect()
     }
 
-    fn comment(&self, text: &str) -> String {
-        format!("// {text}")
+    fn with_origin(&self, text: &str, origin: &str) -> String {
+        format!("// {origin}\n{text}")
     }
 }
 
