@@ -114,6 +114,7 @@ impl<S: Syntax> Body<'_, S> {
                 *text += &self.syntax.call(self.program, call, &t);
                 return;
             }
+            Operation::RowEquations(_) => unreachable!("the back end has no row equations"),
             Operation::Pack(_) | Operation::Constants(_) | Operation::Unpack(_) => {
                 unreachable!("a program on scalars has no lanes")
             }

@@ -59,8 +59,13 @@ impl Graph {
     /// Returns, for each node, whether the outputs need it.
     #[must_use]
     pub fn live(&self) -> Vec<bool> {
+        self.live_from(&self.outputs)
+    }
+
+    /// Returns, for each node, whether one of these nodes depends on it.
+    pub(crate) fn live_from(&self, outputs: &[Id]) -> Vec<bool> {
         let mut live = vec![false; self.nodes.len()];
-        for &output in &self.outputs {
+        for &output in outputs {
             live[output as usize] = true;
         }
         for (i, node) in self.nodes.iter().enumerate().rev() {

@@ -8,7 +8,7 @@ use modyn_runtime::quantities::{Argument, ArgumentKind, Function, Shape, Sizes};
 use super::PlanContext;
 use crate::diagnostics::suggest;
 use crate::graph::{Expr, Graph};
-use crate::trace::{ColumnsGraph, ProductGraph, Solvers, Tracer};
+use crate::trace::{ColumnsGraph, ProductGraph, RowEquationsGraph, Solvers, Tracer};
 
 /// The factors of the mass matrix, an argument of the functions of the factors.
 pub(super) const FACTORS: Argument = Argument { name: "factors", kind: ArgumentKind::Factors };
@@ -67,6 +67,9 @@ pub enum GraphSource {
     Poses,
 }
 
+/// Returns a graph with equations of constraint rows, over this number of inputs.
+type AroundRows = fn(&Tracer<'_>, &PlanContext<'_>, usize) -> Option<RowEquationsGraph>;
+
 /// The way the compiler makes a function.
 #[derive(Clone, Copy)]
 pub struct Lowering {
@@ -80,6 +83,8 @@ pub struct Lowering {
     pub products: Option<fn(&Tracer<'_>, &PlanContext<'_>) -> ProductGraph>,
     /// The graphs of a function whose columns can be solved for in a loop.
     pub columns: Option<fn(&Tracer<'_>, &PlanContext<'_>) -> ColumnsGraph>,
+    /// The graphs of independent constraint rows; the last argument is the number of inputs.
+    pub row_equations: Option<AroundRows>,
     /// Other graphs of a function of one link, which share more with those of other functions of a bundle.
     pub in_bundles: Option<fn(&Tracer<'_>) -> Graph>,
     /// The forms that C can call.
@@ -94,6 +99,7 @@ impl Lowering {
         recursion: None,
         products: None,
         columns: None,
+        row_equations: None,
         in_bundles: None,
         c_form: CForm::SourceAndExport,
     };
@@ -121,6 +127,11 @@ impl Lowering {
     /// Returns the lowering of a function whose columns can be solved for in a loop.
     const fn columns(self, trace: fn(&Tracer<'_>, &PlanContext<'_>) -> ColumnsGraph) -> Self {
         Self { columns: Some(trace), ..self }
+    }
+
+    /// Returns the lowering of a function whose constraint rows are independent in most states.
+    const fn row_equations(self, trace: AroundRows) -> Self {
+        Self { row_equations: Some(trace), ..self }
     }
 
     /// Returns the lowering of a function with this graph as another one in bundles.
@@ -184,10 +195,16 @@ impl Lowering {
             Function::ConstrainedForwardDynamics => {
                 Lowering::traced(|t, s| t.constrained_forward_dynamics(&s.for_derivatives))
                     .packed(Packing::Contacts)
+                    .row_equations(|t, s, inputs| {
+                        t.constrained_forward_dynamics_around_rows(&s.for_derivatives, inputs)
+                    })
             }
             Function::ProjectConstraints => {
                 Lowering::traced(|t, s| t.project_constraints(&s.for_derivatives))
                     .packed(Packing::Contacts)
+                    .row_equations(|t, s, inputs| {
+                        t.project_constraints_around_rows(&s.for_derivatives, inputs)
+                    })
             }
             Function::ConstrainedForwardDynamicsDerivatives => {
                 Lowering::traced(|t, s| t.constrained_forward_dynamics_derivatives(&s.layout))
@@ -202,6 +219,9 @@ impl Lowering {
             Function::ContactImpulse => {
                 Lowering::traced(|t, s| t.contact_impulse(&s.for_derivatives))
                     .packed(Packing::Contacts)
+                    .row_equations(|t, s, inputs| {
+                        t.contact_impulse_around_rows(&s.for_derivatives, inputs)
+                    })
             }
             Function::ContactProblem => {
                 Lowering::traced(|t, s| t.contact_problem(&s.for_derivatives))

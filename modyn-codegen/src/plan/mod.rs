@@ -25,6 +25,7 @@ pub mod partition;
 mod planned;
 mod products;
 mod programs;
+mod row_equations;
 mod user;
 mod wrapped;
 
@@ -279,6 +280,12 @@ impl Plan {
     #[must_use]
     pub fn loops(&self) -> Vec<(&'static str, String)> {
         let of = |planned: &Planned| {
+            if let Kernels::Straight { scalar, .. } = &planned.kernels
+                && row_equations::has_equations(scalar)
+            {
+                let how = "loops for dependent rows of constraints, which few states have";
+                return Some((planned.name, how.to_string()));
+            }
             let (loops, limit) = match &planned.kernels {
                 Kernels::Looped(_) => ("loops over the bodies", Some(looped::MAX_STRAIGHT)),
                 Kernels::Straight { scalar, simd } if scalar.products.is_some() => {

@@ -13,6 +13,7 @@ use super::looped;
 use super::packing;
 use super::planned::{Kernels, Planned};
 use super::products;
+use super::row_equations;
 use super::user::{TracedForm, TracedFunction};
 use crate::graph::Graph;
 use crate::intern::intern;
@@ -85,22 +86,25 @@ impl Planned {
                 Kernels::of(context.program(&graph, scalars))
             }
             GraphSource::Traced(_) | GraphSource::Evaluation => {
-                let graph = graphs.scalar(function, context);
-                if row.batch_of.is_some() {
-                    Kernels::of(Program::new(&graph, scalars, Execution::Batch))
-                } else {
-                    let packed = packing::packed(function, context, &graph);
-                    let straight = (&graph, packed.as_ref());
-                    let looped = looped::recursion(function, context, straight);
-                    let looped = looped.map(Kernels::Looped);
-                    let products = || products::kernels(function, context, straight, scalars);
-                    let columns = || columns::kernels(function, context, &graph, scalars);
-                    looped.or_else(products).or_else(columns).unwrap_or_else(|| {
-                        let (kernels, found) = context.kernels(&graph, packed, scalars);
-                        fault = found;
-                        kernels
-                    })
-                }
+                let rows = row_equations::kernels(function, context, scalars);
+                rows.unwrap_or_else(|| {
+                    let graph = graphs.scalar(function, context);
+                    if row.batch_of.is_some() {
+                        Kernels::of(Program::new(&graph, scalars, Execution::Batch))
+                    } else {
+                        let packed = packing::packed(function, context, &graph);
+                        let straight = (&graph, packed.as_ref());
+                        let looped = looped::recursion(function, context, straight);
+                        let looped = looped.map(Kernels::Looped);
+                        let products = || products::kernels(function, context, straight, scalars);
+                        let columns = || columns::kernels(function, context, &graph, scalars);
+                        looped.or_else(products).or_else(columns).unwrap_or_else(|| {
+                            let (kernels, found) = context.kernels(&graph, packed, scalars);
+                            fault = found;
+                            kernels
+                        })
+                    }
+                })
             }
         };
         Self {

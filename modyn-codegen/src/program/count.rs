@@ -24,8 +24,8 @@ impl Program {
         self.own_operations() + routines.sum() + products.sum()
     }
 
-    /// Returns the operations of the program's own statements. An operation on lanes counts once; packs and unpacks do not
-    /// count.
+    /// Returns the operations of the program's own statements. An operation on lanes counts once; packs, unpacks and
+    /// equations of dependent rows do not count.
     fn own_operations(&self) -> OperationCount {
         let mut count = OperationCount::default();
         for Statement { operation, .. } in &self.statements {
@@ -50,7 +50,8 @@ impl Program {
                 Operation::Pack(_)
                 | Operation::Constants(_)
                 | Operation::Unpack(_)
-                | Operation::Call(_) => {}
+                | Operation::Call(_)
+                | Operation::RowEquations(_) => {}
             }
         }
         count

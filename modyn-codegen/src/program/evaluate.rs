@@ -56,6 +56,9 @@ impl Program {
                 Operation::Unpack(vector) => {
                     results.extend((0..usize::from(vector.lanes)).map(|lane| at(vector, lane)));
                 }
+                Operation::RowEquations(equations) => {
+                    results.extend(equations.evaluate(|operand| at(operand, 0)));
+                }
                 Operation::Call(call) => {
                     let routine = &self.routines[call.routine];
                     let constants = routine.tables[call.repetition].iter();
@@ -72,7 +75,7 @@ impl Program {
             }
             let width = match &statement.operation {
                 // Each result is a scalar.
-                Operation::Unpack(_) => 1,
+                Operation::Unpack(_) | Operation::RowEquations(_) => 1,
                 _ => usize::from(statement.lanes),
             };
             values.push(width, &mut results);

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::{
-    Addend, Execution, InvalidProgram, MultiplyAdd, Operand, Operation, Program, Source, Statement,
-    Value, outline,
+    Addend, Execution, InvalidProgram, MultiplyAdd, Operand, Operation, Program, RowEquations,
+    Source, Statement, Value, outline,
 };
 use crate::graph::{Graph, Id, Node};
 
@@ -37,9 +37,27 @@ impl Program {
 
     /// Returns the statements and results of a graph, as a program that is not [`finished`](Self::finished).
     pub(super) fn lowered(graph: &Graph, arguments: usize, execution: Execution) -> Self {
-        let lowering = Lowering::new(graph);
+        Self::lowered_with(graph, arguments, execution, None)
+    }
+
+    /// Returns the statements and results of a graph, as [`lowered`](Self::lowered) does. With `equations` of constraint rows, which are
+    /// the constraints' numbers of rows and the number of right-hand sides, the last outputs of the graph are the operands of these
+    /// equations, and the inputs after the arguments are their results.
+    pub(super) fn lowered_with(
+        graph: &Graph,
+        arguments: usize,
+        execution: Execution,
+        equations: Option<(&[usize], usize)>,
+    ) -> Self {
+        let equations = equations.map(|(blocks, sides)| {
+            let results = graph.outputs.len() - RowEquations::count(blocks, sides);
+            Equations { blocks, sides, results, first: arguments, statement: usize::MAX }
+        });
+        let results = equations.as_ref().map_or(graph.outputs.len(), |own| own.results);
+        let lowering = Lowering::new(graph, equations);
         let statements = lowering.order.iter().map(|item| lowering.statement(item)).collect();
-        let results = graph.outputs.iter().map(|&id| lowering.operand(id, 1)).collect();
+        let results = graph.outputs[..results].iter();
+        let results = results.map(|&id| lowering.operand(id, 1)).collect();
         Self {
             execution,
             arguments,
@@ -83,6 +101,22 @@ enum Item {
     Node(Id),
     /// The sines and cosines of angles.
     Angles(Vec<Id>),
+    /// The solution of the row equations.
+    RowEquations,
+}
+
+/// The row equations within a program.
+struct Equations<'a> {
+    /// For each constraint, the number of its rows.
+    blocks: &'a [usize],
+    /// The number of right-hand sides.
+    sides: usize,
+    /// The number of the program's results. The outputs after them are the operands.
+    results: usize,
+    /// The first input that is a result.
+    first: usize,
+    /// The statement.
+    statement: usize,
 }
 
 struct Lowering<'a> {
@@ -90,13 +124,15 @@ struct Lowering<'a> {
     live: Vec<bool>,
     /// The statements, in order.
     order: Vec<Item>,
+    /// The row equations, if there are some.
+    equations: Option<Equations<'a>>,
     /// For each node, the statement that computes it. `None` for operands, and for products and packs that are part of the
     /// operation that reads them.
     statement_of: Vec<Option<usize>>,
 }
 
 impl<'a> Lowering<'a> {
-    fn new(graph: &'a Graph) -> Self {
+    fn new(graph: &'a Graph, equations: Option<Equations<'a>>) -> Self {
         let (live, uses) = (graph.live(), graph.uses());
         let nodes = graph.nodes();
         // A product that is used once, in a sum, is fused into the sum. A pack that is used once, in a wider pack, is part of
@@ -112,8 +148,8 @@ impl<'a> Lowering<'a> {
                 };
             }
         }
-        let mut lowering =
-            Self { graph, live, order: Vec::new(), statement_of: vec![None; nodes.len()] };
+        let statement_of = vec![None; nodes.len()];
+        let mut lowering = Self { graph, live, order: Vec::new(), equations, statement_of };
         lowering.schedule(&fused);
         lowering
     }
@@ -140,10 +176,30 @@ impl<'a> Lowering<'a> {
             self.push(Item::Angles(early));
         }
         let mut unpacked: BTreeMap<Id, usize> = BTreeMap::new();
+        if let Some(equations) = &self.equations {
+            let operands = &graph.outputs[equations.results..];
+            let is_before = graph.live_from(operands);
+            self.push_nodes(fused, |i| is_before[i], (&mut angles, &mut unpacked));
+            let statement = self.push(Item::RowEquations);
+            self.equations.iter_mut().for_each(|equations| equations.statement = statement);
+        }
+        self.push_nodes(fused, |_| true, (&mut angles, &mut unpacked));
+    }
+
+    /// Appends the statements of nodes that have none, of those that are `taken`.
+    fn push_nodes(
+        &mut self,
+        fused: &[bool],
+        taken: impl Fn(usize) -> bool,
+        (angles, unpacked): (&mut BTreeMap<Id, usize>, &mut BTreeMap<Id, usize>),
+    ) {
+        let graph = self.graph;
         for (i, node) in graph.nodes().iter().enumerate() {
             let id = i as Id;
             let statement = match node {
-                _ if !self.live[i] || fused[i] || self.statement_of[i].is_some() => continue,
+                _ if !taken(i) || !self.live[i] || fused[i] || self.statement_of[i].is_some() => {
+                    continue;
+                }
                 Node::Constant(_) | Node::Input(_) | Node::Neg(_) => continue,
                 Node::Sin(angle) | Node::Cos(angle) => match angles.get(angle) {
                     Some(&statement) => statement,
@@ -173,6 +229,16 @@ impl<'a> Lowering<'a> {
 
     fn statement(&self, item: &Item) -> Statement {
         let (operation, lanes, used) = match item {
+            Item::RowEquations => {
+                let Equations { blocks, sides, results, first, .. } =
+                    *self.equations.as_ref().expect("the item is that of equations");
+                let operands = self.graph.outputs[results..].iter();
+                let operands = operands.map(|&id| self.operand(id, 1)).collect();
+                let equations = RowEquations { blocks: blocks.to_vec(), sides, operands };
+                let inputs = first..first + equations.results();
+                let used = inputs.map(|input| self.is_live(Node::input(input))).collect();
+                (Operation::RowEquations(equations), 1, used)
+            }
             Item::Angles(angles) => {
                 let of = |&angle: &Id| self.operand(angle, self.graph.width(angle));
                 let both = |angle: &Id| [Node::Sin(*angle), Node::Cos(*angle)];
@@ -289,7 +355,14 @@ impl<'a> Lowering<'a> {
         }
         match node {
             Node::Constant(bits) => operand(Source::Constant(f64::from_bits(bits))),
-            Node::Input(number) => operand(Source::Argument(number as usize)),
+            Node::Input(number) => {
+                let number = number as usize;
+                let result = self.equations.iter().find_map(|equations| {
+                    let place = number.checked_sub(equations.first)?;
+                    Some(Source::Result(Value { statement: equations.statement, place }))
+                });
+                operand(result.unwrap_or(Source::Argument(number)))
+            }
             Node::Neg(a) => {
                 let operand = self.operand(a, lanes);
                 Operand { negated: !operand.negated, ..operand }
@@ -302,7 +375,7 @@ impl<'a> Lowering<'a> {
     fn place(&self, statement: usize, node: Node) -> usize {
         let of = |angle: Id| match &self.order[statement] {
             Item::Angles(angles) => 2 * angles.iter().position(|&a| a == angle).unwrap_or(0),
-            Item::Node(_) => 0,
+            Item::Node(_) | Item::RowEquations => 0,
         };
         match node {
             Node::Sin(angle) => of(angle),

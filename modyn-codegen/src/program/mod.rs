@@ -25,6 +25,7 @@ mod places;
 mod products;
 mod recursion;
 mod repeat;
+mod row_equations;
 mod text;
 mod validate;
 
@@ -34,6 +35,7 @@ use std::ops::Range;
 pub use places::argument_of;
 pub use products::{ProductBlock, Products, ROW_LANES, product_blocks};
 pub use recursion::{Places, Read, Recursion, Run, Step, Sweep, Write};
+pub use row_equations::RowEquations;
 pub use text::ParseProgramError;
 pub use validate::InvalidProgram;
 
@@ -131,6 +133,8 @@ pub enum Operation {
     Unpack(Operand),
     /// A call of a routine.
     Call(Call),
+    /// The solution of equations of constraint rows, where some may be dependent.
+    RowEquations(RowEquations),
 }
 
 /// (-) a b (+ or -) c
@@ -260,6 +264,7 @@ impl Operation {
             Self::SinCos(all) | Self::Pack(all) => all.clone(),
             Self::Constants(_) => Vec::new(),
             Self::Call(call) => [&*call.own, &*call.common].concat(),
+            Self::RowEquations(equations) => equations.operands.clone(),
         }
     }
 }

@@ -10,7 +10,8 @@
 //!
 //! `a0` is an argument, `x0` the first result of statement 0, `x0.1` its second result. A vector of four lanes is defined as
 //! `x3<4>`. A call `call 0, 1 (x2; a1)` is repetition 1 of routine 0, with its own operands and those that all repetitions
-//! share. Routines come before the statements, each with its tables and its program. Products of matrices come after the results:
+//! share. `equations 3 6, 1 (x4, ...)` are row equations: the numbers of rows of the constraints, the number of right-hand sides, then
+//! the operands. Routines come before the statements, each with its tables and its program. Products of matrices come after the results:
 //! `products 3, 3, 12 21` are those of matrices of three columns, A from result 3 on and B from results 12 and 21 on; `block 0..2, 0..3,
 //! 0..1 2..3` has columns, rows and terms, and `add 13 x4` adds a number to a result.
 
@@ -20,7 +21,7 @@ use std::str::{FromStr, Lines};
 
 use super::{
     Addend, Call, Execution, MultiplyAdd, Operand, Operation, ProductBlock, Products, Program,
-    Routine, Source, Statement, Value,
+    Routine, RowEquations, Source, Statement, Value,
 };
 
 impl Execution {
@@ -116,6 +117,11 @@ impl fmt::Display for Operation {
             }
             Self::Call(Call { routine, repetition, own, common }) => {
                 return write!(f, "call {routine}, {repetition} ({}; {})", list(own), list(common));
+            }
+            Self::RowEquations(RowEquations { blocks, sides, operands }) => {
+                let blocks: Vec<String> = blocks.iter().map(usize::to_string).collect();
+                let blocks = blocks.join(" ");
+                return write!(f, "equations {blocks}, {sides} ({})", list(operands));
             }
             Self::Reciprocal(_) => "reciprocal",
             Self::SinCos(_) => "sin_cos",
@@ -350,6 +356,7 @@ impl<'a> Parser<'a> {
         let results = match &operation {
             Operation::SinCos(angles) => 2 * angles.len(),
             Operation::Unpack(vector) => vector.lanes.into(),
+            Operation::RowEquations(equations) => equations.results(),
             Operation::Call(call) => {
                 let routine = program.routines.get(call.routine);
                 routine.ok_or_else(|| wrong("there is no such routine"))?.program.results.len()
@@ -380,6 +387,19 @@ impl<'a> Parser<'a> {
                 repetition: repetition.parse().map_err(|_| wrong())?,
                 own: self.operands(program, own, lanes)?,
                 common: self.operands(program, common, lanes)?,
+            }));
+        }
+        if let Some(rest) = text.strip_prefix("equations ") {
+            let (form, operands) = rest.split_once(" (").ok_or_else(wrong)?;
+            let operands = operands.strip_suffix(')').ok_or_else(wrong)?;
+            let (blocks, sides) = form.split_once(", ").ok_or_else(wrong)?;
+            // Larger numbers are not the rows of a constraint.
+            let number = |number: &str| Some(usize::from(number.parse::<u8>().ok()?));
+            let blocks: Option<Vec<usize>> = blocks.split(' ').map(number).collect();
+            return Ok(Operation::RowEquations(RowEquations {
+                blocks: blocks.ok_or_else(wrong)?,
+                sides: number(sides).ok_or_else(wrong)?,
+                operands: self.operands(program, operands, 1)?,
             }));
         }
         let named = text.strip_suffix(')').and_then(|text| text.split_once('('));

@@ -58,6 +58,9 @@ impl Program {
             }
             Operation::SinCos(angles) => (all(statement.lanes), 2 * angles.len()),
             Operation::Call(call) => (all(statement.lanes), self.call_results(call)?),
+            Operation::RowEquations(equations) => {
+                (lanes == 1 && all(1) && equations.fits(), equations.results())
+            }
             _ => (all(statement.lanes), 1),
         };
         if !fits {

@@ -5,6 +5,7 @@
 //! it is active, else 0.
 
 use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::equations::constraints::RowSystem;
 use modyn_runtime::equations::factorization::{Factorizable, MergedUduLayout};
 use modyn_runtime::equations::kinematics::coordinates;
 use modyn_runtime::equations::{ConstraintWorkspace, Workspace, constraints};
@@ -16,12 +17,63 @@ use super::limbs::ContactPacking;
 use super::{LimbPacking, Tracer};
 use crate::graph::{Expr, Graph};
 
+/// A graph with equations of constraint rows, some of which may be dependent: the last outputs are the operands of the equations, and
+/// the last inputs are their results.
+#[derive(Clone, Debug)]
+pub struct RowEquationsGraph {
+    /// The graph.
+    pub graph: Graph,
+    /// For each constraint, the number of its rows.
+    pub blocks: Vec<usize>,
+    /// The number of right-hand sides.
+    pub sides: usize,
+}
+
 impl Tracer<'_> {
     /// Returns the graph of the accelerations, a wrench and a residual for each constraint, and the rank.
     /// Inputs: `q`, `qd`, `tau`, active contacts and settings. The mass matrix is factorized with `layout`.
     #[must_use]
     pub fn constrained_forward_dynamics(&self, layout: &UduLayout) -> Graph {
-        self.solution(layout, Unknowns::Accelerations)
+        self.solution(layout, Unknowns::Accelerations, None)
+    }
+
+    /// Returns the graph of [`constrained_forward_dynamics`](Self::constrained_forward_dynamics) for independent rows, with equations
+    /// for dependent ones, after this number of `inputs`. `None` if some rows are dependent in all states.
+    pub(crate) fn constrained_forward_dynamics_around_rows(
+        &self,
+        layout: &UduLayout,
+        inputs: usize,
+    ) -> Option<RowEquationsGraph> {
+        self.around_rows(layout, Unknowns::Accelerations, inputs)
+    }
+
+    /// Returns the graph of [`project_constraints`](Self::project_constraints) in the same form.
+    pub(crate) fn project_constraints_around_rows(
+        &self,
+        layout: &UduLayout,
+        inputs: usize,
+    ) -> Option<RowEquationsGraph> {
+        self.around_rows(layout, Unknowns::Steps, inputs)
+    }
+
+    /// Returns the graph of [`contact_impulse`](Self::contact_impulse) in the same form.
+    pub(crate) fn contact_impulse_around_rows(
+        &self,
+        layout: &UduLayout,
+        inputs: usize,
+    ) -> Option<RowEquationsGraph> {
+        self.around_rows(layout, Unknowns::Velocities, inputs)
+    }
+
+    fn around_rows(
+        &self,
+        layout: &UduLayout,
+        unknowns: Unknowns,
+        inputs: usize,
+    ) -> Option<RowEquationsGraph> {
+        let mut blocks = None;
+        let graph = self.solution(layout, unknowns, Some((inputs, &mut blocks)));
+        Some(RowEquationsGraph { graph, blocks: blocks?, sides: unknowns.sides() })
     }
 
     /// Returns the contacts of merged limbs, and the mechanism of the merged limbs with them.
@@ -36,17 +88,28 @@ impl Tracer<'_> {
     }
 
     /// Traces the equations of `unknowns`, with the contacts of merged limbs merged. Results are joint vectors, then six numbers
-    /// for each constraint, then the rank.
-    fn solution(&self, layout: &UduLayout, unknowns: Unknowns) -> Graph {
+    /// for each constraint, then the rank. If the solution of dependent rows is `apart`, its results are inputs from this one on, and
+    /// the operands of its equations are further results; the numbers of rows are stored.
+    fn solution(
+        &self,
+        layout: &UduLayout,
+        unknowns: Unknowns,
+        apart: Option<(usize, &mut Option<Vec<usize>>)>,
+    ) -> Graph {
         let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
         let forces = if unknowns == Unknowns::Accelerations { nv } else { 0 };
         let groups = [nq, nv, forces, contacts, settings_count(self.model)];
         self.trace_groups(groups, |model, [q, qd, tau, active, settings]| {
+            let rows: usize = self.model.constraints.iter().map(|c| c.rows.len()).sum();
+            let (first, blocks) = apart.unzip();
+            let results = 2 * rows * unknowns.sides() + 1;
+            let given = first.map(|first| (first..first + results).map(Expr::input).collect());
             let Some(limbs) = self.limbs else {
                 let sizes = (nv, model.constraints.len());
                 let inputs = [q, qd, tau, active, settings];
-                let [vectors, sixes, rank] = unknowns.solve(model, layout, inputs, sizes);
-                return [vectors, sixes, rank].concat();
+                let ([vectors, sixes, rank], system) =
+                    unknowns.solve(model, layout, inputs, sizes, given);
+                return [vectors, sixes, rank, operands(system, blocks)].concat();
             };
             let (contacts, merged) = self.merged_contacts(limbs, model.gravity);
             let partition = limbs.partition(layout.partition());
@@ -59,10 +122,11 @@ impl Tracer<'_> {
                 merged_settings(&contacts, &settings),
             ];
             let (n, count) = (merged.nv(), contacts.count());
-            let [vectors, sixes, rank] = unknowns.solve(&merged, layout, inputs, (n, count));
+            let ([vectors, sixes, rank], system) =
+                unknowns.solve(&merged, layout, inputs, (n, count), given);
             let vectors = vectors.chunks(n.max(1)).flat_map(|x| limbs.unpack_vector(x, nv));
             let sixes = sixes.chunks((6 * count).max(1)).flat_map(|x| contacts.unpack(x, 6));
-            vectors.chain(sixes).chain(rank).collect()
+            vectors.chain(sixes).chain(rank).chain(operands(system, blocks)).collect()
         })
     }
 
@@ -70,7 +134,7 @@ impl Tracer<'_> {
     /// contacts and settings.
     #[must_use]
     pub fn project_constraints(&self, layout: &UduLayout) -> Graph {
-        self.solution(layout, Unknowns::Steps)
+        self.solution(layout, Unknowns::Steps, None)
     }
 }
 
@@ -79,7 +143,7 @@ impl Tracer<'_> {
     /// Inputs: `q`, `qd`, active contacts and settings.
     #[must_use]
     pub fn contact_impulse(&self, layout: &UduLayout) -> Graph {
-        self.solution(layout, Unknowns::Velocities)
+        self.solution(layout, Unknowns::Velocities, None)
     }
 
     /// Returns the graph of the accelerations, the wrenches, the derivatives of the accelerations with respect
@@ -272,21 +336,31 @@ enum Unknowns {
 }
 
 impl Unknowns {
+    /// Returns the number of right-hand sides of the equations.
+    fn sides(self) -> usize {
+        match self {
+            Self::Accelerations | Self::Velocities => 1,
+            Self::Steps => 2,
+        }
+    }
+
     /// Returns the joint vectors, then six numbers for each constraint, then the rank; `nv` and `count` are the length of qd
-    /// and the number of constraints.
+    /// and the number of constraints. If the multipliers of dependent rows are `given`, also returns their equations.
     fn solve<T: Factorizable<Expr>>(
         self,
         tree: &T,
         layout: &T::Layout,
         [q, qd, tau, active, settings]: [Vec<Expr>; 5],
         (nv, count): (usize, usize),
-    ) -> [Vec<Expr>; 3] {
+        given: Option<Vec<Expr>>,
+    ) -> ([Vec<Expr>; 3], Option<(RowSystem<Expr>, Expr)>) {
         let vector = || vec![Expr::zero(); nv];
         let memory = &mut ConstraintWorkspace::new(tree, layout);
-        let workspaces = (&mut Workspace::new(tree), memory);
+        given.into_iter().for_each(|given| memory.set_apart(given));
+        let workspaces = (&mut Workspace::new(tree), &mut *memory);
         let settings = &settings_of(&settings);
         let settings = (&*active, settings);
-        match self {
+        let results = match self {
             Self::Accelerations => {
                 let (mut qdd, mut wrenches) = (vector(), vec![Wrench::zero(); count]);
                 let mut residuals = vec![Twist::zero(); count];
@@ -313,17 +387,29 @@ impl Unknowns {
                 let rank = solve(tree, layout, (&q, &qd), settings, workspaces, results);
                 [[dq, dqd].concat(), Vec::new(), vec![rank]]
             }
-        }
+        };
+        (results, memory.system_apart())
     }
 }
 
-/// Returns the number of scalars of the settings.
+/// Returns the operands of equations of constraint rows, and stores the constraints' numbers of rows.
+fn operands(
+    system: Option<(RowSystem<Expr>, Expr)>,
+    blocks: Option<&mut Option<Vec<usize>>>,
+) -> Vec<Expr> {
+    let Some(((system, margin), blocks)) = system.zip(blocks) else { return Vec::new() };
+    *blocks = Some(system.blocks);
+    let RowSystem { matrix, sides, scales, tolerances, .. } = system;
+    [&matrix[..], &sides, &scales, &tolerances, &[margin]].concat()
+}
+
 /// Returns the settings of merged contacts, from those of the robot's.
 fn merged_settings(contacts: &ContactPacking, settings: &[Expr]) -> Vec<Expr> {
     let (own, targets) = settings.split_at(ConstraintSettings::<Expr>::COUNT);
     [own, &contacts.numbers(targets, ContactTarget::<Expr>::COUNT)].concat()
 }
 
+/// Returns the number of scalars of the settings.
 pub(super) fn settings_count(model: &Mechanism<f64>) -> usize {
     ConstraintSettings::<Expr>::COUNT + ContactTarget::<Expr>::COUNT * model.contacts()
 }

@@ -29,6 +29,7 @@ use modyn_runtime::mechanism::{BodyFrame, Mechanism, MergedMechanism};
 use crate::graph::{Expr, ForeignExpr, Graph};
 
 pub use columns::{ColumnResult, ColumnsGraph};
+pub use constraints::RowEquationsGraph;
 pub use derivatives::ProductGraph;
 pub use entries::{EntryDerivatives, EntryForm, second_derivatives};
 pub use evaluation::Solvers;

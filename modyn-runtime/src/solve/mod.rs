@@ -12,6 +12,7 @@
 //! | `sweeps` | all contacts and joint stops one after another |
 //! | `newton` | damped Newton steps for all of them, where sweeps do not suffice |
 //! | `ground` | both, one after the other |
+//! | `rank` | the pseudo-inverse of constraint rows, of which some may be dependent |
 //! | `derivative` | the derivatives of the impulses that solve the equations |
 
 mod contact;
@@ -20,6 +21,7 @@ mod derivative;
 mod ground;
 mod laws;
 mod newton;
+mod rank;
 mod sweeps;
 
 pub use contact::{Contact, ContactMode};
@@ -29,6 +31,9 @@ pub use laws::velocity_range;
 pub(crate) use laws::{add_scaled, relative_velocity, soften};
 #[cfg(feature = "alloc")]
 pub(crate) use laws::{least_speed, normal_law};
+#[cfg(feature = "alloc")]
+pub(crate) use rank::{Counts, Exchange, RankFactorization, dot, place, row_start};
+pub use rank::{RowEquations, RowSolutions};
 
 #[cfg(test)]
 mod tests;

@@ -5,6 +5,7 @@
 
 pub(crate) mod operations;
 mod products;
+mod row_equations;
 mod vectors;
 
 use std::cell::{Cell, OnceCell};

@@ -1,237 +1,135 @@
-//! The pseudo-inverse of J M^-1 J^T by a rank-revealing factorization, without a branch on a value.
-//!
-//! The symmetric matrix A is factorized as P Delta P^T, constraint by constraint. In each step the row
-//! of the constraint with the largest remaining diagonal becomes the pivot: it exchanges its place with
-//! the next row. Selections between numbers exchange the two rows, so that no index depends on a value.
-//! The pivot's column divided by its diagonal becomes a column of P, and its outer product is subtracted
-//! from the matrix. A pivot at or below its threshold leaves a column of zeros: its row depends on
-//! earlier rows. In the order of the pivots P is lower triangular with a diagonal of ones. The columns
-//! of P are well conditioned for any Delta. With the Gram matrix G = P^T P the pseudo-inverse is
-//! (Courrieu 2005, "Fast computation of Moore-Penrose inverse matrices")
-//!
-//! ```text
-//! A^+ = P G^-1 Delta^-1 G^-1 P^T
-//! ```
-//!
-//! The pseudo-inverse does not depend on which of several dependent rows became pivots. The
-//! multipliers have the smallest norm. The residuals of contradictory rows have the smallest sum of
-//! squares.
+//! The factorization of J M^-1 J^T, and its pseudo-inverse.
 
 use alloc::{vec, vec::Vec};
 use core::cmp::Ordering;
-use core::ops::Range;
 
+use super::full_rank::FullRank;
 use super::lanes::packed;
 use crate::Scalar;
 use crate::mechanism::BodyTree;
+use crate::solve::{Counts, Exchange, RankFactorization, dot, place, row_start};
 
-/// The rows of one constraint, and the number of pivots that are searched for among them.
+/// The factorization of a symmetric matrix of constraint rows.
 #[derive(Clone, Debug)]
-struct RowBlock {
-    rows: Range<usize>,
-    pivots: usize,
-}
-
-/// Two rows that change places where `larger` is not negative.
-#[derive(Clone, Copy, Debug)]
-struct Exchange<S> {
-    rows: [usize; 2],
-    larger: S,
-}
-
-impl<S: Scalar> Exchange<S> {
-    /// Returns the numbers of the two rows, exchanged where the rows change places.
-    fn apply(&self, [a, b]: [S; 2]) -> [S; 2] {
-        [self.larger.select_nonnegative(b, a), self.larger.select_nonnegative(a, b)]
-    }
-
-    /// Exchanges the entries of a vector with an entry for each row.
-    fn in_vector(&self, vector: &mut [S]) {
-        let [a, b] = self.rows;
-        [vector[a], vector[b]] = self.apply([vector[a], vector[b]]);
-    }
-
-    /// Exchanges the rows and the columns of a symmetric matrix of `count` rows, of which the lower triangle is stored.
-    fn in_matrix(&self, matrix: &mut [S], count: usize) {
-        let [a, b] = self.rows;
-        for i in (0..count).filter(|&i| i != a && i != b) {
-            let [at_a, at_b] = [place(a, i), place(b, i)];
-            [matrix[at_a], matrix[at_b]] = self.apply([matrix[at_a], matrix[at_b]]);
-        }
-        let [at_a, at_b] = [place(a, a), place(b, b)];
-        [matrix[at_a], matrix[at_b]] = self.apply([matrix[at_a], matrix[at_b]]);
-    }
-}
-
-/// The factorization P Delta P^T of a symmetric matrix of constraint rows.
-#[derive(Clone, Debug)]
-pub(super) struct RankFactorization<S> {
-    blocks: Vec<RowBlock>,
-    rows: usize,
-    /// The lower triangle of A, reduced by each step's outer product; then P below the diagonal, whose column of a pivot is
-    /// that of the pivot's row. Row k has k + 1 entries, from `row_start(k)` on.
+pub(super) struct Factorization<S> {
+    /// For each constraint the number of its rows, and an upper bound of its rank.
+    blocks: Vec<(usize, usize)>,
+    /// The lower triangle of the matrix, by rows; then of its factor.
     matrix: Vec<S>,
-    /// For each row, the remaining diagonal at or below which the row is dependent.
+    /// The memory of a [`RankFactorization`]: lists with an entry for each row, and triangles.
     thresholds: Vec<S>,
-    /// The rows of one constraint that are not zero for all inputs.
     moving: Vec<usize>,
-    /// The exchanges of rows, in their order.
     exchanges: Vec<Exchange<S>>,
-    /// For each pivot, its row after all exchanges, ascending.
     pivots: Vec<usize>,
-    /// For each pivot, 1 / Delta; zero for a dependent pivot.
     reciprocals: Vec<S>,
-    /// For each pivot, one if it is independent, else zero.
     independent: Vec<S>,
-    /// The lower triangle of G, then its factor L below the diagonal.
     gram: Vec<S>,
-    /// The reciprocals of the pivots of G; zero for a dependent pivot.
     gram_reciprocals: Vec<S>,
-    /// The right-hand side for each pivot.
     reduced: Vec<S>,
+    counts: Counts,
     /// G^-1 P^T by columns; each column has an entry for each pivot.
     expansion: Vec<S>,
     /// The lower triangle of A^+.
     inverse: Vec<S>,
+    /// The solution where rows may be dependent, if it is computed elsewhere.
+    apart: Option<Apart<S>>,
 }
 
-/// Returns the index of the first entry of row `k` in a lower triangle.
-fn row_start(k: usize) -> usize {
-    k * (k + 1) / 2
+/// The equations A x = b of constraint rows, for one or more right-hand sides b.
+#[derive(Clone, Debug)]
+pub struct RowSystem<S> {
+    /// For each constraint, the number of its rows.
+    pub blocks: Vec<usize>,
+    /// The lower triangle of A, by rows.
+    pub matrix: Vec<S>,
+    /// The right-hand sides, one after the other.
+    pub sides: Vec<S>,
+    /// For each constraint, the scale of its thresholds.
+    pub scales: Vec<S>,
+    /// A row is dependent where its remaining diagonal is at most the first of these times its constraint's scale, plus the second
+    /// times its diagonal in A.
+    pub tolerances: [S; 2],
 }
 
-/// Returns the index of an entry of a symmetric matrix in its lower triangle.
-fn place(i: usize, j: usize) -> usize {
-    row_start(i.max(j)) + i.min(j)
+impl<S: Scalar> RowSystem<S> {
+    /// Returns x = A^+ b for each right-hand side, then A x - b for each, then the rank of A.
+    #[must_use]
+    pub fn solve(&self) -> Vec<S> {
+        let mut factorization = Factorization::new(self.blocks.iter().map(|&rows| (rows, rows)));
+        factorization.matrix.copy_from_slice(&self.matrix);
+        let [tolerance, rounding] = self.tolerances;
+        factorization.factorize(&self.scales, tolerance, rounding);
+        let (mut x, mut residuals) = (self.sides.clone(), self.sides.clone());
+        let rows = self.blocks.iter().sum::<usize>().max(1);
+        for (x, residual) in x.chunks_mut(rows).zip(residuals.chunks_mut(rows)) {
+            factorization.solve(x, residual);
+        }
+        x.into_iter().chain(residuals).chain([factorization.rank()]).collect()
+    }
 }
 
-impl<S: Scalar> RankFactorization<S> {
+/// A solution that counts where rows may be dependent, and is computed elsewhere.
+#[derive(Clone, Debug)]
+struct Apart<S> {
+    /// The results of [`RowSystem::solve`].
+    given: Vec<S>,
+    /// The equations.
+    system: RowSystem<S>,
+    /// The factors where all rows are independent.
+    full: FullRank<S>,
+}
+
+impl<S: Scalar> Factorization<S> {
     /// Returns an empty factorization. Each constraint is a pair: its number of rows, and an upper
     /// bound of its rank.
     pub(super) fn new(constraints: impl Iterator<Item = (usize, usize)>) -> Self {
-        let mut rows = 0;
-        let blocks = constraints.map(|(count, most)| {
-            let block = RowBlock { rows: rows..rows + count, pivots: count.min(most) };
-            rows = block.rows.end;
-            block
-        });
-        let blocks: Vec<RowBlock> = blocks.collect();
-        let pivots = blocks.iter().map(|block| block.pivots).sum();
+        let blocks: Vec<_> = constraints.map(|(rows, most)| (rows, rows.min(most))).collect();
+        let rows = blocks.iter().map(|(rows, _)| rows).sum();
+        let pivots: usize = blocks.iter().map(|(_, pivots)| pivots).sum();
         let numbers = |count| vec![S::zero(); count];
         Self {
             blocks,
-            rows,
             matrix: numbers(row_start(rows)),
             thresholds: numbers(rows),
-            moving: Vec::with_capacity(rows),
-            exchanges: Vec::with_capacity(pivots * rows),
-            pivots: Vec::with_capacity(pivots),
-            reciprocals: Vec::with_capacity(pivots),
-            independent: Vec::with_capacity(pivots),
-            gram: numbers(row_start(pivots)),
-            gram_reciprocals: numbers(pivots),
-            reduced: numbers(pivots),
+            moving: vec![0; rows],
+            exchanges: vec![Exchange::none(); row_start(rows)],
+            pivots: vec![0; rows],
+            reciprocals: numbers(rows),
+            independent: numbers(rows),
+            gram: numbers(row_start(rows)),
+            gram_reciprocals: numbers(rows),
+            reduced: numbers(rows),
+            counts: Counts::default(),
             expansion: numbers(rows * pivots),
             inverse: numbers(row_start(rows)),
+            apart: None,
+        }
+    }
+
+    /// Returns the rank-revealing factorization in this memory.
+    fn by_rank(&mut self) -> RankFactorization<'_, S> {
+        RankFactorization {
+            blocks: &self.blocks,
+            matrix: &mut self.matrix,
+            thresholds: &mut self.thresholds,
+            moving: &mut self.moving,
+            exchanges: &mut self.exchanges,
+            pivots: &mut self.pivots,
+            reciprocals: &mut self.reciprocals,
+            independent: &mut self.independent,
+            gram: &mut self.gram,
+            gram_reciprocals: &mut self.gram_reciprocals,
+            reduced: &mut self.reduced,
+            counts: &mut self.counts,
         }
     }
 
     /// Sets the entries of A: `entry(i, j)` returns the entry of row `i` and column `j`.
     pub(super) fn fill(&mut self, entry: impl Fn(usize, usize) -> S) {
-        for i in 0..self.rows {
+        for i in 0..self.thresholds.len() {
             for j in 0..=i {
                 self.matrix[place(i, j)] = entry(i, j);
             }
-        }
-    }
-
-    /// Factorizes A. A row is dependent where its remaining diagonal is at most the sum of two terms:
-    /// `tolerance` times the entry of `scales` for its constraint, and `rounding` times the row's
-    /// diagonal in A.
-    pub(super) fn factorize(&mut self, scales: &[S], tolerance: S, rounding: S) {
-        for (block, &scale) in self.blocks.iter().zip(scales) {
-            for k in block.rows.clone() {
-                self.thresholds[k] = tolerance * scale + rounding * self.matrix[place(k, k)];
-            }
-        }
-        self.exchanges.clear();
-        self.pivots.clear();
-        self.reciprocals.clear();
-        self.independent.clear();
-        for b in 0..self.blocks.len() {
-            let RowBlock { rows, pivots } = self.blocks[b].clone();
-            // A row whose diagonal is zero for all inputs is zero: A has no negative eigenvalue.
-            let is_zero = |k: &usize| self.matrix[place(*k, *k)].is_constant_zero();
-            let mut moving = core::mem::take(&mut self.moving);
-            moving.clear();
-            moving.extend(rows.filter(|k| !is_zero(k)));
-            for k in 0..pivots.min(moving.len()) {
-                self.eliminate_largest(moving[k], &moving[k + 1..]);
-            }
-            self.moving = moving;
-        }
-        self.reduced.resize(self.pivots.len(), S::zero());
-        self.factorize_gram();
-    }
-
-    /// Performs one step: the row with the largest margin over its threshold, of `pivot` and these others, becomes the
-    /// pivot in the place of `pivot`.
-    fn eliminate_largest(&mut self, pivot: usize, others: &[usize]) {
-        let margin = |own: &Self, k: usize| own.matrix[place(k, k)] - own.thresholds[k];
-        let mut largest = margin(self, pivot);
-        for &k in others {
-            let own = margin(self, k);
-            let larger = own - largest;
-            largest = larger.select_nonnegative(own, largest);
-            let exchange = Exchange { rows: [pivot, k], larger };
-            exchange.in_matrix(&mut self.matrix, self.rows);
-            exchange.in_vector(&mut self.thresholds);
-            self.exchanges.push(exchange);
-        }
-        let (dependent, diagonal) = (-largest, self.matrix[place(pivot, pivot)]);
-        let reciprocal = dependent.select_nonnegative(S::one(), diagonal).recip();
-        let reciprocal = dependent.select_nonnegative(S::zero(), reciprocal);
-        self.pivots.push(pivot);
-        self.reciprocals.push(reciprocal);
-        self.independent.push(dependent.select_nonnegative(S::zero(), S::one()));
-        // From the last row on, so that the column's entries of earlier rows are not yet divided.
-        for i in (pivot + 1..self.rows).rev() {
-            let scaled = self.matrix[place(i, pivot)] * reciprocal;
-            for j in pivot + 1..=i {
-                let product = scaled * self.matrix[place(j, pivot)];
-                let entry = &mut self.matrix[place(i, j)];
-                *entry = *entry - product;
-            }
-            self.matrix[place(i, pivot)] = scaled;
-        }
-    }
-
-    /// Factorizes G as L D L^T. The reciprocal of a dependent pivot is zero, so that solutions do not have it.
-    fn factorize_gram(&mut self) {
-        let Self { rows, matrix, pivots, gram, gram_reciprocals, independent, .. } = self;
-        // The entries of a pivot's column below row `below`.
-        let column = |pivot: usize, below: usize| {
-            let matrix = &*matrix;
-            (below + 1..*rows).map(move |i| matrix[place(i, pivot)])
-        };
-        for (k, &pivot) in pivots.iter().enumerate() {
-            let (before, own) = gram.split_at_mut(row_start(k));
-            for (entry, &other) in own.iter_mut().zip(&pivots[..k]) {
-                let products = column(pivot, pivot).zip(column(other, pivot)).map(|(a, b)| a * b);
-                *entry = products.fold(matrix[place(pivot, other)], |sum, x| sum + x);
-            }
-            let mut diagonal = column(pivot, pivot).fold(S::one(), |sum, x| sum + x * x);
-            for l in 0..k {
-                own[l] = own[l] - dot(&own[..l], &before[row_start(l)..][..l]);
-            }
-            for (entry, &reciprocal) in own[..k].iter_mut().zip(&*gram_reciprocals) {
-                let scaled = *entry * reciprocal;
-                diagonal = diagonal - *entry * scaled;
-                *entry = scaled;
-            }
-            let dependent = -independent[k];
-            let diagonal = dependent.select_nonnegative(S::one(), diagonal);
-            gram_reciprocals[k] = independent[k] * diagonal.recip();
         }
     }
 
@@ -242,23 +140,87 @@ impl<S: Scalar> RankFactorization<S> {
 
     /// Returns the trace of the matrix, which is not yet factorized.
     pub(super) fn trace(&self) -> S {
-        (0..self.rows).fold(S::zero(), |sum, k| sum + self.entry(k, k))
+        (0..self.thresholds.len()).fold(S::zero(), |sum, k| sum + self.entry(k, k))
+    }
+
+    /// Factorizes A. A row is dependent where its remaining diagonal is at most the sum of two terms:
+    /// `tolerance` times the entry of `scales` for its constraint, and `rounding` times the row's
+    /// diagonal in A.
+    pub(super) fn factorize(&mut self, scales: &[S], tolerance: S, rounding: S) {
+        self.by_rank().set_thresholds(scales, tolerance, rounding);
+        match &mut self.apart {
+            None => self.by_rank().factorize(),
+            Some(apart) => {
+                apart.full = FullRank::new(&self.matrix, &self.thresholds, &apart.system.blocks);
+                apart.system.matrix.clone_from(&self.matrix);
+                apart.system.sides.clear();
+                apart.system.scales = scales.to_vec();
+                apart.system.tolerances = [tolerance, rounding];
+            }
+        }
+    }
+
+    /// Replaces the right-hand sides b by the multipliers A^+ b, and fills in the residuals A A^+ b - b.
+    /// Where the rows do not contradict each other, the residuals are zero within rounding.
+    pub(super) fn solve(&mut self, right_hand_sides: &mut [S], residuals: &mut [S]) {
+        let Some(Apart { given, system, full }) = &mut self.apart else {
+            return self.by_rank().solve(right_hand_sides, residuals);
+        };
+        let first = system.sides.len();
+        system.sides.extend_from_slice(right_hand_sides);
+        full.solve(right_hand_sides, residuals);
+        let margin = full.margin();
+        let (solutions, rest) = given.split_at(given.len() / 2);
+        for (of, given) in [(right_hand_sides, solutions), (residuals, rest)] {
+            for (x, &given) in of.iter_mut().zip(&given[first..]) {
+                *x = margin.select_nonnegative(*x, given);
+            }
+        }
     }
 
     /// Returns the number of independent rows.
-    pub(super) fn rank(&self) -> S {
-        self.independent.iter().fold(S::zero(), |sum, &one| sum + one)
+    pub(super) fn rank(&mut self) -> S {
+        match &self.apart {
+            None => self.by_rank().rank(),
+            Some(Apart { given, full, .. }) => {
+                full.margin().select_nonnegative(full.rank(), given[given.len() - 1])
+            }
+        }
+    }
+
+    /// Makes the solutions where rows may be dependent these numbers, in place of a rank-revealing factorization. They are the
+    /// results of [`RowSystem::solve`], of which there is an odd number.
+    pub(super) fn set_apart(&mut self, given: Vec<S>) {
+        let system = RowSystem {
+            blocks: self.blocks.iter().map(|&(rows, _)| rows).collect(),
+            matrix: Vec::new(),
+            sides: Vec::new(),
+            scales: Vec::new(),
+            tolerances: [S::zero(); 2],
+        };
+        self.apart = Some(Apart { given, system, full: FullRank::new(&[], &[], &[]) });
+    }
+
+    /// Returns the equations whose solution is computed elsewhere, and a number that is not negative only if that solution does not
+    /// count. `None` if some rows are dependent in all states.
+    pub(super) fn system_apart(&mut self) -> Option<(RowSystem<S>, S)> {
+        let Apart { system, full, .. } = self.apart.take()?;
+        let mut diagonal = (0..self.thresholds.len()).map(|k| self.matrix[place(k, k)]);
+        let is_dependent = diagonal.any(S::is_constant_zero)
+            || self.blocks.iter().any(|(rows, pivots)| pivots < rows);
+        (!is_dependent).then(|| (system, full.margin()))
     }
 
     /// Computes A^+ by columns: H^T Delta^-1 H with H = G^-1 P^T, `tree.column_lanes()` columns at a time.
     pub(super) fn inverse<T: BodyTree<S>>(&mut self, tree: &T, columns: &mut [S]) {
-        let (rows, pivots, count) = (self.rows, self.pivots.len(), tree.column_lanes());
+        let (rows, pivots) = (self.thresholds.len(), self.counts.pivots);
+        let count = tree.column_lanes();
         let group = |r: usize| {
             let first = r - r % count;
             first..rows.min(first + count)
         };
         for first in (0..rows).step_by(count) {
-            for (k, &pivot) in self.pivots.iter().enumerate() {
+            for (k, &pivot) in self.pivots[..pivots].iter().enumerate() {
                 let entry = |r: usize| match r.cmp(&pivot) {
                     Ordering::Less => S::zero(),
                     Ordering::Equal => S::one(),
@@ -266,8 +228,8 @@ impl<S: Scalar> RankFactorization<S> {
                 };
                 self.reduced[k] = packed(tree, group(first), entry);
             }
-            self.solve_gram();
-            self.expansion[first * pivots..][..pivots].copy_from_slice(&self.reduced);
+            self.by_rank().solve_gram();
+            self.expansion[first * pivots..][..pivots].copy_from_slice(&self.reduced[..pivots]);
         }
         // The columns of a group of rows are stored as that of its first row.
         let packs = |r: usize| &self.expansion[(r - r % count) * pivots..][..pivots];
@@ -282,7 +244,7 @@ impl<S: Scalar> RankFactorization<S> {
                 }
             }
         }
-        for exchange in self.exchanges.iter().rev() {
+        for exchange in self.exchanges[..self.counts.exchanges].iter().rev() {
             exchange.in_matrix(&mut self.inverse, rows);
         }
         for j in 0..rows {
@@ -291,67 +253,4 @@ impl<S: Scalar> RankFactorization<S> {
             }
         }
     }
-
-    /// Replaces the right-hand sides b by the multipliers A^+ b, and fills in the residuals A A^+ b - b.
-    /// Where the rows do not contradict each other, the residuals are zero within rounding.
-    pub(super) fn solve(&mut self, right_hand_sides: &mut [S], residuals: &mut [S]) {
-        for exchange in &self.exchanges {
-            exchange.in_vector(right_hand_sides);
-        }
-        self.reduce(right_hand_sides);
-        for (residual, &b) in residuals.iter_mut().zip(&*right_hand_sides) {
-            *residual = -b;
-        }
-        self.add_expanded(residuals);
-        for (x, &reciprocal) in self.reduced.iter_mut().zip(&self.reciprocals) {
-            *x = *x * reciprocal;
-        }
-        self.solve_gram();
-        right_hand_sides.fill(S::zero());
-        self.add_expanded(right_hand_sides);
-        for exchange in self.exchanges.iter().rev() {
-            exchange.in_vector(right_hand_sides);
-            exchange.in_vector(residuals);
-        }
-    }
-
-    /// Computes G^-1 P^T b into `reduced`.
-    fn reduce(&mut self, b: &[S]) {
-        for (x, &pivot) in self.reduced.iter_mut().zip(&self.pivots) {
-            let below = pivot + 1..self.rows;
-            *x = below.fold(b[pivot], |sum, i| sum + self.matrix[place(i, pivot)] * b[i]);
-        }
-        self.solve_gram();
-    }
-
-    /// Replaces `reduced` by G^-1 times `reduced`, zero for dependent pivots.
-    fn solve_gram(&mut self) {
-        let Self { gram, gram_reciprocals, reduced, .. } = self;
-        for k in 0..reduced.len() {
-            reduced[k] = reduced[k] - dot(&reduced[..k], &gram[row_start(k)..][..k]);
-        }
-        for (x, &reciprocal) in reduced.iter_mut().zip(&*gram_reciprocals) {
-            *x = *x * reciprocal;
-        }
-        for k in (0..reduced.len()).rev() {
-            let (before, own) = reduced.split_at_mut(k);
-            for (x, &entry) in before.iter_mut().zip(&gram[row_start(k)..]) {
-                *x = *x - entry * own[0];
-            }
-        }
-    }
-
-    /// Adds P times `reduced` to `sum`.
-    fn add_expanded(&self, sum: &mut [S]) {
-        for (&x, &pivot) in self.reduced.iter().zip(&self.pivots) {
-            sum[pivot] = sum[pivot] + x;
-            for (i, sum) in sum.iter_mut().enumerate().skip(pivot + 1) {
-                *sum = *sum + self.matrix[place(i, pivot)] * x;
-            }
-        }
-    }
-}
-
-fn dot<S: Scalar>(a: &[S], b: &[S]) -> S {
-    a.iter().zip(b).map(|(&a, &b)| a * b).reduce(|sum, x| sum + x).unwrap_or(S::zero())
 }

@@ -1,6 +1,6 @@
 //! Inverse dynamics of a robot that stands on its contacts.
 
-use super::factorization::RankFactorization;
+use super::factorization::Factorization;
 use super::rows::constraint_rows;
 use super::{ConstraintWorkspace, Settings};
 use crate::Scalar;
@@ -93,7 +93,7 @@ pub fn constrained_inverse_dynamics<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
 pub(super) struct Carried<S> {
     /// The indices in qd of the velocities of floating joints.
     pub(super) entries: alloc::vec::Vec<usize>,
-    pub(super) factorization: RankFactorization<S>,
+    pub(super) factorization: Factorization<S>,
     forces: alloc::vec::Vec<S>,
     missed: alloc::vec::Vec<S>,
     /// For each constrained row, the weight of its contact; zero if the contact is not active.
@@ -104,7 +104,7 @@ impl<S: Scalar> Carried<S> {
     pub(super) fn new(model: &Mechanism<S>, rows: usize) -> Self {
         let entries: alloc::vec::Vec<usize> = unactuated(model).collect();
         let count = entries.len();
-        let factorization = RankFactorization::new(core::iter::once((count, count)));
+        let factorization = Factorization::new(core::iter::once((count, count)));
         let numbers = |count| alloc::vec![S::zero(); count];
         Self {
             factorization,

@@ -7,6 +7,7 @@
 //! | `lanes` | the rows of merged contacts |
 //! | `rows` | the Jacobian rows in units of length, and the mobility of each constraint |
 //! | `factorization` | the pseudo-inverse of J M^-1 J^T, and its rank |
+//! | `full_rank` | the same without exchanges, where all rows are independent |
 //! | `forward_dynamics` | accelerations and constraint wrenches |
 //! | `derivatives` | derivatives of forward dynamics |
 //! | `derivative_terms` | the sums that constraints add their parts of the derivatives to |
@@ -53,6 +54,7 @@ mod derivative_terms;
 mod derivatives;
 mod factorization;
 mod forward_dynamics;
+mod full_rank;
 mod impulse;
 mod inverse_dynamics;
 mod jacobian;
@@ -65,6 +67,7 @@ mod relative_motion;
 mod residual;
 mod rows;
 
+pub use factorization::RowSystem;
 pub use {
     adjoint::*, contact_problem::*, contact_step::*, derivatives::*, forward_dynamics::*,
     impulse::*, inverse_dynamics::*, jacobian::*, operational_inertia::*, projection::*,
@@ -83,7 +86,7 @@ use crate::mechanism::{ConstrainedFrames, Mechanism};
 use crate::spatial::{Matrix3, Twist, Vector3, Wrench};
 use contact::ContactFrame;
 use derivative_terms::DerivativeWorkspace;
-use factorization::RankFactorization;
+use factorization::Factorization;
 use inverse_dynamics::Carried;
 use lanes::RowLanes;
 
@@ -130,7 +133,7 @@ pub struct ConstraintWorkspace<S> {
     /// The constrained rows of the robot among those of merged limbs.
     lanes: RowLanes,
     /// The factorization of J M^-1 J^T, the robot's constrained rows only.
-    factorization: RankFactorization<S>,
+    factorization: Factorization<S>,
     /// For each constraint of the robot, its mobility.
     scales: Vec<S>,
     /// For each constrained row of the robot, its multiplier, and the part of the right-hand side that is not met.
@@ -183,7 +186,7 @@ impl<S: Scalar> ConstraintWorkspace<S> {
             fall: numbers(model.nv),
             rest: numbers(model.nv),
             mobilities: numbers(model.constraints.len()),
-            factorization: RankFactorization::new(blocks),
+            factorization: Factorization::new(blocks),
             supports,
             scales: numbers(lanes.constraints().len()),
             solution: [numbers(lanes.count()), numbers(lanes.count())],
@@ -194,6 +197,18 @@ impl<S: Scalar> ConstraintWorkspace<S> {
             derivatives: None,
             factors: numbers(layout.size()),
         }
+    }
+
+    /// Makes the multipliers where rows may be dependent these numbers, which are computed elsewhere. They are the results of
+    /// [`RowSystem::solve`] for the system that [`system_apart`](Self::system_apart) returns.
+    pub fn set_apart(&mut self, given: Vec<S>) {
+        self.factorization.set_apart(given);
+    }
+
+    /// Returns the equations of the multipliers that were [set apart](Self::set_apart), and a number that is not negative only if these
+    /// do not count, since all rows are independent. `None` if some rows are dependent in all states.
+    pub fn system_apart(&mut self) -> Option<(RowSystem<S>, S)> {
+        self.factorization.system_apart()
     }
 
     /// Factorizes J M^-1 J^T of the current rows, lets `complete` change the right-hand sides, and sets those

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use super::{Printer, table_name};
+use super::{Printer, row_equations, table_name};
 use crate::emit::FloatType;
 use crate::names::helper_type;
 use crate::program::{
@@ -30,6 +30,7 @@ impl Printer<'_> {
                 if angles.len() == 1 { pairs.concat() } else { format!("[{}]", pairs.join(", ")) }
             }
             Operation::Unpack(_) => format!("[{}]", names.join(", ")),
+            Operation::RowEquations(equations) => row_equations::pattern(equations, &names),
             Operation::Call(call) => {
                 if call.repetition == 0 && !call.common.is_empty() {
                     let _ = writeln!(text, "{indent}let common = &[{}];", self.all(&call.common));
@@ -81,6 +82,7 @@ impl Printer<'_> {
                 format!("{kind}::constants([{}])", lanes.join(", "))
             }
             Operation::Unpack(a) => format!("{}::unpack({})", self.kind(a.lanes), t(a)),
+            Operation::RowEquations(equations) => self.row_equations(equations),
             Operation::Call(Call { routine, repetition, own, common }) => {
                 let name = self.routine_name(*routine);
                 let tables = &self.program.routines[*routine].tables;
@@ -145,7 +147,7 @@ impl Printer<'_> {
                     if angles.len() == 1 { String::new() } else { format!("_{}", place / 2) };
                 format!("{function}{s}{angle}")
             }
-            Operation::Unpack(_) => format!("x{s}_{place}"),
+            Operation::Unpack(_) | Operation::RowEquations(_) => format!("x{s}_{place}"),
             Operation::Call(call) => format!("p{}_{}_{place}", call.routine, call.repetition),
             _ => format!("x{s}"),
         }
