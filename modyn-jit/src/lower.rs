@@ -146,7 +146,9 @@ impl<S: Real> Lowering<'_, S> {
                 };
                 (0..vector.lanes).map(|k| vec![lane(self, k)]).collect()
             }
-            Statement::Call(_) => unreachable!("plans for machine code have no routines"),
+            Statement::Call(_) | Statement::RowEquations(_) => {
+                unreachable!("plans for machine code are straight-line code")
+            }
         }
     }
 

@@ -6,8 +6,8 @@ use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter, Scalar};
 
 use crate::random::{Random, State};
 
-/// Returns numbers for the arguments of a function: those of `state` where it has them, else random ones. Every second
-/// contact is active, with the default settings and a target at rest in general position.
+/// Returns numbers for the arguments of a function: those of `state` where it has them, else random ones. All contacts
+/// are active if the first velocity is positive, else every second one, with the default settings and a target at rest in general position.
 ///
 /// # Panics
 ///
@@ -38,7 +38,8 @@ pub fn arguments(function: Function, model: &Model, state: &State) -> Vec<Vec<f6
             (_, ArgumentKind::Time) => vec![1.0 / 128.0],
             (_, ArgumentKind::RandomNumbers) => several(0.0, 1.0),
             (_, ArgumentKind::Contacts) => {
-                (0..length).map(|contact| f64::from(u8::from(contact % 2 == 0))).collect()
+                let all = state.qd.first().is_some_and(|&first| first > 0.0);
+                (0..length).map(|contact| f64::from(u8::from(all || contact % 2 == 0))).collect()
             }
             (_, ArgumentKind::Settings) => {
                 let targets = (0..sizes.contacts).flat_map(|_| {

@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 
 use super::support::Support;
 use crate::program::{
-    Addend, Call, MultiplyAdd, Operand, Operation, Program, Source, Value, argument_of,
+    Addend, Call, MultiplyAdd, Operand, Operation, Program, RowEquations, Source, Value,
+    argument_of,
 };
 
 /// The syntax of a language.
@@ -70,6 +71,16 @@ pub(super) trait Syntax {
     fn call(&self, _: &Program, _: &Call, _: &dyn Fn(&Operand) -> String) -> String {
         unreachable!("the back end has no routines")
     }
+
+    /// Returns the lines that define the results of row equations, with this name.
+    fn row_equations(&self, _: &str, _: &RowEquations, _: &dyn Fn(&Operand) -> String) -> String {
+        unreachable!("the back end has straight-line code for rows of any rank")
+    }
+}
+
+/// Returns the name of the results of row equations, statement `s`.
+fn rows(s: usize) -> String {
+    format!("rows{s}")
 }
 
 /// The statements of one chunk.
@@ -114,7 +125,10 @@ impl<S: Syntax> Body<'_, S> {
                 *text += &self.syntax.call(self.program, call, &t);
                 return;
             }
-            Operation::RowEquations(_) => unreachable!("the back end has no row equations"),
+            Operation::RowEquations(equations) => {
+                *text += &self.syntax.row_equations(&rows(s), equations, &t);
+                return;
+            }
             Operation::Pack(_) | Operation::Constants(_) | Operation::Unpack(_) => {
                 unreachable!("a program on scalars has no lanes")
             }
@@ -152,6 +166,7 @@ impl<S: Syntax> Body<'_, S> {
         match &self.program.statements[s].operation {
             Operation::SinCos(_) if place.is_multiple_of(2) => format!("s{s}_{}", place / 2),
             Operation::SinCos(_) => format!("c{s}_{}", place / 2),
+            Operation::RowEquations(_) => self.syntax.entry(&rows(s), place),
             Operation::Call(call) => {
                 self.syntax.entry(&format!("p{}_{}", call.routine, call.repetition), place)
             }

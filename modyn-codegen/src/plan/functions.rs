@@ -212,6 +212,9 @@ impl Lowering {
                     .columns(|t, s| {
                         t.constrained_forward_dynamics_derivatives_by_columns(&s.layout)
                     })
+                    .row_equations(|t, s, inputs| {
+                        t.constrained_forward_dynamics_derivatives_around_rows(&s.layout, inputs)
+                    })
             }
             Function::ConstrainedForwardDynamicsHessian => {
                 Lowering::traced(|t, s| t.constrained_forward_dynamics_hessian(&s.layout))
@@ -232,6 +235,9 @@ impl Lowering {
             Function::OperationalInertia => {
                 Lowering::traced(|t, s| t.operational_inertia(&s.layout))
                     .packed(Packing::ConstrainedColumns)
+                    .row_equations(|t, s, inputs| {
+                        t.operational_inertia_around_rows(&s.layout, inputs)
+                    })
             }
             Function::LinkPoses => Lowering { source: GraphSource::Poses, ..Lowering::EVALUATED },
             Function::LinkPose => Lowering::EVALUATED.in_bundles(|t| t.link_pose_from_world(0)),

@@ -88,22 +88,9 @@ impl Planned {
             GraphSource::Traced(_) | GraphSource::Evaluation => {
                 let rows = row_equations::kernels(function, context, scalars);
                 rows.unwrap_or_else(|| {
-                    let graph = graphs.scalar(function, context);
-                    if row.batch_of.is_some() {
-                        Kernels::of(Program::new(&graph, scalars, Execution::Batch))
-                    } else {
-                        let packed = packing::packed(function, context, &graph);
-                        let straight = (&graph, packed.as_ref());
-                        let looped = looped::recursion(function, context, straight);
-                        let looped = looped.map(Kernels::Looped);
-                        let products = || products::kernels(function, context, straight, scalars);
-                        let columns = || columns::kernels(function, context, &graph, scalars);
-                        looped.or_else(products).or_else(columns).unwrap_or_else(|| {
-                            let (kernels, found) = context.kernels(&graph, packed, scalars);
-                            fault = found;
-                            kernels
-                        })
-                    }
+                    let (kernels, found) = context.traced(function, graphs, scalars);
+                    fault = found;
+                    kernels
                 })
             }
         };
@@ -201,6 +188,28 @@ impl Planned {
 }
 
 impl PlanContext<'_> {
+    /// Returns the programs of a function that is traced as a whole, and the fault of packs.
+    fn traced(
+        &self,
+        function: Function,
+        graphs: &mut ScalarGraphs,
+        scalars: usize,
+    ) -> (Kernels, Option<InvalidProgram>) {
+        let graph = graphs.scalar(function, self);
+        if function.batched().is_some() {
+            return (Kernels::of(Program::new(&graph, scalars, Execution::Batch)), None);
+        }
+        let packed = packing::packed(function, self, &graph);
+        let straight = (&graph, packed.as_ref());
+        let looped = looped::recursion(function, self, straight).map(Kernels::Looped);
+        let products = || products::kernels(function, self, straight, scalars);
+        let columns = || columns::kernels(function, self, &graph, scalars);
+        match looped.or_else(products).or_else(columns) {
+            Some(kernels) => (kernels, None),
+            None => self.kernels(&graph, packed, scalars),
+        }
+    }
+
     /// Returns the way that programs without packs run.
     pub(super) fn without_packs(&self) -> Execution {
         without_packs(self.execution)

@@ -16,14 +16,16 @@ use crate::program::{Execution, Operation, Program};
 use crate::trace::RowEquationsGraph;
 
 /// Returns the programs of a function with equations of constraint rows, or of its form for many states. `None` for other functions,
-/// where the user has chosen straight-line code, for languages without the loops, and if some rows are dependent in all states.
+/// where the user has chosen straight-line code or columns by one routine, and if some rows are dependent in all states.
 pub(super) fn kernels(
     function: Function,
     context: &PlanContext<'_>,
     scalars: usize,
 ) -> Option<Kernels> {
-    let trace = Lowering::of(function).row_equations?;
-    if context.code == CodeForm::Fast || !context.has_vectors() {
+    let Lowering { row_equations, columns, .. } = Lowering::of(function);
+    let trace = row_equations?;
+    let by_columns = context.code == CodeForm::Small && columns.is_some();
+    if context.code == CodeForm::Fast || context.share || by_columns {
         return None;
     }
     let RowEquationsGraph { graph, blocks, sides } = trace(&context.tracer, context, scalars)?;

@@ -4,6 +4,8 @@ use modyn_runtime::Scalar;
 use modyn_runtime::equations::constraints::RowSystem;
 
 use super::{Execution, InvalidProgram, Operand, Program};
+use crate::graph::{Expr, Graph};
+use crate::passes::optimize;
 use crate::trace::RowEquationsGraph;
 
 /// The equations A x = b of constraint rows, for one or more right-hand sides b. The results are x = A^+ b for each of them, then A x - b
@@ -32,15 +34,33 @@ impl RowEquations {
         2 * self.sides * self.rows() + 1
     }
 
-    /// Returns the lower triangle, the right-hand sides, the scales, the tolerance with the rounding, and the last operand.
+    /// Returns the number that is negative where the results count.
     #[must_use]
-    pub fn parts(&self) -> [&[Operand]; 5] {
-        let rows = self.rows();
-        let (triangle, rest) = self.operands.split_at(rows * (rows + 1) / 2);
-        let (sides, rest) = rest.split_at(self.sides * rows);
-        let (scales, rest) = rest.split_at(self.blocks.len());
-        let (tolerances, margin) = rest.split_at(2);
-        [triangle, sides, scales, tolerances, margin]
+    pub fn margin(&self) -> &Operand {
+        &self.operands[self.operands.len() - 1]
+    }
+
+    /// Returns the operands without the last one.
+    #[must_use]
+    pub fn numbers(&self) -> &[Operand] {
+        &self.operands[..self.operands.len() - 1]
+    }
+
+    /// Returns the lower triangle, the right-hand sides, the scales, and the tolerance with the rounding.
+    #[must_use]
+    pub fn parts(&self) -> [&[Operand]; 4] {
+        parts(&self.blocks, self.sides, self.numbers())
+    }
+
+    /// Returns the program of the results from [the numbers](Self::numbers), in straight-line code.
+    #[must_use]
+    pub fn program(&self) -> Program {
+        let count = self.numbers().len();
+        let graph = Graph::trace(|| {
+            let inputs: Vec<Expr> = (0..count).map(Expr::input).collect();
+            system(&self.blocks, parts(&self.blocks, self.sides, &inputs)).solve()
+        });
+        Program::new(&optimize(graph), count, Execution::Scalar)
     }
 
     /// Returns the number of operands that equations of this form have.
@@ -58,10 +78,25 @@ impl RowEquations {
     /// Returns the results, from a function that returns the number of an operand.
     pub(super) fn evaluate<S: Scalar>(&self, number: impl Fn(&Operand) -> S) -> Vec<S> {
         let numbers = |part: &[Operand]| part.iter().map(&number).collect::<Vec<S>>();
-        let [matrix, sides, scales, tolerances, _] = self.parts().map(numbers);
-        let tolerances = [tolerances[0], tolerances[1]];
-        RowSystem { blocks: self.blocks.clone(), matrix, sides, scales, tolerances }.solve()
+        let parts = self.parts().map(numbers);
+        system(&self.blocks, parts.each_ref().map(Vec::as_slice)).solve()
     }
+}
+
+/// Returns the parts of the numbers of equations: the lower triangle, the right-hand sides, the scales, the tolerance and the rounding.
+fn parts<'a, T>(blocks: &[usize], sides: usize, numbers: &'a [T]) -> [&'a [T]; 4] {
+    let rows: usize = blocks.iter().sum();
+    let (triangle, rest) = numbers.split_at(rows * (rows + 1) / 2);
+    let (sides, rest) = rest.split_at(sides * rows);
+    let (scales, tolerances) = rest.split_at(blocks.len());
+    [triangle, sides, scales, tolerances]
+}
+
+/// Returns the equations of constraints with these numbers of rows.
+fn system<S: Scalar>(blocks: &[usize], parts: [&[S]; 4]) -> RowSystem<S> {
+    let [matrix, sides, scales, tolerances] = parts.map(<[S]>::to_vec);
+    let tolerances = [tolerances[0], tolerances[1]];
+    RowSystem { blocks: blocks.to_vec(), matrix, sides, scales, tolerances }
 }
 
 impl Program {

@@ -29,6 +29,46 @@ pub struct RowEquationsGraph {
     pub sides: usize,
 }
 
+impl RowEquationsGraph {
+    /// Returns the graph that `trace` makes with its dependent rows apart, which has this number of inputs and of right-hand sides.
+    /// `None` if some rows are dependent in all states.
+    fn new(
+        (first, sides): (usize, usize),
+        trace: impl FnOnce(ApartRows<'_>) -> Graph,
+    ) -> Option<Self> {
+        let mut blocks = None;
+        let graph = trace(ApartRows { first, sides, blocks: &mut blocks });
+        Some(Self { graph, blocks: blocks?, sides })
+    }
+}
+
+/// The form of equations of dependent rows that are solved apart from a graph.
+struct ApartRows<'a> {
+    /// The first input that is one of their results.
+    first: usize,
+    /// The number of right-hand sides.
+    sides: usize,
+    /// For each constraint the number of its rows, which tracing finds.
+    blocks: &'a mut Option<Vec<usize>>,
+}
+
+impl ApartRows<'_> {
+    /// Makes the results inputs.
+    fn given(self, memory: &mut ConstraintWorkspace<Expr>, rows: usize) -> Self {
+        let results = 2 * rows * self.sides + 1;
+        memory.set_apart((self.first..self.first + results).map(Expr::input).collect());
+        self
+    }
+
+    /// Returns the operands of the equations.
+    fn operands(self, memory: &mut ConstraintWorkspace<Expr>) -> Vec<Expr> {
+        let Some((system, margin)) = memory.system_apart() else { return Vec::new() };
+        let RowSystem { blocks, matrix, sides, scales, tolerances } = system;
+        *self.blocks = Some(blocks);
+        [&matrix[..], &sides, &scales, &tolerances, &[margin]].concat()
+    }
+}
+
 impl Tracer<'_> {
     /// Returns the graph of the accelerations, a wrench and a residual for each constraint, and the rank.
     /// Inputs: `q`, `qd`, `tau`, active contacts and settings. The mass matrix is factorized with `layout`.
@@ -39,7 +79,8 @@ impl Tracer<'_> {
 
     /// Returns the graph of [`constrained_forward_dynamics`](Self::constrained_forward_dynamics) for independent rows, with equations
     /// for dependent ones, after this number of `inputs`. `None` if some rows are dependent in all states.
-    pub(crate) fn constrained_forward_dynamics_around_rows(
+    #[must_use]
+    pub fn constrained_forward_dynamics_around_rows(
         &self,
         layout: &UduLayout,
         inputs: usize,
@@ -48,7 +89,8 @@ impl Tracer<'_> {
     }
 
     /// Returns the graph of [`project_constraints`](Self::project_constraints) in the same form.
-    pub(crate) fn project_constraints_around_rows(
+    #[must_use]
+    pub fn project_constraints_around_rows(
         &self,
         layout: &UduLayout,
         inputs: usize,
@@ -57,7 +99,8 @@ impl Tracer<'_> {
     }
 
     /// Returns the graph of [`contact_impulse`](Self::contact_impulse) in the same form.
-    pub(crate) fn contact_impulse_around_rows(
+    #[must_use]
+    pub fn contact_impulse_around_rows(
         &self,
         layout: &UduLayout,
         inputs: usize,
@@ -71,9 +114,13 @@ impl Tracer<'_> {
         unknowns: Unknowns,
         inputs: usize,
     ) -> Option<RowEquationsGraph> {
-        let mut blocks = None;
-        let graph = self.solution(layout, unknowns, Some((inputs, &mut blocks)));
-        Some(RowEquationsGraph { graph, blocks: blocks?, sides: unknowns.sides() })
+        let form = (inputs, unknowns.sides());
+        RowEquationsGraph::new(form, |apart| self.solution(layout, unknowns, Some(apart)))
+    }
+
+    /// Returns the number of constrained rows of the robot.
+    fn rows(&self) -> usize {
+        self.model.constraints.iter().map(|constraint| constraint.rows.len()).sum()
     }
 
     /// Returns the contacts of merged limbs, and the mechanism of the merged limbs with them.
@@ -88,28 +135,22 @@ impl Tracer<'_> {
     }
 
     /// Traces the equations of `unknowns`, with the contacts of merged limbs merged. Results are joint vectors, then six numbers
-    /// for each constraint, then the rank. If the solution of dependent rows is `apart`, its results are inputs from this one on, and
-    /// the operands of its equations are further results; the numbers of rows are stored.
+    /// for each constraint, then the rank; then the operands of equations of dependent rows that are solved `apart`.
     fn solution(
         &self,
         layout: &UduLayout,
         unknowns: Unknowns,
-        apart: Option<(usize, &mut Option<Vec<usize>>)>,
+        apart: Option<ApartRows<'_>>,
     ) -> Graph {
         let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
         let forces = if unknowns == Unknowns::Accelerations { nv } else { 0 };
         let groups = [nq, nv, forces, contacts, settings_count(self.model)];
         self.trace_groups(groups, |model, [q, qd, tau, active, settings]| {
-            let rows: usize = self.model.constraints.iter().map(|c| c.rows.len()).sum();
-            let (first, blocks) = apart.unzip();
-            let results = 2 * rows * unknowns.sides() + 1;
-            let given = first.map(|first| (first..first + results).map(Expr::input).collect());
+            let apart = apart.map(|apart| (apart, self.rows()));
             let Some(limbs) = self.limbs else {
                 let sizes = (nv, model.constraints.len());
                 let inputs = [q, qd, tau, active, settings];
-                let ([vectors, sixes, rank], system) =
-                    unknowns.solve(model, layout, inputs, sizes, given);
-                return [vectors, sixes, rank, operands(system, blocks)].concat();
+                return unknowns.solve(model, layout, inputs, sizes, apart).concat();
             };
             let (contacts, merged) = self.merged_contacts(limbs, model.gravity);
             let partition = limbs.partition(layout.partition());
@@ -122,11 +163,10 @@ impl Tracer<'_> {
                 merged_settings(&contacts, &settings),
             ];
             let (n, count) = (merged.nv(), contacts.count());
-            let ([vectors, sixes, rank], system) =
-                unknowns.solve(&merged, layout, inputs, (n, count), given);
+            let [vectors, sixes, rest] = unknowns.solve(&merged, layout, inputs, (n, count), apart);
             let vectors = vectors.chunks(n.max(1)).flat_map(|x| limbs.unpack_vector(x, nv));
             let sixes = sixes.chunks((6 * count).max(1)).flat_map(|x| contacts.unpack(x, 6));
-            vectors.chain(sixes).chain(rank).chain(operands(system, blocks)).collect()
+            vectors.chain(sixes).chain(rest).collect()
         })
     }
 
@@ -151,6 +191,23 @@ impl Tracer<'_> {
     /// contacts and settings.
     #[must_use]
     pub fn constrained_forward_dynamics_derivatives(&self, layout: &UduLayout) -> Graph {
+        self.derivatives(layout, None)
+    }
+
+    /// Returns the graph of [`constrained_forward_dynamics_derivatives`](Self::constrained_forward_dynamics_derivatives) for
+    /// independent rows, with equations for dependent ones, after this number of `inputs`. `None` if some rows are dependent in all
+    /// states.
+    #[must_use]
+    pub fn constrained_forward_dynamics_derivatives_around_rows(
+        &self,
+        layout: &UduLayout,
+        inputs: usize,
+    ) -> Option<RowEquationsGraph> {
+        let sides = 1 + self.rows();
+        RowEquationsGraph::new((inputs, sides), |apart| self.derivatives(layout, Some(apart)))
+    }
+
+    fn derivatives(&self, layout: &UduLayout, apart: Option<ApartRows<'_>>) -> Graph {
         let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
         let groups = [nq, nv, nv, contacts, settings_count(self.model)];
         self.trace_groups(groups, |model, [q, qd, tau, active, settings]| {
@@ -167,12 +224,13 @@ impl Tracer<'_> {
             let model = &self.with_column_lanes(model);
             let layout = &MergedUduLayout::new(model, layout.clone());
             let memory = &mut ConstraintWorkspace::new(model, layout);
+            let apart = apart.map(|apart| apart.given(memory, self.rows()));
             let rank = constraints::constrained_forward_dynamics_derivatives(
                 model,
                 layout,
                 (&q, &qd, &tau),
                 (&active, &settings_of(&settings)),
-                (&mut Workspace::new(model), memory),
+                (&mut Workspace::new(model), &mut *memory),
                 outputs,
             );
             let wrenches = wrenches.iter().chain(changes.iter().flatten());
@@ -180,7 +238,8 @@ impl Tracer<'_> {
                 wrenches.clone().take(count).flat_map(Wrench::components).collect(),
                 wrenches.skip(count).flat_map(Wrench::components).collect(),
             );
-            [qdd, first, matrices.concat(), rest, vec![rank]].concat()
+            let operands = apart.map_or_else(Vec::new, |apart| apart.operands(memory));
+            [qdd, first, matrices.concat(), rest, vec![rank], operands].concat()
         })
     }
 
@@ -188,6 +247,22 @@ impl Tracer<'_> {
     /// Inputs: `q`, active contacts and settings.
     #[must_use]
     pub fn operational_inertia(&self, layout: &UduLayout) -> Graph {
+        self.inertia(layout, None)
+    }
+
+    /// Returns the graph of [`operational_inertia`](Self::operational_inertia) in the form of
+    /// [`constrained_forward_dynamics_around_rows`](Self::constrained_forward_dynamics_around_rows).
+    #[must_use]
+    pub fn operational_inertia_around_rows(
+        &self,
+        layout: &UduLayout,
+        inputs: usize,
+    ) -> Option<RowEquationsGraph> {
+        let form = (inputs, self.rows());
+        RowEquationsGraph::new(form, |apart| self.inertia(layout, Some(apart)))
+    }
+
+    fn inertia(&self, layout: &UduLayout, apart: Option<ApartRows<'_>>) -> Graph {
         let groups = [self.model.nq, self.model.contacts(), settings_count(self.model)];
         self.trace_groups(groups, |model, [q, active, settings]| {
             let rows: usize = model.constraints.iter().map(|c| c.rows.len()).sum();
@@ -196,15 +271,17 @@ impl Tracer<'_> {
             let model = &self.with_column_lanes(model);
             let layout = &MergedUduLayout::new(model, layout.clone());
             let memory = &mut ConstraintWorkspace::new(model, layout);
+            let apart = apart.map(|apart| apart.given(memory, self.rows()));
             let rank = constraints::operational_inertia(
                 model,
                 layout,
                 &q,
                 (&active, &settings_of(&settings)),
-                (&mut Workspace::new(model), memory),
+                (&mut Workspace::new(model), &mut *memory),
                 (&mut inverse, &mut inertia),
             );
-            [inverse, inertia, vec![rank]].concat()
+            let operands = apart.map_or_else(Vec::new, |apart| apart.operands(memory));
+            [inverse, inertia, vec![rank], operands].concat()
         })
     }
 }
@@ -345,22 +422,22 @@ impl Unknowns {
     }
 
     /// Returns the joint vectors, then six numbers for each constraint, then the rank; `nv` and `count` are the length of qd
-    /// and the number of constraints. If the multipliers of dependent rows are `given`, also returns their equations.
+    /// and the number of constraints. The rank comes before the operands of equations that are solved `apart`.
     fn solve<T: Factorizable<Expr>>(
         self,
         tree: &T,
         layout: &T::Layout,
         [q, qd, tau, active, settings]: [Vec<Expr>; 5],
         (nv, count): (usize, usize),
-        given: Option<Vec<Expr>>,
-    ) -> ([Vec<Expr>; 3], Option<(RowSystem<Expr>, Expr)>) {
+        apart: Option<(ApartRows<'_>, usize)>,
+    ) -> [Vec<Expr>; 3] {
         let vector = || vec![Expr::zero(); nv];
         let memory = &mut ConstraintWorkspace::new(tree, layout);
-        given.into_iter().for_each(|given| memory.set_apart(given));
+        let apart = apart.map(|(apart, rows)| apart.given(memory, rows));
         let workspaces = (&mut Workspace::new(tree), &mut *memory);
         let settings = &settings_of(&settings);
         let settings = (&*active, settings);
-        let results = match self {
+        let [vectors, sixes, rank] = match self {
             Self::Accelerations => {
                 let (mut qdd, mut wrenches) = (vector(), vec![Wrench::zero(); count]);
                 let mut residuals = vec![Twist::zero(); count];
@@ -388,19 +465,9 @@ impl Unknowns {
                 [[dq, dqd].concat(), Vec::new(), vec![rank]]
             }
         };
-        (results, memory.system_apart())
+        let operands = apart.map_or_else(Vec::new, |apart| apart.operands(memory));
+        [vectors, sixes, [rank, operands].concat()]
     }
-}
-
-/// Returns the operands of equations of constraint rows, and stores the constraints' numbers of rows.
-fn operands(
-    system: Option<(RowSystem<Expr>, Expr)>,
-    blocks: Option<&mut Option<Vec<usize>>>,
-) -> Vec<Expr> {
-    let Some(((system, margin), blocks)) = system.zip(blocks) else { return Vec::new() };
-    *blocks = Some(system.blocks);
-    let RowSystem { matrix, sides, scales, tolerances, .. } = system;
-    [&matrix[..], &sides, &scales, &tolerances, &[margin]].concat()
 }
 
 /// Returns the settings of merged contacts, from those of the robot's.

@@ -1280,11 +1280,20 @@ fn operation_counts_are_as_frozen() {
         (Tracer::new(&mechanism), UduLayout::new(&mechanism, &ModuleTree::chains(&model)));
     let limbs = LimbPacking::find(&mechanism, &LIMB_LIMITS).expect("four legs");
     let evaluation = |function| tracer.evaluation(function, &model, None);
+    let around = |tracer: &Tracer<'_>| {
+        let around = tracer.constrained_forward_dynamics_around_rows(&layout, 1000);
+        around.expect("independent rows").graph
+    };
     let found = [
         ("constrained_forward_dynamics", tracer.constrained_forward_dynamics(&layout)),
         (
             "constrained_forward_dynamics in lanes",
             tracer.packed(&limbs).constrained_forward_dynamics(&layout),
+        ),
+        ("constrained_forward_dynamics of independent rows", around(&tracer)),
+        (
+            "constrained_forward_dynamics of independent rows in lanes",
+            around(&tracer.packed(&limbs)),
         ),
         ("contact_impulse in lanes", tracer.packed(&limbs).contact_impulse(&layout)),
         ("project_constraints in lanes", tracer.packed(&limbs).project_constraints(&layout)),
@@ -1316,6 +1325,8 @@ fn operation_counts_are_as_frozen() {
     let frozen = [
         ("constrained_forward_dynamics", 9113),
         ("constrained_forward_dynamics in lanes", 4792),
+        ("constrained_forward_dynamics of independent rows", 0),
+        ("constrained_forward_dynamics of independent rows in lanes", 0),
         ("contact_impulse in lanes", 4094),
         ("project_constraints in lanes", 5070),
         ("constrained_forward_dynamics_derivatives", 70504),

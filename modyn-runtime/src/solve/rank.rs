@@ -19,8 +19,7 @@
 //!
 //! The memory is lists of the caller: arrays of generated code ([`RowEquations`]), or vectors of a robot that is known at run time.
 
-use crate::Scalar;
-use crate::batch::Chunk;
+use crate::scalar::{Chunk, Scalar};
 
 /// Two rows that change places where `larger` is not negative.
 #[derive(Clone, Copy, Debug)]

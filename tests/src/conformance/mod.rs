@@ -106,7 +106,7 @@ pub fn large() -> Case {
 }
 
 /// Returns robots of every other kind: all joint types, closed loops, mimic joints, run-time parameters, equal limbs in
-/// routines, loops over bodies, products of matrices in loops, columns by one routine, many links on one
+/// routines, loops over bodies, products of matrices in loops, columns by one routine, dependent rows of contacts, many links on one
 /// body, bundles and functions of the user.
 ///
 /// # Panics
@@ -128,6 +128,7 @@ pub fn kinds() -> Vec<Case> {
         case("loops", sprung().functions(looped).code(CodeForm::Small).runtime_gravity()),
         case("products", products()),
         case("columns", columns()),
+        case("points", points()),
         case("comb", comb().functions(USED)),
         case("own_functions", own_functions()),
     ]
@@ -145,6 +146,20 @@ fn columns() -> Builder {
     let hand = contact("hand", ContactKind::Surface, "wrist_3_link", [0.1, 0.0, -0.2]);
     let arm = robot("ur5").base(Base::Floating).contacts([hand]);
     arm.functions(functions).code(CodeForm::Small)
+}
+
+/// Returns a robot with two contacts of one link, which have a dependent row if both are active.
+fn points() -> Builder {
+    let functions = [
+        Function::ConstrainedForwardDynamics,
+        Function::ContactImpulse,
+        Function::ProjectConstraints,
+    ];
+    let points = [
+        contact("toe", ContactKind::Point, "lower", [0.1, 0.2, -0.3]),
+        contact("heel", ContactKind::Point, "lower", [-0.2, 0.1, -0.1]),
+    ];
+    robot("double_pendulum").base(Base::Floating).contacts(points).functions(functions)
 }
 
 /// Returns a robot with all joint types, and a spring at each joint.

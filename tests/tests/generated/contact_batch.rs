@@ -33,6 +33,7 @@ robots! {
     walker: "../../../robots/quadruped.urdf", f64, base = floating, contacts = [
         "foot": point("hind_left_foot", [0, 0, 0], [0.2, 0.1, -0.4]),
         "sole": surface("front_left_foot", [0.02, 0.01, -0.01], [0.5, -0.3, 0.7]),
+        "heel": point("front_left_foot", [-0.1, 0.02, 0.03], [0, 0, 0]),
     ];
     zoo: "../../golden/joints_spherical.urdf", f64, contacts = [
         "hand": point("link4", [0.1, -0.2, 0.3], [0.2, 0.1, -0.4]),

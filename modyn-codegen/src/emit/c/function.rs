@@ -7,7 +7,9 @@ use std::fmt::Write as _;
 use super::{Array, Printer, literal, products};
 use crate::emit::statements::{Body, Syntax, sum_of_products};
 use crate::emit::support::Support;
-use crate::program::{Call, Chunk, MultiplyAdd, Operand, Program, Source, argument_of};
+use crate::program::{
+    Call, Chunk, MultiplyAdd, Operand, Operation, Program, RowEquations, Source, argument_of,
+};
 
 impl Printer {
     /// Prints the function of one program: its routines, its chunks, and the function itself.
@@ -33,6 +35,13 @@ impl Printer {
                 results,
                 &routine.program,
             );
+        }
+        let operations = program.statements.iter().map(|statement| &statement.operation);
+        for operation in operations {
+            let Operation::RowEquations(equations) = operation else { continue };
+            let arrays = [Array { name: "of".into(), len: equations.numbers().len() }];
+            let solve = equations.program();
+            self.function("static ", &format!("{name}_rows"), &arrays, equations.results(), &solve);
         }
         let last = program.chunks.len() - 1;
         let lengths: Vec<usize> = given.iter().map(|array| array.len).collect();
@@ -168,6 +177,26 @@ impl Syntax for C<'_> {
         let all: Vec<String> = [table, own, common, Some(result)].into_iter().flatten().collect();
         let _ = writeln!(text, "    {}_routine{p}({});", self.name, all.join(", "));
         text
+    }
+
+    fn row_equations(
+        &self,
+        results: &str,
+        equations: &RowEquations,
+        t: &dyn Fn(&Operand) -> String,
+    ) -> String {
+        let (real, name) = (self.printer.real(), self.name);
+        let numbers: Vec<String> = equations.numbers().iter().map(t).collect();
+        let (zero, margin) = (self.literal(0.0), t(equations.margin()));
+        format!(
+            "    {real} {results}[{}] = {{ {zero} }};\n    \
+             if (!({margin} >= {zero})) {{\n        \
+             const {real} of[{}] = {{ {} }};\n        \
+             {name}_rows(of, {results});\n    }}\n",
+            equations.results(),
+            numbers.len(),
+            numbers.join(", "),
+        )
     }
 }
 

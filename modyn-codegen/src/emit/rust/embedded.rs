@@ -106,12 +106,20 @@ pub(super) fn module(items: &str) -> String {
         &mut text,
         "scalar",
         &["traits", "trig"],
-        "pub(crate) use self::traits::epsilon;\n    pub use self::traits::{Scalar, SimdTask};",
+        "pub(crate) use self::traits::epsilon;\n    pub use self::traits::{Chunk, Scalar, SimdTask};",
     );
     if spatial {
         let exported = "pub use self::{\n        pose::Pose,\n        vector::Vector3,\n        \
                         wrench::{Momentum, Twist, Wrench},\n    };";
         write_folder(&mut text, "spatial", &["pose", "vector", "wrench"], exported);
+    }
+    if items.contains("__modyn::solve::") {
+        write_folder(
+            &mut text,
+            "solve",
+            &["rank"],
+            "pub use self::rank::{RowEquations, RowSolutions};",
+        );
     }
     for export in exports {
         let _ = writeln!(text, "    {export}");

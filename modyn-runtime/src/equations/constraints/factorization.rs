@@ -79,6 +79,21 @@ struct Apart<S> {
     full: FullRank<S>,
 }
 
+impl<S: Scalar> Apart<S> {
+    /// Adds a right-hand side, and returns the index of its first number.
+    fn add_side(&mut self, side: &[S]) -> usize {
+        self.system.sides.extend_from_slice(side);
+        self.system.sides.len() - side.len()
+    }
+
+    /// Replaces numbers by given ones where rows may be dependent.
+    fn choose(&self, numbers: &mut [S], given: &[S]) {
+        for (x, &given) in numbers.iter_mut().zip(given) {
+            *x = self.full.margin().select_nonnegative(*x, given);
+        }
+    }
+}
+
 impl<S: Scalar> Factorization<S> {
     /// Returns an empty factorization. Each constraint is a pair: its number of rows, and an upper
     /// bound of its rank.
@@ -163,19 +178,14 @@ impl<S: Scalar> Factorization<S> {
     /// Replaces the right-hand sides b by the multipliers A^+ b, and fills in the residuals A A^+ b - b.
     /// Where the rows do not contradict each other, the residuals are zero within rounding.
     pub(super) fn solve(&mut self, right_hand_sides: &mut [S], residuals: &mut [S]) {
-        let Some(Apart { given, system, full }) = &mut self.apart else {
+        let Some(apart) = &mut self.apart else {
             return self.by_rank().solve(right_hand_sides, residuals);
         };
-        let first = system.sides.len();
-        system.sides.extend_from_slice(right_hand_sides);
-        full.solve(right_hand_sides, residuals);
-        let margin = full.margin();
-        let (solutions, rest) = given.split_at(given.len() / 2);
-        for (of, given) in [(right_hand_sides, solutions), (residuals, rest)] {
-            for (x, &given) in of.iter_mut().zip(&given[first..]) {
-                *x = margin.select_nonnegative(*x, given);
-            }
-        }
+        let first = apart.add_side(right_hand_sides);
+        apart.full.solve(right_hand_sides, residuals);
+        let (solutions, rest) = apart.given.split_at(apart.given.len() / 2);
+        apart.choose(right_hand_sides, &solutions[first..]);
+        apart.choose(residuals, &rest[first..]);
     }
 
     /// Returns the number of independent rows.
@@ -213,6 +223,16 @@ impl<S: Scalar> Factorization<S> {
 
     /// Computes A^+ by columns: H^T Delta^-1 H with H = G^-1 P^T, `tree.column_lanes()` columns at a time.
     pub(super) fn inverse<T: BodyTree<S>>(&mut self, tree: &T, columns: &mut [S]) {
+        if let Some(apart) = &mut self.apart {
+            apart.full.inverse(columns);
+            for (j, column) in columns.chunks_mut(self.thresholds.len().max(1)).enumerate() {
+                let unit = |i| if i == j { S::one() } else { S::zero() };
+                let side: Vec<S> = (0..column.len()).map(unit).collect();
+                let first = apart.add_side(&side);
+                apart.choose(column, &apart.given[first..]);
+            }
+            return;
+        }
         let (rows, pivots) = (self.thresholds.len(), self.counts.pivots);
         let count = tree.column_lanes();
         let group = |r: usize| {

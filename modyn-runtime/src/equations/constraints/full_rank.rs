@@ -74,6 +74,30 @@ impl<S: Scalar> FullRank<S> {
         sum
     }
 
+    /// Computes the inverse by columns; the rows and the columns of zero rows are zero.
+    pub(super) fn inverse(&self, columns: &mut [S]) {
+        let Self { factor, reciprocals, .. } = self;
+        let rows = reciprocals.len();
+        // The inverse of L, in the same triangle; its diagonal is one.
+        let mut lower = factor.clone();
+        for j in 0..rows {
+            for i in j + 1..rows {
+                let known = (j + 1..i).map(|k| factor[place(i, k)] * lower[place(k, j)]);
+                lower[place(i, j)] = -known.fold(factor[place(i, j)], |sum, x| sum + x);
+            }
+        }
+        for i in 0..rows {
+            for j in 0..=i {
+                let own = |k: usize| lower[place(k, i)] * reciprocals[k];
+                let first =
+                    if i == j { reciprocals[i] } else { reciprocals[i] * lower[place(i, j)] };
+                let terms = (i + 1..rows).map(|k| own(k) * lower[place(k, j)]);
+                let sum = terms.fold(first, |sum, x| sum + x);
+                (columns[j * rows + i], columns[i * rows + j]) = (sum, sum);
+            }
+        }
+    }
+
     /// Returns a number that is not negative only if no row is dependent but rows that are zero.
     pub(super) fn margin(&self) -> S {
         -self.excess

@@ -24,7 +24,7 @@ impl Printer<'_> {
     /// Returns the text that solves row equations where their results count.
     pub(super) fn row_equations(&self, equations: &RowEquations) -> String {
         let list = |operands: &[Operand]| format!("[{}]", self.all(operands));
-        let [triangle, sides, scales, tolerances, margin] = equations.parts();
+        let [triangle, sides, scales, tolerances] = equations.parts();
         let sides: Vec<String> = sides.chunks(equations.rows()).map(list).collect();
         let of = format!(
             "__modyn::solve::RowEquations {{ blocks: {:?}, matrix: {}, sides: [{}], scales: {}, tolerances: {} }}",
@@ -42,7 +42,7 @@ impl Printer<'_> {
         format!(
             "if {}::is_known_nonnegative({}) {{ __modyn::solve::RowSolutions::zero() }} else {{ {solved} }}",
             self.kind(1),
-            self.all(margin)
+            self.operand(equations.margin())
         )
     }
 }
