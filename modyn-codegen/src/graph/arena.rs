@@ -76,19 +76,6 @@ impl Graph {
         live
     }
 
-    /// Returns the numbers of the inputs that an output depends on, ascending.
-    #[must_use]
-    pub fn live_inputs(&self) -> Vec<usize> {
-        let live = self.nodes.iter().zip(self.live()).filter(|&(_, live)| live);
-        let inputs = live.filter_map(|(node, _)| match *node {
-            Node::Input(number) => Some(number as usize),
-            _ => None,
-        });
-        let mut inputs: Vec<usize> = inputs.collect();
-        inputs.sort_unstable();
-        inputs
-    }
-
     /// Returns, for each node, the number of uses by live nodes and outputs.
     #[must_use]
     pub fn uses(&self) -> Vec<u32> {

@@ -8,7 +8,7 @@ use modyn_runtime::quantities::{Argument, ArgumentKind, Function, Shape, Sizes};
 use super::PlanContext;
 use crate::diagnostics::suggest;
 use crate::graph::{Expr, Graph};
-use crate::trace::{ColumnsGraph, ProductGraph, RowEquationsGraph, Solvers, Tracer};
+use crate::trace::{DenseGraph, ProductGraph, Solvers, Tracer};
 
 /// The factors of the mass matrix, an argument of the functions of the factors.
 pub(super) const FACTORS: Argument = Argument { name: "factors", kind: ArgumentKind::Factors };
@@ -67,8 +67,8 @@ pub enum GraphSource {
     Poses,
 }
 
-/// Returns a graph with equations of constraint rows, over this number of inputs.
-type AroundRows = fn(&Tracer<'_>, &PlanContext<'_>, usize) -> Option<RowEquationsGraph>;
+/// Returns a graph with dense parts, over this number of inputs.
+pub(super) type TraceDense = fn(&Tracer<'_>, &PlanContext<'_>, usize) -> DenseGraph;
 
 /// The way the compiler makes a function.
 #[derive(Clone, Copy)]
@@ -81,10 +81,10 @@ pub struct Lowering {
     pub recursion: Option<fn() -> BodyRecursion<Expr>>,
     /// The graphs before products of matrices, if these can be loops.
     pub products: Option<fn(&Tracer<'_>, &PlanContext<'_>) -> ProductGraph>,
-    /// The graphs of a function whose columns can be solved for in a loop.
-    pub columns: Option<fn(&Tracer<'_>, &PlanContext<'_>) -> ColumnsGraph>,
-    /// The graphs of independent constraint rows; the last argument is the number of inputs.
-    pub row_equations: Option<AroundRows>,
+    /// The graphs of independent constraint rows.
+    pub rows: Option<TraceDense>,
+    /// The same with derivatives as a linear map of columns.
+    pub map: Option<TraceDense>,
     /// Other graphs of a function of one link, which share more with those of other functions of a bundle.
     pub in_bundles: Option<fn(&Tracer<'_>) -> Graph>,
     /// The forms that C can call.
@@ -98,8 +98,8 @@ impl Lowering {
         packing: Packing::Never,
         recursion: None,
         products: None,
-        columns: None,
-        row_equations: None,
+        rows: None,
+        map: None,
         in_bundles: None,
         c_form: CForm::SourceAndExport,
     };
@@ -124,14 +124,14 @@ impl Lowering {
         Self { products: Some(trace), ..self }
     }
 
-    /// Returns the lowering of a function whose columns can be solved for in a loop.
-    const fn columns(self, trace: fn(&Tracer<'_>, &PlanContext<'_>) -> ColumnsGraph) -> Self {
-        Self { columns: Some(trace), ..self }
+    /// Returns the lowering of a function whose constraint rows are independent in most states.
+    const fn rows(self, trace: TraceDense) -> Self {
+        Self { rows: Some(trace), ..self }
     }
 
-    /// Returns the lowering of a function whose constraint rows are independent in most states.
-    const fn row_equations(self, trace: AroundRows) -> Self {
-        Self { row_equations: Some(trace), ..self }
+    /// Returns the lowering of a function whose derivatives can be a linear map of columns.
+    const fn map(self, trace: TraceDense) -> Self {
+        Self { map: Some(trace), ..self }
     }
 
     /// Returns the lowering of a function with this graph as another one in bundles.
@@ -195,24 +195,24 @@ impl Lowering {
             Function::ConstrainedForwardDynamics => {
                 Lowering::traced(|t, s| t.constrained_forward_dynamics(&s.for_derivatives))
                     .packed(Packing::Contacts)
-                    .row_equations(|t, s, inputs| {
+                    .rows(|t, s, inputs| {
                         t.constrained_forward_dynamics_around_rows(&s.for_derivatives, inputs)
                     })
             }
             Function::ProjectConstraints => {
                 Lowering::traced(|t, s| t.project_constraints(&s.for_derivatives))
                     .packed(Packing::Contacts)
-                    .row_equations(|t, s, inputs| {
+                    .rows(|t, s, inputs| {
                         t.project_constraints_around_rows(&s.for_derivatives, inputs)
                     })
             }
             Function::ConstrainedForwardDynamicsDerivatives => {
                 Lowering::traced(|t, s| t.constrained_forward_dynamics_derivatives(&s.layout))
                     .packed(Packing::ConstrainedColumns)
-                    .columns(|t, s| {
-                        t.constrained_forward_dynamics_derivatives_by_columns(&s.layout)
+                    .map(|t, s, inputs| {
+                        t.constrained_forward_dynamics_derivatives_by_map(&s.layout, inputs)
                     })
-                    .row_equations(|t, s, inputs| {
+                    .rows(|t, s, inputs| {
                         t.constrained_forward_dynamics_derivatives_around_rows(&s.layout, inputs)
                     })
             }
@@ -222,9 +222,7 @@ impl Lowering {
             Function::ContactImpulse => {
                 Lowering::traced(|t, s| t.contact_impulse(&s.for_derivatives))
                     .packed(Packing::Contacts)
-                    .row_equations(|t, s, inputs| {
-                        t.contact_impulse_around_rows(&s.for_derivatives, inputs)
-                    })
+                    .rows(|t, s, inputs| t.contact_impulse_around_rows(&s.for_derivatives, inputs))
             }
             Function::ContactProblem => {
                 Lowering::traced(|t, s| t.contact_problem(&s.for_derivatives))
@@ -235,9 +233,7 @@ impl Lowering {
             Function::OperationalInertia => {
                 Lowering::traced(|t, s| t.operational_inertia(&s.layout))
                     .packed(Packing::ConstrainedColumns)
-                    .row_equations(|t, s, inputs| {
-                        t.operational_inertia_around_rows(&s.layout, inputs)
-                    })
+                    .rows(|t, s, inputs| t.operational_inertia_around_rows(&s.layout, inputs))
             }
             Function::LinkPoses => Lowering { source: GraphSource::Poses, ..Lowering::EVALUATED },
             Function::LinkPose => Lowering::EVALUATED.in_bundles(|t| t.link_pose_from_world(0)),

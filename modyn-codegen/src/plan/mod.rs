@@ -11,9 +11,9 @@ mod bundle;
 mod casadi;
 mod choices;
 mod code_form;
-mod columns;
 mod constants;
 mod context;
+mod dense;
 mod entries;
 mod factorization;
 mod frames;
@@ -25,7 +25,6 @@ pub mod partition;
 mod planned;
 mod products;
 mod programs;
-mod row_equations;
 mod user;
 mod wrapped;
 
@@ -281,28 +280,20 @@ impl Plan {
     pub fn loops(&self) -> Vec<(&'static str, String)> {
         let of = |planned: &Planned| {
             if let Kernels::Straight { scalar, .. } = &planned.kernels
-                && row_equations::has_equations(scalar)
+                && let Some(loops) = dense::loops(scalar)
             {
-                let how = "loops for dependent rows of constraints, which few states have";
-                return Some((planned.name, how.to_string()));
+                return Some((planned.name, loops));
             }
             let (loops, limit) = match &planned.kernels {
-                Kernels::Looped(_) => ("loops over the bodies", Some(looped::MAX_STRAIGHT)),
+                Kernels::Looped(_) => ("loops over the bodies", looped::MAX_STRAIGHT),
                 Kernels::Straight { scalar, simd } if scalar.products.is_some() => {
-                    ("products of matrices in loops", Some(products::limit(simd.is_some())))
-                }
-                Kernels::Straight { scalar, .. }
-                    if !scalar.routines.is_empty() && !self.choices.share =>
-                {
-                    ("one routine for all columns", None)
+                    ("products of matrices in loops", products::limit(simd.is_some()))
                 }
                 _ => return None,
             };
-            let why = match limit.filter(|_| self.choices.code != CodeForm::Small) {
-                Some(limit) => {
-                    format!("straight-line code would have more than {limit} operations")
-                }
-                None => "the option `code` is `small`".to_string(),
+            let why = match self.choices.code {
+                CodeForm::Small => "the option `code` is `small`".to_string(),
+                _ => format!("straight-line code would have more than {limit} operations"),
             };
             Some((planned.name, format!("{loops}, since {why}")))
         };

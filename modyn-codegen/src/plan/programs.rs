@@ -5,15 +5,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use modyn_runtime::quantities::{Argument, Function, Shape, Sizes};
 
 use super::bundle::{Bundle, Graphs, Member};
-use super::columns;
 use super::context::PlanContext;
+use super::dense;
 use super::frames::Frames;
 use super::functions::{CForm, GraphSource, Lowering};
 use super::looped;
 use super::packing;
 use super::planned::{Kernels, Planned};
 use super::products;
-use super::row_equations;
 use super::user::{TracedForm, TracedFunction};
 use crate::graph::Graph;
 use crate::intern::intern;
@@ -86,7 +85,7 @@ impl Planned {
                 Kernels::of(context.program(&graph, scalars))
             }
             GraphSource::Traced(_) | GraphSource::Evaluation => {
-                let rows = row_equations::kernels(function, context, scalars);
+                let rows = dense::kernels(function, context, scalars);
                 rows.unwrap_or_else(|| {
                     let (kernels, found) = context.traced(function, graphs, scalars);
                     fault = found;
@@ -203,8 +202,7 @@ impl PlanContext<'_> {
         let straight = (&graph, packed.as_ref());
         let looped = looped::recursion(function, self, straight).map(Kernels::Looped);
         let products = || products::kernels(function, self, straight, scalars);
-        let columns = || columns::kernels(function, self, &graph, scalars);
-        match looped.or_else(products).or_else(columns) {
+        match looped.or_else(products) {
             Some(kernels) => (kernels, None),
             None => self.kernels(&graph, packed, scalars),
         }

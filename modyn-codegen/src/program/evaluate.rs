@@ -63,19 +63,14 @@ impl Program {
                     let routine = &self.routines[call.routine];
                     let constants = routine.tables[call.repetition].iter();
                     let operands = call.own.iter().chain(&call.common);
-                    let in_lane = |lane| {
-                        let all = constants.clone().map(|&x| S::from_f64(x));
-                        let all = all.chain(operands.clone().map(|operand| at(operand, lane)));
-                        routine.program.evaluate(&all.collect::<Vec<S>>())
-                    };
-                    let each: Vec<Vec<S>> = lanes.map(in_lane).collect();
-                    let places = 0..routine.program.results.len();
-                    results.extend(places.flat_map(|k| each.iter().map(move |own| own[k])));
+                    let all = constants.map(|&x| S::from_f64(x));
+                    let all: Vec<S> = all.chain(operands.map(|operand| at(operand, 0))).collect();
+                    results.extend(routine.program.evaluate(&all));
                 }
             }
             let width = match &statement.operation {
                 // Each result is a scalar.
-                Operation::Unpack(_) | Operation::RowEquations(_) => 1,
+                Operation::Unpack(_) | Operation::Call(_) | Operation::RowEquations(_) => 1,
                 _ => usize::from(statement.lanes),
             };
             values.push(width, &mut results);
@@ -84,6 +79,9 @@ impl Program {
         let mut results: Vec<S> = self.results.iter().map(value).collect();
         if let Some(products) = &self.products {
             products.apply(&mut results, value);
+        }
+        if let Some(map) = &self.map {
+            map.apply(&mut results, value);
         }
         results
     }

@@ -7,6 +7,7 @@ use super::{
     Source, Statement, Value, outline,
 };
 use crate::graph::{Graph, Id, Node};
+use crate::trace::RowForm;
 
 /// The message of a panic about an invalid program.
 const FAULT: &str = "a fault of modyn: please report it";
@@ -40,16 +41,15 @@ impl Program {
         Self::lowered_with(graph, arguments, execution, None)
     }
 
-    /// Returns the statements and results of a graph, as [`lowered`](Self::lowered) does. With `equations` of constraint rows, which are
-    /// the constraints' numbers of rows and the number of right-hand sides, the last outputs of the graph are the operands of these
+    /// Returns the statements and results of a graph, as [`lowered`](Self::lowered) does. With `equations` of constraint rows, the last outputs of the graph are the operands of these
     /// equations, and the inputs after the arguments are their results.
     pub(super) fn lowered_with(
         graph: &Graph,
         arguments: usize,
         execution: Execution,
-        equations: Option<(&[usize], usize)>,
+        equations: Option<&RowForm>,
     ) -> Self {
-        let equations = equations.map(|(blocks, sides)| {
+        let equations = equations.map(|&RowForm { ref blocks, sides }| {
             let results = graph.outputs.len() - RowEquations::count(blocks, sides);
             Equations { blocks, sides, results, first: arguments, statement: usize::MAX }
         });
@@ -64,6 +64,7 @@ impl Program {
             statements,
             results,
             products: None,
+            map: None,
             first_stores: Vec::new(),
             chunks: Vec::new(),
             routines: Vec::new(),

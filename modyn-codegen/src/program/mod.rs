@@ -16,9 +16,9 @@
 //!
 //! A [`Recursion`] is the short form of code: loops over bodies, each of which runs a program.
 
-mod columns;
 mod count;
 mod evaluate;
+mod linear_map;
 mod lower;
 mod outline;
 mod places;
@@ -32,6 +32,7 @@ mod validate;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
+pub use linear_map::LinearMap;
 pub use places::argument_of;
 pub use products::{ProductBlock, Products, ROW_LANES, product_blocks};
 pub use recursion::{Places, Read, Recursion, Run, Step, Sweep, Write};
@@ -73,6 +74,8 @@ pub struct Program {
     pub results: Vec<Operand>,
     /// The products of matrices that replace some results, in loops after the statements.
     pub products: Option<Products>,
+    /// The linear map of columns that replaces some results, in loops after the statements.
+    pub map: Option<LinearMap>,
     /// The results that need no statement, and can be stored at once. Empty unless results are stored as soon as they are
     /// computed.
     pub first_stores: Vec<usize>,

@@ -7,7 +7,7 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use super::{Chunk, Execution, Operation, Program, Scope, Statement, Value};
+use super::{Chunk, Execution, Program, Scope, Value};
 
 /// The largest number of statements in one scope.
 const MAX_SCOPE: usize = 250;
@@ -37,16 +37,7 @@ const THREAD: Limits = Limits { whole: 5000, chunk: 2500 };
 
 /// Returns the statements of a program in chunks of about equal length.
 pub(super) fn chunks(program: &Program) -> Vec<Chunk> {
-    // Calls are in one function and one scope, in which the operands that they share have a name.
-    let is_of_calls = |statement: &&Statement| {
-        use Operation::{Call, Constants, Pack, Unpack};
-        matches!(statement.operation, Pack(_) | Constants(_) | Unpack(_) | Call(_))
-    };
-    let calls = match program.routines.is_empty() {
-        true => 0,
-        false => program.statements.iter().rev().take_while(is_of_calls).count(),
-    };
-    let count = program.statements.len() - calls;
+    let count = program.statements.len();
     let Limits { whole, chunk } = match program.execution {
         Execution::Batch => BATCH,
         Execution::Threads => THREAD,
@@ -54,12 +45,8 @@ pub(super) fn chunks(program: &Program) -> Vec<Chunk> {
         Execution::Scalar | Execution::Simd => SCALAR,
     };
     let chunks = if count <= whole { 1 } else { count.div_ceil(chunk) };
-    let mut ranges: Vec<Range<usize>> =
+    let ranges: Vec<Range<usize>> =
         (0..chunks).map(|k| k * count / chunks..(k + 1) * count / chunks).collect();
-    if calls > 0 {
-        ranges.retain(|range| !range.is_empty());
-        ranges.push(count..count + calls);
-    }
     let chunk = |statements: &Range<usize>| {
         let read = statements.clone().flat_map(|s| program.reads(s));
         let earlier = read.filter(|&s| s < statements.start);
@@ -68,22 +55,19 @@ pub(super) fn chunks(program: &Program) -> Vec<Chunk> {
             statements: statements.clone(),
             live_in: chunks.collect::<BTreeSet<usize>>().into_iter().collect(),
             live_out: live_out(program, statements),
-            scopes: match calls > 0 && statements.start == count {
-                true => scopes(program, statements, calls),
-                false => scopes(program, statements, MAX_SCOPE),
-            },
+            scopes: scopes(program, statements),
         }
     };
     ranges.iter().map(chunk).collect()
 }
 
-/// Returns the scopes of a chunk, each of `length` statements but the last.
-fn scopes(program: &Program, chunk: &Range<usize>, length: usize) -> Vec<Scope> {
+/// Returns the scopes of a chunk, each of maximal length.
+fn scopes(program: &Program, chunk: &Range<usize>) -> Vec<Scope> {
     chunk
         .clone()
-        .step_by(length)
+        .step_by(MAX_SCOPE)
         .map(|start| {
-            let statements = start..(start + length).min(chunk.end);
+            let statements = start..(start + MAX_SCOPE).min(chunk.end);
             Scope { live_out: live_out(program, &statements), statements }
         })
         .collect()

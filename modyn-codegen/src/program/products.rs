@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use modyn_runtime::{OperationCount, Scalar};
 
-use super::{Execution, InvalidProgram, Operand, Program, Source};
+use super::{Execution, InvalidProgram, LinearMap, Operand, Program, Source};
 use crate::trace::ProductGraph;
 
 /// The lanes of a vector of rows.
@@ -72,12 +72,13 @@ impl Program {
         program.finished()
     }
 
-    /// Returns the results and the addends of products.
+    /// Returns the results, the addends of products, and the operands of a map.
     pub(crate) fn outputs(&self) -> impl Iterator<Item = &Operand> {
         let products = self.products.iter();
         let addends =
             products.flat_map(|products| products.addends.iter().map(|(_, addend)| addend));
-        self.results.iter().chain(addends)
+        let of_map = self.map.iter().flat_map(LinearMap::operands);
+        self.results.iter().chain(addends).chain(of_map)
     }
 }
 
@@ -203,7 +204,7 @@ impl ProductBlock {
 }
 
 /// Returns whether an operand is the constant zero.
-fn is_zero(operand: &Operand) -> bool {
+pub(super) fn is_zero(operand: &Operand) -> bool {
     matches!(operand.source, Source::Constant(value) if value == 0.0)
 }
 
@@ -235,7 +236,7 @@ pub fn product_blocks(of: &ProductGraph) -> Vec<ProductBlock> {
 }
 
 /// Returns numbers as ranges of consecutive numbers.
-fn ranges(numbers: &BTreeSet<usize>) -> Vec<Range<usize>> {
+pub(super) fn ranges(numbers: &BTreeSet<usize>) -> Vec<Range<usize>> {
     let mut ranges: Vec<Range<usize>> = Vec::new();
     for &number in numbers {
         match ranges.last_mut() {

@@ -61,6 +61,7 @@ impl Program {
             statements,
             results,
             products: None,
+            map: None,
             first_stores: Vec::new(),
             chunks: Vec::new(),
             routines,

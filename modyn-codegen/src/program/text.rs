@@ -13,16 +13,18 @@
 //! share. `equations 3 6, 1 (x4, ...)` are row equations: the numbers of rows of the constraints, the number of right-hand sides, then
 //! the operands. Routines come before the statements, each with its tables and its program. Products of matrices come after the results:
 //! `products 3, 3, 12 21` are those of matrices of three columns, A from result 3 on and B from results 12 and 21 on; `block 0..2, 0..3,
-//! 0..1 2..3` has columns, rows and terms, and `add 13 x4` adds a number to a result.
+//! 0..1 2..3` has columns, rows and terms, and `add 13 x4` adds a number to a result. `map 2, x5, x6, ...` is a map of two rows with its entries
+//! by columns, and `of 12+4 13+4, x7, ...` a matrix that it multiplies: the products of row 0 are every fourth result from 12 on.
 
 use std::fmt;
 use std::ops::Range;
 use std::str::{FromStr, Lines};
 
 use super::{
-    Addend, Call, Execution, MultiplyAdd, Operand, Operation, ProductBlock, Products, Program,
-    Routine, RowEquations, Source, Statement, Value,
+    Addend, Call, Execution, LinearMap, MultiplyAdd, Operand, Operation, ProductBlock, Products,
+    Program, Routine, RowEquations, Source, Statement, Value,
 };
+use crate::trace::MapForm;
 
 impl Execution {
     const NAMES: [(&'static str, Self); 4] = [
@@ -71,9 +73,26 @@ impl fmt::Display for Program {
         }
         writeln!(f, "results {}", list(&self.results))?;
         match &self.products {
-            Some(products) => products.fmt(f),
+            Some(products) => products.fmt(f)?,
+            None => {}
+        }
+        match &self.map {
+            Some(map) => map.fmt(f),
             None => Ok(()),
         }
+    }
+}
+
+impl fmt::Display for LinearMap {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { rows, map, matrices, targets, .. } = self;
+        writeln!(f, "map {rows}, {}", list(map))?;
+        for (matrix, targets) in matrices.iter().zip(targets) {
+            let targets: Vec<String> =
+                targets.iter().map(|(first, stride)| format!("{first}+{stride}")).collect();
+            writeln!(f, "of {}, {}", targets.join(" "), list(matrix))?;
+        }
+        Ok(())
     }
 }
 
@@ -230,6 +249,7 @@ impl<'a> Parser<'a> {
             statements: Vec::new(),
             results: Vec::new(),
             products: None,
+            map: None,
             first_stores: Vec::new(),
             chunks: Vec::new(),
             routines: Vec::new(),
@@ -239,6 +259,7 @@ impl<'a> Parser<'a> {
             if let Some(results) = line.strip_prefix("results") {
                 program.results = self.operands(&program, results, 1)?;
                 program.products = self.products(&program)?;
+                program.map = self.map(&program)?;
                 break;
             } else if let Some(head) = line.strip_prefix("routine ") {
                 let routine = self.routine(head)?;
@@ -295,6 +316,36 @@ impl<'a> Parser<'a> {
             addends.push((result, self.operand(program, addend, 1)?));
         }
         Ok(Some(Products { size, factor, matrices, blocks, addends }))
+    }
+
+    /// Returns the map of a program whose results and products were read; `None` if the next line is something else.
+    fn map(&mut self, program: &Program) -> Result<Option<LinearMap>, ParseProgramError> {
+        let Some(head) = self.next_after("map ") else { return Ok(None) };
+        let parts = head.split_once(", ").and_then(|(rows, map)| Some((rows.parse().ok()?, map)));
+        let (rows, map): (usize, _) =
+            parts.ok_or_else(|| self.error(format!("{head:?} is no map, as `2, x5, x6` is")))?;
+        let mut operands = self.operands(program, map, 1)?;
+        let (entries, mut targets) = (operands.len(), Vec::new());
+        while let Some(text) = self.next_after("of ") {
+            let parts = text.split_once(", ").and_then(|(places, matrix)| {
+                let place = |place: &str| -> Option<(usize, usize)> {
+                    let (first, stride) = place.split_once('+')?;
+                    Some((first.parse().ok()?, stride.parse().ok()?))
+                };
+                Some((places.split(' ').map(place).collect::<Option<Vec<_>>>()?, matrix))
+            });
+            let (places, matrix) = parts.ok_or_else(|| {
+                self.error(format!("{text:?} is no matrix, as `12+4 13+4, x7` is"))
+            })?;
+            targets.push(places);
+            operands.extend(self.operands(program, matrix, 1)?);
+        }
+        if rows == 0 || targets.is_empty() || !entries.is_multiple_of(rows) {
+            return Err(self.error("a map has entries of whole columns, and matrices after it"));
+        }
+        let results = program.results.len();
+        let form = MapForm { rows, terms: entries / rows, results, targets };
+        Ok(Some(LinearMap::new(&form, &operands)))
     }
 
     /// Returns the rest of the next line if that begins with `word`; otherwise the line is not read.

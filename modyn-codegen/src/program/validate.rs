@@ -36,6 +36,7 @@ impl Program {
             .or_else(|| self.store_fault())
             .or_else(|| self.cut_fault())
             .or_else(|| self.products.as_ref()?.fault(self))
+            .or_else(|| self.map.as_ref()?.fault(self))
             .or_else(|| self.routines.iter().find_map(routine_fault));
         rule.map_or(Ok(()), |rule| Err(InvalidProgram { statement: None, rule }))?;
         self.routines.iter().try_for_each(|routine| routine.program.validate())
@@ -57,7 +58,7 @@ impl Program {
                 (lanes == 1 && self.lanes_of(vector.source) > 1, vector.lanes.into())
             }
             Operation::SinCos(angles) => (all(statement.lanes), 2 * angles.len()),
-            Operation::Call(call) => (all(statement.lanes), self.call_results(call)?),
+            Operation::Call(call) => (lanes == 1 && all(1), self.call_results(call)?),
             Operation::RowEquations(equations) => {
                 (lanes == 1 && all(1) && equations.fits(), equations.results())
             }

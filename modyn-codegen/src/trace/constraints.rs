@@ -5,7 +5,7 @@
 //! it is active, else 0.
 
 use modyn_runtime::equations::brge::UduLayout;
-use modyn_runtime::equations::constraints::RowSystem;
+use modyn_runtime::equations::constraints::{ColumnMap, RowSystem};
 use modyn_runtime::equations::factorization::{Factorizable, MergedUduLayout};
 use modyn_runtime::equations::kinematics::coordinates;
 use modyn_runtime::equations::{ConstraintWorkspace, Workspace, constraints};
@@ -17,28 +17,47 @@ use super::limbs::ContactPacking;
 use super::{LimbPacking, Tracer};
 use crate::graph::{Expr, Graph};
 
-/// A graph with equations of constraint rows, some of which may be dependent: the last outputs are the operands of the equations, and
-/// the last inputs are their results.
+/// A graph with dense parts. After the results, its outputs are the operands of the map, then those of the equations; after the
+/// arguments, its inputs are the results of the equations.
 #[derive(Clone, Debug)]
-pub struct RowEquationsGraph {
+pub struct DenseGraph {
     /// The graph.
     pub graph: Graph,
+    /// The form of equations of constraint rows, some of which may be dependent. `None` if some are dependent in all states.
+    pub rows: Option<RowForm>,
+    /// The form of the map.
+    pub map: Option<MapForm>,
+}
+
+/// The form of equations of constraint rows.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RowForm {
     /// For each constraint, the number of its rows.
     pub blocks: Vec<usize>,
     /// The number of right-hand sides.
     pub sides: usize,
 }
 
-impl RowEquationsGraph {
+/// The form of a linear map of the columns of matrices. Its operands are its entries by columns, then those of the matrices.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MapForm {
+    /// The number of results of a column.
+    pub rows: usize,
+    /// The number of entries of a column that the map multiplies.
+    pub terms: usize,
+    /// The number of the function's results, which come before the operands.
+    pub results: usize,
+    /// For each matrix and each row, the first result, and the distance between the results of consecutive columns.
+    pub targets: Vec<Vec<(usize, usize)>>,
+}
+
+impl DenseGraph {
     /// Returns the graph that `trace` makes with its dependent rows apart, which has this number of inputs and of right-hand sides.
-    /// `None` if some rows are dependent in all states.
-    fn new(
-        (first, sides): (usize, usize),
-        trace: impl FnOnce(ApartRows<'_>) -> Graph,
-    ) -> Option<Self> {
+    fn new((first, sides): (usize, usize), trace: impl FnOnce(ApartRows<'_>) -> Graph) -> Self {
         let mut blocks = None;
         let graph = trace(ApartRows { first, sides, blocks: &mut blocks });
-        Some(Self { graph, blocks: blocks?, sides })
+        let rows = blocks.map(|blocks| RowForm { blocks, sides });
+        Self { graph, rows, map: None }
     }
 }
 
@@ -78,44 +97,31 @@ impl Tracer<'_> {
     }
 
     /// Returns the graph of [`constrained_forward_dynamics`](Self::constrained_forward_dynamics) for independent rows, with equations
-    /// for dependent ones, after this number of `inputs`. `None` if some rows are dependent in all states.
+    /// for dependent ones, after this number of `inputs`.
     #[must_use]
     pub fn constrained_forward_dynamics_around_rows(
         &self,
         layout: &UduLayout,
         inputs: usize,
-    ) -> Option<RowEquationsGraph> {
+    ) -> DenseGraph {
         self.around_rows(layout, Unknowns::Accelerations, inputs)
     }
 
     /// Returns the graph of [`project_constraints`](Self::project_constraints) in the same form.
     #[must_use]
-    pub fn project_constraints_around_rows(
-        &self,
-        layout: &UduLayout,
-        inputs: usize,
-    ) -> Option<RowEquationsGraph> {
+    pub fn project_constraints_around_rows(&self, layout: &UduLayout, inputs: usize) -> DenseGraph {
         self.around_rows(layout, Unknowns::Steps, inputs)
     }
 
     /// Returns the graph of [`contact_impulse`](Self::contact_impulse) in the same form.
     #[must_use]
-    pub fn contact_impulse_around_rows(
-        &self,
-        layout: &UduLayout,
-        inputs: usize,
-    ) -> Option<RowEquationsGraph> {
+    pub fn contact_impulse_around_rows(&self, layout: &UduLayout, inputs: usize) -> DenseGraph {
         self.around_rows(layout, Unknowns::Velocities, inputs)
     }
 
-    fn around_rows(
-        &self,
-        layout: &UduLayout,
-        unknowns: Unknowns,
-        inputs: usize,
-    ) -> Option<RowEquationsGraph> {
+    fn around_rows(&self, layout: &UduLayout, unknowns: Unknowns, inputs: usize) -> DenseGraph {
         let form = (inputs, unknowns.sides());
-        RowEquationsGraph::new(form, |apart| self.solution(layout, unknowns, Some(apart)))
+        DenseGraph::new(form, |apart| self.solution(layout, unknowns, Some(apart)))
     }
 
     /// Returns the number of constrained rows of the robot.
@@ -195,19 +201,88 @@ impl Tracer<'_> {
     }
 
     /// Returns the graph of [`constrained_forward_dynamics_derivatives`](Self::constrained_forward_dynamics_derivatives) for
-    /// independent rows, with equations for dependent ones, after this number of `inputs`. `None` if some rows are dependent in all
-    /// states.
+    /// independent rows, with equations for dependent ones, after this number of `inputs`.
     #[must_use]
     pub fn constrained_forward_dynamics_derivatives_around_rows(
         &self,
         layout: &UduLayout,
         inputs: usize,
-    ) -> Option<RowEquationsGraph> {
+    ) -> DenseGraph {
         let sides = 1 + self.rows();
-        RowEquationsGraph::new((inputs, sides), |apart| self.derivatives(layout, Some(apart)))
+        DenseGraph::new((inputs, sides), |apart| self.derivatives(layout, Some(apart)))
+    }
+
+    /// Returns the same graph with the derivatives with respect to q and qd as a linear map of columns.
+    #[must_use]
+    pub fn constrained_forward_dynamics_derivatives_by_map(
+        &self,
+        layout: &UduLayout,
+        inputs: usize,
+    ) -> DenseGraph {
+        let mut map = None;
+        let form = (inputs, 1 + self.rows());
+        let dense = DenseGraph::new(form, |apart| self.by_map(layout, Some(apart), &mut map));
+        let dense = match dense.rows {
+            Some(_) => dense,
+            None => DenseGraph { graph: self.by_map(layout, None, &mut map), ..dense },
+        };
+        DenseGraph { map, ..dense }
     }
 
     fn derivatives(&self, layout: &UduLayout, apart: Option<ApartRows<'_>>) -> Graph {
+        self.with_derivatives(layout, apart, |(tree, layout), state, settings, memory, outputs| {
+            let solve = constraints::constrained_forward_dynamics_derivatives;
+            (solve(tree, layout, state, settings, memory, outputs), Vec::new())
+        })
+    }
+
+    fn by_map(
+        &self,
+        layout: &UduLayout,
+        apart: Option<ApartRows<'_>>,
+        form: &mut Option<MapForm>,
+    ) -> Graph {
+        self.with_derivatives(layout, apart, |(tree, layout), state, settings, memory, outputs| {
+            let ColumnMap { map, columns, rank } =
+                ColumnMap::new(tree, layout, state, settings, memory, outputs);
+            let (n, count) = (self.model.nv, self.model.constraints.len());
+            let height = n + 6 * count;
+            // Some rows are zero, such as those of moments of points.
+            let is_zero =
+                |row: usize| map.iter().skip(row).step_by(height).all(|x| x.is_constant_zero());
+            let rows: Vec<usize> = (0..height).filter(|&row| !is_zero(row)).collect();
+            let target = |matrix: usize, row: usize| match row.checked_sub(n) {
+                None => (height + matrix * n * n + row, n),
+                Some(k) => {
+                    let wrenches = height + 3 * n * n + matrix * 6 * n * count;
+                    (wrenches + k / 6 * 6 * n + k % 6, 6)
+                }
+            };
+            let targets =
+                [0, 1].map(|matrix| rows.iter().map(|&row| target(matrix, row)).collect());
+            let terms = map.len() / height;
+            let results = height * (1 + 3 * n) + 1;
+            *form = Some(MapForm { rows: rows.len(), terms, results, targets: targets.to_vec() });
+            let of_column =
+                |column: &[Expr]| rows.iter().map(|&row| column[row]).collect::<Vec<_>>();
+            let map = map.chunks(height).flat_map(of_column);
+            (rank, map.chain(columns.concat()).collect())
+        })
+    }
+
+    /// Returns the graph of the results that `solve` computes, with the operands that it returns after the rank.
+    fn with_derivatives(
+        &self,
+        layout: &UduLayout,
+        apart: Option<ApartRows<'_>>,
+        solve: impl FnOnce(
+            (&MergedMechanism<Expr>, &MergedUduLayout),
+            (&[Expr], &[Expr], &[Expr]),
+            constraints::Settings<'_, Expr, Vec<ContactTarget<Expr>>>,
+            (&mut Workspace<Expr>, &mut ConstraintWorkspace<Expr>),
+            constraints::ConstrainedDerivatives<'_, Expr>,
+        ) -> (Expr, Vec<Expr>),
+    ) -> Graph {
         let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
         let groups = [nq, nv, nv, contacts, settings_count(self.model)];
         self.trace_groups(groups, |model, [q, qd, tau, active, settings]| {
@@ -225,9 +300,8 @@ impl Tracer<'_> {
             let layout = &MergedUduLayout::new(model, layout.clone());
             let memory = &mut ConstraintWorkspace::new(model, layout);
             let apart = apart.map(|apart| apart.given(memory, self.rows()));
-            let rank = constraints::constrained_forward_dynamics_derivatives(
-                model,
-                layout,
+            let (rank, dense) = solve(
+                (model, layout),
                 (&q, &qd, &tau),
                 (&active, &settings_of(&settings)),
                 (&mut Workspace::new(model), &mut *memory),
@@ -239,7 +313,7 @@ impl Tracer<'_> {
                 wrenches.skip(count).flat_map(Wrench::components).collect(),
             );
             let operands = apart.map_or_else(Vec::new, |apart| apart.operands(memory));
-            [qdd, first, matrices.concat(), rest, vec![rank], operands].concat()
+            [qdd, first, matrices.concat(), rest, vec![rank], dense, operands].concat()
         })
     }
 
@@ -253,13 +327,9 @@ impl Tracer<'_> {
     /// Returns the graph of [`operational_inertia`](Self::operational_inertia) in the form of
     /// [`constrained_forward_dynamics_around_rows`](Self::constrained_forward_dynamics_around_rows).
     #[must_use]
-    pub fn operational_inertia_around_rows(
-        &self,
-        layout: &UduLayout,
-        inputs: usize,
-    ) -> Option<RowEquationsGraph> {
+    pub fn operational_inertia_around_rows(&self, layout: &UduLayout, inputs: usize) -> DenseGraph {
         let form = (inputs, self.rows());
-        RowEquationsGraph::new(form, |apart| self.inertia(layout, Some(apart)))
+        DenseGraph::new(form, |apart| self.inertia(layout, Some(apart)))
     }
 
     fn inertia(&self, layout: &UduLayout, apart: Option<ApartRows<'_>>) -> Graph {

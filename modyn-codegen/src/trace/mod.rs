@@ -1,7 +1,6 @@
 //! Tracing: the equations run on expressions, one graph for each quantity. The tracer is here; its graphs are in the files of
 //! this folder, by groups of quantities.
 
-mod columns;
 mod composition;
 mod constraint_hessians;
 mod constraints;
@@ -28,8 +27,7 @@ use modyn_runtime::mechanism::{BodyFrame, Mechanism, MergedMechanism};
 
 use crate::graph::{Expr, ForeignExpr, Graph};
 
-pub use columns::{ColumnResult, ColumnsGraph};
-pub use constraints::RowEquationsGraph;
+pub use constraints::{DenseGraph, MapForm, RowForm};
 pub use derivatives::ProductGraph;
 pub use entries::{EntryDerivatives, EntryForm, second_derivatives};
 pub use evaluation::Solvers;

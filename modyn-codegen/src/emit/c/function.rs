@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::{Array, Printer, literal, products};
+use super::{Array, Printer, linear_map, literal, products};
 use crate::emit::statements::{Body, Syntax, sum_of_products};
 use crate::emit::support::Support;
 use crate::program::{
@@ -84,6 +84,9 @@ impl Printer {
             let products = program.products.as_ref().filter(|_| k == last);
             if let Some(products) = products {
                 products::print(&mut text, products, self, &|addend| body.operand(addend));
+            }
+            if let Some(map) = program.map.as_ref().filter(|_| k == last) {
+                linear_map::print(&mut text, map, self, &|operand| body.operand(operand));
             }
             let mut unread = String::new();
             let calls = k == last && last > 0;
@@ -166,12 +169,7 @@ impl Syntax for C<'_> {
         let table = routine.tables[k].iter().map(|&x| self.literal(x));
         let table = array("table", table.collect());
         let own = array("own", call.own.iter().map(t).collect());
-        // All calls of a routine are in one function, and have the same operands in common.
-        let common = match (k, call.common.is_empty()) {
-            (_, true) => None,
-            (0, false) => array("common", call.common.iter().map(t).collect()),
-            (_, false) => Some(format!("common{p}_0")),
-        };
+        let common = array("common", call.common.iter().map(t).collect());
         let (result, results) = (format!("p{p}_{k}"), routine.program.results.len().max(1));
         let _ = writeln!(text, "    {real} {result}[{results}];");
         let all: Vec<String> = [table, own, common, Some(result)].into_iter().flatten().collect();

@@ -3,6 +3,7 @@
 //! Scopes become blocks, `let (live, ...) = { ... };`. Chunks become functions (`name_chunk0` and so on) that return the
 //! values that later chunks read. The last chunk has the function's own name.
 
+mod linear_map;
 pub(crate) mod operations;
 mod products;
 mod row_equations;
@@ -107,6 +108,9 @@ impl Printer<'_> {
             Execution::Batch => String::new(),
             _ => self.result.value(&results.collect::<Vec<_>>()),
         };
+        if let Some(map) = &self.program.map {
+            return self.linear_map(text, &value, map);
+        }
         if let Some(products) = &self.program.products {
             return self.products(text, &value, products);
         }
@@ -258,23 +262,10 @@ impl Printer<'_> {
                 parameters.push(Parameter::new(name, Shape::vector(count)));
             }
         }
-        let result = Shape::vector(routine.program.results.len());
-        if self.program.execution == Execution::Simd {
-            // Calls are compiled for vector instructions, in a function of their own.
-            let (kind, [own, common]) = (helper_type(&name), [routine.own, routine.common]);
-            let returned = result.type_of("T");
-            let _ = writeln!(
-                text,
-                "struct {kind}Call<'a, T> {{ own: &'a [T; {own}], common: &'a [T; {common}] }}\n\
-                 impl<T: __modyn::Scalar> __modyn::batch::Chunk for {kind}Call<'_, T> {{\n\
-                 type Output = {returned};\n\
-                 #[inline(always)]\nfn run(self) -> {returned} {{\n    \
-                 {name}(self.own, self.common)\n}}\n}}\n\
-                 #[inline(always)]"
-            );
-        } else if routine.never_inline {
+        if routine.never_inline {
             *text += "#[inline(never)]\n";
         }
+        let result = Shape::vector(routine.program.results.len());
         *text += &function(&name, &parameters, &result, &routine.program, self.float);
     }
 

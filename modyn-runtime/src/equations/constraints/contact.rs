@@ -29,17 +29,6 @@ pub(super) struct ContactFrame<S> {
 }
 
 impl<S: Scalar> ContactFrame<S> {
-    /// Returns a frame of which only the root's axes in the world are known.
-    pub(super) fn with_root_axes(end: BodyFrame<S>, root_axes: Matrix3<S>) -> Self {
-        let (body_axes, zero) = (Matrix3(Pose::identity().rotation), Vector3::zero());
-        Self { body_axes, on_body: end, origin: zero, root_axes, root_origin: zero }
-    }
-
-    /// Returns the root's axes in the world, as columns.
-    pub(super) fn root_axes(&self) -> Matrix3<S> {
-        self.root_axes
-    }
-
     /// Returns the frame `end` at `q`, and writes its Jacobian to `columns`, a column for each entry of qd.
     pub(super) fn new(
         model: &Mechanism<S>,

@@ -19,7 +19,7 @@
 //! Inverse dynamics has a derivative in closed form. So have the accelerations of contacts and loop constraints (`path`,
 //! `loop_derivatives`), since a displacement along a degree of freedom moves all bodies that it carries rigidly.
 
-use alloc::vec::Vec;
+use alloc::{vec, vec::Vec};
 
 use super::contact::ContactFrame;
 use super::derivative_terms::{
@@ -115,14 +115,9 @@ pub fn constrained_forward_dynamics_derivatives<
     let solver = Columns { tree, layout, memory, inverse };
     let by_q = (|i, j| f_q[j * n + i], |r, j| c_q[r * n + j]);
     let by_qd = (|i, j| f_qd[j * n + i], |r, j| c_qd[r * n + j]);
-    solver.solve(by_q, solution, (dqdd_dq, dwrenches_dq));
-    solver.solve(by_qd, solution, (dqdd_dqd, dwrenches_dqd));
-    let minus_one = |i, j| if i == j { -S::one() } else { S::zero() };
-    solver.solve((minus_one, |_, _| S::zero()), solution, (&mut *dqdd_dtau, dwrenches_dtau));
-    // The matrix is symmetric: the entries above its diagonal suffice.
-    for j in 0..model.nv {
-        (0..j).for_each(|i| dqdd_dtau[i * n + j] = dqdd_dtau[j * n + i]);
-    }
+    solver.solve(by_q, solution, (&mut [], dqdd_dq, dwrenches_dq));
+    solver.solve(by_qd, solution, (&mut [], dqdd_dqd, dwrenches_dqd));
+    solver.solve_forces(solution, &mut [], (dqdd_dtau, dwrenches_dtau));
     memory.derivatives = Some(own);
     rank
 }
@@ -171,68 +166,60 @@ fn equations_of_columns<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S
     (own, rank)
 }
 
-/// The equations of the columns of derivatives, whose solution is the same function for all columns.
+/// The linear map from columns of -F and -c to columns of the derivatives.
 #[derive(Clone, Debug)]
-pub struct ColumnEquations<S> {
-    /// F with respect to q and qd, by columns.
-    pub forces: [Vec<S>; 2],
-    /// c with respect to q and qd, by rows.
-    pub accelerations: [Vec<S>; 2],
-    /// The numbers that the solutions of all columns read.
-    pub common: Vec<S>,
+pub struct ColumnMap<S> {
+    /// For each entry of a column of -F, then of -c: its part of the accelerations, then of each constraint's wrench.
+    pub map: Vec<S>,
+    /// The columns of -F with those of -c below them, with respect to q and qd.
+    pub columns: [Vec<S>; 2],
     /// The number of independent rows.
     pub rank: S,
 }
 
-impl<S: Scalar> ColumnEquations<S> {
-    /// Computes the accelerations and the wrenches of
-    /// [`constrained_forward_dynamics`](super::constrained_forward_dynamics), and returns the equations of the columns of
-    /// [`constrained_forward_dynamics_derivatives`].
+impl<S: Scalar> ColumnMap<S> {
+    /// Computes the results of [`constrained_forward_dynamics_derivatives`] except the derivatives with respect to q and qd: these
+    /// are the products of the map with the columns.
     pub fn new<T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
         tree: &T,
         layout: &T::Layout,
         state: (&[S], &[S], &[S]),
         settings: Settings<'_, S, C>,
         (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
-        results: (&mut [S], &mut [Wrench<S>]),
+        outputs: ConstrainedDerivatives<'_, S>,
     ) -> Self {
-        let (own, rank) =
-            equations_of_columns(tree, layout, state, settings, (workspace, memory), results);
-        let reduced = &memory.reduced[..memory.rows * tree.mechanism().nv];
-        let mut common = [&memory.factors, reduced, &own.inverse].concat();
-        for frame in &memory.frames {
-            common.extend(frame.root_axes().0.as_flattened());
-        }
-        let DerivativeWorkspace { forces, accelerations, .. } = own;
-        Self { forces, accelerations, common, rank }
-    }
-
-    /// Computes a column of the derivatives of the accelerations, and the wrenches of that column, from a column of F and of c.
-    pub fn solve<T: Factorizable<S>>(
-        tree: &T,
-        layout: &T::Layout,
-        common: &[S],
-        (force, acceleration): (&[S], &[S]),
-        (dqdd, dwrenches): (&mut [S], &mut [Wrench<S>]),
-    ) {
         let model = tree.mechanism();
-        let mut memory = ConstraintWorkspace::new(tree, layout);
-        let (rows, entries) = (memory.rows, memory.rows * model.nv);
-        let (factors, rest) = common.split_at(memory.factors.len());
-        let (reduced, rest) = rest.split_at(entries);
-        let (inverse, axes) = rest.split_at(rows * rows);
-        memory.factors.copy_from_slice(factors);
-        memory.reduced[..entries].copy_from_slice(reduced);
-        let contacts = model.constraints.iter().filter(|constraint| constraint.contact);
-        for (constraint, axes) in contacts.zip(axes.as_chunks::<9>().0) {
-            let axes = Matrix3(core::array::from_fn(|i| core::array::from_fn(|j| axes[3 * i + j])));
-            memory.frames.push(ContactFrame::with_root_axes(constraint.ends[1], axes));
+        let (n, rows, count) = (model.nv, memory.rows, model.constraints.len());
+        let ConstrainedDerivatives { qdd, wrenches, dqdd_dtau, dwrenches_dtau, .. } = outputs;
+        let memories = (workspace, &mut *memory);
+        let results = (qdd, wrenches);
+        let (mut own, rank) =
+            equations_of_columns(tree, layout, state, settings, memories, results);
+        let DerivativeWorkspace { forces, accelerations, inverse, solution, .. } = &mut own;
+        let mut multipliers = vec![S::zero(); rows * n];
+        let solver = Columns { tree, layout, memory, inverse };
+        solver.solve_forces(solution, &mut multipliers, (dqdd_dtau, dwrenches_dtau));
+        let mut map = Vec::with_capacity((n + rows) * (n + 6 * count));
+        for j in 0..n {
+            map.extend_from_slice(&dqdd_dtau[j * n..][..n]);
+            let of_column = (0..count).map(|c| &dwrenches_dtau[c * n + j]);
+            map.extend(of_column.flat_map(Wrench::components));
         }
-        dqdd.copy_from_slice(force);
-        let (mut change, mut multipliers) = (acceleration.to_vec(), acceleration.to_vec());
-        let solver = Columns { tree, layout, memory: &memory, inverse };
-        solver.solve_column(dqdd, &mut change, &mut multipliers);
-        memory.wrenches_of(model, &multipliers, dwrenches);
+        let mut changes = vec![Wrench::zero(); count];
+        for (r, column) in inverse.chunks(rows.max(1)).enumerate() {
+            map.extend((0..n).map(|j| -multipliers[j * rows + r]));
+            memory.wrenches_of(model, column, &mut changes);
+            map.extend(changes.iter().flat_map(Wrench::components));
+        }
+        let of_column = |(f, c): (&Vec<S>, &Vec<S>), j: usize| -> Vec<S> {
+            let f = f[j * n..][..n].iter().map(|&x| -x);
+            f.chain((0..rows).map(|r| -c[r * n + j])).collect()
+        };
+        let columns = [0, 1].map(|matrix| {
+            let of = (&forces[matrix], &accelerations[matrix]);
+            (0..n).flat_map(|j| of_column(of, j)).collect()
+        });
+        Self { map, columns, rank }
     }
 }
 
@@ -246,12 +233,29 @@ struct Columns<'a, S: Scalar, T: Factorizable<S>> {
 }
 
 impl<S: Scalar, T: Factorizable<S>> Columns<'_, S, T> {
-    /// Computes d qdd and the wrenches of d lambda from the entries of F and c, a row and a column each.
+    /// Computes the derivatives with respect to tau.
+    fn solve_forces(
+        &self,
+        solution: &mut (Vec<S>, Vec<S>, Vec<S>),
+        dmultipliers: &mut [S],
+        (dqdd, dwrenches): (&mut [S], &mut [Wrench<S>]),
+    ) {
+        let n = self.tree.mechanism().nv;
+        let minus_one = |i, j| if i == j { -S::one() } else { S::zero() };
+        self.solve((minus_one, |_, _| S::zero()), solution, (dmultipliers, dqdd, dwrenches));
+        // The matrix is symmetric: the entries above its diagonal suffice.
+        for j in 0..n {
+            (0..j).for_each(|i| dqdd[i * n + j] = dqdd[j * n + i]);
+        }
+    }
+
+    /// Computes d qdd and the wrenches of d lambda from the entries of F and c, a row and a column each; and d lambda by columns, unless
+    /// its list is empty.
     fn solve(
         &self,
         (f, c): (impl Fn(usize, usize) -> S, impl Fn(usize, usize) -> S),
         (x, change, multipliers): &mut (Vec<S>, Vec<S>, Vec<S>),
-        (dqdd, dwrenches): (&mut [S], &mut [Wrench<S>]),
+        (dmultipliers, dqdd, dwrenches): (&mut [S], &mut [S], &mut [Wrench<S>]),
     ) {
         let Self { tree, memory, .. } = *self;
         let (model, n, count) = (tree.mechanism(), tree.mechanism().nv, tree.column_lanes());
@@ -263,6 +267,10 @@ impl<S: Scalar, T: Factorizable<S>> Columns<'_, S, T> {
             self.solve_column(x, change, multipliers);
             for (lane, j) in columns.clone().enumerate() {
                 (0..n).for_each(|i| dqdd[j * n + i] = tree.extract_lane(x[i], lane));
+                let rows = dmultipliers.chunks_mut(memory.rows.max(1)).nth(j);
+                for (entry, &pack) in rows.into_iter().flatten().zip(&*multipliers) {
+                    *entry = tree.extract_lane(pack, lane);
+                }
             }
             memory.by_constraint(model, multipliers, |index, constraint, sum| {
                 let moment = sum.angular.scale(constraint.length);

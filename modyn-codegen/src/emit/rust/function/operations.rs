@@ -5,7 +5,6 @@ use std::fmt::Write as _;
 
 use super::{Printer, row_equations, table_name};
 use crate::emit::FloatType;
-use crate::names::helper_type;
 use crate::program::{
     Addend, Call, Execution, MultiplyAdd, Operand, Operation, Source, Value, argument_of,
 };
@@ -88,14 +87,6 @@ impl Printer<'_> {
                 let tables = &self.program.routines[*routine].tables;
                 let table = (!tables[*repetition].is_empty())
                     .then(|| format!("&{}", table_name(&name, *repetition)));
-                if lanes > 1 {
-                    let kind = helper_type(&name);
-                    return format!(
-                        "V::outlined({kind}Call::<'_, {kind_of_lanes}> {{ own: &[{}], common }})",
-                        self.all(own),
-                        kind_of_lanes = self.kind(lanes),
-                    );
-                }
                 let own = (!own.is_empty()).then(|| format!("&[{}]", self.all(own)));
                 let common = (!common.is_empty()).then(|| "common".to_string());
                 let arguments: Vec<String> = [table, own, common].into_iter().flatten().collect();

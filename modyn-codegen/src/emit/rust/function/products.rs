@@ -51,7 +51,7 @@ impl Printer<'_> {
 }
 
 /// Prints the sums of a block's rows, one row after another.
-fn scalars(text: &mut String, block: &ProductBlock, (a, columns): (&str, &[String])) {
+pub(super) fn scalars(text: &mut String, block: &ProductBlock, (a, columns): (&str, &[String])) {
     let Range { start, end } = block.rows;
     let _ = writeln!(
         text,
@@ -78,7 +78,7 @@ fn scalars(text: &mut String, block: &ProductBlock, (a, columns): (&str, &[Strin
 }
 
 /// Prints the sums of vectors of rows: the first row, and the number of vectors.
-fn vectors(
+pub(super) fn vectors(
     text: &mut String,
     block: &ProductBlock,
     (first, vectors): (usize, usize),
@@ -131,7 +131,7 @@ impl Shape {
     }
 
     /// Returns the path from a value to its scalar `i`.
-    fn place(&self, i: usize) -> String {
+    pub(super) fn place(&self, i: usize) -> String {
         match self {
             Self::Scalar => String::new(),
             Self::Array(of, _) => format!("[{}]{}", i / of.len(), of.place(i % of.len())),
