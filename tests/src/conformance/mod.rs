@@ -156,10 +156,10 @@ fn points() -> Builder {
         Function::ProjectConstraints,
     ];
     let points = [
-        contact("toe", ContactKind::Point, "lower", [0.1, 0.2, -0.3]),
-        contact("heel", ContactKind::Point, "lower", [-0.2, 0.1, -0.1]),
+        contact("toe", ContactKind::Point, "wrist_3_link", [0.1, 0.2, -0.3]),
+        contact("heel", ContactKind::Point, "wrist_3_link", [-0.2, 0.1, -0.1]),
     ];
-    robot("double_pendulum").base(Base::Floating).contacts(points).functions(functions)
+    robot("ur5").base(Base::Floating).contacts(points).functions(functions)
 }
 
 /// Returns a robot with all joint types, and a spring at each joint.

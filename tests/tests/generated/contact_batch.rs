@@ -308,7 +308,7 @@ macro_rules! robot {
 
 #[test]
 fn sets_of_contacts_of_a_floating_robot() {
-    robot!(walker, f64, 2, |&mask| walker::MachineContacts::from_array(mask));
+    robot!(walker, f64, 3, |&mask| walker::MachineContacts::from_array(mask));
 }
 
 #[test]
