@@ -1,6 +1,7 @@
 //! A linear map of columns after a program's statements, in loops: the dense part of derivatives under constraints.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 use modyn_runtime::{OperationCount, Scalar};
 
@@ -124,26 +125,35 @@ impl LinearMap {
     }
 }
 
-/// Returns the columns with nonzeros. Consecutive columns with the same nonzeros are one block.
+/// Returns the columns with nonzeros. Consecutive columns with nearly the same nonzeros are one block.
 fn blocks(rows: usize, terms: usize, matrices: &[Vec<Operand>]) -> Vec<ProductBlock> {
     let columns = matrices.first().map_or(0, |matrix| matrix.len() / terms.max(1));
-    let mut blocks: Vec<ProductBlock> = Vec::new();
+    let mut blocks: Vec<(Range<usize>, BTreeSet<usize>)> = Vec::new();
     for column in 0..columns {
         let is_nonzero = |k: &usize| {
-            let entries = matrices.iter().filter_map(|of| of.get(column * terms + k));
-            !entries.into_iter().all(is_zero)
+            let mut entries = matrices.iter().filter_map(|of| of.get(column * terms + k));
+            !entries.all(is_zero)
         };
         let own: BTreeSet<usize> = (0..terms).filter(is_nonzero).collect();
-        let own = ranges(&own);
+        let is_near = |of: &BTreeSet<usize>, both: &BTreeSet<usize>| 8 * both.len() <= 9 * of.len();
         match blocks.last_mut() {
             _ if own.is_empty() => {}
-            Some(block) if block.columns.end == column && block.terms == own => {
-                block.columns.end += 1;
+            Some((range, of))
+                if range.end == column && {
+                    let both = &*of | &own;
+                    is_near(of, &both) && is_near(&own, &both)
+                } =>
+            {
+                range.end += 1;
+                of.extend(own);
             }
-            _ => {
-                blocks.push(ProductBlock { columns: column..column + 1, rows: 0..rows, terms: own })
-            }
+            _ => blocks.push((column..column + 1, own)),
         }
     }
-    blocks
+    let block = |(columns, terms): (Range<usize>, BTreeSet<usize>)| ProductBlock {
+        columns,
+        rows: 0..rows,
+        terms: ranges(&terms),
+    };
+    blocks.into_iter().map(block).collect()
 }

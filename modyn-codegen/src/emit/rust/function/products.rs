@@ -143,6 +143,8 @@ impl Shape {
                 });
                 let within = starts.take_while(|(.., start)| *start <= i).last();
                 within.map_or_else(String::new, |(name, field, start)| {
+                    // The field of a tuple has no name.
+                    let name = if name.is_empty() { "0" } else { name };
                     format!(".{name}{}", field.place(i - start))
                 })
             }
