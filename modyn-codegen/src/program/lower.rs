@@ -73,12 +73,10 @@ impl Program {
 
     /// Computes the last use of each value, cuts the statements into chunks, and checks the program.
     pub(super) fn finished(mut self) -> Result<Self, InvalidProgram> {
-        if self.execution.has_many_states() {
-            for result in 0..self.results.len() {
-                match self.results[result].value() {
-                    Some(value) => self.statements[value.statement].stores.push(result),
-                    None => self.first_stores.push(result),
-                }
+        for (i, stored) in self.stored().copied().enumerate().collect::<Vec<_>>() {
+            match stored.value() {
+                Some(value) => self.statements[value.statement].stores.push(i),
+                None => self.first_stores.push(i),
             }
         }
         for s in 0..self.statements.len() {
@@ -86,10 +84,8 @@ impl Program {
                 self.statements[read].last_use = s;
             }
         }
-        if !self.execution.has_many_states() {
-            for value in self.outputs().filter_map(Operand::value).collect::<Vec<_>>() {
-                self.statements[value.statement].last_use = usize::MAX;
-            }
+        for value in self.read_last().filter_map(Operand::value).collect::<Vec<_>>() {
+            self.statements[value.statement].last_use = usize::MAX;
         }
         self.chunks = outline::chunks(&self);
         self.validate().map(|()| self)

@@ -34,6 +34,7 @@ use std::ops::Range;
 
 pub use linear_map::LinearMap;
 pub use places::argument_of;
+pub(crate) use products::is_zero;
 pub use products::{ProductBlock, Products, ROW_LANES, product_blocks};
 pub use recursion::{Places, Read, Recursion, Run, Step, Sweep, Write};
 pub use row_equations::RowEquations;
@@ -76,8 +77,7 @@ pub struct Program {
     pub products: Option<Products>,
     /// The linear map of columns that replaces some results, in loops after the statements.
     pub map: Option<LinearMap>,
-    /// The results that need no statement, and can be stored at once. Empty unless results are stored as soon as they are
-    /// computed.
+    /// The [stored](Self::stored) numbers that need no statement.
     pub first_stores: Vec<usize>,
     /// The statements, cut into chunks. The last chunk calls the others in their order, and returns the results.
     pub chunks: Vec<Chunk>,
@@ -96,8 +96,7 @@ pub struct Statement {
     pub used: Vec<bool>,
     /// The last statement that reads one of the results; `usize::MAX` if a result is a result of the program.
     pub last_use: usize,
-    /// The program's results that can be stored after this statement. Empty unless results are stored as soon as they are
-    /// computed.
+    /// The [stored](Program::stored) numbers of the program that this statement computes.
     pub stores: Vec<usize>,
 }
 
@@ -293,7 +292,7 @@ impl Program {
     /// Returns the statements whose results are read by statement `s` or its stores.
     pub fn reads(&self, s: usize) -> impl Iterator<Item = usize> {
         let Statement { operation, stores, .. } = &self.statements[s];
-        let stored = stores.iter().map(|&result| self.results[result]);
+        let stored = stores.iter().map(|&i| *self.stored_at(i));
         let operands = operation.operands().into_iter().chain(stored);
         operands.filter_map(|operand| operand.value()).map(|value| value.statement)
     }

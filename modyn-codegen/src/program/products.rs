@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use modyn_runtime::{OperationCount, Scalar};
 
-use super::{Execution, InvalidProgram, LinearMap, Operand, Program, Source};
+use super::{Execution, InvalidProgram, Operand, Program, Source};
 use crate::trace::ProductGraph;
 
 /// The lanes of a vector of rows.
@@ -72,13 +72,25 @@ impl Program {
         program.finished()
     }
 
-    /// Returns the results, the addends of products, and the operands of a map.
-    pub(crate) fn outputs(&self) -> impl Iterator<Item = &Operand> {
-        let products = self.products.iter();
-        let addends =
-            products.flat_map(|products| products.addends.iter().map(|(_, addend)| addend));
-        let of_map = self.map.iter().flat_map(LinearMap::operands);
-        self.results.iter().chain(addends).chain(of_map)
+    /// Returns the numbers that are stored as soon as they are computed: with many states the results, otherwise the entries of the map.
+    pub fn stored(&self) -> impl Iterator<Item = &Operand> {
+        let results = if self.execution.has_many_states() { &*self.results } else { &[] };
+        results.iter().chain(self.map.iter().flat_map(|map| &map.entries))
+    }
+
+    /// Returns a number that is [stored](Self::stored).
+    pub(crate) fn stored_at(&self, i: usize) -> &Operand {
+        match &self.map {
+            Some(map) => &map.entries[i],
+            None => &self.results[i],
+        }
+    }
+
+    /// Returns the numbers that are read after the statements: with one state the results, and the addends of products.
+    pub(crate) fn read_last(&self) -> impl Iterator<Item = &Operand> {
+        let results = if self.execution.has_many_states() { &[] } else { &*self.results };
+        let addends = self.products.iter().flat_map(|products| &products.addends);
+        results.iter().chain(addends.map(|(_, addend)| addend))
     }
 }
 
@@ -204,7 +216,7 @@ impl ProductBlock {
 }
 
 /// Returns whether an operand is the constant zero.
-pub(super) fn is_zero(operand: &Operand) -> bool {
+pub(crate) fn is_zero(operand: &Operand) -> bool {
     matches!(operand.source, Source::Constant(value) if value == 0.0)
 }
 

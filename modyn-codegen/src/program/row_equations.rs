@@ -113,8 +113,8 @@ impl Program {
         let DenseGraph { graph, rows, map } = of;
         let mut program = Self::lowered_with(graph, arguments, execution, rows.as_ref());
         if let Some(form) = map {
-            let operands = program.results.split_off(form.results);
-            program.map = Some(LinearMap::new(form, &operands));
+            let entries = program.results.split_off(form.results);
+            program.map = Some(LinearMap::new(form, entries));
         }
         program.finished()
     }

@@ -85,9 +85,10 @@ impl fmt::Display for Program {
 
 impl fmt::Display for LinearMap {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { rows, map, matrices, targets, .. } = self;
+        let Self { rows, terms, entries, targets, .. } = self;
+        let (map, matrices) = entries.split_at(rows * terms);
         writeln!(f, "map {rows}, {}", list(map))?;
-        for (matrix, targets) in matrices.iter().zip(targets) {
+        for (matrix, targets) in matrices.chunks(terms * self.columns()).zip(targets) {
             let targets: Vec<String> =
                 targets.iter().map(|(first, stride)| format!("{first}+{stride}")).collect();
             writeln!(f, "of {}, {}", targets.join(" "), list(matrix))?;
@@ -345,7 +346,7 @@ impl<'a> Parser<'a> {
         }
         let results = program.results.len();
         let form = MapForm { rows, terms: entries / rows, results, targets };
-        Ok(Some(LinearMap::new(&form, &operands)))
+        Ok(Some(LinearMap::new(&form, operands)))
     }
 
     /// Returns the rest of the next line if that begins with `word`; otherwise the line is not read.
@@ -576,7 +577,7 @@ impl<'a> Parser<'a> {
 fn values(program: &Program) -> Vec<Value> {
     let statements = program.statements.iter();
     let operands = statements.flat_map(|statement| statement.operation.operands());
-    let operands = operands.chain(program.outputs().copied());
+    let operands = operands.chain(program.stored().chain(program.read_last()).copied());
     operands.filter_map(|operand| operand.value()).collect()
 }
 

@@ -29,8 +29,9 @@ impl Program {
                 .map_or(Ok(()), |rule| Err(InvalidProgram { statement: Some(s), rule }))?;
         }
         let end = self.statements.len();
-        let results = self.outputs().find_map(|result| self.operand_fault(result, end));
-        let scalars = self.outputs().all(|result| result.lanes == 1);
+        let outputs = || self.stored().chain(self.read_last());
+        let results = outputs().find_map(|result| self.operand_fault(result, end));
+        let scalars = outputs().all(|result| result.lanes == 1);
         let rule = results
             .or((!scalars).then_some("results are scalars"))
             .or_else(|| self.store_fault())
@@ -111,8 +112,8 @@ impl Program {
         let stored = self.statements.iter().flat_map(|statement| &statement.stores);
         let mut stored: Vec<usize> = stored.chain(&self.first_stores).copied().collect();
         stored.sort_unstable();
-        let all = if self.execution.has_many_states() { self.results.len() } else { 0 };
-        (!stored.iter().copied().eq(0..all)).then_some("each result is stored once")
+        let all = 0..self.stored().count();
+        (!stored.iter().copied().eq(all)).then_some("each result is stored once")
     }
 
     /// Returns the rule that chunks or scopes break.

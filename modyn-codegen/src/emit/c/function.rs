@@ -9,6 +9,7 @@ use crate::emit::statements::{Body, Syntax, sum_of_products};
 use crate::emit::support::Support;
 use crate::program::{
     Call, Chunk, MultiplyAdd, Operand, Operation, Program, RowEquations, Source, argument_of,
+    is_zero,
 };
 
 impl Printer {
@@ -54,24 +55,39 @@ impl Printer {
             let (syntax, first) = (&syntax, chunk.statements.start);
             let body = Body { syntax, program, lengths: &lengths, first };
             let mut text = String::new();
-            let (linkage, name, arrays, out) = if k == last {
+            let matrices: Vec<Array> = program.map.iter().flat_map(linear_map::arrays).collect();
+            let (linkage, name, arrays, written) = if k == last {
+                for array in &matrices {
+                    let zero = literal(0.0, self.float);
+                    let _ = writeln!(
+                        text,
+                        "    {} = {{ {zero} }};",
+                        self.array(&array.name, array.len)
+                    );
+                }
+                stores(&body, &mut text, &program.first_stores);
                 for k in 0..last {
                     let live_in = program.chunks[k].live_in.iter().map(|&k| live_out(k));
+                    let written = matrices.iter().cloned().chain([live_out(k)]);
                     let arrays: Vec<Array> =
-                        given.iter().cloned().chain(live_in).chain([live_out(k)]).collect();
+                        given.iter().cloned().chain(live_in).chain(written).collect();
                     let names: Vec<&str> = arrays.iter().map(|array| array.name.as_str()).collect();
                     let (real, len) = (self.real(), live_out(k).len.max(1));
                     let _ = writeln!(text, "    {real} chunk{k}[{len}];");
                     let _ = writeln!(text, "    {name}_chunk{k}({});", names.join(", "));
                 }
-                (linkage, name.to_string(), given.to_vec(), results)
+                let out = Array { name: "out".into(), len: results };
+                (linkage, name.to_string(), given.to_vec(), vec![out])
             } else {
                 let live_in = chunk.live_in.iter().map(|&k| live_out(k));
                 let arrays = given.iter().cloned().chain(live_in).collect();
-                ("static ", format!("{name}_chunk{k}"), arrays, chunk.live_out.len())
+                let out = Array { name: "out".into(), len: chunk.live_out.len() };
+                let written = matrices.into_iter().chain([out]).collect();
+                ("static ", format!("{name}_chunk{k}"), arrays, written)
             };
             for s in chunk.statements.clone() {
                 body.statement(&mut text, s);
+                stores(&body, &mut text, &program.statements[s].stores);
             }
             let stored: Vec<String> = if k == last {
                 program.results.iter().map(|result| body.operand(result)).collect()
@@ -86,11 +102,12 @@ impl Printer {
                 products::print(&mut text, products, self, &|addend| body.operand(addend));
             }
             if let Some(map) = program.map.as_ref().filter(|_| k == last) {
-                linear_map::print(&mut text, map, self, &|operand| body.operand(operand));
+                linear_map::print(&mut text, map, self);
             }
             let mut unread = String::new();
             let calls = k == last && last > 0;
-            let outputs = program.outputs().filter(|_| k == last).copied();
+            let first = program.first_stores.iter().map(|&i| program.stored_at(i));
+            let outputs = program.read_last().chain(first).filter(|_| k == last).copied();
             let read = arguments_read(program, chunk, outputs, &lengths);
             let read = |name: &str| {
                 read.iter().any(|&i| given[i].name == name) || calls || name.starts_with("chunk")
@@ -101,8 +118,10 @@ impl Printer {
             if stored.is_empty() {
                 unread += "    (void)out;\n";
             }
-            let head =
-                format!("{linkage}void {name}({}{})", self.parameters(&arrays), self.output(out));
+            let written: Vec<String> =
+                written.iter().map(|array| self.array(&array.name, array.len)).collect();
+            let (read, written) = (self.parameters(&arrays), written.join(", "));
+            let head = format!("{linkage}void {name}({read}{written})");
             let _ = writeln!(self.source, "{head}\n{{\n{unread}{text}}}\n");
             let statements = program.statements[chunk.statements.clone()].iter();
             self.support.extend(statements.filter_map(|s| Support::of(&s.operation)));
@@ -195,6 +214,19 @@ impl Syntax for C<'_> {
             numbers.len(),
             numbers.join(", "),
         )
+    }
+}
+
+/// Prints the statements that store these numbers of a program's map.
+fn stores(body: &Body<'_, C<'_>>, text: &mut String, numbers: &[usize]) {
+    let Some(map) = &body.program.map else { return };
+    for &i in numbers {
+        let operand = body.program.stored_at(i);
+        // The arrays are filled with zeros.
+        if !is_zero(operand) {
+            let value = body.operand(operand);
+            let _ = writeln!(text, "    {} = {value};", linear_map::place(map, i));
+        }
     }
 }
 

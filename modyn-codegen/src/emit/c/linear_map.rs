@@ -2,30 +2,28 @@
 
 use std::fmt::Write as _;
 
-use super::{Printer, literal};
-use crate::program::{LinearMap, Operand};
+use super::{Array, Printer, literal};
+use crate::program::LinearMap;
 
-/// Prints the statements that store the products of a map.
-pub(super) fn print(
-    text: &mut String,
-    map: &LinearMap,
-    printer: &Printer,
-    operand: &dyn Fn(&Operand) -> String,
-) {
-    let (rows, terms, real) = (map.rows, map.terms(), printer.real());
+/// Returns the arrays of a map's matrices.
+pub(super) fn arrays(map: &LinearMap) -> impl Iterator<Item = Array> {
+    let array = |(name, [columns, rows]): (String, [usize; 2])| Array { name, len: columns * rows };
+    map.matrices().into_iter().map(array)
+}
+
+/// Returns the place of an entry of a map.
+pub(super) fn place(map: &LinearMap, entry: usize) -> String {
+    let (name, index) = map.place(entry);
+    format!("{name}[{index}]")
+}
+
+/// Prints the statements that store the products of a map whose entries are stored.
+pub(super) fn print(text: &mut String, map: &LinearMap, printer: &Printer) {
+    let (rows, terms, real) = (map.rows, map.terms, printer.real());
     let zero = literal(0.0, printer.float);
     *text += "    {\n";
-    let mut array = |name: &str, entries: &[Operand]| {
-        let numbers: Vec<String> = entries.iter().map(operand).collect();
-        let (count, numbers) = (entries.len(), numbers.join(", "));
-        let _ = writeln!(text, "        const {real} {name}[{count}] = {{ {numbers} }};");
-    };
-    array("map", &map.map);
-    for (m, matrix) in map.matrices.iter().enumerate() {
-        array(&format!("columns{m}"), matrix);
-    }
     let of_each =
-        |one: &dyn Fn(usize) -> String| -> String { (0..map.matrices.len()).map(one).collect() };
+        |one: &dyn Fn(usize) -> String| -> String { (0..map.targets.len()).map(one).collect() };
     let sums = of_each(&|m| format!("        {real} sum{m}[{rows}];\n"));
     let is_row = format!("for (i = 0; i < {rows}; i++)");
     let cleared = of_each(&|m| format!(" sum{m}[i] = {zero};"));

@@ -17,7 +17,9 @@ use super::FloatType;
 use super::parameter::{Parameter, unpacked};
 use super::shape::Shape;
 use crate::names::helper_type;
-use crate::program::{Chunk, Execution, Program, Routine, Scope, Value};
+use crate::program::{
+    Chunk, Execution, LinearMap, Operand, Program, Routine, Scope, Value, is_zero,
+};
 use vectors::VectorType;
 
 pub(super) use operations::literal;
@@ -84,26 +86,21 @@ impl Printer<'_> {
             Execution::Batch | Execution::Threads => {
                 ("T: __modyn::batch::Lanes".into(), "()".into())
             }
-            Execution::Simd => {
-                let of = self.vectors().map(|kind| format!("{} = {}", kind.of, kind.name));
-                let of = of.collect::<Vec<_>>().join(", ");
-                let bounds =
-                    format!("{}, V: __modyn::batch::SimdBackend<{of}>", self.vector_bounds());
-                (bounds, self.result.type_of("V::Number"))
-            }
+            Execution::Simd => (self.backend_bounds(), self.result.type_of("V::Number")),
         };
         if execution != Execution::Scalar {
             *text += "#[inline(always)]\n";
         }
         *text += &head(self.name, &bounds, &self.inputs(), &returned);
         self.prelude(text);
+        for (name, [columns, rows]) in self.matrices() {
+            let zero = self.zero();
+            let _ = writeln!(text, "    let mut {name} = [[{zero}; {rows}]; {columns}];");
+        }
         *text += &self.stores(&self.program.first_stores);
         self.call_chunks(text, others);
         self.scopes(text, chunk);
-        let results = self.program.results.iter().map(|result| match execution {
-            Execution::Simd => format!("V::number({})", self.operand(result)),
-            _ => self.operand(result),
-        });
+        let results = self.program.results.iter().map(|result| self.number(result));
         let value = match execution {
             Execution::Batch => String::new(),
             _ => self.result.value(&results.collect::<Vec<_>>()),
@@ -117,13 +114,48 @@ impl Printer<'_> {
         let _ = writeln!(text, "    {value}\n}}\n");
     }
 
+    /// Returns the matrices of the program's map, which statements store at once; see [`LinearMap::matrices`].
+    fn matrices(&self) -> Vec<(String, [usize; 2])> {
+        self.program.map.iter().flat_map(LinearMap::matrices).collect()
+    }
+
+    /// Returns zero as a number of the result.
+    fn zero(&self) -> &'static str {
+        match self.program.execution {
+            Execution::Simd => "V::number(V::One::zero())",
+            _ => "T::zero()",
+        }
+    }
+
+    /// Returns the type of the result's numbers.
+    fn number_type(&self) -> &'static str {
+        match self.program.execution {
+            Execution::Simd => "V::Number",
+            _ => "T",
+        }
+    }
+
+    /// Returns an operand as a number of the result.
+    fn number(&self, operand: &Operand) -> String {
+        match self.program.execution {
+            Execution::Simd => format!("V::number({})", self.operand(operand)),
+            _ => self.operand(operand),
+        }
+    }
+
     /// Prints another chunk, which returns the values that later chunks read.
     fn chunk(&self, text: &mut String, k: usize, chunk: &Chunk) {
         let name = format!("{}_chunk{k}", self.name);
         let live_in = chunk.live_in.iter().map(|&earlier| {
             format!("chunk{earlier}: &{}", self.types(&self.program.chunks[earlier].live_out))
         });
-        let inputs: Vec<String> = self.inputs().into_iter().chain(live_in).collect();
+        let number = self.number_type();
+        let matrices = self
+            .matrices()
+            .into_iter()
+            .map(|(name, [columns, rows])| format!("{name}: &mut [[{number}; {rows}]; {columns}]"));
+        let inputs: Vec<String> =
+            self.inputs().into_iter().chain(live_in).chain(matrices).collect();
         let returned = self.types(&chunk.live_out);
         let end = match self.program.execution {
             Execution::Scalar => {
@@ -147,7 +179,7 @@ impl Printer<'_> {
         let names: Vec<&str> = inputs.iter().filter_map(|i| i.split(':').next()).collect();
         let kind = helper_type(name);
         let (bounds, own) = match self.program.execution {
-            Execution::Simd => (self.vector_bounds(), self.vector_names()),
+            Execution::Simd => (self.backend_bounds(), format!("{}, V", self.vector_names())),
             _ => ("T: __modyn::batch::Lanes".into(), "T".into()),
         };
         fields.push(format!("of: ::core::marker::PhantomData<({own},)>"));
@@ -201,9 +233,13 @@ impl Printer<'_> {
                 false => format!("chunk{earlier}: &chunk{earlier}"),
             };
             arguments.extend(chunk.live_in.iter().map(name));
+            arguments.extend(self.matrices().into_iter().map(|(name, _)| match scalar {
+                true => format!("&mut {name}"),
+                false => format!("{name}: &mut {name}"),
+            }));
             let (name, arguments) = (format!("{}_chunk{k}", self.name), arguments.join(", "));
             let (by, own) = match self.program.execution {
-                Execution::Simd => ("V", self.vector_names()),
+                Execution::Simd => ("V", format!("{}, V", self.vector_names())),
                 _ => ("T", "T".into()),
             };
             let call = if scalar {
@@ -236,12 +272,23 @@ impl Printer<'_> {
         }
     }
 
-    /// Returns the statements that store results.
-    fn stores(&self, results: &[usize]) -> String {
+    /// Returns the statements that store these numbers.
+    fn stores(&self, numbers: &[usize]) -> String {
         let stored = |&i: &usize| {
-            format!("outputs.set::<{i}>({});\n", self.operand(&self.program.results[i]))
+            let operand = self.program.stored_at(i);
+            match &self.program.map {
+                None => format!("outputs.set::<{i}>({});\n", self.operand(operand)),
+                // The matrices are filled with zeros.
+                Some(_) if is_zero(operand) => String::new(),
+                Some(map) => {
+                    let (name, index) = map.place(i);
+                    let rows = if name == "map" { map.rows } else { map.terms };
+                    let (column, row) = (index / rows, index % rows);
+                    format!("{name}[{column}][{row}] = {};\n", self.number(operand))
+                }
+            }
         };
-        results.iter().map(stored).collect()
+        numbers.iter().map(stored).collect()
     }
 
     /// Prints a routine's function and its tables of constants.

@@ -4,32 +4,19 @@ use std::fmt::Write as _;
 
 use super::Printer;
 use super::products::{scalars, vectors};
-use crate::program::{Execution, LinearMap, Operand};
+use crate::program::{Execution, LinearMap};
 
 impl Printer<'_> {
-    /// Prints the end of a function, which returns the result with the products of a map; `value` is the result before.
+    /// Prints the end of a function, which returns the result with the products of a map whose entries are stored; `value` is the result
+    /// before.
     pub(super) fn linear_map(&self, text: &mut String, value: &str, map: &LinearMap) {
-        let (rows, terms) = (map.rows, map.terms());
-        let (number, zero) = match self.program.execution {
-            Execution::Simd => {
-                *text += "    use __modyn::{Scalar as _, batch::Pack as _};\n";
-                ("V::Number", "V::number(V::One::zero())")
-            }
-            _ => ("T", "T::zero()"),
-        };
-        let _ = writeln!(text, "    let mut result = {value};");
-        let matrices =
-            map.matrices.iter().enumerate().map(|(m, of)| (format!("columns{m}"), of, terms));
-        for (name, entries, height) in [("map".into(), &map.map, rows)].into_iter().chain(matrices)
-        {
-            let count = entries.len() / height;
-            let columns: Vec<String> =
-                entries.chunks(height).map(|column| self.numbers(column)).collect();
-            let columns = columns.join(", ");
-            let _ =
-                writeln!(text, "    let {name}: [[{number}; {height}]; {count}] = [{columns}];");
+        let rows = map.rows;
+        if self.program.execution == Execution::Simd {
+            *text += "    use __modyn::{Scalar as _, batch::Pack as _};\n";
         }
-        let range = 0..map.matrices.len();
+        let zero = self.zero();
+        let _ = writeln!(text, "    let mut result = {value};");
+        let range = 0..map.targets.len();
         let list = |one: &dyn Fn(usize) -> String| range.clone().map(one).collect::<Vec<_>>();
         let products = list(&|m| format!("product{m}"));
         for block in &map.blocks {
@@ -59,15 +46,6 @@ impl Printer<'_> {
             *text += "        column += 1;\n    }\n";
         }
         *text += "    result\n}\n\n";
-    }
-
-    /// Returns the array of these operands as numbers.
-    fn numbers(&self, operands: &[Operand]) -> String {
-        let numbers = operands.iter().map(|operand| match self.program.execution {
-            Execution::Simd => format!("V::number({})", self.operand(operand)),
-            _ => self.operand(operand),
-        });
-        format!("[{}]", numbers.collect::<Vec<_>>().join(", "))
     }
 
     /// Returns the path from the result to the number of a column: the first one, and the distance between those of consecutive

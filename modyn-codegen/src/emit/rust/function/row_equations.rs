@@ -21,12 +21,6 @@ pub(super) fn pattern(equations: &RowEquations, names: &[String]) -> String {
 }
 
 impl Printer<'_> {
-    /// Returns whether the chunk that is being printed is the last one, which has the function's own name.
-    fn is_last_chunk(&self) -> bool {
-        let last = self.program.chunks.last();
-        last.is_some_and(|chunk| chunk.statements.start == self.chunk_start.get())
-    }
-
     /// Returns the text that solves row equations where their results count.
     pub(super) fn row_equations(&self, equations: &RowEquations) -> String {
         let list = |operands: &[Operand]| format!("[{}]", self.all(operands));
@@ -42,10 +36,6 @@ impl Printer<'_> {
         );
         let solved = match self.program.execution {
             Execution::Scalar => format!("{of}.solve()"),
-            // A chunk is already a function of its own, and does not know the type `V`.
-            Execution::Simd if !self.is_last_chunk() => {
-                format!("__modyn::batch::Chunk::run({of})")
-            }
             Execution::Simd => format!("V::outlined({of})"),
             Execution::Batch | Execution::Threads => format!("T::outlined({of})"),
         };

@@ -79,6 +79,13 @@ impl Printer<'_> {
         bounded.collect::<Vec<_>>().join(", ")
     }
 
+    /// Returns the type parameters of these types and of their instruction set `V`, with bounds.
+    pub(super) fn backend_bounds(&self) -> String {
+        let of = self.vectors().map(|kind| format!("{} = {}", kind.of, kind.name));
+        let of = of.collect::<Vec<_>>().join(", ");
+        format!("{}, V: __modyn::batch::SimdBackend<{of}>", self.vector_bounds())
+    }
+
     /// Returns the names of these types.
     pub(super) fn vector_names(&self) -> String {
         self.vectors().map(|kind| kind.name).collect::<Vec<_>>().join(", ")
