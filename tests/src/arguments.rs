@@ -7,7 +7,8 @@ use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter, Scalar};
 use crate::random::{Random, State};
 
 /// Returns numbers for the arguments of a function: those of `state` where it has them, else random ones. All contacts
-/// are active if the first velocity is positive, else every second one, with the default settings and a target at rest in general position.
+/// are active if the first velocity is positive, else every second one, with the default settings and a target at rest in
+/// general position.
 ///
 /// # Panics
 ///

@@ -532,6 +532,55 @@ fn what_gets_compiled_is_what_the_interpreter_computes() {
     }
 }
 
+/// Programs of independent rows find the states whose rows are dependent: results and ranks are the interpreter's.
+#[test]
+fn programs_of_independent_rows_find_dependent_rows() {
+    let mut random = Random(23);
+    let mut seen = [0, 0];
+    for model in [quadruped(), redundant(&mut random)] {
+        let mechanism = Mechanism::new(&model);
+        let layout = UduLayout::new(&mechanism, &ModuleTree::chains(&model));
+        let settings = exact(&model);
+        let (numbers, nv, count) = (numbers(&settings), model.nv(), model.constraints());
+        let inputs = model.nq() + 2 * nv + count + numbers.len();
+        let tracer = Tracer::new(&mechanism);
+        let around = tracer.constrained_forward_dynamics_around_rows(&layout, inputs);
+        let around = around.expect("independent rows");
+        let program = Program::with_row_equations(&around, inputs, Execution::Scalar);
+        let program = program.expect("valid");
+        assert_eq!(program.to_string().parse(), Ok(program.clone()));
+        for active in masks(&model, &mut random, 40) {
+            // Consistent rows: the robot is at rest.
+            let mut state = state(&model, &mut random);
+            state.qd.fill(0.0);
+            let switches = switches(&active);
+            let found =
+                program.evaluate(&[&*state.q, &state.qd, &state.tau, &switches, &numbers].concat());
+            let wrenches =
+                found[nv..][..6 * count].chunks(6).map(|w| std::array::from_fn(|k| w[k])).collect();
+            let rank = found[found.len() - 1];
+            let expected = interpreted(&model, &state, &active, &settings);
+            assert_same(&Solution { qdd: found[..nv].into(), wrenches, rank }, &expected, 1e-6);
+            let rows = model.contacts().iter().zip(&active).filter(|(_, active)| **active);
+            let rows: usize = rows.map(|(contact, _)| contact.kind.rows()).sum();
+            seen[usize::from(rank < rows as f64 - 0.5)] += 1;
+        }
+    }
+    assert!(seen.iter().all(|&states| states > 10), "independent and dependent: {seen:?}");
+}
+
+/// A long function is cut into chunks. Those of vectors know their types of numbers, but not the instruction set.
+#[test]
+fn chunks_with_dependent_rows_name_types_that_they_have() {
+    let functions = [Function::ConstrainedForwardDynamicsDerivatives];
+    let builder = Builder::new().model(quadruped()).functions(functions);
+    let text = builder.generate().map_err(|error| error.to_string()).expect("good").text;
+    let chunks = text.split("__modyn::batch::Chunk for ").skip(1);
+    let chunks: Vec<&str> = chunks.filter_map(|chunk| chunk.split("\n}\n}").next()).collect();
+    assert!(chunks.iter().any(|chunk| chunk.contains("RowEquations")), "{}", chunks.len());
+    assert!(chunks.iter().all(|chunk| !chunk.contains("V::")), "{}", chunks.len());
+}
+
 fn numbers(settings: &Settings) -> Vec<f64> {
     let ConstraintSettings { alpha, beta, tolerance, rounding, contacts } = settings;
     let mut numbers = vec![*alpha, *beta, *tolerance, *rounding];

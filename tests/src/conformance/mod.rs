@@ -106,8 +106,8 @@ pub fn large() -> Case {
 }
 
 /// Returns robots of every other kind: all joint types, closed loops, mimic joints, run-time parameters, equal limbs in
-/// routines, loops over bodies, products of matrices in loops, columns by one routine, dependent rows of contacts, many links on one
-/// body, bundles and functions of the user.
+/// routines, loops over bodies, products of matrices in loops, columns by one routine, dependent rows of contacts, many
+/// links on one body, bundles and functions of the user.
 ///
 /// # Panics
 ///

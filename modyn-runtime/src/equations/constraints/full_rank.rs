@@ -52,8 +52,8 @@ impl<S: Scalar> FullRank<S> {
         let mut end = 0;
         for rows in blocks {
             end += rows;
-            for i in end - rows..end {
-                let largest = thresholds[i] * own.inverse_diagonal(i, end);
+            for (i, &threshold) in thresholds.iter().enumerate().take(end).skip(end - rows) {
+                let largest = threshold * own.inverse_diagonal(i, end);
                 own.excess = own.excess.max(largest - S::one());
             }
         }
