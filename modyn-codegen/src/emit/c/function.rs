@@ -115,8 +115,9 @@ impl Printer {
             for array in arrays.iter().filter(|array| !read(&array.name)) {
                 let _ = writeln!(unread, "    (void){};", array.name);
             }
-            if stored.is_empty() {
-                unread += "    (void)out;\n";
+            let is_written = |array: &&Array| text.contains(&format!("    {}[", array.name));
+            for array in written.iter().filter(|array| !is_written(array)) {
+                let _ = writeln!(unread, "    (void){};", array.name);
             }
             let written: Vec<String> =
                 written.iter().map(|array| self.array(&array.name, array.len)).collect();
