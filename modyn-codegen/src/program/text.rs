@@ -72,14 +72,8 @@ impl fmt::Display for Program {
             writeln!(f, "x{s}{lanes} = {operation}")?;
         }
         writeln!(f, "results {}", list(&self.results))?;
-        match &self.products {
-            Some(products) => products.fmt(f)?,
-            None => {}
-        }
-        match &self.map {
-            Some(map) => map.fmt(f),
-            None => Ok(()),
-        }
+        self.products.iter().try_for_each(|products| products.fmt(f))?;
+        self.map.iter().try_for_each(|map| map.fmt(f))
     }
 }
 
