@@ -21,7 +21,7 @@ use crate::trace::DenseGraph;
 /// The least number of products of a map's entries, in all its columns, for which it is taken unless the user chooses short code. A
 /// quadruped on four feet has 32,000: loops take nine tenths of the time of straight-line code, and half of the text. An arm with
 /// one contact has a thousand.
-pub(super) const MIN_PRODUCTS: usize = 4_000;
+const MIN_PRODUCTS: usize = 4_000;
 
 /// Returns the programs of a function with dense parts, or of its form for many states. `None` for other functions, and where the user
 /// has chosen straight-line code.
@@ -38,7 +38,7 @@ pub(super) fn kernels(
     let by_map = map.map(|trace| (trace(&context.tracer, context, scalars), trace));
     let is_wanted = |(dense, _): &(DenseGraph, _)| {
         dense.map.as_ref().is_some_and(|map| {
-            let columns = 2 * context.sizes.nv;
+            let columns = map.targets.len() * context.sizes.nv;
             let least = if context.code == CodeForm::Small { 0 } else { MIN_PRODUCTS };
             map.rows >= ROW_LANES && map.rows * map.terms * columns > least
         })

@@ -68,7 +68,7 @@ pub enum GraphSource {
 }
 
 /// Returns a graph with dense parts, over this number of inputs.
-pub(super) type TraceDense = fn(&Tracer<'_>, &PlanContext<'_>, usize) -> DenseGraph;
+type TraceDense = fn(&Tracer<'_>, &PlanContext<'_>, usize) -> DenseGraph;
 
 /// The way the compiler makes a function.
 #[derive(Clone, Copy)]

@@ -24,6 +24,17 @@ pub struct LinearMap {
     pub blocks: Vec<ProductBlock>,
 }
 
+/// The form of a matrix of a map.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MapMatrix {
+    /// The name in the text of a function: `map`, then `columns0` and so on.
+    pub name: String,
+    /// The number of columns.
+    pub columns: usize,
+    /// The number of rows.
+    pub rows: usize,
+}
+
 impl LinearMap {
     /// Returns the map with these entries.
     pub(super) fn new(form: &MapForm, entries: Vec<Operand>) -> Self {
@@ -40,24 +51,30 @@ impl LinearMap {
         others / (self.terms * self.targets.len()).max(1)
     }
 
-    /// Returns the matrices with their names: `map`, then `columns0` and so on. Each has the number of its columns, then of its rows.
+    /// Returns the matrix of the map, then the others.
     #[must_use]
-    pub fn matrices(&self) -> Vec<(String, [usize; 2])> {
-        let others =
-            (0..self.targets.len()).map(|m| (format!("columns{m}"), [self.columns(), self.terms]));
-        [("map".into(), [self.terms, self.rows])].into_iter().chain(others).collect()
+    pub fn matrices(&self) -> Vec<MapMatrix> {
+        let (terms, columns) = (self.terms, self.columns());
+        let others = (0..self.targets.len()).map(|m| format!("columns{m}"));
+        let others = others.map(|name| MapMatrix { name, columns, rows: terms });
+        let map = MapMatrix { name: "map".into(), columns: terms, rows: self.rows };
+        [map].into_iter().chain(others).collect()
     }
 
-    /// Returns the name of the matrix to which an entry belongs, and the entry's index there.
+    /// Returns the matrix to which an entry belongs, and the entry's index there; `None` if there is no such entry.
     #[must_use]
-    pub fn place(&self, entry: usize) -> (String, usize) {
-        match entry.checked_sub(self.first(0)) {
-            None => ("map".into(), entry),
-            Some(entry) => {
-                let entries = self.terms * self.columns();
-                (format!("columns{}", entry / entries), entry % entries)
+    pub fn place(&self, entry: usize) -> Option<(MapMatrix, usize)> {
+        let mut index = entry;
+        self.matrices().into_iter().find_map(|matrix| {
+            let entries = matrix.columns * matrix.rows;
+            match index.checked_sub(entries) {
+                None => Some((matrix, index)),
+                Some(rest) => {
+                    index = rest;
+                    None
+                }
             }
-        }
+        })
     }
 
     /// Returns the index of the first entry of another matrix.

@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 
 use super::{
-    Addend, Execution, InvalidProgram, MultiplyAdd, Operand, Operation, Program, RowEquations,
-    Source, Statement, Value, outline,
+    Addend, Execution, InvalidProgram, LinearMap, MultiplyAdd, Operand, Operation, Program,
+    RowEquations, Source, Statement, Value, outline,
 };
 use crate::graph::{Graph, Id, Node};
-use crate::trace::RowForm;
+use crate::trace::{DenseGraph, RowForm};
 
 /// The message of a panic about an invalid program.
 const FAULT: &str = "a fault of modyn: please report it";
@@ -34,6 +34,25 @@ impl Program {
         execution: Execution,
     ) -> Result<Self, InvalidProgram> {
         Self::lowered(graph, arguments, execution).finished()
+    }
+
+    /// Returns the program of a graph with dense parts, over `arguments` scalars.
+    ///
+    /// # Errors
+    ///
+    /// Returns the first violation of a rule.
+    pub fn with_dense_parts(
+        of: &DenseGraph,
+        arguments: usize,
+        execution: Execution,
+    ) -> Result<Self, InvalidProgram> {
+        let DenseGraph { graph, rows, map } = of;
+        let mut program = Self::lowered_with(graph, arguments, execution, rows.as_ref());
+        if let Some(form) = map {
+            let entries = program.results.split_off(form.results);
+            program.map = Some(LinearMap::new(form, entries));
+        }
+        program.finished()
     }
 
     /// Returns the statements and results of a graph, as a program that is not [`finished`](Self::finished).
@@ -73,7 +92,7 @@ impl Program {
 
     /// Computes the last use of each value, cuts the statements into chunks, and checks the program.
     pub(super) fn finished(mut self) -> Result<Self, InvalidProgram> {
-        for (i, stored) in self.stored().copied().enumerate().collect::<Vec<_>>() {
+        for (i, stored) in self.stored().to_vec().into_iter().enumerate() {
             match stored.value() {
                 Some(value) => self.statements[value.statement].stores.push(i),
                 None => self.first_stores.push(i),

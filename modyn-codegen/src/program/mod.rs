@@ -32,7 +32,7 @@ mod validate;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-pub use linear_map::LinearMap;
+pub use linear_map::{LinearMap, MapMatrix};
 pub use places::argument_of;
 pub(crate) use products::is_zero;
 pub use products::{ProductBlock, Products, ROW_LANES, product_blocks};
@@ -214,7 +214,7 @@ pub struct Scope {
     pub live_out: Vec<Value>,
 }
 
-/// A program that is called several times, each time with other constants or for other columns. Its arguments are the constants of one
+/// A program that is called several times, each time with other constants. Its arguments are the constants of one
 /// repetition, then the repetition's own operands, then operands that all repetitions share.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Routine {
@@ -292,9 +292,26 @@ impl Program {
     /// Returns the statements whose results are read by statement `s` or its stores.
     pub fn reads(&self, s: usize) -> impl Iterator<Item = usize> {
         let Statement { operation, stores, .. } = &self.statements[s];
-        let stored = stores.iter().map(|&i| *self.stored_at(i));
+        let stored = stores.iter().map(|&i| self.stored()[i]);
         let operands = operation.operands().into_iter().chain(stored);
         operands.filter_map(|operand| operand.value()).map(|value| value.statement)
+    }
+
+    /// Returns the numbers that are stored as soon as they are computed: the entries of the map, or with many states the results.
+    #[must_use]
+    pub fn stored(&self) -> &[Operand] {
+        match &self.map {
+            Some(map) => &map.entries,
+            None if self.execution.has_many_states() => &self.results,
+            None => &[],
+        }
+    }
+
+    /// Returns the numbers that are read after the statements: with one state the results, and the addends of products.
+    pub(crate) fn read_last(&self) -> impl Iterator<Item = &Operand> {
+        let results = if self.execution.has_many_states() { &[] } else { &*self.results };
+        let addends = self.products.iter().flat_map(|products| &products.addends);
+        results.iter().chain(addends.map(|(_, addend)| addend))
     }
 
     /// Returns the number of lanes of a value before it is broadcast.

@@ -71,27 +71,6 @@ impl Program {
         program.products = Some(products);
         program.finished()
     }
-
-    /// Returns the numbers that are stored as soon as they are computed: with many states the results, otherwise the entries of the map.
-    pub fn stored(&self) -> impl Iterator<Item = &Operand> {
-        let results = if self.execution.has_many_states() { &*self.results } else { &[] };
-        results.iter().chain(self.map.iter().flat_map(|map| &map.entries))
-    }
-
-    /// Returns a number that is [stored](Self::stored).
-    pub(crate) fn stored_at(&self, i: usize) -> &Operand {
-        match &self.map {
-            Some(map) => &map.entries[i],
-            None => &self.results[i],
-        }
-    }
-
-    /// Returns the numbers that are read after the statements: with one state the results, and the addends of products.
-    pub(crate) fn read_last(&self) -> impl Iterator<Item = &Operand> {
-        let results = if self.execution.has_many_states() { &[] } else { &*self.results };
-        let addends = self.products.iter().flat_map(|products| &products.addends);
-        results.iter().chain(addends.map(|(_, addend)| addend))
-    }
 }
 
 impl Products {

@@ -3,10 +3,9 @@
 use modyn_runtime::Scalar;
 use modyn_runtime::equations::constraints::RowSystem;
 
-use super::{Execution, InvalidProgram, LinearMap, Operand, Program};
+use super::{Execution, Operand, Program};
 use crate::graph::{Expr, Graph};
 use crate::passes::optimize;
-use crate::trace::DenseGraph;
 
 /// The equations A x = b of constraint rows, for one or more right-hand sides b. The results are x = A^+ b for each of them, then A x - b
 /// for each, then the rank of A. They are any numbers where the last operand is not negative: then no operation counts them.
@@ -97,25 +96,4 @@ fn system<S: Scalar>(blocks: &[usize], parts: [&[S]; 4]) -> RowSystem<S> {
     let [matrix, sides, scales, tolerances] = parts.map(<[S]>::to_vec);
     let tolerances = [tolerances[0], tolerances[1]];
     RowSystem { blocks: blocks.to_vec(), matrix, sides, scales, tolerances }
-}
-
-impl Program {
-    /// Returns the program of a graph with dense parts, over `arguments` scalars.
-    ///
-    /// # Errors
-    ///
-    /// Returns the first violation of a rule.
-    pub fn with_dense_parts(
-        of: &DenseGraph,
-        arguments: usize,
-        execution: Execution,
-    ) -> Result<Self, InvalidProgram> {
-        let DenseGraph { graph, rows, map } = of;
-        let mut program = Self::lowered_with(graph, arguments, execution, rows.as_ref());
-        if let Some(form) = map {
-            let entries = program.results.split_off(form.results);
-            program.map = Some(LinearMap::new(form, entries));
-        }
-        program.finished()
-    }
 }

@@ -571,7 +571,7 @@ impl<'a> Parser<'a> {
 fn values(program: &Program) -> Vec<Value> {
     let statements = program.statements.iter();
     let operands = statements.flat_map(|statement| statement.operation.operands());
-    let operands = operands.chain(program.stored().chain(program.read_last()).copied());
+    let operands = operands.chain(program.stored().iter().chain(program.read_last()).copied());
     operands.filter_map(|operand| operand.value()).collect()
 }
 

@@ -29,7 +29,7 @@ impl Program {
                 .map_or(Ok(()), |rule| Err(InvalidProgram { statement: Some(s), rule }))?;
         }
         let end = self.statements.len();
-        let outputs = || self.stored().chain(self.read_last());
+        let outputs = || self.stored().iter().chain(self.read_last());
         let results = outputs().find_map(|result| self.operand_fault(result, end));
         let scalars = outputs().all(|result| result.lanes == 1);
         let rule = results
@@ -112,7 +112,7 @@ impl Program {
         let stored = self.statements.iter().flat_map(|statement| &statement.stores);
         let mut stored: Vec<usize> = stored.chain(&self.first_stores).copied().collect();
         stored.sort_unstable();
-        let all = 0..self.stored().count();
+        let all = 0..self.stored().len();
         (!stored.iter().copied().eq(all)).then_some("each result is stored once")
     }
 

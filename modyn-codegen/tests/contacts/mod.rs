@@ -1331,9 +1331,10 @@ fn operation_counts_are_as_frozen() {
         (Tracer::new(&mechanism), UduLayout::new(&mechanism, &ModuleTree::chains(&model)));
     let limbs = LimbPacking::find(&mechanism, &LIMB_LIMITS).expect("four legs");
     let evaluation = |function| tracer.evaluation(function, &model, None);
-    let around = |tracer: &Tracer<'_>| {
-        let of = tracer.constrained_forward_dynamics_around_rows(&layout, 1000);
-        of.graph
+    let around =
+        |tracer: &Tracer<'_>| tracer.constrained_forward_dynamics_around_rows(&layout, 1000).graph;
+    let derivatives = |tracer: &Tracer<'_>| {
+        tracer.constrained_forward_dynamics_derivatives_around_rows(&layout, 1000).graph
     };
     let found = [
         ("constrained_forward_dynamics", tracer.constrained_forward_dynamics(&layout)),
@@ -1345,6 +1346,11 @@ fn operation_counts_are_as_frozen() {
         (
             "constrained_forward_dynamics of independent rows in lanes",
             around(&tracer.packed(&limbs)),
+        ),
+        ("constrained_forward_dynamics_derivatives of independent rows", derivatives(&tracer)),
+        (
+            "constrained_forward_dynamics_derivatives of independent rows in lanes",
+            derivatives(&tracer.column_lanes(COLUMN_LANES)),
         ),
         ("contact_impulse in lanes", tracer.packed(&limbs).contact_impulse(&layout)),
         ("project_constraints in lanes", tracer.packed(&limbs).project_constraints(&layout)),
@@ -1378,6 +1384,8 @@ fn operation_counts_are_as_frozen() {
         ("constrained_forward_dynamics in lanes", 4792),
         ("constrained_forward_dynamics of independent rows", 7251),
         ("constrained_forward_dynamics of independent rows in lanes", 2930),
+        ("constrained_forward_dynamics_derivatives of independent rows", 64792),
+        ("constrained_forward_dynamics_derivatives of independent rows in lanes", 29398),
         ("contact_impulse in lanes", 4094),
         ("project_constraints in lanes", 5070),
         ("constrained_forward_dynamics_derivatives", 70504),

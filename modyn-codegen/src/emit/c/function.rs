@@ -106,7 +106,7 @@ impl Printer {
             }
             let mut unread = String::new();
             let calls = k == last && last > 0;
-            let first = program.first_stores.iter().map(|&i| program.stored_at(i));
+            let first = program.first_stores.iter().map(|&i| &program.stored()[i]);
             let outputs = program.read_last().chain(first).filter(|_| k == last).copied();
             let read = arguments_read(program, chunk, outputs, &lengths);
             let read = |name: &str| {
@@ -115,9 +115,15 @@ impl Printer {
             for array in arrays.iter().filter(|array| !read(&array.name)) {
                 let _ = writeln!(unread, "    (void){};", array.name);
             }
-            let is_written = |array: &&Array| text.contains(&format!("    {}[", array.name));
-            for array in written.iter().filter(|array| !is_written(array)) {
-                let _ = writeln!(unread, "    (void){};", array.name);
+            let stores = chunk.statements.clone().flat_map(|s| &program.statements[s].stores);
+            let stores: BTreeSet<String> =
+                stores.filter_map(|&i| Some(place(program, i)?.0)).collect();
+            for Array { name, .. } in &written {
+                let is_written =
+                    if name == "out" { !stored.is_empty() } else { stores.contains(name) };
+                if !is_written {
+                    let _ = writeln!(unread, "    (void){name};");
+                }
             }
             let written: Vec<String> =
                 written.iter().map(|array| self.array(&array.name, array.len)).collect();
@@ -220,15 +226,18 @@ impl Syntax for C<'_> {
 
 /// Prints the statements that store these numbers of a program's map.
 fn stores(body: &Body<'_, C<'_>>, text: &mut String, numbers: &[usize]) {
-    let Some(map) = &body.program.map else { return };
     for &i in numbers {
-        let operand = body.program.stored_at(i);
-        // The arrays are filled with zeros.
-        if !is_zero(operand) {
-            let value = body.operand(operand);
-            let _ = writeln!(text, "    {} = {value};", linear_map::place(map, i));
+        if let Some((name, index)) = place(body.program, i) {
+            let value = body.operand(&body.program.stored()[i]);
+            let _ = writeln!(text, "    {name}[{index}] = {value};");
         }
     }
+}
+
+/// Returns the array into which a number of a program's map is stored, and the index there; `None` for zeros, which fill the arrays.
+fn place(program: &Program, number: usize) -> Option<(String, usize)> {
+    let (matrix, index) = program.map.as_ref()?.place(number)?;
+    (!is_zero(&program.stored()[number])).then_some((matrix.name, index))
 }
 
 /// Returns the indices of the arguments, of these lengths, that the statements of a chunk or the `stored` operands read.

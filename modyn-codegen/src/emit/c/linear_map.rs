@@ -2,19 +2,14 @@
 
 use std::fmt::Write as _;
 
+use super::products::add_products;
 use super::{Array, Printer, literal};
-use crate::program::LinearMap;
+use crate::program::{LinearMap, MapMatrix};
 
 /// Returns the arrays of a map's matrices.
 pub(super) fn arrays(map: &LinearMap) -> impl Iterator<Item = Array> {
-    let array = |(name, [columns, rows]): (String, [usize; 2])| Array { name, len: columns * rows };
-    map.matrices().into_iter().map(array)
-}
-
-/// Returns the place of an entry of a map.
-pub(super) fn place(map: &LinearMap, entry: usize) -> String {
-    let (name, index) = map.place(entry);
-    format!("{name}[{index}]")
+    let matrices = map.matrices().into_iter();
+    matrices.map(|MapMatrix { name, columns, rows }| Array { name, len: columns * rows })
 }
 
 /// Prints the statements that store the products of a map whose entries are stored.
@@ -31,18 +26,7 @@ pub(super) fn print(text: &mut String, map: &LinearMap, printer: &Printer) {
         of_each(&|m| format!(" sum{m}[i] += map[{rows} * k + i] * columns{m}[{terms} * j + k];"));
     let _ = writeln!(text, "{sums}        int i, j, k;");
     for block in &map.blocks {
-        let _ = writeln!(
-            text,
-            "        for (j = {}; j < {}; j++) {{\n            {is_row} {{{cleared} }}",
-            block.columns.start, block.columns.end
-        );
-        for terms in &block.terms {
-            let _ = writeln!(
-                text,
-                "            for (k = {}; k < {}; k++) {{\n                {is_row} {{{added} }}\n            }}",
-                terms.start, terms.end
-            );
-        }
+        add_products(text, block, &is_row, [&cleared, &added]);
         for (m, targets) in map.targets.iter().enumerate() {
             for (row, (first, stride)) in targets.iter().enumerate() {
                 let _ = writeln!(text, "            out[{first} + {stride} * j] = sum{m}[{row}];");

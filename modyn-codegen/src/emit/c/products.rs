@@ -1,9 +1,10 @@
 //! Prints products of matrices as loops.
 
 use std::fmt::Write as _;
+use std::ops::Range;
 
 use super::{Printer, literal};
-use crate::program::{Operand, Products};
+use crate::program::{Operand, ProductBlock, Products};
 
 /// Prints the statements that replace matrices among the stored results by products.
 pub(super) fn print(
@@ -21,29 +22,39 @@ pub(super) fn print(
     let arrays = of_each(&|m, _| format!("        {real} b{m}[{n}], sum{m}[{n}];\n"));
     let _ = writeln!(text, "    {{\n        int i, j, k;\n{arrays}");
     for block in &products.blocks {
-        let (columns, rows) = (&block.columns, &block.rows);
+        let rows = &block.rows;
         let is_row = format!("for (i = {}; i < {}; i++)", rows.start, rows.end);
         let taken = of_each(&|m, first| {
             format!(" b{m}[i] = out[{first} + {n} * j + i]; sum{m}[i] = {zero};")
         });
         let added = of_each(&|m, _| format!(" sum{m}[i] += out[{a} + {n} * k + i] * b{m}[k];"));
         let stored = of_each(&|m, first| format!(" out[{first} + {n} * j + i] = sum{m}[i];"));
-        let _ = writeln!(
-            text,
-            "        for (j = {}; j < {}; j++) {{\n            {is_row} {{{taken} }}",
-            columns.start, columns.end
-        );
-        for terms in &block.terms {
-            let _ = writeln!(
-                text,
-                "            for (k = {}; k < {}; k++) {{\n                {is_row} {{{added} }}\n            }}",
-                terms.start, terms.end
-            );
-        }
+        add_products(text, block, &is_row, [&taken, &added]);
         let _ = writeln!(text, "            {is_row} {{{stored} }}\n        }}");
     }
     *text += "    }\n";
     for (result, addend) in &products.addends {
         let _ = writeln!(text, "    out[{result}] += {};", operand(addend));
+    }
+}
+
+/// Prints the start of the loop over the columns `j` of a block: what comes before the sums, for each row, then the loops over the terms `k`
+/// that add to the sums.
+pub(super) fn add_products(
+    text: &mut String,
+    block: &ProductBlock,
+    is_row: &str,
+    [before, added]: [&str; 2],
+) {
+    let Range { start, end } = block.columns;
+    let _ = writeln!(
+        text,
+        "        for (j = {start}; j < {end}; j++) {{\n            {is_row} {{{before} }}"
+    );
+    for Range { start, end } in &block.terms {
+        let _ = writeln!(
+            text,
+            "            for (k = {start}; k < {end}; k++) {{\n                {is_row} {{{added} }}\n            }}"
+        );
     }
 }

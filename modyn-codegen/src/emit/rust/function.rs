@@ -18,7 +18,7 @@ use super::parameter::{Parameter, unpacked};
 use super::shape::Shape;
 use crate::names::helper_type;
 use crate::program::{
-    Chunk, Execution, LinearMap, Operand, Program, Routine, Scope, Value, is_zero,
+    Chunk, Execution, LinearMap, MapMatrix, Operand, Program, Routine, Scope, Value, is_zero,
 };
 use vectors::VectorType;
 
@@ -93,7 +93,7 @@ impl Printer<'_> {
         }
         *text += &head(self.name, &bounds, &self.inputs(), &returned);
         self.prelude(text);
-        for (name, [columns, rows]) in self.matrices() {
+        for MapMatrix { name, columns, rows } in self.matrices() {
             let zero = self.zero();
             let _ = writeln!(text, "    let mut {name} = [[{zero}; {rows}]; {columns}];");
         }
@@ -114,8 +114,8 @@ impl Printer<'_> {
         let _ = writeln!(text, "    {value}\n}}\n");
     }
 
-    /// Returns the matrices of the program's map, which statements store at once; see [`LinearMap::matrices`].
-    fn matrices(&self) -> Vec<(String, [usize; 2])> {
+    /// Returns the matrices of the program's map, which statements store at once.
+    fn matrices(&self) -> Vec<MapMatrix> {
         self.program.map.iter().flat_map(LinearMap::matrices).collect()
     }
 
@@ -150,10 +150,9 @@ impl Printer<'_> {
             format!("chunk{earlier}: &{}", self.types(&self.program.chunks[earlier].live_out))
         });
         let number = self.number_type();
-        let matrices = self
-            .matrices()
-            .into_iter()
-            .map(|(name, [columns, rows])| format!("{name}: &mut [[{number}; {rows}]; {columns}]"));
+        let matrices = self.matrices().into_iter().map(|MapMatrix { name, columns, rows }| {
+            format!("{name}: &mut [[{number}; {rows}]; {columns}]")
+        });
         let inputs: Vec<String> =
             self.inputs().into_iter().chain(live_in).chain(matrices).collect();
         let returned = self.types(&chunk.live_out);
@@ -233,10 +232,12 @@ impl Printer<'_> {
                 false => format!("chunk{earlier}: &chunk{earlier}"),
             };
             arguments.extend(chunk.live_in.iter().map(name));
-            arguments.extend(self.matrices().into_iter().map(|(name, _)| match scalar {
-                true => format!("&mut {name}"),
-                false => format!("{name}: &mut {name}"),
-            }));
+            arguments.extend(self.matrices().into_iter().map(
+                |MapMatrix { name, .. }| match scalar {
+                    true => format!("&mut {name}"),
+                    false => format!("{name}: &mut {name}"),
+                },
+            ));
             let (name, arguments) = (format!("{}_chunk{k}", self.name), arguments.join(", "));
             let (by, own) = match self.program.execution {
                 Execution::Simd => ("V", format!("{}, V", self.vector_names())),
@@ -275,17 +276,17 @@ impl Printer<'_> {
     /// Returns the statements that store these numbers.
     fn stores(&self, numbers: &[usize]) -> String {
         let stored = |&i: &usize| {
-            let operand = self.program.stored_at(i);
-            match &self.program.map {
-                None => format!("outputs.set::<{i}>({});\n", self.operand(operand)),
+            let operand = &self.program.stored()[i];
+            let Some(map) = &self.program.map else {
+                return format!("outputs.set::<{i}>({});\n", self.operand(operand));
+            };
+            match map.place(i) {
                 // The matrices are filled with zeros.
-                Some(_) if is_zero(operand) => String::new(),
-                Some(map) => {
-                    let (name, index) = map.place(i);
-                    let rows = if name == "map" { map.rows } else { map.terms };
+                Some((MapMatrix { name, rows, .. }, index)) if !is_zero(operand) => {
                     let (column, row) = (index / rows, index % rows);
                     format!("{name}[{column}][{row}] = {};\n", self.number(operand))
                 }
+                _ => String::new(),
             }
         };
         numbers.iter().map(stored).collect()
