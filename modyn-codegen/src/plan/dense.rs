@@ -19,8 +19,7 @@ use crate::program::{Execution, Operation, Program, ROW_LANES};
 use crate::trace::DenseGraph;
 
 /// The least number of products of a map's entries, in all its columns, for which it is taken unless the user chooses short code. A
-/// quadruped on four feet has 32,000: loops take nine tenths of the time of straight-line code, and half of the text. An arm with
-/// one contact has a thousand.
+/// quadruped on four feet has 32,000: loops have half of the code, and take no longer. An arm with one contact has a thousand.
 const MIN_PRODUCTS: usize = 4_000;
 
 /// Returns the programs of a function with dense parts, or of its form for many states. `None` for other functions, and where the user
