@@ -106,7 +106,7 @@ pub fn large() -> Case {
 }
 
 /// Returns robots of every other kind: all joint types, closed loops, mimic joints, run-time parameters, equal limbs in
-/// routines, loops over bodies, products of matrices in loops, columns by one routine, dependent rows of contacts, many
+/// routines, loops over bodies, products of matrices in loops, derivatives as a linear map, dependent rows of contacts, many
 /// links on one body, bundles and functions of the user.
 ///
 /// # Panics
@@ -128,6 +128,7 @@ pub fn kinds() -> Vec<Case> {
         case("loops", sprung().functions(looped).code(CodeForm::Small).runtime_gravity()),
         case("products", products()),
         case("columns", columns()),
+        case("column", column()),
         case("points", points()),
         case("comb", comb().functions(USED)),
         case("own_functions", own_functions()),
@@ -140,12 +141,28 @@ fn products() -> Builder {
     robot("arm6").base(Base::Floating).functions(functions).code(CodeForm::Small)
 }
 
-/// Returns a robot whose derivatives under constraints have one routine for all columns.
+/// Returns a robot whose derivatives under constraints are products of one matrix with many columns, in loops.
 fn columns() -> Builder {
     let functions = [Function::ConstrainedForwardDynamicsDerivatives];
     let hand = contact("hand", ContactKind::Surface, "wrist_3_link", [0.1, 0.0, -0.2]);
     let arm = robot("ur5").base(Base::Floating).contacts([hand]);
     arm.functions(functions).code(CodeForm::Small)
+}
+
+/// Returns the same of a robot with one joint, whose matrices have one column, and two contacts.
+fn column() -> Builder {
+    let text = r#"<robot name="pendulum"><link name="base"/><link name="bob"><inertial>
+        <origin xyz="0.1 0.2 -0.3"/><mass value="1.5"/>
+        <inertia ixx="0.1" iyy="0.2" izz="0.15" ixy="0.01" ixz="0.02" iyz="-0.01"/></inertial></link>
+        <joint name="pivot" type="continuous"><parent link="base"/><child link="bob"/>
+        <origin xyz="0.3 -0.1 0.2" rpy="0.4 0.1 -0.2"/><axis xyz="0.6 0 0.8"/></joint></robot>"#;
+    let contacts = [
+        contact("toe", ContactKind::Point, "bob", [0.1, 0.2, -0.3]),
+        contact("sole", ContactKind::Surface, "bob", [-0.2, 0.1, -0.1]),
+    ];
+    let functions = [Function::ConstrainedForwardDynamicsDerivatives];
+    let pendulum = Builder::new().urdf_text(text, "pendulum.urdf").contacts(contacts);
+    pendulum.functions(functions).code(CodeForm::Small)
 }
 
 /// Returns a robot with two contacts of one link, which have a dependent row if both are active.

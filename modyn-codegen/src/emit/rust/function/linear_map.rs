@@ -39,7 +39,7 @@ impl Printer<'_> {
             }
             for (product, targets) in products.iter().zip(&map.targets) {
                 for (row, target) in targets.iter().enumerate() {
-                    let place = self.column_place(*target);
+                    let place = self.column_place(*target, map.columns());
                     let _ = writeln!(text, "        result{place} = {product}[{row}];");
                 }
             }
@@ -48,10 +48,15 @@ impl Printer<'_> {
         *text += "    result\n}\n\n";
     }
 
-    /// Returns the path from the result to the number of a column: the first one, and the distance between those of consecutive
-    /// columns.
-    fn column_place(&self, (first, stride): (usize, usize)) -> String {
-        let [zero, one] = [first, first + stride].map(|place| self.result.place(place));
+    /// Returns the path from the result to the number of a `column` of this many: its places are the first one, and the distance between
+    /// those of consecutive columns.
+    fn column_place(&self, (first, stride): (usize, usize), columns: usize) -> String {
+        let zero = self.result.place(first);
+        if columns == 1 {
+            return zero;
+        }
+        // The paths of columns 0 and 1 differ by that digit alone.
+        let one = self.result.place(first + stride);
         let same = zero.bytes().zip(one.bytes()).take_while(|(a, b)| a == b).count();
         format!("{}column{}", &zero[..same], &zero[same + 1..])
     }
