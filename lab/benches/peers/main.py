@@ -1,6 +1,7 @@
 """Builds all contenders, measures them, and writes a table and a plot: `run --help`."""
 
 import argparse
+import dataclasses
 import datetime
 import json
 import subprocess
@@ -11,7 +12,10 @@ import measure
 import plot
 import table
 from contenders import CONTENDERS, modyn
-from environment import OUTPUT, QUANTITIES, Unavailable
+from environment import OUTPUT, QUANTITIES, ROOT, Unavailable
+
+#: What was built last, for `--built`.
+BUILT = OUTPUT / "built.json"
 
 
 def options():
@@ -22,7 +26,9 @@ def options():
     parser.add_argument("--compilers", metavar="NAME,...", help="only these of gcc, clang")
     parser.add_argument("--data", metavar="NAME", default="speed",
                         help="the name of the data files: NAME.tsv, NAME-cold.tsv, NAME-errors.tsv (speed)")
-    parser.add_argument("--built", action="store_true", help="measure what is built already; compile nothing")
+    parser.add_argument("--processor", metavar="NAME", default="native",
+                        help="compile for this processor, as compilers name it; if it is another machine's, see README.md")
+    parser.add_argument("--built", action="store_true", help="measure what was built last; compile nothing")
     parser.add_argument("--quick", action="store_true", help="2 copies and 5 repetitions, for debugging")
     parser.add_argument("--copies", type=int, default=5, help="processes, each of a fresh copy of its program (5)")
     parser.add_argument("--beside", metavar="CHECKOUT", help="measure the modyn of another checkout, too")
@@ -38,7 +44,7 @@ def command(arguments, defaults):
     """The command that measures the same again, without where its files go."""
     words = ["lab/benches/peers/run"]
     for name, value in vars(arguments).items():
-        if name not in ("output", "built") and value != defaults[name]:
+        if name not in ("output", "built", "processor") and value != defaults[name]:
             words += [f"--{name}"] if value is True else [f"--{name}", str(value)]
     return " ".join(words)
 
@@ -51,9 +57,32 @@ def chosen(names, all_names, what):
     return names
 
 
+def build(arguments, robots, names, compilers):
+    """Builds the contenders of these names; returns their programs, and what is said of them."""
+    toolbox = environment.Toolbox(robots, arguments.install, arguments.beside, compilers, arguments.processor)
+    contenders = {"beside": modyn.build_beside} if arguments.beside else {}
+    contenders.update((name, CONTENDERS[name]) for name in names)
+    modyn.states(toolbox)
+    programs = {}
+    for name, its_build in contenders.items():
+        print(f"{name}: building", flush=True)
+        try:
+            programs[name] = [dataclasses.asdict(program) for program in its_build(toolbox)]
+        except Unavailable as why:
+            print(f"{name}: left out: {why}", flush=True)
+            toolbox.missing[name] = str(why)
+    commit = subprocess.run(["git", "describe", "--always", "--dirty"], capture_output=True, text=True, check=True,
+                            cwd=environment.HERE).stdout.strip()
+    return dict(programs=programs, versions=toolbox.versions, missing=toolbox.missing, commit=commit)
+
+
+def written(path):
+    """A path from the root of the repository, which may be elsewhere on the machine that measures."""
+    return str(path.relative_to(ROOT) if path.is_relative_to(ROOT) else path)
+
+
 def main():
     arguments, defaults = options()
-    environment.Compiling.allowed = not arguments.built
     robots = environment.robots()
     names = chosen(arguments.robots, [robot.name for robot in robots], "robot")
     robots = [robot for robot in robots if robot.name in names]
@@ -62,36 +91,26 @@ def main():
     for robot in robots:
         robot.quantities = [quantity for quantity in robot.quantities if quantity in quantities]
     compilers = chosen(arguments.compilers, environment.COMPILERS, "compiler")
-    toolbox = environment.Toolbox(robots, arguments.install, arguments.beside, compilers)
-    contenders = {"beside": modyn.build_beside} if arguments.beside else {}
-    contenders.update((name, CONTENDERS[name]) for name in only)
 
-    modyn.states(toolbox)
+    if not arguments.built:
+        BUILT.write_text(json.dumps(build(arguments, robots, only, compilers), default=written, indent=1))
+        if arguments.processor != "native":
+            return
+    built = json.loads(BUILT.read_text())
+    programs = [measure.Program(**program) for name, all_its in built["programs"].items() if name in [*only, "beside"]
+                for program in all_its if program["robot"] in names and program["quantity"] in quantities]
     copies, repetitions = (2, 5) if arguments.quick else (arguments.copies, 21)
-    measurer = measure.Measurer(toolbox.data, copies, repetitions)
-    programs, missing = [], {}
-    for name, build in contenders.items():
-        print(f"{name}: building", flush=True)
-        try:
-            programs += build(toolbox)
-        except Unavailable as why:
-            print(f"{name}: left out: {why}", flush=True)
-            missing[name] = str(why)
-            continue
-    results = measurer.all(programs)
-    missing.update(toolbox.missing)
+    results = measure.Measurer(OUTPUT / "data", copies, repetitions).all(programs)
 
-    report = dict(command=command(arguments, defaults), machine=environment.machine(), versions=toolbox.versions,
+    report = dict(command=command(arguments, defaults), machine=environment.machine(), versions=built["versions"],
                   quick=arguments.quick, copies=copies, robots=names, quantities=QUANTITIES, results=results,
-                  missing=missing)
+                  missing=built["missing"])
     output = environment.folder(arguments.output)
     (output / "results.json").write_text(json.dumps(report, indent=1))
     (output / "table.md").write_text(table.markdown(report))
     (output / "plot.svg").write_text(plot.svg(report))
-    commit = subprocess.run(["git", "describe", "--always", "--dirty"], capture_output=True, text=True, check=True,
-                            cwd=environment.HERE).stdout.strip()
     for ending, data in [("", table.data), ("-cold", table.cold_data), ("-errors", table.errors_data)]:
-        (output / f"{arguments.data}{ending}.tsv").write_text(data(report, commit, datetime.date.today()))
+        (output / f"{arguments.data}{ending}.tsv").write_text(data(report, built["commit"], datetime.date.today()))
     print((output / "table.md").read_text())
 
 

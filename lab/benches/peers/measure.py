@@ -12,6 +12,8 @@ import subprocess
 import tempfile
 from pathlib import Path
 
+from environment import ROOT
+
 #: The median, the 99th percentile and the largest time of a call with empty caches.
 COLD = ["cold", "cold_99", "cold_most"]
 #: As the programs have it too.
@@ -20,7 +22,10 @@ LARGEST_ERROR = 1e-8
 
 @dataclasses.dataclass
 class Program:
-    """`executable *before DATA ROBOT QUANTITY REPETITIONS *after` prints its error, its time, and its time with empty caches."""
+    """`executable *before DATA ROBOT QUANTITY REPETITIONS *after` prints its error, its time, and its time with empty caches.
+
+    It runs in the root of the repository.
+    """
 
     contender: str
     #: The variant of the contender's program; the table shows the fastest one.
@@ -75,11 +80,12 @@ class Measurer:
         """Returns the output of a fresh copy of the program, or the reason why there is none."""
         with tempfile.TemporaryDirectory(dir=self.data.parent) as place:
             for file in [program.executable, *program.libraries]:
-                shutil.copy2(file, place)
+                shutil.copy2(ROOT / file, place)
             executable = Path(place) / Path(program.executable).name
             command = [*self.pin, executable, *program.before, self.data, program.robot, program.quantity,
                        self.repetitions, *program.after]
-            done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
+            done = subprocess.run([str(word) for word in command], capture_output=True, text=True,
+                                  cwd=ROOT)
         said = dict(line.split() for line in done.stdout.splitlines() if len(line.split()) == 2)
         said = {key: float(value) for key, value in said.items()}
         if not said.get("error", math.inf) < LARGEST_ERROR:

@@ -25,7 +25,7 @@ def build(toolbox):
     toolbox.missing.update(WHY_NOT)
     folder = OUTPUT / "crates"
     call(["cargo", "build", "--release", "--manifest-path", HERE / "crates-runner" / "Cargo.toml",
-          "--target-dir", folder], env={**os.environ, "RUSTFLAGS": "-C target-cpu=native"})
+          "--target-dir", folder], env={**os.environ, "RUSTFLAGS": f"-C target-cpu={toolbox.processor}"})
     programs = []
     for crate, quantities in CRATES.items():
         for robot in toolbox.free:

@@ -19,30 +19,27 @@ VARIANTS = [
 BESIDE = [(f"beside: {name}", variant, target) for name, variant, target in VARIANTS if target == "native"]
 
 
-def runner(target, here=HERE, output=OUTPUT):
-    """The runner for this machine's instructions, or for any machine's."""
-    flags = {"native": "-C target-cpu=native", "default": ""}[target]
+def runner(target, processor="native", here=HERE, output=OUTPUT):
+    """The runner for a processor's instructions, or for any processor."""
+    flags = {"native": f"-C target-cpu={processor}", "default": ""}[target]
     built = output / f"modyn-{target}"
     manifest = here / "modyn-runner" / "Cargo.toml"
     call(["cargo", "build", "--release", "--manifest-path", manifest, "--target-dir", built],
          env={**os.environ, "RUSTFLAGS": flags})
-    program = built / "release" / "modyn-runner"
-    if not program.exists():
-        raise Unavailable("not built yet")
-    return program
+    return built / "release" / "modyn-runner"
 
 
 def states(toolbox):
     """Writes the states, and the results that all others are compared with."""
     toolbox.version("rustc", call(["rustc", "--version"]))
-    call([runner("native"), "states", toolbox.data])
+    call([runner("default"), "states", toolbox.data])
 
 
 def build(toolbox):
     runners = {}
     for name, _, target in VARIANTS:
         try:
-            runners[target] = runners.get(target) or runner(target)
+            runners[target] = runners.get(target) or runner(target, toolbox.processor)
         except Unavailable as why:
             toolbox.missing[name] = str(why)
     return programs(toolbox.robots, runners, [row for row in VARIANTS if row[2] in runners])
@@ -55,7 +52,7 @@ def build_beside(toolbox):
     shutil.copytree(folder(OUTPUT / "robots"), output / "robots", dirs_exist_ok=True)
     # Older checkouts have no folder `lab`.
     peers = next(path for path in (checkout / "lab/benches/peers", checkout / "benches/peers") if path.exists())
-    runners = {"native": runner("native", peers, output)}
+    runners = {"native": runner("native", toolbox.processor, peers, output)}
     known = {line.split()[0] for line in (peers / "robots.txt").read_text().splitlines() if line}
     return programs([robot for robot in toolbox.robots if robot.name in known], runners, BESIDE)
 

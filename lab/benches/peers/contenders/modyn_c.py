@@ -10,7 +10,7 @@ CPP = HERE / "cpp"
 
 def build(toolbox):
     sources = toolbox.build / "modyn_c"
-    call([runner("native"), "c", sources])
+    call([runner("default"), "c", sources])
     programs = []
     for robot in toolbox.free:
         source = next((sources / robot.name).glob("*.c"))

@@ -1,5 +1,7 @@
 """MuJoCo's smooth dynamics, from the C library of its wheel."""
 
+import shutil
+
 from environment import HARNESS, HERE, SITE, Unavailable, call, newer, python
 from measure import Program
 
@@ -11,12 +13,13 @@ def build(toolbox):
     library = next(iter(package.glob("libmujoco.so*")), None)
     if library is None or not toolbox.compilers:
         raise Unavailable("no library or no compiler")
+    library = shutil.copy2(library, toolbox.build)
     source = HERE / "cpp" / "mujoco.cpp"
     # Only the library is measured; the compiler of the harness does not matter.
     executable = toolbox.build / "mujoco"
     if not newer(executable, [source, *HARNESS]):
-        call([toolbox.compilers[-1][2], "-std=c++17", "-O3", "-march=native", "-I", package / "include", source, library,
-              "-Wl,-rpath,$ORIGIN", "-o", executable])
+        call([toolbox.compilers[-1][2], "-std=c++17", "-O3", f"-march={toolbox.processor}", "-I", package / "include", source,
+              library, "-Wl,-rpath,$ORIGIN", "-o", executable])
     toolbox.missing["MuJoCo, forward_dynamics_derivatives"] = "finite differences only"
     programs = []
     for robot in toolbox.free:
