@@ -3,12 +3,16 @@
     measure="python lab/benches/gpu/libraries.py --grid FOLDER"
     $measure | lab/record "$measure" "NOTE" > docs/data/gpu-libraries.tsv
 
-Needs nvcc, CuPy, JAX, frax, MuJoCo XLA, the package `modyn`, and the command `modyn` (MODYN); a library that is missing is left
-out. FOLDER has `grid.cuh`, which GRiD's `generateGRiD.py` writes for tests/golden/panda.urdf.
+Needs nvcc, CuPy, JAX, frax, MuJoCo XLA, GRiD (`pip install grid-rbd`, of 2026), the package `modyn`, and the command `modyn`
+(MODYN); a library that is missing is left out. FOLDER keeps what GRiD generates and nvcc compiles, some minutes for G1.
 
 Each library runs in a process of its own. A time is the median of 11 passes; a pass starts the function so often that it takes
 some 20 ms, and waits once. Numbers stay on the graphics processor. A library whose first 200 accelerations are not those of modyn
-on the host in `f64` is left out. Rollouts have 50 steps of 2 ms, and their time is that of a step.
+on the host in `f64` is left out, and so are derivatives. Rollouts have 50 steps of 2 ms, and their time is that of a step.
+
+GRiD's forward dynamics is the faster of its `forward_dynamics` and `aba`. Its `forward_dynamics_gradient` stores the derivatives
+by q and by qd; modyn stores the accelerations and the derivatives by tau besides. GRiD's kernels run with the number of threads,
+of blocks, and the share of shared memory that is fastest for so many states, of a choice.
 """
 
 import argparse
@@ -17,6 +21,7 @@ import functools
 import json
 import math
 import os
+import re
 import statistics
 import subprocess
 import sys
@@ -30,7 +35,9 @@ sys.path.insert(0, str(ROOT / "lab/benches/python"))
 import learn  # noqa: E402
 
 SIZES = [256, 4096, 65_536, 1_048_576]
-STEPS, DT, COMPARED, MAX_SECONDS = 50, 0.002, 200, 120
+STEPS, DT, COMPARED, MAX_SECONDS = 50, 0.002, 200, 300
+# The most bytes of the results of a call.
+MAX_BYTES = 16e9
 # The name, the file, whether the base floats.
 ROBOTS = {
     "Panda": ("tests/golden/panda.urdf", False),
@@ -40,6 +47,12 @@ ROBOTS = {
 GROUND = "quadruped on four feet"
 FEET = ["front_left", "front_right", "hind_left", "hind_right"]
 FUNCTIONS = ["forward_dynamics", "forward_dynamics_derivatives", "rollout_semi_implicit"]
+ORDER = [*((robot, function) for robot in ROBOTS for function in FUNCTIONS), (GROUND, "rollout_on_ground")]
+# The numbers of GRiD's kernels in grid.cu, and numbers of threads.
+GRID = {"forward_dynamics": {0: "forward_dynamics", 1: "aba"}, "forward_dynamics_derivatives": {2: "forward_dynamics_gradient"}}
+THREADS, TIERS = [32, 64, 96, 128, 192, 256, 384, 512, 768], [0, 1, 2]
+# The most states that choices are compared for.
+CHOSEN = 16_384
 
 
 @functools.cache
@@ -61,34 +74,36 @@ def on_host(robot):
     return modyn.load(ROOT / path, friction="none", **({"base": "floating"} if floating else {}))
 
 
-def agrees(name, robot, found):
-    """Compares the first accelerations with those of modyn in `f64`."""
+def agrees(name, robot, found, function="forward_dynamics"):
+    """Compares the first accelerations, or their derivatives by q and by qd as columns of one row, with those of modyn in `f64`."""
     # Libraries give the linear acceleration of a floating base in different frames.
     first = 3 if ROBOTS[robot][1] else 0
-    expected = on_host(robot).forward_dynamics(*(x[:COMPARED] for x in states(robot)))[:, first:]
-    errors = np.abs(found[:COMPARED, first:] - expected).max(-1) / np.maximum(1, np.abs(expected).max(-1))
+    expected = getattr(on_host(robot), function)(*(x[:COMPARED] for x in states(robot)))
+    if function == "forward_dynamics_derivatives":
+        expected = np.concatenate([expected.dq, expected.dqd], -1)
+        found = found[:COMPARED].reshape(COMPARED, expected.shape[2], -1).swapaxes(1, 2)
+    largest = lambda x: np.abs(x[:COMPARED, first:]).reshape(COMPARED, -1).max(-1)
+    errors = largest(found[:COMPARED] - expected) / np.maximum(1, largest(expected))
     # A few states are badly conditioned.
     usual = np.quantile(errors, 0.9)
-    print(f"{name}, {robot}: nine tenths of the errors are below {usual:.1e}", file=sys.stderr)
+    print(f"{name}, {robot}, {function}: nine tenths of the errors are below {usual:.1e}", file=sys.stderr)
     return usual < 1e-3
+
+
+def once(call, wait, times=1):
+    """Returns the time of a call, s, of one pass."""
+    start = time.perf_counter()
+    for _ in range(times):
+        call()
+    wait()
+    return (time.perf_counter() - start) / times
 
 
 def median(call, wait):
     """Returns the time of a call, s."""
-    call()
-    wait()
-    start = time.perf_counter()
-    call()
-    wait()
-    times = min(max(math.ceil(0.02 / (time.perf_counter() - start)), 1), 10_000)
-    passes = []
-    for _ in range(11):
-        start = time.perf_counter()
-        for _ in range(times):
-            call()
-        wait()
-        passes.append((time.perf_counter() - start) / times)
-    return statistics.median(passes)
+    once(call, wait)
+    times = min(max(math.ceil(0.02 / once(call, wait)), 1), 10_000)
+    return statistics.median(once(call, wait, times) for _ in range(11))
 
 
 def kernel(options, scalar, name):
@@ -108,24 +123,31 @@ def kernel(options, scalar, name):
     return run
 
 
-def measure_modyn(scalar):
+def measure_modyn(scalar, selected):
     import cupy
 
     dtype = np.float32 if scalar == "f32" else np.float64
     wait = cupy.cuda.get_current_stream().synchronize
     columns = lambda x: cupy.asarray(np.ascontiguousarray(x.T, dtype))
     rows = {}
+    if selected(GROUND, "rollout_on_ground"):
+        rows[GROUND, "rollout_on_ground"] = measure_ground(dtype, scalar, wait)
     for robot, (path, floating) in ROBOTS.items():
         prefix, base = Path(path).stem, ["--base", "floating"] if floating else []
-        every = states(robot)
-        nq, nv = every[0].shape[1], every[1].shape[1]
-        for function in FUNCTIONS[:1] if robot.startswith("G1") else FUNCTIONS:
+        for function in filter(functools.partial(selected, robot), FUNCTIONS):
+            # NVRTC takes minutes for derivatives of G1 in `f64`.
+            if robot.startswith("G1") and (function == FUNCTIONS[2] or function == FUNCTIONS[1] and scalar == "f64"):
+                continue
+            every = states(robot)
+            nq, nv = every[0].shape[1], every[1].shape[1]
             rollout = function.startswith("rollout")
             own = ["--functions", "step_semi_implicit", "--rollout"] if rollout else ["--functions", function]
             run = kernel([path, "--friction", "none", *base, *own], scalar, f"{prefix}_{function}")
+            results = {"forward_dynamics": nv, "forward_dynamics_derivatives": nv * (1 + 3 * nv)}.get(function, nq + nv)
             for n in SIZES:
+                if results * n * dtype().itemsize > MAX_BYTES:
+                    break
                 given = [columns(x[:n]) for x in every]
-                results = {"forward_dynamics": nv, "forward_dynamics_derivatives": nv * (1 + 3 * nv)}.get(function, nq + nv)
                 out = cupy.full((results, n), np.nan, dtype)
                 if rollout:
                     controls = cupy.tile(0.01 * given[2], (STEPS, 1))
@@ -134,11 +156,13 @@ def measure_modyn(scalar):
                     call = lambda: run(n, *given, out)
                 seconds = median(call, wait) / (STEPS if rollout else 1)
                 rows.setdefault((robot, function), []).append(1e9 * seconds / n)
-                if function == "forward_dynamics" and n == SIZES[0]:
-                    assert agrees(f"modyn, {scalar}", robot, out.T.get())
+                if n == SIZES[0] and not rollout:
+                    found = out.T.get()
+                    found = found[:, nv : nv + 2 * nv * nv] if function == "forward_dynamics_derivatives" else found
+                    assert agrees(f"modyn, {scalar}", robot, found, function)
                 assert bool(cupy.isfinite(out[:nv]).all()), f"{robot}, {function}: numbers are not finite"
                 del out, given
-    rows[GROUND, "rollout_on_ground"] = measure_ground(dtype, scalar, wait)
+            report(rows)
     return rows
 
 
@@ -178,35 +202,85 @@ def measure_ground(dtype, scalar, wait):
     return times
 
 
-def measure_grid(folder):
+def load_grid(folder, path, floating):
+    """Returns GRiD's kernels of a robot, which are generated and compiled unless the folder has them."""
+    folder, here, name = Path(folder).resolve(), Path(__file__).parent, Path(path).stem
+    header, library = folder / f"{name}.cuh", folder / f"lib{name}.so"
+    if not library.exists():
+        own = ["--algorithm-list", "aba,forward_dynamics,forward_dynamics_gradient", "--no-mujoco-kernels", "-o", header]
+        subprocess.run(["grid-generate", ROOT / path, *(["-f"] if floating else []), *own], check=True, stdout=sys.stderr)
+        # The flags of GRiD's own package.
+        flags = ["-std=c++17", "-O3", "-arch=native", "-ftz=true", "-prec-div=false", "-prec-sqrt=false", "-w"]
+        command = ["nvcc", *flags, f'-DGRID="{header}"', "--shared", "-Xcompiler", "-fPIC", here / "grid.cu", "-o", library]
+        subprocess.run(command, check=True)
+    grid = ctypes.CDLL(str(library))
+    grid.grid_model.restype, grid.grid_workspace.restype = ctypes.c_void_p, ctypes.c_size_t
+    return grid
+
+
+def fastest(grid, kernels, start, wait, n, most_blocks):
+    """Returns the fastest choice of a kernel, a tier, threads and a limit of blocks."""
+    found = {}
+    for kernel in kernels:
+        for tier in TIERS:
+            limit = grid.grid_threads(kernel, tier)
+            for threads in sorted({x for x in THREADS if x < limit} | {limit} - {0}):
+                for blocks in most_blocks[: 1 if n <= most_blocks[-1] else 2]:
+                    choice = kernel, tier, threads, blocks
+                    call = functools.partial(start, *choice)
+                    once(call, wait)
+                    found[choice] = once(call, wait, max(4096 // n, 1))
+    for choice in sorted(found, key=found.get)[:5]:
+        call = functools.partial(start, *choice)
+        found[choice] = statistics.median(once(call, wait, max(CHOSEN // n, 1)) for _ in range(3))
+    return min(found, key=found.get)
+
+
+def measure_grid(folder, selected):
     import cupy
 
-    here, library = Path(__file__).parent, Path(folder) / "libgrid.so"
-    # The flags of GRiD's own programs.
-    flags = ["-std=c++17", "-O3", "-arch=native", "-ftz=true", "-prec-div=false", "-prec-sqrt=false", "-w"]
-    command = ["nvcc", *flags, "--shared", "-Xcompiler", "-fPIC", "-I", folder, here / "grid.cu", "-o", library]
-    subprocess.run(command, check=True)
-    grid = ctypes.CDLL(str(library))
-    grid.grid_model.restype = ctypes.c_void_p
-    model = ctypes.c_void_p(grid.grid_model())
     # All on the default stream.
-    wait = cupy.cuda.Device().synchronize
-    every, rows = states("Panda"), {}
-    for function, count in (("forward_dynamics", 7), ("forward_dynamics_derivatives", 98)):
-        run = getattr(grid, f"grid_{function}")
+    wait, rows = cupy.cuda.Device().synchronize, {}
+    resident = 32 * cupy.cuda.Device().attributes["MultiProcessorCount"]
+    workspace = cupy.empty(8 << 30, np.uint8)
+    address = lambda x: ctypes.c_void_p(x.data.ptr)
+    for robot, function in ((robot, function) for robot in ROBOTS for function in GRID if selected(robot, function)):
+        grid = load_grid(folder, *ROBOTS[robot])
+        model, most = ctypes.c_void_p(grid.grid_model()), workspace.size // grid.grid_workspace()
+        every, derivatives = states(robot), function == "forward_dynamics_derivatives"
+        nq, nv = every[0].shape[1], every[1].shape[1]
+        count = 2 * nv * nv if derivatives else nq
+        grid.grid_keep(address(workspace), ctypes.c_size_t(workspace.size if derivatives else 0))
         for n in SIZES:
-            given = cupy.asarray(np.hstack([x[:n] for x in every]).astype(np.float32))
-            out = cupy.full((n, count), np.nan, np.float32)
-            pointers = ctypes.c_void_p(given.data.ptr), ctypes.c_void_p(out.data.ptr)
-            rows.setdefault(("Panda", function), []).append(1e9 * median(lambda: run(*pointers, model, n), wait) / n)
-            finite = 100 * float(cupy.isfinite(out).all(1).mean())
-            print(f"GRiD, {function}, {n} states: {finite:.2f} % have finite results", file=sys.stderr)
-            if function == "forward_dynamics" and n == SIZES[0]:
-                assert agrees("GRiD", "Panda", out.get())
+            # GRiD numbers results by an `int`.
+            if n * count >= 2**31:
+                break
+            given, out = np.zeros((n, 3, nq), np.float32), cupy.full((n, count), np.nan, np.float32)
+            for k, x in enumerate(every):
+                given[:, k, : x.shape[1]] = x[:n]
+            pointers = *map(address, (given := cupy.asarray(given), out, workspace)), model
+
+            def start(states, kernel, tier, threads, most_blocks):
+                error = grid.grid_run(kernel, tier, threads, min(states, most_blocks), *pointers, states)
+                assert not error, f"GRiD, {robot}, {function}: error {error} of the start"
+
+            if n < SIZES[-1]:
+                few = min(n, CHOSEN)
+                choice = fastest(grid, GRID[function], functools.partial(start, few), wait, few, [most, min(most, resident)])
+            seconds = median(functools.partial(start, n, *choice), wait)
+            finite = 100 * float(cupy.isfinite(out[:, :nv]).all(1).mean())
+            own = f"{GRID[function][choice[0]]}, tier {choice[1]}, {choice[2]} threads, at most {choice[3]} blocks"
+            print(f"GRiD, {robot}, {function}, {n} states: {own}; {finite:.2f} % have finite results", file=sys.stderr)
+            found = out[:COMPARED].get()
+            if not agrees("GRiD", robot, found if derivatives else found[:, :nv], function):
+                break
+            rows.setdefault((robot, function), []).append(1e9 * seconds / n)
+            report(rows)
+            del given, out, pointers
     return rows
 
 
-def measure_jax(library, scalar):
+def measure_jax(library, scalar, selected):
     os.environ.update(JAX_ENABLE_X64=str(int(scalar == "f64")), XLA_PYTHON_CLIENT_PREALLOCATE="false")
     import jax
 
@@ -216,7 +290,7 @@ def measure_jax(library, scalar):
     rows = {}
     for robot, (path, floating) in ROBOTS.items():
         # MuJoCo's models of floating robots are built otherwise.
-        if floating and library is learn.Mjx or robot.startswith("G1"):
+        if floating and library is learn.Mjx or robot.startswith("G1") or not selected(robot, "forward_dynamics"):
             continue
         own = library(ROOT / path, floating)
         q, qd, tau = states(robot)
@@ -239,11 +313,11 @@ def measure_jax(library, scalar):
     return rows
 
 
-def measure_host(_):
+def measure_host(_, selected):
     rows = {}
     for robot in ROBOTS:
-        own, every = on_host(robot), states(robot)
-        for function in FUNCTIONS[: 1 if robot.startswith("G1") else 2]:
+        for function in filter(functools.partial(selected, robot), FUNCTIONS[:2]):
+            own, every = on_host(robot), states(robot)
             for n in SIZES if function == "forward_dynamics" else SIZES[:3]:
                 given = [np.ascontiguousarray(x[:n]) for x in every]
                 seconds = median(lambda: getattr(own, function)(*given), lambda: None)
@@ -256,26 +330,43 @@ def report(rows):
     print(json.dumps([[*key, times] for key, times in rows.items()]), flush=True)
 
 
+def show(table):
+    """Prints rows of a robot, a function, a library, a scalar and times."""
+    print("| robot | function | library | scalar | " + " | ".join(f"{n:,} states" for n in SIZES) + " |")
+    print("|---" * (4 + len(SIZES)) + "|")
+    for robot, function, name, scalar, times in sorted(table, key=lambda row: ORDER.index(row[:2])):
+        cells = [f"{times[i]:.3g}" if i < len(times) and times[i] < 100 else f"{times[i]:,.0f}" if i < len(times) else "" for i in range(len(SIZES))]
+        print(f"| {robot} | `{function}` | {name} | {scalar} | " + " | ".join(cells) + " |")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--grid", help="the folder of GRiD's grid.cuh")
+    parser.add_argument("--grid", help="the folder of GRiD's kernels")
+    parser.add_argument("--only", default="", help="measure rows alone whose robot, function, library and scalar have this pattern")
     parser.add_argument("--process", nargs=2, help="measure a library in this process")
     arguments = parser.parse_args()
     libraries = {
         "modyn, CUDA": (measure_modyn, ["f32", "f64"]),
-        "GRiD": (lambda _: measure_grid(arguments.grid), ["f32"]),
-        "frax": (lambda scalar: measure_jax(learn.Frax, scalar), ["f32", "f64"]),
-        "MuJoCo XLA, `mjx.forward`": (lambda scalar: measure_jax(learn.Mjx, scalar), ["f32"]),
+        "GRiD": (lambda _, selected: measure_grid(arguments.grid, selected), ["f32"]),
+        "frax": (functools.partial(measure_jax, learn.Frax), ["f32", "f64"]),
+        "MuJoCo XLA, `mjx.forward`": (functools.partial(measure_jax, learn.Mjx), ["f32"]),
         f"modyn, {os.cpu_count()} cores of the host": (measure_host, ["f64"]),
     }
+
+    def selected(name, scalar, robot, function):
+        return re.search(arguments.only, f"{robot}, {function}, {name}, {scalar}")
+
     if arguments.process:
         name, scalar = arguments.process
-        report(libraries[name][0](scalar))
+        report(libraries[name][0](scalar, functools.partial(selected, name, scalar)))
         return
     table = []
     for name, (_, scalars) in libraries.items():
         for scalar in scalars:
-            command = [sys.executable, __file__, "--process", name, scalar, *(["--grid", arguments.grid] if arguments.grid else [])]
+            if not any(selected(name, scalar, *key) for key in ORDER):
+                continue
+            own = ["--only", arguments.only, *(["--grid", arguments.grid] if arguments.grid else [])]
+            command = [sys.executable, __file__, "--process", name, scalar, *own]
             with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
                 try:
                     output, _ = process.communicate(timeout=MAX_SECONDS)
@@ -286,12 +377,7 @@ def main():
                 print(f"{name}, {scalar}: not all could be measured", file=sys.stderr)
             for robot, function, times in json.loads(output.splitlines()[-1]) if output.strip() else []:
                 table.append((robot, function, name, scalar, times))
-    print("| robot | function | library | scalar | " + " | ".join(f"{n:,} states" for n in SIZES) + " |")
-    print("|---" * (4 + len(SIZES)) + "|")
-    order = [*((robot, function) for robot in ROBOTS for function in FUNCTIONS), (GROUND, "rollout_on_ground")]
-    for robot, function, name, scalar, times in sorted(table, key=lambda row: order.index(row[:2])):
-        cells = [f"{times[i]:.3g}" if i < len(times) and times[i] < 100 else f"{times[i]:,.0f}" if i < len(times) else "" for i in range(len(SIZES))]
-        print(f"| {robot} | `{function}` | {name} | {scalar} | " + " | ".join(cells) + " |")
+    show(table)
 
 
 if __name__ == "__main__":
