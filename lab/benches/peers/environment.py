@@ -93,6 +93,14 @@ def call(command, **options):
     return done.stdout
 
 
+def cargo_build(crate, built, flags):
+    """Builds a crate's program in the folder `built`, and returns the program. The flags are not for its build script, which runs here."""
+    host = re.search(r"host: (\S+)", call(["rustc", "-vV"])).group(1)
+    call(["cargo", "build", "--release", "--manifest-path", crate / "Cargo.toml", "--target-dir", built, "--target", host],
+         env={**os.environ, "RUSTFLAGS": flags})
+    return built / host / "release" / crate.name
+
+
 def newer(target, sources):
     """Whether `target` is there and newer than all of `sources`."""
     sources = [source for source in map(Path, sources) if source.exists()]

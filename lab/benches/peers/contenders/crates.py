@@ -1,8 +1,6 @@
 """Crates that compute dynamics in Rust, from `crates-runner`; robots on a fixed base."""
 
-import os
-
-from environment import HERE, OUTPUT, call
+from environment import HERE, OUTPUT, cargo_build
 from measure import Program
 
 #: The quantities of each crate.
@@ -23,9 +21,7 @@ WHY_NOT = {
 def build(toolbox):
     models = toolbox.pinocchio_models()
     toolbox.missing.update(WHY_NOT)
-    folder = OUTPUT / "crates"
-    call(["cargo", "build", "--release", "--manifest-path", HERE / "crates-runner" / "Cargo.toml",
-          "--target-dir", folder], env={**os.environ, "RUSTFLAGS": f"-C target-cpu={toolbox.processor}"})
+    program = cargo_build(HERE / "crates-runner", OUTPUT / "crates", f"-C target-cpu={toolbox.processor}")
     programs = []
     for crate, quantities in CRATES.items():
         for robot in toolbox.free:
@@ -33,6 +29,5 @@ def build(toolbox):
                 continue
             for quantity in quantities:
                 after = (robot.description if crate != "phyz" else models[robot.name],)
-                programs.append(Program(crate, "native", robot.name, quantity,
-                                        folder / "release" / "crates-runner", before=(crate,), after=after))
+                programs.append(Program(crate, "native", robot.name, quantity, program, before=(crate,), after=after))
     return programs

@@ -1,10 +1,9 @@
 """modyn itself, and its interpreter, from `modyn-runner`."""
 
-import os
 import shutil
 from pathlib import Path
 
-from environment import FREE, HERE, OUTPUT, Unavailable, call, folder
+from environment import FREE, HERE, OUTPUT, Unavailable, call, cargo_build, folder
 from measure import Program
 
 #: In the table, in the runner, and compiled for.
@@ -22,11 +21,7 @@ BESIDE = [(f"beside: {name}", variant, target) for name, variant, target in VARI
 def runner(target, processor="native", here=HERE, output=OUTPUT):
     """The runner for a processor's instructions, or for any processor."""
     flags = {"native": f"-C target-cpu={processor}", "default": ""}[target]
-    built = output / f"modyn-{target}"
-    manifest = here / "modyn-runner" / "Cargo.toml"
-    call(["cargo", "build", "--release", "--manifest-path", manifest, "--target-dir", built],
-         env={**os.environ, "RUSTFLAGS": flags})
-    return built / "release" / "modyn-runner"
+    return cargo_build(here / "modyn-runner", output / f"modyn-{target}", flags)
 
 
 def states(toolbox):

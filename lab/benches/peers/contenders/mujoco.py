@@ -1,6 +1,7 @@
 """MuJoCo's smooth dynamics, from the C library of its wheel."""
 
 import shutil
+from pathlib import Path
 
 from environment import HARNESS, HERE, SITE, Unavailable, call, newer, python
 from measure import Program
@@ -13,7 +14,7 @@ def build(toolbox):
     library = next(iter(package.glob("libmujoco.so*")), None)
     if library is None or not toolbox.compilers:
         raise Unavailable("no library or no compiler")
-    library = shutil.copy2(library, toolbox.build)
+    library = Path(shutil.copy2(library, toolbox.build))
     source = HERE / "cpp" / "mujoco.cpp"
     # Only the library is measured; the compiler of the harness does not matter.
     executable = toolbox.build / "mujoco"

@@ -1,8 +1,6 @@
 """Machine code that modyn makes at run time, from `native-runner`; a program for each instruction set of the processor."""
 
-import os
-
-from environment import HERE, OUTPUT, call
+from environment import HERE, OUTPUT, call, cargo_build
 from measure import Program
 
 #: In the table.
@@ -11,10 +9,7 @@ BATCH = "modyn machine code, batch"
 
 
 def runner():
-    built = OUTPUT / "native"
-    call(["cargo", "build", "--release", "--manifest-path", HERE / "native-runner" / "Cargo.toml",
-          "--target-dir", built], env={**os.environ, "RUSTFLAGS": ""})
-    return built / "release" / "native-runner"
+    return cargo_build(HERE / "native-runner", OUTPUT / "native", "")
 
 
 def build(toolbox):
