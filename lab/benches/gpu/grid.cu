@@ -62,11 +62,11 @@ extern "C" int grid_threads(int kernel, int tier)
     return own.threads < found.maxThreadsPerBlock ? own.threads : found.maxThreadsPerBlock;
 }
 
-// Starts a kernel, and returns the error of the start, or 0.
+// Starts a kernel, and returns the error of the start, or 0. Gravity has the sign of GRiD's Python package: negative is down.
 extern "C" int grid_run(int kernel, int tier, int threads, int blocks, const float *states, float *out, unsigned char *workspace,
                         const Model *model, int n)
 {
     const Kernel own = find(kernel, tier);
-    own.run<<<blocks, threads, own.shared>>>(out, workspace, states, 3 * grid::NUM_POS, nullptr, model, 9.81f, n);
+    own.run<<<blocks, threads, own.shared>>>(out, workspace, states, 3 * grid::NUM_POS, nullptr, model, -9.81f, n);
     return cudaGetLastError();
 }

@@ -76,7 +76,8 @@ def on_host(robot):
 
 def agrees(name, robot, found, function="forward_dynamics"):
     """Compares the first accelerations, or their derivatives by q and by qd as columns of one row, with those of modyn in `f64`."""
-    # Libraries give the linear acceleration of a floating base in different frames.
+    # Libraries give the linear acceleration of a floating base in different frames. Without it gravity has no effect: only robots with
+    # a fixed base show a wrong sign of gravity.
     first = 3 if ROBOTS[robot][1] else 0
     expected = getattr(on_host(robot), function)(*(x[:COMPARED] for x in states(robot)))
     if function == "forward_dynamics_derivatives":
