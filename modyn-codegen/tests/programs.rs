@@ -15,9 +15,10 @@ use modyn_codegen::{
 use modyn_runtime::equations::ModulePartition;
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::dynamics::Elimination;
+use modyn_runtime::equations::kinematics::coordinates::normalize;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
-use modyn_runtime::{Interpreter, Scalar};
+use modyn_runtime::{Interpreter, Scalar, StepOutputs};
 
 fn robot(name: &str) -> Model {
     let path = format!("{}/../robots/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
@@ -85,6 +86,47 @@ fn products_in_loops_agree_with_straight_line_code() {
                 let error = (found - expected).abs();
                 assert!(error <= 1e-12 * scale, "{name}, {i}: {found} {expected}");
             }
+        }
+    }
+}
+
+/// Derivatives of a step on scalars, columns in lanes and packed limbs.
+#[test]
+fn derivatives_of_steps_are_those_of_the_interpreter() {
+    for (name, base) in
+        [("arm7", Base::Fixed), ("joint_zoo", Base::Fixed), ("quadruped", Base::Floating)]
+    {
+        let path = format!("{}/../robots/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
+        let text = std::fs::read_to_string(path).expect("a robot");
+        let options = ReadOptions { base, ..ReadOptions::default() };
+        let model = read(&text, name, &options).expect("good").model;
+        let mechanism = Mechanism::new(&model);
+        let layout = UduLayout::new(&mechanism, &ModuleTree::links(&model));
+        let (nq, n) = (model.nq(), model.nv());
+        let mut inputs = inputs(nq + 2 * n + 1);
+        normalize(&mechanism, &mut inputs[..nq]);
+        let (mut expected, h) = (vec![0.0; nq + n + 6 * n * n], inputs[nq + 2 * n]);
+        let (next, rest) = expected.split_at_mut(nq + n);
+        let ((next_q, next_qd), (a, b)) = (next.split_at_mut(nq), rest.split_at_mut(4 * n * n));
+        let outputs = StepOutputs { q: next_q, qd: next_qd, a, b };
+        let (q, forces) = (&inputs[..nq], &inputs[nq + n..nq + 2 * n]);
+        let state = (q, &inputs[nq..nq + n], forces);
+        let mut interpreter = Interpreter::new(model.clone());
+        interpreter.step_semi_implicit_derivatives(state, h, outputs).expect("lengths");
+        let scale = expected.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let agree = |found: Vec<f64>| {
+            assert_eq!(found.len(), expected.len());
+            for (i, (found, expected)) in found.iter().zip(&expected).enumerate() {
+                let error = (found - expected).abs();
+                assert!(error <= 1e-12 * scale, "{name}, {i}: {found} {expected}");
+            }
+        };
+        let tracer = Tracer::new(&mechanism);
+        let limbs = LimbPacking::find(&mechanism, &LIMB_LIMITS);
+        let limbs = limbs.as_ref().filter(|limbs| limbs.share_root_path(&mechanism));
+        let packed = limbs.map(|limbs| tracer.packed(limbs));
+        for tracer in [tracer.column_lanes(4), tracer.clone()].into_iter().chain(packed) {
+            agree(optimize(tracer.step_semi_implicit_derivatives(&layout)).evaluate(&inputs));
         }
     }
 }

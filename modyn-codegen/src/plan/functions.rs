@@ -188,6 +188,10 @@ impl Lowering {
                 Lowering::traced(|t, s| t.forward_dynamics_hessian(&s.for_derivatives))
                     .packed(Packing::Columns)
             }
+            Function::StepSemiImplicitDerivatives => {
+                Lowering::traced(|t, s| t.step_semi_implicit_derivatives(&s.for_derivatives))
+                    .packed(Packing::Derivatives)
+            }
             Function::StepSemiImplicitHessian => {
                 Lowering::traced(|t, s| t.step_semi_implicit_hessian(&s.for_derivatives))
                     .packed(Packing::Columns)

@@ -19,6 +19,7 @@ mod merge;
 mod parameters;
 mod products;
 mod step_hessians;
+mod steps;
 mod tangent;
 mod user;
 
