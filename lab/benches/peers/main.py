@@ -4,6 +4,7 @@ import argparse
 import dataclasses
 import datetime
 import json
+import math
 import subprocess
 import sys
 
@@ -31,6 +32,8 @@ def options():
     parser.add_argument("--built", action="store_true", help="measure what was built last; compile nothing")
     parser.add_argument("--quick", action="store_true", help="2 copies and 5 repetitions, for debugging")
     parser.add_argument("--copies", type=int, default=5, help="processes, each of a fresh copy of its program (5)")
+    parser.add_argument("--seconds", type=float, default=math.inf, metavar="S",
+                        help="start no program after this time, and report what was measured")
     parser.add_argument("--beside", metavar="CHECKOUT", help="measure the modyn of another checkout, too")
     parser.add_argument("--install", action="store_true", help="install missing compilers with apt-get")
     parser.add_argument("--output", default=OUTPUT, help="where to put the table and the plot (target/peers)")
@@ -44,7 +47,7 @@ def command(arguments, defaults):
     """The command that measures the same again, without where its files go."""
     words = ["lab/benches/peers/run"]
     for name, value in vars(arguments).items():
-        if name not in ("output", "built", "processor") and value != defaults[name]:
+        if name not in ("output", "built", "processor", "seconds") and value != defaults[name]:
             words += [f"--{name}"] if value is True else [f"--{name}", str(value)]
     return " ".join(words)
 
@@ -100,7 +103,7 @@ def main():
     programs = [measure.Program(**program) for name, all_its in built["programs"].items() if name in [*only, "beside"]
                 for program in all_its if program["robot"] in names and program["quantity"] in quantities]
     copies, repetitions = (2, 5) if arguments.quick else (arguments.copies, 21)
-    results = measure.Measurer(OUTPUT / "data", copies, repetitions).all(programs)
+    results = measure.Measurer(OUTPUT / "data", copies, repetitions, arguments.seconds).all(programs)
 
     report = dict(command=command(arguments, defaults), machine=environment.machine(), versions=built["versions"],
                   quick=arguments.quick, copies=copies, robots=names, quantities=QUANTITIES, results=results,

@@ -10,6 +10,7 @@ import os
 import shutil
 import subprocess
 import tempfile
+import time
 from pathlib import Path
 
 from environment import ROOT
@@ -40,8 +41,9 @@ class Program:
 
 
 class Measurer:
-    def __init__(self, data, copies, repetitions):
+    def __init__(self, data, copies, repetitions, seconds):
         self.data, self.copies, self.repetitions = data, copies, repetitions
+        self.end = time.monotonic() + seconds
         # The last core: the first one serves interrupts.
         self.pin = []
         if shutil.which("taskset"):
@@ -55,9 +57,11 @@ class Measurer:
         for copy in range(self.copies):
             print(f"copy {copy + 1} of {self.copies}", flush=True)
             for program, result in zip(programs, results):
-                if result["why"] is None:
+                if result["why"] is None and time.monotonic() < self.end:
                     self._add(result, self._run(program))
         for result in results:
+            if result["why"] is None and not result["runs"]:
+                result["why"] = "no time left"
             if result["why"] is None:
                 result["ns"] = min(result["runs"])
                 # All three of the copy with the least median.
