@@ -473,15 +473,15 @@ fn calls_of<B: BackEnd>(
             let (expected, tolerance) = match (arithmetic, float) {
                 (Arithmetic::Own(part), _) => {
                     let expected = evaluate(&of, arithmetic, &all);
-                    let tolerance = tolerance(&of, part, &all, &expected);
+                    let mut tolerance = tolerance(&of, part, &all, &expected);
+                    if float == FloatType::F32 {
+                        let rounded = in_single_precision(&of, arithmetic, &all);
+                        tolerance = tolerance.max(8.0 * largest_change(&rounded, &expected));
+                    }
                     (expected, Some(tolerance))
                 }
                 (_, FloatType::F64) => (evaluate(&of, arithmetic, &all), None),
-                (_, FloatType::F32) => {
-                    let numbers: Vec<f32> = all.iter().map(|&x| x as f32).collect();
-                    let found = evaluate(&of, arithmetic, &numbers);
-                    (found.into_iter().map(f64::from).collect(), None)
-                }
+                (_, FloatType::F32) => (in_single_precision(&of, arithmetic, &all), None),
             };
             if planned.parameters > 0 && !given {
                 arguments.pop();
@@ -518,10 +518,20 @@ fn tolerance(of: &Reference<'_>, part: f64, arguments: &[f64], expected: &[f64])
     let spread = (0..4).fold(0.0, |most: f64, _| {
         let shaken: Vec<f64> =
             arguments.iter().map(|x| x * (1.0 + random.between(-part, part))).collect();
-        let changes = evaluate(of, Arithmetic::Separate, &shaken).into_iter().zip(expected);
-        changes.fold(most, |most, (a, b)| most.max((a - b).abs()))
+        most.max(largest_change(&evaluate(of, Arithmetic::Separate, &shaken), expected))
     });
     64.0 * (part * largest + spread)
+}
+
+/// Returns the largest difference of two lists of numbers.
+fn largest_change(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).fold(0.0, |most, (a, b)| most.max((a - b).abs()))
+}
+
+/// Returns results that are rounded to `f32` after each operation.
+fn in_single_precision(of: &Reference<'_>, arithmetic: Arithmetic, arguments: &[f64]) -> Vec<f64> {
+    let numbers: Vec<f32> = arguments.iter().map(|&x| x as f32).collect();
+    evaluate(of, arithmetic, &numbers).into_iter().map(f64::from).collect()
 }
 
 /// Returns numbers in general position for the arguments of a function, each an array.
