@@ -21,9 +21,18 @@ use modyn_runtime::model::{Model, ModuleTree};
 use modyn_runtime::{Interpreter, Scalar, StepOutputs};
 
 fn robot(name: &str) -> Model {
+    robot_on(name, Base::Fixed)
+}
+
+fn robot_on(name: &str, base: Base) -> Model {
     let path = format!("{}/../robots/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(path).expect("a robot");
-    read(&text, name, &ReadOptions::default()).expect("good").model
+    read(&text, name, &ReadOptions { base, ..ReadOptions::default() }).expect("good").model
+}
+
+/// Returns the limbs of a robot that share lanes in derivatives, if it has any.
+fn limbs_of(mechanism: &Mechanism<f64>) -> Option<LimbPacking> {
+    LimbPacking::find(mechanism, &LIMB_LIMITS).filter(|limbs| limbs.share_root_path(mechanism))
 }
 
 fn inputs(count: usize) -> Vec<f64> {
@@ -52,22 +61,18 @@ fn products_in_loops_agree_with_straight_line_code() {
     for (name, base) in
         [("arm7", Base::Fixed), ("joint_zoo", Base::Fixed), ("quadruped", Base::Floating)]
     {
-        let path = format!("{}/../robots/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
-        let text = std::fs::read_to_string(path).expect("a robot");
-        let options = ReadOptions { base, ..ReadOptions::default() };
-        let model = read(&text, name, &options).expect("good").model;
+        let model = robot_on(name, base);
         let mechanism = Mechanism::new(&model);
         let layout = UduLayout::new(&mechanism, &ModuleTree::links(&model));
         let (tracer, n) = (Tracer::new(&mechanism), model.nv());
-        let limbs = LimbPacking::find(&mechanism, &LIMB_LIMITS);
-        let limbs = limbs.as_ref().filter(|limbs| limbs.share_root_path(&mechanism));
+        let limbs = limbs_of(&mechanism);
         assert_eq!(limbs.is_some(), name == "quadruped");
         let arguments = model.nq() + 2 * n;
         let (inputs, expected) =
             (inputs(arguments), optimize(tracer.forward_dynamics_derivatives(&layout)));
         let expected = expected.evaluate(&inputs);
         let scale = expected.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        let packed = limbs.map(|limbs| tracer.packed(limbs));
+        let packed = limbs.as_ref().map(|limbs| tracer.packed(limbs));
         let mut blocks: Option<Vec<ProductBlock>> = None;
         let simd = [tracer.column_lanes(4)].into_iter().chain(packed);
         let simd = simd.map(|tracer| (tracer, Execution::Simd));
@@ -96,10 +101,7 @@ fn derivatives_of_steps_are_those_of_the_interpreter() {
     for (name, base) in
         [("arm7", Base::Fixed), ("joint_zoo", Base::Fixed), ("quadruped", Base::Floating)]
     {
-        let path = format!("{}/../robots/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
-        let text = std::fs::read_to_string(path).expect("a robot");
-        let options = ReadOptions { base, ..ReadOptions::default() };
-        let model = read(&text, name, &options).expect("good").model;
+        let model = robot_on(name, base);
         let mechanism = Mechanism::new(&model);
         let layout = UduLayout::new(&mechanism, &ModuleTree::links(&model));
         let (nq, n) = (model.nq(), model.nv());
@@ -122,11 +124,16 @@ fn derivatives_of_steps_are_those_of_the_interpreter() {
             }
         };
         let tracer = Tracer::new(&mechanism);
-        let limbs = LimbPacking::find(&mechanism, &LIMB_LIMITS);
-        let limbs = limbs.as_ref().filter(|limbs| limbs.share_root_path(&mechanism));
-        let packed = limbs.map(|limbs| tracer.packed(limbs));
-        for tracer in [tracer.column_lanes(4), tracer.clone()].into_iter().chain(packed) {
-            agree(optimize(tracer.step_semi_implicit_derivatives(&layout)).evaluate(&inputs));
+        let limbs = limbs_of(&mechanism);
+        assert_eq!(limbs.is_some(), name == "quadruped");
+        let packed = limbs.as_ref().map(|limbs| tracer.packed(limbs));
+        let scalar = optimize(tracer.step_semi_implicit_derivatives(&layout));
+        agree(scalar.evaluate(&inputs));
+        for tracer in [tracer.column_lanes(4)].into_iter().chain(packed) {
+            let graph = optimize(tracer.step_semi_implicit_derivatives(&layout));
+            agree(graph.evaluate(&inputs));
+            let [in_lanes, on_scalars] = [&graph, &scalar].map(|graph| graph.count().total());
+            assert!(in_lanes < on_scalars, "{name}: {in_lanes} {on_scalars}");
         }
     }
 }
@@ -232,19 +239,12 @@ fn invalid_products_are_found() {
 /// interpreter computes.
 #[test]
 fn plans_take_products_in_loops_for_long_or_short_code() {
-    let read = |name: &str, base| {
-        let options = ReadOptions { base, ..ReadOptions::default() };
-        let path = format!("{}/../robots/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
-        let text = std::fs::read_to_string(path).expect("a robot");
-        read(&text, name, &options).expect("good").model
-    };
     let planned = |model: &Model, code: CodeForm, execution: Execution| {
         let functions = vec![Function::ForwardDynamicsDerivatives];
         let choices = Choices { functions, code, ..Choices::default() };
         Plan::new(model, &ModuleTree::links(model), &choices, execution).expect("short")
     };
-    let [arm, quadruped] =
-        [("arm6", Base::Fixed), ("quadruped", Base::Floating)].map(|(name, base)| read(name, base));
+    let (arm, quadruped) = (robot("arm6"), robot_on("quadruped", Base::Floating));
     let mut expected = vec![0.0; 18 + 3 * 18 * 18];
     let mut inputs = inputs(19 + 2 * 18);
     inputs[3..7].copy_from_slice(&[0.1, -0.5, 0.7, 0.5]);

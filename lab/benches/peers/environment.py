@@ -122,7 +122,7 @@ class Toolbox:
 
     def __init__(self, robots, install, beside, compilers, processor):
         self.robots, self.install, self.beside, self.processor = robots, install, beside, processor
-        self.build = folder(OUTPUT / "build")
+        self.build = folder(OUTPUT / f"build-{processor}")
         self.data = folder(OUTPUT / "data")
         self.versions, self.missing = {}, {}
         self.compilers = self._compilers(compilers)

@@ -99,6 +99,8 @@ def main():
         BUILT.write_text(json.dumps(build(arguments, robots, only, compilers), default=written, indent=1))
         if arguments.processor != "native":
             return
+    elif not BUILT.exists():
+        sys.exit(f"{written(BUILT)} is not there: run without --built first")
     built = json.loads(BUILT.read_text())
     programs = [measure.Program(**program) for name, all_its in built["programs"].items() if name in [*only, "beside"]
                 for program in all_its if program["robot"] in names and program["quantity"] in quantities]

@@ -135,9 +135,9 @@ pub fn kinds() -> Vec<Case> {
     ]
 }
 
-/// Returns a robot whose derivatives multiply matrices in loops, and add the free fall of its base.
+/// Returns a robot whose derivatives multiply matrices in loops, and add the free fall of its base; those of a step have no loops.
 fn products() -> Builder {
-    let functions = [Function::ForwardDynamicsDerivatives];
+    let functions = [Function::ForwardDynamicsDerivatives, Function::StepSemiImplicitDerivatives];
     robot("arm6").base(Base::Floating).functions(functions).code(CodeForm::Small)
 }
 

@@ -43,7 +43,7 @@ impl Robot {
 const MAIN: &str = "forward_dynamics inverse_dynamics bias_forces mass_matrix brge inverse_dynamics_derivatives \
     forward_dynamics_derivatives inverse_dynamics_vjp inverse_dynamics_jvp forward_dynamics_vjp forward_dynamics_jvp \
     inverse_dynamics_hessian forward_dynamics_hessian step_semi_implicit_hessian step_rk4 step_implicit_midpoint \
-    step_implicit_midpoint_derivatives";
+    step_implicit_midpoint_derivatives step_semi_implicit_derivatives";
 
 /// Returns the rows of the operations of a robot's functions.
 fn count(robot: &Robot) -> String {
