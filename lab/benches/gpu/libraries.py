@@ -3,7 +3,7 @@
     measure="python lab/benches/gpu/libraries.py --grid FOLDER"
     $measure | lab/record "$measure" "NOTE" > docs/data/gpu-libraries.tsv
 
-Needs nvcc, CuPy, JAX, frax, MuJoCo XLA, GRiD (`pip install grid-rbd`, of 2026), the package `modyn`, and the command `modyn`
+Needs nvcc, CuPy, JAX, frax, MuJoCo XLA, GRiD (`pip install grid-rbd==0.6.0`), the package `modyn`, and the command `modyn`
 (MODYN); a library that is missing is left out. FOLDER keeps what GRiD generates and nvcc compiles, some minutes for G1.
 
 Each library runs in a process of its own. A time is the median of 11 passes; a pass starts the function so often that it takes
