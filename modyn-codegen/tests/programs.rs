@@ -8,7 +8,7 @@ use modyn_codegen::plan::{Choices, LIMB_LIMITS, Plan, Sizes};
 use modyn_codegen::program::{
     Execution, Operand, Operation, ProductBlock, Products, Program, Source, product_blocks,
 };
-use modyn_codegen::trace::{LimbPacking, Tracer};
+use modyn_codegen::trace::{LimbPacking, ProductGraph, Tracer};
 use modyn_codegen::{
     Base, Builder, CodeForm, Contact, ContactKind, Function, LoopEnd, ReadOptions, read,
 };
@@ -55,9 +55,22 @@ fn same(graph: &Graph, program: &Program) {
     assert_eq!(found.len(), expected.len());
 }
 
-/// Derivatives whose products with the inverse of the mass matrix are loops, on scalars, columns in lanes and packed limbs.
+/// Derivatives and Hessians with products in loops, on scalars, columns in lanes and packed limbs.
 #[test]
 fn products_in_loops_agree_with_straight_line_code() {
+    type Trace<G> = fn(&Tracer<'_>, &UduLayout) -> G;
+    let functions: [(usize, Trace<Graph>, Trace<ProductGraph>); 2] = [
+        (
+            2,
+            |tracer, layout| tracer.forward_dynamics_derivatives(layout),
+            |tracer, layout| tracer.forward_dynamics_derivatives_by_products(layout),
+        ),
+        (
+            3,
+            |tracer, layout| tracer.forward_dynamics_hessian(layout),
+            |tracer, layout| tracer.forward_dynamics_hessian_by_products(layout),
+        ),
+    ];
     for (name, base) in
         [("arm7", Base::Fixed), ("joint_zoo", Base::Fixed), ("quadruped", Base::Floating)]
     {
@@ -67,29 +80,33 @@ fn products_in_loops_agree_with_straight_line_code() {
         let (tracer, n) = (Tracer::new(&mechanism), model.nv());
         let limbs = limbs_of(&mechanism);
         assert_eq!(limbs.is_some(), name == "quadruped");
-        let arguments = model.nq() + 2 * n;
-        let (inputs, expected) =
-            (inputs(arguments), optimize(tracer.forward_dynamics_derivatives(&layout)));
-        let expected = expected.evaluate(&inputs);
-        let scale = expected.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let packed = limbs.as_ref().map(|limbs| tracer.packed(limbs));
-        let mut blocks: Option<Vec<ProductBlock>> = None;
-        let simd = [tracer.column_lanes(4)].into_iter().chain(packed);
-        let simd = simd.map(|tracer| (tracer, Execution::Simd));
-        for (tracer, execution) in [(tracer.clone(), Execution::Scalar)].into_iter().chain(simd) {
-            let mut graph = tracer.forward_dynamics_derivatives_by_products(&layout);
-            graph.graph = optimize(graph.graph);
-            let blocks = blocks.get_or_insert_with(|| product_blocks(&graph));
-            let program = Program::with_products(&graph, blocks, arguments, execution);
-            let program = program.expect("valid");
-            assert_eq!(program.to_string().parse(), Ok(program.clone()));
-            let products = program.products.as_ref().expect("products");
-            assert_eq!(products.addends.is_empty(), base == Base::Fixed, "free fall");
-            let found = program.evaluate(&inputs);
-            assert_eq!(found.len(), expected.len());
-            for (i, (found, expected)) in found.iter().zip(&expected).enumerate() {
-                let error = (found - expected).abs();
-                assert!(error <= 1e-12 * scale, "{name}, {i}: {found} {expected}");
+        for (vectors, straight, by_products) in functions {
+            let arguments = model.nq() + vectors * n;
+            let (inputs, expected) = (inputs(arguments), optimize(straight(&tracer, &layout)));
+            let expected = expected.evaluate(&inputs);
+            let scale = expected.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+            let mut blocks: Option<Vec<ProductBlock>> = None;
+            let simd = [tracer.column_lanes(4)].into_iter().chain(packed.clone());
+            let simd = simd.map(|tracer| (tracer, Execution::Simd));
+            for (tracer, execution) in [(tracer.clone(), Execution::Scalar)].into_iter().chain(simd)
+            {
+                let mut graph = by_products(&tracer, &layout);
+                graph.graph = optimize(graph.graph);
+                let blocks = blocks.get_or_insert_with(|| product_blocks(&graph));
+                let program = Program::with_products(&graph, blocks, arguments, execution);
+                let program = program.expect("valid");
+                assert_eq!(program.to_string().parse(), Ok(program.clone()));
+                let products = program.products.as_ref().expect("products");
+                // Those of derivatives are free fall.
+                let has_addends = vectors == 3 || base == Base::Floating;
+                assert_eq!(products.addends.is_empty(), !has_addends);
+                let found = program.evaluate(&inputs);
+                assert_eq!(found.len(), expected.len());
+                for (i, (found, expected)) in found.iter().zip(&expected).enumerate() {
+                    let error = (found - expected).abs();
+                    assert!(error <= 1e-12 * scale, "{name}, {vectors}, {i}: {found} {expected}");
+                }
             }
         }
     }
@@ -225,7 +242,7 @@ fn invalid_products_are_found() {
     assert_eq!(rule(|products| products.blocks.push(products.blocks[0].clone())), ranges);
     assert_eq!(rule(|products| products.factor = 90), "matrices of products are results");
     assert_eq!(
-        rule(|products| products.factor = products.matrices[0] + 1),
+        rule(|products| products.factor = products.products[0].first + 1),
         "matrices of products are different results"
     );
     let zero = Operand { source: Source::Constant(0.0), negated: false, lanes: 1 };

@@ -187,6 +187,7 @@ impl Lowering {
             Function::ForwardDynamicsHessian => {
                 Lowering::traced(|t, s| t.forward_dynamics_hessian(&s.for_derivatives))
                     .packed(Packing::Columns)
+                    .products(|t, s| t.forward_dynamics_hessian_by_products(&s.for_derivatives))
             }
             Function::StepSemiImplicitDerivatives => {
                 Lowering::traced(|t, s| t.step_semi_implicit_derivatives(&s.for_derivatives))

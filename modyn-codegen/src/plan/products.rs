@@ -51,7 +51,7 @@ pub(super) fn kernels(
     let graph = optimize(traced.graph.clone());
     let packed =
         packing::packed_by(function, context, &graph, &|tracer| trace(tracer, context).graph);
-    let of = |graph| ProductGraph { graph, matrices: traced.matrices.clone(), ..traced };
+    let of = |graph| ProductGraph { graph, products: traced.products.clone(), ..traced };
     let graph = of(graph);
     let blocks = product_blocks(&graph);
     let program = |graph: &ProductGraph, execution| {
@@ -59,9 +59,16 @@ pub(super) fn kernels(
     };
     let scalar = program(&graph, context.without_packs()).ok()?;
     let simd = packed.map(|packed| program(&of(packed), Execution::Simd)).transpose().ok()?;
-    let looped = [Some(&scalar), simd.as_ref()].into_iter().flatten();
-    let length: usize = looped.map(|program| program.static_operations().total()).sum();
-    let graphs = [Some(straight.0), straight.1].into_iter().flatten();
-    let is_shorter = length < graphs.map(|graph| graph.count().total()).sum();
-    is_shorter.then_some(Kernels::Straight { scalar, simd })
+    let is_taken = if context.code == CodeForm::Small {
+        let looped = [Some(&scalar), simd.as_ref()].into_iter().flatten();
+        let length: usize = looped.map(|program| program.static_operations().total()).sum();
+        let graphs = [Some(straight.0), straight.1].into_iter().flatten();
+        length < graphs.map(|graph| graph.count().total()).sum()
+    } else {
+        // Loops take more operations out of the text than they add to a call.
+        let (graph, program) = straight.1.zip(simd.as_ref()).unwrap_or((straight.0, &scalar));
+        let (text, call) = (program.static_operations(), program.operations_per_call());
+        text.total() + call.total() < 2 * graph.count().total()
+    };
+    is_taken.then_some(Kernels::Straight { scalar, simd })
 }

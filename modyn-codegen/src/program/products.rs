@@ -6,7 +6,7 @@ use std::ops::Range;
 use modyn_runtime::{OperationCount, Scalar};
 
 use super::{Execution, InvalidProgram, Operand, Program, Source};
-use crate::trace::ProductGraph;
+use crate::trace::{Product, ProductGraph};
 
 /// The lanes of a vector of rows.
 pub const ROW_LANES: usize = 4;
@@ -16,15 +16,15 @@ pub const ROW_LANES: usize = 4;
 const MAX_VECTORS: usize = 5;
 
 /// Products of square matrices after a program's statements: results that are the entries of a matrix B are replaced by those of
-/// A B + C. Matrices are consecutive results, by columns.
+/// A B + C, or by those of the sum of this and its transpose. Matrices are consecutive results, by columns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Products {
     /// The number of rows and of columns of the matrices.
     pub size: usize,
     /// The index of the first result of A.
     pub factor: usize,
-    /// The index of the first result of each matrix B.
-    pub matrices: Vec<usize>,
+    /// The products, in place of each B.
+    pub products: Vec<Product>,
     /// The columns with nonzeros.
     pub blocks: Vec<ProductBlock>,
     /// The entries of C that are not zero: the index of a result, and the number that is added to it.
@@ -55,15 +55,15 @@ impl Program {
         arguments: usize,
         execution: Execution,
     ) -> Result<Self, InvalidProgram> {
-        let ProductGraph { ref graph, size, factor, ref matrices } = *of;
+        let ProductGraph { ref graph, size, factor, ref products } = *of;
         let entries = size * size;
         let mut program = Self::lowered(graph, arguments, execution);
-        let results = program.results.len() - matrices.len() * entries;
+        let results = program.results.len() - products.len() * entries;
         let addends = program.results.split_off(results);
-        let places = matrices.iter().flat_map(|&matrix| matrix..matrix + entries);
+        let places = products.iter().flat_map(|&Product { first, .. }| first..first + entries);
         let addends = places.zip(addends).filter(|(_, addend)| !is_zero(addend)).collect();
-        let (matrices, blocks) = (matrices.clone(), blocks.to_vec());
-        let products = Products { size, factor, matrices, blocks, addends };
+        let (products, blocks) = (products.clone(), blocks.to_vec());
+        let products = Products { size, factor, products, blocks, addends };
         let zero = Operand { source: Source::Constant(0.0), negated: false, lanes: 1 };
         for entry in products.outside() {
             program.results[entry] = zero;
@@ -82,18 +82,25 @@ impl Products {
                 Execution::Simd => block.vectors(self.size).iter().map(|(_, count)| count).sum(),
                 _ => block.rows.len(),
             };
-            self.matrices.len() * block.columns.len() * rows * terms
+            self.products.len() * block.columns.len() * rows * terms
         });
         let multiplications = sums.sum();
-        let additions = multiplications + self.addends.len();
+        let with_transposes = self.transposed().count() * self.size * (self.size + 1) / 2;
+        let additions = multiplications + self.addends.len() + with_transposes;
         OperationCount { additions, multiplications, ..OperationCount::default() }
     }
 
     /// Returns the operations in the text of the loops: a sum for each block and matrix.
     pub(super) fn static_operations(&self) -> OperationCount {
-        let multiplications = self.matrices.len() * self.blocks.len();
-        let additions = multiplications + self.addends.len();
+        let multiplications = self.products.len() * self.blocks.len();
+        let additions = multiplications + self.addends.len() + self.transposed().count();
         OperationCount { additions, multiplications, ..OperationCount::default() }
+    }
+
+    /// Returns the index of the first result of each product to which its transpose is added.
+    pub fn transposed(&self) -> impl Iterator<Item = usize> {
+        let products = self.products.iter().filter(|product| product.with_transpose);
+        products.map(|product| product.first)
     }
 
     /// Returns the results that are entries of a matrix B outside of its blocks.
@@ -110,16 +117,16 @@ impl Products {
             .filter(|&(column, row)| !inside(column, row))
             .map(|(column, row)| column * n + row)
             .collect();
-        self.matrices
-            .iter()
-            .flat_map(move |matrix| outside.clone().into_iter().map(move |entry| matrix + entry))
+        self.products.iter().flat_map(move |product| {
+            outside.clone().into_iter().map(move |entry| product.first + entry)
+        })
     }
 
     /// Replaces results by the products; `addend` returns the number of an operand.
     pub(super) fn apply<S: Scalar>(&self, results: &mut [S], addend: impl Fn(&Operand) -> S) {
         let n = self.size;
         let a = results[self.factor..][..n * n].to_vec();
-        for &matrix in &self.matrices {
+        for &Product { first: matrix, .. } in &self.products {
             for block in &self.blocks {
                 for column in block.columns.clone() {
                     let column = &mut results[matrix + n * column..][..n];
@@ -135,13 +142,24 @@ impl Products {
         for (result, operand) in &self.addends {
             results[*result] = results[*result] + addend(operand);
         }
+        for first in self.transposed() {
+            for (column, row) in
+                (0..n).flat_map(|column| (0..=column).map(move |row| (column, row)))
+            {
+                let places = [first + column * n + row, first + row * n + column];
+                let sum = results[places[0]] + results[places[1]];
+                results[places[0]] = sum;
+                results[places[1]] = sum;
+            }
+        }
     }
 
     /// Returns the rule that the products of a program break.
     pub(super) fn fault(&self, program: &Program) -> Option<&'static str> {
         let (n, results) = (self.size, &program.results);
-        let matrices = || self.matrices.iter().chain([&self.factor]);
-        let end = |&first: &usize| first.checked_add(n.checked_mul(n)?);
+        let firsts = || self.products.iter().map(|product| product.first);
+        let matrices = || firsts().chain([self.factor]);
+        let end = |first: usize| first.checked_add(n.checked_mul(n)?);
         if program.execution.has_many_states() {
             return Some("only programs of one state have products");
         }
@@ -151,13 +169,13 @@ impl Products {
         if !matrices().all(|m| end(m).is_some_and(|end| end <= results.len())) {
             return Some("matrices of products are results");
         }
-        let mut firsts: Vec<usize> = matrices().copied().collect();
-        firsts.sort_unstable();
-        if firsts.windows(2).any(|two| two[1] - two[0] < n * n) || self.matrices.is_empty() {
+        let mut sorted: Vec<usize> = matrices().collect();
+        sorted.sort_unstable();
+        if sorted.windows(2).any(|two| two[1] - two[0] < n * n) || self.products.is_empty() {
             return Some("matrices of products are different results");
         }
         let mut addends = self.addends.iter().map(|(result, _)| *result);
-        let of_product = |result| self.matrices.iter().any(|m| (*m..m + n * n).contains(&result));
+        let of_product = |result| firsts().any(|first| (first..first + n * n).contains(&result));
         if !addends.all(of_product) {
             return Some("numbers are added to results that are products");
         }
@@ -201,14 +219,14 @@ pub(crate) fn is_zero(operand: &Operand) -> bool {
 
 /// Returns the columns with nonzeros of the products of a graph's results. Consecutive columns with the same nonzeros are one block.
 pub fn product_blocks(of: &ProductGraph) -> Vec<ProductBlock> {
-    let ProductGraph { ref graph, size: n, factor, ref matrices } = *of;
+    let ProductGraph { ref graph, size: n, factor, ref products } = *of;
     let is_nonzero = |first: usize, column: usize, row: usize| {
         graph.value(graph.outputs[first + n * column + row]) != Some(0.0)
     };
     let mut blocks: Vec<ProductBlock> = Vec::new();
     for column in 0..n {
         let terms: BTreeSet<usize> =
-            (0..n).filter(|&k| matrices.iter().any(|&m| is_nonzero(m, column, k))).collect();
+            (0..n).filter(|&k| products.iter().any(|of| is_nonzero(of.first, column, k))).collect();
         let of_sum =
             |row: &usize| terms.contains(row) || terms.iter().any(|&k| is_nonzero(factor, k, *row));
         let rows: Vec<usize> = (0..n).filter(of_sum).collect();

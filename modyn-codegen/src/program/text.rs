@@ -12,7 +12,8 @@
 //! `x3<4>`. A call `call 0, 1 (x2; a1)` is repetition 1 of routine 0, with its own operands and those that all repetitions
 //! share. `equations 3 6, 1 (x4, ...)` are row equations: the numbers of rows of the constraints, the number of right-hand sides, then
 //! the operands. Routines come before the statements, each with its tables and its program. Products of matrices come after the results:
-//! `products 3, 3, 12 21` are those of matrices of three columns, A from result 3 on and B from results 12 and 21 on; `block 0..2, 0..3,
+//! `products 3, 3, 12 21t` are those of matrices of three columns, A from result 3 on and B from results 12 and 21 on, the latter with its
+//! transpose; `block 0..2, 0..3,
 //! 0..1 2..3` has columns, rows and terms, and `add 13 x4` adds a number to a result. `map 2, x5, x6, ...` is a map of two rows with its entries
 //! by columns, and `of 12+4 13+4, x7, ...` a matrix that it multiplies: the products of row 0 are every fourth result from 12 on.
 
@@ -24,7 +25,7 @@ use super::{
     Addend, Call, Execution, LinearMap, MultiplyAdd, Operand, Operation, ProductBlock, Products,
     Program, Routine, RowEquations, Source, Statement, Value,
 };
-use crate::trace::MapForm;
+use crate::trace::{MapForm, Product};
 
 impl Execution {
     const NAMES: [(&'static str, Self); 4] = [
@@ -93,9 +94,12 @@ impl fmt::Display for LinearMap {
 
 impl fmt::Display for Products {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { size, factor, matrices, blocks, addends } = self;
-        let matrices: Vec<String> = matrices.iter().map(usize::to_string).collect();
-        writeln!(f, "products {size}, {factor}, {}", matrices.join(" "))?;
+        let Self { size, factor, products, blocks, addends } = self;
+        let product = |Product { first, with_transpose }: &Product| {
+            format!("{first}{}", if *with_transpose { "t" } else { "" })
+        };
+        let products: Vec<String> = products.iter().map(product).collect();
+        writeln!(f, "products {size}, {factor}, {}", products.join(" "))?;
         for ProductBlock { columns, rows, terms } in blocks {
             let terms: Vec<String> = terms.iter().map(|range| format!("{range:?}")).collect();
             writeln!(f, "block {columns:?}, {rows:?}, {}", terms.join(" "))?;
@@ -273,18 +277,24 @@ impl<'a> Parser<'a> {
     /// Returns the products of a program whose results were read; `None` if the next line is something else.
     fn products(&mut self, program: &Program) -> Result<Option<Products>, ParseProgramError> {
         let Some(head) = self.next_after("products ") else { return Ok(None) };
-        let numbers = |text: &str| -> Option<Vec<usize>> {
-            text.split_whitespace().map(|number| number.parse().ok()).collect()
+        let product = |text: &str| {
+            let (first, with_transpose) = match text.strip_suffix('t') {
+                Some(first) => (first, true),
+                None => (text, false),
+            };
+            Some(Product { first: first.parse().ok()?, with_transpose })
         };
+        let all = |text: &str| text.split_whitespace().map(product).collect::<Option<Vec<_>>>();
         let parts: Vec<&str> = head.split(", ").collect();
         let read = match *parts {
-            [size, factor, matrices] => {
-                size.parse().ok().zip(factor.parse().ok()).zip(numbers(matrices))
+            [size, factor, products] => {
+                size.parse().ok().zip(factor.parse().ok()).zip(all(products))
             }
             _ => None,
         };
-        let ((size, factor), matrices) = read
-            .ok_or_else(|| self.error(format!("{head:?} are no products, as `3, 3, 12 21` are")))?;
+        let ((size, factor), products) = read.ok_or_else(|| {
+            self.error(format!("{head:?} are no products, as `3, 3, 12 21t` are"))
+        })?;
         let (mut blocks, mut addends) = (Vec::new(), Vec::new());
         while let Some(text) = self.next_after("block ") {
             let ranges: Option<Vec<Vec<Range<usize>>>> =
@@ -310,7 +320,7 @@ impl<'a> Parser<'a> {
                 parts.ok_or_else(|| self.error(format!("{text:?} is no sum, as `13 x4` is")))?;
             addends.push((result, self.operand(program, addend, 1)?));
         }
-        Ok(Some(Products { size, factor, matrices, blocks, addends }))
+        Ok(Some(Products { size, factor, products, blocks, addends }))
     }
 
     /// Returns the map of a program whose results and products were read; `None` if the next line is something else.

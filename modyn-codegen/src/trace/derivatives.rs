@@ -19,8 +19,17 @@ pub struct ProductGraph {
     pub size: usize,
     /// The index of the first output of A.
     pub factor: usize,
-    /// The index of the first output of each matrix B.
-    pub matrices: Vec<usize>,
+    /// The products.
+    pub products: Vec<Product>,
+}
+
+/// A product A B + C, by columns among a function's results.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Product {
+    /// The index of the first result of B, in whose place the product is.
+    pub first: usize,
+    /// Whether the transpose is added: A B + C + (A B + C)^T.
+    pub with_transpose: bool,
 }
 
 impl Tracer<'_> {
@@ -90,7 +99,8 @@ impl Tracer<'_> {
             }),
         };
         let [dq, dqd, factor] = [0, 1, 2].map(|matrix| n + matrix * n * n);
-        ProductGraph { graph, size: n, factor, matrices: vec![dq, dqd] }
+        let products = [dq, dqd].map(|first| Product { first, with_transpose: false }).to_vec();
+        ProductGraph { graph, size: n, factor, products }
     }
 }
 

@@ -18,6 +18,7 @@
 //! The pose and the linear velocity of a floating base have no effect on the motion relative to free fall. So forward
 //! dynamics is differentiated with its bases in neutral poses without linear velocities, and the free fall is added.
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -27,6 +28,7 @@ use modyn_runtime::equations::dynamics::{free_bases, free_fall_accelerations};
 
 use super::Tracer;
 use super::composition::Composition;
+use super::derivatives::{Product, ProductGraph};
 use super::limb_products::LimbMatrices;
 use super::products::WeightedInverseDynamics;
 use crate::graph::{Graph, Id};
@@ -213,6 +215,26 @@ pub(super) struct Motion {
     pub(super) qdd: Vec<Id>,
 }
 
+/// The gradients of a weighted sum of the accelerations, and what its Hessian consists of, by columns.
+struct HessianFactors {
+    /// The gradients by q (in tangent space) and qd.
+    gradients: Vec<Id>,
+    /// The gradient by tau.
+    by_tau: Vec<Id>,
+    /// The second derivatives of mu^T ID by q and q, q and qd, qd and qd.
+    phi: [Vec<Id>; 3],
+    /// The same of free fall.
+    fall: [Vec<Id>; 3],
+    /// U^-1 and D^-1.
+    u: Vec<Id>,
+    d: Vec<Id>,
+    /// W and B.
+    w: Vec<Id>,
+    b: Vec<Id>,
+    /// ID_q and ID_qd.
+    by_state: [Vec<Id>; 2],
+}
+
 /// The derivatives of a weighted sum of the accelerations.
 pub(super) struct ForwardHessian {
     /// The gradients by q (in tangent space) and qd.
@@ -361,6 +383,33 @@ impl Tracer<'_> {
         weights: &[Id],
     ) -> ForwardHessian {
         let nv = self.model.nv;
+        let HessianFactors { gradients, by_tau, phi, fall, u, d, w, b, by_state } =
+            self.hessian_factors(all, layout, motion, weights);
+        let [(by_q, u_by_q), (by_qd, u_by_qd)] = by_state.map(|columns| {
+            let columns = self.multiply(all, &u, &columns);
+            (self.multiply(all, &w, &columns), columns)
+        });
+        let by_q = all.sums(&by_q, &transposed(&by_q, nv));
+        let none = vec![all.constant(0.0); nv * nv];
+        let mut through_qdd = [by_q, by_qd, none].into_iter();
+        let blocks = std::array::from_fn(|k| {
+            let own = all.difference(&through_qdd.next().expect("three"), &phi[k]);
+            all.sums(&own, &fall[k])
+        });
+        let by_q_tau = all.negated(&b);
+        let reduced = [u_by_q, u_by_qd];
+        ForwardHessian { gradients, by_tau, blocks, by_q_tau, u, d, reduced }
+    }
+
+    /// Computes the gradients of the accelerations' sum with these weights, and the terms and factors of its Hessian.
+    fn hessian_factors(
+        &self,
+        all: &mut Composition,
+        layout: &UduLayout,
+        motion: &Motion,
+        weights: &[Id],
+    ) -> HessianFactors {
+        let nv = self.model.nv;
         let Motion { q, qd, parameters, neutral, factors, relative, .. } = motion;
         let by_tau = all.add(&self.solve(layout), &[factors, weights]);
         let gradient = self.gradient(&self.free_fall(), 1);
@@ -389,25 +438,45 @@ impl Tracer<'_> {
         let b = self.multiply(all, &w, &u);
         let derivatives = self.inverse_dynamics_derivatives();
         let derivatives = all.add(&derivatives, &[&neutral.q, &neutral.qd, relative, parameters]);
-        let [(by_q, u_by_q), (by_qd, u_by_qd)] = [Q, QD].map(|variable| {
+        let by_state = [Q, QD].map(|variable| {
             let columns = derivatives[variable * nv * nv..][..nv * nv].iter().enumerate();
             let varies = |k: usize| neutral.varies((variable, k / nv));
-            let columns = columns.map(|(k, &entry)| if varies(k) { entry } else { zero });
-            let columns = self.multiply(all, &u, &columns.collect::<Vec<_>>());
-            (self.multiply(all, &w, &columns), columns)
+            columns.map(|(k, &entry)| if varies(k) { entry } else { zero }).collect()
         });
-        let by_q = all.sums(&by_q, &transposed(&by_q, nv));
-        let none = vec![zero; nv * nv];
-        let blocks = [(Q, Q, by_q), (Q, QD, by_qd), (QD, QD, none)];
-        let blocks = blocks.map(|(rows, columns, through_qdd)| {
-            let own = phi.block(all, rows, columns);
-            let own = all.difference(&through_qdd, &own);
-            let fall = fall.block(all, rows, columns);
-            all.sums(&own, &fall)
+        let [phi, fall] = [&mut phi, &mut fall].map(|hessian| {
+            [(Q, Q), (Q, QD), (QD, QD)].map(|(rows, columns)| hessian.block(all, rows, columns))
         });
+        HessianFactors { gradients, by_tau, phi, fall, u, d, w, b, by_state }
+    }
+
+    /// Returns the graph of [`forward_dynamics_hessian`](Self::forward_dynamics_hessian) before the products with B.
+    #[must_use]
+    pub fn forward_dynamics_hessian_by_products(&self, layout: &UduLayout) -> ProductGraph {
+        let (nq, n) = (self.model.nq, self.model.nv);
+        let mut all = Composition::new();
+        let [q, qd, tau, weights] = [nq, n, n, n].map(|count| all.inputs(count));
+        let parameters = all.inputs(self.parameters.len());
+        let motion = self.motion(&mut all, layout, [&q, &qd, &tau, &parameters]);
+        let HessianFactors { gradients, by_tau, phi, fall, b, by_state, .. } =
+            self.hessian_factors(&mut all, layout, &motion, &weights);
+        let [mut own_qq, own_qqd, own_qdqd] =
+            std::array::from_fn(|k| all.difference(&fall[k], &phi[k]));
+        // The sum with the transpose completes one half.
+        let (zero, half) = (all.constant(0.0), all.constant(0.5));
+        for (k, entry) in own_qq.iter_mut().enumerate() {
+            *entry = match (k % n).cmp(&(k / n)) {
+                Ordering::Less => zero,
+                Ordering::Equal => all.product(half, *entry),
+                Ordering::Greater => *entry,
+            };
+        }
         let by_q_tau = all.negated(&b);
-        let reduced = [u_by_q, u_by_qd];
-        ForwardHessian { gradients, by_tau, blocks, by_q_tau, u, d, reduced }
+        let [by_q, by_qd] = by_state.map(|columns| all.negated(&columns));
+        let results = [motion.qdd, gradients, by_tau, by_q, by_qd, own_qdqd, by_q_tau].concat();
+        let graph = all.with_outputs(&[&results, &own_qq, &own_qqd]);
+        let products = [0, 1].map(|k| Product { first: 4 * n + k * n * n, with_transpose: k == 0 });
+        let factor = 4 * n + 3 * n * n;
+        ProductGraph { graph, size: n, factor, products: products.to_vec() }
     }
 
     /// Returns the product of two square matrices, by columns; equal limbs, else consecutive columns, share the lanes of a pack.

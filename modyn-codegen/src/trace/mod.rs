@@ -29,7 +29,7 @@ use modyn_runtime::mechanism::{BodyFrame, Mechanism, MergedMechanism};
 use crate::graph::{Expr, ForeignExpr, Graph};
 
 pub use constraints::{DenseGraph, MapForm, RowForm};
-pub use derivatives::ProductGraph;
+pub use derivatives::{Product, ProductGraph};
 pub use entries::{EntryDerivatives, EntryForm, second_derivatives};
 pub use evaluation::Solvers;
 pub use limbs::{LimbLimits, LimbPacking};

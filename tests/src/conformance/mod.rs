@@ -135,9 +135,14 @@ pub fn kinds() -> Vec<Case> {
     ]
 }
 
-/// Returns a robot whose derivatives multiply matrices in loops, and add the free fall of its base; those of a step have no loops.
+/// Returns a robot whose derivatives and Hessian multiply matrices in loops, and add the free fall of its base; those of a step have no
+/// loops.
 fn products() -> Builder {
-    let functions = [Function::ForwardDynamicsDerivatives, Function::StepSemiImplicitDerivatives];
+    let functions = [
+        Function::ForwardDynamicsDerivatives,
+        Function::ForwardDynamicsHessian,
+        Function::StepSemiImplicitDerivatives,
+    ];
     robot("arm6").base(Base::Floating).functions(functions).code(CodeForm::Small)
 }
 

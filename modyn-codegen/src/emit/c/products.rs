@@ -15,9 +15,9 @@ pub(super) fn print(
 ) {
     let (n, a, real) = (products.size, products.factor, printer.real());
     let zero = literal(0.0, printer.float);
-    let matrices = || products.matrices.iter().enumerate();
+    let firsts = || products.products.iter().map(|product| product.first).enumerate();
     let of_each = |one: &dyn Fn(usize, usize) -> String| -> String {
-        matrices().map(|(m, &first)| one(m, first)).collect()
+        firsts().map(|(m, first)| one(m, first)).collect()
     };
     let arrays = of_each(&|m, _| format!("        {real} b{m}[{n}], sum{m}[{n}];\n"));
     let _ = writeln!(text, "    {{\n        int i, j, k;\n{arrays}");
@@ -35,6 +35,15 @@ pub(super) fn print(
     *text += "    }\n";
     for (result, addend) in &products.addends {
         let _ = writeln!(text, "    out[{result}] += {};", operand(addend));
+    }
+    for first in products.transposed() {
+        let _ = writeln!(
+            text,
+            "    {{\n        int i, j;\n        for (j = 0; j < {n}; j++) {{\n            for (i = 0; i <= j; i++) {{\n                \
+             const {real} sum = out[{first} + {n} * j + i] + out[{first} + {n} * i + j];\n                \
+             out[{first} + {n} * j + i] = sum;\n                out[{first} + {n} * i + j] = sum;\n            \
+             }}\n        }}\n    }}"
+        );
     }
 }
 

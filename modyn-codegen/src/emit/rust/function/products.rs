@@ -11,9 +11,10 @@ impl Printer<'_> {
     /// Prints the end of a function, which returns the result with products in place of matrices; `value` is the result before. Entries of
     /// `result` are read and assigned to, and never borrowed: rustc would copy a borrowed result to its place.
     pub(super) fn products(&self, text: &mut String, value: &str, products: &Products) {
-        let a = format!("result{}", self.result.matrix(products.factor));
-        let matrices = products.matrices.iter().map(|&first| self.result.matrix(first));
-        let matrices: Vec<String> = matrices.map(|matrix| format!("result{matrix}")).collect();
+        let matrix = |first| format!("result{}", self.result.matrix(first));
+        let matrices: Vec<String> =
+            products.products.iter().map(|product| matrix(product.first)).collect();
+        let a = matrix(products.factor);
         if self.program.execution == Execution::Simd {
             *text += "    use __modyn::{Scalar as _, batch::Pack as _};\n";
         }
@@ -39,12 +40,31 @@ impl Printer<'_> {
             *text += "        column += 1;\n    }\n";
         }
         for (result, addend) in &products.addends {
-            let (place, addend) = (self.result.place(*result), self.operand(addend));
+            let place = format!("result{}", self.result.place(*result));
             let sum = match self.program.execution {
-                Execution::Simd => format!("V::number(V::one(result{place}) + {addend})"),
-                _ => format!("result{place} + {addend}"),
+                Execution::Simd => {
+                    format!("V::number(V::one({place}) + {})", self.operand(addend))
+                }
+                _ => format!("{place} + {}", self.operand(addend)),
             };
-            let _ = writeln!(text, "    result{place} = {sum};");
+            let _ = writeln!(text, "    {place} = {sum};");
+        }
+        for matrix in products.transposed().map(matrix) {
+            let sum = match self.program.execution {
+                Execution::Simd => {
+                    format!(
+                        "V::number(V::one({matrix}[column][row]) + V::one({matrix}[row][column]))"
+                    )
+                }
+                _ => format!("{matrix}[column][row] + {matrix}[row][column]"),
+            };
+            let _ = writeln!(
+                text,
+                "    let mut column = 0;\n    while column < {} {{\n        let mut row = 0;\n        while row <= column {{\n            \
+                 let sum = {sum};\n            {matrix}[column][row] = sum;\n            {matrix}[row][column] = sum;\n            \
+                 row += 1;\n        }}\n        column += 1;\n    }}",
+                products.size
+            );
         }
         *text += "    result\n}\n\n";
     }
