@@ -5,10 +5,8 @@ use std::collections::BTreeSet;
 use modyn_codegen::graph::{Expr, Graph};
 use modyn_codegen::passes::{balance, optimize};
 use modyn_codegen::plan::{Choices, LIMB_LIMITS, Plan, Sizes};
-use modyn_codegen::program::{
-    Execution, Operand, Operation, ProductBlock, Products, Program, Source, product_blocks,
-};
-use modyn_codegen::trace::{LimbPacking, ProductGraph, Tracer};
+use modyn_codegen::program::{Execution, Operation, ProductBlock, Products, Program, Source};
+use modyn_codegen::trace::{DenseGraph, LimbPacking, Tracer};
 use modyn_codegen::{
     Base, Builder, CodeForm, Contact, ContactKind, Function, LoopEnd, ReadOptions, read,
 };
@@ -59,7 +57,7 @@ fn same(graph: &Graph, program: &Program) {
 #[test]
 fn products_in_loops_agree_with_straight_line_code() {
     type Trace<G> = fn(&Tracer<'_>, &UduLayout) -> G;
-    let functions: [(usize, Trace<Graph>, Trace<ProductGraph>); 2] = [
+    let functions: [(usize, Trace<Graph>, Trace<DenseGraph>); 2] = [
         (
             2,
             |tracer, layout| tracer.forward_dynamics_derivatives(layout),
@@ -86,21 +84,21 @@ fn products_in_loops_agree_with_straight_line_code() {
             let (inputs, expected) = (inputs(arguments), optimize(straight(&tracer, &layout)));
             let expected = expected.evaluate(&inputs);
             let scale = expected.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-            let mut blocks: Option<Vec<ProductBlock>> = None;
+            let mut scalar = by_products(&tracer, &layout);
+            scalar.graph = optimize(scalar.graph);
             let simd = [tracer.column_lanes(4)].into_iter().chain(packed.clone());
-            let simd = simd.map(|tracer| (tracer, Execution::Simd));
-            for (tracer, execution) in [(tracer.clone(), Execution::Scalar)].into_iter().chain(simd)
-            {
-                let mut graph = by_products(&tracer, &layout);
+            let simd = simd.map(|tracer| {
+                let mut graph = by_products(&tracer, &layout).with_zeros_of(&scalar);
                 graph.graph = optimize(graph.graph);
-                let blocks = blocks.get_or_insert_with(|| product_blocks(&graph));
-                let program = Program::with_products(&graph, blocks, arguments, execution);
+                (graph, Execution::Simd)
+            });
+            let on_scalars = [Execution::Scalar, Execution::Batch].map(|way| (scalar.clone(), way));
+            for (graph, execution) in on_scalars.into_iter().chain(simd) {
+                let program = Program::with_dense_parts(&graph, arguments, execution);
                 let program = program.expect("valid");
                 assert_eq!(program.to_string().parse(), Ok(program.clone()));
                 let products = program.products.as_ref().expect("products");
-                // Those of derivatives are free fall.
-                let has_addends = vectors == 3 || base == Base::Floating;
-                assert_eq!(products.addends.is_empty(), !has_addends);
+                assert_eq!(products.in_place.is_some(), execution != Execution::Batch);
                 let found = program.evaluate(&inputs);
                 assert_eq!(found.len(), expected.len());
                 for (i, (found, expected)) in found.iter().zip(&expected).enumerate() {
@@ -155,9 +153,9 @@ fn derivatives_of_steps_are_those_of_the_interpreter() {
     }
 }
 
-/// Derivatives under constraints as products of a map with columns, on scalars and on vectors.
+/// Derivatives under constraints as products, on scalars and on vectors.
 #[test]
-fn maps_of_columns_agree_with_straight_line_code() {
+fn products_under_constraints_agree_with_straight_line_code() {
     let contact = |name: &str, kind, link: &str| Contact {
         name: name.into(),
         kind,
@@ -192,7 +190,8 @@ fn maps_of_columns_agree_with_straight_line_code() {
         let scale = expected.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         for (lanes, execution) in [(1, Execution::Scalar), (4, Execution::Simd)] {
             let tracer = tracer.column_lanes(lanes);
-            let graph = tracer.constrained_forward_dynamics_derivatives_by_map(&layout, arguments);
+            let graph =
+                tracer.constrained_forward_dynamics_derivatives_by_products(&layout, arguments);
             // Some rows of a planar loop are dependent in all states.
             assert_eq!(graph.rows.is_some(), name == "quadruped");
             let program = Program::with_dense_parts(&graph, arguments, execution).expect("valid");
@@ -222,37 +221,35 @@ fn vectors_of_rows_are_within_their_matrices() {
     }
 }
 
-/// Ranges outside of matrices, and matrices that are no results.
+/// Matrices that are not whole, products of no results, and other blocks and places than those of their numbers.
 #[test]
 fn invalid_products_are_found() {
     let model = robot("arm6");
     let mechanism = Mechanism::new(&model);
     let layout = UduLayout::new(&mechanism, &ModuleTree::links(&model));
     let graph = Tracer::new(&mechanism).forward_dynamics_derivatives_by_products(&layout);
-    let blocks = product_blocks(&graph);
-    let program = Program::with_products(&graph, &blocks, 18, Execution::Scalar).expect("valid");
+    let program = Program::with_dense_parts(&graph, 18, Execution::Scalar).expect("valid");
     let rule = |change: fn(&mut Products)| {
         let mut program = program.clone();
         change(program.products.as_mut().expect("products"));
         program.validate().expect_err("invalid").rule
     };
-    let ranges = "blocks of products are in order, and within their matrices";
-    assert_eq!(rule(|products| products.blocks[0].rows.end = 7), ranges);
-    assert_eq!(rule(|products| products.blocks[0].terms[0].end = 7), ranges);
-    assert_eq!(rule(|products| products.blocks.push(products.blocks[0].clone())), ranges);
-    assert_eq!(rule(|products| products.factor = 90), "matrices of products are results");
-    assert_eq!(
-        rule(|products| products.factor = products.products[0].first + 1),
-        "matrices of products are different results"
-    );
-    let zero = Operand { source: Source::Constant(0.0), negated: false, lanes: 1 };
-    let mut other = program.clone();
-    other.products.as_mut().expect("products").addends.push((0, zero));
-    let rule = other.validate().expect_err("invalid").rule;
-    assert_eq!(rule, "numbers are added to results that are products");
+    let whole = "the matrices of products are whole";
+    assert_eq!(rule(|products| products.entries.truncate(99)), whole);
+    assert_eq!(rule(|products| products.targets.clear()), whole);
+    let results = "the rows of products are added to results";
+    assert_eq!(rule(|products| products.targets[0][0].first = 200), results);
+    assert_eq!(rule(|products| products.targets[0][0].rows.end = 7), results);
+    assert_eq!(rule(|products| products.targets[0][0].by_column = usize::MAX), results);
+    let blocks = "the blocks of products are their matrices' nonzeros";
+    assert_eq!(rule(|products| products.blocks[0].rows.end = 7), blocks);
+    assert_eq!(rule(|products| products.blocks.push(products.blocks[0].clone())), blocks);
+    let place = "matrices that are results are in place";
+    assert_eq!(rule(|products| products.in_place = Some(0)), place);
+    assert_eq!(rule(|products| products.targets[1][0].first += 1), place);
 }
 
-/// Loops are taken where straight-line code would be long, and where the user chooses the shortest code. They compute what the
+/// Loops are taken where there are many products, and where the user chooses the shortest code. They compute what the
 /// interpreter computes.
 #[test]
 fn plans_take_products_in_loops_for_long_or_short_code() {
@@ -282,10 +279,10 @@ fn plans_take_products_in_loops_for_long_or_short_code() {
         }
         assert_eq!(plan.loops().len(), usize::from(code != CodeForm::Fast));
     }
-    // Short code, programs on scalars of medium length, and back ends without loops.
+    // An arm has few products, and some back ends have no loops.
     for (model, code, execution, loops) in [
         (arm, CodeForm::Auto, Execution::Simd, false),
-        (quadruped.clone(), CodeForm::Auto, Execution::Scalar, false),
+        (quadruped.clone(), CodeForm::Auto, Execution::Scalar, true),
         (quadruped.clone(), CodeForm::Small, Execution::Scalar, true),
         (quadruped, CodeForm::Small, Execution::Threads, false),
     ] {

@@ -6,7 +6,7 @@
 //!
 //! Unsafe code: [`Inputs`] and [`Outputs`] read and write without bounds checks. Only `Blocks` creates them, from
 //! slices that hold all states of its range. Their `at` is in that range, and `at + LANES` does not exceed its
-//! end. The index of the slice is checked at compile time. Threads share `Columns`, but each has a range of its
+//! end. The index of the slice is checked at compile time, or where it is a variable when it is used. Threads share `Columns`, but each has a range of its
 //! own, so that no two threads write to one place.
 #![allow(unsafe_code)]
 
@@ -83,6 +83,21 @@ impl<L: Lanes, const O: usize> Outputs<'_, L, O> {
         const { assert!(J < O, "there are not so many outputs") }
         // SAFETY: see the header.
         unsafe { value.store(self.columns[J].add(self.at)) }
+    }
+
+    /// Stores output `j` of each state.
+    #[inline(always)]
+    pub fn set_at(&self, j: usize, value: L) {
+        // SAFETY: see the header.
+        unsafe { value.store(self.columns[j].add(self.at)) }
+    }
+
+    /// Adds to output `j` of each state, which this call has stored.
+    #[inline(always)]
+    pub fn add_at(&self, j: usize, value: L) {
+        // SAFETY: see the header. This call has stored the output.
+        let stored = unsafe { L::load(self.columns[j].add(self.at).cast_const()) };
+        self.set_at(j, stored + value);
     }
 }
 

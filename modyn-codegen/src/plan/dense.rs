@@ -3,8 +3,8 @@
 //! *Rows.* Nearly all states have independent constraint rows. Their equations are a third of those of rows of any rank, so
 //! straight-line code has these alone. The others are solved by loops, which a state without dependent rows does not run.
 //!
-//! *Columns.* Derivatives are the products of one matrix with many columns. The matrix and the columns have the robot's structure, the
-//! products have not.
+//! *Products.* Derivatives under constraints are the products of one matrix with many columns. The matrix and the columns have the
+//! robot's structure, the products have not.
 
 use modyn_runtime::quantities::Function;
 
@@ -18,9 +18,11 @@ use crate::passes::optimize;
 use crate::program::{Execution, Operation, Program, ROW_LANES};
 use crate::trace::DenseGraph;
 
-/// The least number of products of a map's entries, in all its columns, for which it is taken unless the user chooses short code. A
-/// quadruped on four feet has 32,000: loops have half of the code, and take no longer. An arm with one contact has a thousand.
-const MIN_PRODUCTS: usize = 4_000;
+/// The least number of multiplications of products for which they are loops unless the user chooses short code. A quadruped on four feet has
+/// 32,000: loops have half of the code, and take no longer. The derivatives of a quadruped on a floating base have 12,000: with loops they
+/// take nine tenths of the time in a tight loop, seven tenths where code is not in the cache, and half of the text (`lab/benches/chains`).
+/// An arm with one contact has a thousand, the derivatives of an arm 1,400: straight-line code is as quick when called cold.
+pub(super) const MIN_PRODUCTS: usize = 2_500;
 
 /// Returns the programs of a function with dense parts, or of its form for many states. `None` for other functions, and where the user
 /// has chosen straight-line code.
@@ -32,33 +34,35 @@ pub(super) fn kernels(
     if context.code == CodeForm::Fast || context.share {
         return None;
     }
-    let Lowering { rows, map, .. } = Lowering::of(function);
-    let map = map.filter(|_| function.batched().is_none());
-    let by_map = map.map(|trace| (trace(&context.tracer, context, scalars), trace));
+    let Lowering { rows: Some(rows), products, .. } = Lowering::of(function) else { return None };
+    let products =
+        products.filter(|_| function.batched().is_none() || context.code == CodeForm::Small);
+    let by_products = products.map(|trace| (trace(&context.tracer, context, scalars), trace));
     let is_wanted = |(dense, _): &(DenseGraph, _)| {
-        dense.map.as_ref().is_some_and(|map| {
-            let columns = map.targets.len() * context.sizes.nv;
+        dense.products.as_ref().is_some_and(|products| {
+            let columns = products.targets.len() * context.sizes.nv;
             let least = if context.code == CodeForm::Small { 0 } else { MIN_PRODUCTS };
-            map.rows >= ROW_LANES && map.rows * map.terms * columns > least
+            products.rows >= ROW_LANES && products.rows * products.terms * columns > least
         })
     };
-    let by_rows = || Some((rows?(&context.tracer, context, scalars), rows?));
+    let by_rows = || Some((rows(&context.tracer, context, scalars), rows));
     let by_rows = || by_rows().filter(|(dense, _)| dense.rows.is_some());
-    let (dense, trace) = by_map.filter(is_wanted).or_else(by_rows)?;
-    let graph = packing::balanced(optimize(dense.graph.clone()));
+    let (mut dense, trace) = by_products.filter(is_wanted).or_else(by_rows)?;
+    dense.graph = packing::balanced(optimize(dense.graph));
+    let graph = dense.graph.clone();
     let program = |graph: Graph, execution| {
-        let of = DenseGraph { graph, rows: dense.rows.clone(), map: dense.map.clone() };
+        let of = DenseGraph { graph, ..dense.clone() };
         Program::with_dense_parts(&of, scalars, execution).ok()
     };
     if function.batched().is_some() {
         return program(graph, Execution::Batch).map(Kernels::of);
     }
     let packed = packing::packed_by(function, context, &graph, &|tracer| {
-        trace(tracer, context, scalars).graph
+        trace(tracer, context, scalars).with_zeros_of(&dense).graph
     });
     // Products are on vectors also where nothing else is.
-    let packed =
-        packed.or_else(|| (dense.map.is_some() && context.has_vectors()).then(|| graph.clone()));
+    let is_simd = dense.products.is_some() && context.has_vectors();
+    let packed = packed.or_else(|| is_simd.then(|| graph.clone()));
     let simd = match packed {
         Some(packed) => Some(program(packed, Execution::Simd)?),
         None => None,
@@ -71,8 +75,7 @@ pub(super) fn loops(program: &Program) -> Option<String> {
     let is_one = |operation: &Operation| matches!(operation, Operation::RowEquations(_));
     let has_rows = program.statements.iter().any(|statement| is_one(&statement.operation));
     let rows = has_rows.then_some("loops for dependent rows of constraints, which few states have");
-    let map =
-        program.map.is_some().then_some("products of derivatives in loops, since they are dense");
-    let both: Vec<&str> = rows.into_iter().chain(map).collect();
+    let products = program.products.is_some().then_some("products in loops, since they are dense");
+    let both: Vec<&str> = rows.into_iter().chain(products).collect();
     (!both.is_empty()).then(|| both.join("; "))
 }

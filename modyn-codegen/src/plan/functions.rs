@@ -8,7 +8,7 @@ use modyn_runtime::quantities::{Argument, ArgumentKind, Function, Shape, Sizes};
 use super::PlanContext;
 use crate::diagnostics::suggest;
 use crate::graph::{Expr, Graph};
-use crate::trace::{DenseGraph, ProductGraph, Solvers, Tracer};
+use crate::trace::{DenseGraph, Solvers, Tracer};
 
 /// The factors of the mass matrix, an argument of the functions of the factors.
 pub(super) const FACTORS: Argument = Argument { name: "factors", kind: ArgumentKind::Factors };
@@ -68,7 +68,7 @@ pub enum GraphSource {
 }
 
 /// Returns a graph with dense parts, over this number of inputs.
-type TraceDense = fn(&Tracer<'_>, &PlanContext<'_>, usize) -> DenseGraph;
+pub(super) type TraceDense = fn(&Tracer<'_>, &PlanContext<'_>, usize) -> DenseGraph;
 
 /// The way the compiler makes a function.
 #[derive(Clone, Copy)]
@@ -79,12 +79,10 @@ pub struct Lowering {
     pub packing: Packing,
     /// The equations of one body, if they can run in loops over the bodies.
     pub recursion: Option<fn() -> BodyRecursion<Expr>>,
-    /// The graphs before products of matrices, if these can be loops.
-    pub products: Option<fn(&Tracer<'_>, &PlanContext<'_>) -> ProductGraph>,
     /// The graphs of independent constraint rows.
     pub rows: Option<TraceDense>,
-    /// The same with derivatives as a linear map of columns.
-    pub map: Option<TraceDense>,
+    /// The graphs with products of matrices apart, and with independent constraint rows.
+    pub products: Option<TraceDense>,
     /// Other graphs of a function of one link, which share more with those of other functions of a bundle.
     pub in_bundles: Option<fn(&Tracer<'_>) -> Graph>,
     /// The forms that C can call.
@@ -97,9 +95,8 @@ impl Lowering {
         source: GraphSource::Evaluation,
         packing: Packing::Never,
         recursion: None,
-        products: None,
         rows: None,
-        map: None,
+        products: None,
         in_bundles: None,
         c_form: CForm::SourceAndExport,
     };
@@ -119,19 +116,14 @@ impl Lowering {
         Self { recursion: Some(recursion), ..self }
     }
 
-    /// Returns the lowering of a function whose products of matrices can be loops.
-    const fn products(self, trace: fn(&Tracer<'_>, &PlanContext<'_>) -> ProductGraph) -> Self {
-        Self { products: Some(trace), ..self }
-    }
-
     /// Returns the lowering of a function whose constraint rows are independent in most states.
     const fn rows(self, trace: TraceDense) -> Self {
         Self { rows: Some(trace), ..self }
     }
 
-    /// Returns the lowering of a function whose derivatives can be a linear map of columns.
-    const fn map(self, trace: TraceDense) -> Self {
-        Self { map: Some(trace), ..self }
+    /// Returns the lowering of a function whose products of matrices can be loops.
+    const fn products(self, trace: TraceDense) -> Self {
+        Self { products: Some(trace), ..self }
     }
 
     /// Returns the lowering of a function with this graph as another one in bundles.
@@ -171,7 +163,9 @@ impl Lowering {
             Function::ForwardDynamicsDerivatives => {
                 Lowering::traced(|t, s| t.forward_dynamics_derivatives(&s.for_derivatives))
                     .packed(Packing::Derivatives)
-                    .products(|t, s| t.forward_dynamics_derivatives_by_products(&s.for_derivatives))
+                    .products(|t, s, _| {
+                        t.forward_dynamics_derivatives_by_products(&s.for_derivatives)
+                    })
             }
             Function::InverseDynamicsVjp => Lowering::traced(|t, _| t.inverse_dynamics_vjp()),
             Function::InverseDynamicsJvp => Lowering::traced(|t, _| t.inverse_dynamics_jvp()),
@@ -187,7 +181,7 @@ impl Lowering {
             Function::ForwardDynamicsHessian => {
                 Lowering::traced(|t, s| t.forward_dynamics_hessian(&s.for_derivatives))
                     .packed(Packing::Columns)
-                    .products(|t, s| t.forward_dynamics_hessian_by_products(&s.for_derivatives))
+                    .products(|t, s, _| t.forward_dynamics_hessian_by_products(&s.for_derivatives))
             }
             Function::StepSemiImplicitDerivatives => {
                 Lowering::traced(|t, s| t.step_semi_implicit_derivatives(&s.for_derivatives))
@@ -214,8 +208,8 @@ impl Lowering {
             Function::ConstrainedForwardDynamicsDerivatives => {
                 Lowering::traced(|t, s| t.constrained_forward_dynamics_derivatives(&s.layout))
                     .packed(Packing::ConstrainedColumns)
-                    .map(|t, s, inputs| {
-                        t.constrained_forward_dynamics_derivatives_by_map(&s.layout, inputs)
+                    .products(|t, s, inputs| {
+                        t.constrained_forward_dynamics_derivatives_by_products(&s.layout, inputs)
                     })
                     .rows(|t, s, inputs| {
                         t.constrained_forward_dynamics_derivatives_around_rows(&s.layout, inputs)

@@ -284,18 +284,13 @@ impl Plan {
             {
                 return Some((planned.name, loops));
             }
-            let (loops, limit) = match &planned.kernels {
-                Kernels::Looped(_) => ("loops over the bodies", looped::MAX_STRAIGHT),
-                Kernels::Straight { scalar, simd } if scalar.products.is_some() => {
-                    ("products of matrices in loops", products::limit(simd.is_some()))
-                }
-                _ => return None,
-            };
+            let Kernels::Looped(_) = &planned.kernels else { return None };
+            let limit = looped::MAX_STRAIGHT;
             let why = match self.choices.code {
                 CodeForm::Small => "the option `code` is `small`".to_string(),
                 _ => format!("straight-line code would have more than {limit} operations"),
             };
-            Some((planned.name, format!("{loops}, since {why}")))
+            Some((planned.name, format!("loops over the bodies, since {why}")))
         };
         self.functions.iter().filter_map(of).collect()
     }

@@ -196,7 +196,9 @@ impl PlanContext<'_> {
     ) -> (Kernels, Option<InvalidProgram>) {
         let graph = graphs.scalar(function, self);
         if function.batched().is_some() {
-            return (Kernels::of(Program::new(&graph, scalars, Execution::Batch)), None);
+            let products = products::kernels(function, self, (&graph, None), scalars);
+            let straight = || Kernels::of(Program::new(&graph, scalars, Execution::Batch));
+            return (products.unwrap_or_else(straight), None);
         }
         let packed = packing::packed(function, self, &graph);
         let straight = (&graph, packed.as_ref());

@@ -2,7 +2,7 @@
 
 use modyn_runtime::OperationCount;
 
-use super::{Addend, LinearMap, Operation, Products, Program, Routine, Statement};
+use super::{Addend, Operation, Program, Routine, Statement};
 
 impl Program {
     /// Returns the operations of one call; those of routines count as often as they are called.
@@ -12,18 +12,16 @@ impl Program {
             let one = routine.program.operations_per_call();
             std::iter::repeat_n(one, routine.tables.len()).sum::<OperationCount>()
         };
-        let products = self.products.iter().map(|products| products.operations(self.execution));
-        let map = self.map.iter().map(|map| map.operations(self.execution));
-        self.own_operations() + self.routines.iter().map(calls).sum() + products.sum() + map.sum()
+        let products = self.products.iter().map(|products| products.operations(self));
+        self.own_operations() + self.routines.iter().map(calls).sum() + products.sum()
     }
 
     /// Returns the operations in the program's text; those of routines count once.
     #[must_use]
     pub fn static_operations(&self) -> OperationCount {
         let routines = self.routines.iter().map(|routine| routine.program.static_operations());
-        let products = self.products.iter().map(Products::static_operations);
-        let map = self.map.iter().map(LinearMap::static_operations);
-        self.own_operations() + routines.sum() + products.sum() + map.sum()
+        let products = self.products.iter().map(|products| products.static_operations(self));
+        self.own_operations() + routines.sum() + products.sum()
     }
 
     /// Returns the operations of the program's own statements. An operation on lanes counts once; packs, unpacks and

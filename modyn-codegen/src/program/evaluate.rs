@@ -80,9 +80,6 @@ impl Program {
         if let Some(products) = &self.products {
             products.apply(&mut results, value);
         }
-        if let Some(map) = &self.map {
-            map.apply(&mut results, value);
-        }
         results
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::{
-    Addend, Execution, InvalidProgram, LinearMap, MultiplyAdd, Operand, Operation, Program,
+    Addend, Execution, InvalidProgram, MultiplyAdd, Operand, Operation, Products, Program,
     RowEquations, Source, Statement, Value, outline,
 };
 use crate::graph::{Graph, Id, Node};
@@ -46,11 +46,12 @@ impl Program {
         arguments: usize,
         execution: Execution,
     ) -> Result<Self, InvalidProgram> {
-        let DenseGraph { graph, rows, map } = of;
+        let DenseGraph { graph, rows, products } = of;
         let mut program = Self::lowered_with(graph, arguments, execution, rows.as_ref());
-        if let Some(form) = map {
+        if let Some(form) = products {
             let entries = program.results.split_off(form.results);
-            program.map = Some(LinearMap::new(form, entries));
+            let products = Products::new(form, entries, &program.results, execution);
+            program.products = Some(products);
         }
         program.finished()
     }
@@ -83,7 +84,6 @@ impl Program {
             statements,
             results,
             products: None,
-            map: None,
             first_stores: Vec::new(),
             chunks: Vec::new(),
             routines: Vec::new(),
@@ -92,7 +92,7 @@ impl Program {
 
     /// Computes the last use of each value, cuts the statements into chunks, and checks the program.
     pub(super) fn finished(mut self) -> Result<Self, InvalidProgram> {
-        for (i, stored) in self.stored().to_vec().into_iter().enumerate() {
+        for (i, stored) in self.all_stored().copied().collect::<Vec<_>>().into_iter().enumerate() {
             match stored.value() {
                 Some(value) => self.statements[value.statement].stores.push(i),
                 None => self.first_stores.push(i),

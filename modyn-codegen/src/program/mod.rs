@@ -18,7 +18,6 @@
 
 mod count;
 mod evaluate;
-mod linear_map;
 mod lower;
 mod outline;
 mod places;
@@ -32,10 +31,9 @@ mod validate;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-pub use linear_map::{LinearMap, MapMatrix};
 pub use places::argument_of;
 pub(crate) use products::is_zero;
-pub use products::{ProductBlock, Products, ROW_LANES, product_blocks};
+pub use products::{ProductBlock, ProductMatrix, Products, ROW_LANES};
 pub use recursion::{Places, Read, Recursion, Run, Step, Sweep, Write};
 pub use row_equations::RowEquations;
 pub use text::ParseProgramError;
@@ -73,11 +71,9 @@ pub struct Program {
     pub statements: Vec<Statement>,
     /// The results.
     pub results: Vec<Operand>,
-    /// The products of matrices that replace some results, in loops after the statements.
+    /// The products of matrices that are added to some results, in loops after the statements.
     pub products: Option<Products>,
-    /// The linear map of columns that replaces some results, in loops after the statements.
-    pub map: Option<LinearMap>,
-    /// The [stored](Self::stored) numbers that need no statement.
+    /// The numbers that are stored and need no statement.
     pub first_stores: Vec<usize>,
     /// The statements, cut into chunks. The last chunk calls the others in their order, and returns the results.
     pub chunks: Vec<Chunk>,
@@ -96,7 +92,7 @@ pub struct Statement {
     pub used: Vec<bool>,
     /// The last statement that reads one of the results; `usize::MAX` if a result is a result of the program.
     pub last_use: usize,
-    /// The [stored](Program::stored) numbers of the program that this statement computes.
+    /// The indices of the numbers that are stored and that this statement computes: see [`Program::stored`].
     pub stores: Vec<usize>,
 }
 
@@ -292,26 +288,44 @@ impl Program {
     /// Returns the statements whose results are read by statement `s` or its stores.
     pub fn reads(&self, s: usize) -> impl Iterator<Item = usize> {
         let Statement { operation, stores, .. } = &self.statements[s];
-        let stored = stores.iter().map(|&i| self.stored()[i]);
+        let stored = stores.iter().map(|&i| *self.stored(i));
         let operands = operation.operands().into_iter().chain(stored);
         operands.filter_map(|operand| operand.value()).map(|value| value.statement)
     }
 
-    /// Returns the numbers that are stored as soon as they are computed: the entries of the map, or with many states the results.
+    /// Returns the numbers that are stored as soon as they are computed: the entries of products that are in arrays, then with many
+    /// states the results.
+    pub fn all_stored(&self) -> impl Iterator<Item = &Operand> {
+        let entries = self.products.iter().filter(|products| products.in_place.is_none());
+        let results = if self.execution.has_many_states() { &*self.results } else { &[] };
+        entries.flat_map(|products| &products.entries).chain(results)
+    }
+
+    /// Returns the stored number with this index.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such number.
     #[must_use]
-    pub fn stored(&self) -> &[Operand] {
-        match &self.map {
-            Some(map) => &map.entries,
-            None if self.execution.has_many_states() => &self.results,
-            None => &[],
+    pub fn stored(&self, index: usize) -> &Operand {
+        match self.stored_result(index) {
+            Some(result) => &self.results[result],
+            None => &self.products.as_ref().expect("an entry").entries[index],
         }
     }
 
-    /// Returns the numbers that are read after the statements: with one state the results, and the addends of products.
+    /// Returns the result that the stored number with this index is; `None` for entries of products.
+    #[must_use]
+    pub fn stored_result(&self, index: usize) -> Option<usize> {
+        let entries = self.products.iter().filter(|products| products.in_place.is_none());
+        index.checked_sub(entries.map(|products| products.entries.len()).sum())
+    }
+
+    /// Returns the numbers that are read after the statements: with one state the results, and the entries of products among them.
     pub(crate) fn read_last(&self) -> impl Iterator<Item = &Operand> {
         let results = if self.execution.has_many_states() { &[] } else { &*self.results };
-        let addends = self.products.iter().flat_map(|products| &products.addends);
-        results.iter().chain(addends.map(|(_, addend)| addend))
+        let entries = self.products.iter().filter(|products| products.in_place.is_some());
+        results.iter().chain(entries.flat_map(|products| &products.entries))
     }
 
     /// Returns the number of lanes of a value before it is broadcast.

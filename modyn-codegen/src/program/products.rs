@@ -1,12 +1,12 @@
-//! Products of square matrices after a program's statements, in loops: the dense part of a function.
+//! Products of matrices after a program's statements, in loops: the dense part of a function.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
 
 use modyn_runtime::{OperationCount, Scalar};
 
-use super::{Execution, InvalidProgram, Operand, Program, Source};
-use crate::trace::{Product, ProductGraph};
+use super::{Execution, Operand, Program, Source};
+use crate::trace::{ProductForm, Target};
 
 /// The lanes of a vector of rows.
 pub const ROW_LANES: usize = 4;
@@ -15,23 +15,25 @@ pub const ROW_LANES: usize = 4;
 /// registers of most processors.
 const MAX_VECTORS: usize = 5;
 
-/// Products of square matrices after a program's statements: results that are the entries of a matrix B are replaced by those of
-/// A B + C, or by those of the sum of this and its transpose. Matrices are consecutive results, by columns.
+/// Products A B of one matrix with several others, which are added to results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Products {
-    /// The number of rows and of columns of the matrices.
-    pub size: usize,
-    /// The index of the first result of A.
-    pub factor: usize,
-    /// The products, in place of each B.
-    pub products: Vec<Product>,
+    /// The number of rows of A.
+    pub rows: usize,
+    /// The number of columns of A, and of rows of each B.
+    pub terms: usize,
+    /// The entries of A, then those of each B, by columns.
+    pub entries: Vec<Operand>,
+    /// For each B, the results to which the rows of A B are added.
+    pub targets: Vec<Vec<Target>>,
     /// The columns with nonzeros.
     pub blocks: Vec<ProductBlock>,
-    /// The entries of C that are not zero: the index of a result, and the number that is added to it.
-    pub addends: Vec<(usize, Operand)>,
+    /// The index of the first result of A where A is a matrix of results, and each B has the form of results to which its product is added:
+    /// it is computed in their place. Otherwise matrices are arrays, and statements store the entries that they compute.
+    pub in_place: Option<usize>,
 }
 
-/// Columns of the products that have the same nonzeros.
+/// Columns of the products that have nearly the same nonzeros.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProductBlock {
     /// The columns.
@@ -42,154 +44,301 @@ pub struct ProductBlock {
     pub terms: Vec<Range<usize>>,
 }
 
-impl Program {
-    /// Returns the program of a graph and of the products of its results, over `arguments` scalars. `blocks` are the products'
-    /// nonzeros: those of the graph on scalars, also where `of` has limbs in lanes, which compute some entries as sums of zeros.
-    ///
-    /// # Errors
-    ///
-    /// Returns the first violation of a rule.
-    pub fn with_products(
-        of: &ProductGraph,
-        blocks: &[ProductBlock],
-        arguments: usize,
-        execution: Execution,
-    ) -> Result<Self, InvalidProgram> {
-        let ProductGraph { ref graph, size, factor, ref products } = *of;
-        let entries = size * size;
-        let mut program = Self::lowered(graph, arguments, execution);
-        let results = program.results.len() - products.len() * entries;
-        let addends = program.results.split_off(results);
-        let places = products.iter().flat_map(|&Product { first, .. }| first..first + entries);
-        let addends = places.zip(addends).filter(|(_, addend)| !is_zero(addend)).collect();
-        let (products, blocks) = (products.clone(), blocks.to_vec());
-        let products = Products { size, factor, products, blocks, addends };
-        let zero = Operand { source: Source::Constant(0.0), negated: false, lanes: 1 };
-        for entry in products.outside() {
-            program.results[entry] = zero;
-        }
-        program.products = Some(products);
-        program.finished()
-    }
+/// The array of a matrix.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ProductMatrix {
+    /// The name in the text of a function: `a`, then `b0` and so on.
+    pub name: String,
+    /// The number of columns.
+    pub columns: usize,
+    /// The number of rows.
+    pub rows: usize,
 }
 
 impl Products {
-    /// Returns the operations of all sums. On vectors an operation on rows in lanes counts once.
-    pub(super) fn operations(&self, execution: Execution) -> OperationCount {
+    /// Returns products of matrices with these entries, which are added to these results.
+    pub(super) fn new(
+        form: &ProductForm,
+        entries: Vec<Operand>,
+        results: &[Operand],
+        execution: Execution,
+    ) -> Self {
+        let ProductForm { rows, terms, ref targets, .. } = *form;
+        let (targets, blocks) = (targets.clone(), Vec::new());
+        let mut products = Self { rows, terms, entries, targets, blocks, in_place: None };
+        products.in_place = products.place_of_a(results, execution);
+        products.blocks = products.blocks();
+        products
+    }
+
+    /// Returns the number of columns of each B.
+    #[must_use]
+    pub fn columns(&self) -> usize {
+        let others = self.entries.len().saturating_sub(self.rows * self.terms);
+        others / (self.terms * self.targets.len()).max(1)
+    }
+
+    /// Returns the arrays of A and of each B, if there are some.
+    #[must_use]
+    pub fn arrays(&self) -> Vec<ProductMatrix> {
+        if self.in_place.is_some() {
+            return Vec::new();
+        }
+        let (terms, columns) = (self.terms, self.columns());
+        let others = (0..self.targets.len()).map(|m| format!("b{m}"));
+        let others = others.map(|name| ProductMatrix { name, columns, rows: terms });
+        let a = ProductMatrix { name: "a".into(), columns: terms, rows: self.rows };
+        [a].into_iter().chain(others).collect()
+    }
+
+    /// Returns the array to which an entry belongs, and the entry's index there; `None` if there is no such entry.
+    #[must_use]
+    pub fn place(&self, entry: usize) -> Option<(ProductMatrix, usize)> {
+        let mut index = entry;
+        self.arrays().into_iter().find_map(|matrix| {
+            let entries = matrix.columns * matrix.rows;
+            match index.checked_sub(entries) {
+                None => Some((matrix, index)),
+                Some(rest) => {
+                    index = rest;
+                    None
+                }
+            }
+        })
+    }
+
+    /// Returns the numbers of a program's results before the loops: each B in its place, or the numbers to which products are added.
+    #[must_use]
+    pub fn before(&self, results: &[Operand]) -> Vec<Operand> {
+        let mut before = results.to_vec();
+        if self.in_place.is_some() {
+            let size = self.terms * self.columns();
+            for (m, targets) in self.targets.iter().enumerate() {
+                let b = &self.entries[self.first(m)..][..size];
+                before[targets[0].first..][..size].copy_from_slice(b);
+            }
+        }
+        before
+    }
+
+    /// Returns what is added to products in place: the result, and the number. The first ones are added before the sums with transposes,
+    /// which complete symmetric numbers; the others after them.
+    #[must_use]
+    pub fn addends(&self, results: &[Operand]) -> [Vec<(usize, Operand)>; 2] {
+        let (mut addends, n) = ([Vec::new(), Vec::new()], self.rows);
+        for targets in self.targets.iter().filter(|_| self.in_place.is_some()) {
+            let own = &results[targets[0].first..][..n * n];
+            let places = || (0..n).flat_map(|j| (0..n).map(move |i| (i, j)));
+            let with_transpose = targets.len() > 1;
+            let is_symmetric = places().all(|(i, j)| own[j * n + i] == own[i * n + j]);
+            for (i, j) in places().filter(|(i, j)| !is_zero(&own[j * n + i])) {
+                let after = with_transpose && (i == j || !is_symmetric);
+                if after || i > j || !with_transpose {
+                    let place = targets[0].first + j * n + i;
+                    addends[usize::from(after)].push((place, own[j * n + i]));
+                }
+            }
+        }
+        addends
+    }
+
+    /// Returns the index of the first result of each product in place to which its transpose is added.
+    pub fn transposed(&self) -> impl Iterator<Item = usize> {
+        let targets = self.targets.iter().filter(|targets| targets.len() > 1);
+        targets.filter(|_| self.in_place.is_some()).map(|targets| targets[0].first)
+    }
+
+    /// Returns whether the numbers are zero to which a block's product is added: it is stored in their place.
+    #[must_use]
+    pub fn replaces(&self, block: &ProductBlock, target: &Target, results: &[Operand]) -> bool {
+        let is_only = self.targets.iter().flatten().filter(|other| other.first == target.first);
+        is_only.count() == 1 && target.of(block).all(|result| is_zero(&results[result]))
+    }
+
+    /// Returns the results that products replace.
+    #[must_use]
+    pub fn replaced(&self, results: &[Operand]) -> BTreeSet<usize> {
+        let targets = self.targets.iter().flatten();
+        let both = targets.flat_map(|target| self.blocks.iter().map(move |block| (block, target)));
+        let both = both.filter(|(block, target)| self.replaces(block, target, results));
+        both.flat_map(|(block, target)| target.of(block)).collect()
+    }
+
+    /// Returns the index of the first entry of a matrix B.
+    fn first(&self, matrix: usize) -> usize {
+        self.rows * self.terms + matrix * self.terms * self.columns()
+    }
+
+    /// Returns the index of the first result of A if all matrices have places among the results of one state.
+    fn place_of_a(&self, results: &[Operand], execution: Execution) -> Option<usize> {
+        let n = self.rows;
+        let is_square = n == self.terms && n == self.columns() && n > 1;
+        if !is_square || execution.has_many_states() {
+            return None;
+        }
+        let mut firsts = self.targets.iter().map(|targets| {
+            let square = Target::square(targets.first()?.first, n);
+            let both = [square.clone(), square.clone().transposed()];
+            (*targets == both || *targets == both[..1]).then_some(square.first)
+        });
+        let mut taken = firsts.by_ref().collect::<Option<Vec<usize>>>()?;
+        let a = &self.entries[..n * n];
+        let ends = results.len().checked_sub(n * n)?;
+        taken.push((0..=ends).find(|&first| results[first..][..n * n] == *a)?);
+        let place = taken.last().copied();
+        taken.sort_unstable();
+        let apart = taken.windows(2).all(|two| two[1] - two[0] >= n * n);
+        place.filter(|_| apart && taken.last().is_some_and(|&last| last <= ends))
+    }
+
+    /// Returns the multiplications of all sums. On vectors an operation on rows in lanes counts once.
+    pub(crate) fn multiplications(&self, execution: Execution) -> usize {
         let sums = self.blocks.iter().map(|block| {
             let terms: usize = block.terms.iter().map(Range::len).sum();
             let rows = match execution {
-                Execution::Simd => block.vectors(self.size).iter().map(|(_, count)| count).sum(),
+                Execution::Simd => block.vectors(self.rows).iter().map(|(_, count)| count).sum(),
                 _ => block.rows.len(),
             };
-            self.products.len() * block.columns.len() * rows * terms
+            self.targets.len() * block.columns.len() * rows * terms
         });
-        let multiplications = sums.sum();
-        let with_transposes = self.transposed().count() * self.size * (self.size + 1) / 2;
-        let additions = multiplications + self.addends.len() + with_transposes;
+        sums.sum()
+    }
+
+    /// Returns the operations of a call.
+    pub(super) fn operations(&self, program: &Program) -> OperationCount {
+        let multiplications = self.multiplications(program.execution);
+        let transpose = self.rows * (self.rows + 1) / 2;
+        let additions = multiplications
+            + self.sums(&program.results, transpose, |block, target| target.of(block).count());
         OperationCount { additions, multiplications, ..OperationCount::default() }
     }
 
     /// Returns the operations in the text of the loops: a sum for each block and matrix.
-    pub(super) fn static_operations(&self) -> OperationCount {
-        let multiplications = self.products.len() * self.blocks.len();
-        let additions = multiplications + self.addends.len() + self.transposed().count();
+    pub(super) fn static_operations(&self, program: &Program) -> OperationCount {
+        let multiplications = self.targets.len() * self.blocks.len();
+        let additions = multiplications + self.sums(&program.results, 1, |_, _| 1);
         OperationCount { additions, multiplications, ..OperationCount::default() }
     }
 
-    /// Returns the index of the first result of each product to which its transpose is added.
-    pub fn transposed(&self) -> impl Iterator<Item = usize> {
-        let products = self.products.iter().filter(|product| product.with_transpose);
-        products.map(|product| product.first)
+    /// Returns the sums of products and results: this many for a transpose, and as many for a block as `of_block` returns.
+    fn sums(
+        &self,
+        results: &[Operand],
+        transpose: usize,
+        of_block: fn(&ProductBlock, &Target) -> usize,
+    ) -> usize {
+        if self.in_place.is_some() {
+            let numbers: usize = self.addends(results).iter().map(Vec::len).sum();
+            return numbers + transpose * self.transposed().count();
+        }
+        let targets = self.targets.iter().flatten();
+        let both = targets.flat_map(|target| self.blocks.iter().map(move |block| (block, target)));
+        let both = both.filter(|(block, target)| !self.replaces(block, target, results));
+        both.map(|(block, target)| of_block(block, target)).sum()
     }
 
-    /// Returns the results that are entries of a matrix B outside of its blocks.
-    fn outside(&self) -> impl Iterator<Item = usize> {
-        let n = self.size;
-        let inside = |column: usize, row: usize| {
-            self.blocks.iter().any(|block| {
-                block.columns.contains(&column)
-                    && block.terms.iter().any(|rows| rows.contains(&row))
-            })
-        };
-        let places = (0..n).flat_map(move |column| (0..n).map(move |row| (column, row)));
-        let outside: Vec<usize> = places
-            .filter(|&(column, row)| !inside(column, row))
-            .map(|(column, row)| column * n + row)
-            .collect();
-        self.products.iter().flat_map(move |product| {
-            outside.clone().into_iter().map(move |entry| product.first + entry)
-        })
-    }
-
-    /// Replaces results by the products; `addend` returns the number of an operand.
-    pub(super) fn apply<S: Scalar>(&self, results: &mut [S], addend: impl Fn(&Operand) -> S) {
-        let n = self.size;
-        let a = results[self.factor..][..n * n].to_vec();
-        for &Product { first: matrix, .. } in &self.products {
+    /// Adds the products to results; `number` returns the number of an operand.
+    pub(super) fn apply<S: Scalar>(&self, results: &mut [S], number: impl Fn(&Operand) -> S) {
+        let entries: Vec<S> = self.entries.iter().map(number).collect();
+        for (m, targets) in self.targets.iter().enumerate() {
             for block in &self.blocks {
                 for column in block.columns.clone() {
-                    let column = &mut results[matrix + n * column..][..n];
-                    let factors = column.to_vec();
-                    for row in block.rows.clone() {
-                        let terms = block.terms.iter().cloned().flatten();
-                        let sum = |sum, k: usize| a[k * n + row].mul_add(factors[k], sum);
-                        column[row] = terms.fold(S::zero(), sum);
+                    let factors = &entries[self.first(m) + self.terms * column..][..self.terms];
+                    for target in targets {
+                        for row in target.rows_of(block) {
+                            let terms = block.terms.iter().cloned().flatten();
+                            let sum = |sum: S, k: usize| {
+                                entries[k * self.rows + row].mul_add(factors[k], sum)
+                            };
+                            let result = &mut results[target.result(row, column)];
+                            *result = *result + terms.fold(S::zero(), sum);
+                        }
                     }
                 }
-            }
-        }
-        for (result, operand) in &self.addends {
-            results[*result] = results[*result] + addend(operand);
-        }
-        for first in self.transposed() {
-            for (column, row) in
-                (0..n).flat_map(|column| (0..=column).map(move |row| (column, row)))
-            {
-                let places = [first + column * n + row, first + row * n + column];
-                let sum = results[places[0]] + results[places[1]];
-                results[places[0]] = sum;
-                results[places[1]] = sum;
             }
         }
     }
 
     /// Returns the rule that the products of a program break.
     pub(super) fn fault(&self, program: &Program) -> Option<&'static str> {
-        let (n, results) = (self.size, &program.results);
-        let firsts = || self.products.iter().map(|product| product.first);
-        let matrices = || firsts().chain([self.factor]);
-        let end = |first: usize| first.checked_add(n.checked_mul(n)?);
-        if program.execution.has_many_states() {
-            return Some("only programs of one state have products");
+        let (rows, terms, columns) = (self.rows, self.terms, self.columns());
+        if program.execution == Execution::Threads {
+            return Some("programs of threads have no products");
         }
-        if program.execution == Execution::Simd && n < ROW_LANES {
+        if program.execution == Execution::Simd && rows < ROW_LANES {
             return Some("products on vectors have as many rows as a vector has lanes");
         }
-        if !matrices().all(|m| end(m).is_some_and(|end| end <= results.len())) {
-            return Some("matrices of products are results");
+        if terms * columns == 0 || self.first(self.targets.len()) != self.entries.len() {
+            return Some("the matrices of products are whole");
         }
-        let mut sorted: Vec<usize> = matrices().collect();
-        sorted.sort_unstable();
-        if sorted.windows(2).any(|two| two[1] - two[0] < n * n) || self.products.is_empty() {
-            return Some("matrices of products are different results");
-        }
-        let mut addends = self.addends.iter().map(|(result, _)| *result);
-        let of_product = |result| firsts().any(|first| (first..first + n * n).contains(&result));
-        if !addends.all(of_product) {
-            return Some("numbers are added to results that are products");
-        }
-        let fits = |range: &Range<usize>| range.start < range.end && range.end <= n;
-        let mut end = 0;
-        let fits = self.blocks.iter().all(|block| {
-            let follows = std::mem::replace(&mut end, block.columns.end) <= block.columns.start;
-            follows && [&block.columns, &block.rows].into_iter().chain(&block.terms).all(fits)
+        let are_results = self.targets.iter().flatten().all(|target| {
+            let Target { rows: Range { start, end }, first, by_row, by_column } = *target;
+            let of = |count: usize, by: usize| count.checked_sub(1)?.checked_mul(by);
+            let last = of(end.saturating_sub(start), by_row).zip(of(columns, by_column));
+            let last = last.and_then(|(a, b)| first.checked_add(a)?.checked_add(b));
+            end <= rows && last.is_some_and(|last| last < program.results.len())
         });
-        if !fits {
-            return Some("blocks of products are in order, and within their matrices");
+        if !are_results {
+            return Some("the rows of products are added to results");
         }
-        let zeros = self.outside().all(|entry| is_zero(&results[entry]));
-        (!zeros).then_some("matrices of products are zero outside of their blocks")
+        if self.in_place != self.place_of_a(&program.results, program.execution) {
+            return Some("matrices that are results are in place");
+        }
+        (self.blocks != self.blocks())
+            .then_some("the blocks of products are their matrices' nonzeros")
+    }
+
+    /// Returns the columns with nonzeros. Consecutive columns with nearly the same nonzeros are one block.
+    fn blocks(&self) -> Vec<ProductBlock> {
+        let (terms, matrices) = (self.terms, self.targets.len());
+        let mut blocks: Vec<(Range<usize>, BTreeSet<usize>)> = Vec::new();
+        for column in 0..self.columns() {
+            let is_nonzero = |k: &usize| {
+                let entry = |m| &self.entries[self.first(m) + column * terms + k];
+                !(0..matrices).map(entry).all(is_zero)
+            };
+            let own: BTreeSet<usize> = (0..terms).filter(is_nonzero).collect();
+            let is_near =
+                |of: &BTreeSet<usize>, both: &BTreeSet<usize>| 8 * both.len() <= 9 * of.len();
+            match blocks.last_mut() {
+                _ if own.is_empty() => {}
+                Some((range, of))
+                    if range.end == column && {
+                        let both = &*of | &own;
+                        is_near(of, &both) && is_near(&own, &both)
+                    } =>
+                {
+                    range.end += 1;
+                    of.extend(own);
+                }
+                _ => blocks.push((column..column + 1, own)),
+            }
+        }
+        let block = |(columns, terms): (Range<usize>, BTreeSet<usize>)| {
+            // B in place is replaced also where A is zero.
+            let is_nonzero = |row: &usize| {
+                let in_b = self.in_place.is_some() && terms.contains(row);
+                in_b || terms.iter().any(|k| !is_zero(&self.entries[k * self.rows + row]))
+            };
+            let first = (0..self.rows).find(is_nonzero)?;
+            let last = (0..self.rows).rfind(is_nonzero)?;
+            Some(ProductBlock { columns, rows: first..last + 1, terms: ranges(&terms) })
+        };
+        blocks.into_iter().filter_map(block).collect()
+    }
+}
+
+impl Target {
+    /// Returns the rows of the target that a block has.
+    pub(crate) fn rows_of(&self, block: &ProductBlock) -> Range<usize> {
+        self.rows.start.max(block.rows.start)..self.rows.end.min(block.rows.end)
+    }
+
+    /// Returns the results of a block.
+    fn of(&self, block: &ProductBlock) -> impl Iterator<Item = usize> {
+        let (rows, columns) = (self.rows_of(block), block.columns.clone());
+        let places = columns.flat_map(move |j| rows.clone().map(move |i| (i, j)));
+        places.map(|(i, j)| self.result(i, j))
     }
 }
 
@@ -217,35 +366,8 @@ pub(crate) fn is_zero(operand: &Operand) -> bool {
     matches!(operand.source, Source::Constant(value) if value == 0.0)
 }
 
-/// Returns the columns with nonzeros of the products of a graph's results. Consecutive columns with the same nonzeros are one block.
-pub fn product_blocks(of: &ProductGraph) -> Vec<ProductBlock> {
-    let ProductGraph { ref graph, size: n, factor, ref products } = *of;
-    let is_nonzero = |first: usize, column: usize, row: usize| {
-        graph.value(graph.outputs[first + n * column + row]) != Some(0.0)
-    };
-    let mut blocks: Vec<ProductBlock> = Vec::new();
-    for column in 0..n {
-        let terms: BTreeSet<usize> =
-            (0..n).filter(|&k| products.iter().any(|of| is_nonzero(of.first, column, k))).collect();
-        let of_sum =
-            |row: &usize| terms.contains(row) || terms.iter().any(|&k| is_nonzero(factor, k, *row));
-        let rows: Vec<usize> = (0..n).filter(of_sum).collect();
-        let (Some(first), Some(last)) = (rows.first(), rows.last()) else { continue };
-        let (rows, terms) = (*first..last + 1, ranges(&terms));
-        match blocks.last_mut() {
-            Some(block)
-                if block.columns.end == column && block.rows == rows && block.terms == terms =>
-            {
-                block.columns.end += 1;
-            }
-            _ => blocks.push(ProductBlock { columns: column..column + 1, rows, terms }),
-        }
-    }
-    blocks
-}
-
 /// Returns numbers as ranges of consecutive numbers.
-pub(super) fn ranges(numbers: &BTreeSet<usize>) -> Vec<Range<usize>> {
+fn ranges(numbers: &BTreeSet<usize>) -> Vec<Range<usize>> {
     let mut ranges: Vec<Range<usize>> = Vec::new();
     for &number in numbers {
         match ranges.last_mut() {

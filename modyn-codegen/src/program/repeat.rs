@@ -61,7 +61,6 @@ impl Program {
             statements,
             results,
             products: None,
-            map: None,
             first_stores: Vec::new(),
             chunks: Vec::new(),
             routines,

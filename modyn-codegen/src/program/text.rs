@@ -12,20 +12,18 @@
 //! `x3<4>`. A call `call 0, 1 (x2; a1)` is repetition 1 of routine 0, with its own operands and those that all repetitions
 //! share. `equations 3 6, 1 (x4, ...)` are row equations: the numbers of rows of the constraints, the number of right-hand sides, then
 //! the operands. Routines come before the statements, each with its tables and its program. Products of matrices come after the results:
-//! `products 3, 3, 12 21t` are those of matrices of three columns, A from result 3 on and B from results 12 and 21 on, the latter with its
-//! transpose; `block 0..2, 0..3,
-//! 0..1 2..3` has columns, rows and terms, and `add 13 x4` adds a number to a result. `map 2, x5, x6, ...` is a map of two rows with its entries
-//! by columns, and `of 12+4 13+4, x7, ...` a matrix that it multiplies: the products of row 0 are every fourth result from 12 on.
+//! `products 2, x5, x6, ...` is a matrix A of two rows, with its entries by columns, and `of 0..2:12+1+4, x7, ...` a matrix B that it
+//! multiplies: the entries of A B are added to results, rows 0 and 1 of the first column to results 12 and 13, of the next one to 16 and 17.
 
 use std::fmt;
 use std::ops::Range;
 use std::str::{FromStr, Lines};
 
 use super::{
-    Addend, Call, Execution, LinearMap, MultiplyAdd, Operand, Operation, ProductBlock, Products,
-    Program, Routine, RowEquations, Source, Statement, Value,
+    Addend, Call, Execution, MultiplyAdd, Operand, Operation, Products, Program, Routine,
+    RowEquations, Source, Statement, Value,
 };
-use crate::trace::{MapForm, Product};
+use crate::trace::{ProductForm, Target};
 
 impl Execution {
     const NAMES: [(&'static str, Self); 4] = [
@@ -73,38 +71,23 @@ impl fmt::Display for Program {
             writeln!(f, "x{s}{lanes} = {operation}")?;
         }
         writeln!(f, "results {}", list(&self.results))?;
-        self.products.iter().try_for_each(|products| products.fmt(f))?;
-        self.map.iter().try_for_each(|map| map.fmt(f))
-    }
-}
-
-impl fmt::Display for LinearMap {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { rows, terms, entries, targets, .. } = self;
-        let (map, matrices) = entries.split_at(rows * terms);
-        writeln!(f, "map {rows}, {}", list(map))?;
-        for (matrix, targets) in matrices.chunks(terms * self.columns()).zip(targets) {
-            let targets: Vec<String> =
-                targets.iter().map(|(first, stride)| format!("{first}+{stride}")).collect();
-            writeln!(f, "of {}, {}", targets.join(" "), list(matrix))?;
-        }
-        Ok(())
+        self.products.iter().try_for_each(|products| products.fmt(f))
     }
 }
 
 impl fmt::Display for Products {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { size, factor, products, blocks, addends } = self;
-        let product = |Product { first, with_transpose }: &Product| {
-            format!("{first}{}", if *with_transpose { "t" } else { "" })
-        };
-        let products: Vec<String> = products.iter().map(product).collect();
-        writeln!(f, "products {size}, {factor}, {}", products.join(" "))?;
-        for ProductBlock { columns, rows, terms } in blocks {
-            let terms: Vec<String> = terms.iter().map(|range| format!("{range:?}")).collect();
-            writeln!(f, "block {columns:?}, {rows:?}, {}", terms.join(" "))?;
+        let Self { rows, terms, entries, targets, .. } = self;
+        let (a, others) = entries.split_at(rows * terms);
+        writeln!(f, "products {rows}, {}", list(a))?;
+        for (b, targets) in others.chunks(terms * self.columns()).zip(targets) {
+            let target = |Target { rows, first, by_row, by_column }: &Target| {
+                format!("{rows:?}:{first}+{by_row}+{by_column}")
+            };
+            let targets: Vec<String> = targets.iter().map(target).collect();
+            writeln!(f, "of {}, {}", targets.join(" "), list(b))?;
         }
-        addends.iter().try_for_each(|(result, addend)| writeln!(f, "add {result} {addend}"))
+        Ok(())
     }
 }
 
@@ -248,7 +231,6 @@ impl<'a> Parser<'a> {
             statements: Vec::new(),
             results: Vec::new(),
             products: None,
-            map: None,
             first_stores: Vec::new(),
             chunks: Vec::new(),
             routines: Vec::new(),
@@ -258,7 +240,6 @@ impl<'a> Parser<'a> {
             if let Some(results) = line.strip_prefix("results") {
                 program.results = self.operands(&program, results, 1)?;
                 program.products = self.products(&program)?;
-                program.map = self.map(&program)?;
                 break;
             } else if let Some(head) = line.strip_prefix("routine ") {
                 let routine = self.routine(head)?;
@@ -277,80 +258,33 @@ impl<'a> Parser<'a> {
     /// Returns the products of a program whose results were read; `None` if the next line is something else.
     fn products(&mut self, program: &Program) -> Result<Option<Products>, ParseProgramError> {
         let Some(head) = self.next_after("products ") else { return Ok(None) };
-        let product = |text: &str| {
-            let (first, with_transpose) = match text.strip_suffix('t') {
-                Some(first) => (first, true),
-                None => (text, false),
-            };
-            Some(Product { first: first.parse().ok()?, with_transpose })
-        };
-        let all = |text: &str| text.split_whitespace().map(product).collect::<Option<Vec<_>>>();
-        let parts: Vec<&str> = head.split(", ").collect();
-        let read = match *parts {
-            [size, factor, products] => {
-                size.parse().ok().zip(factor.parse().ok()).zip(all(products))
-            }
-            _ => None,
-        };
-        let ((size, factor), products) = read.ok_or_else(|| {
-            self.error(format!("{head:?} are no products, as `3, 3, 12 21t` are"))
-        })?;
-        let (mut blocks, mut addends) = (Vec::new(), Vec::new());
-        while let Some(text) = self.next_after("block ") {
-            let ranges: Option<Vec<Vec<Range<usize>>>> =
-                text.split(", ").map(|part| part.split_whitespace().map(range).collect()).collect();
-            let block = match ranges.as_deref() {
-                Some([columns, rows, terms]) if columns.len() == 1 && rows.len() == 1 => {
-                    Some(ProductBlock {
-                        columns: columns[0].clone(),
-                        rows: rows[0].clone(),
-                        terms: terms.clone(),
-                    })
-                }
-                _ => None,
-            };
-            blocks.push(block.ok_or_else(|| {
-                self.error(format!("{text:?} is no block, as `0..2, 0..3, 0..1 2..3` is"))
-            })?);
-        }
-        while let Some(text) = self.next_after("add ") {
-            let parts =
-                text.split_once(' ').and_then(|(i, addend)| Some((i.parse().ok()?, addend)));
-            let (result, addend) =
-                parts.ok_or_else(|| self.error(format!("{text:?} is no sum, as `13 x4` is")))?;
-            addends.push((result, self.operand(program, addend, 1)?));
-        }
-        Ok(Some(Products { size, factor, products, blocks, addends }))
-    }
-
-    /// Returns the map of a program whose results and products were read; `None` if the next line is something else.
-    fn map(&mut self, program: &Program) -> Result<Option<LinearMap>, ParseProgramError> {
-        let Some(head) = self.next_after("map ") else { return Ok(None) };
-        let parts = head.split_once(", ").and_then(|(rows, map)| Some((rows.parse().ok()?, map)));
-        let (rows, map): (usize, _) =
-            parts.ok_or_else(|| self.error(format!("{head:?} is no map, as `2, x5, x6` is")))?;
-        let mut operands = self.operands(program, map, 1)?;
+        let parts = head.split_once(", ").and_then(|(rows, a)| Some((rows.parse().ok()?, a)));
+        let (rows, a): (usize, _) = parts
+            .ok_or_else(|| self.error(format!("{head:?} are no products, as `2, x5, x6` are")))?;
+        let mut operands = self.operands(program, a, 1)?;
         let (entries, mut targets) = (operands.len(), Vec::new());
         while let Some(text) = self.next_after("of ") {
-            let parts = text.split_once(", ").and_then(|(places, matrix)| {
-                let place = |place: &str| -> Option<(usize, usize)> {
-                    let (first, stride) = place.split_once('+')?;
-                    Some((first.parse().ok()?, stride.parse().ok()?))
-                };
-                Some((places.split(' ').map(place).collect::<Option<Vec<_>>>()?, matrix))
+            let parts = text.split_once(", ").and_then(|(all, b)| {
+                Some((all.split(' ').map(target).collect::<Option<Vec<_>>>()?, b))
             });
-            let (places, matrix) = parts.ok_or_else(|| {
-                self.error(format!("{text:?} is no matrix, as `12+4 13+4, x7` is"))
+            let (all, b) = parts.ok_or_else(|| {
+                self.error(format!("{text:?} is no matrix, as `0..2:12+1+4, x7` is"))
             })?;
-            targets.push(places);
-            operands.extend(self.operands(program, matrix, 1)?);
+            targets.push(all);
+            operands.extend(self.operands(program, b, 1)?);
         }
-        if rows == 0 || targets.is_empty() || !entries.is_multiple_of(rows) {
-            return Err(self.error("a map has entries of whole columns, and matrices after it"));
+        if rows == 0 || entries == 0 || targets.is_empty() || !entries.is_multiple_of(rows) {
+            return Err(
+                self.error("products have a matrix A of whole columns, and others after it")
+            );
         }
         let results = program.results.len();
-        let form = MapForm { rows, terms: entries / rows, results, targets };
-        Ok(Some(LinearMap::new(&form, operands)))
+        let form = ProductForm { rows, terms: entries / rows, results, targets };
+        let columns = (operands.len() - entries) / (form.terms * form.targets.len());
+        if operands.len() != entries + columns * form.terms * form.targets.len() {
+            return Err(self.error("matrices of products are whole"));
+        }
+        Ok(Some(Products::new(&form, operands, &program.results, program.execution)))
     }
 
     /// Returns the rest of the next line if that begins with `word`; otherwise the line is not read.
@@ -581,8 +515,18 @@ impl<'a> Parser<'a> {
 fn values(program: &Program) -> Vec<Value> {
     let statements = program.statements.iter();
     let operands = statements.flat_map(|statement| statement.operation.operands());
-    let operands = operands.chain(program.stored().iter().chain(program.read_last()).copied());
+    let operands = operands.chain(program.all_stored().chain(program.read_last()).copied());
     operands.filter_map(|operand| operand.value()).collect()
+}
+
+/// Returns the results to which rows of products are added.
+fn target(text: &str) -> Option<Target> {
+    let (rows, places) = text.split_once(':')?;
+    let places: Option<Vec<usize>> = places.split('+').map(|place| place.parse().ok()).collect();
+    match *places? {
+        [first, by_row, by_column] => Some(Target { rows: range(rows)?, first, by_row, by_column }),
+        _ => None,
+    }
 }
 
 /// Returns a range of numbers.

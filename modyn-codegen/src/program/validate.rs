@@ -29,7 +29,7 @@ impl Program {
                 .map_or(Ok(()), |rule| Err(InvalidProgram { statement: Some(s), rule }))?;
         }
         let end = self.statements.len();
-        let outputs = || self.stored().iter().chain(self.read_last());
+        let outputs = || self.all_stored().chain(self.read_last());
         let results = outputs().find_map(|result| self.operand_fault(result, end));
         let scalars = outputs().all(|result| result.lanes == 1);
         let rule = results
@@ -37,7 +37,6 @@ impl Program {
             .or_else(|| self.store_fault())
             .or_else(|| self.cut_fault())
             .or_else(|| self.products.as_ref()?.fault(self))
-            .or_else(|| self.map.as_ref()?.fault(self))
             .or_else(|| self.routines.iter().find_map(routine_fault));
         rule.map_or(Ok(()), |rule| Err(InvalidProgram { statement: None, rule }))?;
         self.routines.iter().try_for_each(|routine| routine.program.validate())
@@ -112,7 +111,7 @@ impl Program {
         let stored = self.statements.iter().flat_map(|statement| &statement.stores);
         let mut stored: Vec<usize> = stored.chain(&self.first_stores).copied().collect();
         stored.sort_unstable();
-        let all = 0..self.stored().len();
+        let all = 0..self.all_stored().count();
         (!stored.iter().copied().eq(all)).then_some("each result is stored once")
     }
 

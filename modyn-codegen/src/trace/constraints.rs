@@ -13,53 +13,10 @@ use modyn_runtime::mechanism::{Mechanism, MergedMechanism};
 use modyn_runtime::spatial::{Twist, Vector3, Wrench};
 use modyn_runtime::{ConstraintSettings, ContactTarget, Scalar};
 
+use super::dense::{DenseGraph, ProductForm, RowForm, Target};
 use super::limbs::ContactPacking;
 use super::{LimbPacking, Tracer};
 use crate::graph::{Expr, Graph};
-
-/// A graph with dense parts. After the results, its outputs are the operands of the map, then those of the equations; after the
-/// arguments, its inputs are the results of the equations.
-#[derive(Clone, Debug)]
-pub struct DenseGraph {
-    /// The graph.
-    pub graph: Graph,
-    /// The form of equations of constraint rows, some of which may be dependent. `None` if some are dependent in all states.
-    pub rows: Option<RowForm>,
-    /// The form of the map.
-    pub map: Option<MapForm>,
-}
-
-/// The form of equations of constraint rows.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct RowForm {
-    /// For each constraint, the number of its rows.
-    pub blocks: Vec<usize>,
-    /// The number of right-hand sides.
-    pub sides: usize,
-}
-
-/// The form of a linear map of the columns of matrices. Its operands are its entries by columns, then those of the matrices.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct MapForm {
-    /// The number of results of a column.
-    pub rows: usize,
-    /// The number of entries of a column that the map multiplies.
-    pub terms: usize,
-    /// The number of the function's results, which come before the operands.
-    pub results: usize,
-    /// For each matrix and each row, the first result, and the distance between the results of consecutive columns.
-    pub targets: Vec<Vec<(usize, usize)>>,
-}
-
-impl DenseGraph {
-    /// Returns the graph that `trace` makes with its dependent rows apart, which has this number of inputs and of right-hand sides.
-    fn new((first, sides): (usize, usize), trace: impl FnOnce(ApartRows<'_>) -> Graph) -> Self {
-        let mut blocks = None;
-        let graph = trace(ApartRows { first, sides, blocks: &mut blocks });
-        let rows = blocks.map(|blocks| RowForm { blocks, sides });
-        Self { graph, rows, map: None }
-    }
-}
 
 /// The form of equations of dependent rows that are solved apart from a graph.
 struct ApartRows<'a> {
@@ -69,6 +26,16 @@ struct ApartRows<'a> {
     sides: usize,
     /// For each constraint the number of its rows, which tracing finds.
     blocks: &'a mut Option<Vec<usize>>,
+}
+
+impl DenseGraph {
+    /// Returns the graph that `trace` makes with its dependent rows apart, which has this number of inputs and of right-hand sides.
+    fn new((first, sides): (usize, usize), trace: impl FnOnce(ApartRows<'_>) -> Graph) -> Self {
+        let mut blocks = None;
+        let graph = trace(ApartRows { first, sides, blocks: &mut blocks });
+        let rows = blocks.map(|blocks| RowForm { blocks, sides });
+        Self { graph, rows, products: None }
+    }
 }
 
 impl ApartRows<'_> {
@@ -212,21 +179,21 @@ impl Tracer<'_> {
         DenseGraph::new((inputs, sides), |apart| self.derivatives(layout, Some(apart)))
     }
 
-    /// Returns the same graph with the derivatives with respect to q and qd as a linear map of columns.
+    /// Returns the same graph with the derivatives with respect to q and qd as products.
     #[must_use]
-    pub fn constrained_forward_dynamics_derivatives_by_map(
+    pub fn constrained_forward_dynamics_derivatives_by_products(
         &self,
         layout: &UduLayout,
         inputs: usize,
     ) -> DenseGraph {
-        let mut map = None;
-        let form = (inputs, 1 + self.rows());
-        let dense = DenseGraph::new(form, |apart| self.by_map(layout, Some(apart), &mut map));
+        let (mut products, form) = (None, (inputs, 1 + self.rows()));
+        let dense =
+            DenseGraph::new(form, |apart| self.by_products(layout, Some(apart), &mut products));
         let dense = match dense.rows {
             Some(_) => dense,
-            None => DenseGraph { graph: self.by_map(layout, None, &mut map), ..dense },
+            None => DenseGraph { graph: self.by_products(layout, None, &mut products), ..dense },
         };
-        DenseGraph { map, ..dense }
+        DenseGraph { products, ..dense }
     }
 
     fn derivatives(&self, layout: &UduLayout, apart: Option<ApartRows<'_>>) -> Graph {
@@ -236,11 +203,11 @@ impl Tracer<'_> {
         })
     }
 
-    fn by_map(
+    fn by_products(
         &self,
         layout: &UduLayout,
         apart: Option<ApartRows<'_>>,
-        form: &mut Option<MapForm>,
+        form: &mut Option<ProductForm>,
     ) -> Graph {
         self.with_derivatives(layout, apart, |(tree, layout), state, settings, memory, outputs| {
             let ColumnMap { map, columns, rank } =
@@ -251,18 +218,19 @@ impl Tracer<'_> {
             let is_zero =
                 |row: usize| map.iter().skip(row).step_by(height).all(|x| x.is_constant_zero());
             let rows: Vec<usize> = (0..height).filter(|&row| !is_zero(row)).collect();
-            let target = |matrix: usize, row: usize| match row.checked_sub(n) {
-                None => (height + matrix * n * n + row, n),
-                Some(k) => {
-                    let wrenches = height + 3 * n * n + matrix * 6 * n * count;
-                    (wrenches + k / 6 * 6 * n + k % 6, 6)
-                }
-            };
-            let targets =
-                [0, 1].map(|matrix| rows.iter().map(|&row| target(matrix, row)).collect());
-            let terms = map.len() / height;
-            let results = height * (1 + 3 * n) + 1;
-            *form = Some(MapForm { rows: rows.len(), terms, results, targets: targets.to_vec() });
+            let targets = [0, 1].map(|matrix| {
+                let place = |row: usize| match row.checked_sub(n) {
+                    None => (height + matrix * n * n + row, n),
+                    Some(k) => {
+                        let wrenches = height + 3 * n * n + matrix * 6 * n * count;
+                        (wrenches + k / 6 * 6 * n + k % 6, 6)
+                    }
+                };
+                Target::of_rows(rows.iter().map(|&row| place(row)))
+            });
+            let (terms, results) = (map.len() / height, height * (1 + 3 * n) + 1);
+            let targets = targets.to_vec();
+            *form = Some(ProductForm { rows: rows.len(), terms, results, targets });
             let of_column =
                 |column: &[Expr]| rows.iter().map(|&row| column[row]).collect::<Vec<_>>();
             let map = map.chunks(height).flat_map(of_column);

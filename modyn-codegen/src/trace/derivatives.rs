@@ -8,29 +8,8 @@ use modyn_runtime::equations::factorization::{MergedUduLayout, cross_limb};
 use modyn_runtime::mechanism::MergedMechanism;
 
 use super::Tracer;
+use super::dense::{DenseGraph, ProductForm, Target};
 use crate::graph::{Expr, Graph};
-
-/// A graph whose results are the factors of products.
-#[derive(Clone, Debug)]
-pub struct ProductGraph {
-    /// The graph. Its outputs are the results, with the matrices B in place of the products, then the matrix C of each product.
-    pub graph: Graph,
-    /// The number of rows and of columns of the matrices.
-    pub size: usize,
-    /// The index of the first output of A.
-    pub factor: usize,
-    /// The products.
-    pub products: Vec<Product>,
-}
-
-/// A product A B + C, by columns among a function's results.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Product {
-    /// The index of the first result of B, in whose place the product is.
-    pub first: usize,
-    /// Whether the transpose is added: A B + C + (A B + C)^T.
-    pub with_transpose: bool,
-}
 
 impl Tracer<'_> {
     /// Returns the graph of the derivatives of the joint forces: by q, then by qd, by columns. Inputs: `q`, `qd`, `qdd`.
@@ -70,18 +49,18 @@ impl Tracer<'_> {
         })
     }
 
-    /// Returns the graph of [`forward_dynamics_derivatives`](Self::forward_dynamics_derivatives) before the products with the
-    /// inverse of the mass matrix.
+    /// Returns the graph of [`forward_dynamics_derivatives`](Self::forward_dynamics_derivatives) with the derivatives by q and qd as
+    /// products: those with the inverse of the mass matrix are added to the derivatives of free fall.
     #[must_use]
-    pub fn forward_dynamics_derivatives_by_products(&self, layout: &UduLayout) -> ProductGraph {
+    pub fn forward_dynamics_derivatives_by_products(&self, layout: &UduLayout) -> DenseGraph {
         let n = self.model.nv;
         let graph = match self.limbs {
             None => self.trace(|model, state| {
                 let model = &self.with_column_lanes(model);
                 let layout = &MergedUduLayout::new(model, layout.clone());
-                let (results, free_fall) =
+                let ([qdd, dq, dqd, dtau], free_fall) =
                     derive_factors(model, layout, state, &mut Workspace::new(model));
-                [results.concat(), free_fall.concat()].concat()
+                [qdd, free_fall.concat(), dtau.clone(), dtau, dq, dqd].concat()
             }),
             Some(limbs) => self.trace_lanes(limbs, |model, state| {
                 let modules = limbs.partition(layout.partition());
@@ -95,12 +74,12 @@ impl Tracer<'_> {
                 let [fall_dq, fall_dqd] = free_fall.map(sparse);
                 let dtau = limbs.unpack_symmetric(&dtau, &tau);
                 let qdd = limbs.unpack_vector(&qdd, n);
-                [qdd, sparse(dq), sparse(dqd), dtau, fall_dq, fall_dqd].concat()
+                [qdd, fall_dq, fall_dqd, dtau.clone(), dtau, sparse(dq), sparse(dqd)].concat()
             }),
         };
-        let [dq, dqd, factor] = [0, 1, 2].map(|matrix| n + matrix * n * n);
-        let products = [dq, dqd].map(|first| Product { first, with_transpose: false }).to_vec();
-        ProductGraph { graph, size: n, factor, products }
+        let targets = [0, 1].map(|matrix| vec![Target::square(n + matrix * n * n, n)]).to_vec();
+        let form = ProductForm { rows: n, terms: n, results: n + 3 * n * n, targets };
+        DenseGraph { graph, rows: None, products: Some(form) }
     }
 }
 

@@ -18,7 +18,6 @@
 //! The pose and the linear velocity of a floating base have no effect on the motion relative to free fall. So forward
 //! dynamics is differentiated with its bases in neutral poses without linear velocities, and the free fall is added.
 
-use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -28,7 +27,7 @@ use modyn_runtime::equations::dynamics::{free_bases, free_fall_accelerations};
 
 use super::Tracer;
 use super::composition::Composition;
-use super::derivatives::{Product, ProductGraph};
+use super::dense::{DenseGraph, ProductForm, Target};
 use super::limb_products::LimbMatrices;
 use super::products::WeightedInverseDynamics;
 use crate::graph::{Graph, Id};
@@ -449,9 +448,9 @@ impl Tracer<'_> {
         HessianFactors { gradients, by_tau, phi, fall, u, d, w, b, by_state }
     }
 
-    /// Returns the graph of [`forward_dynamics_hessian`](Self::forward_dynamics_hessian) before the products with B.
+    /// Returns the graph of [`forward_dynamics_hessian`](Self::forward_dynamics_hessian) with the products with B apart.
     #[must_use]
-    pub fn forward_dynamics_hessian_by_products(&self, layout: &UduLayout) -> ProductGraph {
+    pub fn forward_dynamics_hessian_by_products(&self, layout: &UduLayout) -> DenseGraph {
         let (nq, n) = (self.model.nq, self.model.nv);
         let mut all = Composition::new();
         let [q, qd, tau, weights] = [nq, n, n, n].map(|count| all.inputs(count));
@@ -459,24 +458,15 @@ impl Tracer<'_> {
         let motion = self.motion(&mut all, layout, [&q, &qd, &tau, &parameters]);
         let HessianFactors { gradients, by_tau, phi, fall, b, by_state, .. } =
             self.hessian_factors(&mut all, layout, &motion, &weights);
-        let [mut own_qq, own_qqd, own_qdqd] =
-            std::array::from_fn(|k| all.difference(&fall[k], &phi[k]));
-        // The sum with the transpose completes one half.
-        let (zero, half) = (all.constant(0.0), all.constant(0.5));
-        for (k, entry) in own_qq.iter_mut().enumerate() {
-            *entry = match (k % n).cmp(&(k / n)) {
-                Ordering::Less => zero,
-                Ordering::Equal => all.product(half, *entry),
-                Ordering::Greater => *entry,
-            };
-        }
+        let own: [Vec<Id>; 3] = std::array::from_fn(|k| all.difference(&fall[k], &phi[k]));
         let by_q_tau = all.negated(&b);
         let [by_q, by_qd] = by_state.map(|columns| all.negated(&columns));
-        let results = [motion.qdd, gradients, by_tau, by_q, by_qd, own_qdqd, by_q_tau].concat();
-        let graph = all.with_outputs(&[&results, &own_qq, &own_qqd]);
-        let products = [0, 1].map(|k| Product { first: 4 * n + k * n * n, with_transpose: k == 0 });
-        let factor = 4 * n + 3 * n * n;
-        ProductGraph { graph, size: n, factor, products: products.to_vec() }
+        let results = [motion.qdd, gradients, by_tau, own.concat(), by_q_tau.clone()].concat();
+        let (of_qq, of_qqd) = (Target::square(4 * n, n), Target::square(4 * n + n * n, n));
+        let targets = vec![vec![of_qq.clone(), of_qq.transposed()], vec![of_qqd]];
+        let form = ProductForm { rows: n, terms: n, results: results.len(), targets };
+        let graph = all.with_outputs(&[&results, &by_q_tau, &by_q, &by_qd]);
+        DenseGraph { graph, rows: None, products: Some(form) }
     }
 
     /// Returns the product of two square matrices, by columns; equal limbs, else consecutive columns, share the lanes of a pack.

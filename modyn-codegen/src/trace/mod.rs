@@ -5,6 +5,7 @@ mod composition;
 mod constraint_hessians;
 mod constraints;
 mod coordinates;
+mod dense;
 mod derivatives;
 mod dynamics;
 mod entries;
@@ -28,8 +29,7 @@ use modyn_runtime::mechanism::{BodyFrame, Mechanism, MergedMechanism};
 
 use crate::graph::{Expr, ForeignExpr, Graph};
 
-pub use constraints::{DenseGraph, MapForm, RowForm};
-pub use derivatives::{Product, ProductGraph};
+pub use dense::{DenseGraph, ProductForm, RowForm, Target};
 pub use entries::{EntryDerivatives, EntryForm, second_derivatives};
 pub use evaluation::Solvers;
 pub use limbs::{LimbLimits, LimbPacking};

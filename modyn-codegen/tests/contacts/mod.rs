@@ -1431,7 +1431,7 @@ fn operation_counts_are_as_frozen() {
         [(1, Execution::Scalar), (COLUMN_LANES, Execution::Simd)].map(|(lanes, execution)| {
             let tracer = tracer.column_lanes(lanes);
             let mut dense =
-                tracer.constrained_forward_dynamics_derivatives_by_map(&layout, arguments);
+                tracer.constrained_forward_dynamics_derivatives_by_products(&layout, arguments);
             dense.graph = optimize(dense.graph);
             let program = Program::with_dense_parts(&dense, arguments, execution).expect("valid");
             [program.static_operations(), program.operations_per_call()].map(|count| count.total())

@@ -106,7 +106,7 @@ pub fn large() -> Case {
 }
 
 /// Returns robots of every other kind: all joint types, closed loops, mimic joints, run-time parameters, equal limbs in
-/// routines, loops over bodies, products of matrices in loops, derivatives as a linear map, dependent rows of contacts, many
+/// routines, loops over bodies, products of matrices in loops, dependent rows of contacts, many
 /// links on one body, bundles and functions of the user.
 ///
 /// # Panics
@@ -140,7 +140,9 @@ pub fn kinds() -> Vec<Case> {
 fn products() -> Builder {
     let functions = [
         Function::ForwardDynamicsDerivatives,
+        Function::ForwardDynamicsDerivativesBatch,
         Function::ForwardDynamicsHessian,
+        Function::ForwardDynamicsHessianBatch,
         Function::StepSemiImplicitDerivatives,
     ];
     robot("arm6").base(Base::Floating).functions(functions).code(CodeForm::Small)
@@ -148,7 +150,10 @@ fn products() -> Builder {
 
 /// Returns a robot whose derivatives under constraints are products of one matrix with many columns, in loops.
 fn columns() -> Builder {
-    let functions = [Function::ConstrainedForwardDynamicsDerivatives];
+    let functions = [
+        Function::ConstrainedForwardDynamicsDerivatives,
+        Function::ConstrainedForwardDynamicsDerivativesBatch,
+    ];
     let hand = contact("hand", ContactKind::Surface, "wrist_3_link", [0.1, 0.0, -0.2]);
     let arm = robot("ur5").base(Base::Floating).contacts([hand]);
     arm.functions(functions).code(CodeForm::Small)

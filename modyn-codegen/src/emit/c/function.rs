@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::{Array, Printer, linear_map, literal, products};
+use super::{Array, Printer, literal, products};
 use crate::emit::statements::{Body, Syntax, sum_of_products};
 use crate::emit::support::Support;
 use crate::program::{
@@ -55,7 +55,7 @@ impl Printer {
             let (syntax, first) = (&syntax, chunk.statements.start);
             let body = Body { syntax, program, lengths: &lengths, first };
             let mut text = String::new();
-            let matrices: Vec<Array> = program.map.iter().flat_map(linear_map::arrays).collect();
+            let matrices: Vec<Array> = program.products.iter().flat_map(products::arrays).collect();
             let (linkage, name, arrays, written) = if k == last {
                 for array in &matrices {
                     let zero = literal(0.0, self.float);
@@ -89,24 +89,24 @@ impl Printer {
                 body.statement(&mut text, s);
                 stores(&body, &mut text, &program.statements[s].stores);
             }
+            let products = program.products.as_ref().filter(|_| k == last);
             let stored: Vec<String> = if k == last {
-                program.results.iter().map(|result| body.operand(result)).collect()
+                let before = products.map(|products| products.before(&program.results));
+                let results = before.as_ref().unwrap_or(&program.results).iter();
+                results.map(|result| body.operand(result)).collect()
             } else {
                 chunk.live_out.iter().map(|&value| body.value(value)).collect()
             };
             for (i, value) in stored.iter().enumerate() {
                 let _ = writeln!(text, "    out[{i}] = {value};");
             }
-            let products = program.products.as_ref().filter(|_| k == last);
             if let Some(products) = products {
-                products::print(&mut text, products, self, &|addend| body.operand(addend));
-            }
-            if let Some(map) = program.map.as_ref().filter(|_| k == last) {
-                linear_map::print(&mut text, map, self);
+                let operand = |operand: &Operand| body.operand(operand);
+                products::print(&mut text, (products, &program.results), self, &operand);
             }
             let mut unread = String::new();
             let calls = k == last && last > 0;
-            let first = program.first_stores.iter().map(|&i| &program.stored()[i]);
+            let first = program.first_stores.iter().map(|&i| program.stored(i));
             let outputs = program.read_last().chain(first).filter(|_| k == last).copied();
             let read = arguments_read(program, chunk, outputs, &lengths);
             let read = |name: &str| {
@@ -224,20 +224,20 @@ impl Syntax for C<'_> {
     }
 }
 
-/// Prints the statements that store these numbers of a program's map.
+/// Prints the statements that store these entries of a program's products.
 fn stores(body: &Body<'_, C<'_>>, text: &mut String, numbers: &[usize]) {
     for &i in numbers {
         if let Some((name, index)) = place(body.program, i) {
-            let value = body.operand(&body.program.stored()[i]);
+            let value = body.operand(body.program.stored(i));
             let _ = writeln!(text, "    {name}[{index}] = {value};");
         }
     }
 }
 
-/// Returns the array into which a number of a program's map is stored, and the index there; `None` for zeros, which fill the arrays.
+/// Returns the array into which an entry of a program's products is stored, and the index there; `None` for zeros, which fill the arrays.
 fn place(program: &Program, number: usize) -> Option<(String, usize)> {
-    let (matrix, index) = program.map.as_ref()?.place(number)?;
-    (!is_zero(&program.stored()[number])).then_some((matrix.name, index))
+    let (matrix, index) = program.products.as_ref()?.place(number)?;
+    (!is_zero(program.stored(number))).then_some((matrix.name, index))
 }
 
 /// Returns the indices of the arguments, of these lengths, that the statements of a chunk or the `stored` operands read.

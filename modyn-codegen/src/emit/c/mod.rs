@@ -5,7 +5,6 @@
 //! (`-ffp-contract=off`) the results equal those of the scalar Rust functions, bit for bit.
 
 mod function;
-mod linear_map;
 mod products;
 mod recursion;
 mod rollout;

@@ -3,39 +3,88 @@
 use std::fmt::Write as _;
 use std::ops::Range;
 
-use super::{Printer, literal};
-use crate::program::{Operand, ProductBlock, Products};
+use super::{Array, Printer, literal};
+use crate::program::{Operand, ProductMatrix, Products};
+use crate::trace::Target;
 
-/// Prints the statements that replace matrices among the stored results by products.
+/// Returns the arrays of the matrices.
+pub(super) fn arrays(products: &Products) -> impl Iterator<Item = Array> {
+    let arrays = products.arrays().into_iter();
+    arrays.map(|ProductMatrix { name, columns, rows }| Array { name, len: columns * rows })
+}
+
+/// Prints the statements that add products to the stored results.
 pub(super) fn print(
     text: &mut String,
-    products: &Products,
+    (products, results): (&Products, &[Operand]),
     printer: &Printer,
     operand: &dyn Fn(&Operand) -> String,
 ) {
-    let (n, a, real) = (products.size, products.factor, printer.real());
+    let (n, terms, real) = (products.rows, products.terms, printer.real());
     let zero = literal(0.0, printer.float);
-    let firsts = || products.products.iter().map(|product| product.first).enumerate();
-    let of_each = |one: &dyn Fn(usize, usize) -> String| -> String {
-        firsts().map(|(m, first)| one(m, first)).collect()
+    let first = |m: usize| products.targets[m][0].first;
+    let of_each = |one: &dyn Fn(usize) -> String| -> String {
+        (0..products.targets.len()).map(one).collect()
     };
-    let arrays = of_each(&|m, _| format!("        {real} b{m}[{n}], sum{m}[{n}];\n"));
-    let _ = writeln!(text, "    {{\n        int i, j, k;\n{arrays}");
+    let sums = of_each(&|m| format!("        {real} sum{m}[{n}];\n"));
+    // Columns of matrices in place are copied before they are replaced.
+    let (columns, started, added) = match products.in_place {
+        Some(a) => (
+            of_each(&|m| format!("        {real} b{m}[{n}];\n")),
+            of_each(&|m| {
+                format!(" b{m}[i] = out[{} + {n} * j + i]; sum{m}[i] = {zero};", first(m))
+            }),
+            of_each(&|m| format!(" sum{m}[i] += out[{a} + {n} * k + i] * b{m}[k];")),
+        ),
+        None => (
+            String::new(),
+            of_each(&|m| format!(" sum{m}[i] = {zero};")),
+            of_each(&|m| format!(" sum{m}[i] += a[{n} * k + i] * b{m}[{terms} * j + k];")),
+        ),
+    };
+    let _ = writeln!(text, "    {{\n{columns}{sums}        int i, j, k;");
+    let over = |rows: &Range<usize>| format!("for (i = {}; i < {}; i++)", rows.start, rows.end);
     for block in &products.blocks {
-        let rows = &block.rows;
-        let is_row = format!("for (i = {}; i < {}; i++)", rows.start, rows.end);
-        let taken = of_each(&|m, first| {
-            format!(" b{m}[i] = out[{first} + {n} * j + i]; sum{m}[i] = {zero};")
-        });
-        let added = of_each(&|m, _| format!(" sum{m}[i] += out[{a} + {n} * k + i] * b{m}[k];"));
-        let stored = of_each(&|m, first| format!(" out[{first} + {n} * j + i] = sum{m}[i];"));
-        add_products(text, block, &is_row, [&taken, &added]);
-        let _ = writeln!(text, "            {is_row} {{{stored} }}\n        }}");
+        let (Range { start, end }, is_row) = (&block.columns, over(&block.rows));
+        let _ = writeln!(
+            text,
+            "        for (j = {start}; j < {end}; j++) {{\n            {is_row} {{{started} }}"
+        );
+        for Range { start, end } in &block.terms {
+            let _ = writeln!(
+                text,
+                "            for (k = {start}; k < {end}; k++) {{\n                {is_row} {{{added} }}\n            }}"
+            );
+        }
+        for (m, targets) in products.targets.iter().enumerate() {
+            let (sign, targets) = match products.in_place {
+                Some(_) => ("", &targets[..1]),
+                None => ("+", &targets[..]),
+            };
+            for target in targets {
+                let Target { first, by_row, by_column, rows } = target;
+                let row =
+                    if rows.start == 0 { "i".into() } else { format!("(i - {})", rows.start) };
+                let rows = target.rows_of(block);
+                if !rows.is_empty() {
+                    let _ = writeln!(
+                        text,
+                        "            {} {{ out[{first} + {by_column} * j + {by_row} * {row}] {sign}= sum{m}[i]; }}",
+                        over(&rows)
+                    );
+                }
+            }
+        }
+        *text += "        }\n";
     }
     *text += "    }\n";
-    for (result, addend) in &products.addends {
-        let _ = writeln!(text, "    out[{result}] += {};", operand(addend));
-    }
+    let add = |text: &mut String, numbers: &[(usize, Operand)]| {
+        for (result, number) in numbers {
+            let _ = writeln!(text, "    out[{result}] += {};", operand(number));
+        }
+    };
+    let [before, after] = products.addends(results);
+    add(text, &before);
     for first in products.transposed() {
         let _ = writeln!(
             text,
@@ -45,25 +94,5 @@ pub(super) fn print(
              }}\n        }}\n    }}"
         );
     }
-}
-
-/// Prints the start of the loop over the columns `j` of a block: what comes before the sums, for each row, then the loops over the terms `k`
-/// that add to the sums.
-pub(super) fn add_products(
-    text: &mut String,
-    block: &ProductBlock,
-    is_row: &str,
-    [before, added]: [&str; 2],
-) {
-    let Range { start, end } = block.columns;
-    let _ = writeln!(
-        text,
-        "        for (j = {start}; j < {end}; j++) {{\n            {is_row} {{{before} }}"
-    );
-    for Range { start, end } in &block.terms {
-        let _ = writeln!(
-            text,
-            "            for (k = {start}; k < {end}; k++) {{\n                {is_row} {{{added} }}\n            }}"
-        );
-    }
+    add(text, &after);
 }

@@ -3,14 +3,13 @@
 //! Scopes become blocks, `let (live, ...) = { ... };`. Chunks become functions (`name_chunk0` and so on) that return the
 //! values that later chunks read. The last chunk has the function's own name.
 
-mod linear_map;
 pub(crate) mod operations;
 mod products;
 mod row_equations;
 mod vectors;
 
 use std::cell::{Cell, OnceCell};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use super::FloatType;
@@ -18,7 +17,7 @@ use super::parameter::{Parameter, unpacked};
 use super::shape::Shape;
 use crate::names::helper_type;
 use crate::program::{
-    Chunk, Execution, LinearMap, MapMatrix, Operand, Program, Routine, Scope, Value, is_zero,
+    Chunk, Execution, Operand, ProductMatrix, Products, Program, Routine, Scope, Value, is_zero,
 };
 use vectors::VectorType;
 
@@ -43,8 +42,8 @@ pub(super) fn function(
     program: &Program,
     float: FloatType,
 ) -> String {
-    let (chunk_start, places) = (Cell::new(0), OnceCell::new());
-    Printer { name, parameters, result, program, float, chunk_start, places }.function()
+    let (chunk_start, places, replaced) = (Cell::new(0), OnceCell::new(), OnceCell::new());
+    Printer { name, parameters, result, program, float, chunk_start, places, replaced }.function()
 }
 
 struct Printer<'a> {
@@ -58,6 +57,8 @@ struct Printer<'a> {
     chunk_start: Cell<usize>,
     /// The texts of the values that earlier chunks compute.
     places: OnceCell<BTreeMap<Value, String>>,
+    /// The results that products replace.
+    replaced: OnceCell<BTreeSet<usize>>,
 }
 
 impl Printer<'_> {
@@ -93,30 +94,30 @@ impl Printer<'_> {
         }
         *text += &head(self.name, &bounds, &self.inputs(), &returned);
         self.prelude(text);
-        for MapMatrix { name, columns, rows } in self.matrices() {
+        for ProductMatrix { name, columns, rows } in self.arrays() {
             let zero = self.zero();
             let _ = writeln!(text, "    let mut {name} = [[{zero}; {rows}]; {columns}];");
         }
         *text += &self.stores(&self.program.first_stores);
         self.call_chunks(text, others);
         self.scopes(text, chunk);
-        let results = self.program.results.iter().map(|result| self.number(result));
+        let products = self.program.products.as_ref();
+        let before = products.map(|products| products.before(&self.program.results));
+        let results = before.as_ref().unwrap_or(&self.program.results).iter();
+        let results = results.map(|result| self.number(result));
         let value = match execution {
             Execution::Batch => String::new(),
             _ => self.result.value(&results.collect::<Vec<_>>()),
         };
-        if let Some(map) = &self.program.map {
-            return self.linear_map(text, &value, map);
-        }
-        if let Some(products) = &self.program.products {
+        if let Some(products) = products {
             return self.products(text, &value, products);
         }
         let _ = writeln!(text, "    {value}\n}}\n");
     }
 
-    /// Returns the matrices of the program's map, which statements store at once.
-    fn matrices(&self) -> Vec<MapMatrix> {
-        self.program.map.iter().flat_map(LinearMap::matrices).collect()
+    /// Returns the arrays of the program's products, into which statements store at once.
+    fn arrays(&self) -> Vec<ProductMatrix> {
+        self.program.products.iter().flat_map(Products::arrays).collect()
     }
 
     /// Returns zero as a number of the result.
@@ -150,7 +151,7 @@ impl Printer<'_> {
             format!("chunk{earlier}: &{}", self.types(&self.program.chunks[earlier].live_out))
         });
         let number = self.number_type();
-        let matrices = self.matrices().into_iter().map(|MapMatrix { name, columns, rows }| {
+        let matrices = self.arrays().into_iter().map(|ProductMatrix { name, columns, rows }| {
             format!("{name}: &mut [[{number}; {rows}]; {columns}]")
         });
         let inputs: Vec<String> =
@@ -232,8 +233,8 @@ impl Printer<'_> {
                 false => format!("chunk{earlier}: &chunk{earlier}"),
             };
             arguments.extend(chunk.live_in.iter().map(name));
-            arguments.extend(self.matrices().into_iter().map(
-                |MapMatrix { name, .. }| match scalar {
+            arguments.extend(self.arrays().into_iter().map(
+                |ProductMatrix { name, .. }| match scalar {
                     true => format!("&mut {name}"),
                     false => format!("{name}: &mut {name}"),
                 },
@@ -275,14 +276,22 @@ impl Printer<'_> {
 
     /// Returns the statements that store these numbers.
     fn stores(&self, numbers: &[usize]) -> String {
+        let products = self.program.products.as_ref();
+        let replaced = self.replaced.get_or_init(|| {
+            let replaced = products.map(|products| products.replaced(&self.program.results));
+            replaced.unwrap_or_default()
+        });
         let stored = |&i: &usize| {
-            let operand = &self.program.stored()[i];
-            let Some(map) = &self.program.map else {
-                return format!("outputs.set::<{i}>({});\n", self.operand(operand));
-            };
-            match map.place(i) {
-                // The matrices are filled with zeros.
-                Some((MapMatrix { name, rows, .. }, index)) if !is_zero(operand) => {
+            let operand = self.program.stored(i);
+            if let Some(result) = self.program.stored_result(i) {
+                if replaced.contains(&result) {
+                    return String::new();
+                }
+                return format!("outputs.set::<{result}>({});\n", self.operand(operand));
+            }
+            match products.and_then(|products| products.place(i)) {
+                // The arrays are filled with zeros.
+                Some((ProductMatrix { name, rows, .. }, index)) if !is_zero(operand) => {
                     let (column, row) = (index / rows, index % rows);
                     format!("{name}[{column}][{row}] = {};\n", self.number(operand))
                 }

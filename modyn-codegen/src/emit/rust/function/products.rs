@@ -1,112 +1,189 @@
 //! The products of matrices after the statements of a function, in loops.
 
+use std::cmp::Ordering;
 use std::fmt::Write as _;
 use std::ops::Range;
 
 use super::Printer;
 use crate::emit::rust::shape::Shape;
-use crate::program::{Execution, ProductBlock, Products, ROW_LANES};
+use crate::program::{Execution, Operand, ProductBlock, Products, ROW_LANES};
+use crate::trace::Target;
 
 impl Printer<'_> {
-    /// Prints the end of a function, which returns the result with products in place of matrices; `value` is the result before. Entries of
-    /// `result` are read and assigned to, and never borrowed: rustc would copy a borrowed result to its place.
+    /// Prints the end of a function: the products, and its result, which is `value` before. Entries of `result` are read and assigned to,
+    /// and never borrowed: rustc would copy a borrowed result to its place.
     pub(super) fn products(&self, text: &mut String, value: &str, products: &Products) {
-        let matrix = |first| format!("result{}", self.result.matrix(first));
-        let matrices: Vec<String> =
-            products.products.iter().map(|product| matrix(product.first)).collect();
-        let a = matrix(products.factor);
-        if self.program.execution == Execution::Simd {
+        let execution = self.program.execution;
+        let is_one = !execution.has_many_states();
+        if execution == Execution::Simd {
             *text += "    use __modyn::{Scalar as _, batch::Pack as _};\n";
         }
-        let _ = writeln!(text, "    let mut result = {value};");
+        if is_one {
+            let _ = writeln!(text, "    let mut result = {value};");
+        }
+        let matrix = |first| format!("result{}", self.result.matrix(first));
+        let all = products.targets.iter().enumerate();
+        // A, the columns of each B, and those of the products.
+        let (a, columns, sums): (String, Vec<String>, Vec<String>) = match products.in_place {
+            Some(a) => {
+                let column = |(_, targets): (usize, &Vec<Target>)| {
+                    format!("{}[column]", matrix(targets[0].first))
+                };
+                let columns: Vec<String> = all.map(column).collect();
+                (matrix(a), columns.clone(), columns)
+            }
+            None => {
+                let columns = all.clone().map(|(m, _)| format!("&b{m}[column]")).collect();
+                let sums: Vec<String> = all.map(|(m, _)| format!("product{m}")).collect();
+                for sum in &sums {
+                    let (zero, rows) = (self.zero(), products.rows);
+                    let _ = writeln!(text, "    let mut {sum} = [{zero}; {rows}];");
+                }
+                ("a".into(), columns, sums)
+            }
+        };
         for block in &products.blocks {
-            let columns = &block.columns;
-            let factors: Vec<String> = matrices.iter().map(|b| format!("{b}[column]")).collect();
             let _ = writeln!(
                 text,
                 "    let mut column = {};\n    while column < {} {{\n        let b = [{}];",
-                columns.start,
-                columns.end,
-                factors.join(", ")
+                block.columns.start,
+                block.columns.end,
+                columns.join(", ")
             );
-            match self.program.execution {
-                Execution::Simd => {
-                    for group in block.vectors(products.size) {
-                        vectors(text, block, group, (&a, &factors));
+            if execution == Execution::Simd {
+                for group in block.vectors(products.rows) {
+                    vectors(text, block, group, (&a, &sums));
+                }
+            } else {
+                rows(text, block, (&a, &sums));
+            }
+            if products.in_place.is_none() {
+                for (sum, targets) in sums.iter().zip(&products.targets) {
+                    for target in targets {
+                        self.add_product(text, (products, block), (sum, target));
                     }
                 }
-                _ => scalars(text, block, (&a, &factors)),
             }
             *text += "        column += 1;\n    }\n";
         }
-        for (result, addend) in &products.addends {
-            let place = format!("result{}", self.result.place(*result));
-            let sum = match self.program.execution {
-                Execution::Simd => {
-                    format!("V::number(V::one({place}) + {})", self.operand(addend))
-                }
-                _ => format!("{place} + {}", self.operand(addend)),
-            };
-            let _ = writeln!(text, "    {place} = {sum};");
-        }
+        let [first, last] = products.addends(&self.program.results);
+        self.add_numbers(text, &first);
         for matrix in products.transposed().map(matrix) {
-            let sum = match self.program.execution {
-                Execution::Simd => {
-                    format!(
-                        "V::number(V::one({matrix}[column][row]) + V::one({matrix}[row][column]))"
-                    )
-                }
-                _ => format!("{matrix}[column][row] + {matrix}[row][column]"),
-            };
+            let entries = [format!("{matrix}[column][row]"), format!("{matrix}[row][column]")];
+            let sum = self.sum(&entries[0], &self.one(&entries[1]));
             let _ = writeln!(
                 text,
                 "    let mut column = 0;\n    while column < {} {{\n        let mut row = 0;\n        while row <= column {{\n            \
-                 let sum = {sum};\n            {matrix}[column][row] = sum;\n            {matrix}[row][column] = sum;\n            \
-                 row += 1;\n        }}\n        column += 1;\n    }}",
-                products.size
+                 let sum = {sum};\n            {} = sum;\n            {} = sum;\n            row += 1;\n        }}\n        \
+                 column += 1;\n    }}",
+                products.rows, entries[0], entries[1]
             );
         }
-        *text += "    result\n}\n\n";
+        self.add_numbers(text, &last);
+        *text += if is_one { "    result\n}\n\n" } else { "}\n\n" };
+    }
+
+    /// Prints the sums of results with numbers.
+    fn add_numbers(&self, text: &mut String, numbers: &[(usize, Operand)]) {
+        for (result, number) in numbers {
+            let place = format!("result{}", self.result.place(*result));
+            let _ = writeln!(text, "    {place} = {};", self.sum(&place, &self.operand(number)));
+        }
+    }
+
+    /// Prints the sums of a product's column with results, or stores it in their place.
+    fn add_product(
+        &self,
+        text: &mut String,
+        (products, block): (&Products, &ProductBlock),
+        (product, target): (&str, &Target),
+    ) {
+        let Range { start, end } = target.rows_of(block);
+        if start >= end {
+            return;
+        }
+        let number = format!("{product}[row]");
+        let replaces = products.replaces(block, target, &self.program.results);
+        let statement = if self.program.execution.has_many_states() {
+            let Target { first, by_row, by_column, rows } = target;
+            let row =
+                if rows.start == 0 { "row".into() } else { format!("(row - {})", rows.start) };
+            let name = if replaces { "set_at" } else { "add_at" };
+            format!("outputs.{name}({first} + {by_column} * column + {by_row} * {row}, {number})")
+        } else {
+            let place = format!("result{}", self.result.place_in_loops(target, products.columns()));
+            let sum = if replaces { number } else { self.sum(&place, &self.one(&number)) };
+            format!("{place} = {sum}")
+        };
+        let _ = writeln!(
+            text,
+            "        let mut row = {start};\n        while row < {end} {{\n            {statement};\n            row += 1;\n        }}"
+        );
+    }
+
+    /// Returns a number of the result as an operand.
+    fn one(&self, number: &str) -> String {
+        match self.program.execution {
+            Execution::Simd => format!("V::one({number})"),
+            _ => number.into(),
+        }
+    }
+
+    /// Returns the sum of a number of the result and an operand, as a number of the result.
+    fn sum(&self, number: &str, operand: &str) -> String {
+        let sum = format!("{} + {operand}", self.one(number));
+        match self.program.execution {
+            Execution::Simd => format!("V::number({sum})"),
+            _ => sum,
+        }
     }
 }
 
-/// Prints the sums of a block's rows, one row after another.
-pub(super) fn scalars(text: &mut String, block: &ProductBlock, (a, columns): (&str, &[String])) {
+/// Prints the sums of a block's rows, some at a time. The last ones may be among those before them.
+fn rows(text: &mut String, block: &ProductBlock, (a, products): (&str, &[String])) {
     let Range { start, end } = block.rows;
+    let (count, at_a_time) = (products.len(), (end - start).min(ROW_LANES));
+    let last = end - at_a_time;
     let _ = writeln!(
         text,
-        "        let mut row = {start};\n        while row < {end} {{\n            let mut sums = [T::zero(); {}];",
-        columns.len()
+        "        let mut next = {start};\n        while next < {end} {{\n            \
+         let row = if next < {last} {{ next }} else {{ {last} }};\n            \
+         let mut sums = [[T::zero(); {at_a_time}]; {count}];"
     );
     for Range { start, end } in &block.terms {
         let _ = writeln!(
             text,
-            "            let mut term = {start};\n            while term < {end} {{"
+            "            let mut term = {start};\n            while term < {end} {{\n                \
+             let mut r = 0;\n                while r < {at_a_time} {{\n                    let a = {a}[term][row + r];"
         );
-        for m in 0..columns.len() {
+        for m in 0..count {
             let _ = writeln!(
                 text,
-                "                sums[{m}] = {a}[term][row].mul_add(b[{m}][term], sums[{m}]);"
+                "                    sums[{m}][r] = a.mul_add(b[{m}][term], sums[{m}][r]);"
             );
         }
-        *text += "                term += 1;\n            }\n";
+        *text += "                    r += 1;\n                }\n                term += 1;\n            }\n";
     }
-    for (m, column) in columns.iter().enumerate() {
-        let _ = writeln!(text, "            {column}[row] = sums[{m}];");
+    let _ = writeln!(text, "            let mut r = 0;\n            while r < {at_a_time} {{");
+    for (m, product) in products.iter().enumerate() {
+        let _ = writeln!(text, "                {product}[row + r] = sums[{m}][r];");
     }
-    *text += "            row += 1;\n        }\n";
+    let _ = writeln!(
+        text,
+        "                r += 1;\n            }}\n            next += {at_a_time};\n        }}"
+    );
 }
 
 /// Prints the sums of vectors of rows: the first row, and the number of vectors.
-pub(super) fn vectors(
+fn vectors(
     text: &mut String,
     block: &ProductBlock,
     (first, vectors): (usize, usize),
-    (a, columns): (&str, &[String]),
+    (a, products): (&str, &[String]),
 ) {
     let list =
         |of: &dyn Fn(usize) -> String, count| (0..count).map(of).collect::<Vec<_>>().join(", ");
-    let count = columns.len();
+    let count = products.len();
     let factors = list(&|m| format!("V::Four::broadcast(V::one(b[{m}][term]))"), count);
     let rows = list(&|lane| format!("V::one({a}[term][row + {lane}])"), ROW_LANES);
     let _ = writeln!(text, "        let mut sums = [[V::Four::zero(); {vectors}]; {count}];");
@@ -132,9 +209,9 @@ pub(super) fn vectors(
         text,
         "        let (mut row, mut r) = ({first}, 0);\n        while r < {vectors} {{"
     );
-    for (m, column) in columns.iter().enumerate() {
+    for (m, product) in products.iter().enumerate() {
         let names = list(&|lane| format!("x{lane}"), ROW_LANES);
-        let places = list(&|lane| format!("{column}[row + {lane}]"), ROW_LANES);
+        let places = list(&|lane| format!("{product}[row + {lane}]"), ROW_LANES);
         let numbers = list(&|lane| format!("V::number(x{lane})"), ROW_LANES);
         let _ = writeln!(
             text,
@@ -150,8 +227,38 @@ impl Shape {
         self.place(first).trim_end_matches("[0]").into()
     }
 
+    /// Returns the path from a value to the scalar of a target in `row` and `column`, which are variables; a product has this many
+    /// columns.
+    fn place_in_loops(&self, target: &Target, columns: usize) -> String {
+        let Target { rows: Range { start, end }, first, by_row, by_column } = *target;
+        // An index is between brackets.
+        let parts =
+            |i: usize| -> Vec<String> { self.place(i).split(['[', ']']).map(Into::into).collect() };
+        let zero = parts(first);
+        let mut path = zero.clone();
+        let mut vary = |variable: &str, count: usize, by: usize, start: usize| {
+            let next = if count > 1 { parts(first + by) } else { zero.clone() };
+            for ((part, before), next) in path.iter_mut().zip(&zero).zip(&next) {
+                if let Some(index) = before.parse::<usize>().ok().filter(|_| before != next) {
+                    *part = match index.cmp(&start) {
+                        Ordering::Equal => variable.into(),
+                        Ordering::Greater => format!("{variable} + {}", index - start),
+                        Ordering::Less => format!("{variable} - {}", start - index),
+                    };
+                }
+            }
+        };
+        vary("column", columns, by_column, 0);
+        vary("row", end - start, by_row, start);
+        let bracket = |(k, part): (usize, String)| match k % 2 {
+            0 => part,
+            _ => format!("[{part}]"),
+        };
+        path.into_iter().enumerate().map(bracket).collect()
+    }
+
     /// Returns the path from a value to its scalar `i`.
-    pub(super) fn place(&self, i: usize) -> String {
+    fn place(&self, i: usize) -> String {
         match self {
             Self::Scalar => String::new(),
             Self::Array(of, _) => format!("[{}]{}", i / of.len(), of.place(i % of.len())),
