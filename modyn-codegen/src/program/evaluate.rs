@@ -78,7 +78,7 @@ impl Program {
         let value = |operand: &Operand| values.lane(operand, 0, arguments);
         let mut results: Vec<S> = self.results.iter().map(value).collect();
         if let Some(products) = &self.products {
-            products.apply(&mut results, value);
+            products.apply(&self.results, &mut results, value);
         }
         results
     }

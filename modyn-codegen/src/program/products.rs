@@ -237,26 +237,50 @@ impl Products {
         both.map(|(block, target)| of_block(block, target)).sum()
     }
 
-    /// Adds the products to results; `number` returns the number of an operand.
-    pub(super) fn apply<S: Scalar>(&self, results: &mut [S], number: impl Fn(&Operand) -> S) {
-        let entries: Vec<S> = self.entries.iter().map(number).collect();
+    /// Adds the products to the numbers of these results, in the order of the loops; `number` returns the number of an operand.
+    pub(super) fn apply<S: Scalar>(
+        &self,
+        results: &[Operand],
+        numbers: &mut [S],
+        number: impl Fn(&Operand) -> S,
+    ) {
+        let n = self.rows;
+        let entries: Vec<S> = self.entries.iter().map(&number).collect();
+        for first in self.targets.iter().filter(|_| self.in_place.is_some()).map(|of| of[0].first) {
+            numbers[first..][..n * n].fill(S::zero());
+        }
         for (m, targets) in self.targets.iter().enumerate() {
+            let targets = if self.in_place.is_some() { &targets[..1] } else { targets };
             for block in &self.blocks {
                 for column in block.columns.clone() {
                     let factors = &entries[self.first(m) + self.terms * column..][..self.terms];
                     for target in targets {
                         for row in target.rows_of(block) {
                             let terms = block.terms.iter().cloned().flatten();
-                            let sum = |sum: S, k: usize| {
-                                entries[k * self.rows + row].mul_add(factors[k], sum)
-                            };
-                            let result = &mut results[target.result(row, column)];
+                            let sum =
+                                |sum: S, k: usize| entries[k * n + row].mul_add(factors[k], sum);
+                            let result = &mut numbers[target.result(row, column)];
                             *result = *result + terms.fold(S::zero(), sum);
                         }
                     }
                 }
             }
         }
+        let add = |numbers: &mut [S], addends: &[(usize, Operand)]| {
+            for (result, addend) in addends {
+                numbers[*result] = numbers[*result] + number(addend);
+            }
+        };
+        let [before, after] = self.addends(results);
+        add(numbers, &before);
+        for first in self.transposed() {
+            for (j, i) in (0..n).flat_map(|j| (0..=j).map(move |i| (j, i))) {
+                let [a, b] = [first + j * n + i, first + i * n + j];
+                let sum = numbers[a] + numbers[b];
+                (numbers[a], numbers[b]) = (sum, sum);
+            }
+        }
+        add(numbers, &after);
     }
 
     /// Returns the rule that the products of a program break.

@@ -98,27 +98,28 @@ impl Printer<'_> {
         (products, block): (&Products, &ProductBlock),
         (product, target): (&str, &Target),
     ) {
-        let Range { start, end } = target.rows_of(block);
-        if start >= end {
-            return;
-        }
         let number = format!("{product}[row]");
         let replaces = products.replaces(block, target, &self.program.results);
-        let statement = if self.program.execution.has_many_states() {
-            let Target { first, by_row, by_column, rows } = target;
-            let row =
-                if rows.start == 0 { "row".into() } else { format!("(row - {})", rows.start) };
-            let name = if replaces { "set_at" } else { "add_at" };
-            format!("outputs.{name}({first} + {by_column} * column + {by_row} * {row}, {number})")
-        } else {
-            let place = format!("result{}", self.result.place_in_loops(target, products.columns()));
-            let sum = if replaces { number } else { self.sum(&place, &self.one(&number)) };
-            format!("{place} = {sum}")
+        let mut print = |Range { start, end }: Range<usize>, statement: String| {
+            let _ = writeln!(
+                text,
+                "        let mut row = {start};\n        while row < {end} {{\n            {statement};\n            row += 1;\n        }}"
+            );
         };
-        let _ = writeln!(
-            text,
-            "        let mut row = {start};\n        while row < {end} {{\n            {statement};\n            row += 1;\n        }}"
-        );
+        let rows = target.rows_of(block);
+        if self.program.execution.has_many_states() {
+            let Target { first, by_row, by_column, rows: Range { start, .. } } = target;
+            let row = if *start == 0 { "row".into() } else { format!("(row - {start})") };
+            let name = if replaces { "set_at" } else { "add_at" };
+            let place = format!("{first} + {by_column} * column + {by_row} * {row}");
+            return print(rows, format!("outputs.{name}({place}, {number})"));
+        }
+        for rows in self.result.arrays_of(target, rows) {
+            let place = self.result.place_in_loops(target, &rows, products.columns());
+            let place = format!("result{place}");
+            let sum = if replaces { number.clone() } else { self.sum(&place, &self.one(&number)) };
+            print(rows, format!("{place} = {sum}"));
+        }
     }
 
     /// Returns a number of the result as an operand.
@@ -227,20 +228,39 @@ impl Shape {
         self.place(first).trim_end_matches("[0]").into()
     }
 
-    /// Returns the path from a value to the scalar of a target in `row` and `column`, which are variables; a product has this many
-    /// columns.
-    fn place_in_loops(&self, target: &Target, columns: usize) -> String {
-        let Target { rows: Range { start, end }, first, by_row, by_column } = *target;
-        // An index is between brackets.
-        let parts =
-            |i: usize| -> Vec<String> { self.place(i).split(['[', ']']).map(Into::into).collect() };
-        let zero = parts(first);
-        let mut path = zero.clone();
-        let mut vary = |variable: &str, count: usize, by: usize, start: usize| {
-            let next = if count > 1 { parts(first + by) } else { zero.clone() };
-            for ((part, before), next) in path.iter_mut().zip(&zero).zip(&next) {
+    /// Returns the names and the indices on the path from a value to its scalar `i`: every second one is an index.
+    fn steps(&self, i: usize) -> Vec<String> {
+        self.place(i).split(['[', ']']).map(Into::into).collect()
+    }
+
+    /// Returns the rows of a target in ranges, each of which is in one array.
+    fn arrays_of(&self, target: &Target, rows: Range<usize>) -> Vec<Range<usize>> {
+        let mut ranges: Vec<Range<usize>> = Vec::new();
+        for row in rows {
+            let follows = |range: &Range<usize>| {
+                let [a, b] = [range.start, row].map(|row| self.steps(target.result(row, 0)));
+                let mut other = a.iter().zip(&b).filter(|(a, b)| a != b);
+                let index = |step: &String| step.parse::<usize>().ok();
+                let differs = other.next().and_then(|(a, b)| index(b)?.checked_sub(index(a)?));
+                a.len() == b.len() && other.next().is_none() && differs == Some(row - range.start)
+            };
+            match ranges.last_mut() {
+                Some(range) if follows(range) => range.end += 1,
+                _ => ranges.push(row..row + 1),
+            }
+        }
+        ranges
+    }
+
+    /// Returns the path from a value to the scalar of a target in `row`, one of `rows` in one array, and `column`, which are variables; a
+    /// product has this many columns.
+    fn place_in_loops(&self, target: &Target, rows: &Range<usize>, columns: usize) -> String {
+        let first = self.steps(target.result(rows.start, 0));
+        let mut path = first.clone();
+        let mut vary = |variable: &str, next: Vec<String>, start: usize| {
+            for ((step, before), next) in path.iter_mut().zip(&first).zip(&next) {
                 if let Some(index) = before.parse::<usize>().ok().filter(|_| before != next) {
-                    *part = match index.cmp(&start) {
+                    *step = match index.cmp(&start) {
                         Ordering::Equal => variable.into(),
                         Ordering::Greater => format!("{variable} + {}", index - start),
                         Ordering::Less => format!("{variable} - {}", start - index),
@@ -248,11 +268,15 @@ impl Shape {
                 }
             }
         };
-        vary("column", columns, by_column, 0);
-        vary("row", end - start, by_row, start);
-        let bracket = |(k, part): (usize, String)| match k % 2 {
-            0 => part,
-            _ => format!("[{part}]"),
+        if columns > 1 {
+            vary("column", self.steps(target.result(rows.start, 1)), 0);
+        }
+        if rows.len() > 1 {
+            vary("row", self.steps(target.result(rows.start + 1, 0)), rows.start);
+        }
+        let bracket = |(k, step): (usize, String)| match k % 2 {
+            0 => step,
+            _ => format!("[{step}]"),
         };
         path.into_iter().enumerate().map(bracket).collect()
     }
