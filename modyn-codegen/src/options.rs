@@ -196,10 +196,10 @@ macro_rules! option_table {
                 /// the robot. `small` is a loop over the bodies with a table of constants: a few kB for any robot, and for long
                 /// chains quicker than straight-line code where other work has taken the caches. `auto` takes loops for
                 /// long chains of some 45 joints and more. Robots with mimic joints, a `payload` or a
-                /// `runtime_inertia` have straight-line code. The derivatives of forward dynamics, also with contacts or closed loops, and
-                /// their Hessian have products of matrices in loops where that is shorter (`small`), or where there are many products
-                /// (`auto`); for many states with `small` alone. Dependent rows of contacts and closed loops are solved for in loops,
-                /// behind a branch, unless the code is `fast`.
+                /// `runtime_inertia` have straight-line code. The derivatives of forward dynamics, also with contacts or closed
+                /// loops, and their Hessian have products of matrices in loops where that is shorter (`small`), or where there are
+                /// many products (`auto`); for many states and in kernels with `small` alone. Dependent rows of contacts and closed
+                /// loops are solved for in loops, behind a branch, unless the code is `fast`.
                 "code" code(form: CodeForm)
                     code: CodeForm, field => *field = form,
                     "auto | fast | small", "`auto`", "small";

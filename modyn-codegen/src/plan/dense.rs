@@ -31,7 +31,7 @@ pub(super) fn kernels(
     context: &PlanContext<'_>,
     scalars: usize,
 ) -> Option<Kernels> {
-    if context.code == CodeForm::Fast || context.share {
+    if context.code == CodeForm::Fast || context.share || context.has_threads() {
         return None;
     }
     let Lowering { rows: Some(rows), products, .. } = Lowering::of(function) else { return None };

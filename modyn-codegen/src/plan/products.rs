@@ -22,12 +22,15 @@ pub(super) fn kernels(
     straight: (&Graph, Option<&Graph>),
     scalars: usize,
 ) -> Option<Kernels> {
-    let trace = Lowering::of(function).products?;
+    // Functions of constraints are those of `dense`.
+    let Lowering { products: Some(trace), rows: None, .. } = Lowering::of(function) else {
+        return None;
+    };
     let is_batch = function.batched().is_some();
-    // A vector of states gains nothing from rows in lanes, and loops take more operations.
+    // Many states gain nothing from rows in lanes, and loops take more operations.
     let is_wanted = match context.code {
         CodeForm::Fast => false,
-        CodeForm::Auto => !is_batch,
+        CodeForm::Auto => !is_batch && !context.has_threads(),
         CodeForm::Small => true,
     };
     if !is_wanted || context.share || context.sizes.nv < ROW_LANES {

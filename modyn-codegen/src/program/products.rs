@@ -286,9 +286,6 @@ impl Products {
     /// Returns the rule that the products of a program break.
     pub(super) fn fault(&self, program: &Program) -> Option<&'static str> {
         let (rows, terms, columns) = (self.rows, self.terms, self.columns());
-        if program.execution == Execution::Threads {
-            return Some("programs of threads have no products");
-        }
         if program.execution == Execution::Simd && rows < ROW_LANES {
             return Some("products on vectors have as many rows as a vector has lanes");
         }
