@@ -74,8 +74,11 @@ pub(super) fn kernels(
 pub(super) fn loops(program: &Program) -> Option<String> {
     let is_one = |operation: &Operation| matches!(operation, Operation::RowEquations(_));
     let has_rows = program.statements.iter().any(|statement| is_one(&statement.operation));
-    let rows = has_rows.then_some("loops for dependent rows of constraints, which few states have");
-    let products = program.products.is_some().then_some("products in loops, since they are dense");
-    let both: Vec<&str> = rows.into_iter().chain(products).collect();
+    let rows = "loops for dependent rows of constraints, which few states have";
+    let products = program.products.as_ref().map(|products| {
+        let count = products.multiplications(Execution::Scalar);
+        format!("products of matrices in loops, since they have {count} multiplications")
+    });
+    let both: Vec<String> = has_rows.then(|| rows.into()).into_iter().chain(products).collect();
     (!both.is_empty()).then(|| both.join("; "))
 }
