@@ -19,9 +19,9 @@ use crate::program::{Execution, Operation, Program, ROW_LANES};
 use crate::trace::DenseGraph;
 
 /// The least number of multiplications of products for which they are loops unless the user chooses short code. A quadruped on four feet has
-/// 32,000: loops have half of the code, and take no longer. The derivatives of a quadruped on a floating base have 12,000: with loops they
+/// 32,000: loops have half of the code, and take no longer. The derivatives of a quadruped on a floating base have 6,000: with loops they
 /// take nine tenths of the time in a tight loop, seven tenths where code is not in the cache, and half of the text (`lab/benches/chains`).
-/// An arm with one contact has a thousand, the derivatives of an arm 1,400: straight-line code is as quick when called cold.
+/// An arm with one contact has a thousand, the derivatives of an arm 700: straight-line code is as quick when called cold.
 pub(super) const MIN_PRODUCTS: usize = 2_500;
 
 /// Returns the programs of a function with dense parts, or of its form for many states. `None` for other functions, and where the user
