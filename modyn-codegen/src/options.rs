@@ -198,8 +198,8 @@ macro_rules! option_table {
                 /// long chains of some 45 joints and more. Robots with mimic joints, a `payload` or a
                 /// `runtime_inertia` have straight-line code. The derivatives of forward dynamics, also with contacts or closed
                 /// loops, and their Hessian have products of matrices in loops where that is shorter (`small`), or where there are
-                /// many products (`auto`); for many states and in kernels with `small` alone. Dependent rows of contacts and closed
-                /// loops are solved for in loops, behind a branch, unless the code is `fast`.
+                /// many products (`auto`); for many states with `small` alone. Dependent rows of contacts and closed loops are
+                /// solved for in loops, behind a branch, unless the code is `fast`.
                 "code" code(form: CodeForm)
                     code: CodeForm, field => *field = form,
                     "auto | fast | small", "`auto`", "small";

@@ -6,8 +6,8 @@
 //!
 //! Unsafe code: [`Inputs`] and [`Outputs`] read and write without bounds checks. Only `Blocks` creates them, from
 //! slices that hold all states of its range. Their `at` is in that range, and `at + LANES` does not exceed its
-//! end. The index of the slice is checked at compile time, or where it is a variable when it is used. Threads share `Columns`, but each has a range of its
-//! own, so that no two threads write to one place.
+//! end. The index of the slice is checked at compile time; an index that is a variable is checked when it is used. Threads share
+//! `Columns`, but each has a range of its own, so that no two threads write to one place.
 #![allow(unsafe_code)]
 
 use core::fmt;

@@ -90,8 +90,10 @@ impl<'a> PlanContext<'a> {
         execution: Execution,
         (share, code): (bool, CodeForm),
     ) -> Self {
-        // Threads run the code of one limb after another.
-        let share = share && execution != Execution::Threads;
+        // Threads run straight-line code, one limb after another.
+        let has_threads = execution == Execution::Threads;
+        let share = share && !has_threads;
+        let code = if has_threads { CodeForm::Fast } else { code };
         let limbs = robot.limbs(execution, share);
         let SymbolicRobot { mechanism, frames, parameters } = robot;
         let all_links = Tracer::with_parameters(mechanism, parameters.clone());

@@ -1,16 +1,16 @@
-//! The choice of loops for the dense parts of functions of contacts and closed loops.
+//! The choice of loops for the dense parts of functions.
 //!
 //! *Rows.* Nearly all states have independent constraint rows. Their equations are a third of those of rows of any rank, so
 //! straight-line code has these alone. The others are solved by loops, which a state without dependent rows does not run.
 //!
-//! *Products.* Derivatives under constraints are the products of one matrix with many columns. The matrix and the columns have the
+//! *Products.* Derivatives, and a part of Hessians, are the products of one matrix with many columns. The matrix and the columns have the
 //! robot's structure, the products have not.
 
 use modyn_runtime::quantities::Function;
 
 use super::code_form::CodeForm;
 use super::context::PlanContext;
-use super::functions::Lowering;
+use super::functions::{Lowering, TraceDense};
 use super::packing;
 use super::planned::Kernels;
 use crate::graph::Graph;
@@ -22,52 +22,104 @@ use crate::trace::DenseGraph;
 /// 32,000: loops have half of the code, and take no longer. The derivatives of a quadruped on a floating base have 6,000: with loops they
 /// take nine tenths of the time in a tight loop, seven tenths where code is not in the cache, and half of the text (`lab/benches/chains`).
 /// An arm with one contact has a thousand, the derivatives of an arm 700: straight-line code is as quick when called cold.
-pub(super) const MIN_PRODUCTS: usize = 2_500;
+const MIN_PRODUCTS: usize = 2_500;
 
-/// Returns the programs of a function with dense parts, or of its form for many states. `None` for other functions, and where the user
-/// has chosen straight-line code.
-pub(super) fn kernels(
+/// Returns the programs of a function of constraints, or of its form for many states. `None` for other functions, and where the user has
+/// chosen straight-line code.
+pub(super) fn of_constraints(
     function: Function,
     context: &PlanContext<'_>,
     scalars: usize,
 ) -> Option<Kernels> {
-    if context.code == CodeForm::Fast || context.share || context.has_threads() {
+    let Lowering { rows: Some(rows), products, .. } = Lowering::of(function) else { return None };
+    let products = products.filter(|_| may_have_products(function, context));
+    products.into_iter().chain([rows]).find_map(|trace| kernels(function, context, scalars, trace))
+}
+
+/// Returns the programs of another function with products, or of its form for many states, if loops take more operations out of the text
+/// than they add to a call: for short code, if the text is shorter. `straight` are the graphs of straight-line code: on scalars, and
+/// packed.
+pub(super) fn by_products(
+    function: Function,
+    context: &PlanContext<'_>,
+    straight: (&Graph, Option<&Graph>),
+    scalars: usize,
+) -> Option<Kernels> {
+    let Lowering { rows: None, products: Some(trace), .. } = Lowering::of(function) else {
+        return None;
+    };
+    if !may_have_products(function, context) {
         return None;
     }
-    let Lowering { rows: Some(rows), products, .. } = Lowering::of(function) else { return None };
-    let products =
-        products.filter(|_| function.batched().is_none() || context.code == CodeForm::Small);
-    let by_products = products.map(|trace| (trace(&context.tracer, context, scalars), trace));
-    let is_wanted = |(dense, _): &(DenseGraph, _)| {
-        dense.products.as_ref().is_some_and(|products| {
-            let columns = products.targets.len() * context.sizes.nv;
-            let least = if context.code == CodeForm::Small { 0 } else { MIN_PRODUCTS };
-            products.rows >= ROW_LANES && products.rows * products.terms * columns > least
-        })
+    let kernels = kernels(function, context, scalars, trace)?;
+    let Kernels::Straight { scalar, simd } = &kernels else { return None };
+    let is_taken = if context.code == CodeForm::Small {
+        let looped = [Some(scalar), simd.as_ref()].into_iter().flatten();
+        let length: usize = looped.map(|program| program.static_operations().total()).sum();
+        let graphs = [Some(straight.0), straight.1].into_iter().flatten();
+        length < graphs.map(|graph| graph.count().total()).sum()
+    } else {
+        let (graph, program) = straight.1.zip(simd.as_ref()).unwrap_or((straight.0, scalar));
+        let (text, call) = (program.static_operations(), program.operations_per_call());
+        text.total() + call.total() < 2 * graph.count().total()
     };
-    let by_rows = || Some((rows(&context.tracer, context, scalars), rows));
-    let by_rows = || by_rows().filter(|(dense, _)| dense.rows.is_some());
-    let (mut dense, trace) = by_products.filter(is_wanted).or_else(by_rows)?;
+    is_taken.then_some(kernels)
+}
+
+/// Returns whether products may be loops: for many states in short code alone. A vector of states gains nothing from rows in lanes, and loops
+/// take more operations.
+fn may_have_products(function: Function, context: &PlanContext<'_>) -> bool {
+    match context.code {
+        CodeForm::Fast => false,
+        CodeForm::Auto => function.batched().is_none(),
+        CodeForm::Small => true,
+    }
+}
+
+/// Returns the programs of a function with the dense parts that `trace` sets apart. `None` if there are none, and where straight-line code
+/// is taken.
+fn kernels(
+    function: Function,
+    context: &PlanContext<'_>,
+    scalars: usize,
+    trace: TraceDense,
+) -> Option<Kernels> {
+    if context.code == CodeForm::Fast || context.share {
+        return None;
+    }
+    let mut dense = trace(&context.tracer, context, scalars);
+    let has_products = match &dense.products {
+        Some(products) if products.rows < ROW_LANES => return None,
+        None if dense.rows.is_none() => return None,
+        products => products.is_some(),
+    };
     dense.graph = packing::balanced(optimize(dense.graph));
-    let graph = dense.graph.clone();
     let program = |graph: Graph, execution| {
         let of = DenseGraph { graph, ..dense.clone() };
         Program::with_dense_parts(&of, scalars, execution).ok()
     };
     if function.batched().is_some() {
-        return program(graph, Execution::Batch).map(Kernels::of);
+        return program(dense.graph.clone(), Execution::Batch).map(Kernels::of);
     }
-    let packed = packing::packed_by(function, context, &graph, &|tracer| {
+    let scalar = program(dense.graph.clone(), context.without_packs())?;
+    let is_short = scalar
+        .products
+        .as_ref()
+        .is_some_and(|products| products.multiplications(Execution::Scalar) < MIN_PRODUCTS);
+    if is_short && context.code != CodeForm::Small {
+        return None;
+    }
+    let packed = packing::packed_by(function, context, &dense.graph, &|tracer| {
         trace(tracer, context, scalars).with_zeros_of(&dense).graph
     });
     // Products are on vectors also where nothing else is.
-    let is_simd = dense.products.is_some() && context.has_vectors();
-    let packed = packed.or_else(|| is_simd.then(|| graph.clone()));
+    let is_simd = has_products && context.has_vectors();
+    let packed = packed.or_else(|| is_simd.then(|| dense.graph.clone()));
     let simd = match packed {
         Some(packed) => Some(program(packed, Execution::Simd)?),
         None => None,
     };
-    Some(Kernels::Straight { scalar: program(graph, context.without_packs())?, simd })
+    Some(Kernels::Straight { scalar, simd })
 }
 
 /// Returns the loops of a program with dense parts, and the reason for them.

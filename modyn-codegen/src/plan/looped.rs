@@ -28,7 +28,6 @@ pub(super) fn recursion(
 ) -> Option<Recursion> {
     let recursion = Lowering::of(function).recursion?();
     let is_wanted = match context.code {
-        _ if context.has_threads() => false,
         CodeForm::Fast => false,
         CodeForm::Small => true,
         CodeForm::Auto => packed.is_none() && straight.takes_more_than(MAX_STRAIGHT),

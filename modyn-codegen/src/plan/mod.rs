@@ -23,7 +23,6 @@ mod looped;
 mod packing;
 pub mod partition;
 mod planned;
-mod products;
 mod programs;
 mod user;
 mod wrapped;

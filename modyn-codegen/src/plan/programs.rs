@@ -12,7 +12,6 @@ use super::functions::{CForm, GraphSource, Lowering};
 use super::looped;
 use super::packing;
 use super::planned::{Kernels, Planned};
-use super::products;
 use super::user::{TracedForm, TracedFunction};
 use crate::graph::Graph;
 use crate::intern::intern;
@@ -85,7 +84,7 @@ impl Planned {
                 Kernels::of(context.program(&graph, scalars))
             }
             GraphSource::Traced(_) | GraphSource::Evaluation => {
-                let rows = dense::kernels(function, context, scalars);
+                let rows = dense::of_constraints(function, context, scalars);
                 rows.unwrap_or_else(|| {
                     let (kernels, found) = context.traced(function, graphs, scalars);
                     fault = found;
@@ -196,14 +195,14 @@ impl PlanContext<'_> {
     ) -> (Kernels, Option<InvalidProgram>) {
         let graph = graphs.scalar(function, self);
         if function.batched().is_some() {
-            let products = products::kernels(function, self, (&graph, None), scalars);
+            let products = dense::by_products(function, self, (&graph, None), scalars);
             let straight = || Kernels::of(Program::new(&graph, scalars, Execution::Batch));
             return (products.unwrap_or_else(straight), None);
         }
         let packed = packing::packed(function, self, &graph);
         let straight = (&graph, packed.as_ref());
         let looped = looped::recursion(function, self, straight).map(Kernels::Looped);
-        let products = || products::kernels(function, self, straight, scalars);
+        let products = || dense::by_products(function, self, straight, scalars);
         match looped.or_else(products) {
             Some(kernels) => (kernels, None),
             None => self.kernels(&graph, packed, scalars),

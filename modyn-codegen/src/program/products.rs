@@ -121,8 +121,8 @@ impl Products {
         before
     }
 
-    /// Returns what is added to products in place: the result, and the number. The first ones are added before the sums with transposes,
-    /// which complete symmetric numbers; the others after them.
+    /// Returns the addends of products in place: the index of the result, and the number. The addends of the first list are added before the
+    /// sums with transposes, which complete symmetric matrices; those of the second list after these sums.
     #[must_use]
     pub fn addends(&self, results: &[Operand]) -> [Vec<(usize, Operand)>; 2] {
         let (mut addends, n) = ([Vec::new(), Vec::new()], self.rows);
@@ -158,10 +158,14 @@ impl Products {
     /// Returns the results that products replace.
     #[must_use]
     pub fn replaced(&self, results: &[Operand]) -> BTreeSet<usize> {
+        let replaced = self.parts().filter(|(block, target)| self.replaces(block, target, results));
+        replaced.flat_map(|(block, target)| target.of(block)).collect()
+    }
+
+    /// Returns each block with each target.
+    fn parts(&self) -> impl Iterator<Item = (&ProductBlock, &Target)> {
         let targets = self.targets.iter().flatten();
-        let both = targets.flat_map(|target| self.blocks.iter().map(move |block| (block, target)));
-        let both = both.filter(|(block, target)| self.replaces(block, target, results));
-        both.flat_map(|(block, target)| target.of(block)).collect()
+        targets.flat_map(|target| self.blocks.iter().map(move |block| (block, target)))
     }
 
     /// Returns the index of the first entry of a matrix B.
@@ -176,12 +180,12 @@ impl Products {
         if !is_square || execution.has_many_states() {
             return None;
         }
-        let mut firsts = self.targets.iter().map(|targets| {
+        let firsts = self.targets.iter().map(|targets| {
             let square = Target::square(targets.first()?.first, n);
             let both = [square.clone(), square.clone().transposed()];
             (*targets == both || *targets == both[..1]).then_some(square.first)
         });
-        let mut taken = firsts.by_ref().collect::<Option<Vec<usize>>>()?;
+        let mut taken = firsts.collect::<Option<Vec<usize>>>()?;
         let a = &self.entries[..n * n];
         let ends = results.len().checked_sub(n * n)?;
         taken.push((0..=ends).find(|&first| results[first..][..n * n] == *a)?);
@@ -231,10 +235,8 @@ impl Products {
             let numbers: usize = self.addends(results).iter().map(Vec::len).sum();
             return numbers + transpose * self.transposed().count();
         }
-        let targets = self.targets.iter().flatten();
-        let both = targets.flat_map(|target| self.blocks.iter().map(move |block| (block, target)));
-        let both = both.filter(|(block, target)| !self.replaces(block, target, results));
-        both.map(|(block, target)| of_block(block, target)).sum()
+        let added = self.parts().filter(|(block, target)| !self.replaces(block, target, results));
+        added.map(|(block, target)| of_block(block, target)).sum()
     }
 
     /// Adds the products to the numbers of these results, in the order of the loops; `number` returns the number of an operand.
@@ -286,6 +288,9 @@ impl Products {
     /// Returns the rule that the products of a program break.
     pub(super) fn fault(&self, program: &Program) -> Option<&'static str> {
         let (rows, terms, columns) = (self.rows, self.terms, self.columns());
+        if program.execution == Execution::Threads {
+            return Some("programs of threads have no products");
+        }
         if program.execution == Execution::Simd && rows < ROW_LANES {
             return Some("products on vectors have as many rows as a vector has lanes");
         }

@@ -214,7 +214,7 @@ pub(super) struct Motion {
     pub(super) qdd: Vec<Id>,
 }
 
-/// The gradients of a weighted sum of the accelerations, and what its Hessian consists of, by columns.
+/// The gradients of a weighted sum of the accelerations, and the terms and factors of its Hessian, by columns.
 struct HessianFactors {
     /// The gradients by q (in tangent space) and qd.
     gradients: Vec<Id>,
@@ -342,14 +342,20 @@ impl Tracer<'_> {
     /// The mass matrix is factorized with `layout`.
     #[must_use]
     pub fn forward_dynamics_hessian(&self, layout: &UduLayout) -> Graph {
+        let (mut all, motion, weights) = self.weighted_motion(layout);
+        let found = self.weighted_accelerations(&mut all, layout, &motion, &weights);
+        let ForwardHessian { gradients, by_tau, blocks, by_q_tau, .. } = found;
+        all.with_outputs(&[&motion.qdd, &gradients, &by_tau, &blocks.concat(), &by_q_tau])
+    }
+
+    /// Returns a graph with the inputs `q`, `qd`, `tau`, the weights and the parameters, its accelerations, and the weights.
+    fn weighted_motion(&self, layout: &UduLayout) -> (Composition, Motion, Vec<Id>) {
         let (nq, nv) = (self.model.nq, self.model.nv);
         let mut all = Composition::new();
         let [q, qd, tau, weights] = [nq, nv, nv, nv].map(|count| all.inputs(count));
         let parameters = all.inputs(self.parameters.len());
         let motion = self.motion(&mut all, layout, [&q, &qd, &tau, &parameters]);
-        let found = self.weighted_accelerations(&mut all, layout, &motion, &weights);
-        let ForwardHessian { gradients, by_tau, blocks, by_q_tau, .. } = found;
-        all.with_outputs(&[&motion.qdd, &gradients, &by_tau, &blocks.concat(), &by_q_tau])
+        (all, motion, weights)
     }
 
     /// Computes the accelerations at the inputs `q`, `qd`, `tau` and the parameters.
@@ -390,9 +396,9 @@ impl Tracer<'_> {
         });
         let by_q = all.sums(&by_q, &transposed(&by_q, nv));
         let none = vec![all.constant(0.0); nv * nv];
-        let mut through_qdd = [by_q, by_qd, none].into_iter();
+        let through_qdd = [by_q, by_qd, none];
         let blocks = std::array::from_fn(|k| {
-            let own = all.difference(&through_qdd.next().expect("three"), &phi[k]);
+            let own = all.difference(&through_qdd[k], &phi[k]);
             all.sums(&own, &fall[k])
         });
         let by_q_tau = all.negated(&b);
@@ -451,11 +457,8 @@ impl Tracer<'_> {
     /// Returns the graph of [`forward_dynamics_hessian`](Self::forward_dynamics_hessian) with the products with B apart.
     #[must_use]
     pub fn forward_dynamics_hessian_by_products(&self, layout: &UduLayout) -> DenseGraph {
-        let (nq, n) = (self.model.nq, self.model.nv);
-        let mut all = Composition::new();
-        let [q, qd, tau, weights] = [nq, n, n, n].map(|count| all.inputs(count));
-        let parameters = all.inputs(self.parameters.len());
-        let motion = self.motion(&mut all, layout, [&q, &qd, &tau, &parameters]);
+        let n = self.model.nv;
+        let (mut all, motion, weights) = self.weighted_motion(layout);
         let HessianFactors { gradients, by_tau, phi, fall, b, by_state, .. } =
             self.hessian_factors(&mut all, layout, &motion, &weights);
         let own: [Vec<Id>; 3] = std::array::from_fn(|k| all.difference(&fall[k], &phi[k]));

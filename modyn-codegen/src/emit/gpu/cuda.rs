@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use super::rollout::{Rollout, RolloutBuffer};
-use super::{Dialect, GpuArgument, GpuKernel, Storage, ThreadArray};
+use super::{Dialect, GpuArgument, GpuKernel, Storage};
 use crate::emit::FloatType;
 use crate::emit::c;
 use crate::emit::support::Support;
@@ -117,33 +117,23 @@ impl Dialect for Cuda {
         }
     }
 
-    fn result(&self, _: &GpuKernel, index: &str) -> String {
-        match self.storage {
-            Storage::Own => format!("out[{index}]"),
-            Storage::Buffers => format!("out[({index}) * n]"),
-        }
+    fn live_value(&self, chunk: usize, i: usize, _: bool) -> String {
+        format!("chunk{chunk}[{i}]")
     }
 
-    fn entry(&self, array: &str, index: &str, _: bool) -> String {
-        format!("{array}[{index}]")
-    }
-
-    fn zeros(&self, array: &ThreadArray) -> String {
-        format!("{} {}[{}] = {{ 0 }};", self.real(), array.name, array.len)
-    }
-
-    fn unset(&self, array: &ThreadArray) -> String {
-        format!("{} {}[{}];", self.real(), array.name, array.len)
-    }
-
-    fn chunk(&self, kernel: &GpuKernel, own: usize, arrays: &[ThreadArray], body: &str) -> String {
+    fn chunk(
+        &self,
+        kernel: &GpuKernel,
+        own: usize,
+        live_in: &[usize],
+        _: &[usize],
+        body: &str,
+    ) -> String {
         let real = self.real();
         let mut parameters = self.parameters(kernel);
         parameters.extend(self.count().map(|n| format!("size_t {n}")));
-        parameters.extend(arrays.iter().map(|ThreadArray { name, is_written, .. }| {
-            let constant = if *is_written { "" } else { "const " };
-            format!("{constant}{real} *__restrict__ {name}")
-        }));
+        parameters.extend(live_in.iter().map(|k| format!("const {real} *__restrict__ chunk{k}")));
+        parameters.push(format!("{real} *__restrict__ chunk{own}"));
         format!(
             "static __device__ __noinline__ void {}_chunk{own}({})\n{{\n{body}}}\n\n",
             kernel.name,
@@ -151,12 +141,18 @@ impl Dialect for Cuda {
         )
     }
 
-    fn call(&self, kernel: &GpuKernel, own: usize, arrays: &[ThreadArray]) -> String {
+    fn call(&self, kernel: &GpuKernel, own: usize, live_in: &[usize], values: &[usize]) -> String {
         let buffers = kernel.arguments.iter().map(|argument| argument.name.clone());
         let buffers = buffers.chain(["out".into()]).chain(self.count().map(String::from));
-        let arrays = arrays.iter().map(|array| array.name.clone());
-        let arguments: Vec<String> = buffers.chain(arrays).collect();
-        format!("{}_chunk{own}({});", kernel.name, arguments.join(", "))
+        let chunks = live_in.iter().chain([&own]).map(|k| format!("chunk{k}"));
+        let arguments: Vec<String> = buffers.chain(chunks).collect();
+        format!(
+            "    {} chunk{own}[{}];\n    {}_chunk{own}({});\n",
+            self.real(),
+            values[own].max(1),
+            kernel.name,
+            arguments.join(", ")
+        )
     }
 
     fn kernel(&self, kernel: &GpuKernel, docs: &str, body: &str) -> String {

@@ -4,10 +4,10 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::{Dialect, Kernel, ThreadArray, products};
+use super::{Dialect, Kernel};
 use crate::emit::statements::{Body, Syntax};
 use crate::emit::support::Support;
-use crate::program::{Addend, MultiplyAdd, Operand, is_zero};
+use crate::program::{Addend, MultiplyAdd, Operand};
 
 /// Returns the text of a kernel and its chunks, and adds the functions that it calls to `used`.
 pub(super) fn print(
@@ -17,48 +17,31 @@ pub(super) fn print(
 ) -> String {
     let program = kernel.program;
     used.extend(program.statements.iter().filter_map(|s| Support::of(&s.operation)));
+    let values: Vec<usize> = program.chunks.iter().map(|chunk| chunk.live_out.len()).collect();
     let lengths: Vec<usize> =
         kernel.description.arguments.iter().map(|argument| argument.len).collect();
     let last = program.chunks.len() - 1;
-    let matrices: Vec<ThreadArray> = program.products.iter().flat_map(products::arrays).collect();
-    let replaced = program.products.as_ref().map(|products| products.replaced(&program.results));
-    let replaced = replaced.unwrap_or_default();
-    let define = |line: String| format!("    {line}\n");
-    let mut calls: String = matrices.iter().map(|array| define(dialect.zeros(array))).collect();
-    let mut text = String::new();
+    let (mut text, mut calls) = (String::new(), String::new());
     for (k, chunk) in program.chunks.iter().enumerate() {
         let inner = k < last;
         let (syntax, first) = (&Statements { dialect, kernel, inner }, chunk.statements.start);
         let body = Body { syntax, program, lengths: &lengths, first };
         let mut lines = String::new();
         if k == 0 {
-            stores(&body, &mut lines, &program.first_stores, &replaced);
+            stores(&body, &mut lines, &program.first_stores);
         }
         for s in chunk.statements.clone() {
             body.statement(&mut lines, s);
-            stores(&body, &mut lines, &program.statements[s].stores, &replaced);
+            stores(&body, &mut lines, &program.statements[s].stores);
         }
         if inner {
-            let values = |k: usize, is_written| ThreadArray {
-                name: format!("chunk{k}"),
-                len: program.chunks[k].live_out.len().max(1),
-                is_written,
-            };
             for (i, &value) in chunk.live_out.iter().enumerate() {
-                let place = syntax.value_of_chunk(k, i);
+                let place = dialect.live_value(k, i, true);
                 let _ = writeln!(lines, "    {place} = {};", body.value(value));
             }
-            let own = values(k, true);
-            calls += &define(dialect.unset(&own));
-            let live_in = chunk.live_in.iter().map(|&k| values(k, false));
-            let arrays: Vec<ThreadArray> =
-                live_in.chain([own]).chain(matrices.iter().cloned()).collect();
-            text += &dialect.chunk(&kernel.description, k, &arrays, &lines);
-            calls += &define(dialect.call(&kernel.description, k, &arrays));
+            text += &dialect.chunk(&kernel.description, k, &chunk.live_in, &values, &lines);
+            calls += &dialect.call(&kernel.description, k, &chunk.live_in, &values);
         } else {
-            if let Some(products) = &program.products {
-                products::print(&mut lines, dialect, kernel, products);
-            }
             text += &dialect.kernel(&kernel.description, &kernel.docs, &(calls.clone() + &lines));
         }
     }
@@ -119,42 +102,16 @@ impl Syntax for Statements<'_> {
     }
 
     fn live_value(&self, chunk: usize, i: usize) -> String {
-        self.value_of_chunk(chunk, i)
+        self.dialect.live_value(chunk, i, self.inner)
     }
 }
 
-impl Statements<'_> {
-    /// Returns entry `i` of the values that a chunk passes on.
-    fn value_of_chunk(&self, chunk: usize, i: usize) -> String {
-        self.dialect.entry(&format!("chunk{chunk}"), &i.to_string(), self.inner)
-    }
-}
-
-/// Prints the statements that store these numbers: entries of products, and results that products do not replace.
-fn stores(
-    body: &Body<'_, Statements<'_>>,
-    text: &mut String,
-    numbers: &[usize],
-    replaced: &BTreeSet<usize>,
-) {
+/// Prints the statements that store these results.
+fn stores(body: &Body<'_, Statements<'_>>, text: &mut String, results: &[usize]) {
     let Statements { dialect, kernel, inner } = body.syntax;
-    let program = kernel.program;
-    for &number in numbers {
-        let operand = program.stored(number);
-        let value = body.operand(operand);
-        let line = match program.stored_result(number) {
-            Some(result) if replaced.contains(&result) => continue,
-            Some(result) => dialect.store(&kernel.description, result, &value, *inner),
-            // The arrays are filled with zeros.
-            None if is_zero(operand) => continue,
-            None => {
-                let products = program.products.as_ref();
-                let place = products.and_then(|products| products.place(number));
-                let Some((matrix, index)) = place else { continue };
-                let place = dialect.entry(&matrix.name, &index.to_string(), *inner);
-                format!("{place} = {value};")
-            }
-        };
-        let _ = writeln!(text, "    {line}");
+    for &result in results {
+        let value = body.operand(&kernel.program.results[result]);
+        let _ =
+            writeln!(text, "    {}", dialect.store(&kernel.description, result, &value, *inner));
     }
 }

@@ -12,7 +12,6 @@
 mod constrained;
 mod cuda;
 mod function;
-mod products;
 mod rollout;
 mod wgsl;
 
@@ -148,23 +147,22 @@ trait Dialect {
     /// kernel.
     fn store(&self, kernel: &GpuKernel, j: usize, value: &str, inner: bool) -> String;
 
-    /// Returns the scalar with this index of the result of this thread's state, in a kernel.
-    fn result(&self, kernel: &GpuKernel, index: &str) -> String;
+    /// Returns entry `i` of the values that an earlier chunk passes on, in a chunk (`inner`) or in the kernel.
+    fn live_value(&self, chunk: usize, i: usize, inner: bool) -> String;
 
-    /// Returns an entry of a thread's array, in a chunk (`inner`) or in the kernel.
-    fn entry(&self, array: &str, index: &str, inner: bool) -> String;
+    /// Returns the function of a chunk with this body: chunk `k` passes `values[k]` values on, and the function reads
+    /// the values of `live_in` and writes those of `own`.
+    fn chunk(
+        &self,
+        kernel: &GpuKernel,
+        own: usize,
+        live_in: &[usize],
+        values: &[usize],
+        body: &str,
+    ) -> String;
 
-    /// Returns the definition of a thread's array of zeros.
-    fn zeros(&self, array: &ThreadArray) -> String;
-
-    /// Returns the definition of a thread's array that a chunk writes.
-    fn unset(&self, array: &ThreadArray) -> String;
-
-    /// Returns the function of chunk `own` with this body, which reads and writes these arrays.
-    fn chunk(&self, kernel: &GpuKernel, own: usize, arrays: &[ThreadArray], body: &str) -> String;
-
-    /// Returns the statement by which the kernel calls a chunk.
-    fn call(&self, kernel: &GpuKernel, own: usize, arrays: &[ThreadArray]) -> String;
+    /// Returns the statements by which the kernel calls a chunk.
+    fn call(&self, kernel: &GpuKernel, own: usize, live_in: &[usize], values: &[usize]) -> String;
 
     /// Returns the kernel with this body; a function on a thread's own arrays, if [`Storage::Own`].
     fn kernel(&self, kernel: &GpuKernel, docs: &str, body: &str) -> String;
@@ -200,16 +198,6 @@ trait Dialect {
 
     /// Returns the buffers that the user's functions receive as their last arguments.
     fn shared_buffers(&self) -> &'static [RolloutBuffer];
-}
-
-/// An array that a kernel has for each thread, and its chunks share.
-#[derive(Clone, Debug)]
-struct ThreadArray {
-    name: String,
-    /// The number of entries.
-    len: usize,
-    /// Whether a chunk writes it.
-    is_written: bool,
 }
 
 impl GpuKernel {

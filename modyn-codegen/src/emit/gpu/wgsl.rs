@@ -11,7 +11,7 @@ use std::fmt::Write as _;
 use modyn_runtime::{ELEMENTARY_F32, FRAC_1_PI_BITS, PI_BITS, SIN_COS_F32};
 
 use super::rollout::{Rollout, RolloutBuffer};
-use super::{Dialect, GpuArgument, GpuKernel, Storage, ThreadArray};
+use super::{Dialect, GpuArgument, GpuKernel, Storage};
 use crate::emit::FloatType;
 use crate::emit::c;
 use crate::emit::support::Support;
@@ -170,30 +170,21 @@ impl Dialect for Wgsl {
         }
     }
 
-    fn result(&self, kernel: &GpuKernel, index: &str) -> String {
-        match self.storage {
-            Storage::Own => format!("out[{index}]"),
-            Storage::Buffers => format!("{}_out[({index}) * n + state]", kernel.name),
-        }
+    fn live_value(&self, chunk: usize, i: usize, inner: bool) -> String {
+        if inner { format!("(*chunk{chunk})[{i}]") } else { format!("chunk{chunk}[{i}]") }
     }
 
-    fn entry(&self, array: &str, index: &str, inner: bool) -> String {
-        if inner { format!("(*{array})[{index}]") } else { format!("{array}[{index}]") }
-    }
-
-    /// Variables are zero where nothing else is said.
-    fn zeros(&self, array: &ThreadArray) -> String {
-        self.unset(array)
-    }
-
-    fn unset(&self, array: &ThreadArray) -> String {
-        format!("var {}: array<f32, {}>;", array.name, array.len)
-    }
-
-    fn chunk(&self, kernel: &GpuKernel, own: usize, arrays: &[ThreadArray], body: &str) -> String {
-        let arrays = arrays.iter().map(|ThreadArray { name, len, .. }| {
-            format!(", {name}: ptr<function, array<f32, {len}>>")
-        });
+    fn chunk(
+        &self,
+        kernel: &GpuKernel,
+        own: usize,
+        live_in: &[usize],
+        values: &[usize],
+        body: &str,
+    ) -> String {
+        let chunks = live_in.iter().chain([&own]);
+        let chunks =
+            chunks.map(|&k| format!(", chunk{k}: ptr<function, array<f32, {}>>", values[k].max(1)));
         let of_state = match self.storage {
             Storage::Buffers => "n: u32, state: u32".into(),
             Storage::Own => {
@@ -204,12 +195,12 @@ impl Dialect for Wgsl {
         format!(
             "fn {}_chunk{own}({of_state}{}) {{\n{body}}}\n\n",
             kernel.name,
-            arrays.collect::<String>()
+            chunks.collect::<String>()
         )
     }
 
-    fn call(&self, kernel: &GpuKernel, own: usize, arrays: &[ThreadArray]) -> String {
-        let arrays: String = arrays.iter().map(|array| format!(", &{}", array.name)).collect();
+    fn call(&self, kernel: &GpuKernel, own: usize, live_in: &[usize], values: &[usize]) -> String {
+        let chunks: String = live_in.iter().chain([&own]).map(|k| format!(", &chunk{k}")).collect();
         let of_state = match self.storage {
             Storage::Buffers => "n, state".into(),
             Storage::Own => {
@@ -218,7 +209,11 @@ impl Dialect for Wgsl {
                 names.collect::<Vec<&str>>().join(", ")
             }
         };
-        format!("{}_chunk{own}({of_state}{arrays});", kernel.name)
+        format!(
+            "    var chunk{own}: array<f32, {}>;\n    {}_chunk{own}({of_state}{chunks});\n",
+            values[own].max(1),
+            kernel.name
+        )
     }
 
     fn kernel(&self, kernel: &GpuKernel, docs: &str, body: &str) -> String {
