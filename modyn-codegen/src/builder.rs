@@ -176,7 +176,7 @@ impl Inputs {
 
     /// Returns the plan for machine code, after adding its warnings to those of the description.
     fn machine_code(&mut self) -> Result<Plan, Diagnostics> {
-        self.choices = std::mem::take(&mut self.choices).of_one_state();
+        self.choices = std::mem::take(&mut self.choices).of_machine_code();
         let plan = Plan::new(&self.model, &self.modules, &self.choices, Execution::Simd);
         let plan = plan.map_err(|reason| self.too_long(&reason))?;
         self.options.warnings.extend(invalid_programs(&plan));
@@ -418,7 +418,7 @@ impl Builder {
     pub fn plan_entries(&self, function: &EntryFunction) -> Result<Planning, Diagnostics> {
         let Inputs { model, modules, choices, options, files } =
             self.clone().functions([]).inputs()?;
-        let plan = Plan::for_entries(&model, &modules, &choices.of_one_state(), function);
+        let plan = Plan::for_entries(&model, &modules, &choices.of_machine_code(), function);
         let plan = plan.map_err(|reason| {
             let derivatives = function.derivatives.len();
             Diagnostics::new(vec![too_long_entries(&model, &modules, &reason, derivatives)])
@@ -522,6 +522,7 @@ impl Builder {
             user_functions: Vec::new(),
             share: code.share,
             code: code.code,
+            machine_code: false,
             runtime_gravity: code.runtime_gravity,
             runtime_inertia: runtime_inertia.unwrap_or_default(),
             payload: payload.unwrap_or_default(),

@@ -10,9 +10,10 @@ use crate::function::{CompiledFunction, CompiledKernels, Kernel};
 use crate::generate::{MAX_ARRAYS, PADDING, generate};
 use crate::helper::{Helper, Helpers, Linkage};
 use crate::instruction_set::InstructionSet;
-use crate::lower::lower;
+use crate::lower::{Rows, lower};
 use crate::machine::Code;
 use crate::real::Real;
+use crate::values::Values;
 
 /// Returns the counts of the code of each function and bundle for one state, by name. The processor need not have the
 /// instruction set.
@@ -137,12 +138,36 @@ impl<S: Real> Assembly<S> {
         Kernel { single, batch }
     }
 
-    fn append(&mut self, program: &Program, arrays: &[usize], batch: bool) -> (Code, CodeSize) {
-        let values = lower::<S>(program, arrays, self.instruction_set, batch);
-        let generated =
-            generate(&values, self.instruction_set, size_of::<S>(), arrays.len(), &self.linkage);
+    /// Compiles a program for one state, or for a batch. Code for independent constraint rows alone is worth its length if it leaves
+    /// out an eighth of the steps.
+    pub fn append(&mut self, program: &Program, arrays: &[usize], batch: bool) -> (Code, CodeSize) {
+        let lower = |rows| lower::<S>(program, arrays, self.instruction_set, batch, rows);
+        let all = lower(Rows::All);
+        let independent = program.has_row_equations().then(|| lower(Rows::Independent));
+        let independent = independent.filter(|few| 8 * few.steps.len() <= 7 * all.steps.len());
+        let (any_rank, size) = self.write(&all, (program, arrays), batch, None);
+        let Some(independent) = independent else { return (any_rank, size) };
+        let (code, mut own) =
+            self.write(&independent, (program, arrays), batch, Some(any_rank.entry));
+        own.bytes += size.bytes;
+        own.constants += size.constants;
+        own.frame += size.frame;
+        (code, own)
+    }
+
+    /// Writes the code of a program's values. `any_rank` is the start of the code which its guards call.
+    fn write(
+        &mut self,
+        values: &Values,
+        (program, arrays): (&Program, &[usize]),
+        batch: bool,
+        any_rank: Option<usize>,
+    ) -> (Code, CodeSize) {
         self.code.resize(self.code.len().next_multiple_of(64), PADDING);
         let entry = self.code.len();
+        let any_rank = any_rank.map(|start| start as i64 - entry as i64);
+        let (set, linkage) = (self.instruction_set, &self.linkage);
+        let generated = generate(values, set, size_of::<S>(), arrays.len(), linkage, any_rank);
         self.code.extend_from_slice(&generated.code);
         let (end, last) = (entry + generated.end, entry + generated.size.bytes);
         self.kernels.push(KernelCode { start: entry, end, last, arrays: arrays.len() });

@@ -9,6 +9,9 @@
 //!
 //! One comparison after the reductions of a statement finds angles that are too large for the fast reduction. Code
 //! after the return then saves the registers, reduces these angles by a call, and jumps back.
+//!
+//! A function that computes independent constraint rows alone has a guard. It calls the function for rows of any rank with the same
+//! arguments and results, and returns, if a row is not known to be independent.
 
 pub(crate) mod aarch64;
 mod architecture;
@@ -46,13 +49,15 @@ pub(crate) struct Generated {
 /// The byte between functions and constants, which is never run: `int3` on x86-64.
 pub(crate) const PADDING: u8 = 0xcc;
 
-/// Generates the machine code of values. `size` is the size of a number in bytes.
+/// Generates the machine code of values. `size` is the size of a number in bytes. `any_rank` is the distance from the start of the
+/// function to that of the function which its guards call.
 pub(crate) fn generate(
     values: &Values,
     instruction_set: InstructionSet,
     size: usize,
     arrays: usize,
     linkage: &Linkage,
+    any_rank: Option<i64>,
 ) -> Generated {
     let generate = match instruction_set {
         InstructionSet::Sse2 | InstructionSet::Avx2 | InstructionSet::Avx512 => {
@@ -60,7 +65,7 @@ pub(crate) fn generate(
         }
         InstructionSet::Neon => Generator::<aarch64::Encoder>::generate,
     };
-    generate(values, instruction_set, size, arrays, linkage)
+    generate(values, instruction_set, size, arrays, linkage, any_rank)
 }
 
 struct Generator<'a, A> {
@@ -81,6 +86,8 @@ struct Generator<'a, A> {
     /// For each value the offsets at which it is a result.
     stores: Vec<Vec<u32>>,
     slow_paths: Vec<SlowPath>,
+    /// The positions of the guards' jumps.
+    guards: Vec<usize>,
     /// The calls of helpers whose distances are still to be filled in.
     calls: Vec<(usize, Helper)>,
     #[cfg(test)]
@@ -95,12 +102,14 @@ impl<'a, A: Architecture> Generator<'a, A> {
         size: usize,
         arrays: usize,
         linkage: &'a Linkage,
+        any_rank: Option<i64>,
     ) -> Generated {
         assert!(arrays <= MAX_ARRAYS, "no function has so many arrays");
         let vector =
             values.lanes.iter().map(|&lanes| usize::from(lanes) * size).max().unwrap_or(16);
         let calls = values.steps.iter().any(|step| match step {
             Step::Check(_) => true,
+            Step::Guard(_) => false,
             Step::Compute(value) => matches!(
                 values.definitions[*value as usize],
                 Definition::Result(Operation::Atan2 | Operation::Logarithm, _)
@@ -136,6 +145,7 @@ impl<'a, A: Architecture> Generator<'a, A> {
             pool_at,
             stores,
             slow_paths: Vec::new(),
+            guards: Vec::new(),
             calls: Vec::new(),
             #[cfg(test)]
             steps: Vec::new(),
@@ -148,6 +158,7 @@ impl<'a, A: Architecture> Generator<'a, A> {
             match step {
                 Step::Compute(value) => generator.compute(*value),
                 Step::Check(check) => generator.check(check),
+                Step::Guard(values) => generator.guard(*values),
             }
         }
         #[cfg(test)]
@@ -157,7 +168,7 @@ impl<'a, A: Architecture> Generator<'a, A> {
             let register = generator.force(value, &mut 0);
             generator.store_result(value, register, distance);
         }
-        generator.finish(&pool)
+        generator.finish(&pool, any_rank)
     }
 
     /// Computes a value.
@@ -191,8 +202,20 @@ impl<'a, A: Architecture> Generator<'a, A> {
         }
     }
 
-    /// Writes the function: entry, body, return, code for large angles, constants.
-    fn finish(mut self, pool: &[u8]) -> Generated {
+    /// Writes a guard: the first value is less than the second.
+    fn guard(&mut self, values: [Value; 2]) {
+        let from = A::jump_unless_less(self, values);
+        self.guards.push(from);
+        for value in values {
+            if self.registers.dies(value) {
+                self.registers.drop(value);
+            }
+        }
+    }
+
+    /// Writes the function: entry, body, return, code for large angles and for dependent rows, constants.
+    fn finish(mut self, pool: &[u8], any_rank: Option<i64>) -> Generated {
+        let leave = self.encoder.position();
         A::leave(&mut self);
         let end = self.encoder.position();
         let frame = A::HEADER + self.saved + self.registers.frame as usize;
@@ -200,9 +223,22 @@ impl<'a, A: Architecture> Generator<'a, A> {
         let (entry, constants_at) = A::entry(&self, frame as u32);
         let instructions = entry.instructions() + self.encoder.instructions();
         self.slow_paths();
+        let guarded = self.encoder.position();
+        for from in std::mem::take(&mut self.guards) {
+            self.encoder.patch(from, guarded);
+        }
+        let call = any_rank.map(|distance| {
+            let at = A::call_again(&mut self);
+            let jump = self.encoder.jump();
+            self.encoder.patch(jump, leave);
+            (at, distance)
+        });
         let mut code = entry.finish();
         let body = code.len();
         code.extend(self.encoder.finish());
+        if let Some((at, distance)) = call {
+            A::point_call(&mut code, body + at, distance);
+        }
         let bytes = code.len();
         code.resize(bytes.next_multiple_of(64), PADDING);
         let constants = code.len();

@@ -1,7 +1,10 @@
 //! Lowers a program to values: signs, fused products, sines as polynomials, lanes that fit into registers.
+//!
+//! The equations of constraint rows have two forms. One computes rows of any rank. The other leaves this out, and has a guard, which
+//! finds the states that need it.
 
 use modyn_codegen::program::{
-    Addend, MultiplyAdd, Operand, Operation as Statement, Program, Source,
+    Addend, MultiplyAdd, Operand, Operation as Statement, Program, RowEquations, Source,
 };
 use modyn_runtime::trig_steps::{self, Step as SineStep, Steps};
 
@@ -12,17 +15,29 @@ use crate::values::{Definition, FarCheck, Operation, Reduced, Step, Value, Value
 /// The lengths of the arrays of arguments, in the order in which the program numbers their entries.
 pub(crate) type Arrays = [usize];
 
+/// The constraint rows that code computes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Rows {
+    /// Rows of any rank.
+    All,
+    /// Independent rows, behind a [guard](Step::Guard).
+    Independent,
+}
+
 /// Returns the values of a program. In a batch, the lanes of a register are states.
 pub(crate) fn lower<S: Real>(
     program: &Program,
     arrays: &Arrays,
     instruction_set: InstructionSet,
     batch: bool,
+    rows: Rows,
 ) -> Values {
     let native = (instruction_set.vector(batch) / size_of::<S>()) as u8;
     let mut lowering = Lowering::<S> {
         values: Values::default(),
         arrays,
+        rows,
+        equations: Equations::default(),
         fused: instruction_set.fuses(),
         native,
         scalar: if batch { native } else { 1 },
@@ -31,12 +46,7 @@ pub(crate) fn lower<S: Real>(
         polynomials: Steps::polynomials::<S>(),
         number: std::marker::PhantomData,
     };
-    for statement in &program.statements {
-        let results = lowering.statement(&statement.operation, statement.lanes);
-        lowering.results.push(results);
-    }
-    let results = program.results.iter().map(|result| lowering.scalar(result)).collect();
-    lowering.values.results = results;
+    lowering.values.results = lowering.program(program);
     lowering.values.remove_unused();
     lowering.values
 }
@@ -47,6 +57,8 @@ type Registers = Vec<Value>;
 struct Lowering<'a, S> {
     values: Values,
     arrays: &'a Arrays,
+    rows: Rows,
+    equations: Equations,
     /// Whether products are fused with sums.
     fused: bool,
     /// The number of lanes of the longest register.
@@ -60,7 +72,49 @@ struct Lowering<'a, S> {
     number: std::marker::PhantomData<S>,
 }
 
+/// What is known of the equations of constraint rows.
+#[derive(Default)]
+struct Equations {
+    /// The numbers of the equations whose program is lowered, which are its arguments.
+    numbers: Option<Vec<Value>>,
+    /// The numbers that are not negative after the guards.
+    margins: Vec<Operand>,
+}
+
 impl<S: Real> Lowering<'_, S> {
+    /// Adds the values of a program's statements, and returns its results.
+    fn program(&mut self, program: &Program) -> Registers {
+        for statement in &program.statements {
+            let results = self.statement(&statement.operation, statement.lanes);
+            self.results.push(results);
+        }
+        program.results.iter().map(|result| self.scalar(result)).collect()
+    }
+
+    /// Adds the values of the equations of constraint rows, and returns the results. Their products are not fused with sums, as in the
+    /// loops of the runtime.
+    fn row_equations(&mut self, equations: &RowEquations) -> Registers {
+        if self.rows == Rows::Independent {
+            self.guard(equations.margin());
+            return vec![self.constant(0.0, self.scalar); equations.results()];
+        }
+        let numbers = equations.numbers().iter().map(|number| self.scalar(number)).collect();
+        self.equations.numbers = Some(numbers);
+        let outer = (std::mem::take(&mut self.results), std::mem::take(&mut self.fused));
+        let results = self.program(&equations.program());
+        (self.results, self.fused) = outer;
+        self.equations.numbers = None;
+        results
+    }
+
+    /// Adds the guard that a number is not negative: that its negative is less than the smallest positive number.
+    fn guard(&mut self, margin: &Operand) {
+        self.equations.margins.push(*margin);
+        let negative = self.scalar(&Operand { negated: !margin.negated, ..*margin });
+        let smallest = self.values.constants(vec![1; self.scalar.into()], self.scalar);
+        self.values.steps.push(Step::Guard([negative, smallest]));
+    }
+
     /// Returns the number of lanes of each register of a value with this number of lanes.
     fn split(&self, lanes: u8) -> (usize, u8) {
         match lanes {
@@ -121,6 +175,9 @@ impl<S: Real> Lowering<'_, S> {
                 let nan = this.values.operation(Operation::IsNan, &[a], width);
                 this.choose(nan, b, larger)
             })),
+            Statement::Select(a, b, _) if self.is_known_nonnegative(a) => {
+                of(self.each(lanes, |this, k| this.register(b, k)))
+            }
             Statement::Select(a, b, c) => of(self.each(lanes, |this, k| {
                 let [a, b, c] = [a, b, c].map(|x| this.register(x, k));
                 let zero = this.constant(0.0, width);
@@ -146,10 +203,18 @@ impl<S: Real> Lowering<'_, S> {
                 };
                 (0..vector.lanes).map(|k| vec![lane(self, k)]).collect()
             }
-            Statement::Call(_) | Statement::RowEquations(_) => {
-                unreachable!("plans for machine code are straight-line code")
+            Statement::RowEquations(equations) => {
+                let results = self.row_equations(equations);
+                results.into_iter().map(|result| vec![result]).collect()
             }
+            Statement::Call(_) => unreachable!("plans for machine code are straight-line code"),
         }
+    }
+
+    /// Returns whether a guard has found that a number is not negative.
+    fn is_known_nonnegative(&self, operand: &Operand) -> bool {
+        let margins = &self.equations.margins;
+        margins.iter().any(|known| Operand { lanes: operand.lanes, ..*known } == *operand)
     }
 
     /// Returns a value for each register of a value with this number of lanes.
@@ -187,6 +252,9 @@ impl<S: Real> Lowering<'_, S> {
 
     /// Returns a scalar argument.
     fn argument(&mut self, number: usize) -> Value {
+        if let Some(numbers) = &self.equations.numbers {
+            return numbers[number];
+        }
         let mut first = number;
         let mut array = 0;
         while first >= self.arrays[array] {

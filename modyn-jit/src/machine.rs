@@ -12,7 +12,8 @@
 //!   `InstructionSet::detect` has found;
 //! - it reads numbers `0..length` of each array of arguments and writes numbers `0..length` of the results, which
 //!   [`Code::call`] has checked: the slices are as long, or longer. Further it touches its own stack frame alone, whose
-//!   pages it touches one after the other, so that a stack that is too short ends at its guard page;
+//!   pages it touches one after the other, so that a stack that is too short ends at its guard page. The function that its guards
+//!   call is in the same pages, and gets the same pointers and lengths;
 //! - arguments are shared slices and the results are an exclusive one, so it writes no number that it reads.
 #![allow(unsafe_code)]
 

@@ -104,6 +104,8 @@ pub(crate) enum Step {
     Compute(Value),
     /// Reduces again the angles that are too large for the fast reduction.
     Check(FarCheck),
+    /// Calls the code for rows of any rank and returns, unless all lanes of the first value are less than those of the second.
+    Guard([Value; 2]),
 }
 
 /// Angles that were reduced as small ones, before any step reads their reductions.
@@ -205,6 +207,7 @@ impl Values {
     pub fn reads(&self, step: &Step) -> Vec<Value> {
         match step {
             Step::Compute(value) => self.operands(*value).to_vec(),
+            Step::Guard(values) => values.to_vec(),
             Step::Check(FarCheck { squares, limit, angles }) => {
                 let angles = angles
                     .iter()
@@ -234,7 +237,7 @@ impl Values {
         }
         self.steps.retain(|step| match step {
             Step::Compute(value) => needed[*value as usize],
-            Step::Check(_) => true,
+            Step::Check(_) | Step::Guard(_) => true,
         });
     }
 }

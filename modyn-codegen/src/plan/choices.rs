@@ -21,6 +21,8 @@ pub struct Choices {
     pub share: bool,
     /// The form of the code of recursions.
     pub code: CodeForm,
+    /// Whether the programs are for machine code.
+    pub machine_code: bool,
     /// Whether gravity is an argument.
     pub runtime_gravity: bool,
     /// The links whose own inertia is an argument, as indices into the model's frames.
@@ -30,9 +32,9 @@ pub struct Choices {
 }
 
 impl Choices {
-    /// Returns the choices with functions of one state in place of those of many, without shared routines and loops.
+    /// Returns the choices for machine code: functions of one state in place of those of many, without shared routines and loops.
     #[must_use]
-    pub fn of_one_state(mut self) -> Self {
+    pub fn of_machine_code(mut self) -> Self {
         for function in &mut self.functions {
             *function = function.batched().unwrap_or(*function);
         }
@@ -44,6 +46,7 @@ impl Choices {
         }
         self.share = false;
         self.code = CodeForm::Fast;
+        self.machine_code = true;
         self
     }
 

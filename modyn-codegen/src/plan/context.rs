@@ -7,6 +7,7 @@ use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 use modyn_runtime::quantities::Sizes;
 
+use super::choices::Choices;
 use super::code_form::CodeForm;
 use super::frames::Frames;
 use super::partition::{self, ChosenPartition};
@@ -74,6 +75,8 @@ pub struct PlanContext<'a> {
     pub(super) share: bool,
     /// The form of the code of recursions.
     pub(super) code: CodeForm,
+    /// Whether the programs are for machine code.
+    pub(super) machine_code: bool,
     /// The candidates for packing limbs.
     pub(super) limbs: Vec<LimbPacking>,
     /// The partitions of forward dynamics to try with packed limbs.
@@ -88,12 +91,12 @@ impl<'a> PlanContext<'a> {
         robot: &'a SymbolicRobot,
         (model, modules): (&'a Model, &ModuleTree),
         execution: Execution,
-        (share, code): (bool, CodeForm),
+        choices: &Choices,
     ) -> Self {
         // Threads run straight-line code, one limb after another.
         let has_threads = execution == Execution::Threads;
-        let share = share && !has_threads;
-        let code = if has_threads { CodeForm::Fast } else { code };
+        let share = choices.share && !has_threads;
+        let code = if has_threads { CodeForm::Fast } else { choices.code };
         let limbs = robot.limbs(execution, share);
         let SymbolicRobot { mechanism, frames, parameters } = robot;
         let all_links = Tracer::with_parameters(mechanism, parameters.clone());
@@ -124,6 +127,7 @@ impl<'a> PlanContext<'a> {
             execution,
             share,
             code,
+            machine_code: choices.machine_code,
             independent: limbs.first().is_some_and(|limbs| limbs.independent(mechanism)),
             limbs,
             partitions,

@@ -1,7 +1,8 @@
 //! The choice of loops for the dense parts of functions.
 //!
 //! *Rows.* Nearly all states have independent constraint rows. Their equations are a third of those of rows of any rank, so
-//! straight-line code has these alone. The others are solved by loops, which a state without dependent rows does not run.
+//! straight-line code has these alone. The others are solved by loops, which a state without dependent rows does not run. Machine code
+//! has straight-line code for them, too.
 //!
 //! *Products.* Derivatives, and a part of Hessians, are the products of one matrix with many columns. The matrix and the columns have the
 //! robot's structure, the products have not.
@@ -15,7 +16,7 @@ use super::packing;
 use super::planned::Kernels;
 use crate::graph::Graph;
 use crate::passes::optimize;
-use crate::program::{Execution, Operation, Program, ROW_LANES};
+use crate::program::{Execution, Program, ROW_LANES};
 use crate::trace::DenseGraph;
 
 /// The least number of multiplications of products for which they are loops unless the user chooses short code. A quadruped on four feet has
@@ -84,7 +85,7 @@ fn kernels(
     scalars: usize,
     trace: TraceDense,
 ) -> Option<Kernels> {
-    if context.code == CodeForm::Fast || context.share {
+    if context.share || context.code == CodeForm::Fast && !context.machine_code {
         return None;
     }
     let mut dense = trace(&context.tracer, context, scalars);
@@ -124,13 +125,12 @@ fn kernels(
 
 /// Returns the loops of a program with dense parts, and the reason for them.
 pub(super) fn loops(program: &Program) -> Option<String> {
-    let is_one = |operation: &Operation| matches!(operation, Operation::RowEquations(_));
-    let has_rows = program.statements.iter().any(|statement| is_one(&statement.operation));
     let rows = "loops for dependent rows of constraints, which few states have";
     let products = program.products.as_ref().map(|products| {
         let count = products.multiplications(Execution::Scalar);
         format!("products of matrices in loops, since they have {count} multiplications")
     });
-    let both: Vec<String> = has_rows.then(|| rows.into()).into_iter().chain(products).collect();
+    let both: Vec<String> =
+        program.has_row_equations().then(|| rows.into()).into_iter().chain(products).collect();
     (!both.is_empty()).then(|| both.join("; "))
 }

@@ -170,8 +170,7 @@ impl Plan {
         }
         let robot = SymbolicRobot::new(model, choices.parameters(model));
         let mut budget = Budget::new();
-        let form = (choices.share, choices.code);
-        let context = PlanContext::new(&robot, (model, modules), execution, form);
+        let context = PlanContext::new(&robot, (model, modules), execution, choices);
         let sizes = context.sizes;
         let selected = |function: &Function| {
             let row = function.row();

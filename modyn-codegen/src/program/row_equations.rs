@@ -3,7 +3,7 @@
 use modyn_runtime::Scalar;
 use modyn_runtime::equations::constraints::RowSystem;
 
-use super::{Execution, Operand, Program};
+use super::{Execution, Operand, Operation, Program};
 use crate::graph::{Expr, Graph};
 use crate::passes::optimize;
 
@@ -18,6 +18,15 @@ pub struct RowEquations {
     /// The lower triangle of A by rows; the right-hand sides; for each constraint the scale of its thresholds; the tolerance and the
     /// rounding; the number that is negative where the results count.
     pub operands: Vec<Operand>,
+}
+
+impl Program {
+    /// Returns whether there are equations of constraint rows of which some may be dependent.
+    #[must_use]
+    pub fn has_row_equations(&self) -> bool {
+        let is_one = |operation: &Operation| matches!(operation, Operation::RowEquations(_));
+        self.statements.iter().any(|statement| is_one(&statement.operation))
+    }
 }
 
 impl RowEquations {

@@ -71,7 +71,7 @@ impl Architecture for Encoder {
     }
 
     fn patch(&mut self, at: usize, target: usize) {
-        self.words[at / 4] = encode::jump(opcodes::JUMP, at, target);
+        self.words[at / 4] = encode::jump(opcodes::JUMP, at, target as i64);
     }
 
     fn call(
@@ -81,6 +81,15 @@ impl Architecture for Encoder {
         lanes: u8,
     ) {
         generator.call_helper(helper, pointers, lanes);
+    }
+
+    fn call_again(generator: &mut Generator<'_, Self>) -> usize {
+        generator.call_again()
+    }
+
+    fn point_call(code: &mut [u8], at: usize, target: i64) {
+        let call = encode::jump(opcodes::CALL, at, target);
+        code[at..at + 4].copy_from_slice(&call.to_le_bytes());
     }
 
     fn entry(generator: &Generator<'_, Self>, frame: u32) -> (Self, usize) {

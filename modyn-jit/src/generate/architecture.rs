@@ -72,6 +72,12 @@ pub(super) trait Architecture: Default {
     /// memory.
     fn call(generator: &mut Generator<'_, Self>, helper: Helper, pointers: [Address; 3], lanes: u8);
 
+    /// Writes a call of another function with this one's arguments and results, and returns its position.
+    fn call_again(generator: &mut Generator<'_, Self>) -> usize;
+
+    /// Fills in the target of the call at this position of a function's code: the distance from the function's start.
+    fn point_call(code: &mut [u8], at: usize, target: i64);
+
     /// Returns the entry of a function with a stack frame of this size, and the position of its distance to the constants.
     fn entry(generator: &Generator<'_, Self>, frame: u32) -> (Self, usize);
 

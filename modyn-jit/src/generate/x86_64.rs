@@ -80,7 +80,7 @@ impl Architecture for Encoder {
     }
 
     fn patch(&mut self, at: usize, target: usize) {
-        encode::patch(&mut self.code, at, target);
+        encode::patch(&mut self.code, at, target as i64);
     }
 
     fn call(
@@ -92,6 +92,14 @@ impl Architecture for Encoder {
         generator.call_helper(helper, pointers, lanes);
     }
 
+    fn call_again(generator: &mut Generator<'_, Self>) -> usize {
+        generator.call_again()
+    }
+
+    fn point_call(code: &mut [u8], at: usize, target: i64) {
+        encode::patch(code, at, target);
+    }
+
     fn entry(generator: &Generator<'_, Self>, frame: u32) -> (Self, usize) {
         generator.entry(frame)
     }
@@ -101,6 +109,6 @@ impl Architecture for Encoder {
     }
 
     fn point_to_constants(code: &mut [u8], at: usize, constants: usize) {
-        encode::patch(code, at, constants + SHORT as usize);
+        encode::patch(code, at, constants as i64 + i64::from(SHORT));
     }
 }

@@ -11,7 +11,7 @@ use super::{numbers, plan};
 use crate::generate::generate;
 use crate::helper::{Helpers, Linkage};
 use crate::instruction_set::InstructionSet;
-use crate::lower::lower;
+use crate::lower::{Rows, lower};
 use crate::machine::Pages;
 
 #[test]
@@ -20,9 +20,9 @@ fn registers_of_the_caller_are_kept() {
     let (program, _) = planning.plan.functions[0].kernels.straight().expect("one program");
     let arrays: Vec<usize> =
         planning.plan.functions[0].arguments.iter().map(|(_, shape)| shape.len()).collect();
-    let values = lower::<f64>(program, &arrays, InstructionSet::Neon, false);
+    let values = lower::<f64>(program, &arrays, InstructionSet::Neon, false, Rows::All);
     let linkage = Linkage::Addresses(Helpers::new::<f64>());
-    let generated = generate(&values, InstructionSet::Neon, 8, arrays.len(), &linkage);
+    let generated = generate(&values, InstructionSet::Neon, 8, arrays.len(), &linkage, None);
     assert!(generated.size.spills > 0, "all registers are written");
     let pages = Pages::new(&generated.code).expect("executable memory");
     // Small angles, and those that a call reduces.

@@ -2,19 +2,19 @@
 //! host lacks: they are emulated. They read only their arguments and constants, and write only their results and their frame.
 //! On aarch64 its own functions run instead.
 
-use modyn_codegen::Function;
 use modyn_codegen::graph::{Expr, Graph};
 use modyn_codegen::program::{Execution, Program};
+use modyn_codegen::{Base, Contact, ContactKind, Function, LoopEnd};
 use modyn_runtime::Scalar;
+use modyn_tests::conformance::robot;
 use modyn_tests::random::{Random, seeds};
 
 use super::emulator::{ATAN2, Emulator, LOGARITHM, REDUCE};
 use super::{Fuse, evaluate, numbers, plan, split};
-use crate::generate::generate;
+use crate::assembly::Assembly;
 use crate::helper::{Helpers, Linkage};
 use crate::instruction_set::InstructionSet;
-use crate::lower::lower;
-use crate::machine::{Code, Pages};
+use crate::machine::Pages;
 
 /// Compares a program with one instruction set, for one state or with a state in each lane.
 fn compare<F: Fuse>(
@@ -24,18 +24,12 @@ fn compare<F: Fuse>(
     batch: bool,
     state: &[F],
 ) {
-    let values = lower::<F>(program, arrays, instruction_set, batch);
     let helpers = match instruction_set.architecture() {
         "x86_64" => Helpers { reduce: REDUCE, atan2: ATAN2, logarithm: LOGARITHM },
         _ => Helpers::new::<F>(),
     };
-    let generated = generate(
-        &values,
-        instruction_set,
-        size_of::<F>(),
-        arrays.len(),
-        &Linkage::Addresses(helpers),
-    );
+    let mut assembly = Assembly::<F>::new(instruction_set, batch, Linkage::Addresses(helpers));
+    let (code, _) = assembly.append(program, arrays, batch);
     let lanes = if batch { instruction_set.vector(true) / size_of::<F>() } else { 1 };
     // The lanes differ: the numbers of one state, rotated.
     let states: Vec<Vec<F>> = (0..lanes)
@@ -47,15 +41,13 @@ fn compare<F: Fuse>(
         })
         .collect();
     let given: Vec<F> = (0..state.len()).flat_map(|i| states.iter().map(move |s| s[i])).collect();
-    let lengths: Vec<usize> = arrays.iter().map(|length| length * lanes).collect();
-    let results = program.results.len() * lanes;
+    let given = split(&given, &code.arguments);
     let found = if instruction_set.architecture() == "x86_64" {
-        Emulator::default().run(&generated.code, &split(&given, &lengths), results)
+        Emulator::default().run((&assembly.code, code.entry), &given, code.results)
     } else {
-        let pages = Pages::new(&generated.code).expect("executable memory");
-        let code = Code { entry: 0, arguments: lengths.clone(), results };
-        let mut found = vec![F::from_f64(f64::NAN); results];
-        code.call(&pages, &split(&given, &lengths), &mut found);
+        let pages = Pages::new(&assembly.code).expect("executable memory");
+        let mut found = vec![F::from_f64(f64::NAN); code.results];
+        code.call(&pages, &given, &mut found);
         found
     };
     for (lane, state) in states.iter().enumerate() {
@@ -100,6 +92,35 @@ fn robots() {
                 all_levels::<f64>(scalar, simd, &arrays, &numbers(1, count, scale));
                 all_levels::<f32>(scalar, simd, &arrays, &numbers(2, count, scale));
             }
+        }
+    }
+}
+
+/// Contacts whose rows are dependent where two points of one link are active: the guards find these states.
+#[test]
+fn contacts() {
+    let contact = |name: &str, link: &str, xyz| Contact {
+        name: name.into(),
+        kind: ContactKind::Point,
+        end: LoopEnd { link: link.into(), xyz, rpy: [0.1, -0.2, 0.3] },
+    };
+    let feet = [
+        contact("toe", "front_left_foot", [0.0, 0.01, -0.02]),
+        contact("heel", "front_left_foot", [0.03, -0.01, 0.02]),
+        contact("right", "hind_right_foot", [0.03, -0.01, 0.02]),
+    ];
+    let functions = [Function::ConstrainedForwardDynamics, Function::ContactImpulse];
+    let builder = robot("quadruped").base(Base::Floating).contacts(feet).functions(functions);
+    for planned in &builder.plan().expect("good").plan.functions {
+        let (scalar, simd) = planned.kernels.straight().expect("one program");
+        assert!(scalar.has_row_equations());
+        let arrays = planned.lengths();
+        let mut state = numbers(1, arrays.iter().sum(), 1.0);
+        // The contacts follow the other arguments; then the settings.
+        let first = arrays[..planned.arguments.len() - 2].iter().sum::<usize>();
+        for active in [[1.0, 0.0, 1.0], [1.0, 1.0, 1.0]] {
+            state[first..first + 3].copy_from_slice(&active);
+            all_levels::<f64>(scalar, simd, &arrays, &state);
         }
     }
 }

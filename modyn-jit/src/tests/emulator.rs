@@ -76,8 +76,13 @@ fn put(bytes: &mut [u8], size: usize, lane: usize, number: u64) {
 }
 
 impl Emulator {
-    /// Runs a function on arguments, and returns this number of results.
-    pub fn run<F: Fuse>(&mut self, code: &[u8], arguments: &[&[F]], results: usize) -> Vec<F> {
+    /// Runs the function at `entry` of the code on arguments, and returns this number of results.
+    pub fn run<F: Fuse>(
+        &mut self,
+        (code, entry): (&[u8], usize),
+        arguments: &[&[F]],
+        results: usize,
+    ) -> Vec<F> {
         let size = size_of::<F>();
         let bytes = |numbers: &[F]| -> Vec<u8> {
             numbers.iter().flat_map(|x| x.bits().to_le_bytes()[..size].to_vec()).collect()
@@ -102,7 +107,7 @@ impl Emulator {
         self.write(top, &RETURN.to_le_bytes());
         let kept = |general: &[u64; 16]| [3, 5, 12, 13, 14, 15].map(|number| general[number]);
         let before = kept(&self.general);
-        let mut at = CODE;
+        let mut at = CODE + entry as u64;
         while at != RETURN {
             let offset = (at - CODE) as usize;
             let mut decoder = Decoder::with_ip(64, &code[offset..], at, DecoderOptions::NONE);
@@ -234,6 +239,12 @@ impl Emulator {
                 for vector in &mut self.vectors[..16] {
                     vector[16..].fill(0);
                 }
+            }
+            "call" if instruction.op0_kind() == OpKind::NearBranch64 => {
+                assert!(self.general[4].is_multiple_of(16), "an aligned stack");
+                self.general[4] -= 8;
+                self.write(self.general[4], &next.to_le_bytes());
+                return target;
             }
             "call" => {
                 assert!(self.general[4].is_multiple_of(16), "an aligned stack");

@@ -20,7 +20,7 @@ use modyn_tests::random::Random;
 use crate::generate::{Generated, generate};
 use crate::helper::Linkage;
 use crate::instruction_set::InstructionSet;
-use crate::lower::lower;
+use crate::lower::{Rows, lower};
 use crate::real::Real;
 
 /// A number of machine code.
@@ -77,9 +77,9 @@ fn check_functions<S: Real>(
         let Some((scalar, simd)) = planned.kernels.straight() else { continue };
         let arrays = planned.lengths();
         for (program, batch) in [(scalar, false), (simd, false), (scalar, true)] {
-            let values = lower::<S>(program, &arrays, instruction_set, batch);
+            let values = lower::<S>(program, &arrays, instruction_set, batch, Rows::All);
             let bytes = size_of::<S>();
-            check(&generate(&values, instruction_set, bytes, arrays.len(), linkage));
+            check(&generate(&values, instruction_set, bytes, arrays.len(), linkage, None));
         }
     }
 }

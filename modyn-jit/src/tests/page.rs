@@ -25,7 +25,7 @@ use crate::code_size::CodeSize;
 use crate::generate::{Generated, generate};
 use crate::helper::Linkage;
 use crate::instruction_set::InstructionSet;
-use crate::lower::lower;
+use crate::lower::{Rows, lower};
 use crate::values::{Definition, FarCheck, Operation, Step, Value, Values};
 
 /// A cart on rails with a pole: two joints, whose mass matrix depends on the angle of the pole.
@@ -128,8 +128,9 @@ struct Code {
 impl Code {
     fn new(program: &Program, arrays: &[usize]) -> Self {
         let set = InstructionSet::Avx2;
-        let values = lower::<f64>(program, arrays, set, false);
-        let generated = generate(&values, set, size_of::<f64>(), arrays.len(), &Linkage::Relative);
+        let values = lower::<f64>(program, arrays, set, false, Rows::All);
+        let linkage = &Linkage::Relative;
+        let generated = generate(&values, set, size_of::<f64>(), arrays.len(), linkage, None);
         let code = &generated.code[..generated.end];
         let mut decoder = Decoder::with_ip(64, code, 0, DecoderOptions::NONE);
         let mut instructions = Vec::new();
@@ -141,7 +142,7 @@ impl Code {
         let mut numbers = vec![usize::MAX; values.definitions.len()];
         let computed = values.steps.iter().filter_map(|step| match step {
             Step::Compute(value) => Some(*value),
-            Step::Check(_) => None,
+            Step::Check(_) | Step::Guard(_) => None,
         });
         for (number, value) in computed.enumerate() {
             numbers[value as usize] = number;
@@ -168,6 +169,7 @@ impl Code {
     fn step(&self, step: &Step) -> String {
         let value = match step {
             Step::Compute(value) => *value,
+            Step::Guard(_) => unreachable!("the example has no constraints"),
             Step::Check(FarCheck { squares, limit, .. }) => {
                 return format!(
                     "if {} >= {}: reduce again",
@@ -256,7 +258,7 @@ impl Code {
         }
         let computed = self.values.steps.iter().enumerate().filter_map(|(i, step)| match step {
             Step::Compute(value) => Some((*value, i, last[*value as usize].max(i))),
-            Step::Check(_) => None,
+            Step::Check(_) | Step::Guard(_) => None,
         });
         computed.collect()
     }
@@ -270,6 +272,7 @@ impl Code {
             size_of::<f64>(),
             arrays,
             &Linkage::Relative,
+            None,
         );
         let steps = self.values.steps.iter().map(|step| self.step(step));
         let headings = ["entry".to_owned()].into_iter().chain(steps).chain(["return".to_owned()]);

@@ -104,9 +104,9 @@ pub(super) fn part_of_constant(register: u8, value: u64, part: u32) -> u32 {
     opcode | part << 21 | bits << 5 | u32::from(register)
 }
 
-/// Returns a jump at one position to another one.
-pub(super) fn jump(opcode: u32, at: usize, target: usize) -> u32 {
-    let words = (target as i64 - at as i64) / 4;
+/// Returns a jump or a call at one position to another one.
+pub(super) fn jump(opcode: u32, at: usize, target: i64) -> u32 {
+    let words = (target - at as i64) / 4;
     assert!(words.unsigned_abs() < 1 << 25, "code is shorter than 128 MiB");
     opcode | words as u32 & 0x03ff_ffff
 }

@@ -85,6 +85,14 @@ impl Generator<'_, Encoder> {
         point(&mut self.encoder, self.arrays);
     }
 
+    /// Writes a call of another function with this one's arguments and results, and returns its position.
+    pub(super) fn call_again(&mut self) -> usize {
+        self.encoder.load_pointer(0, SP, 0);
+        self.encoder.load_pointer(1, SP, 1);
+        self.encoder.word(op::CALL);
+        self.encoder.position() - 4
+    }
+
     /// Writes the return.
     pub(super) fn leave(&mut self) {
         // sub sp, x29, 16 for each pair

@@ -1,7 +1,7 @@
 //! Calls of helpers.
 
 use super::Encoder;
-use super::encode::Place;
+use super::encode::{Place, RSP};
 use super::frame::{RDI, RDX, RSI, point};
 use crate::generate::Generator;
 use crate::generate::architecture::Address;
@@ -9,6 +9,15 @@ use crate::helper::{Helper, Linkage};
 use crate::instruction_set::InstructionSet;
 
 impl Generator<'_, Encoder> {
+    /// Writes a call of another function with this one's arguments and results, and returns the position of its distance.
+    pub(super) fn call_again(&mut self) -> usize {
+        self.encoder.general(0x8b, RDI, RSP, 0);
+        self.encoder.general(0x8b, RSI, RSP, 8);
+        // call
+        self.encoder.bytes(&[0xe8, 0, 0, 0, 0]);
+        self.encoder.code.len() - 4
+    }
+
     /// Writes the load of an address.
     fn address(&mut self, register: u8, address: Address) {
         if let Place::Memory(base, distance) = self.place(address) {
