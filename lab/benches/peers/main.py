@@ -31,6 +31,7 @@ def options():
                         help="compile for this processor, as compilers name it; if it is another machine's, see README.md")
     parser.add_argument("--built", action="store_true", help="measure what was built last; compile nothing")
     parser.add_argument("--quick", action="store_true", help="2 copies and 5 repetitions, for debugging")
+    parser.add_argument("--warm", action="store_true", help="no calls with empty caches, which take long where flushing does")
     parser.add_argument("--copies", type=int, default=5, help="processes, each of a fresh copy of its program (5)")
     parser.add_argument("--seconds", type=float, default=math.inf, metavar="S",
                         help="start no program after this time, and report what was measured")
@@ -105,7 +106,7 @@ def main():
     programs = [measure.Program(**program) for name, all_its in built["programs"].items() if name in [*only, "beside"]
                 for program in all_its if program["robot"] in names and program["quantity"] in quantities]
     copies, repetitions = (2, 5) if arguments.quick else (arguments.copies, 21)
-    results = measure.Measurer(OUTPUT / "data", copies, repetitions, arguments.seconds).all(programs)
+    results = measure.Measurer(OUTPUT / "data", copies, repetitions, arguments.seconds, arguments.warm).all(programs)
 
     report = dict(command=command(arguments, defaults), machine=environment.machine(), versions=built["versions"],
                   quick=arguments.quick, copies=copies, robots=names, quantities=QUANTITIES, results=results,

@@ -41,8 +41,8 @@ class Program:
 
 
 class Measurer:
-    def __init__(self, data, copies, repetitions, seconds):
-        self.data, self.copies, self.repetitions = data, copies, repetitions
+    def __init__(self, data, copies, repetitions, seconds, warm):
+        self.data, self.copies, self.repetitions, self.warm = data, copies, repetitions, warm
         self.end = time.monotonic() + seconds
         # The last core: the first one serves interrupts.
         self.pin = []
@@ -80,6 +80,19 @@ class Measurer:
         result["runs"].append(said["ns"])
         result["cold_runs"] += [[said[name] for name in COLD]] if "cold" in said else []
 
+    def _output(self, command):
+        """Returns the lines that a program prints, up to its time if `warm`, and its messages."""
+        # Programs in C keep their lines back unless told.
+        lines, command = [], ["stdbuf", "-oL", *command] if self.warm else command
+        with (tempfile.TemporaryFile("w+") as errors,
+              subprocess.Popen(command, stdout=subprocess.PIPE, stderr=errors, text=True, cwd=ROOT) as running):
+            for line in running.stdout:
+                lines.append(line)
+                if self.warm and line.startswith("ns "):
+                    running.kill()
+            errors.seek(0)
+            return lines, errors.read()
+
     def _run(self, program):
         """Returns the output of a fresh copy of the program, or the reason why there is none."""
         with tempfile.TemporaryDirectory(dir=self.data.parent) as place:
@@ -88,14 +101,13 @@ class Measurer:
             executable = Path(place) / Path(program.executable).name
             command = [*self.pin, executable, *program.before, self.data, program.robot, program.quantity,
                        self.repetitions, *program.after]
-            done = subprocess.run([str(word) for word in command], capture_output=True, text=True,
-                                  cwd=ROOT)
-        said = dict(line.split() for line in done.stdout.splitlines() if len(line.split()) == 2)
+            said, errors = self._output(list(map(str, command)))
+        said = dict(line.split() for line in said if len(line.split()) == 2)
         said = {key: float(value) for key, value in said.items()}
         if not said.get("error", math.inf) < LARGEST_ERROR:
             if "error" in said:
                 return f"wrong: error {said['error']:.1e}"
             # The message of a panic is on the line after the line with its place.
-            lines = [line for line in done.stderr.splitlines() if line.strip() and not line.startswith("thread ")]
+            lines = [line for line in errors.splitlines() if line.strip() and not line.startswith("thread ")]
             return lines[0][:160] if lines else "crashed"
         return said if "ns" in said else "no time"
