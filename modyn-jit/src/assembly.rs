@@ -31,7 +31,7 @@ pub fn code_sizes<S: Real>(
     Ok(functions.iter().map(|function| (function.name, function.size)).collect())
 }
 
-/// The part of the code that one program takes, by offsets. Object files alone read them.
+/// The part of the code that one form of a program takes, by offsets. Object files alone read them.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(not(feature = "object"), allow(dead_code))]
 pub(crate) struct KernelCode {
@@ -52,7 +52,7 @@ pub(crate) struct Assembly<S> {
     linkage: Linkage,
     /// The code.
     pub code: Vec<u8>,
-    /// The code of each program.
+    /// The code of each form of a program.
     pub kernels: Vec<KernelCode>,
     /// The calls of helpers with [`Linkage::Relative`]: the offset of each call's distance.
     pub calls: Vec<(usize, Helper)>,

@@ -1,6 +1,7 @@
 //! Counts of the code of a function.
 
-/// Counts of a function's code.
+/// Counts of a function's code. A function of constraints may have two forms: one for independent rows, and one for rows of any rank, which
+/// the first calls. Bytes and constants are of both, and so is the stack frame. The other counts are of the first form.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct CodeSize {
@@ -10,7 +11,7 @@ pub struct CodeSize {
     pub constants: usize,
     /// Bytes of the stack frame.
     pub frame: usize,
-    /// Instructions, without those that only run for large angles.
+    /// Instructions, without those that only run for large angles or dependent rows.
     pub instructions: usize,
     /// Stores of values for which there was no register; they are among the instructions.
     pub spills: usize,

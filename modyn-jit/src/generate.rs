@@ -206,11 +206,7 @@ impl<'a, A: Architecture> Generator<'a, A> {
     fn guard(&mut self, values: [Value; 2]) {
         let from = A::jump_unless_less(self, values);
         self.guards.push(from);
-        for value in values {
-            if self.registers.dies(value) {
-                self.registers.drop(value);
-            }
-        }
+        self.registers.drop_dead(&values);
     }
 
     /// Writes the function: entry, body, return, code for large angles and for dependent rows, constants.
@@ -223,6 +219,7 @@ impl<'a, A: Architecture> Generator<'a, A> {
         let (entry, constants_at) = A::entry(&self, frame as u32);
         let instructions = entry.instructions() + self.encoder.instructions();
         self.slow_paths();
+        assert_eq!(self.guards.is_empty(), any_rank.is_none(), "guards call a function");
         let guarded = self.encoder.position();
         for from in std::mem::take(&mut self.guards) {
             self.encoder.patch(from, guarded);

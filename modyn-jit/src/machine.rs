@@ -13,7 +13,7 @@
 //! - it reads numbers `0..length` of each array of arguments and writes numbers `0..length` of the results, which
 //!   [`Code::call`] has checked: the slices are as long, or longer. Further it touches its own stack frame alone, whose
 //!   pages it touches one after the other, so that a stack that is too short ends at its guard page. The function that its guards
-//!   call is in the same pages, and gets the same pointers and lengths;
+//!   call is in the same pages, is made from the same program, and gets the same pointers;
 //! - arguments are shared slices and the results are an exclusive one, so it writes no number that it reads.
 #![allow(unsafe_code)]
 

@@ -207,6 +207,15 @@ impl<'a> Registers<'a> {
         self.homes[value as usize] = Home::None;
     }
 
+    /// Frees the places of the values that no later step reads.
+    pub fn drop_dead(&mut self, values: &[Value]) {
+        for &value in values {
+            if self.dies(value) {
+                self.drop(value);
+            }
+        }
+    }
+
     /// Frees the places of a value after its last read, and of the vector whose last lane it was.
     pub fn drop(&mut self, value: Value) {
         self.evict(value);

@@ -31,7 +31,7 @@ def options():
                         help="compile for this processor, as compilers name it; if it is another machine's, see README.md")
     parser.add_argument("--built", action="store_true", help="measure what was built last; compile nothing")
     parser.add_argument("--quick", action="store_true", help="2 copies and 5 repetitions, for debugging")
-    parser.add_argument("--warm", action="store_true", help="no calls with empty caches, which take long where flushing does")
+    parser.add_argument("--warm", action="store_true", help="no calls with empty caches, for machines where flushes are slow")
     parser.add_argument("--copies", type=int, default=5, help="processes, each of a fresh copy of its program (5)")
     parser.add_argument("--seconds", type=float, default=math.inf, metavar="S",
                         help="start no program after this time, and report what was measured")

@@ -17,13 +17,17 @@ use super::planned::Kernels;
 use crate::graph::Graph;
 use crate::passes::optimize;
 use crate::program::{Execution, Program, ROW_LANES};
-use crate::trace::DenseGraph;
+use crate::trace::{DenseGraph, RowForm};
 
 /// The least number of multiplications of products for which they are loops unless the user chooses short code. A quadruped on four feet has
 /// 32,000: loops have half of the code, and take no longer. The derivatives of a quadruped on a floating base have 6,000: with loops they
 /// take nine tenths of the time in a tight loop, seven tenths where code is not in the cache, and half of the text (`lab/benches/chains`).
 /// An arm with one contact has a thousand, the derivatives of an arm 700: straight-line code is as quick when called cold.
 const MIN_PRODUCTS: usize = 2_500;
+
+/// The most operations, by their order, that machine code has for rows of any rank beside those of independent rows: they are not counted among
+/// the operations of a robot. It is reached by 48 rows.
+const MAX_ANY_RANK: usize = 125_000;
 
 /// Returns the programs of a function of constraints, or of its form for many states. `None` for other functions, and where the user has
 /// chosen straight-line code.
@@ -94,6 +98,13 @@ fn kernels(
         None if dense.rows.is_none() => return None,
         products => products.is_some(),
     };
+    let is_long = |form: &RowForm| {
+        let rows: usize = form.blocks.iter().sum();
+        rows * rows * (rows + 4 * form.sides) > MAX_ANY_RANK
+    };
+    if context.machine_code && dense.rows.as_ref().is_some_and(is_long) {
+        return None;
+    }
     dense.graph = packing::balanced(optimize(dense.graph));
     let program = |graph: Graph, execution| {
         let of = DenseGraph { graph, ..dense.clone() };

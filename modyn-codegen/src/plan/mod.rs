@@ -273,9 +273,12 @@ impl Plan {
         self.functions.iter().filter_map(|planned| Some((planned.name, planned.fault.as_ref()?)))
     }
 
-    /// Returns the functions that have loops in place of straight-line code, by name: which loops, and why.
+    /// Returns the functions that have loops in place of straight-line code, by name: which loops, and why. Machine code has none.
     #[must_use]
     pub fn loops(&self) -> Vec<(&'static str, String)> {
+        if self.choices.machine_code {
+            return Vec::new();
+        }
         let of = |planned: &Planned| {
             if let Kernels::Straight { scalar, .. } = &planned.kernels
                 && let Some(loops) = dense::loops(scalar)

@@ -25,11 +25,7 @@ impl<A: Architecture> Generator<'_, A> {
         let FarCheck { squares, limit, angles } = check;
         let from = A::jump_unless_less(self, [*squares, *limit]);
         let back = self.encoder.position();
-        for value in [*squares, *limit] {
-            if self.registers.dies(value) {
-                self.registers.drop(value);
-            }
-        }
+        self.registers.drop_dead(&[*squares, *limit]);
         let places = angles.iter().map(|reduced| {
             let all = [reduced.angle, reduced.results[0], reduced.results[1]];
             let places = all.map(|value| match self.registers.register(value) {
@@ -48,11 +44,8 @@ impl<A: Architecture> Generator<'_, A> {
                     self.registers.forget_home(value);
                 }
             }
-            for value in [reduced.angle, reduced.results[0], reduced.results[1]] {
-                if self.registers.dies(value) {
-                    self.registers.drop(value);
-                }
-            }
+            let [r, turns] = reduced.results;
+            self.registers.drop_dead(&[reduced.angle, r, turns]);
         }
     }
 

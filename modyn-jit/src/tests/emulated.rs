@@ -30,6 +30,7 @@ fn compare<F: Fuse>(
     };
     let mut assembly = Assembly::<F>::new(instruction_set, batch, Linkage::Addresses(helpers));
     let (code, _) = assembly.append(program, arrays, batch);
+    assert_eq!(assembly.kernels.len(), 1 + usize::from(program.has_row_equations()), "forms");
     let lanes = if batch { instruction_set.vector(true) / size_of::<F>() } else { 1 };
     // The lanes differ: the numbers of one state, rotated.
     let states: Vec<Vec<F>> = (0..lanes)
@@ -105,9 +106,9 @@ fn contacts() {
         end: LoopEnd { link: link.into(), xyz, rpy: [0.1, -0.2, 0.3] },
     };
     let feet = [
+        contact("right", "hind_right_foot", [0.03, -0.01, 0.02]),
         contact("toe", "front_left_foot", [0.0, 0.01, -0.02]),
         contact("heel", "front_left_foot", [0.03, -0.01, 0.02]),
-        contact("right", "hind_right_foot", [0.03, -0.01, 0.02]),
     ];
     let functions = [Function::ConstrainedForwardDynamics, Function::ContactImpulse];
     let builder = robot("quadruped").base(Base::Floating).contacts(feet).functions(functions);
@@ -118,9 +119,11 @@ fn contacts() {
         let mut state = numbers(1, arrays.iter().sum(), 1.0);
         // The contacts follow the other arguments; then the settings.
         let first = arrays[..planned.arguments.len() - 2].iter().sum::<usize>();
-        for active in [[1.0, 0.0, 1.0], [1.0, 1.0, 1.0]] {
+        for active in [[1.0, 1.0, 0.0], [1.0, 1.0, 1.0], [0.0, 1.0, 1.0]] {
             state[first..first + 3].copy_from_slice(&active);
             all_levels::<f64>(scalar, simd, &arrays, &state);
+            let state: Vec<f32> = state.iter().map(|&x: &f64| x as f32).collect();
+            all_levels::<f32>(scalar, simd, &arrays, &state);
         }
     }
 }

@@ -518,7 +518,7 @@ fn set_special(random: &mut Random, arguments: &mut [Vec<f64>]) {
 
 /// Returns the largest error of results if each argument is rounded by a part of it, and each sum by a part of the largest
 /// result: 64 times the largest change in four states that are that near. In single precision it is at least 8 times the largest error
-/// of an evaluation there: where terms nearly cancel, a single evaluation may be 20 times nearer than the next.
+/// of eight evaluations at these states: where terms nearly cancel, one evaluation may have a twentieth of the error of another.
 fn tolerance(
     of: &Reference<'_>,
     (part, float): (f64, FloatType),

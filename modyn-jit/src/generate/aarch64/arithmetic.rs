@@ -1,4 +1,4 @@
-//! Operations on registers, and the comparison that finds angles that are too large for the fast reduction.
+//! Operations on registers, and the comparison that finds large angles and dependent rows.
 
 use super::encode::{Encoder, NO_REGISTER, SCRATCH};
 use super::opcodes as op;
@@ -96,7 +96,7 @@ impl Generator<'_, Encoder> {
         to
     }
 
-    /// Writes a jump that is taken unless all squares are less than the limit, and returns its position.
+    /// Writes a jump that is taken unless all lanes of the first value are less than those of the second, and returns its position.
     pub(super) fn jump_unless_less(&mut self, [squares, limit]: [Value; 2]) -> usize {
         let mut pinned = self.registers.pinned(&[squares, limit]);
         let [first, last] = [squares, limit].map(|value| self.force(value, &mut pinned));

@@ -1,4 +1,4 @@
-//! Calls of helpers.
+//! Calls of helpers, and of the form for rows of any rank.
 
 use super::Encoder;
 use super::encode::{Place, RSP};
