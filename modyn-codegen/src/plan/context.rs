@@ -7,7 +7,6 @@ use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 use modyn_runtime::quantities::Sizes;
 
-use super::choices::Choices;
 use super::code_form::CodeForm;
 use super::frames::Frames;
 use super::partition::{self, ChosenPartition};
@@ -91,12 +90,12 @@ impl<'a> PlanContext<'a> {
         robot: &'a SymbolicRobot,
         (model, modules): (&'a Model, &ModuleTree),
         execution: Execution,
-        choices: &Choices,
+        (share, code, machine_code): (bool, CodeForm, bool),
     ) -> Self {
         // Threads run straight-line code, one limb after another.
         let has_threads = execution == Execution::Threads;
-        let share = choices.share && !has_threads;
-        let code = if has_threads { CodeForm::Fast } else { choices.code };
+        let share = share && !has_threads;
+        let code = if has_threads { CodeForm::Fast } else { code };
         let limbs = robot.limbs(execution, share);
         let SymbolicRobot { mechanism, frames, parameters } = robot;
         let all_links = Tracer::with_parameters(mechanism, parameters.clone());
@@ -127,7 +126,7 @@ impl<'a> PlanContext<'a> {
             execution,
             share,
             code,
-            machine_code: choices.machine_code,
+            machine_code,
             independent: limbs.first().is_some_and(|limbs| limbs.independent(mechanism)),
             limbs,
             partitions,

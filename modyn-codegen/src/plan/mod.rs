@@ -170,7 +170,8 @@ impl Plan {
         }
         let robot = SymbolicRobot::new(model, choices.parameters(model));
         let mut budget = Budget::new();
-        let context = PlanContext::new(&robot, (model, modules), execution, choices);
+        let form = (choices.share, choices.code, choices.machine_code);
+        let context = PlanContext::new(&robot, (model, modules), execution, form);
         let sizes = context.sizes;
         let selected = |function: &Function| {
             let row = function.row();
