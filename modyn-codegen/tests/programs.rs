@@ -153,17 +153,18 @@ fn derivatives_of_steps_are_those_of_the_interpreter() {
     }
 }
 
+fn contact(name: &str, kind: ContactKind, link: &str) -> Contact {
+    let end = LoopEnd { link: link.into(), xyz: [0.01, 0.02, -0.03], rpy: [0.1, 0.2, 0.3] };
+    Contact { name: name.into(), kind, end }
+}
+
+fn builder(name: &str) -> Builder {
+    Builder::new().urdf(format!("{}/../robots/{name}.urdf", env!("CARGO_MANIFEST_DIR")))
+}
+
 /// Derivatives under constraints as products, on scalars and on vectors.
 #[test]
 fn products_under_constraints_agree_with_straight_line_code() {
-    let contact = |name: &str, kind, link: &str| Contact {
-        name: name.into(),
-        kind,
-        end: LoopEnd { link: link.into(), xyz: [0.01, 0.02, -0.03], rpy: [0.1, 0.2, 0.3] },
-    };
-    let builder = |name: &str| {
-        Builder::new().urdf(format!("{}/../robots/{name}.urdf", env!("CARGO_MANIFEST_DIR")))
-    };
     let feet = [
         contact("point", ContactKind::Point, "front_left_foot"),
         contact("sole", ContactKind::Surface, "hind_right_foot"),
@@ -441,4 +442,17 @@ fn broken_programs_are_found() {
     assert_eq!(rule, "a statement knows which of its results are used, and one is");
     let early = broken(|p| p.statements[0].last_use = 0);
     assert_eq!(early, "no statement reads a value after its last use");
+}
+
+/// Machine code of many rows has no equations apart: rows of any rank are counted among a robot's operations then.
+#[test]
+fn machine_code_of_many_rows_has_them_in_its_program() {
+    for (surfaces, apart) in [(2, true), (9, false)] {
+        let names: Vec<String> = (0..surfaces).map(|i| format!("c{i}")).collect();
+        let contacts = names.iter().map(|name| contact(name, ContactKind::Surface, "lower"));
+        let robot = builder("double_pendulum").contacts(contacts);
+        let planning = robot.functions([Function::ContactImpulse]).plan().expect("good");
+        let (scalar, _) = planning.plan.functions[0].kernels.straight().expect("one program");
+        assert_eq!(scalar.has_row_equations(), apart, "{surfaces}");
+    }
 }

@@ -145,21 +145,20 @@ impl<S: Real> Assembly<S> {
         let all = lower(Rows::All);
         let independent = program.has_row_equations().then(|| lower(Rows::Independent));
         let independent = independent.filter(|few| 8 * few.steps.len() <= 7 * all.steps.len());
-        let (any_rank, size) = self.write(&all, (program, arrays), batch, None);
+        let (any_rank, size) = self.write(&all, arrays, batch, None);
         let Some(independent) = independent else { return (any_rank, size) };
-        let (code, mut own) =
-            self.write(&independent, (program, arrays), batch, Some(any_rank.entry));
+        let (code, mut own) = self.write(&independent, arrays, batch, Some(any_rank.entry));
         own.bytes += size.bytes;
         own.constants += size.constants;
         own.frame += size.frame;
         (code, own)
     }
 
-    /// Writes the code of a program's values. `any_rank` is the start of the code which its guards call.
+    /// Writes the code of values. `any_rank` is the start of the code which its guards call.
     fn write(
         &mut self,
         values: &Values,
-        (program, arrays): (&Program, &[usize]),
+        arrays: &[usize],
         batch: bool,
         any_rank: Option<usize>,
     ) -> (Code, CodeSize) {
@@ -175,6 +174,6 @@ impl<S: Real> Assembly<S> {
         self.calls.extend(calls);
         let lanes = if batch { self.instruction_set.vector(true) / size_of::<S>() } else { 1 };
         let arguments = arrays.iter().map(|length| length * lanes).collect();
-        (Code { entry, arguments, results: program.results.len() * lanes }, generated.size)
+        (Code { entry, arguments, results: values.results.len() * lanes }, generated.size)
     }
 }

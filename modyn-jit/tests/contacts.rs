@@ -3,11 +3,12 @@
 
 use modyn_codegen::diagnostics::Code;
 use modyn_codegen::plan::Kernels;
-use modyn_codegen::{Base, Builder, Contact, ContactKind, Function, LoopEnd};
+use modyn_codegen::{Base, Builder, ContactKind, Function};
 use modyn_jit::{Compiled, InstructionSet, Options};
 use modyn_runtime::model::{self, LoopConstraintEnd, Model};
 use modyn_runtime::spatial::{Pose, Twist, Vector3, Wrench};
 use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter};
+use modyn_tests::conformance::contact;
 use modyn_tests::quantities::Quantities;
 use modyn_tests::random;
 
@@ -15,14 +16,6 @@ const FUNCTIONS: [Function; 3] =
     [Function::ConstrainedForwardDynamics, Function::ContactImpulse, Function::ConstraintResidual];
 
 type Settings = ConstraintSettings<f64, Vec<ContactTarget<f64>>>;
-
-fn contact(name: &str, kind: ContactKind, link: &str, xyz: [f64; 3]) -> Contact {
-    Contact {
-        name: name.into(),
-        kind,
-        end: LoopEnd { link: link.into(), xyz, rpy: [0.1, -0.2, 0.3] },
-    }
-}
 
 fn numbers(settings: &Settings) -> Vec<f64> {
     let contacts = settings.contacts.iter().flat_map(ContactTarget::numbers);

@@ -4,9 +4,9 @@
 
 use modyn_codegen::graph::{Expr, Graph};
 use modyn_codegen::program::{Execution, Program};
-use modyn_codegen::{Base, Contact, ContactKind, Function, LoopEnd};
+use modyn_codegen::{Base, ContactKind, Function};
 use modyn_runtime::Scalar;
-use modyn_tests::conformance::robot;
+use modyn_tests::conformance::{contact, robot};
 use modyn_tests::random::{Random, seeds};
 
 use super::emulator::{ATAN2, Emulator, LOGARITHM, REDUCE};
@@ -100,15 +100,10 @@ fn robots() {
 /// Contacts whose rows are dependent where two points of one link are active: the guards find these states.
 #[test]
 fn contacts() {
-    let contact = |name: &str, link: &str, xyz| Contact {
-        name: name.into(),
-        kind: ContactKind::Point,
-        end: LoopEnd { link: link.into(), xyz, rpy: [0.1, -0.2, 0.3] },
-    };
     let feet = [
-        contact("right", "hind_right_foot", [0.03, -0.01, 0.02]),
-        contact("toe", "front_left_foot", [0.0, 0.01, -0.02]),
-        contact("heel", "front_left_foot", [0.03, -0.01, 0.02]),
+        contact("right", ContactKind::Point, "hind_right_foot", [0.03, -0.01, 0.02]),
+        contact("toe", ContactKind::Point, "front_left_foot", [0.0, 0.01, -0.02]),
+        contact("heel", ContactKind::Point, "front_left_foot", [0.03, -0.01, 0.02]),
     ];
     let functions = [Function::ConstrainedForwardDynamics, Function::ContactImpulse];
     let builder = robot("quadruped").base(Base::Floating).contacts(feet).functions(functions);

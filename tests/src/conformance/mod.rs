@@ -75,7 +75,9 @@ pub fn robot(name: &str) -> Builder {
     Builder::new().urdf(file.iter().find(|file| file.exists()).expect("a robot"))
 }
 
-fn contact(name: &str, kind: ContactKind, link: &str, xyz: [f64; 3]) -> Contact {
+/// Returns a contact at this point of a link, rotated.
+#[must_use]
+pub fn contact(name: &str, kind: ContactKind, link: &str, xyz: [f64; 3]) -> Contact {
     let end = LoopEnd { link: link.into(), xyz, rpy: [0.1, 0.2, 0.3] };
     Contact { name: name.into(), kind, end }
 }
