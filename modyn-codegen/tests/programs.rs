@@ -5,13 +5,16 @@ use std::collections::BTreeSet;
 use modyn_codegen::graph::{Expr, Graph};
 use modyn_codegen::passes::{balance, optimize};
 use modyn_codegen::plan::{Choices, LIMB_LIMITS, Plan, Sizes};
-use modyn_codegen::program::{Execution, Operation, ProductBlock, Products, Program, Source};
+use modyn_codegen::program::{
+    Execution, Operand, Operation, ProductBlock, Products, Program, RowEquations, Source,
+};
 use modyn_codegen::trace::{DenseGraph, LimbPacking, Tracer};
 use modyn_codegen::{
     Base, Builder, CodeForm, Contact, ContactKind, Function, LoopEnd, ReadOptions, read,
 };
 use modyn_runtime::equations::ModulePartition;
 use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::equations::constraints::RowSystem;
 use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::equations::kinematics::coordinates::normalize;
 use modyn_runtime::mechanism::Mechanism;
@@ -455,4 +458,22 @@ fn machine_code_of_many_rows_has_them_in_its_program() {
         let (scalar, _) = planning.plan.functions[0].kernels.straight().expect("one program");
         assert_eq!(scalar.has_row_equations(), apart, "{surfaces}");
     }
+}
+
+/// Equations of rows are the program that back ends print of them, also in the signs of zeros: of an inactive contact before rows that depend
+/// on each other.
+#[test]
+fn row_equations_are_their_program() {
+    let (blocks, sides) = (vec![1, 1, 1], 1);
+    let numbers = [0.0, 0.0, 2.0, 0.0, 2.0, 2.0, -0.0, 1.5, 1.5, 1.0, 1.0, 1.0, 1e-10, 1e-10];
+    let operand = |number| Operand { source: Source::Argument(number), negated: false, lanes: 1 };
+    let operands = (0..=numbers.len()).map(operand).collect();
+    let equations = RowEquations { blocks: blocks.clone(), sides, operands };
+    let program = equations.program();
+    let [matrix, sides, scales, tolerances] =
+        [0..6, 6..9, 9..12, 12..14].map(|of| numbers[of].to_vec());
+    let system =
+        RowSystem { blocks, matrix, sides, scales, tolerances: [tolerances[0], tolerances[1]] };
+    let bits = |numbers: Vec<f64>| -> Vec<u64> { numbers.into_iter().map(f64::to_bits).collect() };
+    assert_eq!(bits(system.solve()), bits(program.evaluate(&numbers)));
 }
