@@ -43,6 +43,7 @@ pub mod quantities;
 mod results;
 mod robot;
 mod scalar;
+mod setting_range;
 pub mod simulate;
 pub mod solve;
 #[cfg(feature = "alloc")]
@@ -96,6 +97,7 @@ pub use scalar::LaneScalar;
 #[doc(hidden)]
 pub use scalar::{FRAC_1_PI_BITS, PI_BITS};
 pub use scalar::{Portable, SIN_COS_F32, SIN_COS_F64, Scalar, SinCosNumbers};
+pub use setting_range::{SettingError, SettingPlace, SettingRange, check_settings};
 pub use spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 #[cfg(feature = "alloc")]
 pub use user_function::{UserArgument, UserArgumentKind, UserDerivatives, UserError, UserFunction};

@@ -17,8 +17,9 @@ use crate::random::{Random, State};
 pub fn arguments(function: Function, model: &Model, state: &State) -> Vec<Vec<f64>> {
     let sizes = Sizes::new(model, 0);
     let numbers = |Argument { name, kind }: &Argument, length: usize| -> Vec<f64> {
-        let mut random =
-            Random::new(name.bytes().fold(0, |seed, byte| 31 * seed + u64::from(byte)));
+        let mut random = Random::new(
+            name.bytes().fold(0, |seed: u64, byte| seed.wrapping_mul(31).wrapping_add(byte.into())),
+        );
         let mut several =
             |from: f64, to: f64| (0..length).map(|_| random.between(from, to)).collect();
         match (*name, kind) {

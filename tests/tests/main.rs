@@ -23,6 +23,7 @@ mod kinematics;
 mod large;
 mod loop_derivatives;
 mod model;
+mod nan;
 mod operation_counts;
 mod output;
 mod pages;

@@ -119,6 +119,19 @@ pub(crate) fn epsilon<S: Scalar>() -> S {
     (third + third + third - S::one()).abs()
 }
 
+/// Returns the number where it is positive, else zero; NaN for NaN.
+#[inline(always)]
+pub(crate) fn positive<S: Scalar>(x: S) -> S {
+    (-x).select_nonnegative(S::zero(), x)
+}
+
+/// Returns the larger of two numbers that are not negative; unlike [`Scalar::max`], NaN if one is NaN.
+#[inline(always)]
+pub(crate) fn larger<S: Scalar>(a: S, b: S) -> S {
+    let sum = a + b;
+    sum.select_nonnegative(a.max(b), sum)
+}
+
 /// The types of an instruction set: a single value, and packs of two, four and eight.
 pub trait SimdBackend: 'static {
     /// The scalar that is packed.

@@ -5,6 +5,7 @@ use super::impulses::{
 };
 use super::{State, add_scaled};
 use crate::robot::{Factorization, Settings};
+use crate::scalar::positive;
 use crate::solve::{Contact, ContactMode, Decide, Effort, Residual, Stop};
 use crate::spatial::{Matrix3, Pose, Vector3};
 use crate::{Array, Robot, Scalar, functions};
@@ -227,8 +228,9 @@ fn coordinates<R: Robot>() -> impl Iterator<Item = (usize, usize)> {
 pub fn limit_effort<R: Robot, T: Scalar>(tau: &R::V<T>) -> R::V<T> {
     R::V::<T>::from_fn(|i| {
         let (most, force) = (T::from_f64(R::LIMITS.effort[i]), tau.as_ref()[i]);
-        let below = (most - force).select_nonnegative(force, most);
-        (below + most).select_nonnegative(below, -most)
+        // NaN stays NaN.
+        let below = (force - most).select_nonnegative(most, force);
+        (-most - below).select_nonnegative(-most, below)
     })
 }
 
@@ -272,8 +274,7 @@ impl<T: Scalar> SpringGround<T> {
         let depth = normal.dot(Vector3(translation) - Vector3(position));
         let speed = normal.dot(velocity);
         let pressed = self.stiffness * depth - self.damping * speed;
-        let pressed = pressed.select_nonnegative(pressed, T::zero());
-        let pressed = depth.select_nonnegative(pressed, T::zero());
+        let pressed = (-depth).select_nonnegative(T::zero(), positive(pressed));
         let sliding = velocity - normal.scale(speed);
         let drag =
             self.friction * pressed * (sliding.dot(sliding) + self.slip * self.slip).sqrt().recip();

@@ -1,6 +1,8 @@
 //! Ground whose height is given on a grid.
 
 use crate::robot::Settings;
+use crate::scalar::positive;
+use crate::setting_range::{SettingError, SettingPlace, SettingRange};
 use crate::solve::Decide;
 use crate::spatial::{Matrix3, Pose, Vector3};
 use crate::{Array, Robot, functions};
@@ -17,7 +19,11 @@ use crate::{Array, Robot, functions};
 /// let plane = ramp.plane([0.5, 0.0]);
 /// assert!((plane.translation[2] - 0.05_f64).abs() < 1e-12);
 /// assert!((plane.rotation[0][2] / plane.rotation[2][2] + 0.1).abs() < 1e-12);
-/// assert!(HeightField::new([0.0; 2], [1.0; 2], 4, &heights).is_none());
+///
+/// // A camera often leaves cells unknown.
+/// let unknown = [0.0, 0.1, f64::NAN, 0.0, 0.1, 0.2];
+/// let error = HeightField::new([0.0; 2], [1.0; 2], 3, &unknown).expect_err("one cell is NaN");
+/// assert_eq!(error.to_string(), "`heights`[0, 2] of the height field is NaN; expected a finite number");
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeightField<'a, T = f64> {
@@ -43,14 +49,33 @@ struct Cell<T> {
 
 impl<'a, T: Decide + Into<f64>> HeightField<'a, T> {
     /// Returns the field of these heights (m): rows of `columns` heights along x, whose first is at `origin`, with these distances of
-    /// neighbours along x and y (m). `None` if there are not two full rows of at least two heights, or a distance is not above zero.
-    #[must_use]
-    pub fn new(origin: [T; 2], spacing: [T; 2], columns: usize, heights: &'a [T]) -> Option<Self> {
-        let positive = |x: T| !x.all_at_most(T::zero()) && x.into().is_finite();
-        let rows = heights.len().checked_div(columns)?;
-        let fits = columns >= 2 && rows >= 2 && rows * columns == heights.len();
-        let sound = fits && spacing.into_iter().all(positive);
-        sound.then_some(Self { origin, spacing, counts: [columns, rows], heights })
+    /// neighbours along x and y (m).
+    ///
+    /// # Errors
+    ///
+    /// If there are not two full rows of at least two heights, if a number is not finite, or if a distance is not above zero.
+    #[allow(clippy::cast_precision_loss)]
+    pub fn new(
+        origin: [T; 2],
+        spacing: [T; 2],
+        columns: usize,
+        heights: &'a [T],
+    ) -> Result<Self, SettingError> {
+        let place = SettingPlace::HeightField;
+        let rows = heights.len().checked_div(columns).unwrap_or_default();
+        if columns < 2 || rows < 2 || rows * columns != heights.len() {
+            let (value, range) = (heights.len() as f64, SettingRange::Grid);
+            return Err(SettingError { name: "heights", place, value, range });
+        }
+        for (x, distance) in origin.into_iter().zip(spacing) {
+            SettingRange::Finite.check("origin", place, x.into())?;
+            SettingRange::Positive.check("spacing", place, distance.into())?;
+        }
+        for (k, &height) in heights.iter().enumerate() {
+            let place = SettingPlace::Height { row: k / columns, column: k % columns };
+            SettingRange::Finite.check("heights", place, height.into())?;
+        }
+        Ok(Self { origin, spacing, counts: [columns, rows], heights })
     }
 
     /// Returns the plane that touches the ground below a point at this x and y (m): its z axis is the normal of the ground, its origin
@@ -88,7 +113,7 @@ impl<'a, T: Decide + Into<f64>> HeightField<'a, T> {
         #[allow(clippy::cast_precision_loss)]
         let part = place - T::from_f64(first as f64);
         let inside = cells >= 0.0 && cells <= end;
-        let bounded = (part - T::one()).select_nonnegative(T::one(), part.max(T::zero()));
+        let bounded = (part - T::one()).select_nonnegative(T::one(), positive(part));
         let slope = if inside { self.spacing[axis].recip() } else { T::zero() };
         Cell { first, part: bounded, slope }
     }

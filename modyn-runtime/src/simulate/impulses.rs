@@ -5,7 +5,8 @@
 //! Stops take part only if a joint would pass one, or if one acted in the last step.
 
 use crate::ContactTarget;
-use crate::scalar::epsilon;
+use crate::scalar::{epsilon, larger};
+use crate::setting_range::{MAX_ITERATIONS, SettingError, SettingPlace, SettingRange};
 use crate::solve::{
     Contact, ContactMode, Decide, Effort, GroundEquations, Residual, Row, Stop, add_scaled,
     relative_velocity, soften,
@@ -24,12 +25,27 @@ const MAX_ROUNDS: usize = 4;
 pub struct Ground<T = f64> {
     /// Whether joints stop at the limits of the description. A joint beyond a limit returns at the rate `beta` of the settings.
     pub joint_limits: bool,
-    /// The largest wrong velocity at which the solver ends, m/s and rad/s.
+    /// The largest wrong velocity at which the solver ends, m/s and rad/s; above zero.
     pub tolerance: T,
-    /// The largest number of sweeps over the contacts. With stops there is at most one.
+    /// The largest number of sweeps over the contacts, at most 10,000. With stops there is at most one.
     pub sweeps: usize,
-    /// The largest number of Newton steps after the sweeps.
+    /// The largest number of Newton steps after the sweeps, at most 10,000.
     pub newton_steps: usize,
+}
+
+impl<T: Copy + Into<f64>> Ground<T> {
+    /// Checks that the options are within their ranges.
+    ///
+    /// # Errors
+    ///
+    /// The first option that is not.
+    #[allow(clippy::cast_precision_loss)]
+    pub fn check(&self) -> Result<(), SettingError> {
+        let (place, most) = (SettingPlace::Ground, SettingRange::AtMost(MAX_ITERATIONS));
+        SettingRange::Positive.check("tolerance", place, self.tolerance.into())?;
+        most.check("sweeps", place, self.sweeps as f64)?;
+        most.check("newton_steps", place, self.newton_steps as f64)
+    }
 }
 
 impl<T: Decide> Default for Ground<T> {
@@ -115,7 +131,7 @@ pub fn solve_step<T: Decide, M: StepMemory<T>>(
     let most = (Effort { sweeps: ground.sweeps, newton: ground.newton_steps }, ground.tolerance);
     let b = velocities_of_contacts(memory, motion, targets, contacts);
     let held = impulses.stops.as_ref().iter().take(stops.len());
-    let held = held.fold(T::zero(), |most, impulse| most.max(impulse.abs()));
+    let held = held.fold(T::zero(), |most, impulse| larger(most, impulse.abs()));
     let mut found = (Residual { contacts: T::zero(), stops: T::zero() }, Effort::default());
     let stopped = !held.all_at_most(T::zero());
     if !stopped {

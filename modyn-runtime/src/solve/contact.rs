@@ -19,7 +19,7 @@
 
 use super::decide::Decide;
 use crate::Scalar;
-use crate::scalar::epsilon;
+use crate::scalar::{epsilon, larger, positive};
 
 /// The Newton steps on the slip in one visit.
 const SLIP_STEPS: usize = 2;
@@ -230,20 +230,21 @@ impl<S: Scalar> Contact<S> {
     }
 
     /// Returns the velocity of the contact with impulse `p` and velocity `u` that contradicts the laws of contacts, m/s: zero at a
-    /// solution.
+    /// solution, NaN if a number is NaN.
     #[inline(always)]
     pub(super) fn residual(&self, p: [S; 3], u: [S; 3]) -> S {
-        let (zero, [mean, per_mean]) = (S::zero(), self.scale);
-        let along = p[2] - (p[2] - u[2] * self.normal).max(zero);
+        let [mean, per_mean] = self.scale;
+        let along = p[2] - positive(p[2] - u[2] * self.normal);
         let wanted = [p[0] - u[0] * per_mean, p[1] - u[1] * per_mean];
-        let (length, limit) = (norm(wanted), self.friction * p[2].max(zero));
+        let length = norm(wanted);
+        let limit = self.friction * positive(p[2]);
         // At length zero the first choice applies, so nothing is divided by zero.
         let inside = limit - length;
         let part = inside
             .select_nonnegative(S::one(), limit / inside.select_nonnegative(S::one(), length));
         let across = norm([p[0] - part * wanted[0], p[1] - part * wanted[1]]) * mean;
-        let worst = (along.abs() * self.block[5]).max(across);
-        (-self.normal).select_nonnegative(zero, worst)
+        let worst = larger(along.abs() * self.block[5], across);
+        (-self.normal).select_nonnegative(S::zero(), worst)
     }
 }
 

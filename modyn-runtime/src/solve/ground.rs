@@ -3,6 +3,7 @@
 use super::contact::Contact;
 use super::decide::Decide;
 use crate::Scalar;
+use crate::scalar::{larger, positive};
 
 /// Numbers with an entry for each row of a problem, or more: an array or a vector.
 pub trait Row<S>: Clone + AsRef<[S]> + AsMut<[S]> {}
@@ -32,7 +33,7 @@ impl<S: Scalar> Stop<S> {
         let per_unit = self.mobility.recip();
         let [up, down] = self.range.map(|bound| p + (bound - u) * per_unit);
         // At most one of the two is not zero, since the range is not empty.
-        up.select_nonnegative(up, S::zero()) + (-down).select_nonnegative(down, S::zero())
+        positive(up) - positive(-down)
     }
 
     /// Returns the velocity that contradicts the law of a stop: zero at the solution.
@@ -58,13 +59,25 @@ impl<S: Decide> Stop<S> {
     }
 }
 
-/// The velocities that are wrong with the impulses of a step: zero if the impulses satisfy the laws of contacts and stops.
+/// The velocities that are wrong with the impulses of a step: zero if the impulses satisfy the laws of contacts and stops, NaN if a
+/// number of the step is NaN.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Residual<T = f64> {
     /// The largest wrong velocity of a contact, m/s.
     pub contacts: T,
     /// The largest wrong velocity of a joint at a stop, rad/s or m/s.
     pub stops: T,
+}
+
+impl<T: Scalar> Residual<T> {
+    /// Returns the larger velocities of two steps; NaN if one is NaN.
+    #[must_use]
+    pub fn max(self, other: Self) -> Self {
+        Self {
+            contacts: larger(self.contacts, other.contacts),
+            stops: larger(self.stops, other.stops),
+        }
+    }
 }
 
 /// Numbers of iterations of the solver: the largest allowed ones, or those of a solution.
@@ -138,22 +151,34 @@ impl<S: Scalar, R: Row<S>> GroundEquations<'_, S, R> {
         for _ in 0..times {
             self.sweep_once(p, u);
         }
-        self.residual(p, u).contacts
+        self.finish(p, u).contacts
+    }
+
+    /// Returns what is wrong with the impulses `p`, whose velocities are `u`. If this is NaN, the impulses become NaN: a motion must not
+    /// go on without them.
+    #[inline(always)]
+    pub(super) fn finish(&self, p: &mut [S], u: &[S]) -> Residual<S> {
+        let residual = self.residual(p, u);
+        let wrong = residual.contacts + residual.stops;
+        for p in &mut p[..self.rows()] {
+            *p = wrong.select_nonnegative(*p, wrong);
+        }
+        residual
     }
 
     /// Returns what is wrong with the impulses `p`, whose velocities are `u`.
     #[inline(always)]
-    pub(super) fn residual(&self, p: &[S], u: &[S]) -> Residual<S> {
+    fn residual(&self, p: &[S], u: &[S]) -> Residual<S> {
         // No closures: they would not be compiled for the instructions of lanes.
         let mut worst = Residual { contacts: S::zero(), stops: S::zero() };
         for (c, contact) in self.contacts.iter().enumerate() {
             let [x, y, z] = [3 * c, 3 * c + 1, 3 * c + 2];
             let residual = contact.residual([p[x], p[y], p[z]], [u[x], u[y], u[z]]);
-            worst.contacts = worst.contacts.max(residual);
+            worst.contacts = larger(worst.contacts, residual);
         }
         let first = 3 * self.contacts.len();
         for (k, stop) in self.stops.iter().enumerate() {
-            worst.stops = worst.stops.max(stop.residual(p[first + k], u[first + k]));
+            worst.stops = larger(worst.stops, stop.residual(p[first + k], u[first + k]));
         }
         // Zero, unless an impulse is no finite number.
         let mut sound = S::zero();
@@ -182,10 +207,11 @@ impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
         let sweeps = if self.stops.is_empty() { most.sweeps } else { most.sweeps.min(1) };
         let (sweeps, change) = self.sweep(p.as_mut(), u.as_mut(), (sweeps, tolerance));
         let mut newton = 0;
-        if !change.all_at_most(tolerance) && most.newton > 0 {
+        // Nothing leads on from NaN.
+        if !change.all_at_most(tolerance) && change.all_nonnegative() && most.newton > 0 {
             newton = self.newton(p, &mut u, matrix().as_mut(), (most.newton, tolerance));
         }
-        (self.residual(p.as_ref(), u.as_ref()), Effort { sweeps, newton })
+        (self.finish(p.as_mut(), u.as_ref()), Effort { sweeps, newton })
     }
 
     /// Sweeps from the impulses `p` on, in lanes: without stops and without Newton steps. Returns the velocities that are wrong at
@@ -196,6 +222,6 @@ impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
         self.prepare();
         let mut u = self.velocities(p.as_ref());
         self.sweep(p.as_mut(), u.as_mut(), (most, tolerance));
-        self.residual(p.as_ref(), u.as_ref()).contacts
+        self.finish(p.as_mut(), u.as_ref()).contacts
     }
 }

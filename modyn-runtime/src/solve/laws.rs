@@ -3,6 +3,7 @@
 use super::ground::Row;
 use crate::Scalar;
 use crate::constraint_settings::ContactTarget;
+use crate::scalar::positive;
 
 /// Returns the range of the velocity after a step of `dt` seconds of a joint at the coordinate `at` within `limits`, rad or m;
 /// limits may be infinite.
@@ -39,15 +40,14 @@ pub(crate) fn least_speed<T: Scalar>(
     let rigid = -(height * gain);
     // A step damps at most the whole speed, and undoes at most the whole depth.
     let kept = T::one() - T::from_f64(2.0) * alpha * dt;
-    let kept = before * kept.select_nonnegative(kept, T::zero());
+    let kept = before * positive(kept);
     let pushed = kept - height * return_rate(beta * beta * dt, dt);
     let compliant = height.select_nonnegative(T::from_f64(-UNREACHED), pushed);
     let least = (-compliance).select_nonnegative(rigid, compliant);
     let rebound = -(restitution * before);
-    let faster = rebound - least;
-    let bounced = faster.select_nonnegative(rebound, least);
-    let bounces = rebound - T::from_f64(0.01);
-    let bounced = bounces.select_nonnegative(bounced, least);
+    // NaN selects the number that it is in.
+    let faster = (least - rebound).select_nonnegative(least, rebound);
+    let bounced = (T::from_f64(0.01) - rebound).select_nonnegative(least, faster);
     (least - free).select_nonnegative(bounced, least)
 }
 
@@ -125,5 +125,5 @@ pub(crate) fn soften<T: Scalar, R: Row<T>>(targets: &[ContactTarget<T>], matrix:
 #[inline(always)]
 fn return_rate<T: Scalar>(beta: T, dt: T) -> T {
     let per_step = dt.recip();
-    (per_step - beta).select_nonnegative(beta, per_step)
+    (beta - per_step).select_nonnegative(per_step, beta)
 }

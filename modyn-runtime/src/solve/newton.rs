@@ -18,7 +18,7 @@ use super::contact::Law;
 use super::decide::Decide;
 use super::ground::{GroundEquations, Row};
 use super::laws::add_scaled;
-use crate::scalar::epsilon;
+use crate::scalar::{epsilon, larger};
 
 /// The factor by which a step may raise the merit. The merit rises before it falls where contacts are redundant: with a small factor the
 /// steps that lead to the solution are taken back.
@@ -50,7 +50,7 @@ impl<S: Decide> Merit<S> {
     fn add(&mut self, residuals: &[S], per_mobility: S) {
         for &residual in residuals {
             self.sum = self.sum + residual * residual * per_mobility;
-            self.worst = self.worst.max(residual.abs());
+            self.worst = larger(self.worst, residual.abs());
         }
     }
 }

@@ -7,6 +7,7 @@
 use super::decide::Decide;
 use super::ground::{GroundEquations, Row};
 use crate::Scalar;
+use crate::scalar::larger;
 
 impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
     /// Sweeps until a sweep changes velocities by less than `tolerance`, until it makes little progress, or `most` times. Returns the
@@ -43,7 +44,7 @@ impl<S: Scalar, R: Row<S>> GroundEquations<'_, S, R> {
             if (-step.abs()).is_known_nonnegative() {
                 continue;
             }
-            change = change.max(step.abs() * stop.mobility);
+            change = larger(change, step.abs() * stop.mobility);
             p[row] = p[row] + step;
             for (u, &a) in u.iter_mut().zip(self.a[row].as_ref()) {
                 *u = a.mul_add(step, *u);
@@ -55,12 +56,12 @@ impl<S: Scalar, R: Row<S>> GroundEquations<'_, S, R> {
             let after = contact.solve(before, [u[row], u[row + 1], u[row + 2]]);
             let step = [after[0] - before[0], after[1] - before[1], after[2] - before[2]];
             let [across, along] = contact.mobilities();
-            let moved = step[0].abs().max(step[1].abs()) * across;
-            let moved = moved.max(step[2].abs() * along);
+            let moved = larger(step[0].abs(), step[1].abs()) * across;
+            let moved = larger(moved, step[2].abs() * along);
             if (-moved).is_known_nonnegative() {
                 continue;
             }
-            change = change.max(moved);
+            change = larger(change, moved);
             p[row..row + 3].copy_from_slice(&after);
             let [x, y, z] = [0, 1, 2].map(|k| self.a[row + k].as_ref());
             for (u, ((&x, &y), &z)) in u.iter_mut().zip(x.iter().zip(y).zip(z)) {

@@ -292,10 +292,7 @@ impl Dynamics<'_> {
         let settings = &self.constraint_settings;
         let step = self.impulses.step(&mut self.interpreter, motion, settings, dt)?;
         self.lowest = self.lowest.min(step.lowest);
-        self.residual = Residual {
-            contacts: self.residual.contacts.max(step.residual.contacts),
-            stops: self.residual.stops.max(step.residual.stops),
-        };
+        self.residual = self.residual.max(step.residual);
         self.forces = step.forces;
         let mut next = State { q: vec![0.0; q.len()], qd: step.qd, energy: [0.0; 2] };
         let moved: Vec<f64> = next.qd.iter().map(|rate| dt * rate).collect();

@@ -269,9 +269,10 @@ fn fill<S: Scalar>(
     }
 }
 
-/// Returns low + (high - low) part, at most `high` in spite of rounding.
+/// Returns low + (high - low) part, at most `high` in spite of rounding; NaN for NaN.
 fn interpolate<S: Scalar>(low: S, high: S, part: S) -> S {
-    -(-(low + (high - low) * part)).max(-high)
+    let x = low + (high - low) * part;
+    (x - high).select_nonnegative(high, x)
 }
 
 /// Returns a uniformly distributed rotation: Shoemake 1992, "Uniform random rotations", Graphics Gems III.

@@ -4,7 +4,7 @@ use alloc::{vec, vec::Vec};
 use core::array::from_fn;
 
 use super::{GroundRobot, JointStop, StepChanges, StepGradient, StepLanes};
-use crate::simulate::Ground;
+use crate::simulate::{Ground, Residual};
 use crate::{ConstraintSettings, ContactTarget};
 
 const CONTACTS: usize = 2;
@@ -74,8 +74,15 @@ impl Case {
         }
     }
 
-    /// Returns the velocities after the step, then the impulses.
+    /// Returns the velocities after the step, then the impulses, whose residual must be small.
     fn solve(&self, dt: f64) -> [Vec<f64>; 3] {
+        let (found, wrong) = self.found(dt);
+        assert!(wrong.contacts.max(wrong.stops) < 1e-11, "{wrong:?}");
+        found
+    }
+
+    /// Returns the velocities after the step, then the impulses; and their residual.
+    fn found(&self, dt: f64) -> ([Vec<f64>; 3], Residual) {
         let [mut p, mut s, mut qd] = [ROWS, N, N].map(|count| vec![0.0; count]);
         let ground = Ground { tolerance: 1e-13, ..Ground::default() };
         let (wrong, _) = robot().solve(
@@ -85,8 +92,7 @@ impl Case {
             (&mut p, &mut s),
             &mut qd,
         );
-        assert!(wrong.contacts.max(wrong.stops) < 1e-11, "{wrong:?}");
-        [qd, p, s]
+        ([qd, p, s], wrong)
     }
 
     fn numbers(&self) -> Vec<f64> {
@@ -261,4 +267,109 @@ fn derivatives_are_those_of_differences() {
         );
     }
     assert!(acted >= 10 && stopped >= 5, "{acted} with contacts, {stopped} with stops");
+}
+
+/// A number that has an effect must not lose it when it is NaN: else a robot falls through the ground, and nothing tells.
+#[test]
+fn nan_reaches_velocities_and_residual() {
+    let changed = |case: &Case, k: usize, by: &dyn Fn(f64) -> f64| -> (Case, f64) {
+        let mut along = Direction {
+            q: vec![0.0; N],
+            settings: vec![0.0; case.numbers().len()],
+            problem: vec![0.0; case.problem.len()],
+            inverse: vec![0.0; N * N],
+        };
+        let mut dt = DT;
+        let mut first = 0;
+        let numbers = case.numbers();
+        let parts: [(&[f64], &mut Vec<f64>); 4] = [
+            (&case.q, &mut along.q),
+            (&numbers, &mut along.settings),
+            (&case.problem, &mut along.problem),
+            (&case.inverse, &mut along.inverse),
+        ];
+        for (at, change) in parts {
+            if let Some(i) = k.checked_sub(first).filter(|&i| i < at.len()) {
+                change[i] = by(at[i]) - at[i];
+            }
+            first += at.len();
+        }
+        if k == first {
+            dt = by(dt);
+        }
+        (case.moved(1.0, &along), dt)
+    };
+    let mut effects = 0;
+    for seed in 0..8 {
+        let case = Case::new(seed, seed % 2 == 0);
+        let count = N + case.numbers().len() + case.problem.len() + N * N;
+        let (before, _) = case.found(DT);
+        for k in 0..=count {
+            let (moved, dt) = changed(&case, k, &|x| x * 1.01 + 1e-3);
+            if moved.found(dt).0 == before {
+                continue;
+            }
+            effects += 1;
+            let (moved, dt) = changed(&case, k, &|_| f64::NAN);
+            let ([velocities, ..], wrong) = moved.found(dt);
+            assert!(
+                velocities.iter().any(|v| v.is_nan()),
+                "{seed}: number {k} is NaN: {velocities:?}"
+            );
+            // The free motion, the responses and the inverse of the mass matrix act on velocities, and less on the laws.
+            let at = robot().places();
+            let in_problem = k.checked_sub(N + case.numbers().len());
+            let is_of_laws = in_problem.is_none_or(|i| (at.heights..at.responses).contains(&i));
+            assert!(
+                !is_of_laws || (wrong.contacts + wrong.stops).is_nan(),
+                "{seed}: number {k} is NaN, and the residual {wrong:?}"
+            );
+        }
+    }
+    assert!(effects > 300, "{effects} numbers had an effect");
+}
+
+/// NaN in one state keeps to it: the other lanes are solved as before, and the lane of the state is not solved.
+#[test]
+fn nan_stays_in_its_lane() {
+    const LANES: usize = 8;
+    let cases: Vec<Case> = (0..LANES as u64).map(|k| Case::new(k, false)).collect();
+    let rows = |of: &dyn Fn(&Case) -> Vec<f64>| -> Vec<f64> {
+        let all: Vec<Vec<f64>> = cases.iter().map(of).collect();
+        (0..all[0].len() * LANES).map(|k| all[k % LANES][k / LANES]).collect()
+    };
+    let solve = |settings: &[f64]| {
+        let (mut p, mut qd) = (vec![0.0; ROWS * LANES], vec![0.0; N * LANES]);
+        let mut solved = [None; LANES];
+        let numbers = StepLanes {
+            lanes: LANES,
+            q: &rows(&|case| case.q.clone()),
+            dt: &[DT; LANES],
+            settings,
+            problem: &rows(&|case| case.problem.clone()),
+            stops: &[0.0; N * LANES],
+        };
+        let ground = Ground { sweeps: 300, ..Ground::default() };
+        robot().solve_lanes(&ground, &numbers, (&mut p, &mut qd), &mut solved);
+        (solved, qd)
+    };
+    let settings = rows(&Case::numbers);
+    let (expected, velocities) = solve(&settings);
+    assert!(expected.iter().flatten().count() >= 2, "{expected:?}");
+    let lane = expected.iter().position(Option::is_some).expect("a lane that is solved");
+    let mut with_nan = settings.clone();
+    with_nan[(GroundRobot::first_number_of(1) + super::FRICTION) * LANES + lane] = f64::NAN;
+    let (found, others) = solve(&with_nan);
+    for other in 0..LANES {
+        match other == lane {
+            true => assert_eq!(found[other], None),
+            false => {
+                assert_eq!(found[other], expected[other]);
+                for v in 0..N {
+                    let k = v * LANES + other;
+                    assert_eq!(others[k].to_bits(), velocities[k].to_bits());
+                }
+            }
+        }
+    }
 }
