@@ -1,17 +1,24 @@
 //! Arrays of NumPy as arguments and results, without copies where their memory allows it.
+//!
+//! Every argument goes through [`in_order`], and every array that a caller gives for results through [`Output::new`]: the type of its
+//! numbers, its shape, its alignment and order, whether it can be written, and whether its memory is that of an argument.
+
+use std::ops::Range;
 
 use numpy::prelude::*;
-use numpy::{IxDyn, PyArrayDyn, PyReadonlyArrayDyn, PyReadwriteArrayDyn};
+use numpy::{BorrowError, IxDyn, PyArrayDyn, PyReadonlyArrayDyn, PyReadwriteArrayDyn};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyFloat, PyTuple};
 
 use crate::layout::{Class, Layout, Leaf};
+use crate::memory::zeros;
 use crate::number::Number;
 
 /// An argument: its numbers, and the number of states if it has several.
 pub struct Given<'py, S: Number> {
+    name: &'static str,
     numbers: Numbers<'py, S>,
     /// The number of states; `None` for one state without an axis of states.
     pub states: Option<usize>,
@@ -24,8 +31,8 @@ enum Numbers<'py, S: Number> {
 
 impl<'py, S: Number> Given<'py, S> {
     /// Returns an argument of one state from numbers.
-    pub fn owned(numbers: Vec<S>) -> Self {
-        Self { numbers: Numbers::Owned(numbers), states: None }
+    pub fn owned(name: &'static str, numbers: Vec<S>) -> Self {
+        Self { name, numbers: Numbers::Owned(numbers), states: None }
     }
 
     /// Returns the argument `name` of `function`, whose axes have these lengths for one state. An array of the
@@ -36,19 +43,16 @@ impl<'py, S: Number> Given<'py, S> {
     /// `TypeError` if these are not real numbers, `ValueError` for another shape.
     pub fn read(
         function: &str,
-        name: &str,
+        name: &'static str,
         shape: &[usize],
         object: &Bound<'py, PyAny>,
     ) -> PyResult<Self> {
         if shape.is_empty()
             && let Ok(number) = object.cast::<PyFloat>()
         {
-            return Ok(Self::owned(vec![S::from_f64(number.value())]));
+            return Ok(Self::owned(name, vec![S::from_f64(number.value())]));
         }
-        let array = match object.cast::<PyArrayDyn<S>>() {
-            Ok(array) if array.is_c_contiguous() && array.is_aligned() => array.clone(),
-            _ => converted(function, name, object)?,
-        };
+        let array = in_order(function, name, object)?;
         let states = match array.shape() {
             found if found == shape => None,
             [states, rest @ ..] if rest == shape => Some(*states),
@@ -61,10 +65,10 @@ impl<'py, S: Number> Given<'py, S> {
         };
         if states.is_none() {
             // The numbers of a state are few: copying them takes less time than borrowing them.
-            return Ok(Self { numbers: Numbers::Owned(array.to_vec()?), states });
+            return Ok(Self { name, numbers: Numbers::Owned(array.to_vec()?), states });
         }
         let array = array.try_into_readonly().map_err(|_| overlap(function, name))?;
-        Ok(Self { numbers: Numbers::Borrowed(array), states })
+        Ok(Self { name, numbers: Numbers::Borrowed(array), states })
     }
 
     /// Returns the argument `name` of `function` as [`read`](Self::read) does. An object that is no array can have other
@@ -75,7 +79,7 @@ impl<'py, S: Number> Given<'py, S> {
     /// Those of [`read`](Self::read).
     pub fn read_for_scalar(
         function: &str,
-        name: &str,
+        name: &'static str,
         shape: &[usize],
         object: &Bound<'py, PyAny>,
     ) -> PyResult<Self> {
@@ -84,18 +88,44 @@ impl<'py, S: Number> Given<'py, S> {
             true => object.clone(),
             false => numpy
                 .call_method1("asarray", (object, S::DTYPE))
-                .map_err(|reason| not_numbers(function, name, &reason))?,
+                .map_err(|reason| not_numbers(function, name, reason, object.py()))?,
         };
         Self::read(function, name, shape, &array)
     }
 
     /// Returns the numbers, those of one state after another.
-    pub fn as_slice(&self) -> &[S] {
+    ///
+    /// # Errors
+    ///
+    /// If another thread has changed the order of the array meanwhile.
+    pub fn as_slice(&self) -> PyResult<&[S]> {
         match &self.numbers {
-            Numbers::Borrowed(array) => array.as_slice().unwrap_or_default(),
-            Numbers::Owned(numbers) => numbers,
+            Numbers::Borrowed(array) => Ok(array.as_slice()?),
+            Numbers::Owned(numbers) => Ok(numbers),
         }
     }
+
+    /// Returns the addresses of the caller's memory, if it is read in its place.
+    fn addresses(&self) -> Option<Range<usize>> {
+        match &self.numbers {
+            Numbers::Borrowed(array) => Some(addresses(array)),
+            Numbers::Owned(_) => None,
+        }
+    }
+}
+
+/// Returns the addresses from the first byte of an array to its last.
+fn addresses<S: Number>(array: &Bound<'_, PyArrayDyn<S>>) -> Range<usize> {
+    let first = array.data() as usize;
+    if array.len() == 0 {
+        return first..first;
+    }
+    let (mut below, mut above) = (0, size_of::<S>());
+    for (&length, &stride) in array.shape().iter().zip(array.strides()) {
+        let extent = stride.unsigned_abs() * (length - 1);
+        if stride < 0 { below += extent } else { above += extent }
+    }
+    first - below..first + above
 }
 
 fn overlap(function: &str, name: &str) -> PyErr {
@@ -104,12 +134,23 @@ fn overlap(function: &str, name: &str) -> PyErr {
     ))
 }
 
-/// Returns a new array of the scalar in C order with the numbers of an object.
-fn converted<'py, S: Number>(
+/// Returns an array of the scalar that is aligned and in C order, with the numbers of an object: the object itself where it is one,
+/// else a copy.
+///
+/// # Errors
+///
+/// `TypeError` if these are not real numbers.
+pub fn in_order<'py, S: Number>(
     function: &str,
     name: &str,
     object: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyArrayDyn<S>>> {
+    if let Ok(array) = object.cast::<PyArrayDyn<S>>()
+        && array.is_c_contiguous()
+        && array.is_aligned()
+    {
+        return Ok(array.clone());
+    }
     let py = object.py();
     let convert = || {
         let array = py.import("numpy")?.call_method1("asarray", (object,))?;
@@ -119,10 +160,16 @@ fn converted<'py, S: Number>(
         let array = array.call_method("astype", (S::DTYPE,), Some(&options))?;
         Ok::<_, PyErr>(array.cast_into::<PyArrayDyn<S>>()?)
     };
-    convert().map_err(|reason| not_numbers(function, name, &reason))
+    convert().map_err(|reason| not_numbers(function, name, reason, py))
 }
 
-fn not_numbers(function: &str, name: &str, reason: &PyErr) -> PyErr {
+/// Returns the error of an object that has no real numbers. Other errors, such as an interrupt or too little memory, stay as they are.
+fn not_numbers(function: &str, name: &str, reason: PyErr, py: Python<'_>) -> PyErr {
+    let is_about_numbers =
+        reason.is_instance_of::<PyTypeError>(py) || reason.is_instance_of::<PyValueError>(py);
+    if !is_about_numbers {
+        return reason;
+    }
     PyTypeError::new_err(format!(
         "`{name}` of `{function}` must be an array of real numbers: {reason}"
     ))
@@ -167,16 +214,30 @@ impl<'py, S: Number> Output<'py, S> {
         function: &str,
         (layout, length): (&Layout, usize),
         states: Option<usize>,
-        out: Option<&Bound<'py, PyAny>>,
+        (out, given): (Option<&Bound<'py, PyAny>>, &[Given<'py, S>]),
     ) -> PyResult<Self> {
-        match (layout, out) {
-            (_, None) => Self::allocated(py, (layout, length), states),
+        let output = match (layout, out) {
+            (_, None) => return Self::allocated(py, (layout, length), states),
             (Layout::Array(leaf), Some(out)) => {
-                Self::array(py, function, (leaf, length), states, out)
+                Self::array(py, function, (leaf, length), states, out)?
             }
             (Layout::Tuple(class, fields), Some(out)) => {
-                Self::tuple(function, (class.name(), fields, length), states, out)
+                Self::tuple(function, (class.name(), fields, length), states, out)?
             }
+        };
+        // Arrays without a common base can have the same memory, by NumPy's `frombuffer`.
+        let written = addresses(&output.memory);
+        let is_overlapped = |given: &&Given<'py, S>| {
+            let overlaps =
+                |read: Range<usize>| read.start < written.end && written.start < read.end;
+            given.addresses().is_some_and(overlaps)
+        };
+        match given.iter().find(is_overlapped) {
+            None => Ok(output),
+            Some(given) => Err(PyValueError::new_err(format!(
+                "`out` of `{function}` overlaps an argument: it has memory of `{}`",
+                given.name
+            ))),
         }
     }
 
@@ -188,12 +249,12 @@ impl<'py, S: Number> Output<'py, S> {
         if let Layout::Array(leaf) = layout
             && let Some(is_fortran) = order(leaf, states, length)
         {
-            let array = PyArrayDyn::<S>::zeros(py, IxDyn(&leaf.shape(states)), is_fortran);
+            let array = zeros::<S>(py, &leaf.shape(states), is_fortran)?;
             let returned = array.clone().into_any();
             return Ok(Self { memory: array.readwrite(), returned, copied_to: None });
         }
         let shape: Vec<usize> = states.into_iter().chain([length]).collect();
-        let base = PyArrayDyn::<S>::zeros(py, IxDyn(&shape), false);
+        let base = zeros::<S>(py, &shape, false)?;
         let returned = views(&base, layout, states, length)?;
         Ok(Self { memory: base.readwrite(), returned, copied_to: None })
     }
@@ -217,9 +278,10 @@ impl<'py, S: Number> Output<'py, S> {
         }
         let strides = leaf.strides::<S>(states, length);
         let fits = array.shape().iter().zip(array.strides()).zip(&strides);
-        let fits = fits
-            .into_iter()
-            .all(|((&n, &found), &stride)| n <= 1 || usize::try_from(found) == Ok(stride));
+        let fits = array.is_aligned()
+            && fits
+                .into_iter()
+                .all(|((&n, &found), &stride)| n <= 1 || usize::try_from(found) == Ok(stride));
         let returned = out.clone();
         if fits {
             // The axes in the order of the memory, which is then in C order.
@@ -259,6 +321,7 @@ impl<'py, S: Number> Output<'py, S> {
             let strides = leaf.strides::<S>(states, length);
             let is_view = own.is(&*base)
                 && base.is_c_contiguous()
+                && base.is_aligned()
                 && base.shape() == shape
                 && array.shape() == leaf.shape(states)
                 && array.strides().iter().zip(&strides).all(|(&a, &b)| usize::try_from(a) == Ok(b))
@@ -272,8 +335,12 @@ impl<'py, S: Number> Output<'py, S> {
     }
 
     /// Returns the memory, the numbers of one state after those of another.
-    pub fn as_mut_slice(&mut self) -> &mut [S] {
-        self.memory.as_slice_mut().unwrap_or_default()
+    ///
+    /// # Errors
+    ///
+    /// If another thread has changed the order of the array meanwhile.
+    pub fn as_mut_slice(&mut self) -> PyResult<&mut [S]> {
+        Ok(self.memory.as_slice_mut()?)
     }
 
     /// Returns the object that the call returns.
@@ -311,9 +378,11 @@ fn writable<'py, S: Number>(
     array: &Bound<'py, PyArrayDyn<S>>,
 ) -> PyResult<PyReadwriteArrayDyn<'py, S>> {
     array.try_readwrite().map_err(|reason| {
-        PyValueError::new_err(format!(
-            "`out` of `{function}` cannot be written, or overlaps an argument: {reason}"
-        ))
+        let reason = match reason {
+            BorrowError::NotWriteable => "cannot be written: it is read-only",
+            _ => "overlaps an argument, or is used by another call",
+        };
+        PyValueError::new_err(format!("`out` of `{function}` {reason}"))
     })
 }
 

@@ -1,30 +1,47 @@
 //! States of other libraries: modyn's conversions of one joint, for the joints of many states.
 
-use modyn_runtime::ContactTarget;
 use modyn_runtime::conventions::{mujoco, pinocchio};
+use modyn_runtime::{ContactTarget, SettingPlace, SettingRange};
+use numpy::PyReadonlyArrayDyn;
 use numpy::prelude::*;
-use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-/// Returns the rows of an array with this number of columns.
-fn rows<'a, const N: usize>(array: &'a PyReadonlyArray2<'_, f64>) -> PyResult<&'a [[f64; N]]> {
-    let wrong = || PyValueError::new_err(format!("the array must have {N} columns, in C order"));
-    let is_in_order = array.shape()[1] == N && array.is_c_contiguous();
-    if !is_in_order {
-        return Err(wrong());
+use crate::arrays::{in_order, tuple};
+use crate::memory::filled;
+
+/// The rows of an argument with `N` columns.
+struct Rows<'py, const N: usize>(PyReadonlyArrayDyn<'py, f64>);
+
+impl<'py, const N: usize> Rows<'py, N> {
+    /// Reads the argument `name` of `function`.
+    fn read(function: &str, name: &str, object: &Bound<'py, PyAny>) -> PyResult<Self> {
+        let array = in_order::<f64>(function, name, object)?;
+        match array.shape() {
+            [_, columns] if *columns == N => Ok(Self(array.try_readonly()?)),
+            found => Err(PyValueError::new_err(format!(
+                "`{name}` of `{function}` has the shape {}; expected (n, {N})",
+                tuple(found)
+            ))),
+        }
     }
-    let (rows, []) = array.as_slice()?.as_chunks::<N>() else { return Err(wrong()) };
-    Ok(rows)
+
+    fn as_slice(&self) -> PyResult<&[[f64; N]]> {
+        Ok(self.0.as_slice()?.as_chunks().0)
+    }
 }
 
 /// Returns an array of these rows.
 fn array<'py, const N: usize>(
     py: Python<'py>,
-    rows: impl Iterator<Item = [f64; N]>,
-) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let rows: Vec<[f64; N]> = rows.collect();
-    PyArray1::from_slice(py, rows.as_flattened()).reshape([rows.len(), N])
+    rows: impl ExactSizeIterator<Item = [f64; N]>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let array = filled(py, (&[rows.len(), N], false), |numbers| {
+        let places = numbers.as_chunks_mut::<N>().0.iter_mut();
+        places.zip(rows).for_each(|(place, row)| *place = row);
+        Ok(())
+    })?;
+    Ok(array.into_any())
 }
 
 /// Defines the conversions of states, row by row.
@@ -34,9 +51,11 @@ macro_rules! conversions {
         #[pyfunction]
         pub fn $name<'py>(
             py: Python<'py>,
-            $($argument: PyReadonlyArray2<'py, f64>),+
-        ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-            $(let $argument = rows::<$n>(&$argument)?;)+
+            $($argument: &Bound<'py, PyAny>),+
+        ) -> PyResult<Bound<'py, PyAny>> {
+            let function = stringify!($name);
+            $(let $argument = Rows::<$n>::read(function, stringify!($argument), $argument)?;)+
+            $(let $argument = $argument.as_slice()?;)+
             let lengths = [$($argument.len()),+];
             if lengths.iter().any(|&length| length != lengths[0]) {
                 return Err(PyValueError::new_err("the arrays have different numbers of states"));
@@ -63,26 +82,40 @@ conversions! {
 
 /// Returns `alpha`, `beta` and `compliance` of a contact with MuJoCo's `solref`, an impedance, and a mobility (1/kg).
 #[pyfunction]
-pub fn mujoco_contact(solref: [f64; 2], impedance: f64, mobility: f64) -> (f64, f64, f64) {
+pub fn mujoco_contact(
+    solref: [f64; 2],
+    impedance: f64,
+    mobility: f64,
+) -> PyResult<(f64, f64, f64)> {
+    let checked = |name, value, range: SettingRange| {
+        let checked = range.check(name, SettingPlace::Argument, value);
+        checked.map_err(|error| PyValueError::new_err(error.to_string()))
+    };
+    checked("time_constant", solref[0], SettingRange::Positive)?;
+    checked("damping_ratio", solref[1], SettingRange::Positive)?;
+    checked("impedance", impedance, SettingRange::Positive)?;
+    checked("impedance", impedance, SettingRange::UpToOne)?;
+    checked("mobility", mobility, SettingRange::NotNegative)?;
     let target = ContactTarget::<f64>::GROUND.compliant(solref, impedance, mobility);
-    (target.alpha, target.beta, target.compliance)
+    Ok((target.alpha, target.beta, target.compliance))
 }
 
-/// Returns Pinocchio's coordinates of an unbounded revolute joint, (n, 2), from angles, (n,).
+/// Returns Pinocchio's coordinates of an unbounded revolute joint, (n, 2), from angles, (n, 1).
 #[pyfunction]
 pub fn pinocchio_cos_sin<'py>(
     py: Python<'py>,
-    angles: PyReadonlyArray1<'py, f64>,
-) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    array(py, angles.as_slice()?.iter().map(|&angle| pinocchio::cos_sin_from_angle(angle)))
+    angles: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let angles = Rows::<1>::read("pinocchio_cos_sin", "angles", angles)?;
+    array(py, angles.as_slice()?.iter().map(|&[angle]| pinocchio::cos_sin_from_angle(angle)))
 }
 
-/// Returns the angles of an unbounded revolute joint, (n,), from Pinocchio's coordinates, (n, 2).
+/// Returns the angles of an unbounded revolute joint, (n, 1), from Pinocchio's coordinates, (n, 2).
 #[pyfunction]
 pub fn pinocchio_angle<'py>(
     py: Python<'py>,
-    cos_sin: PyReadonlyArray2<'py, f64>,
-) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let angles = rows::<2>(&cos_sin)?.iter().map(|&both| pinocchio::angle_from_cos_sin(both));
-    Ok(PyArray1::from_iter(py, angles))
+    cos_sin: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let cos_sin = Rows::<2>::read("pinocchio_angle", "cos_sin", cos_sin)?;
+    array(py, cos_sin.as_slice()?.iter().map(|&both| [pinocchio::angle_from_cos_sin(both)]))
 }

@@ -63,7 +63,7 @@ impl Factorization {
         rhs: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let rhs = Given::<f64>::read("solve", "rhs", &[self.nv], rhs)?;
-        let x = self.factors.solve(rhs.as_slice());
+        let x = self.factors.solve(rhs.as_slice()?);
         x.map(|x| PyArray1::from_vec(py, x))
             .map_err(|error| PyValueError::new_err(error.to_string()))
     }
@@ -76,7 +76,7 @@ impl Robot {
     fn brge(&self, q: &Bound<'_, PyAny>) -> PyResult<Factorization> {
         self.check_has(Function::Brge)?;
         let q = Given::<f64>::read("brge", "q", &[self.model().nq()], q)?;
-        let factors = self.interpreter()?.brge(q.as_slice());
+        let factors = self.interpreter()?.brge(q.as_slice()?);
         let factors = factors.map_err(|error| PyValueError::new_err(error.to_string()))?;
         Ok(Factorization { factors, nv: self.model().nv() })
     }

@@ -1,7 +1,7 @@
 //! A function of a robot: its code, and calls of it for one state or many.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{PoisonError, RwLock};
+use std::sync::{Mutex, PoisonError, RwLock};
 
 use modyn_codegen::plan::{Argument, ArgumentKind, Planned};
 use modyn_codegen::{FloatType, Function, Planning};
@@ -14,9 +14,11 @@ use pyo3::types::PyFloat;
 
 use crate::arrays::{self, Given, Output};
 use crate::change::Change;
+use crate::checks::Check;
+use crate::entries::pool::{BETWEEN_QUESTIONS, Pool, StartedThreads};
 use crate::evaluated::Evaluated;
 use crate::layout::{self, Layout};
-use crate::memory::filled;
+use crate::memory::{filled, repeated};
 use crate::number::Number;
 
 /// The largest number of arguments of a function.
@@ -125,19 +127,29 @@ impl<S: Number> Typed<S> {
     /// Returns the argument of this kind; where it is not given, its default.
     fn given<'py>(
         &self,
-        (Argument { name, kind }, shape): &(Argument, Vec<usize>),
+        (argument, shape): &(Argument, Vec<usize>),
         given: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Given<'py, S>> {
+        let Argument { name, kind } = argument;
         match (kind, given.filter(|given| !given.is_none())) {
-            (ArgumentKind::Settings, Some(given)) => {
-                Given::read_for_scalar(self.name, name, shape, given)
+            (kind, Some(given)) => {
+                let numbers = match kind {
+                    ArgumentKind::Settings => {
+                        Given::read_for_scalar(self.name, name, shape, given)?
+                    }
+                    _ => Given::read(self.name, name, shape, given)?,
+                };
+                if let Some(check) = Check::of(self.function, argument) {
+                    let checked = check.run(name, numbers.as_slice()?, shape.iter().product());
+                    checked.map_err(PyValueError::new_err)?;
+                }
+                Ok(numbers)
             }
-            (_, Some(given)) => Given::read(self.name, name, shape, given),
             (ArgumentKind::Contacts, None) => {
-                Ok(Given::owned(vec![S::one(); shape.iter().product()]))
+                Ok(Given::owned(name, vec![S::one(); shape.iter().product()]))
             }
             (ArgumentKind::Settings, None) => {
-                Ok(Given::owned(default_settings(shape.iter().product())))
+                Ok(Given::owned(name, default_settings(shape.iter().product())))
             }
             (_, None) => {
                 Err(PyTypeError::new_err(format!("`{}` needs the argument `{name}`", self.name)))
@@ -154,7 +166,7 @@ impl<S: Number> Typed<S> {
     ) -> PyResult<Bound<'py, PyAny>> {
         let mut arguments: [&[S]; MAX_ARGUMENTS] = [&[]; MAX_ARGUMENTS];
         for (argument, given) in arguments.iter_mut().zip(given) {
-            *argument = given.as_slice();
+            *argument = given.as_slice()?;
         }
         let arguments = &arguments[..given.len()];
         let code = self.code.read().unwrap_or_else(PoisonError::into_inner);
@@ -170,8 +182,8 @@ impl<S: Number> Typed<S> {
             }
             _ => {
                 let mut output =
-                    Output::new(py, self.name, (&self.result, self.length), None, out)?;
-                self.one(&code, link, arguments, output.as_mut_slice())?;
+                    Output::new(py, self.name, (&self.result, self.length), None, (out, given))?;
+                self.one(&code, link, arguments, output.as_mut_slice()?)?;
                 output.finish()
             }
         }
@@ -186,18 +198,21 @@ impl<S: Number> Typed<S> {
         out: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let layout = (&self.result, self.length);
-        let mut output = Output::new(py, self.name, layout, Some(states), out)?;
-        let result = output.as_mut_slice();
-        let repeated = given.iter().map(|given| match given.states {
-            None => Some(given.as_slice().repeat(states)),
-            Some(_) => None,
+        let mut output = Output::new(py, self.name, layout, Some(states), (out, given))?;
+        let result = output.as_mut_slice()?;
+        let copies = given.iter().map(|given| match given.states {
+            None => repeated(given.as_slice()?, states).map(Some),
+            Some(_) => Ok(None),
         });
-        let repeated: Vec<Option<Vec<S>>> = repeated.collect();
-        let arguments = given.iter().zip(&repeated);
-        let arguments: Vec<&[S]> = arguments
-            .map(|(given, repeated)| repeated.as_deref().unwrap_or_else(|| given.as_slice()))
-            .collect();
-        py.detach(|| self.many(link, &arguments, states, result))?;
+        let copies: Vec<Option<Vec<S>>> = copies.collect::<PyResult<_>>()?;
+        let arguments = given.iter().zip(&copies).map(|(given, copy)| match copy {
+            Some(copy) => Ok(copy.as_slice()),
+            None => given.as_slice(),
+        });
+        let arguments = arguments.collect::<PyResult<Vec<&[S]>>>()?;
+        let threads = StartedThreads::new();
+        py.detach(|| self.many(link, &arguments, (states, result), &threads))?;
+        threads.finish()?;
         output.finish()
     }
 
@@ -233,13 +248,13 @@ impl<S: Number> Typed<S> {
         call.map_err(|error| PyValueError::new_err(error.to_string()))
     }
 
-    /// Computes many states, which the threads share.
+    /// Computes many states, which the threads share; not all of them if the pool must end.
     fn many(
         &self,
         link: Option<usize>,
         arguments: &[&[S]],
-        states: usize,
-        result: &mut [S],
+        (states, result): (usize, &mut [S]),
+        pool: &dyn Pool,
     ) -> PyResult<()> {
         let code = self.code.read().unwrap_or_else(PoisonError::into_inner);
         let lengths: Vec<usize> =
@@ -248,19 +263,9 @@ impl<S: Number> Typed<S> {
             Code::Machine(compiled) => Some(self.machine(compiled)?),
             Code::Evaluated(_) => None,
         };
-        let one_by_one = |arguments: &[&[S]], results: &mut [S], states: usize| {
-            for state in 0..states {
-                let arguments = arguments.iter().zip(&lengths);
-                let arguments: Vec<&[S]> =
-                    arguments.map(|(all, n)| &all[state * n..][..*n]).collect();
-                let result = &mut results[state * self.length..][..self.length];
-                self.one(&code, link, &arguments, result)?;
-            }
-            Ok(())
-        };
         // Without numbers in the first argument, machine code cannot tell the number of states.
         let is_countable = lengths.first().is_some_and(|&n| n > 0);
-        let run = |arguments: &[&[S]], results: &mut [S], states: usize| match &call {
+        let run = |arguments: &[&[S]], results: &mut [S]| match &call {
             Some(call) if is_countable => {
                 let done = match link {
                     None => call.many(arguments, results),
@@ -268,34 +273,55 @@ impl<S: Number> Typed<S> {
                 };
                 done.map_err(|error| PyValueError::new_err(error.to_string()))
             }
-            _ => one_by_one(arguments, results, states),
+            _ => self.one(&code, link, arguments, results),
         };
-        let cost = call.map_or(INSTRUCTIONS_PER_THREAD, |call| call.size().instructions / 4 + 1);
+        let cost =
+            call.as_ref().map_or(INSTRUCTIONS_PER_THREAD, |call| call.size().instructions / 4 + 1);
         let lanes = MAX_VECTOR_BYTES / size_of::<S>();
-        let useful = (states * cost).div_ceil(INSTRUCTIONS_PER_THREAD);
-        let threads = threads().min(useful).min(states.div_ceil(lanes)).max(1);
-        if threads == 1 || self.length == 0 {
-            return run(arguments, result, states);
+        // The states between two questions whether the work must end. The time of a program that is evaluated is not known.
+        let piece = match call.is_some() && is_countable {
+            true => (BETWEEN_QUESTIONS / cost).next_multiple_of(lanes).max(lanes),
+            false => 1,
+        };
+        let useful = (states.saturating_mul(cost)).div_ceil(INSTRUCTIONS_PER_THREAD);
+        let threads = pool.threads().min(useful).min(states.div_ceil(lanes)).max(1);
+        let threads = if self.length == 0 { 1 } else { threads };
+        let share = states.div_ceil(threads).next_multiple_of(lanes).max(1);
+        // The results of each chunk; nothing is written for a result without numbers.
+        let mut rest = result;
+        let mut chunks = Vec::with_capacity(threads);
+        for first in (0..states).step_by(share) {
+            let count = share.min(states - first);
+            let own;
+            (own, rest) = rest.split_at_mut(count * self.length);
+            chunks.push(Mutex::new((first, count, own)));
         }
-        let share = states.div_ceil(threads).next_multiple_of(lanes);
-        std::thread::scope(|scope| {
-            let chunks = result.chunks_mut(share * self.length).enumerate().map(|(i, results)| {
-                let count = results.len() / self.length;
+        let failed = Mutex::new(None);
+        pool.share(chunks.len(), &|chunk| {
+            let mut chunk = chunks[chunk].lock().unwrap_or_else(PoisonError::into_inner);
+            let (first, count, results) = &mut *chunk;
+            let mut done = 0;
+            while done < *count {
+                // The last piece is not shorter than a vector.
+                let left = *count - done;
+                let states = if left < 2 * piece { left } else { piece };
+                let states = if piece == 1 { 1 } else { states };
+                let at = *first + done;
                 let arguments = arguments.iter().zip(&lengths);
                 let own: Vec<&[S]> =
-                    arguments.map(|(all, n)| &all[i * share * n..][..count * n]).collect();
-                let run = &run;
-                move || run(&own, results, count)
-            });
-            let mut chunks = chunks.collect::<Vec<_>>().into_iter();
-            let own = chunks.next();
-            let started: Vec<_> = chunks.map(|chunk| scope.spawn(chunk)).collect();
-            let own = own.map_or(Ok(()), |mut chunk| chunk());
-            let others = started.into_iter().map(|thread| {
-                thread.join().unwrap_or_else(|_| Err(PyValueError::new_err("a thread failed")))
-            });
-            others.fold(own, PyResult::and)
-        })
+                    arguments.map(|(all, n)| &all[at * n..][..states * n]).collect();
+                let results = &mut results[done * self.length..][..states * self.length];
+                if let Err(error) = run(&own, results) {
+                    *failed.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
+                    return;
+                }
+                done += states;
+                if pool.must_end() {
+                    return;
+                }
+            }
+        });
+        failed.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), Err)
     }
 }
 

@@ -8,6 +8,7 @@
 
 mod arrays;
 mod change;
+mod checks;
 mod conventions;
 mod entries;
 mod errors;

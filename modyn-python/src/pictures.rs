@@ -21,14 +21,14 @@ impl Robot {
         let nq = self.model().nq();
         let trajectory = Given::<f64>::read("animation", "trajectory", &[nq], trajectory)?;
         let times = Given::<f64>::read("animation", "times", &[], times)?;
-        if times.states != trajectory.states || !times.as_slice().is_sorted() {
+        if times.states != trajectory.states || !times.as_slice()?.is_sorted() {
             return Err(wrong("there must be as many times as states, in ascending order"));
         }
         let model = self.model();
         let mut scene = Scene::new(model.name());
         let robot = scene.robot(model.clone(), self.shapes());
-        let times = times.as_slice().to_vec();
-        let coordinates = trajectory.as_slice().chunks(nq.max(1)).map(<[f64]>::to_vec).collect();
+        let times = times.as_slice()?.to_vec();
+        let coordinates = trajectory.as_slice()?.chunks(nq.max(1)).map(<[f64]>::to_vec).collect();
         scene.motion(Motion { name: model.name().into(), robot, times, coordinates, forces: None });
         Ok(scene.page())
     }

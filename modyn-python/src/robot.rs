@@ -394,12 +394,12 @@ fn known<K: PartialEq>(
 /// Returns the argument `name` of `function` as a vector.
 fn vector<const N: usize>(
     function: &str,
-    name: &str,
+    name: &'static str,
     object: &Bound<'_, PyAny>,
 ) -> PyResult<[f64; N]> {
     let given = Given::<f64>::read(function, name, &[N], object)?;
     let one = || PyValueError::new_err(format!("`{name}` of `{function}` is one vector"));
-    given.as_slice().try_into().map_err(|_| one())
+    given.as_slice()?.try_into().map_err(|_| one())
 }
 
 impl Robot {
@@ -585,7 +585,7 @@ impl Robot {
     fn check_configuration(&self, q: &Bound<'_, PyAny>) -> PyResult<()> {
         let q = Given::<f64>::read("check_configuration", "q", &[self.model.nq()], q)?;
         let interpreter = Interpreter::<f64>::new(self.model.clone());
-        let checked = interpreter.check_configuration(q.as_slice());
+        let checked = interpreter.check_configuration(q.as_slice()?);
         checked.map_err(|error| PyValueError::new_err(error.to_string()))
     }
 

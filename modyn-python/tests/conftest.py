@@ -70,6 +70,18 @@ def close(found, expected, tolerance=1e-10):
     assert np.abs(found - expected).max(initial=0.0) <= tolerance * scale
 
 
+def signatures(robot, link):
+    """Returns each function that the robot has: its name, its arguments as names, shapes and defaults, and its link if it needs one."""
+    for name in modyn.functions():
+        if name in ("brge", "neutral"):
+            continue
+        for of_link in ((), (link,)):
+            try:
+                yield name, robot._array_signature(name, *of_link)[0], of_link
+            except (TypeError, ValueError):
+                continue
+
+
 def in_threads(work):
     """Does the work in four threads at the same time."""
     threads = [threading.Thread(target=work) for _ in range(4)]

@@ -1,11 +1,14 @@
 """Arguments and results: shapes, memory, `out`, errors."""
 
+import ctypes
 import gc
+import subprocess
+import sys
 import tracemalloc
 
 import numpy as np
 import pytest
-from conftest import close, states
+from conftest import GOLDEN, close, signatures, states
 
 import modyn
 
@@ -168,3 +171,149 @@ def test_results_outlive_the_robot():
     del robot
     gc.collect()
     close(poses.rotation[1] @ [0, 0, 1], [np.sin(0.5), 0, np.cos(0.5)])
+
+
+def at_odd_address(shape, dtype=float):
+    """Returns an array in C order whose numbers are not aligned."""
+    size = int(np.prod(shape)) * np.dtype(dtype).itemsize
+    array = np.zeros(size + 1, np.uint8)[1:].view(dtype).reshape(shape)
+    assert not array.flags.aligned or array.size == 0
+    return array
+
+
+def fields(result):
+    return result if isinstance(result, tuple) else (result,)
+
+
+def calls(robot, n):
+    """Returns the arguments of each function for n states, or for one state with `None`."""
+    q, qd, qdd, tau = (x if n else x[0] for x in states(robot, n or 1))
+    own = {"q": q, "from_": q, "qd": qd, "qdd": qdd, "tau": tau, "dt": 0.01, "uniforms": np.full_like(qd, 0.5)}
+    rng = np.random.default_rng(4)
+    found = {}
+    for name, arguments, link in signatures(robot, "panda_hand"):
+        lead = (n,) if n else ()
+        given = [own.get(k, rng.normal(size=(*lead, *shape)) if default is None else default) for k, shape, default in arguments]
+        found[name] = (*given, *link)
+    return found
+
+
+@pytest.mark.parametrize("options", [{}, {"scalar": "f32"}, {"machine_code": False}])
+@pytest.mark.parametrize("n", [None, 5])
+def test_out_at_an_odd_address_is_written(n, options):
+    robot = modyn.load(GOLDEN / "panda.urdf", friction="none", **options)
+    written = 0
+    for name, arguments in calls(robot, n).items():
+        function = getattr(robot, name)
+        expected = function(*arguments)
+        if isinstance(expected, tuple) or np.ndim(expected) == 0:
+            continue
+        out = at_odd_address(expected.shape, expected.dtype)
+        assert function(*arguments, out=out) is out
+        assert np.array_equal(out, expected), name
+        written += 1
+    assert written > 20, written
+
+
+@pytest.mark.parametrize("n", [None, 5])
+def test_arguments_at_odd_addresses_are_read(panda, n):
+    for name, arguments in calls(panda, n).items():
+        function = getattr(panda, name)
+        odd = []
+        for x in arguments:
+            if isinstance(x, np.ndarray):
+                odd.append(at_odd_address(x.shape))
+                odd[-1][...] = x
+            else:
+                odd.append(x)
+        for a, b in zip(fields(function(*odd)), fields(function(*arguments))):
+            assert np.array_equal(a, b), name
+    q, qd, _, tau = states(panda, 3)
+    odd = at_odd_address((3, 4, 7))
+    odd[...] = tau[:, None]
+    found, expected = (panda.rollout(q, qd, x, 0.01) for x in (odd, np.repeat(tau[:, None], 4, 1)))
+    assert all(np.array_equal(a, b) for a, b in zip(found, expected))
+    by_odd = panda.rollout_vjp(q, qd, odd, 0.01, np.ones((4, 7)), np.ones((4, 7)))
+    close(by_odd.controls, panda.rollout_vjp(q, qd, np.repeat(tau[:, None], 4, 1), 0.01, np.ones((4, 7)), np.ones((4, 7))).controls, 0)
+
+
+def buffers(count):
+    """Returns pairs of functions that make arrays of a place in one memory, each by another way."""
+    memory = bytearray(8 * count)
+    whole = np.frombuffer(memory)
+    address = whole.ctypes.data
+    by_buffer = lambda first, n: np.frombuffer(memory)[first : first + n]
+    by_view = lambda first, n: whole[first : first + n]
+    by_address = lambda first, n: np.ctypeslib.as_array((ctypes.c_double * n).from_address(address + 8 * first))
+    return memory, [(by_buffer, by_buffer), (by_view, by_buffer), (by_address, by_view), (by_buffer, by_address)]
+
+
+def test_out_with_the_memory_of_an_argument_is_refused(panda):
+    n = 100
+    q, qd, _, tau = states(panda, n)
+    for k, name in enumerate(["q", "qd", "tau"]):
+        memory, ways = buffers(7 * (3 * n))
+        for of_argument, of_out in ways:
+            given = [q, qd, tau]
+            argument = of_argument(7 * n, 7 * n).reshape(n, 7)
+            argument[:] = given[k]
+            given[k] = argument
+            expected = panda.forward_dynamics(*given)
+            for first in (7 * (n - 2), 7 * n, 7 * (2 * n - 1), 1):
+                with pytest.raises(ValueError, match="`out` of `forward_dynamics` overlaps an argument") as error:
+                    panda.forward_dynamics(*given, out=of_out(first, 7 * n).reshape(n, 7))
+                assert f"`{name}`" in str(error.value) or "used by another call" in str(error.value)
+                assert np.array_equal(argument, [q, qd, tau][k])
+            # Memory beside that of the argument is allowed.
+            for first in (0, 14 * n):
+                out = of_out(first, 7 * n).reshape(n, 7)
+                panda.forward_dynamics(*given, out=out)
+                assert np.array_equal(out, expected)
+            assert np.array_equal(argument, [q, qd, tau][k])
+        del memory
+
+
+def test_interrupts_of_arguments_stay_interrupts(panda):
+    class Array:
+        def __init__(self, error):
+            self.error = error
+
+        def __array__(self, *_, **__):
+            raise self.error
+
+    z = np.zeros(7)
+    for error, expected in [(KeyboardInterrupt(), KeyboardInterrupt), (MemoryError(), MemoryError), (ValueError("no"), TypeError)]:
+        with pytest.raises(expected):
+            panda.forward_dynamics(Array(error), z, z)
+        with pytest.raises(expected):
+            panda.rollout(Array(error), z, np.zeros((3, 7)), 0.01)
+
+
+MEMORY = """
+import resource, sys, numpy as np, modyn
+robot = modyn.load(sys.argv[1], friction="none")
+z, one = np.zeros(7), np.zeros((1, 7))
+robot.forward_dynamics_derivatives(one, z, z)
+robot.mass_matrix(one), robot.rollout(one, z, np.zeros((2, 7)), 1e-3), robot.rollout_vjp(one, z, np.zeros((2, 7)), 1e-3, np.zeros((2, 7)), np.zeros((2, 7)))
+q = np.zeros((400_000, 7))
+used = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (used + 100_000_000, used + 100_000_000))
+for call in (
+    lambda: robot.forward_dynamics_derivatives(q, z, z),
+    lambda: robot.mass_matrix(q),
+    lambda: robot.rollout(q, z, np.zeros((1000, 7)), 1e-3),
+    lambda: robot.rollout(q[:2000], z, np.zeros((2000, 1, 3, 7)), 1e-3),
+    lambda: robot.rollout(q, z, np.zeros((2**14, 1, 3, 7)), 1e-3),
+    lambda: robot.rollout_vjp(q, z, np.zeros((1000, 7)), 1e-3, np.zeros((1000, 7)), np.zeros((1000, 7))),
+):
+    try:
+        call()
+    except MemoryError as error:
+        print("MemoryError", error)
+"""
+
+
+def test_results_beyond_memory_are_memory_errors():
+    run = subprocess.run([sys.executable, "-c", MEMORY, str(GOLDEN / "panda.urdf")], capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    assert run.stdout.count("MemoryError") == 6, run.stdout

@@ -2,6 +2,7 @@
 
 import multiprocessing
 import os
+import signal
 import subprocess
 import sys
 import threading
@@ -10,7 +11,7 @@ import warnings
 
 import numpy as np
 import pytest
-from conftest import GOLDEN, chain, close, in_threads, states
+from conftest import GOLDEN, ROBOTS, chain, close, in_threads, states
 
 import modyn
 
@@ -204,3 +205,76 @@ print(min(times))
     seconds = float(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
     # The target is 0.05 s; a loaded machine gets more.
     assert seconds < 0.5
+
+
+class Rung(Exception):
+    """What the handler of the alarm raises."""
+
+
+def delay(call):
+    """Returns the time from a signal during a call to the end of the call, s."""
+
+    def ring(*_):
+        raise Rung
+
+    before = signal.signal(signal.SIGALRM, ring)
+    try:
+        begin = time.perf_counter()
+        signal.setitimer(signal.ITIMER_REAL, 0.3)
+        with pytest.raises(Rung):
+            call()
+        return time.perf_counter() - begin - 0.3
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def long_calls():
+    """Returns calls that take seconds."""
+    robot = modyn.load(ROBOTS / "quadruped.urdf", base="floating", friction="none", contacts={"a": ("point", "front_left_foot")})
+    evaluated = modyn.load(ROBOTS / "quadruped.urdf", base="floating", friction="none", machine_code=False)
+    n, still = robot.nv, np.zeros(robot.nv)
+    q, many = robot.neutral(), np.tile(robot.neutral(), (60_000, 1))
+    controls, weights = np.zeros((200_000, n)), (np.zeros((200_000, robot.nq)), np.zeros((200_000, n)))
+    few = np.zeros((30, 10_000, n))
+    return {
+        "a motion on the ground": lambda: robot.rollout(q, still, controls, 1e-3, step="ground", trajectory=False),
+        "a free motion": lambda: robot.rollout(q, still, np.zeros((3_000_000, n)), 1e-3, trajectory=False),
+        "the gradient of a motion": lambda: robot.rollout_vjp(q, still, controls, 1e-3, *weights),
+        "many motions": lambda: robot.rollout(q, still, few, 1e-3, step="ground", trajectory=False),
+        "a batch": lambda: robot.step_implicit_midpoint(np.tile(many, (8, 1)), still, still, 1e-3),
+        "a batch that is evaluated": lambda: evaluated.step_implicit_midpoint(many, still, still, 1e-3),
+        "steps on the ground": lambda: robot.step_on_ground_derivatives(many, still, still, 1e-3),
+    }
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_signals_end_long_calls(threads):
+    modyn.set_threads(threads)
+    try:
+        for name, call in long_calls().items():
+            # A busy machine may be late once.
+            delays = []
+            while not delays or (min(delays) > 0.1 and len(delays) < 5):
+                delays.append(delay(call))
+            assert min(delays) < 0.1, (name, delays)
+    finally:
+        modyn.set_threads(None)
+
+
+def test_an_interrupt_in_another_process():
+    """Ctrl-C during a rollout is a `KeyboardInterrupt`."""
+    program = (
+        "import modyn, numpy as np, sys\n"
+        "robot = modyn.load(sys.argv[1], friction='none')\n"
+        "print('go', flush=True)\n"
+        "try:\n"
+        "    robot.rollout(robot.neutral(), np.zeros(robot.nv), np.zeros((20_000_000, robot.nv)), 1e-3, trajectory=False)\n"
+        "except KeyboardInterrupt:\n"
+        "    print('interrupted', flush=True)\n"
+    )
+    process = subprocess.Popen([sys.executable, "-c", program, str(ROBOTS / "arm7.urdf")], stdout=subprocess.PIPE, text=True)
+    assert process.stdout.readline() == "go\n"
+    time.sleep(1.5)
+    process.send_signal(signal.SIGINT)
+    assert process.communicate(timeout=20)[0] == "interrupted\n" and process.returncode == 0

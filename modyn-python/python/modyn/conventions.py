@@ -79,7 +79,7 @@ class Pinocchio:
         for own, their, _, _ in self._joints:
             block = _block(rows, own)
             is_unbounded = their.stop - their.start == 2 and block.shape[1] == 1
-            theirs[:, their] = _modyn.pinocchio_cos_sin(block[:, 0].copy()) if is_unbounded else block
+            theirs[:, their] = _modyn.pinocchio_cos_sin(block) if is_unbounded else block
         return _like(theirs, q)
 
     def from_q(self, q: ArrayLike) -> Array:
@@ -89,7 +89,7 @@ class Pinocchio:
         for places, their, _, _ in self._joints:
             block = _block(rows, their)
             is_unbounded = block.shape[1] == 2 and places.stop - places.start == 1
-            own[:, places] = _modyn.pinocchio_angle(block)[:, None] if is_unbounded else block
+            own[:, places] = _modyn.pinocchio_angle(block) if is_unbounded else block
         return _like(own, q)
 
     def to_v(self, v: ArrayLike) -> Array:

@@ -26,11 +26,11 @@ impl<S: Number> ArrayCode<S> {
         }
     }
 
-    /// Computes the results of all states of a broadcast of arrays, which `pool` shares.
+    /// Computes the results of all states of a broadcast of arrays, which `pool` shares; not all of them if the pool must end.
     ///
     /// # Errors
     ///
-    /// If there are other arrays than those of the function, or one is too short.
+    /// If there are other arrays than those of the function, if one is too short, or if a number is outside of its range.
     pub fn compute(
         &self,
         broadcast: &Broadcast<'_>,
@@ -42,12 +42,13 @@ impl<S: Number> ArrayCode<S> {
         match self {
             Self::Function(function) => {
                 let kernel = function.kernel()?;
-                let run = |states: Range<usize>, lanes| kernel.compute(&arrays, states, lanes);
+                let run =
+                    |states: Range<usize>, lanes| kernel.compute(&arrays, (states, lanes), pool);
                 share(&run, arrays.states(), (kernel.cost(), kernel.lanes()), pool);
             }
             Self::Rollout(rollout, _) => {
                 let ready = rollout.ready()?;
-                let run = |states: Range<usize>, lanes| ready.run(&arrays, states, lanes);
+                let run = |states: Range<usize>, lanes| ready.run(&arrays, (states, lanes), pool);
                 share(&run, arrays.states(), (ready.cost(), ready.lanes()), pool);
             }
         }

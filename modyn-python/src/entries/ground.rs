@@ -12,11 +12,14 @@ use std::ops::Range;
 use modyn_codegen::Function;
 use modyn_codegen::plan::{Derivative, DerivativeMode, EntryFunction, Sizes};
 use modyn_runtime::simulate::by_numbers::{GroundRobot, StepChanges, StepGradient, StepLanes};
-use modyn_runtime::simulate::{Ground, HeightField};
-use modyn_runtime::{ConstraintSettings, ContactTarget};
+use modyn_runtime::simulate::{Ground, HeightField, Residual};
+use modyn_runtime::{ConstraintSettings, ContactTarget, SettingError};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
 
 use super::kernel::{ArrayShapes, Kernel, OwnCode, OwnKernel, StateFunction};
 use super::signature::matrices;
+use crate::checks::Check;
 use crate::number::Number;
 use crate::robot::{GroundKey, Robot};
 
@@ -42,21 +45,6 @@ pub type GroundOptions =
 /// The origin, the spacing, the columns and the heights of a height field.
 pub type FieldNumbers = ([f64; 2], [f64; 2], usize, Vec<f64>);
 
-/// A height field in the scalar.
-struct Field<S> {
-    origin: [S; 2],
-    spacing: [S; 2],
-    columns: usize,
-    heights: Vec<S>,
-}
-
-impl<S: Number> Field<S> {
-    /// Returns the field that the functions of the runtime take.
-    fn view(&self) -> Option<HeightField<'_, S>> {
-        HeightField::new(self.origin, self.spacing, self.columns, &self.heights)
-    }
-}
-
 /// The programs, the options and the arguments of a step on the ground of a robot.
 pub struct Step {
     parts: Parts<EntryFunction>,
@@ -69,16 +57,7 @@ pub struct Step {
 
 impl Step {
     /// Returns the step of a robot.
-    ///
-    /// # Errors
-    ///
-    /// If the height field has no cell.
-    pub fn new(robot: &Robot, options: GroundOptions, feedback: bool) -> Result<Self, String> {
-        if let Some((origin, spacing, columns, heights)) = &options.4
-            && HeightField::new(*origin, *spacing, *columns, heights).is_none()
-        {
-            return Err("a height field has at least two rows and two columns, and its spacing is above zero".into());
-        }
+    pub fn new(robot: &Robot, options: GroundOptions, feedback: bool) -> Self {
         let sizes = Sizes::new(robot.model(), 0);
         let ground_robot = GroundRobot::new(robot.model(), options.0.unwrap_or(true));
         let Sizes { nq, nv, contacts, .. } = sizes;
@@ -90,13 +69,41 @@ impl Step {
             if feedback { vec![vec![nv, 2 * nv], vec![nq], vec![nv]] } else { Vec::new() };
         let parameters = (parameters > 0).then(|| vec![parameters]);
         let has_parameters = parameters.is_some();
-        Ok(Self {
+        Self {
             parts: Parts::of_step(&sizes, &ground_robot, (options.4.is_some(), feedback)),
             robot: ground_robot,
             options,
             inputs: state.into_iter().chain(others).chain(of_feedback).chain(parameters).collect(),
             has_parameters,
-        })
+        }
+    }
+
+    /// Returns the options of the solver in the scalar, and the height field.
+    ///
+    /// # Errors
+    ///
+    /// If an option is outside of its range, or a height is not finite.
+    fn ground<S: Number>(
+        &self,
+    ) -> Result<(Ground<S>, Option<HeightField<'static, S>>), SettingError> {
+        let (limits, tolerance, sweeps, steps, field) = &self.options;
+        let default = Ground::<S>::default();
+        let ground = Ground {
+            joint_limits: limits.unwrap_or(default.joint_limits),
+            tolerance: tolerance.map_or(default.tolerance, S::from_f64),
+            sweeps: sweeps.unwrap_or(default.sweeps),
+            newton_steps: steps.unwrap_or(default.newton_steps),
+        };
+        ground.check()?;
+        let field = field.as_ref().map(|(origin, spacing, columns, heights)| {
+            // In the scalar a number can be infinite, or zero.
+            let [origin, spacing] = [origin, spacing].map(|pair| pair.map(S::from_f64));
+            let heights: Vec<S> = heights.iter().map(|&height| S::from_f64(height)).collect();
+            HeightField::new(origin, spacing, *columns, &heights)?;
+            // The code of a function is never dropped.
+            HeightField::new(origin, spacing, *columns, heights.leak())
+        });
+        Ok((ground, field.transpose()?))
     }
 
     /// Returns the contacts and the joint stops.
@@ -145,19 +152,22 @@ impl Step {
                 DerivativeMode::Matrix => outputs = matrices(&outputs, &varying),
             }
         }
-        Ok(ArrayShapes::new(inputs, outputs))
+        let checks = vec![(DT, "dt", Check::TimeStep), (SETTINGS, "settings", Check::Settings)];
+        Ok(ArrayShapes::new(inputs, outputs).with_checks(checks))
     }
 
     /// Returns the step, or a derivative of it, whose programs `compiled` compiles.
     ///
     /// # Errors
     ///
-    /// Those of `compiled`.
-    pub fn compile<S: Number, E>(
+    /// Those of `compiled`; if an option is outside of its range, or a height is not finite.
+    pub fn compile<S: Number>(
         &self,
         derivative: Option<&Derivative>,
-        mut compiled: impl FnMut(&EntryFunction) -> Result<&'static StateFunction<S>, E>,
-    ) -> Result<GroundFunction<S>, E> {
+        mut compiled: impl FnMut(&EntryFunction) -> PyResult<&'static StateFunction<S>>,
+    ) -> PyResult<GroundFunction<S>> {
+        let wrong = |error: SettingError| PyValueError::new_err(error.to_string());
+        let (ground, field) = self.ground::<S>().map_err(wrong)?;
         let parameters = self.has_parameters.then(|| self.inputs.len() - 1);
         let of = |derivative: &Derivative| {
             let Derivative { mode, variables } = derivative;
@@ -170,27 +180,14 @@ impl Step {
                 self.parts.derivative(of_parts, variables, parameters).map(&mut compiled)?;
             let (mode, variables) = (*mode, variables.clone());
             let parameters = parameters.filter(|own| variables.contains(own));
-            Ok(GroundDerivative { mode, variables, parameters, parts })
+            Ok::<_, PyErr>(GroundDerivative { mode, variables, parameters, parts })
         };
         let derivative = derivative.map(of).transpose()?;
-        let (limits, tolerance, sweeps, steps, field) = &self.options;
-        let field = field.as_ref().map(|(origin, spacing, columns, heights)| Field {
-            origin: origin.map(S::from_f64),
-            spacing: spacing.map(S::from_f64),
-            columns: *columns,
-            heights: heights.iter().map(|&height| S::from_f64(height)).collect(),
-        });
-        let default = Ground::<S>::default();
         Ok(GroundFunction {
             parts: self.parts.map(compiled)?,
             field,
             robot: self.robot.clone(),
-            ground: Ground {
-                joint_limits: limits.unwrap_or(default.joint_limits),
-                tolerance: tolerance.map_or(default.tolerance, S::from_f64),
-                sweeps: sweeps.unwrap_or(default.sweeps),
-                newton_steps: steps.unwrap_or(default.newton_steps),
-            },
+            ground,
             lengths: self.inputs.iter().map(|shape| shape.iter().product()).collect(),
             has_parameters: self.has_parameters,
             derivative,
@@ -309,7 +306,7 @@ pub struct GroundFunction<S: Number + 'static> {
     /// The options of the step.
     ground: Ground<S>,
     /// The heights of the ground, which set the planes of the contacts.
-    field: Option<Field<S>>,
+    field: Option<HeightField<'static, S>>,
     /// The numbers of each argument of the step.
     lengths: Vec<usize>,
     /// Whether the last argument are the run-time parameters.
@@ -492,7 +489,7 @@ impl<S: Number> ReadyGround<'_, S> {
     /// Returns the arguments with the planes of the height field below the contacts as their targets.
     fn on_field(&self, numbers: &[S], lanes: usize) -> Option<Vec<S>> {
         let (function, kernel) = (self.function, self.parts.places.as_ref()?);
-        let field = function.field.as_ref()?.view()?;
+        let field = function.field.as_ref()?;
         let lengths = &function.lengths;
         let given = Given { numbers, lengths, lanes };
         let contacts = lengths[CONTACTS] / 3;
@@ -548,8 +545,13 @@ impl<S: Number> ReadyGround<'_, S> {
         let mut qd = vec![S::zero(); nv];
         for (lane, solved) in solved.into_iter().enumerate() {
             let last = given.lane(RESIDUAL, lane);
+            let after = |wrong: Residual<S>| {
+                let most = Residual { contacts: last[0], stops: last[1] }.max(wrong);
+                [most.contacts, most.stops]
+            };
             if let Some(wrong) = solved {
-                residual.set_lane(lane, &[last[0].max(wrong), last[1]]);
+                let wrong = Residual { contacts: wrong, stops: S::zero() };
+                residual.set_lane(lane, &after(wrong));
                 continue;
             }
             let (q, dt, settings) = given.before(lane);
@@ -567,7 +569,7 @@ impl<S: Number> ReadyGround<'_, S> {
             velocities.set_lane(lane, &qd);
             of_contacts.set_lane(lane, &p);
             of_stops.set_lane(lane, &s);
-            residual.set_lane(lane, &[last[0].max(wrong.contacts), last[1].max(wrong.stops)]);
+            residual.set_lane(lane, &after(wrong));
         }
         for (places, qd) in
             displacement.numbers.chunks_mut(lanes).zip(velocities.numbers.chunks(lanes))

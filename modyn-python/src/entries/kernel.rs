@@ -8,7 +8,9 @@ use modyn_codegen::plan::Planned;
 use modyn_codegen::program::Program;
 use modyn_jit::{Call, Compiled, Options};
 
+use super::pool::{BETWEEN_QUESTIONS, Pool, Questions};
 use super::states::{Broadcast, Numbers, Results};
+use crate::checks::Check;
 use crate::function::INSTRUCTIONS_PER_THREAD;
 use crate::number::Number;
 
@@ -21,6 +23,8 @@ pub struct ArrayShapes {
     inputs: Vec<Vec<usize>>,
     outputs: Vec<Vec<usize>>,
     lengths: [Vec<usize>; 2],
+    /// The arguments whose numbers are checked, by their indices and names.
+    checks: Vec<(usize, &'static str, Check)>,
 }
 
 impl ArrayShapes {
@@ -28,7 +32,28 @@ impl ArrayShapes {
     pub fn new(inputs: Vec<Vec<usize>>, outputs: Vec<Vec<usize>>) -> Self {
         let lengths = [&inputs, &outputs]
             .map(|shapes| shapes.iter().map(|shape| shape.iter().product()).collect());
-        Self { inputs, outputs, lengths }
+        Self { inputs, outputs, lengths, checks: Vec::new() }
+    }
+
+    /// Returns the shapes with checks of the numbers of arguments.
+    pub fn with_checks(self, checks: Vec<(usize, &'static str, Check)>) -> Self {
+        Self { checks, ..self }
+    }
+
+    /// Returns the checks of arguments.
+    pub fn checks(&self) -> &[(usize, &'static str, Check)] {
+        &self.checks
+    }
+
+    /// Checks the numbers of the arguments of a call.
+    ///
+    /// # Errors
+    ///
+    /// If a number is outside of its range.
+    fn check<S: Number>(&self, inputs: &[Numbers<'_, S>]) -> Result<(), String> {
+        self.checks.iter().try_for_each(|&(array, name, check)| {
+            check.run(name, inputs[array].all(), self.lengths[0][array])
+        })
     }
 
     /// Returns the shapes of the arguments.
@@ -149,7 +174,7 @@ impl<'a, S: Number> Arrays<'a, S> {
     ///
     /// # Errors
     ///
-    /// If there are other arrays than those of the function, or one is too short.
+    /// If there are other arrays than those of the function, if one is too short, or if a number is outside of its range.
     pub fn new(
         shapes: &'a ArrayShapes,
         broadcast: &'a Broadcast<'a>,
@@ -171,6 +196,7 @@ impl<'a, S: Number> Arrays<'a, S> {
         if sizes.any(|(output, length)| output.len() != length * states) {
             return Err("modyn: an array of results has another size".into());
         }
+        shapes.check(inputs)?;
         Ok(Self { broadcast, inputs, outputs, lengths })
     }
 
@@ -250,6 +276,15 @@ impl<S: Number> Kernel<'_, S> {
         }
     }
 
+    /// Returns the instructions of one state until the next question whether the work must end. The time of a program that is evaluated,
+    /// and of a solver that iterates, is not known: the question comes after each state.
+    pub fn work(&self) -> usize {
+        match &self.runner {
+            Runner::Machine(_) => self.cost(),
+            Runner::Evaluated(_) | Runner::Own(_) => BETWEEN_QUESTIONS,
+        }
+    }
+
     /// Returns the states that are computed together.
     pub fn lanes(&self) -> usize {
         match &self.runner {
@@ -276,14 +311,20 @@ impl<S: Number> Kernel<'_, S> {
     }
 
     /// Computes states, one in each lane if there are several.
-    pub fn compute(&self, arrays: &Arrays<'_, S>, states: Range<usize>, lanes: usize) {
+    pub fn compute(
+        &self,
+        arrays: &Arrays<'_, S>,
+        (states, lanes): (Range<usize>, usize),
+        pool: &dyn Pool,
+    ) {
         match lanes {
-            1 => self.one_by_one(arrays, states),
-            _ => self.in_lanes(arrays, states, lanes),
+            1 => self.one_by_one(arrays, states, pool),
+            _ => self.in_lanes(arrays, (states, lanes), pool),
         }
     }
 
-    fn one_by_one(&self, arrays: &Arrays<'_, S>, states: Range<usize>) {
+    fn one_by_one(&self, arrays: &Arrays<'_, S>, states: Range<usize>, pool: &dyn Pool) {
+        let (mut questions, work) = (Questions::new(pool), self.work());
         let [inputs, outputs] = self.shapes.lengths();
         with_numbers(inputs.iter().sum(), |numbers: &mut [S]| {
             with_numbers(outputs.iter().sum(), |result: &mut [S]| {
@@ -302,12 +343,21 @@ impl<S: Number> Kernel<'_, S> {
                         let places = arrays.found(k, state, 0, length).iter();
                         places.zip(own).for_each(|(place, &number)| place.set(number));
                     }
+                    if questions.must_end(work) {
+                        return;
+                    }
                 }
             });
         });
     }
 
-    fn in_lanes(&self, arrays: &Arrays<'_, S>, states: Range<usize>, lanes: usize) {
+    fn in_lanes(
+        &self,
+        arrays: &Arrays<'_, S>,
+        (states, lanes): (Range<usize>, usize),
+        pool: &dyn Pool,
+    ) {
+        let (mut questions, work) = (Questions::new(pool), self.work().saturating_mul(lanes));
         let [inputs, outputs] = self.shapes.lengths();
         let mut numbers = vec![S::zero(); inputs.iter().sum::<usize>() * lanes];
         let mut result = vec![S::zero(); outputs.iter().sum::<usize>() * lanes];
@@ -325,6 +375,9 @@ impl<S: Number> Kernel<'_, S> {
                 let rows;
                 (rows, rest) = rest.split_at(length * lanes);
                 arrays.scatter(k, (&group, 0), rows, states.end);
+            }
+            if questions.must_end(work) {
+                return;
             }
         }
     }

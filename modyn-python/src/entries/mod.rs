@@ -11,7 +11,7 @@ mod code;
 mod ground;
 mod interface;
 mod kernel;
-mod pool;
+pub mod pool;
 mod rollout;
 mod signature;
 mod states;
@@ -23,13 +23,15 @@ use std::sync::{OnceLock, PoisonError, RwLock};
 
 use modyn_codegen::plan::{Derivative, DerivativeMode, EntryFunction, Planned};
 use modyn_codegen::{FloatType, Function, Planning};
+use numpy::PyArrayDyn;
 use numpy::prelude::*;
-use numpy::{IxDyn, PyArrayDyn};
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::exceptions::{PyMemoryError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
+use crate::arrays::in_order;
 use crate::errors::{description_error, warn_of_machine_code};
+use crate::memory::zeros;
 use crate::number::Number;
 use crate::robot::Robot;
 use code::ArrayCode;
@@ -37,7 +39,7 @@ use ground::GroundOptions;
 use kernel::{ArrayShapes, StateFunction};
 use pool::StartedThreads;
 use rollout::{Reverse, Rollout};
-use states::{Broadcast, Numbers};
+use states::{Broadcast, Fault, Numbers, common};
 pub use xla::xla_handler;
 
 /// The key of code, and the shapes of its arrays of arguments and of results.
@@ -377,7 +379,7 @@ impl Robot {
         code: fn(ArrayCode<S>) -> AnyCode,
         function: fn(&'static AnyCode) -> Option<&'static StateFunction<S>>,
     ) -> PyResult<KeyAndShapes> {
-        let step = ground::Step::new(self, options, feedback).map_err(PyValueError::new_err)?;
+        let step = ground::Step::new(self, options, feedback);
         let derivative = derivative.map(|(mode, variables)| match &*mode {
             "forward" => Ok(Derivative { mode: DerivativeMode::Forward, variables }),
             "reverse" => Ok(Derivative { mode: DerivativeMode::Reverse, variables }),
@@ -522,8 +524,9 @@ fn rolled_out<S: Number>(
         inputs.extend(std::mem::replace(&mut outputs, gradients));
     }
     let state = state.len();
+    let checks = step.shapes().checks().to_vec();
     let rollout = Rollout { step, state, is_sequence, steps, trajectory, reverse };
-    Ok((rollout, ArrayShapes::new(inputs, outputs)))
+    Ok((rollout, ArrayShapes::new(inputs, outputs).with_checks(checks)))
 }
 
 /// Calls the code with this key on arrays in C order, whose leading axes are those of states and are broadcast. Returns an array for
@@ -564,10 +567,8 @@ fn called<'py, S: Number>(
 ) -> PyResult<Bound<'py, PyList>> {
     let wrong = |message: String| PyValueError::new_err(message);
     let read = |array: &Bound<'py, PyAny>| {
-        let array = array
-            .cast::<PyArrayDyn<S>>()
-            .map_err(|_| PyTypeError::new_err(format!("arrays of {} are expected", S::DTYPE)))?;
-        array.try_readonly().map_err(|error| wrong(error.to_string()))
+        let array = in_order::<S>("call_arrays", "arrays", array)?;
+        array.try_into_readonly().map_err(|error| wrong(error.to_string()))
     };
     let given = arrays.iter().map(read).collect::<PyResult<Vec<_>>>()?;
     let mut axes = Vec::with_capacity(given.len());
@@ -576,22 +577,28 @@ fn called<'py, S: Number>(
         axes.push(leading(array.shape(), shape).map_err(wrong)?);
         numbers.push(array.as_slice()?.into());
     }
-    let broadcast = Broadcast::new(&axes, code.shapes().lengths()[0]).map_err(wrong)?;
-    let results: Vec<Bound<'py, PyArrayDyn<S>>> = (code.shapes().outputs().iter())
-        .map(|shape| {
-            let shape = [broadcast.axes(), shape].concat();
-            PyArrayDyn::zeros(py, IxDyn(&shape), false)
-        })
-        .collect();
+    let all = common(&axes).map_err(wrong)?;
+    let results = code.shapes().outputs().iter().map(|shape| {
+        let shape = [&*all, shape].concat();
+        zeros::<S>(py, &shape, false)
+    });
+    let results: Vec<Bound<'py, PyArrayDyn<S>>> = results.collect::<PyResult<_>>()?;
+    let broadcast =
+        Broadcast::new(&axes, code.shapes().lengths()[0]).map_err(|fault| match fault {
+            Fault::Memory => PyMemoryError::new_err(fault.to_string()),
+            Fault::Arrays(message) => wrong(message),
+        })?;
     let mut written: Vec<_> = results.iter().map(PyArrayMethods::readwrite).collect();
     let mut outputs = Vec::with_capacity(written.len());
     for array in &mut written {
         outputs.push(array.as_slice_mut()?.into());
     }
-    let states = broadcast.states();
-    let run = || code.compute(&broadcast, &numbers, &outputs, &StartedThreads);
+    let threads = StartedThreads::new();
+    let run = || code.compute(&broadcast, &numbers, &outputs, &threads);
     // Releasing Python's lock takes longer than one state.
-    if states > 1 { py.detach(run) } else { run() }.map_err(wrong)?;
+    let is_long = broadcast.states() > 1 || matches!(code, ArrayCode::Rollout(..));
+    if is_long { py.detach(run) } else { run() }.map_err(wrong)?;
+    threads.finish()?;
     drop(outputs);
     drop(written);
     PyList::new(py, results)

@@ -7,6 +7,7 @@
 use std::ops::Range;
 
 use super::kernel::{Arrays, Kernel, StateFunction};
+use super::pool::{Pool, Questions};
 use crate::number::Number;
 
 /// The steps whose states are stored at a time. A longer motion is divided into parts, whose first states are stored.
@@ -56,12 +57,20 @@ impl<S: Number> Rollout<S> {
 }
 
 /// The memory of a group of motions, with a motion in each lane.
-struct Memory<S> {
+struct Memory<'p, S> {
     /// The arguments of a step, the state first; backwards, then the weights of the state.
     numbers: Vec<S>,
     /// The state after the step.
     next: Vec<S>,
     lanes: usize,
+    questions: Questions<'p>,
+}
+
+impl<S: Number> Memory<'_, S> {
+    /// Returns whether the work must end after a step of a kernel.
+    fn must_end(&mut self, kernel: &Kernel<'_, S>) -> bool {
+        self.questions.must_end(kernel.work().saturating_mul(self.lanes))
+    }
 }
 
 impl<S: Number> Ready<'_, S> {
@@ -77,16 +86,25 @@ impl<S: Number> Ready<'_, S> {
         if reverse == 1 { 1 } else { self.step.lanes() }
     }
 
-    /// Computes motions.
-    pub fn run(&self, arrays: &Arrays<'_, S>, motions: Range<usize>, lanes: usize) {
+    /// Computes motions; not all of them if the pool must end.
+    pub fn run(
+        &self,
+        arrays: &Arrays<'_, S>,
+        (motions, lanes): (Range<usize>, usize),
+        pool: &dyn Pool,
+    ) {
         let arguments = self.arguments();
         let state: usize = self.state_lengths().iter().sum();
         let weights = if self.reverse.is_some() { state } else { 0 };
         let count = arguments.iter().sum::<usize>() + weights;
         let numbers = vec![S::zero(); count * lanes];
-        let mut memory = Memory { numbers, next: vec![S::zero(); state * lanes], lanes };
+        let next = vec![S::zero(); state * lanes];
+        let mut memory = Memory { numbers, next, lanes, questions: Questions::new(pool) };
         for first in motions.clone().step_by(lanes) {
             let group = first..first + lanes;
+            if pool.must_end() {
+                return;
+            }
             self.read(arrays, &group, None, &mut memory);
             match (&self.reverse, &self.rollout.reverse) {
                 (Some(kernel), Some(reverse)) => {
@@ -114,7 +132,7 @@ impl<S: Number> Ready<'_, S> {
         arrays: &Arrays<'_, S>,
         group: &Range<usize>,
         step: Option<usize>,
-        memory: &mut Memory<S>,
+        memory: &mut Memory<'_, S>,
     ) {
         let lanes = memory.lanes;
         let mut row = 0;
@@ -135,10 +153,10 @@ impl<S: Number> Ready<'_, S> {
         arrays: &Arrays<'_, S>,
         group: &Range<usize>,
         step: usize,
-        memory: &mut Memory<S>,
+        memory: &mut Memory<'_, S>,
     ) {
         self.read(arrays, group, Some(step), memory);
-        let Memory { numbers, next, lanes } = memory;
+        let Memory { numbers, next, lanes, .. } = memory;
         let arguments: usize = self.arguments().iter().sum();
         self.step.run(&numbers[..arguments * *lanes], next, *lanes);
         numbers[..next.len()].copy_from_slice(next);
@@ -148,11 +166,14 @@ impl<S: Number> Ready<'_, S> {
         &self,
         arrays: &Arrays<'_, S>,
         (group, end): (&Range<usize>, usize),
-        memory: &mut Memory<S>,
+        memory: &mut Memory<'_, S>,
     ) {
         let Rollout { steps, trajectory, .. } = *self.rollout;
         for step in 0..steps {
             self.advance(arrays, group, step, memory);
+            if memory.must_end(&self.step) {
+                return;
+            }
             if trajectory || step + 1 == steps {
                 let mut rest = &*memory.next;
                 for (k, &length) in self.state_lengths().iter().enumerate() {
@@ -178,7 +199,7 @@ impl<S: Number> Ready<'_, S> {
         arrays: &Arrays<'_, S>,
         (group, end): (&Range<usize>, usize),
         (kernel, reverse): (&Kernel<'_, S>, &Reverse<S>),
-        memory: &mut Memory<S>,
+        memory: &mut Memory<'_, S>,
     ) {
         let Rollout { steps, trajectory, .. } = *self.rollout;
         let lanes = memory.lanes;
@@ -192,8 +213,12 @@ impl<S: Number> Ready<'_, S> {
         for (k, start) in starts.chunks_exact_mut(state.max(1)).enumerate() {
             start.copy_from_slice(&memory.numbers[..state]);
             if k + 1 < parts {
-                (k * part..(k + 1) * part)
-                    .for_each(|step| self.advance(arrays, group, step, memory));
+                for step in k * part..(k + 1) * part {
+                    self.advance(arrays, group, step, memory);
+                    if memory.must_end(&self.step) {
+                        return;
+                    }
+                }
             }
         }
         let mut states = vec![S::zero(); part * state];
@@ -212,6 +237,9 @@ impl<S: Number> Ready<'_, S> {
                 if step + 1 < own.end {
                     self.advance(arrays, group, step, memory);
                 }
+                if memory.must_end(&self.step) {
+                    return;
+                }
             }
             for step in own.clone().rev() {
                 if trajectory || step + 1 == steps {
@@ -227,6 +255,9 @@ impl<S: Number> Ready<'_, S> {
                     .copy_from_slice(&states[(step - own.start) * state..][..state]);
                 self.read(arrays, group, Some(step), memory);
                 kernel.run(&memory.numbers, &mut gradient, lanes);
+                if memory.must_end(kernel) {
+                    return;
+                }
                 memory.numbers[weights..].copy_from_slice(&gradient[..state]);
                 self.collect(arrays, (group, end), step, (reverse, &gradient, &mut sums), lanes);
             }

@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyList, PyTuple};
 
 use super::kernel::ArrayShapes;
+use crate::checks::Check;
 use crate::function::default_settings;
 use crate::layout::{self, Class, Layout, Leaf};
 use crate::number::Number;
@@ -104,7 +105,12 @@ pub fn shapes(robot: &Robot, function: &EntryFunction) -> Result<ArrayShapes, St
             return Err(format!("`{name}` is no time step, so it has no feedback and no cost"));
         }
     }
+    let checks = row.arguments.iter().enumerate().filter_map(|(k, argument)| {
+        Some((k, argument.name, Check::of(Some(function.function), argument)?))
+    });
+    let checks = checks.collect();
     if function.cost {
+        // Time steps with a cost have no argument that is checked.
         inputs.insert(2, Vec::new());
     }
     if function.feedback {
@@ -131,7 +137,7 @@ pub fn shapes(robot: &Robot, function: &EntryFunction) -> Result<ArrayShapes, St
             DerivativeMode::Matrix => outputs = matrices(&outputs, &varying),
         }
     }
-    Ok(ArrayShapes::new(inputs, outputs))
+    Ok(ArrayShapes::new(inputs, outputs).with_checks(checks))
 }
 
 /// Returns the shapes of the derivatives of each result by each variable.

@@ -7,10 +7,34 @@
 #![allow(unsafe_code)]
 
 use std::cell::Cell;
+use std::fmt;
+
+/// The reason why a call cannot be computed.
+#[derive(Debug)]
+pub enum Fault {
+    /// The arrays do not fit.
+    Arrays(String),
+    /// The states do not fit in memory.
+    Memory,
+}
+
+impl From<String> for Fault {
+    fn from(message: String) -> Self {
+        Self::Arrays(message)
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Arrays(message) => f.write_str(message),
+            Self::Memory => f.write_str("modyn: the states of a call do not fit in memory"),
+        }
+    }
+}
 
 /// Axes of states that several arrays have in common, as NumPy broadcasts them.
 pub struct Broadcast<'a> {
-    axes: Vec<usize>,
     states: usize,
     lengths: &'a [usize],
     offsets: Vec<Offsets>,
@@ -28,32 +52,14 @@ impl<'a> Broadcast<'a> {
     ///
     /// # Errors
     ///
-    /// If the axes do not fit.
-    pub fn new(axes: &[&[usize]], lengths: &'a [usize]) -> Result<Self, String> {
-        let count = axes.iter().map(|own| own.len()).max().unwrap_or_default();
-        let mut all = vec![1; count];
-        for own in axes {
-            for (length, &found) in all[count - own.len()..].iter_mut().zip(*own) {
-                match (*length, found) {
-                    (_, 1) => {}
-                    (1, _) => *length = found,
-                    (expected, _) if expected == found => {}
-                    (expected, _) => {
-                        return Err(format!(
-                            "modyn: axes of {expected} and of {found} states do not fit"
-                        ));
-                    }
-                }
-            }
-        }
-        let states = all.iter().product();
-        let offsets = axes.iter().map(|own| offsets(own, &all, states)).collect();
-        Ok(Self { axes: all, states, lengths, offsets })
-    }
-
-    /// Returns the axes of the results.
-    pub fn axes(&self) -> &[usize] {
-        &self.axes
+    /// If the axes do not fit, or the places of the states do not fit in memory.
+    pub fn new(axes: &[&[usize]], lengths: &'a [usize]) -> Result<Self, Fault> {
+        let all = common(axes)?;
+        let states = all.iter().try_fold(1_usize, |states, &n| states.checked_mul(n));
+        let states = states.ok_or(Fault::Memory)?;
+        let offsets =
+            axes.iter().map(|own| offsets(own, &all, states)).collect::<Result<_, _>>()?;
+        Ok(Self { states, lengths, offsets })
     }
 
     /// Returns the number of states.
@@ -96,14 +102,43 @@ impl<'a> Broadcast<'a> {
     }
 }
 
+/// Returns the axes of states that arrays with these axes have in common.
+///
+/// # Errors
+///
+/// If the axes do not fit.
+pub fn common(axes: &[&[usize]]) -> Result<Vec<usize>, String> {
+    let count = axes.iter().map(|own| own.len()).max().unwrap_or_default();
+    let mut all = vec![1; count];
+    for own in axes {
+        for (length, &found) in all[count - own.len()..].iter_mut().zip(*own) {
+            match (*length, found) {
+                (_, 1) => {}
+                (1, _) => *length = found,
+                (expected, _) if expected == found => {}
+                (expected, _) => {
+                    return Err(format!(
+                        "modyn: axes of {expected} and of {found} states do not fit"
+                    ));
+                }
+            }
+        }
+    }
+    Ok(all)
+}
+
 /// Returns the places of all states in an array with its own axes.
-fn offsets(own: &[usize], all: &[usize], states: usize) -> Offsets {
+///
+/// # Errors
+///
+/// If they do not fit in memory.
+fn offsets(own: &[usize], all: &[usize], states: usize) -> Result<Offsets, Fault> {
     let total: usize = own.iter().product();
     if total == states {
-        return Offsets::Stride(1);
+        return Ok(Offsets::Stride(1));
     }
     if total == 1 {
-        return Offsets::Stride(0);
+        return Ok(Offsets::Stride(0));
     }
     let skipped = all.len() - own.len();
     let place = |state: usize| {
@@ -118,7 +153,10 @@ fn offsets(own: &[usize], all: &[usize], states: usize) -> Offsets {
         }
         place
     };
-    Offsets::Table((0..states).map(place).collect())
+    let mut table = Vec::new();
+    table.try_reserve_exact(states).map_err(|_| Fault::Memory)?;
+    table.extend((0..states).map(place));
+    Ok(Offsets::Table(table))
 }
 
 /// The numbers of an array that a call reads.
@@ -131,6 +169,11 @@ impl<'a, S> From<&'a [S]> for Numbers<'a, S> {
 }
 
 impl<S> Numbers<'_, S> {
+    /// Returns the numbers of all states.
+    pub fn all(&self) -> &[S] {
+        self.0
+    }
+
     /// Returns numbers from a place on.
     pub fn at(&self, place: usize, count: usize) -> &[S] {
         &self.0[place..place + count]

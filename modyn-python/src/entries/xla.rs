@@ -118,7 +118,8 @@ unsafe fn typed<S: Number>(
     // SAFETY: see the header.
     let axes = axes.map(|(array, own)| leading(unsafe { dims(array) }, own));
     let axes = axes.collect::<Result<Vec<&[usize]>, String>>()?;
-    let broadcast = Broadcast::new(&axes, code.shapes().lengths()[0])?;
+    let broadcast = Broadcast::new(&axes, code.shapes().lengths()[0]);
+    let broadcast = broadcast.map_err(|fault| fault.to_string())?;
     // SAFETY: see the header.
     let given: Vec<Numbers<'_, S>> = unsafe {
         arguments.iter().map(|array| {
@@ -217,6 +218,11 @@ impl Pool for XlaThreads<'_> {
         let is_known = self.succeeded(threads(&raw mut arguments));
         // The thread that calls is none of these.
         if is_known { usize::try_from(found).unwrap_or_default().max(1) } else { 1 }
+    }
+
+    fn must_end(&self) -> bool {
+        // XLA waits for its calls.
+        false
     }
 
     fn share(&self, chunks: usize, run: &(dyn Fn(usize) + Sync)) {

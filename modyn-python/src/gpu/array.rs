@@ -1,13 +1,14 @@
 //! Arrays on a graphics processor, to and from NumPy.
 
+use modyn_codegen::Function;
 use modyn_gpu::Gpu;
-use numpy::PyReadonlyArrayDyn;
 use numpy::prelude::*;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use super::exception;
-use crate::arrays::{Given, Output, tuple};
+use crate::arrays::{Given, Output, in_order, tuple};
+use crate::checks::Check;
 use crate::layout::{Layout, Leaf};
 
 /// Numbers for n states on a graphics processor, in single precision: arguments and results of kernels.
@@ -32,8 +33,8 @@ impl GpuArray {
         let (scalars, states) = (self.array.scalars(), self.array.states());
         let columns = py.detach(|| self.array.read()).map_err(|error| exception(py, error))?;
         let layout = (&self.layout, scalars);
-        let mut output = Output::<f32>::new(py, "numpy", layout, Some(states), None)?;
-        for (i, state) in output.as_mut_slice().chunks_exact_mut(scalars).enumerate() {
+        let mut output = Output::<f32>::new(py, "numpy", layout, Some(states), (None, &[]))?;
+        for (i, state) in output.as_mut_slice()?.chunks_exact_mut(scalars).enumerate() {
             for (j, number) in state.iter_mut().enumerate() {
                 *number = columns[j * states + i];
             }
@@ -81,7 +82,7 @@ pub(super) fn any(
     object: &Bound<'_, PyAny>,
 ) -> PyResult<(modyn_gpu::GpuArray, Vec<usize>)> {
     let array = py.import("numpy")?.call_method1("ascontiguousarray", (object, "float32"))?;
-    let array: PyReadonlyArrayDyn<'_, f32> = array.extract()?;
+    let array = in_order::<f32>("upload", "array", &array)?.try_readonly()?;
     let [states, shape @ ..] = array.shape() else {
         let found = tuple(array.shape());
         return Err(PyValueError::new_err(format!(
@@ -98,21 +99,27 @@ pub(super) enum Argument<'py> {
 }
 
 impl<'py> Argument<'py> {
-    /// Returns the argument `name` of `function`, whose states have this shape.
+    /// Returns an argument of `function`, whose states have this shape.
     ///
     /// # Errors
     ///
-    /// `TypeError` if these are not real numbers, `ValueError` for another shape.
+    /// `TypeError` if these are not real numbers, `ValueError` for another shape, or a number out of range.
     pub fn read(
-        function: &str,
-        name: &str,
+        function: Function,
+        argument: &modyn_codegen::plan::Argument,
         shape: &[usize],
         object: &Bound<'py, PyAny>,
     ) -> PyResult<Self> {
-        match object.cast::<GpuArray>() {
-            Ok(array) => Ok(Self::OnProcessor(array.get().array.clone())),
-            Err(_) => Ok(Self::Given(Given::read_for_scalar(function, name, shape, object)?)),
+        if let Ok(array) = object.cast::<GpuArray>() {
+            return Ok(Self::OnProcessor(array.get().array.clone()));
         }
+        let name = argument.name;
+        let given = Given::read_for_scalar(function.name(), name, shape, object)?;
+        if let Some(check) = Check::of(Some(function), argument) {
+            let checked = check.run(name, given.as_slice()?, shape.iter().product());
+            checked.map_err(PyValueError::new_err)?;
+        }
+        Ok(Self::Given(given))
     }
 
     /// Returns the number of states; `None` for one state without an axis of states.
@@ -133,8 +140,13 @@ impl<'py> Argument<'py> {
         match self {
             Self::OnProcessor(array) => Ok(array),
             Self::Given(given) => match given.states {
-                Some(states) => upload(py, gpu, given.as_slice(), states),
-                None => upload(py, gpu, &given.as_slice().repeat(repeated), repeated),
+                Some(states) => upload(py, gpu, given.as_slice()?, states),
+                None => upload(
+                    py,
+                    gpu,
+                    &crate::memory::repeated(given.as_slice()?, repeated)?,
+                    repeated,
+                ),
             },
         }
     }

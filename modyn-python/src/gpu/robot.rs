@@ -28,7 +28,7 @@ pub struct GpuRobot {
 /// The kernels of a function: one, or one for each link.
 struct Kernels {
     kernels: modyn_gpu::GpuRobot,
-    arguments: Vec<(&'static str, Vec<usize>)>,
+    arguments: Vec<(modyn_codegen::plan::Argument, Vec<usize>)>,
     result: Layout,
     parameters: ParameterNumbers<f32>,
 }
@@ -59,7 +59,7 @@ impl GpuRobot {
             kernels: modyn_gpu::GpuRobot::new(&self.gpu, &builder)
                 .map_err(|error| exception(py, error))?,
             arguments: arguments
-                .map(|(argument, shape)| (argument.name, layout::of_argument(shape)))
+                .map(|(argument, shape)| (*argument, layout::of_argument(shape)))
                 .collect(),
             result: layout::of_result(&planned.result),
             parameters: ParameterNumbers::new(&plan, model.gravity(), planned.parameters > 0),
@@ -103,13 +103,14 @@ impl GpuRobot {
             return Err(PyTypeError::new_err(format!("`{name}` {takes}")));
         }
         if arguments.len() != own.arguments.len() {
-            let names: Vec<&str> = own.arguments.iter().map(|(name, _)| *name).collect();
+            let names: Vec<&str> = own.arguments.iter().map(|(own, _)| own.name).collect();
             let (names, given) = (names.join(", "), arguments.len());
             let message = format!("`{name}` takes {names}, and {given} arguments were given");
             return Err(PyTypeError::new_err(message));
         }
         let given = own.arguments.iter().zip(arguments.iter());
-        let given = given.map(|((own, shape), object)| Argument::read(name, own, shape, &object));
+        let given =
+            given.map(|((own, shape), object)| Argument::read(function, own, shape, &object));
         let given = given.collect::<PyResult<Vec<_>>>()?;
         let states = given.iter().find_map(Argument::states).unwrap_or(1);
         let uploaded = given.into_iter().map(|argument| argument.uploaded(py, &self.gpu, states));

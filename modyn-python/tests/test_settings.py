@@ -1,0 +1,238 @@
+"""Numbers out of range are refused by name at every door, and NaN reaches the results that depend on it."""
+
+import numpy as np
+import pytest
+from conftest import ROBOTS, chain, signatures, states
+
+import modyn
+from modyn import ConstraintSettings, ContactTarget, Ground, HeightField
+
+DT = 0.002
+CONTACTS = {"hand": ("point", "link2", [0.1, -0.2, 0.15]), "foot": ("point", "link4", [0, 0.2, 0.1])}
+
+
+def tree(**options):
+    return modyn.loads(chain(7, joints=5), base="floating", contacts=CONTACTS, friction="none", **options)
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return tree()
+
+
+def state(robot):
+    q, qd, _, tau = states(robot, 1)
+    return q[0], qd[0], tau[0]
+
+
+BAD = [
+    ("friction", np.nan, "not negative"),
+    ("friction", -0.8, "not negative"),
+    ("friction", np.inf, "not negative"),
+    ("restitution", 2.0, "from 0 to 1"),
+    ("restitution", -5.0, "from 0 to 1"),
+    ("compliance", -1.0, "not negative"),
+    ("compliance", np.inf, "not negative"),
+    ("weight", -1.0, "above 0"),
+    ("weight", 0.0, "above 0"),
+    ("alpha", -1.0, "not negative"),
+    ("beta", np.nan, "not negative"),
+    ("tangential", -1.0, "not negative"),
+    ("translation", (0.0, np.nan, 0.0), "a finite number"),
+    ("velocity", (0.0, 0.0, 0.0, np.inf, 0.0, 0.0), "a finite number"),
+    ("rotation", np.zeros((3, 3)), "is no rotation"),
+    ("rotation", 5 * np.eye(3), "is no rotation"),
+    ("rotation", np.diag([1.0, 1.0, -1.0]), "is no rotation"),
+]
+
+
+def doors(robot):
+    """Returns a call of each function with settings."""
+    q, qd, tau = state(robot)
+    zeros, controls = np.zeros(robot.nv), np.zeros((3, robot.nv))
+    weights = np.zeros((3, robot.nq)), np.zeros((3, robot.nv))
+    functions = {
+        "constrained_forward_dynamics": (q, qd, tau),
+        "constrained_forward_dynamics_derivatives": (q, qd, tau),
+        "constraint_residual": (q, qd),
+        "contact_impulse": (q, qd),
+        "contact_problem": (q, qd, tau, DT),
+        "contact_step": (q, qd, tau, DT, np.zeros((2, 3))),
+        "step_on_ground": (q, qd, tau, DT),
+        "step_on_ground_derivatives": (q, qd, tau, DT),
+    }
+    call = lambda name, arguments: lambda settings: getattr(robot, name)(*arguments, settings=settings)
+    found = {name: call(name, arguments) for name, arguments in functions.items()}
+    found["many states"] = lambda settings: robot.contact_problem(np.stack([q, q]), qd, tau, DT, settings=settings)
+    found["rollout"] = lambda settings: robot.rollout(q, qd, controls, DT, step="ground", settings=settings)
+    found["rollout_vjp"] = lambda settings: robot.rollout_vjp(q, qd, controls, DT, *weights, step="ground", settings=settings)
+    found["simulate"] = lambda settings: robot.simulate(lambda *_: zeros, q, qd, DT, 2, settings)
+    return found
+
+
+@pytest.mark.parametrize("name, value, expected", BAD)
+def test_settings_out_of_range_are_named(robot, name, value, expected):
+    settings = ConstraintSettings([ContactTarget(), ContactTarget(**{name: value})])
+    for door, call in doors(robot).items():
+        call(ConstraintSettings([ContactTarget(), ContactTarget()]))
+        with pytest.raises(ValueError, match=rf"`{name}` of `settings.contacts\[1\]`.*{expected}") as error:
+            call(settings)
+        assert np.ndim(value) or str(value).removesuffix(".0").lower() in str(error.value).lower(), (door, error.value)
+
+
+@pytest.mark.parametrize("name", ["alpha", "beta", "tolerance", "rounding"])
+def test_settings_of_all_constraints_are_named(robot, name):
+    for value in (-1.0, np.nan, np.inf):
+        settings = ConstraintSettings([ContactTarget()] * 2, **{name: value})
+        for call in doors(robot).values():
+            with pytest.raises(ValueError, match=f"`{name}` of `settings` is"):
+                call(settings)
+
+
+def test_the_state_of_a_wrong_number_is_named(robot):
+    q, qd, tau = state(robot)
+    settings = np.tile(np.asarray(ConstraintSettings([ContactTarget()] * 2)), (5, 1))
+    settings[3, -1] = -0.5
+    with pytest.raises(ValueError, match=r"`friction` of `settings.contacts\[1\]` is -0.5.*\(in state 3\)"):
+        robot.step_on_ground(q, qd, tau, DT, settings)
+
+
+@pytest.mark.parametrize("dt", [0.0, -0.001, np.nan, np.inf])
+def test_time_steps_on_the_ground_are_above_zero(robot, dt):
+    q, qd, tau = state(robot)
+    calls = [
+        lambda: robot.step_on_ground(q, qd, tau, dt),
+        lambda: robot.step_on_ground_derivatives(q, qd, tau, dt),
+        lambda: robot.contact_step(q, qd, tau, dt, np.zeros((2, 3))),
+        lambda: robot.rollout(q, qd, np.zeros((3, robot.nv)), dt, step="ground"),
+        lambda: robot.simulate(lambda *_: tau, q, qd, dt, 2),
+    ]
+    for call in calls:
+        with pytest.raises(ValueError, match="`dt` is .*; expected a finite number above 0"):
+            call()
+
+
+@pytest.mark.parametrize(
+    "ground, message",
+    [
+        (Ground(tolerance=0.0), "`tolerance` of `Ground` is 0; expected a finite number above 0"),
+        (Ground(tolerance=np.nan), "`tolerance` of `Ground` is NaN"),
+        (Ground(newton_steps=10**9), "`newton_steps` of `Ground` is 1000000000; the most is 10000"),
+        (Ground(sweeps=10**9), "`sweeps` of `Ground` is 1000000000; the most is 10000"),
+        (Ground(heights=HeightField([[0, 0, 0], [0, 0, np.nan]])), r"`heights`\[1, 2\] of the height field is NaN"),
+        (Ground(heights=HeightField([[0, np.inf], [0, 0]])), r"`heights`\[0, 1\] of the height field is inf"),
+        (Ground(heights=HeightField(np.zeros((2, 2)), spacing=(1.0, 0.0))), "`spacing` of the height field is 0"),
+        (Ground(heights=HeightField(np.zeros((2, 2)), spacing=(np.nan, 1.0))), "`spacing` of the height field is NaN"),
+        (Ground(heights=HeightField(np.zeros((2, 2)), origin=(np.inf, 0.0))), "`origin` of the height field is inf"),
+        (Ground(heights=HeightField(np.zeros((1, 2)))), "`heights` of the height field has 2 values"),
+    ],
+)
+def test_options_of_the_ground_are_named(robot, ground, message):
+    q, qd, tau = state(robot)
+    with pytest.raises(ValueError, match=message):
+        robot.step_on_ground(q, qd, tau, DT, ground=ground)
+    with pytest.raises(ValueError, match=message):
+        robot.rollout(q, qd, np.zeros((3, robot.nv)), DT, step="ground", ground=ground)
+
+
+def test_heights_are_checked_in_the_scalar():
+    robot = tree(scalar="f32")
+    q, qd, tau = state(robot)
+    with pytest.raises(ValueError, match=r"`heights`\[0, 0\] of the height field is inf"):
+        robot.step_on_ground(q, qd, tau, DT, ground=Ground(heights=HeightField(np.full((2, 2), 1e300))))
+
+
+def test_jax_checks_settings(robot):
+    jax = pytest.importorskip("jax")
+    jax.config.update("jax_enable_x64", True)
+    import modyn.jax
+
+    q, qd, tau = state(robot)
+    good = np.asarray(ConstraintSettings([ContactTarget()] * 2))
+    bad = np.asarray(ConstraintSettings([ContactTarget(), ContactTarget(friction=-0.1)]))
+    problem = modyn.jax.function(robot, "contact_problem")
+    rollout = modyn.jax.rollout(robot, step="ground")
+    controls = np.zeros((3, robot.nv))
+    for call in (
+        lambda settings: problem(q, qd, tau, DT, settings),
+        jax.jit(lambda settings: rollout(q, qd, controls, DT, settings=settings).q),
+        jax.grad(lambda settings: rollout(q, qd, controls, DT, settings=settings).q.sum()),
+    ):
+        jax.block_until_ready(call(good))
+        with pytest.raises(Exception, match=r"`friction` of `settings.contacts\[1\]` is -0.1"):
+            jax.block_until_ready(call(bad))
+
+
+def test_torch_checks_settings(robot):
+    torch = pytest.importorskip("torch")
+    import modyn.torch
+
+    q, qd, tau = state(robot)
+    bad = torch.from_numpy(np.asarray(ConstraintSettings([ContactTarget(), ContactTarget(friction=-0.1)])))
+    with pytest.raises(ValueError, match=r"`friction` of `settings.contacts\[1\]` is -0.1"):
+        modyn.torch.function(robot, "contact_problem")(q, qd, tau, DT, bad)
+
+
+def test_contacts_of_mujoco_are_in_range():
+    for arguments, name in [((0.0, 1, 0.9, 1), "time_constant"), ((0.02, np.nan, 0.9, 1), "damping_ratio"), ((0.02, 1, 1.5, 1), "impedance"), ((0.02, 1, 0.9, -1), "mobility")]:
+        with pytest.raises(ValueError, match=f"`{name}` is"):
+            ContactTarget().compliant(*arguments)
+
+
+def test_random_parts_are_between_zero_and_one(robot):
+    parts = np.full(robot.nv, 0.5)
+    for wrong in (5.0, -0.1, np.inf):
+        with pytest.raises(ValueError, match="`uniforms` is .*; expected a number from 0 to 1"):
+            robot.random(np.where(np.arange(robot.nv) == 3, wrong, parts))
+    arm = modyn.load(ROBOTS / "arm7.urdf", friction="none")
+    assert np.isnan(arm.random(np.full(arm.nv, np.nan))).all()
+
+
+def numbers(result):
+    """Returns the numbers of a result for many states, a row for each."""
+    fields = result if isinstance(result, tuple) else (result,)
+    flat = [numbers(field) if isinstance(field, tuple) else np.asarray(field, float).reshape(len(field), -1) for field in fields]
+    return np.concatenate(flat, 1)
+
+
+@pytest.mark.parametrize("machine_code", [True, False])
+def test_nan_reaches_the_results_of_every_function(machine_code):
+    """A number whose change changes results makes a result NaN where it is NaN. Settings are refused instead."""
+    robot = tree(machine_code=machine_code)
+    rng = np.random.default_rng(3)
+    q, qd, tau = state(robot)
+    # Both contacts are in the ground.
+    q[2] -= 1.0
+    own = {"q": q, "from_": q, "qd": qd, "tau": tau, "dt": DT, "uniforms": rng.random(robot.nv)}
+    found = {}
+    for name, arguments, link in signatures(robot, "link4"):
+        given = {k: np.asarray(own.get(k, rng.normal(size=shape) if default is None else default)) for k, shape, default in arguments}
+        call = lambda changed: numbers(getattr(robot, name)(*({**given, **changed}.values()), *link))
+        found[name] = 0
+        for argument, x in given.items():
+            if argument in ("settings", "contacts") or x.size == 0 or (name, argument) == ("contact_step", "dt"):
+                continue
+            moved, unknown = (np.tile(x.ravel(), (x.size, 1)) for _ in range(2))
+            at = np.arange(x.size)
+            moved[at, at] = x.ravel() * 0.9 + 0.005
+            unknown[at, at] = np.nan
+            shaped = lambda rows: rows.reshape(x.size, *x.shape)
+            before = call({argument: shaped(np.tile(x.ravel(), (x.size, 1)))})
+            effective = (call({argument: shaped(moved)}) != before).any(1)
+            reached = np.isnan(call({argument: shaped(unknown)})).any(1)
+            assert reached[effective].all(), (name, argument, np.flatnonzero(effective & ~reached))
+            found[name] += effective.sum()
+    assert all(found.values()), found
+
+
+def test_nan_in_a_state_reaches_the_state_after_a_step_on_the_ground(robot):
+    q, qd, tau = state(robot)
+    q[2] -= 1.0
+    assert (robot.step_on_ground(q, qd, tau, DT).contact_impulses != 0).any()
+    for x in (q, qd, tau):
+        for n in (1, 9):
+            for k in range(len(x)):
+                before, x[k] = x[k], np.nan
+                after = robot.step_on_ground(np.tile(q, (n, 1)), qd, tau, DT)
+                assert np.isnan(after.qd).any(-1).all() and np.isnan(after.residual).any(-1).all(), k
+                x[k] = before
