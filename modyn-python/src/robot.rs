@@ -493,9 +493,7 @@ impl Robot {
         let all = [
             self.entries(nq, |i, _| self.model.coordinate_range(i)[0]),
             self.entries(nq, |i, _| self.model.coordinate_range(i)[1]),
-            self.entries(nv, |_, link| {
-                limits(link).and_then(|l| l.velocity).unwrap_or(f64::INFINITY)
-            }),
+            self.entries(nv, |i, _| self.model.velocity_limit(i)),
             self.entries(nv, |_, link| {
                 limits(link).and_then(|l| l.effort).unwrap_or(f64::INFINITY)
             }),

@@ -19,8 +19,8 @@ pub struct KinematicModule {
     pub dofs: usize,
 }
 
-/// The limits of a robot's joints; infinite without a limit in the description. The position limits of mimic joints are
-/// included as limits of their leaders.
+/// The limits of a robot's joints; infinite without a limit in the description. The position and
+/// velocity limits of mimic joints are included as limits of their leaders.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointLimits<'a> {
     /// The lower position limits, rad or m, one for each entry of `q`.

@@ -406,6 +406,22 @@ impl Model {
         })
     }
 
+    /// Returns the velocity limit of moving link `link`'s joint, rad/s or m/s: within the limits of
+    /// the joint and of all joints that mimic it. For a mimic joint the velocity is its leader's.
+    /// Infinite without limits, or if there is no such link.
+    #[must_use]
+    pub fn velocity_limit(&self, link: usize) -> f64 {
+        let leader = self.mimic(link).map_or(link, |mimic| mimic.leader);
+        let limit = |link: usize| self.links.get(link)?.joint.limits?.velocity;
+        let followers = self.joint_indices.get(leader).map_or(&[][..], |place| &place.followers);
+        // A joint with the multiplier 0 does not move.
+        let followers = followers.iter().filter_map(|&i| {
+            let multiplier = self.mimic(i)?.multiplier.abs();
+            Some(limit(i)? / multiplier).filter(|_| multiplier > 0.0)
+        });
+        followers.fold(limit(leader).unwrap_or(f64::INFINITY), f64::min)
+    }
+
     /// Returns the position limits of moving link `link`'s joint by itself, infinite without a limit.
     fn position_limits(&self, link: usize) -> [f64; 2] {
         let joint = self.links.get(link).map(|link| &link.joint);

@@ -183,7 +183,7 @@ impl Robot<'_> {
              pub const FRICTION: [f64; {n}] = [{}];",
             list(nq, &|i, _| self.model.coordinate_range(i)[0]),
             list(nq, &|i, _| self.model.coordinate_range(i)[1]),
-            list(nv, &|_, link| limit(link, |l| l.velocity).unwrap_or(f64::INFINITY)),
+            list(nv, &|i, _| self.model.velocity_limit(i)),
             list(nv, &|_, link| limit(link, |l| l.effort).unwrap_or(f64::INFINITY)),
             list(nv, &|_, link| link.joint.dynamics.armature),
             list(nv, &|_, link| link.joint.dynamics.damping),
