@@ -72,6 +72,7 @@ pub mod internals {
     pub use crate::passes::factor::factor;
     pub use crate::program::argument_of;
     pub use crate::read::file::{not_text, read_at_most};
+    pub use crate::read::mjcf::table::{Treatment, row};
     pub use crate::read::xml::document::{blank_comments, first_element};
     pub use crate::read::xml::limits::MAX_BYTES;
     pub use crate::read::xml::numbers::numbers;

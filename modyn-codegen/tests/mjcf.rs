@@ -2,10 +2,10 @@
 //! and is not supported is refused, with its line.
 
 use modyn_codegen::diagnostics::{Code, Diagnostics, Severity};
-use modyn_codegen::{Base, Builder, Function, ReadOptions};
+use modyn_codegen::{Base, Builder, Format, Function, ReadOptions};
 use modyn_runtime::Interpreter;
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{LoopConstraintKind, Model};
+use modyn_runtime::model::{Friction, LoopConstraintKind, Model};
 
 fn read(text: &str) -> Result<Model, Diagnostics> {
     modyn_codegen::read_mjcf(text, "robot.xml", &ReadOptions::default())
@@ -394,6 +394,32 @@ fn a_free_body_is_a_floating_base() {
     assert_same_numbers(model.expect("an MJCF"), theirs);
 }
 
+/// A fixed base is the body without its free joint. Keyframes lose the coordinates of the joint,
+/// and a weld to the world has no effect.
+#[test]
+fn a_free_body_can_be_fixed() {
+    let read = |joint: &str, rest: &str, base: Base| {
+        let text = format!(
+            r#"<mujoco model="m"><worldbody><body name="trunk" pos="0 0.5 1" euler="10 20 30">{joint}
+               <geom size="0.2"/><body name="leg" pos="0 0 -0.3"><joint name="hip" axis="0 1 0"/><geom size="0.1" pos="0 0 -0.2"/>
+               </body></body></worldbody>{rest}</mujoco>"#
+        );
+        let options = ReadOptions { base, ..ReadOptions::default() };
+        Format::Mjcf.read(&text, "m.xml", &options)
+    };
+    let free = r#"<freejoint name="root"/>"#;
+    let key = |qpos: &str| format!(r#"<keyframe><key name="home" qpos="{qpos}"/></keyframe>"#);
+    let weld = r#"<equality><weld body1="trunk"/></equality>"#;
+    let fixed = read(free, &(key("1 2 3 1 0 0 0 0.7") + weld), Base::Fixed).expect("a robot");
+    assert_eq!(fixed.warnings, []);
+    assert_eq!(fixed.model.keyframe("home"), Some(&[0.7][..]));
+    let welded = read("", &key("0.7"), Base::Described).expect("a robot").model;
+    assert_same_numbers(fixed.model, welded);
+    let found = read(free, "", Base::Floating).expect_err("refused").into_vec();
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!(read(free, "", Base::Described).expect("a robot").model.nv(), 7);
+}
+
 /// The limits of joint forces are those of MuJoCo's `jnt_actfrcrange` where `jnt_actfrclimited` is true.
 #[test]
 fn ranges_of_joint_forces_are_effort_limits() {
@@ -458,11 +484,18 @@ fn servo_actuators_are_named_and_sites_are_frames() {
         .iter()
         .map(|one| (one.code, one.position.map(|at| at.line), one.message.as_str()))
         .collect();
-    let message = "the controller of the actuator is not read: the dynamics have the joint force as an argument; the same \
-                   holds for joint `j` (line 8)";
-    assert_eq!(found, [(Code::NotRead, Some(7), message)]);
+    let message = |name: &str| {
+        format!(
+            "the law of the actuator ({name}) does not act: the dynamics have the joint force as an argument"
+        )
+    };
+    let affine = "`<general>` with `gaintype=\"fixed\"` and `biastype=\"affine\"`";
+    let expected = [(7, message("`<position>`")), (8, message(affine))];
+    let expected =
+        expected.each_ref().map(|(line, message)| (Code::NotRead, Some(*line), message.as_str()));
+    assert_eq!(found, expected);
     let help = reading.warnings[0].help.as_deref().unwrap_or_default();
-    assert!(help.contains("kp * (target"), "{help}");
+    assert!(help.contains("kp * (ctrl - gear * q)"), "{help}");
     let frames: Vec<_> = reading
         .model
         .frames()
@@ -561,14 +594,161 @@ fn ranges_of_actuators_are_effort_limits() {
         (r#"<position joint="j" ctrlrange="-2 2"/>"#, None),
         (r#"<motor joint="j" forcerange="-3 3" forcelimited="false"/>"#, None),
         (r#"<motor joint="j" forcerange="-3 4"/>"#, None),
+        // MuJoCo saves motors so; the numbers are its `qfrc_actuator` at a large control.
+        (r#"<general joint="j" gear="5" ctrlrange="-2 2"/>"#, Some(10.0)),
+        (r#"<general joint="j" gear="5" ctrlrange="-2 2" gainprm="-30 0 0"/>"#, Some(300.0)),
+        (r#"<general joint="j" gaintype="affine" ctrlrange="-2 2"/>"#, None),
+        (r#"<general joint="j" biastype="affine" ctrlrange="-2 2"/>"#, None),
+        (r#"<general joint="j" dyntype="integrator" ctrlrange="-2 2"/>"#, None),
     ] {
-        let model = read(&format!(
+        let found = |flag: &str| {
+            let model = read(&format!(
+                r#"<mujoco model="m"><option><flag {flag}/></option><worldbody><body><joint name="j"/><geom size="0.1"/></body>
+                </worldbody><actuator>{actuators}</actuator></mujoco>"#
+            ));
+            model.expect(actuators).links()[0].joint.limits.and_then(|limits| limits.effort)
+        };
+        assert_eq!(found(""), effort, "{actuators}");
+        assert_eq!(found("actuation=\"disable\""), None, "{actuators}");
+        let by_force = effort.filter(|_| actuators.contains("forcerange"));
+        assert_eq!(found("clampctrl=\"disable\""), by_force, "{actuators}");
+    }
+}
+
+/// Each law of an actuator that depends on the state is named, also of an actuator as MuJoCo saves
+/// it.
+#[test]
+fn laws_of_actuators_are_named() {
+    let warnings = |actuators: &str| {
+        let text = format!(
             r#"<mujoco model="m"><worldbody><body><joint name="j"/><geom size="0.1"/></body></worldbody>
             <actuator>{actuators}</actuator></mujoco>"#
-        ));
-        let limits = model.expect(actuators).links()[0].joint.limits;
-        assert_eq!(limits.and_then(|limits| limits.effort), effort, "{actuators}");
+        );
+        let reading = modyn_codegen::read_mjcf(&text, "m.xml", &ReadOptions::default());
+        reading.expect("an MJCF").warnings
+    };
+    for (element, attributes, law) in [
+        ("position", "kp='1' dampratio='1'", "kp * (ctrl - gear * q)"),
+        ("velocity", "kv='3' gear='2'", "gear * kv * (ctrl - gear * qd)"),
+        ("intvelocity", "kp='1'", "integral of `ctrl`"),
+        ("orientation", "kp='1'", "log(q^-1 * target)"),
+        ("pid", "kp='1'", "ki * integral"),
+        ("damper", "kv='4' ctrlrange='0 2'", "-kv * gear * gear * qd * ctrl"),
+        ("cylinder", "timeconst='1'", "area * act"),
+        ("muscle", "force='100' lengthrange='0 1'", "pulls without control"),
+        ("dcmotor", "motorconst='1' resistance='2'", "back EMF"),
+        ("plugin", "plugin='p'", "that of the plugin"),
+        ("general", "biastype='affine'", "biasprm[2] * gear * qd"),
+        ("general", "gaintype='affine'", "gainprm[2] * gear * qd"),
+        ("general", "gaintype='affine' biastype='affine'", "gainprm[2] * gear * qd"),
+        (
+            "general",
+            "dyntype='muscle' gaintype='muscle' biastype='muscle'",
+            "pulls without control",
+        ),
+        ("general", "biastype='muscle'", "pulls without control"),
+        ("general", "gaintype='user'", "of these types in MuJoCo"),
+        ("general", "biastype='user'", "of these types in MuJoCo"),
+        ("general", "gaintype='pid' biastype='affine'", "of these types in MuJoCo"),
+        (
+            "general",
+            "dyntype='dcmotor' gaintype='dcmotor' biastype='dcmotor'",
+            "of these types in MuJoCo",
+        ),
+    ] {
+        let found = warnings(&format!("<{element} joint='j' {attributes}/>"));
+        let [found] = &found[..] else { panic!("{element}: {found:?}") };
+        assert!(found.to_string().contains(&format!("`<{element}>`")), "{found}");
+        assert!(found.to_string().contains(law), "{found}");
     }
+    assert_eq!(
+        warnings("<motor joint='j' gear='2'/><general joint='j' dyntype='filter' gainprm='2'/>"),
+        []
+    );
+    let [found] = &warnings("<adhesion body='b' ctrlrange='0 1'/>")[..] else {
+        panic!("one warning")
+    };
+    assert!(found.message.contains("`<adhesion>`"), "{found}");
+    let [found] = &warnings("<velocity tendon='t' kv='1'/>")[..] else { panic!("one warning") };
+    assert!(found.to_string().contains("is its length"), "{found}");
+}
+
+/// The switches of `<flag>`, whose effects are those of MuJoCo 4.0: the degrees of freedom, and the
+/// forces at a velocity of 1.
+#[test]
+fn switches_change_what_is_read() {
+    let model = |flag: &str| {
+        let text = format!(
+            r#"<mujoco model="m"><option density="1"><flag {flag}/></option><worldbody>
+            <body name="a" gravcomp="1"><joint name="a" axis="0 1 0" damping="0.5" frictionloss="0.3" stiffness="2"/>
+              <geom size="0.1" pos="0.2 0 0"/>
+              <body name="b" pos="0.4 0 0"><joint name="b" axis="0 1 0" springdamper="1 1"/><geom size="0.1" pos="0.2 0 0"/>
+            </body></body></worldbody>
+            <equality><joint joint1="b" joint2="a" polycoef="0 2 0 0 0"/><connect body1="b" anchor="0 0 0"/></equality></mujoco>"#
+        );
+        let options = ReadOptions {
+            friction: Some(Friction::Coulomb),
+            unread_forces: Severity::Warning,
+            ..ReadOptions::default()
+        };
+        modyn_codegen::read_mjcf(&text, "m.xml", &options).expect("an MJCF")
+    };
+    let found = |flag: &str| {
+        let reading = model(flag);
+        let model = reading.model;
+        let joint = &model.links()[0].joint.dynamics;
+        let is_follower = model.mimic(1).is_some();
+        let is_damped = model.links()[1].joint.dynamics.damping > 0.0;
+        assert_eq!(model.loop_constraints().is_empty(), !is_follower, "{flag}");
+        assert_eq!(is_damped, joint.damping > 0.0, "{flag}");
+        // Gravity compensation and fluids are passive forces, as springs and dampers.
+        let is_compensated = !model.gravity_compensation().is_empty();
+        assert_eq!(is_compensated, !reading.warnings.is_empty(), "{flag}");
+        (is_follower, joint.damping, joint.friction, model.springs().len(), is_compensated)
+    };
+    let all = (true, 0.5, 0.3, 2, true);
+    assert_eq!(found("limit=\"disable\""), all);
+    let off = |name: &str| format!("{name}=\"disable\"");
+    assert_eq!(found(&off("equality")), (false, 0.5, 0.3, 2, true));
+    assert_eq!(found(&off("constraint")), (false, 0.5, 0.0, 2, true));
+    assert_eq!(found(&off("frictionloss")), (true, 0.5, 0.0, 2, true));
+    assert_eq!(found(&off("damper")), (true, 0.0, 0.3, 2, true));
+    assert_eq!(found(&off("spring")), (true, 0.5, 0.3, 0, true));
+    assert_eq!(found(&(off("spring") + " " + &off("damper"))), (true, 0.0, 0.3, 0, false));
+    assert_eq!(found(&off("passive")), (true, 0.0, 0.3, 0, false));
+}
+
+/// Words of MuJoCo 4.0 that cannot change the equations of motion.
+#[test]
+fn harmless_words_of_mujoco_4_are_read() {
+    let model = |option: &str, class: &str, joint: &str, key: &str, body: &str, compiler: &str| {
+        read(&format!(
+            r#"<mujoco model="m"><compiler {compiler}/><option><flag {option}/></option><default>{class}</default><worldbody>
+            <body name="a" {body}><joint name="a" {joint}/><geom size="0.1" pos="0.2 0 0" castshadow="false"/></body></worldbody>
+            <keyframe><key name="home" qpos="0.1" {key}/></keyframe></mujoco>"#
+        ))
+    };
+    let plain = model("", "", "", "", "", "").expect("an MJCF");
+    for found in [
+        model("speculative=\"enable\" ipc=\"disable\"", "", "", "", "", ""),
+        model("", "<joint springyield='0'/>", "", "", "", ""),
+        model("", "<texture builtin='flat' width='8' height='8'/>", "", "", "", ""),
+        model("", "", "springyield='0'", "", "", ""),
+        model("", "", "", "plastic=''", "", ""),
+        model("", "", "", "", "fuse='true'", ""),
+        model(
+            "",
+            "",
+            "",
+            "",
+            "",
+            "passthrough='textures' savecompiled='false' savecanonical='false'",
+        ),
+    ] {
+        assert_eq!(found.expect("an MJCF"), plain);
+    }
+    let found = model("", "", "springyield='0.1'", "", "", "").expect_err("a spring that yields");
+    assert!(found.to_string().contains("`springyield=\"0.1\"`"), "{found}");
 }
 
 /// MuJoCo moves the frame of a free body without children to its principal axes of inertia, if it is told to.

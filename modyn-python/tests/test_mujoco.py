@@ -1,11 +1,12 @@
 """The functions beside MuJoCo, from the same MJCF."""
 
+import importlib.util
 from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
 import pytest
-from conftest import GOLDEN, close, states
+from conftest import GOLDEN, ROOT, close, states
 
 import modyn
 
@@ -182,3 +183,51 @@ def test_compliant_contacts():
         close((found.qd[i] - qd[i]) / 0.002, theirs.from_qacc(q[i], qd[i], data.qacc), 1e-7)
         touching.add(data.ncon)
     assert touching == {0, 1, 2, 3}
+
+
+def test_schema():
+    """The compiler's table of MJCF is tested with the schema of this MuJoCo."""
+    folder = ROOT / "modyn-codegen" / "tests" / "mjcf"
+    spec = importlib.util.spec_from_file_location("schema", folder / "schema.py")
+    schema = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(schema)
+    assert schema.FILE.read_text() == schema.schema()
+
+
+def test_a_saved_motor_has_the_same_limit():
+    """MuJoCo saves a `<motor>` as `<general>`."""
+    text = """
+    <mujoco><worldbody><body><joint name="j" axis="0 1 0"/><geom size="0.1" pos="0.2 0 0"/></body></worldbody>
+      <actuator>{}</actuator></mujoco>"""
+    for actuator in ('<motor joint="j" gear="50" ctrlrange="-2 2"/>', '<general joint="j" gainprm="30" ctrlrange="-2 2"/>'):
+        spec = mujoco.MjSpec.from_string(text.format(actuator))
+        data = mujoco.MjData(model := spec.compile())
+        data.ctrl[:] = 1e6
+        mujoco.mj_forward(model, data)
+        saved = spec.to_xml()
+        assert "<motor" not in saved
+        for description in (text.format(actuator), saved):
+            close(modyn.loads(description, file="m.xml").limits.effort, data.qfrc_actuator)
+
+
+@pytest.mark.parametrize("flag", ["limit", "spring", "damper", "frictionloss", "constraint", "equality", "gravity", "spring damper"])
+def test_switches(flag):
+    """The joint forces without controls, with a switch off."""
+    switches = " ".join(f'{name}="disable"' for name in flag.split())
+    text = f"""
+    <mujoco model="m"><option><flag {switches}/></option><worldbody>
+      <body name="a" gravcomp="0.5"><joint name="a" axis="0 1 0" damping="0.5" frictionloss="0.3" stiffness="3" springref="30"/>
+        <geom size="0.1" pos="0.2 0 0"/></body>
+      <body name="b"><joint name="b" axis="0 1 0" armature="0.1"/><geom size="0.1" pos="0.2 0 0"/></body></worldbody>
+      <equality><joint joint1="b" joint2="a" polycoef="0 2 0 0 0"/></equality></mujoco>"""
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    couples = flag not in ("constraint", "equality")
+    robot = modyn.loads(text, file="m.xml", friction="coulomb")
+    assert robot.nv == (1 if couples else 2)
+    data.qvel[0] = 1
+    mujoco.mj_forward(model, data)
+    bias = robot.bias_forces(np.zeros(robot.nv), np.eye(robot.nv)[0])
+    loss = 0 if flag in ("frictionloss", "constraint") else 0.3
+    theirs = data.qfrc_bias - data.qfrc_passive
+    close(bias[0] - loss, theirs[0] + (2 * theirs[1] if couples else 0))

@@ -9,7 +9,7 @@
 
 pub mod file;
 mod mesh;
-mod mjcf;
+pub(crate) mod mjcf;
 mod packages;
 mod sdf;
 mod urdf;
@@ -174,8 +174,9 @@ impl Format {
                 if options.shapes {
                     shapes = description.take_shapes();
                 }
-                // The reader of an SDF has connected the base to the world.
-                let base = if self == Self::Sdf { Base::Described } else { options.base };
+                // The readers of SDF and MJCF have connected the base to the world.
+                let is_connected = matches!(self, Self::Sdf | Self::Mjcf);
+                let base = if is_connected { Base::Described } else { options.base };
                 assemble(description, &ReadOptions { base, ..options.clone() }, &mut report)
             });
         let of_options = gravity.into_iter().chain(friction);

@@ -16,6 +16,7 @@ mod layout;
 mod limb_groups;
 mod line_index;
 mod literals;
+mod mjcf_table;
 mod names;
 mod numbers;
 mod option_values;

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-use modyn_runtime::conventions::quaternion_from_rotation;
+use modyn_runtime::conventions::{quaternion_from_rotation, rotation_from_quaternion};
 use modyn_runtime::model::Inertial;
 use modyn_runtime::spatial::Pose;
 
@@ -16,7 +16,7 @@ use super::mesh::Meshes;
 use super::models::{Model, Source};
 use super::pose::euler;
 use crate::description::{
-    Description, InertialRecord, JointRecord, LinkRecord, Located, ReadOptions,
+    Description, InertialRecord, JointRecord, Kind, LinkRecord, Located, ReadOptions,
 };
 use crate::diagnostics::{Code, Report, Severity};
 
@@ -76,8 +76,11 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
     /// Returns the bodies and sites of the first of these models, with all models that it attaches. Names that the file
     /// lacks are generated.
     pub fn read(sources: &'e [Source], options: &ReadOptions, report: &'r mut Report<'f>) -> Self {
-        let models: Vec<Model<'e>> =
+        let mut models: Vec<Model<'e>> =
             sources.iter().map(|source| Model::new(source, report)).collect();
+        // The options of an attached model do not count.
+        let flags = models[0].settings.flags;
+        models.iter_mut().for_each(|model| model.settings.flags = flags);
         let root = &sources[0].root;
         let named = root.text("model").filter(|name| !name.trim().is_empty());
         if named.is_none() {
@@ -372,7 +375,9 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
         let drawn = parent.drawn.compose(&pose);
         self.places.entry(name.clone()).or_insert((above, drawn));
         let moves = self.carriers[above] != 0;
-        if let Some(factor) = item.number("gravcomp").filter(|factor| moves && *factor != 0.0) {
+        let is_compensated = moves && self.models[0].settings.flags.is_passive();
+        let factor = item.number("gravcomp").filter(|factor| *factor != 0.0);
+        if let Some(factor) = factor.filter(|_| is_compensated) {
             self.description.compensated.push((above, factor));
         }
         let inertial = self.inertial(&item, &name, &parts, moves);
@@ -390,6 +395,20 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
         for body in parts.bodies {
             self.body(body, parent);
         }
+    }
+
+    /// Fixes free bodies where they are drawn.
+    pub fn fix_base(&mut self) {
+        let mut carriers: Vec<usize> = (0..self.carriers.len()).collect();
+        for (&joint, &[x, y, z, a, b, c, d]) in &self.free_poses {
+            let rotation = rotation_from_quaternion([a, b, c, d]);
+            let record = &mut self.description.joints[joint];
+            record.origin = Pose { rotation, translation: [x, y, z] };
+            record.kind = Kind::Fixed;
+            // The first link is the world; each of the others has a joint.
+            carriers[joint + 1] = 0;
+        }
+        self.carriers.iter_mut().for_each(|carrier| *carrier = carriers[*carrier]);
     }
 
     fn link(&mut self, name: String, at: usize, carrier: usize) -> usize {

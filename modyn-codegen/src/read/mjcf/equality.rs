@@ -29,7 +29,7 @@ fn is_active(constraint: &Item) -> bool {
 impl<'e> Bodies<'e, '_, '_> {
     /// Adds the constraints of all models.
     pub fn equality(&mut self) {
-        if !self.models[0].settings.equality {
+        if !self.models[0].settings.flags.equality {
             return;
         }
         for item in self.of_section("equality") {
@@ -116,7 +116,7 @@ impl<'e> Bodies<'e, '_, '_> {
 
     /// Returns the names of the fixed tendons whose length a constraint holds.
     pub fn held_tendons(&self) -> BTreeSet<String> {
-        if !self.models[0].settings.equality {
+        if !self.models[0].settings.flags.equality {
             return BTreeSet::new();
         }
         let constraints = self.of_section("equality").into_iter();

@@ -8,6 +8,7 @@ use modyn_runtime::spatial::Pose;
 use super::item::Item;
 use super::models::Model;
 use super::pose::about;
+use super::settings::Flags;
 use crate::description::{
     JointRecord, Kind, Located, MAX_NUMBER, SpringRecord, UNLIMITED, normalized,
 };
@@ -92,9 +93,14 @@ pub fn joint(
         let message = "`frictionloss` of a free joint is not read";
         refuse(Code::NotRead, message, "write 0, or the class that the joint should have");
     }
-    let dynamics = JointDynamics { armature, damping, friction };
+    let Flags { springs, dampers, friction: rubs, .. } = model.settings.flags;
+    let dynamics = JointDynamics {
+        armature,
+        damping: if dampers { damping } else { 0.0 },
+        friction: if rubs { friction } else { 0.0 },
+    };
     let has_spring = stiffness > 0.0 || spring_damper.is_some();
-    let spring = (has_spring && model.settings.springs)
+    let spring = (has_spring && springs)
         .then(|| SpringRecord { stiffness, reference: spring_reference(item, kind, angle, pose) });
     let direction = item.numbers("axis").unwrap_or([0.0, 0.0, 1.0]);
     let axis =
@@ -167,7 +173,7 @@ pub fn is_limited(item: &Item, limited: &str, range: &str, model: &Model) -> boo
         Some("false") => false,
         _ => {
             let range: Option<[f64; 2]> = item.numbers(range);
-            model.settings.autolimits && range.is_some_and(|range| range != [0.0; 2])
+            model.settings.autolimits && range.is_some_and(|[lower, upper]| lower != upper)
         }
     }
 }

@@ -7,6 +7,7 @@
 //! `table` has all elements and attributes: which are read, which have no effect on the equations of motion, and which are
 //! refused.
 
+mod actuators;
 mod bodies;
 mod check;
 mod classes;
@@ -23,7 +24,7 @@ mod models;
 mod pose;
 mod settings;
 mod spring_dampers;
-mod table;
+pub(crate) mod table;
 
 use crate::check::gravity_error;
 use crate::description::{Base, Description, ReadOptions};
@@ -48,6 +49,9 @@ pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> O
     let mut bodies = bodies::Bodies::read(&sources, options, report);
     bodies.keyframes();
     bodies.spring_dampers();
+    if options.base == Base::Fixed {
+        bodies.fix_base();
+    }
     bodies.equality();
     bodies.fluids(options.unread_forces);
     bodies.tendons(options.unread_forces);

@@ -29,10 +29,32 @@ pub struct Settings<'e> {
     /// Whether only the last part of a mesh's path counts.
     pub strip_path: bool,
     pub gravity: [f64; 3],
+    pub flags: Flags,
+}
+
+/// The switches of `<flag>`.
+#[derive(Clone, Copy)]
+pub struct Flags {
     /// Whether springs exert forces.
     pub springs: bool,
+    /// Whether damping acts.
+    pub dampers: bool,
+    /// Whether the friction loss of joints and tendons acts.
+    pub friction: bool,
     /// Whether constraints of `<equality>` hold.
     pub equality: bool,
+    /// Whether actuators exert forces.
+    pub actuation: bool,
+    /// Whether controls are clamped to their ranges.
+    pub clamps_controls: bool,
+}
+
+impl Flags {
+    /// Returns whether passive forces other than springs and dampers act: gravity compensation, and
+    /// forces of fluids.
+    pub fn is_passive(&self) -> bool {
+        self.springs || self.dampers
+    }
 }
 
 impl<'e> Settings<'e> {
@@ -86,8 +108,15 @@ impl<'e> Settings<'e> {
             } else {
                 gravity.unwrap_or([0.0, 0.0, -9.81])
             },
-            springs: !disabled("spring"),
-            equality: !disabled("equality"),
+            // MuJoCo before 3.4 has one switch of springs and dampers.
+            flags: Flags {
+                springs: !disabled("spring") && !disabled("passive"),
+                dampers: !disabled("damper") && !disabled("passive"),
+                friction: !disabled("frictionloss") && !disabled("constraint"),
+                equality: !disabled("equality") && !disabled("constraint"),
+                actuation: !disabled("actuation"),
+                clamps_controls: !disabled("clampctrl"),
+            },
         }
     }
 }

@@ -65,7 +65,9 @@ impl Bodies<'_, '_, '_> {
             }
             let inertia = count / inverse.max(LEAST);
             let record = &mut self.description.joints[joint];
-            record.dynamics.damping = 2.0 * inertia / time.max(LEAST);
+            if self.models[0].settings.flags.dampers {
+                record.dynamics.damping = 2.0 * inertia / time.max(LEAST);
+            }
             if let Some(spring) = &mut record.spring {
                 spring.stiffness = inertia / (time * time * ratio * ratio).max(LEAST);
             }

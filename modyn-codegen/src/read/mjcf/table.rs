@@ -58,6 +58,7 @@ pub fn children(parent: &str) -> impl Iterator<Item = &'static str> {
 }
 
 const BOOL: Values = Word(&["true", "false"]);
+const SWITCH: Values = Word(&["enable", "disable"]);
 const AUTO: Values = Word(&["true", "false", "auto"]);
 const MODEL: &[&str] = &["mujoco"];
 const BODY: &[&str] = &["worldbody", "body", "frame", "replicate"];
@@ -100,7 +101,9 @@ const TABLE: &[Row] = &[
                     ),
                 ),
             ],
-            "texturedir discardvisual convexhull usethread fusestatic saveinertial conflict exactmeshinertia",
+            "texturedir discardvisual convexhull usethread fusestatic saveinertial savecompiled \
+             savecanonical passthrough conflict \
+             exactmeshinertia",
         ),
     },
     Row { parents: &["compiler"], names: &["lengthrange"], treatment: Treatment::Harmless },
@@ -119,13 +122,20 @@ const TABLE: &[Row] = &[
         names: &["flag"],
         treatment: Treatment::Read(
             &[
-                ("gravity", Word(&["enable", "disable"])),
-                ("spring", Word(&["enable", "disable"])),
-                ("equality", Word(&["enable", "disable"])),
+                ("gravity", SWITCH),
+                ("spring", SWITCH),
+                ("damper", SWITCH),
+                ("passive", SWITCH),
+                ("frictionloss", SWITCH),
+                ("constraint", SWITCH),
+                ("equality", SWITCH),
+                ("actuation", SWITCH),
+                ("clampctrl", SWITCH),
             ],
-            // Damping and friction act if an option of modyn says so.
-            "constraint frictionloss limit contact passive damper clampctrl warmstart filterparent actuation refsafe sensor \
-             midphase eulerdamp autoreset nativeccd island multiccd override energy fwdinv invdiscrete sensornoise sleep diagexact",
+            // Limits and contacts are those of the caller's steps.
+            "limit contact warmstart filterparent refsafe sensor midphase eulerdamp autoreset \
+             nativeccd island multiccd override \
+             energy fwdinv invdiscrete sensornoise sleep diagexact ipc speculative",
         ),
     },
     Row {
@@ -143,7 +153,7 @@ const TABLE: &[Row] = &[
     },
     Row {
         parents: &["default"],
-        names: &["material", "camera", "light", "pair"],
+        names: &["texture", "material", "camera", "light", "pair"],
         treatment: Treatment::Harmless,
     },
     Row { parents: MODEL, names: &["asset"], treatment: Treatment::Read(&[], "") },
@@ -203,7 +213,7 @@ const TABLE: &[Row] = &[
                 ("mocap", BOOL),
                 ("gravcomp", Exactly(1)),
             ],
-            "sleep simple user",
+            "sleep simple fuse user",
         ),
     },
     Row {
@@ -258,6 +268,7 @@ const TABLE: &[Row] = &[
                 ("limited", AUTO),
                 ("actuatorfrclimited", AUTO),
                 ("stiffness", POLYNOMIAL),
+                ("springyield", Zero("write 0: springs that yield are not supported")),
                 ("range", Exactly(2)),
                 ("actuatorfrcrange", Exactly(2)),
                 ("ref", Exactly(1)),
@@ -305,7 +316,7 @@ const TABLE: &[Row] = &[
                 ("fitscale", Exactly(1)),
             ],
             "name contype conaffinity condim priority material friction solmix solref solimp margin gap surfacevel adhesion \
-             rgba fluidshape fluidcoef user",
+             rgba fluidshape fluidcoef castshadow user",
         ),
     },
     Row {
@@ -313,7 +324,7 @@ const TABLE: &[Row] = &[
         names: &["site"],
         treatment: Treatment::Read(
             pose![("name", Text), ("class", Text), ("fromto", Exactly(6)),],
-            "type group material size rgba user",
+            "type group material mesh size rgba user",
         ),
     },
     Row { parents: BODY, names: &["camera", "light"], treatment: Treatment::Harmless },
@@ -351,7 +362,7 @@ const TABLE: &[Row] = &[
                 ("armature", Exactly(1)),
             ],
             "name group limited actuatorfrclimited range actuatorfrcrange solreflimit solimplimit solreffriction \
-             solimpfriction springlength width material margin rgba user",
+             solimpfriction springlength springyield width material margin rgba user",
         ),
     },
     Row {
@@ -452,7 +463,10 @@ const TABLE: &[Row] = &[
                 ("class", Text),
                 ("joint", Text),
                 ("jointinparent", Text),
+                ("dyntype", Text),
+                ("gaintype", Text),
                 ("biastype", Text),
+                ("gainprm", Any),
                 ("gear", UpTo(6)),
                 ("ctrllimited", AUTO),
                 ("ctrlrange", Exactly(2)),
@@ -464,13 +478,14 @@ const TABLE: &[Row] = &[
             ACTUATOR_ATTRIBUTES,
         ),
     },
+    Row { parents: &["plugin"], names: &["config"], treatment: Treatment::Harmless },
     Row { parents: MODEL, names: &["keyframe"], treatment: Treatment::Read(&[], "") },
     Row {
         parents: &["keyframe"],
         names: &["key"],
         treatment: Treatment::Read(
             &[("name", Text), ("qpos", Any), ("qvel", Any)],
-            "time act ctrl mpos mquat",
+            "time act ctrl mpos mquat plastic",
         ),
     },
 ];
