@@ -93,8 +93,10 @@ macro_rules! option_table {
                 "gravity" gravity(gravity: [f64; 3])
                     gravity: Option<[f64; 3]>, field => *field = Some(gravity),
                     "[x, y, z]", "`[0.0, 0.0, -9.81]`, or the MJCF's or the model's own", "[0, 0, -1.62]";
-                /// Whether the root link is fixed to the world or floats. As described, that of a URDF is fixed, and a link
-                /// of an SDF floats unless a joint connects it to the world.
+                /// Whether the root link is fixed to the world or floats. As described, that of a
+                /// URDF is fixed, and a link of an SDF floats unless a joint connects it to the
+                /// world. In every format, `fixed` fixes what floats in the world by itself, where
+                /// the file places it, and `floating` is an error if the robot floats already.
                 "base" base(base: Base)
                     base: Base, field => *field = base,
                     "described | fixed | floating", "`described`", "floating";

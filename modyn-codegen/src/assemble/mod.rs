@@ -7,6 +7,7 @@
 //!
 //! Each step reports all its errors and continues as far as possible.
 
+mod base;
 mod bodies;
 mod contacts;
 pub(crate) mod cycles;
@@ -34,7 +35,6 @@ pub fn assemble(
         options.loops.iter().map(|option| loops::from_option(option, report)).collect();
     description.loops.extend(loops);
     description.contacts.extend(options.contacts.iter().map(contacts::from_option));
-    let description = &description;
     for joint in description.joints.iter().filter(|joint| joint.kind != Kind::Fixed) {
         check::motion::check_dynamics(
             &joint.dynamics,
@@ -43,9 +43,12 @@ pub fn assemble(
             report,
         );
     }
-    let leaders = mimics::leaders(description, options.mimic, report);
-    let tree = tree::build_tree(description, report)?;
-    let mut assembly = bodies::merge(description, &tree, options.base, report);
+    check::limits::check(&description, report);
+    let leaders = mimics::leaders(&description, options.mimic, report);
+    let tree = tree::build_tree(&description, report)?;
+    let base = base::apply(&mut description, &tree, options.base, report);
+    let description = &description;
+    let mut assembly = bodies::merge(description, &tree, base, report);
     assembly.resolve_mimics(description, &leaders, options.mimic != Mimic::Independent);
     model(description, assembly, options, report)
 }
@@ -89,10 +92,11 @@ fn model(
         Some(Spring { link, stiffness, reference })
     });
     let mut compensation = Vec::new();
-    if !description.compensated.is_empty() {
+    // The weight of a link that is fixed to the world has no effect.
+    for &(link, factor) in
+        description.compensated.iter().filter(|(link, _)| carriers[*link].is_some())
+    {
         compensation.resize(description.links.len(), 0.0);
-    }
-    for &(link, factor) in &description.compensated {
         compensation[link] = factor;
     }
     let gravity = options.gravity.or(description.gravity).unwrap_or(DEFAULT_GRAVITY);

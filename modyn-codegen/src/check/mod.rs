@@ -3,6 +3,7 @@
 
 mod conditioning;
 pub mod inertia;
+pub mod limits;
 pub mod motion;
 mod options;
 pub(crate) mod singular;

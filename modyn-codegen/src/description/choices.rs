@@ -62,9 +62,12 @@ pub enum Base {
     /// As the format says: the root link of a URDF is fixed; a link of an SDF or an MJCF floats where the file says so.
     #[default]
     Described,
-    /// The root link is fixed to the world.
+    /// The root link is fixed to the world, and so are links that float in the world by a joint of
+    /// the file, where the file places them.
     Fixed,
-    /// The root link floats: a joint of type floating, named `floating_base`, connects it to the world.
+    /// The root link floats: a joint of type floating, named `floating_base`, connects it to the
+    /// world. A robot that floats by a joint of the file is refused, and so is an MJCF, which says
+    /// itself what floats.
     Floating,
 }
 

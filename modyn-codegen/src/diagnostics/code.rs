@@ -180,6 +180,27 @@ codes! {
     MissingLimit = "missing-limit":
         "Write `<limit lower=\"...\" upper=\"...\" effort=\"...\" velocity=\"...\"/>`, which URDF \
         requires. A joint that rotates without limits is `continuous`.",
+    /// The upper position limit of a joint is its lower one, so that the joint cannot move within
+    /// its limits.
+    EmptyRange = "empty-range":
+        "Write the range: `lower` and `upper` of a URDF's `<limit>` are 0 if they are missing. A \
+         joint that rotates without \
+        limits is `continuous`.",
+    /// The effort or velocity limit of a joint is 0, so that nothing can move the joint within its
+    /// limits.
+    ZeroLimit = "zero-limit":
+        "Write the largest joint force (N m or N) or velocity (rad/s or m/s) of the joint, or \
+         omit the attribute if there is no \
+        limit. Programs that export URDF often write 0 for an unknown limit.",
+    /// The range of a joint is several revolutions, as if it were in degrees.
+    LimitUnit = "limit-unit":
+        "Write the range in rad: 180 degrees are 3.14159. If the joint really makes several \
+         revolutions, the warning has no effect; \
+        a joint that rotates without limits is `continuous`.",
+    /// An origin or a range is far longer than the other lengths of the robot, as if it were in
+    /// millimetres.
+    LengthUnit = "length-unit":
+        "Write lengths in m: 350 mm are 0.35. If the length is right, the warning has no effect.",
     /// The effort or velocity limit of a joint is negative; it is ignored.
     NegativeLimit = "negative-limit":
         "Write the magnitude of the limit, which is at least 0. Omit the attribute if there is no limit.",

@@ -33,7 +33,9 @@ class Options(TypedDict, total=False):
     -9.81], or the MJCF's or the model's own. For example: `[0, 0, -1.62]`."""
     base: str | None
     """Whether the root link is fixed to the world or floats. As described, that of a URDF is fixed, and a link of
-    an SDF floats unless a joint connects it to the world. By default described. For example: `"floating"`."""
+    an SDF floats unless a joint connects it to the world. In every format, `fixed` fixes what floats in the
+    world by itself, where the file places it, and `floating` is an error if the robot floats already. By
+    default described. For example: `"floating"`."""
     mimic: str | None
     """How joints that mimic another one are read: they follow it and have no coordinate of their own, have one, or
     are refused. By default follow. For example: `"independent"`."""
