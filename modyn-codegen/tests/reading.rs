@@ -11,7 +11,7 @@ use modyn_codegen::{
 };
 use modyn_runtime::{
     joint::JointType,
-    model::{Friction, Inertial, JointDynamics, Model},
+    model::{Friction, Inertial, JointDynamics, LoopConstraintKind, Model},
 };
 use proptest::prelude::*;
 
@@ -253,6 +253,115 @@ fn joint_dynamics_are_those_of_the_file_or_of_the_options() {
     let rotors = vec![rotor("j0", 0.25, 2.0), rotor("j2", 0.0, 7.0)];
     (expected[0].armature, expected[2].armature) = (1.0, 0.0);
     assert_eq!(read(&ReadOptions { rotors, ..ReadOptions::default() }), expected);
+}
+
+/// The option `base` and a floating joint of the file.
+#[test]
+fn the_option_base_and_floating_joints() {
+    let robot = |root: &str, kind: &str| {
+        let joints = joint("root", "floating", root, "trunk") + &joint("hip", kind, "trunk", "leg");
+        let links = format!("<link name='{root}'/>{}{}", link("trunk"), link("leg"));
+        let placed = joints.replacen("</joint>", "<origin xyz='1 2 3'/></joint>", 1);
+        format!("<robot name='r'>{links}{placed}</robot>")
+    };
+    let read_with = |text: &str, base: Base| {
+        read(text, "r.urdf", &ReadOptions { base, ..ReadOptions::default() })
+    };
+    for root in ["world", "base"] {
+        let text = robot(root, "continuous");
+        assert_eq!(read_with(&text, Base::Described).expect("a robot").model.nv(), 7);
+        let fixed = read_with(&text, Base::Fixed).expect("a robot");
+        assert_eq!((fixed.model.nv(), fixed.warnings.len()), (1, 0));
+        assert_eq!(fixed.model.links()[0].joint.origin.translation, [1.0, 2.0, 3.0]);
+        let found = read_with(&text, Base::Floating).expect_err("refused").into_vec();
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(found[0].to_string().contains("joint `root`: `base = floating` is set"));
+        // The help is followed.
+        assert_eq!(read_with(&text, Base::default()).expect("a robot").model.nv(), 7);
+    }
+    // A body that floats on another moving body is no base.
+    let carried =
+        robot("base", "continuous").replace("'hip' type='continuous'", "'hip' type='floating'");
+    assert_eq!(read_with(&carried, Base::Fixed).expect("a robot").model.nv(), 6);
+    let links = link("base") + &link("arm") + &link("load");
+    let joints = joint("a", "continuous", "base", "arm") + &joint("b", "floating", "arm", "load");
+    let text = format!("<robot name='r'>{links}{joints}</robot>");
+    assert_eq!(read_with(&text, Base::Fixed).expect("a robot").model.nv(), 7);
+    assert_eq!(read_with(&text, Base::Floating).expect("a robot").model.nv(), 13);
+}
+
+/// A follower is four times as fast as its leader, so a quarter of its velocity limit is the
+/// leader's.
+#[test]
+fn followers_limit_the_velocity_of_their_leader() {
+    let joint = |name: &str, velocity: &str, rest: &str| {
+        let limit = format!("<limit lower='0' upper='0.04' effort='9' {velocity}/>{rest}");
+        joint(name, "prismatic", "palm", &format!("{name}_finger"))
+            .replace("</joint>", &format!("{limit}</joint>"))
+    };
+    let limit = |velocities: [&str; 2], multiplier: f64| {
+        let mimic = format!("<mimic joint='left' multiplier='{multiplier}'/>");
+        let links = link("palm") + &link("left_finger") + &link("right_finger");
+        let joints = joint("left", velocities[0], "") + &joint("right", velocities[1], &mimic);
+        let model = reading(&format!("<robot name='r'>{links}{joints}</robot>")).model;
+        let [leader, follower] = [0, 1].map(|link| model.velocity_limit(link));
+        assert_eq!(leader, follower);
+        leader
+    };
+    let one = "velocity='1'";
+    assert_eq!(limit([one, one], 4.0), 0.25);
+    assert_eq!(limit([one, one], -4.0), 0.25);
+    assert_eq!(limit([one, one], 0.5), 1.0);
+    assert_eq!(limit([one, ""], 4.0), 1.0);
+    assert_eq!(limit(["", one], 2.0), 0.5);
+    assert_eq!(limit(["", ""], 2.0), f64::INFINITY);
+    assert_eq!(limit([one, one], 0.0), 1.0);
+}
+
+/// The elements by which ROS, Gazebo and Drake change the dynamics of a URDF.
+#[test]
+fn extensions_with_a_meaning_are_read() {
+    let links = link("base") + &link("arm") + &link("hand");
+    let joints = joint("shoulder", "continuous", "base", "arm")
+        + &joint("wrist", "continuous", "arm", "hand");
+    let robot = |extensions: &str| {
+        let found = reading(&format!("<robot name='r'>{links}{joints}{extensions}</robot>"));
+        assert_eq!(found.warnings, [], "{extensions}");
+        found.model
+    };
+    let armature = |rotor: &str| {
+        let transmission = format!("<transmission><joint name='wrist'/>{rotor}</transmission>");
+        robot(&transmission).links()[1].joint.dynamics.armature
+    };
+    // With `panda_arm.urdf` of RobotLocomotion/models, whose rotors are of this form, Drake 1.51.1
+    // and modyn have equal mass matrices; `sdf/extensions.urdf` compares all numbers.
+    let drakes = "<drake:rotor_inertia value='0.0001'/><drake:gear_ratio value='100'/>";
+    assert!(close(&[armature(&format!("<actuator name='a'>{drakes}</actuator>"))], &[1.0]));
+    let alone = "<actuator name='a'><drake:rotor_inertia value='0.5'/></actuator>";
+    assert!(close(&[armature(alone)], &[0.5]));
+    let ros = "<actuator name='a'><mechanicalReduction>-20</mechanicalReduction><motorInertia>0.01</motorInertia></actuator>";
+    assert!(close(&[armature(ros)], &[4.0]));
+    assert!(close(&[armature("<motorInertia>0.25</motorInertia>")], &[0.25]));
+    assert!(close(&[armature("<mechanicalReduction>7</mechanicalReduction>")], &[0.0]));
+
+    let spring = "<gazebo reference='wrist'><springReference>0.3</springReference><springStiffness value='5'/></gazebo>";
+    let model = robot(spring);
+    let [spring] = model.springs() else { panic!("one spring") };
+    assert_eq!((spring.link, spring.stiffness, &spring.reference[..]), (1, 5.0, &[0.3][..]));
+
+    for switch in ["<gravity>0</gravity>", "<turnGravityOff>true</turnGravityOff>"] {
+        let without = |link: &str| robot(&format!("<gazebo reference='{link}'>{switch}</gazebo>"));
+        assert_eq!(without("hand").gravity_compensation(), [0.0, 0.0, 1.0], "{switch}");
+        assert_eq!(without("base"), robot(""), "{switch}");
+    }
+
+    let constraint = "<drake:ball_constraint><drake:ball_constraint_body_A name='base'/><drake:ball_constraint_body_B name='hand'/>
+        <drake:ball_constraint_p_AP value='1 2 3'/><drake:ball_constraint_p_BQ value='4 5 6'/></drake:ball_constraint>";
+    let model = robot(constraint);
+    let [constraint] = model.loop_constraints() else { panic!("one constraint") };
+    let points = constraint.ends.each_ref().map(|end| (end.frame, end.pose.translation));
+    assert_eq!(points, [(0, [1.0, 2.0, 3.0]), (2, [4.0, 5.0, 6.0])]);
+    assert_eq!(constraint.kind, LoopConstraintKind::Point);
 }
 
 #[test]

@@ -27,11 +27,12 @@ fn model(elements: &str) -> Result<Model, Diagnostics> {
 
 /// Compares a model of `sdf/` with the numbers of Drake, which `sdf/golden.py` wrote.
 fn assert_drakes_numbers(name: &str) {
-    let file = |extension| folder().join(format!("{name}.{extension}"));
-    let text = std::fs::read_to_string(file("sdf")).expect("a model");
-    let golden = std::fs::read_to_string(file("txt")).expect("Drake's numbers");
+    let path = folder().join(name);
+    let text = std::fs::read_to_string(&path).expect("a model");
+    let golden = std::fs::read_to_string(path.with_extension("txt")).expect("Drake's numbers");
     let options = ReadOptions { folder: Some(folder()), ..ReadOptions::default() };
-    let robot = read(&text, &options).unwrap_or_else(|found| panic!("{found}"));
+    let reading = modyn_codegen::read(&text, name, &options);
+    let robot = reading.unwrap_or_else(|found| panic!("{found}")).model;
     let (nq, nv) = (robot.nq(), robot.nv());
     // For each entry of Drake's states, the entry of modyn's.
     let (mut q_of, mut v_of) = (Vec::new(), Vec::new());
@@ -83,40 +84,116 @@ fn assert_drakes_numbers(name: &str) {
     }
 }
 
+/// A URDF with Drake's transmissions and joints.
+#[test]
+fn extensions_of_urdf_are_drakes() {
+    assert_drakes_numbers("extensions.urdf");
+}
+
+/// Drake goes by the prefix: the URI and the declaration have no meaning.
+#[test]
+fn prefixes_need_no_declaration() {
+    let text = std::fs::read_to_string(folder().join("frames.sdf")).expect("a model");
+    let declaration = " xmlns:drake=\"drake.mit.edu\"";
+    let read = |declared: &str| {
+        read(&text.replace(declaration, declared), &ReadOptions::default()).expect("a model")
+    };
+    let declared = read(declaration);
+    let armatures = declared.links().iter().map(|link| link.joint.dynamics.armature);
+    assert!(armatures.into_iter().any(|armature| (armature - 0.288).abs() < 1e-15));
+    assert_eq!(read(" xmlns:drake=\"my.company/drk\""), declared);
+    assert_eq!(read(""), declared);
+}
+
+/// Unknown elements and extensions are named at every level; attributes of extensions have no
+/// effect.
+#[test]
+fn extensions_are_named_at_every_level() {
+    let levels =
+        ["world", "model", "link", "inertial", "inertia", "joint", "axis", "limit", "dynamics"];
+    let extra = |level: &str| {
+        assert!(levels.contains(&level));
+        format!("<drake:of_{level} gz:a='1'/><{level}_word/>")
+    };
+    let text = format!(
+        "<sdf version='1.12'><world name='w' gz:b='2'>{}<model name='m'>{}
+         <link name='arm'>{}<inertial>{}<inertia>{}</inertia></inertial><sensor name='s' type='custom' gz:type='dvl'/></link>
+         <joint name='j' type='revolute'>{}<parent>world</parent><child>arm</child>
+         <axis>{}<limit>{}</limit><dynamics>{}</dynamics></axis></joint></model></world></sdf>",
+        extra("world"), extra("model"), extra("link"), extra("inertial"), extra("inertia"), extra("joint"),
+        extra("axis"), extra("limit"), extra("dynamics"),
+    );
+    let reading = Format::Sdf.read(&text, "robot.sdf", &ReadOptions::default()).expect("a robot");
+    let warnings: Vec<String> = reading.warnings.iter().map(ToString::to_string).collect();
+    assert_eq!(warnings.len(), 2 * levels.len(), "{warnings:#?}");
+    for level in levels {
+        for name in
+            [format!("the extension `<drake:of_{level}>`"), format!("the element `<{level}_word>`")]
+        {
+            assert!(
+                warnings.iter().any(|warning| warning.contains(&name)),
+                "{name}: {warnings:#?}"
+            );
+        }
+    }
+}
+
+/// Drake's extension `mimic` is SDF's.
+#[test]
+fn drakes_mimic_is_read() {
+    let joints = |mimic: &str, drakes: &str| {
+        let link =
+            |name: &str| format!("<link name='{name}'><inertial><mass>1</mass></inertial></link>");
+        let joint = |name: &str, mimic: &str, drakes: &str| {
+            format!(
+                "<joint name='{name}' type='revolute'><parent>world</parent><child>{name}_link</child>
+                 <axis><xyz>0 0 1</xyz>{mimic}</axis>{drakes}</joint>"
+            )
+        };
+        let links = link("a_link") + &link("b_link");
+        model(&format!("{links}{}{}", joint("a", "", ""), joint("b", mimic, drakes)))
+            .expect("a model")
+    };
+    let sdfs = "<mimic joint='a'><multiplier>3</multiplier><offset>0.5</offset></mimic>";
+    let drakes = "<drake:mimic joint='a' multiplier='3' offset='0.5'/>";
+    assert_eq!(joints("", drakes), joints(sdfs, ""));
+    assert_eq!(joints("", drakes).nv(), 1);
+}
+
 /// Poses relative to frames, joints and links that come later, axes in other frames, and each joint type.
 #[test]
 fn frames_are_drakes() {
-    assert_drakes_numbers("frames");
+    assert_drakes_numbers("frames.sdf");
 }
 
 /// A world with nested models, placement frames, included and merged files.
 #[test]
 fn nested_models_are_drakes() {
-    assert_drakes_numbers("nested");
+    assert_drakes_numbers("nested.sdf");
 }
 
 /// The axes of old versions are in the model's frame. A link without `<inertial>` has SDF's default.
 #[test]
 fn old_versions_are_drakes() {
-    assert_drakes_numbers("old");
+    assert_drakes_numbers("old.sdf");
 }
 
 /// Joints whose child is closer to the world than their parent.
 #[test]
 fn reversed_joints_are_drakes() {
-    assert_drakes_numbers("reversed");
+    assert_drakes_numbers("reversed.sdf");
 }
 
 /// Inertias of collisions, and a mimic joint.
 #[test]
 fn solids_are_drakes() {
-    assert_drakes_numbers("solids");
+    assert_drakes_numbers("solids.sdf");
 }
 
 /// A world with several models that move, joints between models, and one to a static model.
 #[test]
 fn worlds_are_drakes() {
-    assert_drakes_numbers("world");
+    assert_drakes_numbers("world.sdf");
 }
 
 /// A joint of the world connects models as a joint of a model connects the models in it.

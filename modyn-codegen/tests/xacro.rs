@@ -147,6 +147,35 @@ fn a_package_is_a_folder_above_the_description() {
     let _ = std::fs::remove_dir_all(root);
 }
 
+/// A package has the name in its `package.xml`, whatever the name of its folder is, above the
+/// description and beside it.
+#[test]
+fn a_package_has_the_name_in_its_file() {
+    let named = |name: &str| {
+        format!("<?xml version='1.0'?><package format='3'><name> {name}\n</name></package>")
+    };
+    let text = ROBOT.replace("$(find arm_description)", "$(find my_arm)");
+    assert_ne!(text, ROBOT);
+    let parts = [
+        ("checkout/package.xml", &*named("my_arm")),
+        ("checkout/urdf/arm.urdf.xacro", &text),
+        ("checkout/parts/rod.xacro", ROD),
+        ("other/urdf/arm.urdf.xacro", &text),
+        ("my_arm/package.xml", &named("someone_elses_arm")),
+    ];
+    let root = files("named", &parts);
+    let generate = |path: &str| {
+        Builder::new().functions([]).file(root.join(path)).generate().map(|robot| robot.model.nq())
+    };
+    for path in ["checkout/urdf/arm.urdf.xacro", "other/urdf/arm.urdf.xacro"] {
+        assert_eq!(generate(path).expect("a package"), 2, "{path}");
+    }
+    std::fs::write(root.join("checkout/package.xml"), named("arm")).expect("a file");
+    let found = generate("other/urdf/arm.urdf.xacro").expect_err("no package").to_string();
+    assert!(found.contains("`my_arm` was not found"), "{found}");
+    let _ = std::fs::remove_dir_all(root);
+}
+
 /// Both the error of the URDF and that of an expression are at the xacro's line, with the calls that led there.
 #[test]
 fn errors_name_the_line_of_the_xacro_and_the_calls() {

@@ -128,5 +128,5 @@ def write(path):
 
 
 if __name__ == "__main__":
-    for model in ("frames", "nested", "old", "reversed", "solids", "world"):
-        write(Path(__file__).with_name(f"{model}.sdf"))
+    for model in ("extensions.urdf", "frames.sdf", "nested.sdf", "old.sdf", "reversed.sdf", "solids.sdf", "world.sdf"):
+        write(Path(__file__).with_name(model))

@@ -91,9 +91,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         depth: usize,
         overrides: Overrides,
     ) {
-        let declared = document::without_undeclared_prefixes(text);
-        let text = declared.as_deref().unwrap_or(text);
-        let Some(document) = document::parse(text, start, "sdf", self.xml.report) else { return };
+        let text = document::with_prefixes_in_names(text);
+        let Some(document) = document::parse(&text, start, "sdf", self.xml.report) else { return };
         let root = document.root_element();
         if root.tag_name().name() != "sdf" {
             let message = format!("the root element is `<{}>`", root.tag_name().name());

@@ -30,6 +30,9 @@ impl<'a> Reader<'a, '_, '_, '_> {
             "physics",
             "pose",
             "sensor",
+            "drake.rotor_inertia",
+            "drake.gear_ratio",
+            "drake.mimic",
         ];
         self.warn_of_unknown(node, &known, subject);
         let kind = self.joint_kind(node, subject);
@@ -46,6 +49,9 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let armature = self.armature(node, subject);
         for axis in axes.iter_mut().flatten() {
             axis.dynamics.armature = armature;
+        }
+        if let Some(axis) = &mut axes[0] {
+            axis.mimic = axis.mimic.take().or_else(|| self.drakes_mimic(node, subject));
         }
         let pitch = if kind == Some(JointKind::Screw) { self.pitch(node, subject) } else { 0.0 };
         let simbody = self.xml.named(node, "physics").flat_map(|physics| physics.children());
@@ -99,16 +105,24 @@ impl<'a> Reader<'a, '_, '_, '_> {
 
     /// Returns the armature by Drake's extensions `rotor_inertia` and `gear_ratio`; zero without them.
     fn armature(&mut self, joint: Node<'a, '_>, subject: Option<&Subject>) -> f64 {
-        let mut extension = |name| {
-            let node = joint.children().find(|node| {
-                node.tag_name().name() == name
-                    && node.tag_name().namespace().is_some_and(|uri| uri.contains("drake"))
-            })?;
-            let [value] = self.xml.numbers::<1>(self.xml.content(node), subject)?;
-            Some(value)
-        };
-        let (rotor, gear) = (extension("rotor_inertia"), extension("gear_ratio").unwrap_or(1.0));
-        rotor.map_or(0.0, |rotor| gear * gear * rotor)
+        let rotor = self.number(joint, "drake.rotor_inertia", subject).unwrap_or(0.0);
+        let gear = self.number(joint, "drake.gear_ratio", subject).unwrap_or(1.0);
+        if rotor < 0.0 {
+            let message = format!("`<drake:rotor_inertia>` is {rotor} kg m^2");
+            let code = Code::NegativeJointDynamics;
+            let help = "write an inertia of at least 0";
+            self.xml.report.error(code, self.xml.at(joint), subject, message, help);
+        }
+        gear * gear * rotor.max(0.0)
+    }
+
+    /// Returns the relation of Drake's extension `mimic`.
+    fn drakes_mimic(&mut self, joint: Node<'a, '_>, subject: Option<&Subject>) -> Option<Mimic> {
+        let node = self.xml.single(joint, "drake.mimic", subject)?;
+        let leader = self.xml.attribute(node, "joint", subject).map(trimmed);
+        let multiplier = self.xml.number(node, "multiplier", subject).unwrap_or(1.0);
+        let offset = self.xml.number(node, "offset", subject).unwrap_or(0.0);
+        Some(Mimic { leader: leader?, multiplier, offset })
     }
 
     /// Returns the displacement of a screw, m/rad.

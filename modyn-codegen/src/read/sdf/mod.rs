@@ -25,14 +25,15 @@ use crate::description::{Description, ReadOptions};
 use crate::diagnostics::{Code, Report, Severity};
 use crate::read::xml::document;
 use crate::read::xml::element::{Elements, attribute};
+use crate::read::xml::unread::Unread;
 use files::Files;
-use reader::{Reader, Unread};
+use reader::Reader;
 use world::{Overrides, WORLD, World};
 
 /// Returns the description; `None` with errors in the report.
 pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> Option<Description> {
-    let declared = document::without_undeclared_prefixes(text);
-    let document = document::parse(declared.as_deref().unwrap_or(text), 0, "sdf", report)?;
+    let text = document::with_prefixes_in_names(text);
+    let document = document::parse(&text, 0, "sdf", report)?;
     let root = document.root_element();
     let at = root.range().start;
     if root.tag_name().name() != "sdf" {

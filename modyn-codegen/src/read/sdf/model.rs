@@ -25,6 +25,28 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let gravity = own.or(old).map(|node| self.xml.content(node));
         let gravity = gravity.map(|text| self.xml.numbers::<3>(text, None));
         self.world.gravity = Some(gravity.flatten().unwrap_or(DEFAULT_GRAVITY));
+        let known = [
+            "audio",
+            "wind",
+            "include",
+            "gravity",
+            "magnetic_field",
+            "atmosphere",
+            "gui",
+            "physics",
+            "scene",
+            "light",
+            "frame",
+            "model",
+            "actor",
+            "plugin",
+            "joint",
+            "road",
+            "spherical_coordinates",
+            "state",
+            "population",
+        ];
+        self.warn_of_unknown(node, &known, None);
         self.elements(node, WORLD, 0);
     }
 
@@ -101,13 +123,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
 
     /// Reads the models, links, joints and frames of a scope.
     fn elements(&mut self, node: Node<'a, '_>, scope: usize, depth: usize) {
-        let root = self.xml.root;
         for child in node.children().filter(Node::is_element) {
-            if child.tag_name().namespace() != root.tag_name().namespace() {
-                let message = format!("the extension `<{}>` is not read", child.tag_name().name());
-                self.unread.add(message, (Some(self.xml.at(child)), None), EXTENSION);
-                continue;
-            }
             match child.tag_name().name() {
                 "model" => self.model(child, scope, depth + 1, Overrides::default()),
                 "link" if scope != WORLD => self.link(child, scope),
@@ -246,6 +262,3 @@ impl<'a> Reader<'a, '_, '_, '_> {
 
 /// The acceleration of free fall in a world that gives none, m/s^2.
 const DEFAULT_GRAVITY: [f64; 3] = [0.0, 0.0, -9.8];
-
-const EXTENSION: &str =
-    "extensions of SDF have no effect; joints and forces that they add are missing here";

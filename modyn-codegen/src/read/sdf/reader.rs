@@ -1,7 +1,5 @@
 //! The reader of an SDF: numbers, flags and poses, which are the contents of elements.
 
-use std::collections::BTreeMap;
-
 use modyn_runtime::conventions::rotation_from_quaternion;
 use modyn_runtime::spatial::Pose;
 use roxmltree::Node;
@@ -9,8 +7,9 @@ use roxmltree::Node;
 use super::files::Files;
 use super::world::World;
 use crate::description::{Located, MAX_NUMBER, ReadOptions, roll_pitch_yaw};
-use crate::diagnostics::{Code, Place, Report, Subject};
+use crate::diagnostics::{Code, Subject};
 use crate::read::xml::element::{Attribute, Elements};
+use crate::read::xml::unread::Unread;
 
 /// Reads elements into a [`World`]: models and links in `model`, joints in `joint`, other
 /// files in `include`.
@@ -22,27 +21,6 @@ pub struct Reader<'a, 't, 'r, 'f> {
     /// The version of the file, times 100.
     pub version: u32,
     pub unread: Unread,
-}
-
-/// The places of elements that are not read and may change the robot's motion, by their meaning.
-#[derive(Default)]
-pub struct Unread {
-    places: BTreeMap<String, (Vec<Place>, &'static str)>,
-}
-
-impl Unread {
-    /// Adds a place.
-    pub fn add(&mut self, message: String, place: Place, help: &'static str) {
-        let (places, _) = self.places.entry(message).or_insert_with(|| (Vec::new(), help));
-        places.push(place);
-    }
-
-    /// Warns once of each meaning.
-    pub fn warn(self, report: &mut Report<'_>) {
-        for (message, (places, help)) in self.places {
-            report.warn_once(Code::NotRead, &places, &message, help);
-        }
-    }
 }
 
 impl<'a> Reader<'a, '_, '_, '_> {
@@ -189,8 +167,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         Some(Pose { rotation, translation })
     }
 
-    /// Reports child elements that SDF does not have here, once for each name: a misspelt element would silently have
-    /// no effect. Elements of other namespaces are extensions.
+    /// Reports child elements that SDF does not have here, and extensions, once for each name: a
+    /// misspelt element would silently have no effect.
     pub fn warn_of_unknown(
         &mut self,
         node: Node<'a, '_>,
@@ -199,10 +177,9 @@ impl<'a> Reader<'a, '_, '_, '_> {
     ) {
         for child in node.children().filter(Node::is_element) {
             let name = child.tag_name().name();
-            let own = child.tag_name().namespace() == self.xml.root.tag_name().namespace();
-            if own && !known.contains(&name) {
+            let place = (Some(self.xml.at(child)), subject.cloned());
+            if !known.contains(&name) && !self.unread.add_extension(child, place.clone()) {
                 let message = format!("the element `<{name}>` is not read");
-                let place = (Some(self.xml.at(child)), subject.cloned());
                 self.unread.add(message, place, "check its spelling; SDF has no such element here");
             }
         }

@@ -11,19 +11,18 @@ use crate::read::xml::element::is;
 impl<'a> Reader<'a, '_, '_, '_> {
     /// Returns the shapes of the link of this name.
     pub fn shapes(&mut self, link: Node<'a, '_>, name: &str) -> Vec<Shape> {
-        let root = self.xml.root;
         let mut shapes = Vec::new();
         for visual in self.xml.named(link, "visual").collect::<Vec<_>>() {
-            let shape = child(root, visual, "geometry")
+            let shape = child(visual, "geometry")
                 .and_then(|node| node.children().find(Node::is_element))
                 .filter(|node| node.tag_name().name() != "empty");
             // An empty geometry is not seen.
             let Some(shape) = shape else { continue };
-            let color = child(root, visual, "material").and_then(|material| {
+            let color = child(visual, "material").and_then(|material| {
                 let colors = ["diffuse", "ambient"];
-                colors.into_iter().find_map(|name| color(content(root, material, name)?))
+                colors.into_iter().find_map(|name| color(content(material, name)?))
             });
-            let pose = child(root, visual, "pose");
+            let pose = child(visual, "pose");
             let found = match pose
                 .filter(|pose| pose.attribute("relative_to").is_some_and(|name| !name.is_empty()))
             {
@@ -44,26 +43,26 @@ impl<'a> Reader<'a, '_, '_, '_> {
     }
 
     fn geometry(&mut self, shape: Node<'a, '_>) -> Result<Geometry, String> {
-        let (root, kind) = (self.xml.root, shape.tag_name().name());
+        let kind = shape.tag_name().name();
         if kind != "mesh" {
-            return solid(kind, |name| content(root, shape, name))
+            return solid(kind, |name| content(shape, name))
                 .ok_or_else(|| format!("is a `<{kind}>` that cannot be drawn"));
         }
-        let uri = content(root, shape, "uri").ok_or("is a `<mesh>` without `<uri>`")?.trim();
+        let uri = content(shape, "uri").ok_or("is a `<mesh>` without `<uri>`")?.trim();
         let place =
             self.file_of(uri).map_err(|_| format!("has the file `{uri}`, which is not found"))?;
         self.xml.report.depends_on(place.clone());
-        surface(&self.options.files, uri, &[place], content(root, shape, "scale"))
+        surface(&self.options.files, uri, &[place], content(shape, "scale"))
     }
 }
 
-fn child<'a, 't>(root: Node, node: Node<'a, 't>, name: &str) -> Option<Node<'a, 't>> {
-    node.children().find(|child| is(root, *child, name))
+fn child<'a, 't>(node: Node<'a, 't>, name: &str) -> Option<Node<'a, 't>> {
+    node.children().find(|child| is(*child, name))
 }
 
 /// Returns the text of a child element.
-fn content<'a>(root: Node, node: Node<'a, '_>, name: &str) -> Option<&'a str> {
-    child(root, node, name)?.text()
+fn content<'a>(node: Node<'a, '_>, name: &str) -> Option<&'a str> {
+    child(node, name)?.text()
 }
 
 /// Returns a colour of three or four numbers.

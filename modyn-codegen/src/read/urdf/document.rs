@@ -56,7 +56,7 @@ fn xacro(root: Node) -> Option<usize> {
             return Some(part.range().start);
         }
         let read = ["link", "joint", "loop_joint", "contact_frame"];
-        if !read.iter().any(|name| is(root, part, name)) {
+        if !read.iter().any(|name| is(part, name)) {
             continue;
         }
         let mut open = vec![part];
@@ -64,13 +64,13 @@ fn xacro(root: Node) -> Option<usize> {
             if is_xacro(node) {
                 return Some(node.range().start);
             }
-            if node != part && !USED.iter().any(|name| is(root, node, name)) {
+            if node != part && !USED.iter().any(|name| is(node, name)) {
                 continue;
             }
             if let Some(offset) = xacro_attribute(node) {
                 return Some(offset);
             }
-            let deeper = node == part || is(root, node, "inertial");
+            let deeper = node == part || is(node, "inertial");
             open.extend(node.children().rev().filter(|child| deeper && child.is_element()));
         }
     }
@@ -78,20 +78,17 @@ fn xacro(root: Node) -> Option<usize> {
 }
 
 fn is_xacro(node: Node) -> bool {
-    let uri = node.tag_name().namespace();
-    let text = &node.document().input_text()[node.range().start..];
-    text.starts_with("<xacro:")
-        || uri.is_some_and(|uri| uri.contains("xacro"))
-            && uri != node.document().root_element().tag_name().namespace()
+    node.tag_name().name().starts_with(XACRO)
 }
+
+/// The prefix of xacro's elements.
+const XACRO: &str = "xacro.";
 
 fn xacro_attribute(node: Node) -> Option<usize> {
     node.attributes()
         .find(|a| {
             let text = a.value();
-            a.namespace().is_some_and(|uri| uri.contains("xacro"))
-                || text.contains("${")
-                || text.contains("$(")
+            a.name().starts_with(XACRO) || text.contains("${") || text.contains("$(")
         })
         .map(|a| a.range().start)
 }

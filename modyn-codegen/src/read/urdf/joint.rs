@@ -4,14 +4,32 @@ use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{JointDynamics, Limits};
 use roxmltree::Node;
 
+use super::extensions::KNOWN_IN_JOINT;
 use super::reader::Reader;
 use crate::description::{JointRecord, Kind, Located, Mimic, MimicRecord, UNLIMITED, are_parallel};
-use crate::diagnostics::{Code, Severity, Subject};
-use crate::read::xml::element::{Attribute, attribute};
+use crate::diagnostics::{Code, Severity, Subject, suggest};
+use crate::read::xml::element::{Attribute, attribute, is, is_extension};
 
 const X: [f64; 3] = [1.0, 0.0, 0.0];
 const Y: [f64; 3] = [0.0, 1.0, 0.0];
 const Z: [f64; 3] = [0.0, 0.0, 1.0];
+
+/// The types of Drake's `<drake:joint>` that are read.
+const DRAKES_TYPES: [(&str, JointType); 3] = [
+    ("ball", JointType::Spherical),
+    ("universal", JointType::Universal),
+    ("planar", JointType::Planar),
+];
+
+/// Returns whether a joint is Drake's extension.
+fn is_drakes(joint: Node) -> bool {
+    is(joint, "drake.joint")
+}
+
+/// Returns a joint type with its name.
+fn named(joint_type: JointType) -> (&'static str, JointType) {
+    (joint_type.name(), joint_type)
+}
 
 impl<'a> Reader<'a, '_, '_, '_> {
     pub fn joint(&mut self, node: Node<'a, '_>) -> JointRecord {
@@ -20,24 +38,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let subject = name.map(|name| Subject::Joint(name.text.into()));
         let subject = subject.as_ref();
         let kind = self.kind(node, subject);
-        let known = [
-            "origin",
-            "parent",
-            "child",
-            "axis",
-            "axis2",
-            "limit",
-            "mimic",
-            "dynamics",
-            "calibration",
-            "safety_controller",
-        ];
-        self.xml.warn_of_misspelt_elements(
-            node,
-            &known,
-            &["origin", "axis", "limit", "mimic", "dynamics"],
-            subject,
-        );
+        let optional = ["origin", "axis", "limit", "mimic", "dynamics"];
+        self.unread_elements(node, KNOWN_IN_JOINT, &optional, subject);
         let mut joint = JointRecord {
             name: name.map_or(
                 Located { text: String::new(), at: node.range().start },
@@ -74,15 +76,22 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let Some(text) = self.xml.attribute(node, "type", subject) else {
             return Kind::Unknown;
         };
-        if text.text == "fixed" {
+        let is_drakes = is_drakes(node);
+        if text.text == "fixed" && !is_drakes {
             return Kind::Fixed;
         }
-        if let Some(found) = JointType::ALL.into_iter().find(|known| known.name() == text.text) {
-            return Kind::Moving(found);
+        let types = if is_drakes { &DRAKES_TYPES[..] } else { &JointType::ALL.map(named) };
+        if let Some((_, found)) = types.iter().find(|(name, _)| *name == text.text) {
+            return Kind::Moving(*found);
         }
-        let message = format!("`{}` is not a joint type", text.text);
-        let help =
-            format!("supported are: {}, fixed", JointType::ALL.map(JointType::name).join(", "));
+        let mut names: Vec<&str> = types.iter().map(|(name, _)| *name).collect();
+        let message = if is_drakes {
+            format!("`{}` is not a type of `<drake:joint>` that is read", text.text)
+        } else {
+            names.push("fixed");
+            format!("`{}` is not a joint type", text.text)
+        };
+        let help = format!("supported are: {}", names.join(", "));
         self.xml.report.error(Code::UnknownJointType, text.at, subject, message, help);
         Kind::Unknown
     }
@@ -99,6 +108,10 @@ impl<'a> Reader<'a, '_, '_, '_> {
 
     /// Returns the axis and the second axis, of unit length.
     fn axes(&mut self, node: Node<'a, '_>, kind: Kind, subject: Option<&Subject>) -> [[f64; 3]; 2] {
+        if is_drakes(node) && kind == Kind::Moving(JointType::Universal) {
+            // Drake's has the axes x and y.
+            return [X, Y];
+        }
         if let Kind::Moving(JointType::Spherical | JointType::Floating) = kind {
             // The axis has no meaning here, but many files have one, often zero.
             let axis = self.xml.single(node, "axis", subject);
@@ -271,7 +284,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             return (JointDynamics::default(), node.range().start);
         };
         let names = ["damping", "friction", "armature", "rotor_inertia", "gear_ratio"];
-        self.xml.warn_of_misspelt_attributes(node, &names, subject);
+        self.unread_dynamics(node, &names, subject);
         let [damping, friction, armature, rotor] =
             ["damping", "friction", "armature", "rotor_inertia"]
                 .map(|name| self.dissipation(node, name, subject));
@@ -280,6 +293,26 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let dynamics =
             JointDynamics { armature: armature + gear * gear * rotor, damping, friction };
         (dynamics, node.range().start)
+    }
+
+    /// Names the attributes of `<dynamics>` that are not read, unless they are zero.
+    fn unread_dynamics(&mut self, node: Node<'a, '_>, read: &[&str], subject: Option<&Subject>) {
+        self.xml.warn_of_misspelt_attributes(node, read, subject);
+        let unread = node.attributes().filter(|attribute| {
+            let name = attribute.name();
+            let is_zero = attribute.value().trim().parse() == Ok(0.0);
+            let is_misspelt = name.len() > 2 && suggest(name, read.iter().copied()).is_some();
+            !(read.contains(&name) || is_zero || is_misspelt || is_extension(name))
+        });
+        let names: Vec<String> =
+            unread.map(|attribute| format!("`{}`", attribute.name())).collect();
+        if !names.is_empty() {
+            let message =
+                format!("`<dynamics>` has attributes that are not read: {}", names.join(", "));
+            let place = (Some(node.range().start), subject.cloned());
+            let help = "describe them by `damping`, `friction` or `armature`, or remove them";
+            self.unread.add(message, place, help);
+        }
     }
 
     /// Returns a number of `<dynamics>`, which must be at least zero; zero if it is missing.

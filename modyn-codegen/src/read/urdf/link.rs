@@ -3,6 +3,7 @@
 use modyn_runtime::model::Inertial;
 use roxmltree::Node;
 
+use super::extensions::KNOWN_IN_LINK;
 use super::reader::Reader;
 use crate::description::{InertialRecord, LinkRecord};
 use crate::diagnostics::{Code, Severity, Subject};
@@ -11,12 +12,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
     pub fn link(&mut self, node: Node<'a, '_>) -> Option<LinkRecord> {
         let name = self.xml.attribute(node, "name", None);
         let subject = name.map(|name| Subject::Link(name.text.into()));
-        self.xml.warn_of_misspelt_elements(
-            node,
-            &["inertial", "visual", "collision"],
-            &["inertial"],
-            subject.as_ref(),
-        );
+        self.unread_elements(node, KNOWN_IN_LINK, &["inertial"], subject.as_ref());
         let inertial = self.xml.single(node, "inertial", subject.as_ref());
         let inertial = inertial.and_then(|node| self.inertial(node, subject.as_ref()));
         let name = name?.located();

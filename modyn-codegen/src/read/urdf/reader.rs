@@ -5,7 +5,9 @@ use roxmltree::Node;
 
 use crate::description::{ReadOptions, roll_pitch_yaw};
 use crate::diagnostics::{Code, Place, Severity, Subject};
+use crate::read::packages::Packages;
 use crate::read::xml::element::{Attribute, Elements, attribute};
+use crate::read::xml::unread::Unread;
 
 /// Reads elements: `<link>` in `link`, `<joint>` in `joint`, `<loop_joint>` in `loops`,
 /// `<contact_frame>` in `contacts`.
@@ -20,6 +22,10 @@ pub struct Reader<'a, 't, 'r, 'f> {
     pub dropped_inertias: Vec<Place>,
     /// The places of negative effort or velocity limits.
     pub negative_limits: Vec<Place>,
+    /// The elements that are not read and may change the dynamics.
+    pub unread: Unread,
+    /// The folders of the packages that visuals name.
+    pub packages: Packages,
     /// A sentence for each shape that could not be read.
     pub shape_notes: Vec<String>,
 }

@@ -6,7 +6,9 @@ use roxmltree::Node;
 use super::reader::Reader;
 use crate::description::{Description, Kind, LinkRecord, ReadOptions};
 use crate::diagnostics::{Code, Place, Report, Severity};
+use crate::read::packages::Packages;
 use crate::read::xml::element::{Elements, is};
+use crate::read::xml::unread::Unread;
 
 /// Reads the elements of a `<robot>`.
 pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Description {
@@ -21,6 +23,8 @@ pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Desc
         ignored_quaternions: Vec::new(),
         dropped_inertias: Vec::new(),
         negative_limits: Vec::new(),
+        unread: Unread::default(),
+        packages: Packages::default(),
         shape_notes: Vec::new(),
     };
     let name = robot.attribute("name").unwrap_or("");
@@ -50,19 +54,21 @@ pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Desc
         shape_notes: Vec::new(),
     };
     for node in robot.children() {
-        if is(robot, node, "link") {
+        if is(node, "link") {
             description.links.extend(reader.link(node));
-        } else if is(robot, node, "joint") {
+        } else if is(node, "joint") || is(node, "drake.joint") {
             description.joints.push(reader.joint(node));
-        } else if is(robot, node, "loop_joint") {
+        } else if is(node, "loop_joint") {
             description.loops.push(reader.loop_joint(node));
-        } else if is(robot, node, "contact_frame") {
+        } else if is(node, "contact_frame") {
             description.contacts.push(reader.contact_frame(node));
         }
     }
     description.shape_notes = std::mem::take(&mut reader.shape_notes);
     reader.add_world(&mut description);
+    reader.extensions(robot, &mut description);
     reader.warn_of_unread_values(&description);
+    reader.unread.warn(reader.xml.report);
     description
 }
 
@@ -116,12 +122,12 @@ impl<'a> Reader<'a, '_, '_, '_> {
         self.xml.report.warn_once(Code::MissingLimit, &unlimited, message, help);
         let robot = self.xml.root;
         let read = ["link", "joint", "loop_joint", "contact_frame"];
-        let part = |node: &Node| read.iter().any(|name| is(robot, *node, name));
+        let part = |node: &Node| read.iter().any(|name| is(*node, name));
         let inside = robot.children().filter(part).flat_map(|part| part.children());
         let included: Vec<Place> = robot
             .children()
             .chain(inside)
-            .filter(|node| node.is_element() && node.tag_name().name() == "include")
+            .filter(|node| node.is_element() && node.tag_name().name().ends_with("include"))
             .map(|node| (Some(node.range().start), None))
             .collect();
         let message =

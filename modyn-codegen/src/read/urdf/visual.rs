@@ -6,8 +6,7 @@ use modyn_runtime::spatial::Pose;
 use roxmltree::Node;
 
 use super::reader::Reader;
-use crate::description::{Geometry, ReadOptions, Shape, roll_pitch_yaw};
-use crate::read::packages;
+use crate::description::{Geometry, Shape, roll_pitch_yaw};
 use crate::read::visual::{numbers, solid, surface};
 use crate::read::xml::element::is;
 
@@ -16,8 +15,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
     pub fn shapes(&mut self, link: Node<'a, '_>, name: &str) -> Vec<Shape> {
         let mut shapes = Vec::new();
         for visual in self.xml.named(link, "visual").collect::<Vec<_>>() {
-            let root = self.xml.root;
-            let part = |name: &str| visual.children().find(|node| is(root, *node, name));
+            let part = |name: &str| visual.children().find(|node| is(*node, name));
             let geometry = part("geometry").and_then(|node| node.children().find(Node::is_element));
             let geometry = geometry.ok_or_else(|| "has no `<geometry>`".into());
             match geometry.and_then(|geometry| self.geometry(geometry)) {
@@ -39,7 +37,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
                 .ok_or_else(|| format!("is a `<{kind}>` that cannot be drawn"));
         }
         let file = geometry.attribute("filename").ok_or("is a `<mesh>` without `filename`")?;
-        let places = places(file.trim(), self.options);
+        let places = self.places(file.trim());
         for place in &places {
             self.xml.report.depends_on(place.clone());
         }
@@ -50,14 +48,34 @@ impl<'a> Reader<'a, '_, '_, '_> {
     fn color(&self, material: Node<'a, '_>) -> Option<[f64; 4]> {
         let root = self.xml.root;
         let own = |node: Node<'a, '_>| {
-            let color = node.children().find(|child| is(root, *child, "color"))?;
+            let color = node.children().find(|child| is(*child, "color"))?;
             numbers::<4>(color.attribute("rgba")?)
         };
         own(material).or_else(|| {
             let name = material.attribute("name")?;
-            let mut shared = root.children().filter(|node| is(root, *node, "material"));
+            let mut shared = root.children().filter(|node| is(*node, "material"));
             shared.find(|node| node.attribute("name") == Some(name)).and_then(own)
         })
+    }
+
+    /// Returns the places of a file that the description names by a path or by the name of a
+    /// package.
+    fn places(&mut self, file: &str) -> Vec<PathBuf> {
+        let folder = self.options.folder.as_deref();
+        if let Some((scheme @ ("package" | "model"), rest)) = file.split_once("://") {
+            let (package, path) = rest.split_once('/').unwrap_or((rest, ""));
+            let found = self.packages.find(package, self.options).map(|folder| folder.join(path));
+            // A package that is not installed often has its folder around the description.
+            let around = folder.into_iter().flat_map(|folder| {
+                let absolute = std::path::absolute(folder).unwrap_or_else(|_| folder.into());
+                let above: Vec<_> = absolute.ancestors().map(|one| one.join(rest)).collect();
+                let inside = absolute.ancestors().map(|one| one.join(path)).collect::<Vec<_>>();
+                above.into_iter().chain(if scheme == "package" { inside } else { Vec::new() })
+            });
+            return found.into_iter().chain(around).collect();
+        }
+        let path = file.strip_prefix("file://").unwrap_or(file);
+        folder.map(|folder| folder.join(path)).into_iter().collect()
     }
 }
 
@@ -65,23 +83,4 @@ impl<'a> Reader<'a, '_, '_, '_> {
 fn pose(origin: Node) -> Pose<f64> {
     let three = |name| origin.attribute(name).and_then(numbers::<3>).unwrap_or_default();
     Pose { rotation: roll_pitch_yaw(three("rpy")), translation: three("xyz") }
-}
-
-/// Returns the places of a file that the description names by a path or by the name of a package.
-fn places(file: &str, options: &ReadOptions) -> Vec<PathBuf> {
-    let folder = options.folder.as_deref();
-    if let Some((scheme @ ("package" | "model"), rest)) = file.split_once("://") {
-        let (package, path) = rest.split_once('/').unwrap_or((rest, ""));
-        let found = packages::find(package, options).map(|folder| folder.join(path));
-        // A package that is not installed often has its folder around the description.
-        let around = folder.into_iter().flat_map(|folder| {
-            let absolute = std::path::absolute(folder).unwrap_or_else(|_| folder.into());
-            let above: Vec<_> = absolute.ancestors().map(|one| one.join(rest)).collect();
-            let inside = absolute.ancestors().map(|one| one.join(path)).collect::<Vec<_>>();
-            above.into_iter().chain(if scheme == "package" { inside } else { Vec::new() })
-        });
-        return found.into_iter().chain(around).collect();
-    }
-    let path = file.strip_prefix("file://").unwrap_or(file);
-    folder.map(|folder| folder.join(path)).into_iter().collect()
 }

@@ -3,7 +3,7 @@
 //! The order is that of the reference: elements are expanded in the order of the text, a macro sees the properties of its
 //! caller, and the block of a caller is expanded once where it is written and once where it is inserted.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -14,7 +14,8 @@ use super::value::{ScopeId, Value};
 use crate::description::ReadOptions;
 use crate::diagnostics::{Code, ExpansionCall, Report, Severity, suggest};
 use crate::read::file::read_named;
-use crate::read::{packages, xml};
+use crate::read::packages::Packages;
+use crate::read::xml;
 
 /// The largest depth of macro calls and includes.
 const MAX_CALLS: usize = 60;
@@ -76,6 +77,7 @@ pub struct Expander<'e, 'r> {
     /// The number of properties that are being evaluated.
     open_properties: usize,
     work: Cell<usize>,
+    packages: RefCell<Packages>,
 }
 
 /// The element that is being written.
@@ -104,6 +106,7 @@ impl<'e, 'r> Expander<'e, 'r> {
             depth: 0,
             open_properties: 0,
             work: Cell::new(0),
+            packages: RefCell::default(),
         }
     }
 
@@ -507,7 +510,7 @@ impl<'e, 'r> Expander<'e, 'r> {
 
     /// Returns the folder of a package.
     pub fn package(&self, name: &str) -> Result<String, Fault> {
-        let found = packages::find(name, self.options);
+        let found = self.packages.borrow_mut().find(name, self.options);
         found.map(|folder| folder.display().to_string()).ok_or_else(|| {
             Fault::with_help(
                 format!("the package `{name}` was not found"),

@@ -1,5 +1,7 @@
 //! Parses XML, with tolerance for frequent faults of robot files.
 
+use std::ops::Range;
+
 use roxmltree::{Document, Error};
 
 use super::limits::{self, Tags};
@@ -14,47 +16,63 @@ pub fn within_limits(text: &str, start: usize, report: &mut Report<'_>) -> Optio
     tags.within_limits(start, report).then_some(text)
 }
 
+/// A part of a document that is in angle brackets.
+enum Part {
+    Comment,
+    /// A processing instruction or an XML declaration.
+    Instruction,
+    Data,
+    /// The tag of an element.
+    Tag,
+}
+
+/// Returns the parts of a text that are in angle brackets, in order, up to one without an end,
+/// which the XML parser reports.
+fn parts(text: &str) -> impl Iterator<Item = (Part, Range<usize>)> {
+    let after = |from: usize, end: &str| text[from..].find(end).map(|i| from + i + end.len());
+    let mut at = 0;
+    std::iter::from_fn(move || {
+        let start = at + text[at..].find('<')?;
+        let rest = &text[start..];
+        let (part, end) = if rest.starts_with("<!--") {
+            (Part::Comment, after(start + 4, "-->"))
+        } else if rest.starts_with("<?") {
+            (Part::Instruction, after(start, "?>"))
+        } else if rest.starts_with("<![CDATA[") {
+            (Part::Data, after(start, "]]>"))
+        } else {
+            (Part::Tag, end_of_tag(text, start))
+        };
+        at = end?;
+        Some((part, start..at))
+    })
+}
+
 /// Replaces text that XML forbids but robot files contain by spaces, so that offsets do not change: comments (with
 /// lines of dashes), and text before the XML declaration. Counts attributes and namespaces in tags.
 pub fn blank_comments(text: &str) -> (String, Tags<'_>) {
     let mut bytes = text.as_bytes().to_vec();
-    let mut blank = |from: usize, to: usize| {
-        bytes[from..to].iter_mut().filter(|b| !b.is_ascii_whitespace()).for_each(|b| *b = b' ');
+    let mut blank = |range: Range<usize>| {
+        bytes[range].iter_mut().filter(|b| !b.is_ascii_whitespace()).for_each(|b| *b = b' ');
     };
-    let after = |from: usize, end: &str| text[from..].find(end).map(|i| from + i + end.len());
-    let mut at = 0;
     let mut nothing_yet = true;
     let mut tags = Tags::default();
-    while let Some(start) = text[at..].find('<').map(|i| at + i) {
-        let rest = &text[start..];
-        let end = if rest.starts_with("<!--") {
-            let end = after(start + 4, "-->");
-            if let Some(end) = end {
-                blank(start, end);
-            }
-            end
-        } else if rest.starts_with("<?") {
-            let end = after(start, "?>");
+    for (part, range) in parts(text) {
+        match part {
+            Part::Comment => blank(range),
             // A declaration that is not at the start of the file: the text is known to be UTF-8.
-            if let Some(end) =
-                end.filter(|_| nothing_yet && start > 0 && rest.starts_with("<?xml "))
-            {
-                blank(start, end);
+            Part::Instruction => {
+                let is_declaration = text[range.start..].starts_with("<?xml ");
+                if nothing_yet && range.start > 0 && is_declaration {
+                    blank(range);
+                }
             }
-            end
-        } else if rest.starts_with("<![CDATA[") {
-            after(start, "]]>")
-        } else {
-            nothing_yet = false;
-            let end = end_of_tag(text, start);
-            if let Some(end) = end {
-                tags.take(text, start..end);
+            Part::Data => {}
+            Part::Tag => {
+                nothing_yet = false;
+                tags.take(text, range);
             }
-            end
-        };
-        // The XML parser reports the missing end.
-        let Some(end) = end else { break };
-        at = end;
+        }
     }
     // Only whole comments and declarations were replaced, by ASCII.
     (String::from_utf8(bytes).unwrap_or_else(|_| text.into()), tags)
@@ -105,8 +123,10 @@ pub fn parse<'t>(
         }
         Error::UnknownNamespace(prefix, _) => {
             let message = format!("the namespace prefix `{prefix}` is not declared");
-            let help =
-                format!("declare it on `<{root}>`, as in `xmlns:p=\"...\"`, or remove the element");
+            let help = format!(
+                "declare it on `<{root}>`, as in `xmlns:{prefix}=\"...\"`, or remove the element \
+                 or attribute"
+            );
             (Code::MalformedXml, message, help)
         }
         Error::UnexpectedEndOfStream | Error::UnclosedRootNode => {
@@ -134,31 +154,33 @@ pub fn parse<'t>(
 /// The advice for files of Universal Scene Description.
 pub const USD_HELP: &str = "convert it to URDF: `pip install nvidia-srl-usd-to-urdf`, then `usd_to_urdf robot.usd -o FOLDER`";
 
-/// Returns the text with `<prefix:name>` replaced by `<prefix_name>` for prefixes that are not declared, so that offsets do
-/// not change; `None` if all are declared. Such elements are extensions, which readers of URDF and SDF ignore.
-pub fn without_undeclared_prefixes(text: &str) -> Option<String> {
-    let is_name = |c: char| c.is_alphanumeric() || "_-.".contains(c);
-    let mut prefixes = std::collections::BTreeMap::new();
-    let mut places = Vec::new();
-    for (at, _) in text.match_indices('<') {
-        let start = at + 1 + usize::from(text[at + 1..].starts_with('/'));
-        let rest = &text[start..];
-        let end = rest.find(|c| !is_name(c)).unwrap_or(rest.len());
-        let prefix = &rest[..end];
-        if end == 0 || !rest[end..].starts_with(':') || prefix == "xacro" {
-            continue;
-        }
-        let declared = || text.contains(&format!("xmlns:{prefix}"));
-        if !*prefixes.entry(prefix).or_insert_with(declared) {
-            places.push(start + end);
-        }
-    }
-    if places.is_empty() {
-        return None;
-    }
+/// The character that replaces the colon after a prefix. No name of URDF and SDF contains it.
+pub const PREFIX_END: char = '.';
+
+/// Returns the text with each `prefix:name` of an element or attribute replaced by `prefix.name`,
+/// so that offsets do not change. The programs that read URDF and SDF know no namespaces: to them,
+/// a prefix is a part of the name, whether it is declared or not.
+pub fn with_prefixes_in_names(text: &str) -> String {
     let mut bytes = text.as_bytes().to_vec();
-    places.into_iter().for_each(|colon| bytes[colon] = b'_');
-    String::from_utf8(bytes).ok()
+    for (_, range) in parts(text).filter(|(part, _)| matches!(part, Part::Tag)) {
+        let mut quote = None;
+        let mut start = range.start + 1;
+        for at in range {
+            match (quote, text.as_bytes()[at]) {
+                (None, byte @ (b'"' | b'\'')) => quote = Some(byte),
+                (Some(open), close) if open == close => quote = None,
+                (None, b'/') => start = at + 1,
+                (None, byte) if byte.is_ascii_whitespace() => start = at + 1,
+                // These two prefixes are those of XML itself.
+                (None, b':') if !["xml", "xmlns"].contains(&&text[start..at]) => {
+                    bytes[at] = PREFIX_END as u8;
+                }
+                _ => {}
+            }
+        }
+    }
+    // Only ASCII was replaced, by ASCII.
+    String::from_utf8(bytes).unwrap_or_else(|_| text.into())
 }
 
 /// Returns the name of the first element, without parsing the text; `None` if there is no element.

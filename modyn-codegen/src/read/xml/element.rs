@@ -2,6 +2,7 @@
 
 use roxmltree::Node;
 
+use super::document::PREFIX_END;
 use super::numbers::numbers;
 use crate::description::{Located, normalized};
 use crate::diagnostics::{Code, Report, Severity, Subject, suggest};
@@ -22,7 +23,7 @@ impl Attribute<'_> {
 
 /// Reads the elements of a document and reports their errors.
 pub struct Elements<'a, 't, 'r, 'f> {
-    /// The root element; elements that are read have its namespace.
+    /// The root element.
     pub root: Node<'a, 't>,
     /// The start of the document's file in the report.
     pub start: usize,
@@ -63,7 +64,7 @@ impl<'a> Elements<'a, '_, '_, '_> {
         {
             return Some(found);
         }
-        let element = node.tag_name().name();
+        let element = written(node);
         let state = if found.is_some() { "is empty" } else { "is missing" };
         let message = format!("the attribute `{name}` of `<{element}>` {state}");
         let at = found.map_or(self.at(node), |found| found.at);
@@ -118,8 +119,7 @@ impl<'a> Elements<'a, '_, '_, '_> {
 
     /// Returns the child elements of this name.
     pub fn named<'t>(&self, node: Node<'a, 't>, name: &str) -> impl Iterator<Item = Node<'a, 't>> {
-        let root = self.root;
-        node.children().filter(move |child| is(root, *child, name))
+        node.children().filter(move |child| is(*child, name))
     }
 
     /// Returns the child element of this name; several are an error, or a warning if they are axes.
@@ -140,7 +140,8 @@ impl<'a> Elements<'a, '_, '_, '_> {
                 "axis" => (Severity::Warning, ", which counts"),
                 _ => (Severity::Error, ""),
             };
-            let message = format!("a second `<{name}>`; the first is in line {line}{counts}");
+            let message =
+                format!("a second `<{}>`; the first is in line {line}{counts}", shown(name));
             let (code, at) = (Code::RepeatedElement, self.at(second));
             self.report.add(severity, code, at, subject, message, "keep one of them");
         }
@@ -157,7 +158,7 @@ impl<'a> Elements<'a, '_, '_, '_> {
     ) -> Option<Node<'a, 't>> {
         let found = self.single(node, name, subject);
         if found.is_none() {
-            let message = format!("`<{}>` has no `<{name}>`", node.tag_name().name());
+            let message = format!("`<{}>` has no `<{}>`", written(node), shown(name));
             let help = format!("write `{example}`");
             let at = self.at(node);
             self.report.error(Code::MissingElement, at, subject, message, help);
@@ -173,7 +174,7 @@ impl<'a> Elements<'a, '_, '_, '_> {
         subject: Option<&Subject>,
     ) {
         for attribute in node.attributes() {
-            if attribute.namespace().is_none() && !names.contains(&attribute.name()) {
+            if !is_extension(attribute.name()) && !names.contains(&attribute.name()) {
                 let element = node.tag_name().name();
                 let message =
                     format!("the attribute `{}` of `<{element}>` is not read", attribute.name());
@@ -193,7 +194,7 @@ impl<'a> Elements<'a, '_, '_, '_> {
     ) {
         for attribute in node.attributes() {
             let name = attribute.name();
-            if attribute.namespace().is_none()
+            if !is_extension(name)
                 && !names.contains(&name)
                 && name.len() > 2
                 && let Some(meant) = suggest(name, names.iter().copied())
@@ -218,8 +219,7 @@ impl<'a> Elements<'a, '_, '_, '_> {
     ) {
         for child in node.children().filter(Node::is_element) {
             let name = child.tag_name().name();
-            let own = child.tag_name().namespace() == self.root.tag_name().namespace();
-            if own
+            if !is_extension(name)
                 && !known.contains(&name)
                 && let Some(meant) = suggest(name, optional.iter().copied())
             {
@@ -238,9 +238,22 @@ pub fn attribute<'a>(node: Node<'a, '_>, name: &str) -> Option<Attribute<'a>> {
     Some(Attribute { text: attribute.value(), at: attribute.range().start })
 }
 
-/// Returns whether `node` is the element of this name in the namespace of `root`. Elements of other namespaces are extensions.
-pub fn is(root: Node, node: Node, name: &str) -> bool {
-    node.is_element()
-        && node.tag_name().name() == name
-        && node.tag_name().namespace() == root.tag_name().namespace()
+/// Returns whether `node` is the element of this name.
+pub fn is(node: Node, name: &str) -> bool {
+    node.is_element() && node.tag_name().name() == name
+}
+
+/// Returns whether a name has a prefix: it belongs to an extension of the format.
+pub fn is_extension(name: &str) -> bool {
+    name.contains(PREFIX_END)
+}
+
+/// Returns the name of an element as it is written, with its prefix.
+pub fn written(node: Node) -> String {
+    shown(node.tag_name().name())
+}
+
+/// Returns a name as it is written, with its prefix.
+fn shown(name: &str) -> String {
+    name.replace(PREFIX_END, ":")
 }

@@ -4,3 +4,4 @@ pub mod document;
 pub mod element;
 pub mod limits;
 pub mod numbers;
+pub mod unread;
