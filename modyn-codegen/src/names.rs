@@ -73,6 +73,20 @@ pub fn variants(names: &[&str]) -> Vec<String> {
     variants
 }
 
+/// Returns the attribute of a type with these names of the type and its variants: rustc expects no underscore in them, except between
+/// digits.
+#[must_use]
+pub(crate) fn camel_case_lint<'n>(mut names: impl Iterator<Item = &'n str>) -> &'static str {
+    let is_odd = |name: &str| {
+        let parts: Vec<&str> = name.trim_matches('_').split('_').collect();
+        let is_digit = |letter: Option<char>| letter.is_some_and(|letter| letter.is_ascii_digit());
+        parts
+            .windows(2)
+            .any(|pair| !is_digit(pair[0].chars().next_back()) || !is_digit(pair[1].chars().next()))
+    };
+    if names.any(is_odd) { "#[allow(non_camel_case_types)]\n" } else { "" }
+}
+
 /// Returns the names of fields in snake case, in the order of `names`; all are different, and none is `reserved`.
 #[must_use]
 pub fn fields(names: &[&str], reserved: &[&str]) -> Vec<String> {

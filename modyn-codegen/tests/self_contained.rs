@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use modyn_codegen::{Builder, Bundle, FloatType, Function};
+use modyn_codegen::{Builder, Bundle, Contact, ContactKind, FloatType, Function, LoopEnd};
 
 fn robot(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots").join(name)
@@ -36,6 +36,39 @@ fn compiles(file: &Path, attributes: &str) -> bool {
     let output = output.expect("rustc runs");
     println!("{}", String::from_utf8_lossy(&output.stderr));
     output.status.success()
+}
+
+/// Links and joints whose identifiers are equal, and a robot whose name is a keyword, with all its types.
+#[test]
+fn names_that_are_numbered_cause_no_warning() {
+    let folder = folder("numbered");
+    let part = |name: &str, hinge: &str, parent: &str| {
+        format!(
+            "<link name='{name}'><inertial><origin xyz='0.1 0 0'/><mass value='1'/>\
+             <inertia ixx='0.1' iyy='0.1' izz='0.1' ixy='0' ixz='0' iyz='0'/></inertial></link>\
+             <joint name='{hinge}' type='continuous'><parent link='{parent}'/><child link='{name}'/><axis xyz='0 1 0'/></joint>"
+        )
+    };
+    for robot in ["clash", "Self", "self", "a_1"] {
+        let parts = [
+            part("left_hand", "lefta", "base"),
+            part("left-hand", "left.a", "left_hand"),
+            part("self", "left a", "base"),
+            part("joint_1_2", "Self", "base"),
+        ];
+        let text = format!("<robot name='{robot}'><link name='base'/>{}</robot>", parts.concat());
+        let file = folder.join(format!("robot_{}.rs", robot.to_lowercase()));
+        let end = LoopEnd { link: "left_hand".into(), xyz: [0.0; 3], rpy: [0.0; 3] };
+        let contact = Contact { name: "tip".into(), kind: ContactKind::Point, end };
+        let builder = Builder::new().text(text, "robot.urdf").self_contained();
+        let builder = builder.contacts([contact]).payload(["left_hand"]);
+        let bundle =
+            Bundle::new("state").function(Function::LinkPoses).function(Function::MassMatrix);
+        let functions =
+            [Function::ForwardDynamics, Function::Brge, Function::LinkPoses, Function::MassMatrix];
+        builder.functions(functions).bundles([bundle]).write(&file).expect("good");
+        assert!(compiles(&file, "#![deny(warnings)]"), "{robot}");
+    }
 }
 
 #[test]

@@ -104,6 +104,12 @@ pub fn read_at_most(
         let help = "give a URDF file; none is this large";
         return Err(Diagnostic::error(Code::Excessive, message).with_help(help).into());
     }
+    if bytes.starts_with(b"PK\x03\x04") {
+        let error =
+            Diagnostic::error(Code::NotText, "this is a zip archive, such as MuJoCo's `.mjz`");
+        let help = "unpack it, and give the path of the description in it: `unzip FILE -d FOLDER`";
+        return Err(error.in_file(wanted.to_string()).with_help(help).into());
+    }
     String::from_utf8(bytes).map_err(|error| not_text(wanted, &error))
 }
 

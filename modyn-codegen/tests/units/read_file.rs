@@ -61,3 +61,12 @@ fn bytes_that_are_no_text_have_a_place() {
     let shown = not_text("a.usd", &usd).to_string();
     assert!(shown.contains("usd_to_urdf robot.usd"), "{shown}");
 }
+
+/// MuJoCo saves archives, whose bytes can be ASCII.
+#[test]
+fn an_archive_is_to_be_unpacked() {
+    let found =
+        read_text("arm.mjz", &b"PK\x03\x04 arm.xml"[..]).expect_err("an archive").to_string();
+    assert!(found.contains("error[not-text]: this is a zip archive"), "{found}");
+    assert!(found.contains("`unzip FILE -d FOLDER`"), "{found}");
+}

@@ -36,12 +36,14 @@ impl Robot<'_> {
                 )
             })
             .collect();
+        let kind = format!("{name}Contacts");
+        let lint = names::camel_case_lint([&*kind].into_iter());
         let _ = writeln!(
             text,
             "/// A set of active contacts of [`{name}`]; empty by default.\n\
              #[allow(dead_code)]\n\
-             #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]\n\
-             {vis} struct {name}Contacts {{\n{}}}\n",
+             {lint}#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]\n\
+             {vis} struct {kind} {{\n{}}}\n",
             fields.concat()
         );
     }

@@ -57,13 +57,15 @@ impl Robot<'_> {
             return;
         }
         let (name, vis, float) = (self.name, &self.options.visibility, self.options.scalar.name());
+        let kind = format!("{name}Params");
+        let lint = names::camel_case_lint([&*kind].into_iter());
         let _ = writeln!(
             text,
             "/// The run-time parameters of [`{name}`]; the defaults are those of the description. The methods set\n\
              /// parameters, and check their arguments.\n\
              #[allow(dead_code)]\n\
-             #[derive(Clone, Copy, Debug, PartialEq)]\n\
-             {vis} struct {name}Params<T = {float}> {{\n    numbers: [T; {count}],\n}}\n"
+             {lint}#[derive(Clone, Copy, Debug, PartialEq)]\n\
+             {vis} struct {kind}<T = {float}> {{\n    numbers: [T; {count}],\n}}\n"
         );
     }
 

@@ -20,14 +20,18 @@ impl Robot<'_> {
         for (kind, names, what) in
             [("Joint", self.joint_names(), "joint"), ("Link", self.link_names(), "link")]
         {
+            let variants = names::variants(&names);
+            let kind = format!("{name}{kind}");
+            let own_names = variants.iter().map(String::as_str).chain([&*kind]);
+            let lint = names::camel_case_lint(own_names);
             let _ = writeln!(
                 text,
                 "/// A {what} of [`{name}`].\n\
                  #[allow(dead_code)]\n\
-                 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]\n\
-                 {vis} enum {name}{kind} {{"
+                 {lint}#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]\n\
+                 {vis} enum {kind} {{"
             );
-            for (variant, original) in names::variants(&names).iter().zip(&names) {
+            for (variant, original) in variants.iter().zip(&names) {
                 let _ = writeln!(text, "    /// {}\n    {variant},", docs::code(original));
             }
             text.push_str("}\n\n");
@@ -38,12 +42,14 @@ impl Robot<'_> {
         if !self.factorizes() {
             return;
         }
+        let kind = format!("{name}UduFactorization");
+        let lint = names::camel_case_lint([&*kind].into_iter());
         let _ = writeln!(
             text,
             "/// The factorization U D U^T of the mass matrix of [`{name}`] by kinematic modules.\n\
              #[allow(dead_code)]\n\
-             #[derive(Clone, Copy, Debug, PartialEq)]\n\
-             {vis} struct {name}UduFactorization<T = {float}> {{\n    factors: [T; {}],\n}}\n",
+             {lint}#[derive(Clone, Copy, Debug, PartialEq)]\n\
+             {vis} struct {kind}<T = {float}> {{\n    factors: [T; {}],\n}}\n",
             self.plan.layout.size()
         );
     }
@@ -60,11 +66,12 @@ impl Robot<'_> {
                 format!("    /// {docs}\n    pub {name}: {kind},\n")
             };
             let fields: String = fields.iter().zip(quantity.fields).map(field).collect();
+            let lint = names::camel_case_lint([&**kind].into_iter());
             let _ = writeln!(
                 text,
                 "/// The results of `{}::{}`.\n\
                  #[allow(dead_code)]\n\
-                 #[derive(Clone, Copy, Debug, PartialEq)]\n\
+                 {lint}#[derive(Clone, Copy, Debug, PartialEq)]\n\
                  {vis} struct {kind}<T = {float}> {{\n{fields}}}\n",
                 self.name, quantity.name
             );

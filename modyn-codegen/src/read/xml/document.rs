@@ -104,6 +104,12 @@ pub fn parse<'t>(
         report.error(Code::NotUrdf, start, None, "this is a USD, which is not read", USD_HELP);
         return None;
     }
+    if text.starts_with("version https://git-lfs.github.com/spec/") {
+        let message = "this is a pointer of Git LFS in place of the file";
+        let help = "fetch the file: `git lfs pull`";
+        report.error(Code::NotUrdf, start, None, message, help);
+        return None;
+    }
     let error = match Document::parse(text) {
         Ok(document) => return Some(document),
         Err(error) => error,
