@@ -7,6 +7,7 @@ use core::fmt;
 use super::Interpreter;
 use crate::Scalar;
 use crate::equations::singular::{self, PivotWorkspace};
+use crate::inertial::PARAMETERS_PER_LINK;
 use crate::mechanism::{CompensatedMass, Mechanism, inertia_without, rigid_inertia};
 use crate::model::{Inertial, InertialDefect, Model};
 use crate::parameters::write_no_inertia;
@@ -192,6 +193,26 @@ fn link_of(model: &Model, v: usize) -> Option<usize> {
 }
 
 impl<S: Scalar + PartialOrd> Interpreter<S> {
+    /// Returns the ten inertial parameters of moving link `link` with the present inertias and payloads, as
+    /// [`Model::inertial_parameters`] does with those of the description; `None` if there is no such link.
+    #[must_use]
+    pub fn inertial_parameters(&self, link: usize) -> Option<[S; PARAMETERS_PER_LINK]> {
+        let mut parameters = self.model.inertial_parameters(link)?.map(S::from_f64);
+        let Some(inertias) = &self.inertias else { return Some(parameters) };
+        for (frame, [described, own, payload]) in self.model.frames().iter().zip(&inertias.links) {
+            if frame.link != Some(link) {
+                continue;
+            }
+            let pose = frame.pose.map(S::from_f64);
+            let of = |inertial: &Inertial<S>| inertial.transformed(&pose).parameters();
+            let [before, after, added] = [of(described), of(own), of(payload)];
+            for (k, parameter) in parameters.iter_mut().enumerate() {
+                *parameter = *parameter + (after[k] - before[k]) + added[k];
+            }
+        }
+        Some(parameters)
+    }
+
     /// Replaces the own inertia of link `frame` of the description (an index into [`Model::frames`]). `inertial` is in
     /// the link's frame.
     ///

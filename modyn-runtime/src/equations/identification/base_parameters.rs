@@ -90,10 +90,14 @@ impl BaseParameters {
     /// Returns the values of the combinations for the inertias of `model`, which must have the same tree.
     #[must_use]
     pub fn values(&self, model: &Model) -> Vec<f64> {
-        let all: Vec<f64> = (0..model.links().len())
-            .filter_map(|link| model.inertial_parameters(link))
-            .flatten()
-            .collect();
+        let links = 0..model.links().len();
+        let all = links.filter_map(|link| model.inertial_parameters(link));
+        self.values_of(&all.flatten().collect::<Vec<f64>>())
+    }
+
+    /// Returns the values of the combinations for these inertial parameters, ten for each moving link.
+    #[must_use]
+    pub fn values_of(&self, all: &[f64]) -> Vec<f64> {
         let value = |&(index, coefficient): &(usize, f64)| {
             all.get(index).map_or(0.0, |parameter| coefficient * parameter)
         };
