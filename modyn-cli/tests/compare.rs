@@ -33,6 +33,26 @@ fn generated_code_agrees_with_the_interpreter() {
     }
 }
 
+/// Forces that are zero by cancellation have other rounding in each program.
+#[test]
+fn two_zeros_agree() {
+    let part = |link: &str, joint: &str, parent: &str, axis: &str| {
+        format!(
+            "<link name='{link}'><inertial><mass value='1'/><inertia ixx='0.1' ixy='0' ixz='0' iyy='0.1' iyz='0' izz='0.1'/>\
+             </inertial></link><joint name='{joint}' type='continuous'><parent link='{parent}'/><child link='{link}'/>{axis}</joint>"
+        )
+    };
+    for axes in [["<axis xyz='0 0 1'/>", ""], ["<axis xyz='0 0 1'/>", "<axis xyz='0 1 0'/>"]] {
+        let parts = [part("a", "ja", "base", axes[0]), part("b", "jb", "a", axes[1])];
+        let text = format!("<robot name='r'><link name='base'/>{}</robot>", parts.concat());
+        let file = std::env::temp_dir().join(format!("modyn-zeros-{}.urdf", std::process::id()));
+        std::fs::write(&file, text).expect("a file");
+        let found = modyn(&["compare", &file.to_string_lossy(), "--friction", "none"]);
+        let _ = std::fs::remove_file(&file);
+        assert_eq!(found.code, 0, "{}{}", found.out, found.err);
+    }
+}
+
 #[test]
 fn a_difference_is_an_answer_of_its_own() {
     let arguments =

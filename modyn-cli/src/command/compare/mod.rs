@@ -14,7 +14,7 @@ use modyn_codegen::diagnostics::Diagnostics;
 use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_codegen::{Function, ModuleChoice, condition_number, joints_without_inertia};
 use modyn_runtime::model::Model;
-use modyn_runtime::{FrameError, Interpreter};
+use modyn_runtime::{FrameError, Interpreter, Scalar};
 use serde_json::{Value, json};
 
 use crate::command::choices::module_tree;
@@ -138,13 +138,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Outcome { model: planning.model, states, measured, compiler, compiled_in }
     };
     let mut interpreter = arguments.interpreter(&outcome.model)?;
+    let mut single = arguments.interpreter::<f32>(&outcome.model)?;
     // An unknown or infinite condition number does not excuse larger differences.
     let condition = condition_number(&outcome.model).unwrap_or(1e6).clamp(1.0, 1e6);
     let mut rows = Vec::new();
     for (quantity, (results, compiled)) in quantities.iter().zip(&outcome.measured) {
         let (expected, interpreted) = interpret(&mut interpreter, quantity, &outcome.states)?;
-        let (difference, factor) =
-            (largest(results, &expected), if quantity.solves { condition } else { 1.0 });
+        let zero = arguments.tolerance * ZERO;
+        let zero = zero * cancelled(&mut single, quantity, &outcome.states, &expected)?;
+        let difference = largest(results, &expected, zero);
+        let factor = if quantity.solves { condition } else { 1.0 };
         let bound = arguments.tolerance * factor;
         let name = quantity.function.name();
         rows.push(Row { name, difference, bound, interpreted, compiled: *compiled });
@@ -179,7 +182,10 @@ impl Arguments {
         Ok(quantities)
     }
 
-    fn interpreter(&self, model: &Model) -> Result<Interpreter<f64>, Failure> {
+    fn interpreter<S: Scalar + PartialOrd>(
+        &self,
+        model: &Model,
+    ) -> Result<Interpreter<S>, Failure> {
         let modules = module_tree(model, self.modules.as_ref())?;
         Interpreter::with_modules(model.clone(), modules)
             .map_err(|error| Failure::usage(format!("error: {error}")))
@@ -224,8 +230,32 @@ fn interpret(
     Ok((results, nanoseconds))
 }
 
-/// Returns the largest difference over all states, relative to the largest number of each state's result.
-fn largest(found: &[Vec<f64>], expected: &[Vec<f64>]) -> f64 {
+/// The part of the tolerance at which a difference counts as zero, relative to terms that cancel.
+const ZERO: f64 = 1e-3;
+
+/// Returns the size of the terms that cancel in the results of a function: what single precision leaves of them, divided by its
+/// precision. A result that is zero by cancellation has no size of its own.
+fn cancelled(
+    interpreter: &mut Interpreter<f32>,
+    quantity: &Quantity,
+    states: &[State],
+    expected: &[Vec<f64>],
+) -> Result<f64, Failure> {
+    let mut most = 0.0_f64;
+    for (state, expected) in states.iter().zip(expected) {
+        let rounded = quantity.interpret(interpreter, &state.rounded()).map_err(shape)?;
+        for (&rounded, expected) in rounded.iter().zip(expected) {
+            let error = (f64::from(rounded) - expected).abs();
+            // Beyond the range of single precision there is no estimate.
+            most = if error.is_finite() { most.max(error) } else { most };
+        }
+    }
+    Ok(most / f64::from(f32::EPSILON))
+}
+
+/// Returns the largest difference over all states, relative to the largest number of each state's result. Differences up to `zero`
+/// count as none.
+fn largest(found: &[Vec<f64>], expected: &[Vec<f64>], zero: f64) -> f64 {
     let mut worst = 0.0_f64;
     for (found, expected) in found.iter().zip(expected) {
         let size = expected.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
@@ -234,7 +264,8 @@ fn largest(found: &[Vec<f64>], expected: &[Vec<f64>]) -> f64 {
             return f64::INFINITY;
         }
         for (a, b) in found.iter().zip(expected) {
-            let difference = (a - b).abs() / size;
+            let difference = (a - b).abs();
+            let difference = if difference <= zero { 0.0 } else { difference / size };
             // NaN counts as an infinite difference.
             worst = if difference.is_nan() { f64::INFINITY } else { worst.max(difference) };
         }
@@ -313,11 +344,14 @@ mod tests {
 
     #[test]
     fn differences_are_found() {
-        let differ = |a: &[f64], b: &[f64]| largest(&[a.to_vec()], &[b.to_vec()]);
+        let differ = |a: &[f64], b: &[f64]| largest(&[a.to_vec()], &[b.to_vec()], 0.0);
         assert!((differ(&[1.0, 10.5], &[1.0, 10.0]) - 0.05).abs() < 1e-15);
         assert!((differ(&[0.1], &[0.0]) - 0.1).abs() < 1e-15);
         assert!(differ(&[f64::NAN, 1.0], &[1.0, 1.0]).is_infinite());
         assert!(differ(&[1.0], &[1.0, 1.0]).is_infinite());
+        // Two zeros, with other rounding.
+        let zeros = |zero: f64| largest(&[vec![-4.7e-18]], &[vec![-3.5e-18]], zero);
+        assert!(zeros(0.0) > 0.1 && zeros(1e-17) <= 0.0 && zeros(1e-19) > 0.1);
         let row =
             Row { name: "", difference: f64::NAN, bound: 1.0, interpreted: 1.0, compiled: 1.0 };
         assert!(!row.agrees());

@@ -2,19 +2,28 @@
 
 use modyn_codegen::Function;
 use modyn_codegen::plan::Argument;
-use modyn_runtime::{FrameError, Interpreter};
+use modyn_runtime::{FrameError, Interpreter, Scalar};
 
 /// The arguments of functions.
-pub struct State {
-    pub q: Vec<f64>,
-    pub qd: Vec<f64>,
+pub struct State<S = f64> {
+    pub q: Vec<S>,
+    pub qd: Vec<S>,
     /// Torques, accelerations or a right-hand side.
-    pub u: Vec<f64>,
+    pub u: Vec<S>,
 }
 
 impl State {
+    /// Returns the state in single precision.
+    pub fn rounded(&self) -> State<f32> {
+        let [q, qd, u] = [&self.q, &self.qd, &self.u]
+            .map(|numbers| numbers.iter().map(|&number| f32::from_f64(number)).collect());
+        State { q, qd, u }
+    }
+}
+
+impl<S> State<S> {
     /// Returns the numbers of an argument of a function, by the argument's name.
-    pub fn argument(&self, name: &str) -> &[f64] {
+    pub fn argument(&self, name: &str) -> &[S] {
         match field(name) {
             "q" => &self.q,
             "qd" => &self.qd,
@@ -47,19 +56,19 @@ impl Quantity {
     /// # Errors
     ///
     /// If the state does not have the model's length.
-    pub fn interpret(
+    pub fn interpret<S: Scalar + PartialOrd>(
         &self,
-        robot: &mut Interpreter<f64>,
-        state: &State,
-    ) -> Result<Vec<f64>, FrameError> {
+        robot: &mut Interpreter<S>,
+        state: &State<S>,
+    ) -> Result<Vec<S>, FrameError> {
         let row = self.function.row();
         // Factors have another order in generated code, so a solution is compared.
         if self.function == Function::Brge {
             return Ok(robot.brge(&state.q)?.solve(&state.u)?);
         }
-        let arguments: Vec<&[f64]> =
+        let arguments: Vec<&[S]> =
             row.arguments.iter().map(|argument| state.argument(argument.name)).collect();
-        let mut result = vec![0.0; (row.result)(&robot.sizes()).len()];
+        let mut result = vec![S::zero(); (row.result)(&robot.sizes()).len()];
         robot.evaluate(self.function, &arguments, 0, &mut result)?;
         Ok(result)
     }
