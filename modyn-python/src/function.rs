@@ -6,8 +6,8 @@ use std::sync::{Mutex, PoisonError, RwLock};
 use modyn_codegen::plan::{Argument, ArgumentKind, Planned};
 use modyn_codegen::{FloatType, Function, Planning};
 use modyn_jit::{Call, Compiled, Options, ParameterError};
-use modyn_runtime::Inertial;
 use modyn_runtime::model::Model;
+use modyn_runtime::{Inertial, Interpreter};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
@@ -72,6 +72,18 @@ pub fn compiled(
     }
 }
 
+/// Returns a function that the interpreter computes.
+pub fn interpreted(
+    function: Function,
+    robot: Interpreter<f64>,
+    scalar: FloatType,
+) -> Box<dyn RobotFunction> {
+    match scalar {
+        FloatType::F64 => Box::new(Typed::<f64>::interpreted(function, robot)),
+        FloatType::F32 => Box::new(Typed::<f32>::interpreted(function, robot)),
+    }
+}
+
 /// A function or a bundle of a robot, compiled for a scalar.
 struct Typed<S: Number> {
     name: &'static str,
@@ -89,7 +101,7 @@ struct Typed<S: Number> {
 
 enum Code<S: Number> {
     Machine(Box<Compiled<S>>),
-    Evaluated(Box<Evaluated<S>>),
+    Evaluated(Evaluated<S>),
 }
 
 impl<S: Number> Typed<S> {
@@ -111,12 +123,31 @@ impl<S: Number> Typed<S> {
             Some(Ok(compiled)) => (Code::Machine(Box::new(compiled)), None),
             other => {
                 let reason = other.and_then(Result::err).map(|error| error.to_string());
-                (Code::Evaluated(Box::new(evaluated(planning)?)), reason)
+                (Code::Evaluated(evaluated(planning)?), reason)
             }
         };
         let (code, single) = (RwLock::new(code), arrays::single(&result, length));
         let own = Self { name, arguments, function, result, length, single, code };
         Some((Box::new(own), reason))
+    }
+
+    fn interpreted(function: Function, robot: Interpreter<f64>) -> Self {
+        let (row, sizes) = (function.row(), robot.sizes());
+        let shape = (row.result)(&sizes);
+        let (length, result) = (shape.len(), layout::of_result(&shape));
+        let argument = |own: &Argument| (*own, layout::of_argument(&own.shape(&sizes)));
+        Self {
+            name: function.name(),
+            arguments: row.arguments.iter().map(argument).collect(),
+            function: Some(function),
+            single: arrays::single(&result, length),
+            result,
+            length,
+            code: RwLock::new(Code::Evaluated(Evaluated::Interpreted(
+                function,
+                Box::new(Mutex::new(robot)),
+            ))),
+        }
     }
 
     /// Returns whether the function is one of a link.
@@ -127,6 +158,7 @@ impl<S: Number> Typed<S> {
     /// Returns the argument of this kind; where it is not given, its default.
     fn given<'py>(
         &self,
+        py: Python<'py>,
         (argument, shape): &(Argument, Vec<usize>),
         given: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Given<'py, S>> {
@@ -137,6 +169,8 @@ impl<S: Number> Typed<S> {
                     ArgumentKind::Settings => {
                         Given::read_for_scalar(self.name, name, shape, given)?
                     }
+                    ArgumentKind::Contacts => Given::read(self.name, name, shape, given)
+                        .map_err(|error| of_contacts(py, &error))?,
                     _ => Given::read(self.name, name, shape, given)?,
                 };
                 if let Some(check) = Check::of(self.function, argument) {
@@ -225,7 +259,8 @@ impl<S: Number> Typed<S> {
     ) -> PyResult<()> {
         match code {
             Code::Evaluated(evaluated) => {
-                evaluated.one(link.unwrap_or_default(), arguments, result)
+                let done = evaluated.one(link.unwrap_or_default(), arguments, result);
+                done.map_err(PyValueError::new_err)?;
             }
             Code::Machine(compiled) => {
                 let call = self.machine(compiled)?;
@@ -355,7 +390,7 @@ impl<S: Number> RobotFunction for Typed<S> {
     ) -> PyResult<Bound<'py, PyAny>> {
         let link = link.filter(|_| self.is_by_link());
         let given = self.arguments.iter().zip(arguments);
-        let given = given.map(|(own, argument)| self.given(own, *argument));
+        let given = given.map(|(own, argument)| self.given(py, own, *argument));
         let given = given.collect::<PyResult<Vec<_>>>()?;
         let mut states: Option<(usize, usize)> = None;
         for (i, count) in given.iter().enumerate().filter_map(|(i, one)| Some((i, one.states?))) {
@@ -372,6 +407,14 @@ impl<S: Number> RobotFunction for Typed<S> {
             Some((_, states)) => self.call_many(py, link, &given, states, out),
         }
     }
+}
+
+/// Returns the error of a set of active contacts with the form of one.
+fn of_contacts(py: Python<'_>, error: &PyErr) -> PyErr {
+    let message = error.value(py).to_string();
+    let help = "active contacts are booleans in the order of `contact_names`, as in \
+                `[name in (\"left\", \"right\") for name in robot.contact_names]`";
+    PyErr::from_type(error.get_type(py), format!("{message}; {help}"))
 }
 
 /// Returns an inertia in the scalar.

@@ -31,7 +31,7 @@ use std::sync::atomic::Ordering;
 
 use modyn_codegen::Function;
 use modyn_codegen::read::file::read_text;
-use pyo3::exceptions::{PyOSError, PyValueError};
+use pyo3::exceptions::{PyOSError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
@@ -47,7 +47,16 @@ use crate::robot::Robot;
 /// `OSError` if the file cannot be read, `DescriptionError` with file, line and column if the description is wrong.
 #[pyfunction]
 #[pyo3(signature = (path, /, **options))]
-fn load(py: Python<'_>, path: PathBuf, options: Option<&Bound<'_, PyDict>>) -> PyResult<Robot> {
+fn load(
+    py: Python<'_>,
+    path: &Bound<'_, PyAny>,
+    options: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Robot> {
+    let path: PathBuf = py.import("os")?.call_method1("fsdecode", (path,))?.extract()?;
+    if is_description(&path.to_string_lossy()) && !path.exists() {
+        let message = "`load` takes the path of a file, and this is the text of a description: use `modyn.loads`";
+        return Err(PyValueError::new_err(message));
+    }
     let file = std::fs::File::open(&path).map_err(|error| unreadable(py, &path, error))?;
     let name = path.display().to_string();
     let text = read_text(&name, file).map_err(|errors| description_error(py, &errors))?;
@@ -74,12 +83,30 @@ fn unreadable(py: Python<'_>, path: &Path, error: std::io::Error) -> PyErr {
 #[pyo3(signature = (text, /, file="robot", *, folder=None, **options))]
 fn loads(
     py: Python<'_>,
-    text: String,
+    text: &Bound<'_, PyAny>,
     file: &str,
     folder: Option<PathBuf>,
     options: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Robot> {
+    let Ok(text) = text.extract::<String>() else {
+        let class = text.get_type().name()?;
+        let message = format!(
+            "`loads` takes the text of a description as str, not {class}; `modyn.load` takes the path of a file"
+        );
+        return Err(PyTypeError::new_err(message));
+    };
+    let is_path = !text.trim().is_empty() && !text.contains(['<', '\n', '\0', '#']);
+    if is_path {
+        let message = "`loads` takes the text of a description, and this is none: use `modyn.load` for the path of a file";
+        return Err(PyValueError::new_err(format!("{message}, {text:?}")));
+    }
     read(py, text, file.into(), folder, options)
+}
+
+/// Returns whether this is the text of a description in place of a path.
+fn is_description(path: &str) -> bool {
+    let path = path.trim_start_matches(['\u{feff}', ' ', '\t', '\r', '\n']);
+    path.starts_with('<') || path.contains('\n')
 }
 
 fn read(

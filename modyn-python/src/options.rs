@@ -8,7 +8,7 @@ use modyn_codegen::{Builder, Bundle, FloatType, ModuleChoice};
 use modyn_runtime::model::{Model, ModuleTree};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict, PyList, PyString, PyTuple};
+use pyo3::types::{PyBool, PyDict, PyList, PyString, PyTuple, PyType};
 
 /// The options about code that have no meaning for machine code.
 const OF_TEXT: &[&str] = &["functions", "share", "embed_model", "code", "crate"];
@@ -39,6 +39,8 @@ pub fn apply(mut builder: Builder, options: &Bound<'_, PyDict>) -> PyResult<Buil
         if value.is_none() {
             continue;
         }
+        // A path is a text, too.
+        let value = plain(&value).unwrap_or(value);
         let is_text = value.is_instance_of::<PyString>();
         let value = match value.cast::<PyString>() {
             Ok(text) if row.is_text() => Value::text(text.to_cow()?),
@@ -125,15 +127,49 @@ pub fn modules(options: &Bound<'_, PyDict>, model: &Model) -> PyResult<ModuleTre
 
 /// Returns the value of an option: a text is in the syntax of the command line.
 fn parsed(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Value> {
-    let wrong = |message: &str| PyValueError::new_err(format!("option `{name}`: {message}"));
+    let example = || rows().find(|row| row.name == name).map(example).unwrap_or_default();
+    let wrong = |message: &str| {
+        PyValueError::new_err(format!(
+            "option `{name}`: {message}; for example {name}={}",
+            example()
+        ))
+    };
     match object.cast::<PyString>() {
-        Ok(text) => Value::parse(&text.to_cow()?).map_err(|fault| wrong(&fault.message)),
-        Err(_) => value(object).ok_or_else(|| wrong("the value has another type")),
+        Ok(text) => Value::parse(&text.to_cow()?).map_err(|fault| {
+            let text = text.to_string_lossy();
+            wrong(&format!("{text:?} has another form: {}", fault.message))
+        }),
+        Err(_) => value(object).ok_or_else(|| {
+            let repr = object.repr().map(|repr| repr.to_string()).unwrap_or_default();
+            let short: String = repr.chars().take(MAX_SHOWN).collect();
+            wrong(&format!("{short} has another type"))
+        }),
     }
+}
+
+/// The characters of a value that a message shows.
+const MAX_SHOWN: usize = 80;
+
+/// Returns the object of Python that an object of NumPy or of the file system stands for: a number, the name of a scalar, a path.
+fn plain<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let py = object.py();
+    let numpy = py.import("numpy")?;
+    if object.is_instance(&numpy.getattr("generic")?)? {
+        return object.call_method0("item");
+    }
+    if object.is_instance_of::<PyType>() || object.is_instance(&numpy.getattr("dtype")?)? {
+        let name: String = numpy.call_method1("dtype", (object,))?.getattr("name")?.extract()?;
+        return Ok(PyString::new(py, &name.replace("float", "f")).into_any());
+    }
+    if object.hasattr("__fspath__")? {
+        return py.import("os")?.call_method1("fsdecode", (object,));
+    }
+    Ok(object.clone())
 }
 
 /// Returns the value of an object: a dictionary is a list of pairs, and a tuple that begins with a text is a call.
 fn value(object: &Bound<'_, PyAny>) -> Option<Value> {
+    let object = &plain(object).ok()?;
     let kind = if let Ok(flag) = object.cast::<PyBool>() {
         ValueKind::Word(flag.is_true().to_string())
     } else if let Ok(text) = object.cast::<PyString>() {

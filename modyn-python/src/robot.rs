@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-use modyn_codegen::diagnostics::suggest;
+use modyn_codegen::diagnostics::{Code, suggest};
 use modyn_codegen::plan::EntryFunction;
 use modyn_codegen::trace::Parameters;
 use modyn_codegen::{
@@ -13,12 +13,13 @@ use modyn_codegen::{
 use modyn_runtime::equations::identification::{BaseParameter, BaseParameters};
 use modyn_runtime::model::{Link, Model, ModuleTree};
 use modyn_runtime::{Inertial, Interpreter};
+use numpy::prelude::*;
 use numpy::{PyArray1, PyArrayDescr};
 use pyo3::exceptions::{PyAttributeError, PyKeyError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyTuple};
 
-use crate::arrays::Given;
+use crate::arrays::{Given, in_order, tuple};
 use crate::change::Change;
 use crate::errors::{description_error, warn_of_description, warn_of_machine_code};
 use crate::function::{self, RobotFunction};
@@ -190,7 +191,7 @@ impl Robot {
         }
         let function = Function::ALL[index];
         self.check_has(function)?;
-        self.compiled(py, self.builder.clone().functions([function]), slot)
+        self.compiled(py, (self.builder.clone().functions([function]), Some(function)), slot)
     }
 
     /// Checks that the robot has a function.
@@ -216,14 +217,28 @@ impl Robot {
         Err(PyValueError::new_err(message))
     }
 
-    /// Compiles the function of a builder. Python's lock is held, so that no process is forked meanwhile.
+    /// Compiles the function of a builder; a function of the table that is too long is computed by the interpreter. Python's lock is
+    /// held, so that no process is forked meanwhile.
     fn compiled<'s>(
         &self,
         py: Python<'_>,
-        builder: Builder,
+        (builder, function): (Builder, Option<Function>),
         slot: &'s Slot,
     ) -> PyResult<&'s dyn RobotFunction> {
-        let planning = builder.plan().map_err(|errors| description_error(py, &errors))?;
+        let planning = match (builder.plan(), function) {
+            (Ok(planning), _) => planning,
+            (Err(errors), Some(function)) if errors.iter().all(|e| e.code == Code::TooLarge) => {
+                let message = format!(
+                    "`{}` of {} joints is too long for machine code; it is interpreted, which is slow",
+                    function.name(),
+                    self.model.links().len()
+                );
+                warn_of_machine_code(py, &message)?;
+                let function = function::interpreted(function, self.interpreter()?, self.scalar);
+                return Ok(&**slot.get_or_init(|| function));
+            }
+            (Err(errors), _) => return Err(description_error(py, &errors)),
+        };
         let (function, reason) = function::compiled(planning, self.scalar, self.machine_code)
             .ok_or_else(|| PyValueError::new_err("the robot does not have this function"))?;
         for change in &*self.changes.lock().unwrap_or_else(PoisonError::into_inner) {
@@ -264,6 +279,13 @@ impl Robot {
             change.set(&mut interpreter).map_err(PyValueError::new_err)?;
         }
         Ok(interpreter)
+    }
+
+    /// Returns the present inertial parameters of all moving links.
+    fn present_parameters(&self) -> PyResult<Vec<f64>> {
+        let interpreter = self.interpreter()?;
+        let links = 0..self.model.links().len();
+        Ok(links.filter_map(|link| interpreter.inertial_parameters(link)).flatten().collect())
     }
 
     /// Returns these parameters, which are the description's, with the robot's changes.
@@ -394,12 +416,23 @@ fn known<K: PartialEq>(
 /// Returns the argument `name` of `function` as a vector.
 fn vector<const N: usize>(
     function: &str,
-    name: &'static str,
+    name: &str,
     object: &Bound<'_, PyAny>,
 ) -> PyResult<[f64; N]> {
-    let given = Given::<f64>::read(function, name, &[N], object)?;
-    let one = || PyValueError::new_err(format!("`{name}` of `{function}` is one vector"));
-    given.as_slice()?.try_into().map_err(|_| one())
+    let array = in_order::<f64>(function, name, object)?;
+    if array.shape() != [N] {
+        let (found, expected) = (tuple(array.shape()), tuple(&[N]));
+        let entries = match (name, N) {
+            ("inertia", 6) => ": ixx, ixy, ixz, iyy, iyz, izz",
+            _ => "",
+        };
+        return Err(PyValueError::new_err(format!(
+            "`{name}` of `{function}` has the shape {found}; expected {expected}{entries}"
+        )));
+    }
+    let mut vector = [0.0; N];
+    vector.copy_from_slice(&array.to_vec()?);
+    Ok(vector)
 }
 
 impl Robot {
@@ -477,10 +510,15 @@ impl Robot {
         self.model.contacts().iter().map(|contact| contact.name.as_str()).collect()
     }
 
-    /// The acceleration of free fall in the description, in world axes, (3,), m/s^2.
+    /// The acceleration of free fall at present, in world axes, (3,), m/s^2: that of the description, or of `set_gravity`.
     #[getter]
     fn gravity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.model.gravity())
+        let changes = self.changes.lock().unwrap_or_else(PoisonError::into_inner);
+        let last = changes.iter().rev().find_map(|change| match change {
+            Change::Gravity(gravity) => Some(*gravity),
+            _ => None,
+        });
+        PyArray1::from_slice(py, &last.unwrap_or(self.model.gravity()))
     }
 
     /// The joint limits, infinite without a limit: `lower` and `upper` (nq,), rad or m; `velocity` (nv,), rad/s or m/s;
@@ -519,23 +557,34 @@ impl Robot {
         .collect()
     }
 
-    /// The inertial parameters of the moving links, ten for each link, as in `regressor`.
+    /// Returns the mimic joints that follow others: the name of each, the entries of `q` and `qd` of its leader, and the multiplier and
+    /// the offset of its coordinate. For `modyn.conventions`.
+    fn _followers(&self) -> Vec<(&str, usize, usize, f64, f64)> {
+        let links = self.model.links().iter().enumerate();
+        let followers = links.filter_map(|(i, link)| {
+            let mimic = self.model.mimic(i)?;
+            let (q, v) = (self.model.q_range(i).start, self.model.v_range(i).start);
+            Some((link.joint.name.as_str(), q, v, mimic.multiplier, mimic.offset))
+        });
+        followers.collect()
+    }
+
+    /// The inertial parameters of the moving links at present, ten for each link, as in `regressor`: those of the description, with
+    /// the changes of `set_inertia` and `set_payload`.
     #[getter]
-    fn parameters<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let links = 0..self.model.links().len();
-        let parameters = links.filter_map(|link| self.model.inertial_parameters(link)).flatten();
-        PyArray1::from_iter(py, parameters)
+    fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(PyArray1::from_vec(py, self.present_parameters()?))
     }
 
     /// Returns the base parameters: a smallest set of combinations of inertial parameters that determines all joint forces.
-    /// `names` has each combination as text, `columns` the column of `regressor` of each, and `values` the numbers of the
-    /// description. Finding them takes a while (Gautier 1991).
+    /// `names` has each combination as text, `columns` the column of `regressor` of each, and `values` the present
+    /// numbers. Finding them takes a while (Gautier 1991).
     fn base_parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let base = py.detach(|| BaseParameters::new(&self.model));
         let names: Vec<&str> = base.parameters.iter().map(BaseParameter::name).collect();
         let columns = base.regressor_columns().into_iter().map(|column| column as i64);
         let columns = PyArray1::from_iter(py, columns);
-        let values = PyArray1::from_vec(py, base.values(&self.model));
+        let values = PyArray1::from_vec(py, base.values_of(&self.present_parameters()?));
         let class = py.import("modyn._types")?.getattr("BaseParameters")?;
         class.call1((names, columns, values))
     }
@@ -644,7 +693,9 @@ impl Robot {
         };
         let function = match slot.get() {
             Some(function) => &**function,
-            None => self.compiled(py, self.builder.clone().bundles([bundle.clone()]), slot)?,
+            None => {
+                self.compiled(py, (self.builder.clone().bundles([bundle.clone()]), None), slot)?
+            }
         };
         let own = function.arguments();
         let count = own.len();

@@ -112,7 +112,7 @@ def test_options(tmp_path):
         ({"functions": "all"}, TypeError, "no option `functions`; there are: gravity, base"),
         ({"base": "flying"}, ValueError, "option `base`: expected `described` or `fixed` or `floating`"),
         ({"gravity": 3}, ValueError, "option `gravity`: expected three numbers"),
-        ({"rotors": {"pivot": object()}}, ValueError, "option `rotors`: the value has another type"),
+        ({"rotors": {"pivot": object()}}, ValueError, "option `rotors`: .* has another type; for example rotors="),
         ({"rotors": {"pivit": (1, 1)}}, modyn.DescriptionError, "pivit"),
         ({"payload": ["hand"]}, modyn.DescriptionError, "hand"),
         ({"bundles": {"both": ["mas_matrix"]}}, ValueError, "did you mean `mass_matrix`"),

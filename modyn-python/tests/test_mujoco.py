@@ -231,3 +231,53 @@ def test_switches(flag):
     loss = 0 if flag in ("frictionloss", "constraint") else 0.3
     theirs = data.qfrc_bias - data.qfrc_passive
     close(bias[0] - loss, theirs[0] + (2 * theirs[1] if couples else 0))
+
+
+GRIPPER = """
+<mujoco model="gripper">
+  <worldbody><body name="palm"><joint {wrist} axis="0 0 1"/><inertial pos="0.01 0.02 0.03" mass="1" diaginertia="0.01 0.01 0.01"/>
+    <body name="l" pos="0 0.1 0"><joint name="left" type="slide" axis="0 1 0"/><inertial pos="0 0 0.05" mass="0.2" diaginertia="0.001 0.001 0.001"/>
+      <body name="tip" pos="0 0 0.1"><joint type="ball"/><inertial pos="0.1 0 0" mass="0.1" diaginertia="0.002 0.002 0.001"/></body>
+    </body>
+    <body name="r" pos="0 -0.1 0"><joint name="right" type="slide" axis="0 -1 0"/><inertial pos="0 0 0.05" mass="0.2" diaginertia="0.001 0.001 0.001"/></body>
+  </body></worldbody>
+  <equality><joint joint1="right" joint2="left" polycoef="0.01 0.7 0 0 0"/></equality>
+</mujoco>
+"""
+
+
+@pytest.mark.parametrize("wrist", ['name="wrist"', ""])
+def test_mimic_joints_and_joints_without_a_name(wrist):
+    text = GRIPPER.format(wrist=wrist)
+    robot = modyn.loads(text, file="gripper.xml", friction="none")
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    assert (robot.nv, model.nv) == (5, 6)
+    theirs = modyn.conventions.MuJoCo(robot, model)
+    q, qd, qdd, tau = states(robot, 6)
+    close(theirs.from_qpos(theirs.to_qpos(q)), q)
+    close(theirs.from_qvel(q, theirs.to_qvel(q, qd)), qd)
+    close(theirs.from_qacc(q, qd, theirs.to_qacc(q, qd, qdd)), qdd)
+    close(theirs.from_qfrc(q, theirs.to_qfrc(q, tau)), tau)
+    mass = np.zeros((model.nv, model.nv))
+    for i in range(len(q)):
+        data.qpos[:], data.qvel[:] = theirs.to_qpos(q[i]), theirs.to_qvel(q[i], qd[i])
+        mujoco.mj_forward(model, data)
+        poses = robot.link_poses(q[i])
+        for name in ("palm", "l", "tip", "r"):
+            close(poses.translation[robot.link_names.index(name)], data.body(name).xpos)
+        mujoco.mj_fullM(model, data, mass)
+        # Of the accelerations alone: a mimic joint's force acts on its leader.
+        close(theirs.from_qfrc(q[i], mass @ theirs.to_qacc(q[i], 0 * qd[i], qdd[i])), robot.mass_matrix(q[i]) @ qdd[i])
+        close(theirs.to_qvel(q[i], qd[i]) @ (mass @ theirs.to_qvel(q[i], qd[i])), qd[i] @ robot.mass_matrix(q[i]) @ qd[i])
+
+
+def test_joints_that_do_not_fit_are_named():
+    text = GRIPPER.format(wrist="")
+    robot = modyn.loads(text, file="gripper.xml", friction="none")
+    other = mujoco.MjModel.from_xml_string(text.replace('<joint  axis="0 0 1"/>', '<joint type="slide" axis="0 0 1"/>'))
+    with pytest.raises(ValueError, match="next joint without a name of MuJoCo's model, which is prismatic, have other types: give the joints"):
+        modyn.conventions.MuJoCo(robot, other)
+    without = mujoco.MjModel.from_xml_string(text.replace('name="right"', 'name="other"').replace('joint1="right"', 'joint1="other"'))
+    with pytest.raises(ValueError, match="no coordinates of MuJoCo's joint `other`"):
+        modyn.conventions.MuJoCo(robot, without)

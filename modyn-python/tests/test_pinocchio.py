@@ -150,3 +150,30 @@ def test_wrenches():
     close(robot.generalized_forces(q[0], forces).tau, expected)
     found = robot.forward_dynamics_external(q[0], qd[0], tau[0], forces)
     close(found, robot.forward_dynamics(q[0], qd[0], tau[0] + expected), 1e-8)
+
+
+GRIPPER = """<robot name="gripper"><link name="palm"/>
+  <link name="l"><inertial><mass value="0.1"/><inertia ixx="1e-4" ixy="0" ixz="0" iyy="1e-4" iyz="0" izz="1e-4"/></inertial></link>
+  <link name="r"><inertial><mass value="0.3"/><inertia ixx="1e-4" ixy="0" ixz="0" iyy="1e-4" iyz="0" izz="1e-4"/></inertial></link>
+  <joint name="left" type="prismatic"><parent link="palm"/><child link="l"/><axis xyz="0 1 0"/><limit lower="0" upper="0.04" effort="9" velocity="1"/></joint>
+  <joint name="right" type="prismatic"><parent link="palm"/><child link="r"/><axis xyz="0 -1 0"/><limit lower="0" upper="0.04" effort="9" velocity="1"/>
+    <mimic joint="left" multiplier="0.5" offset="0.01"/></joint>
+</robot>"""
+
+
+@pytest.mark.parametrize("mimic", [True, False])
+def test_mimic_joints(mimic):
+    robot = modyn.loads(GRIPPER, friction="none")
+    model = pin.buildModelFromXML(GRIPPER, mimic=mimic)
+    assert (robot.nv, model.nv) == (1, 1 if mimic else 2)
+    theirs, data = modyn.conventions.Pinocchio(robot, model), model.createData()
+    for q, qdd in [(np.array([0.02]), np.array([1.7])), (np.array([0.03]), np.array([-0.4]))]:
+        close(theirs.from_q(theirs.to_q(q)), q)
+        close(theirs.from_v(theirs.to_v(qdd)), qdd)
+        close(theirs.from_tau(theirs.to_tau(qdd)), qdd)
+        pin.framesForwardKinematics(model, data, theirs.to_q(q))
+        poses = robot.link_poses(q)
+        for name in ("l", "r"):
+            close(poses.translation[robot.link_names.index(name)], data.oMf[model.getFrameId(name)].translation)
+        forces = pin.rnea(model, data, theirs.to_q(q), theirs.to_v(0 * q), theirs.to_v(qdd))
+        close(theirs.from_tau(forces), robot.inverse_dynamics(q, 0 * q, qdd))

@@ -175,6 +175,12 @@ class RolloutSignature:
             raise ValueError(f"there is no time step `{step}`; there are: {', '.join(time_steps())}")
         if ground is not None and step != "ground":
             raise TypeError('`ground` are the options of `step="ground"`')
+        if step == "ground" and not robot.contact_names:
+            raise ValueError(
+                "steps on the ground need a robot with a contact: load it with the option `contacts`, for example "
+                f'contacts={{"tip": ("point", "{robot.link_names[-1]}", [0, 0, 0])}}. Joints stop at their limits in these steps, and '
+                "a contact that does not reach the ground has no effect"
+            )
         self.robot, self.step = robot, f"step_{step}"
         self.ground = (ground or Ground()) if step == "ground" else None
         self.parameters = Signature(robot, self.step if self.ground is None else "contact_problem", None)

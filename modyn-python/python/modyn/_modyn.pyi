@@ -276,20 +276,22 @@ class Robot:
         """The names of the bundles, each of which is a method."""
     @property
     def gravity(self) -> Array:
-        """The acceleration of free fall in the description, in world axes, (3,), m/s^2."""
+        """The acceleration of free fall at present, in world axes, (3,), m/s^2: that of the description, or of `set_gravity`."""
     @property
     def limits(self) -> JointLimits:
         """The joint limits, infinite without a limit."""
     @property
     def joints(self) -> list[Joint]:
         """The joints with coordinates of their own: the name, the type and the entries of `q` and `qd` of each."""
+    def _followers(self) -> list[tuple[str, int, int, float, float]]: ...
     @property
     def parameters(self) -> Array:
-        """The inertial parameters of the moving links, ten for each link, as in `regressor`."""
+        """The inertial parameters of the moving links at present, ten for each link, as in `regressor`: those of the description,
+        with the changes of `set_inertia` and `set_payload`."""
     def base_parameters(self) -> BaseParameters:
         """Returns the base parameters: a smallest set of combinations of inertial parameters that determines all joint
         forces. `names` has each combination as text, `columns` the column of `regressor` of each, and `values` the
-        numbers of the description. Finding them takes a while (Gautier 1991)."""
+        present numbers. Finding them takes a while (Gautier 1991)."""
     def neutral(self) -> Array:
         """Returns the neutral coordinates, (nq,): zero for every joint, the identity for quaternions."""
     @property
