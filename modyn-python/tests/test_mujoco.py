@@ -197,7 +197,7 @@ def test_schema():
 def test_a_saved_motor_has_the_same_limit():
     """MuJoCo saves a `<motor>` as `<general>`."""
     text = """
-    <mujoco><worldbody><body><joint name="j" axis="0 1 0"/><geom size="0.1" pos="0.2 0 0"/></body></worldbody>
+    <mujoco model="m"><worldbody><body><joint name="j" axis="0 1 0"/><geom size="0.1" pos="0.2 0 0"/></body></worldbody>
       <actuator>{}</actuator></mujoco>"""
     for actuator in ('<motor joint="j" gear="50" ctrlrange="-2 2"/>', '<general joint="j" gainprm="30" ctrlrange="-2 2"/>'):
         spec = mujoco.MjSpec.from_string(text.format(actuator))
