@@ -204,6 +204,27 @@ fn errors_are_gone_after_their_help_was_followed() {
     assert!(count >= 50, "only {count} files have a mark `FIX`");
 }
 
+/// Warnings about limits and lengths are gone after their help was followed.
+#[test]
+fn limits_are_those_of_a_robot_after_their_help_was_followed() {
+    let mut text = include_str!("good/limits_of_no_robot.urdf").to_owned();
+    for (wrong, right) in [
+        ("<limit effort=\"1\"", "<limit lower=\"-1\" upper=\"1\" effort=\"1\""),
+        ("<limit effort=\"0\" velocity=\"0\"/>", "<limit lower=\"0\" upper=\"0.4\"/>"),
+        (
+            "lower=\"-180\" upper=\"180\" effort=\"1\" velocity=\"0\"",
+            "lower=\"-3.14\" upper=\"3.14\"",
+        ),
+        ("xyz=\"350 0 0\"", "xyz=\"0.35 0 0\""),
+        ("upper=\"40\"", "upper=\"0.04\""),
+    ] {
+        assert!(text.contains(wrong), "{wrong}");
+        text = text.replace(wrong, right);
+    }
+    let found = read(&text, "r.urdf", &ReadOptions::default()).expect("a robot").warnings;
+    assert_eq!(found, []);
+}
+
 /// A robot without inertia has dynamics once each joint has the rotor that the help proposes.
 #[test]
 fn rotors_stand_in_for_missing_inertia() {

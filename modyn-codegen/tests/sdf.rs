@@ -138,6 +138,43 @@ fn extensions_are_named_at_every_level() {
     }
 }
 
+/// Drake's constraint of two points closes a loop, also with the world.
+#[test]
+fn drakes_ball_constraint_is_read() {
+    let read = |second: &str| {
+        let link =
+            |name: &str| format!("<link name='{name}'><inertial><mass>1</mass></inertial></link>");
+        let joint = "<joint name='j' type='continuous'><parent>a</parent><child>b</child><axis/></joint>
+            <joint name='ball_constraint' type='fixed'><parent>world</parent><child>a</child></joint>";
+        let part = |name: &str, text: &str| {
+            format!("<drake:ball_constraint_{name}>{text}</drake:ball_constraint_{name}>")
+        };
+        let parts = part("body_A", "b") + second + &part("p_AP", "1 2 3") + &part("p_BQ", "4 5 6");
+        model(&format!(
+            "{}{}{joint}<drake:ball_constraint>{parts}</drake:ball_constraint>",
+            link("a"),
+            link("b")
+        ))
+    };
+    for (name, frame) in [("a", "a"), ("world", "world")] {
+        let second = format!("<drake:ball_constraint_body_B>{name}</drake:ball_constraint_body_B>");
+        let model = read(&second).expect("a model");
+        let [constraint] = model.loop_constraints() else { panic!("one constraint") };
+        let ends = constraint
+            .ends
+            .each_ref()
+            .map(|end| (model.frames()[end.frame].name.as_str(), end.pose.translation));
+        assert_eq!(ends, [("b", [1.0, 2.0, 3.0]), (frame, [4.0, 5.0, 6.0])]);
+        assert_eq!(constraint.kind, LoopConstraintKind::Point);
+        assert_eq!(constraint.name, "ball_constraint_2");
+    }
+    let misspelt = "<drake:ball_constraint_body_B>c</drake:ball_constraint_body_B>";
+    for (second, code) in [(misspelt, Code::LoopLink), ("", Code::MissingElement)] {
+        let found = read(second).expect_err("refused").into_vec();
+        assert_eq!(found[0].code, code, "{found:?}");
+    }
+}
+
 /// Drake's extension `mimic` is SDF's.
 #[test]
 fn drakes_mimic_is_read() {

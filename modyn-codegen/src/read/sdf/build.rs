@@ -8,7 +8,9 @@ use modyn_runtime::spatial::Pose;
 use rustc_hash::FxHashMap;
 
 use super::frames::{Frames, inverse, resolve};
-use super::world::{Axis, FrameKind, Joint, JointKind, WORLD, World};
+use super::world::{
+    Axis, BallConstraint, BallConstraintEnd, FrameKind, Joint, JointKind, WORLD, World,
+};
 use crate::description::{
     Base, Description, EndRecord, InertialRecord, JointRecord, Kind, LinkRecord, Located,
     LoopRecord, Mimic, MimicRecord, ReadOptions, are_parallel,
@@ -52,6 +54,7 @@ pub fn describe(
     let mut build = Build { world, frames, inside, options, names, near, description, report };
     build.links();
     build.joints();
+    build.ball_constraints();
     build.roots();
     build.weights();
     Some(build.description)
@@ -539,6 +542,35 @@ impl Build<'_, '_, '_> {
         });
         let (name, at) = (name.text.clone(), Some(name.at));
         self.description.loops.push(LoopRecord { name, at, kind, ends });
+    }
+
+    /// Adds Drake's constraints of two points.
+    fn ball_constraints(&mut self) {
+        let world = self.world;
+        let joints = self.description.joint_names().map(str::to_string);
+        let mut names = Names::new(joints.collect::<Vec<_>>().into_iter());
+        for BallConstraint { scope, at, ends } in &world.ball_constraints {
+            if !self.inside[*scope] {
+                continue;
+            }
+            let ends = ends.each_ref().map(|BallConstraintEnd { link, point }| {
+                let frame = link.as_ref().and_then(|name| match name.text.as_str() {
+                    "world" => Some(WORLD),
+                    text => world.find(*scope, text),
+                });
+                let place = link.as_ref().map_or(*at, |link| link.at);
+                // A name that no link has is reported with the other loops.
+                let name = match frame {
+                    Some(frame) => Some(world.frames[frame].name.text.clone()),
+                    None => link.as_ref().map(|link| link.text.clone()),
+                };
+                let pose = Pose { translation: *point, ..Pose::identity() };
+                EndRecord { link: name, at: Some(place), pose }
+            });
+            let name = names.unused("ball_constraint");
+            let kind = Some(LoopConstraintKind::Point);
+            self.description.loops.push(LoopRecord { name, at: Some(*at), kind, ends });
+        }
     }
 
     /// Connects each link that is no joint's child to the world: as it is placed, or floating.

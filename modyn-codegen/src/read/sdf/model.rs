@@ -4,9 +4,15 @@ use modyn_runtime::spatial::Pose;
 use roxmltree::Node;
 
 use super::reader::{Reader, trimmed};
-use super::world::{Frame, FrameKind, Link, Overrides, Scope, WORLD};
+use super::world::{
+    BallConstraint, BallConstraintEnd, Frame, FrameKind, Link, Overrides, Scope, WORLD,
+};
 use crate::description::Located;
 use crate::diagnostics::{Code, Subject};
+use crate::read::xml::element::shown;
+
+/// Drake's extension for a constraint of two points.
+const BALL_CONSTRAINT: &str = "drake.ball_constraint";
 
 /// The deepest nesting of models.
 const MAX_DEPTH: usize = 64;
@@ -109,6 +115,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             "joint",
             "plugin",
             "gripper",
+            BALL_CONSTRAINT,
         ];
         self.warn_of_unknown(node, &known, subject);
         self.elements(node, scope, depth);
@@ -128,6 +135,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
                 "model" => self.model(child, scope, depth + 1, Overrides::default()),
                 "link" if scope != WORLD => self.link(child, scope),
                 "joint" => self.joint(child, scope),
+                BALL_CONSTRAINT => self.ball_constraint(child, scope),
                 "frame" => self.frame(child, scope),
                 "include" => self.include(child, scope, depth),
                 "plugin" => {
@@ -144,6 +152,21 @@ impl<'a> Reader<'a, '_, '_, '_> {
                 _ => {}
             }
         }
+    }
+
+    /// Reads Drake's constraint of two points of links.
+    fn ball_constraint(&mut self, node: Node<'a, '_>, scope: usize) {
+        let at = self.xml.at(node);
+        let ends = [("body_A", "p_AP"), ("body_B", "p_BQ")].map(|(body, point)| {
+            let link = self.name_in(node, &format!("{BALL_CONSTRAINT}_{body}"), None);
+            let of_point = format!("{BALL_CONSTRAINT}_{point}");
+            let shown = shown(&of_point);
+            let example = format!("<{shown}>0 0 0</{shown}>");
+            let point = self.xml.required(node, &of_point, &example, None);
+            let point = point.and_then(|point| self.xml.numbers(self.xml.content(point), None));
+            BallConstraintEnd { link, point: point.unwrap_or_default() }
+        });
+        self.world.ball_constraints.push(BallConstraint { scope, at, ends });
     }
 
     /// Reads a `<frame>`.

@@ -8,7 +8,7 @@ use super::files::Files;
 use super::world::World;
 use crate::description::{Located, MAX_NUMBER, ReadOptions, roll_pitch_yaw};
 use crate::diagnostics::{Code, Subject};
-use crate::read::xml::element::{Attribute, Elements};
+use crate::read::xml::element::{Attribute, Elements, shown, written};
 use crate::read::xml::unread::Unread;
 
 /// Reads elements into a [`World`]: models and links in `model`, joints in `joint`, other
@@ -93,7 +93,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let text =
             child.map(|node| self.xml.content(node)).filter(|text| !text.text.trim().is_empty());
         if text.is_none() {
-            let message = format!("`<{}>` has no `<{name}>`", node.tag_name().name());
+            let name = shown(name);
+            let message = format!("`<{}>` has no `<{name}>`", written(node));
             let help = format!("write `<{name}>...</{name}>` with the name of a link");
             let at = child.unwrap_or(node).range().start;
             self.xml.report.error(Code::MissingElement, at, subject, message, help);

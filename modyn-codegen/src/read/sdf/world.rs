@@ -19,6 +19,7 @@ pub struct World {
     pub frames: Vec<Frame>,
     pub links: Vec<Link>,
     pub joints: Vec<Joint>,
+    pub ball_constraints: Vec<BallConstraint>,
     /// The acceleration of free fall, m/s^2; `None` in a file without a world.
     pub gravity: Option<[f64; 3]>,
     /// A sentence for each shape that could not be read.
@@ -37,6 +38,7 @@ impl World {
             frames: vec![frame],
             links: Vec::new(),
             joints: Vec::new(),
+            ball_constraints: Vec::new(),
             gravity: None,
             shape_notes: Vec::new(),
         }
@@ -184,6 +186,22 @@ pub struct Joint {
     pub closes_loop: bool,
     /// Whether all its numbers could be read.
     pub sound: bool,
+}
+
+/// Drake's constraint that a point of one link coincides with a point of another.
+pub struct BallConstraint {
+    /// The scope that resolves the names of the links.
+    pub scope: usize,
+    pub at: usize,
+    pub ends: [BallConstraintEnd; 2],
+}
+
+/// A point of a link.
+pub struct BallConstraintEnd {
+    /// The link's name; `None` if it is missing.
+    pub link: Option<Located>,
+    /// The point in the link's frame, m.
+    pub point: [f64; 3],
 }
 
 /// The joint types of SDF.

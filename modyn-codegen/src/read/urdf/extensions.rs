@@ -10,11 +10,12 @@ use rustc_hash::FxHashMap;
 use super::reader::Reader;
 use crate::description::{Description, EndRecord, JointRecord, Kind, LoopRecord, SpringRecord};
 use crate::diagnostics::{Code, Place, Subject, Suggestions, suggest};
-use crate::read::xml::element::{Attribute, attribute, is, is_extension, written};
+use crate::read::xml::element::{Attribute, attribute, is, is_extension, shown, written};
 
 /// Elements of a robot that have no effect on the equations of motion, also those of SRDF.
 const HARMLESS_IN_ROBOT: &[&str] = &[
     "material",
+    "frame",
     "sensor",
     "ros2_control",
     "author",
@@ -81,6 +82,9 @@ const HARMLESS_IN_GAZEBO: &[&str] = &[
     "self_collide",
     "stopCfm",
     "stopErp",
+    "stopKp",
+    "stopKd",
+    "initial_joint_position",
     "fudgeFactor",
     "cfmDamping",
     "implicitSpringDamper",
@@ -181,7 +185,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
     /// Names an element that is not known, unless it is an inclusion, which another warning names.
     fn unread_element(&mut self, node: Node, known: &[&str], subject: Option<&Subject>) {
         let name = node.tag_name().name();
-        if known.contains(&name) || name.ends_with("include") || name.starts_with("xacro.") {
+        if known.contains(&name) || name.ends_with("include") || is_ignored(name) {
             return;
         }
         let place: Place = (Some(self.xml.at(node)), subject.cloned());
@@ -313,7 +317,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
                         self.unread.add(message, place, PLUGIN_HELP);
                     }
                 }
-                _ if HARMLESS_IN_GAZEBO.contains(&name) || name.starts_with("xacro.") => {}
+                _ if HARMLESS_IN_GAZEBO.contains(&name) || is_ignored(name) => {}
                 _ => {
                     let message = format!("`<{}>` in `<gazebo>` is not read", written(child));
                     self.unread.add(message, place, GAZEBO_HELP);
@@ -418,11 +422,12 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let at = self.xml.at(node);
         let ends = ["A", "B"].map(|body| {
             let of_body = format!("drake.ball_constraint_body_{body}");
-            let named = self.xml.required(node, &of_body, "<... name=\"link\"/>", None);
+            let named = self.xml.required(node, &of_body, &example(&of_body, "name=\"...\""), None);
             let link = named.and_then(|named| self.xml.attribute(named, "name", None));
             let of_point =
                 format!("drake.ball_constraint_p_{}", if body == "A" { "AP" } else { "BQ" });
-            let point = self.xml.required(node, &of_point, "<... value=\"0 0 0\"/>", None);
+            let point =
+                self.xml.required(node, &of_point, &example(&of_point, "value=\"0 0 0\""), None);
             let point = point.and_then(|point| self.xml.attribute(point, "value", None));
             let point = point.and_then(|text| self.xml.numbers::<3>(text, None));
             let translation = point.unwrap_or_default();
@@ -440,4 +445,14 @@ impl<'a> Reader<'a, '_, '_, '_> {
 /// Returns whether a joint has one coordinate.
 fn has_one_coordinate(joint: &JointRecord) -> bool {
     matches!(joint.kind, Kind::Moving(joint_type) if joint_type.nq() == 1)
+}
+
+/// Returns whether an element of this name is a sensor of old versions of Gazebo, or of a xacro.
+fn is_ignored(name: &str) -> bool {
+    name.starts_with("sensor.") || name.starts_with("xacro.")
+}
+
+/// Returns an element with an attribute, for a help.
+fn example(name: &str, attribute: &str) -> String {
+    format!("<{} {attribute}/>", shown(name))
 }

@@ -254,6 +254,6 @@ pub fn written(node: Node) -> String {
 }
 
 /// Returns a name as it is written, with its prefix.
-fn shown(name: &str) -> String {
+pub fn shown(name: &str) -> String {
     name.replace(PREFIX_END, ":")
 }
