@@ -275,3 +275,27 @@ fn every_code_has_a_cause_and_a_remedy() {
     }
     assert_eq!(Code::from_name("no-such-code"), None);
 }
+
+/// Links are point masses beside the size of the robot, however large it is.
+#[test]
+fn implausible_masses_are_found_in_robots_of_any_size() {
+    let robot = |size: f64, radius: f64| {
+        let (mass, moment) = (1e6 * size.powi(3), 1e6 * size.powi(3) * radius * radius);
+        format!(
+            "<robot name='r'><link name='base'/><link name='upper'/><link name='fore'><inertial><mass value='{mass:e}'/>
+             <inertia ixx='{moment:e}' iyy='{moment:e}' izz='{moment:e}' ixy='0' ixz='0' iyz='0'/></inertial></link>
+             <joint name='a' type='continuous'><parent link='base'/><child link='upper'/></joint>
+             <joint name='b' type='continuous'><origin xyz='{size:e} 0 0'/><axis xyz='0 1 0'/><parent link='upper'/>
+             <child link='fore'/></joint></robot>"
+        )
+    };
+    for size in [1e-6, 1e-3, 1.0, 1e3] {
+        for (radius, is_found) in [(1e-2, true), (1e-8, false)] {
+            let reading = read(&robot(size, radius * size), "r.urdf", &ReadOptions::default());
+            let reading = reading.unwrap_or_else(|found| panic!("{size}: {found}"));
+            let found =
+                reading.warnings.iter().any(|warning| warning.code() == Code::ImplausibleMass);
+            assert_eq!(found, is_found, "size {size}, radius {radius}");
+        }
+    }
+}

@@ -441,6 +441,29 @@ fn a_joint_between_connected_links_closes_a_loop() {
 }
 
 /// Without its follower, a screw would be another joint.
+/// A joint within its child is at the joint's place, however small the robot is; a rounding error of poses is no offset.
+#[test]
+fn small_offsets_of_joints_are_kept() {
+    let robot = |size: f64, offset: &str| {
+        let [near, far] = [0.1, 0.2].map(|x| size * x);
+        model(&format!(
+            "<link name='base'/><frame name='near'><pose>{near} 0 0 0 0 0</pose></frame>
+             <link name='arm'><pose relative_to='near'>{far} 0 0 0 0 0</pose></link>
+             <joint name='fixed' type='fixed'><parent>world</parent><child>base</child></joint>
+             <joint name='hinge' type='revolute'><parent>base</parent><child>arm</child>
+             <pose{offset} 0 0 0 0 0</pose><axis><xyz>0 0 1</xyz></axis></joint>"
+        ))
+        .unwrap_or_else(|found| panic!("{found}"))
+    };
+    let arm = |model: &Model| {
+        let frame = model.frames().iter().find(|frame| frame.name == "arm").expect("a frame");
+        frame.pose.translation[0]
+    };
+    assert_eq!(arm(&robot(1e-3, ">5e-13")), -5e-13);
+    // 0.1 + 0.2 - 0.3 is 5.6e-17.
+    assert_eq!(arm(&robot(1.0, " relative_to='base'>0.3")), 0.0);
+}
+
 #[test]
 fn a_screw_follows() {
     let text = "<sdf version='1.12'><model name='m'><link name='l'/><joint name='j' type='screw'>

@@ -29,6 +29,7 @@ mod output;
 mod pages;
 mod regressor;
 mod rotors;
+mod scale;
 mod shapes;
 mod step_hessians;
 mod steps;

@@ -75,7 +75,7 @@ fn model(
             link.inertial = PLACEHOLDER_INERTIA;
         }
     }
-    check::inertia::densities(&bodies, report);
+    check::inertia::densities(&bodies, &links, report);
     check::motion::inactive_friction(&bodies, options.friction, report);
     let carriers: Vec<_> = place.iter().map(|(carrier, _)| *carrier).collect();
     let loop_constraints = loops::loop_constraints(description, &carriers, report);

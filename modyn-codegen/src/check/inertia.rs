@@ -1,6 +1,6 @@
 //! Checks whether the masses and inertias of bodies are physical.
 
-use modyn_runtime::model::{Inertial, InertialDefect};
+use modyn_runtime::model::{Inertial, InertialDefect, Link, longest_path};
 
 use super::{Body, LinkView};
 use crate::description::MAX_NUMBER;
@@ -93,12 +93,14 @@ fn fixed_names(fixed: &[LinkView]) -> String {
     }
 }
 
-/// Warns of links whose mass is too large for their inertia.
-pub fn densities(bodies: &[Body], report: &mut Report<'_>) {
+/// Warns of links whose mass is too large for their inertia. `links` are the robot's moving links.
+pub fn densities(bodies: &[Body], links: &[Link], report: &mut Report<'_>) {
+    let longest = longest_path(links);
+    let size = if longest > 0.0 { longest } else { 1.0 };
     let mut places: Vec<Place> = Vec::new();
     let mut message = String::new();
     for (link, own) in bodies.iter().flat_map(Body::inertials).filter(|(_, own)| own.sound) {
-        let Some(found) = implausible(&own.inertial) else { continue };
+        let Some(found) = implausible(&own.inertial, size) else { continue };
         if places.is_empty() {
             message = found;
         }
@@ -112,17 +114,17 @@ pub fn densities(bodies: &[Body], report: &mut Report<'_>) {
 /// A density above that of any material (osmium has 22,600), kg/m^3.
 const MAX_DENSITY: f64 = 30_000.0;
 
-/// The radius of gyration below which a link counts as a point mass with rounding errors, m.
+/// The radius of gyration below which a link counts as a point mass with rounding errors, as a part of the robot's size.
 const POINT: f64 = 1e-6;
 
-/// Returns a message if no body can have this mass and inertia. Among all bodies of one volume and mass, a ball has the
+/// Returns a message if no body can have this mass and inertia; `size` is the robot's, m. Among all bodies of one volume and mass, a ball has the
 /// smallest inertia. A body is therefore at least as dense as the ball of its mass and inertia.
-fn implausible(inertial: &Inertial) -> Option<String> {
+fn implausible(inertial: &Inertial, size: f64) -> Option<String> {
     let Inertial { mass, inertia: [xx, _, _, yy, _, zz], .. } = *inertial;
     // A ball of radius r has the moment 2/5 m r^2 about each axis.
     let radius = libm::sqrt((xx + yy + zz) / 3.0 / (0.4 * mass));
     let density = mass / (4.0 / 3.0 * core::f64::consts::PI * radius * radius * radius);
-    (radius > POINT && density > MAX_DENSITY).then(|| {
+    (radius > POINT * size && density > MAX_DENSITY).then(|| {
         format!(
             "its mass of {mass} kg is too large for its inertia: even a ball with both, of radius {:.3} mm, has \
              {density:.1e} kg/m^3, and no material has more than 2.3e4",

@@ -121,7 +121,7 @@ pub fn check_model(model: &Model, unphysical: Severity) -> Result<Vec<Diagnostic
         motion::check_dynamics(&link.joint.dynamics, None, &joint, &mut report);
         inertia::check(body, &link.inertial, unphysical, &mut report);
     }
-    inertia::densities(&bodies, &mut report);
+    inertia::densities(&bodies, model.links(), &mut report);
     // With other errors the pivots have no meaning.
     if report.errors() == 0 {
         motion::check(&bodies, model, &mut report);

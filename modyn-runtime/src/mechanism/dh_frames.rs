@@ -4,15 +4,21 @@ use alloc::vec::Vec;
 
 use super::elementary::ElementaryBody;
 use super::snapping::{
-    Direction, ZERO_ANGLE, combine, direction_of, inverse, rotation_by, snap, snapped,
+    Direction, ROUNDING, SNAP, ZERO_ANGLE, combine, direction_of, inverse, rotation_by, snap,
+    snapped, without,
 };
 use crate::joint::ElementaryJoint;
+use crate::model::radius_of_gyration;
 use crate::spatial::{Axis, Matrix3, Pose, Vector3};
 
 /// The model's frames while they are being rotated and shifted.
 pub(super) struct Frames {
     children: Vec<Vec<usize>>,
     elementary_joint: Vec<ElementaryJoint>,
+    /// The length of the longest path from the root to a joint, m.
+    longest: f64,
+    /// The length at or below which a component of the translation is zero, m.
+    negligible: Vec<f64>,
     /// The pose Rz(azimuth) Trans(translation) Rx(tilt) Rz(zero) in the parent's frame, with the joint at 0.
     pub(super) azimuth: Vec<Direction>,
     pub(super) translation: Vec<Vector3<f64>>,
@@ -25,8 +31,12 @@ pub(super) struct Frames {
 impl Frames {
     /// Returns the frames with every joint axis along z.
     pub(super) fn with_axes_along_z(elementary: &[ElementaryBody<'_>]) -> Self {
+        let children = main_child_first(elementary);
+        let longest = longest_path(elementary);
         let mut frames = Self {
-            children: main_child_first(elementary),
+            negligible: negligible_offsets(elementary, &children, longest),
+            longest,
+            children,
             elementary_joint: elementary.iter().map(|own| own.elementary_joint).collect(),
             azimuth: Vec::with_capacity(elementary.len()),
             translation: Vec::with_capacity(elementary.len()),
@@ -65,10 +75,13 @@ impl Frames {
                 }
                 _ if self.elementary_joint[i] != ElementaryJoint::Revolute => continue,
                 // Parallel axes need no azimuth, so the rotation can simplify the translation.
-                Some(&main) if self.tilt[main].1 == 0.0 => direction_of(self.translation[main]),
+                Some(&main) if self.tilt[main].1 == 0.0 => {
+                    direction_of(self.translation[main], self.negligible[main])
+                }
                 Some(&main) => self.azimuth[main],
                 None => {
-                    direction_of(Vector3(self.link[i].transform_point(own.inertial.center_of_mass)))
+                    let center = self.link[i].transform_point(own.inertial.center_of_mass);
+                    direction_of(Vector3(center), self.negligible[i])
                 }
             };
             // Rz(q) Rz(by): the new frame is ahead of the old frame by `by`.
@@ -99,15 +112,8 @@ impl Frames {
     /// The next joint's shift makes up for that of its parent, divided by the cosine of the tilt: along a chain of many small
     /// tilts the shifts would grow like a power, and digits would be lost. A frame that would be shifted farther than
     /// twice the length of the longest path from the root stays in its place.
-    pub(super) fn shift(&mut self, elementary: &[ElementaryBody<'_>]) {
-        let mut lengths: Vec<f64> = Vec::with_capacity(elementary.len());
-        for own in elementary {
-            let translation = Vector3(own.origin.translation);
-            let before = own.parent.map_or(0.0, |parent| lengths[parent]);
-            lengths.push(before + libm::sqrt(translation.dot(translation)));
-        }
-        let longest = lengths.into_iter().fold(0.0, f64::max);
-        for i in 0..elementary.len() {
+    pub(super) fn shift(&mut self) {
+        for i in 0..self.children.len() {
             if self.elementary_joint[i] != ElementaryJoint::Revolute {
                 continue;
             }
@@ -119,7 +125,7 @@ impl Frames {
             } else {
                 (-z / cos, [x, y + z / cos * sin, 0.0])
             };
-            if by.abs() > 2.0 * longest {
+            if by.abs() > 2.0 * self.longest {
                 continue;
             }
             self.translation[i] = Vector3(shifted);
@@ -129,6 +135,11 @@ impl Frames {
             }
         }
     }
+
+    /// Returns the translation of body `i`, without components that are negligible.
+    pub(super) fn kept_translation(&self, i: usize) -> Vector3<f64> {
+        Vector3(self.translation[i].0.map(|x| without(self.negligible[i], x)))
+    }
 }
 
 /// Returns azimuth, tilt and offset of `rotation` = Rz(azimuth) Rx(tilt) Rz(zero). Parallel axes have azimuth zero.
@@ -137,11 +148,46 @@ fn split(rotation: &Matrix3<f64>) -> [Direction; 3] {
     // The third column is (sin a sin t, -cos a sin t, cos t).
     let sin = libm::hypot(r[0][2], r[1][2]);
     let tilt = snapped((r[2][2], sin));
-    let azimuth =
-        if tilt.1 == 0.0 { ZERO_ANGLE } else { direction_of(Vector3([-r[1][2], r[0][2], 0.0])) };
+    let azimuth = if tilt.1 == 0.0 {
+        ZERO_ANGLE
+    } else {
+        direction_of(Vector3([-r[1][2], r[0][2], 0.0]), 0.0)
+    };
     let first = Vector3([r[0][0], r[1][0], r[2][0]]);
     let first = rotation_by(inverse(azimuth)).vector(Axis::Z, first);
-    [azimuth, tilt, direction_of(rotation_by(inverse(tilt)).vector(Axis::X, first))]
+    [azimuth, tilt, direction_of(rotation_by(inverse(tilt)).vector(Axis::X, first), 0.0)]
+}
+
+/// Returns the length of the longest path from the root to a joint, m.
+fn longest_path(elementary: &[ElementaryBody<'_>]) -> f64 {
+    let mut lengths: Vec<f64> = Vec::with_capacity(elementary.len());
+    for own in elementary {
+        let before = own.parent.map_or(0.0, |parent| lengths[parent]);
+        lengths.push(before + length(own));
+    }
+    lengths.into_iter().fold(0.0, f64::max)
+}
+
+/// Returns, for each body, the length at or below which a component of its joint's translation is zero, m. An offset changes an
+/// entry of the mass matrix by its ratio to the lengths that move with the joint: the lengths of the joint's descendants, and
+/// the body's radius of gyration. So the joints of a small hand on a large arm keep smaller offsets than the joints of the arm.
+fn negligible_offsets(
+    elementary: &[ElementaryBody<'_>],
+    children: &[Vec<usize>],
+    longest: f64,
+) -> Vec<f64> {
+    let mut reach = alloc::vec![0.0; elementary.len()];
+    for (i, own) in elementary.iter().enumerate().rev() {
+        let farthest = children[i].iter().map(|&child| reach[child]);
+        reach[i] = length(own) + farthest.fold(radius_of_gyration(&own.inertial), f64::max);
+    }
+    reach.into_iter().map(|reach| (SNAP * reach).max(ROUNDING * longest)).collect()
+}
+
+/// Returns the distance of a joint from its parent's, m.
+fn length(body: &ElementaryBody<'_>) -> f64 {
+    let translation = Vector3(body.origin.translation);
+    libm::sqrt(translation.dot(translation))
 }
 
 /// Returns the children of each body; the child with the largest subtree comes first.

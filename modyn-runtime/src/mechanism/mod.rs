@@ -15,8 +15,8 @@
 //!    keeps the parameters that its joint's force depends on (Gautier and Khalil 1990, "Direct calculation of
 //!    minimum set of inertial parameters of serial robots").
 //! 5. **Snapping** (`snapping`). Constant rotations within 1e-11 rad of a multiple of a quarter turn become exact.
-//!    Translations and components of axes below 1e-11 become 0, and so do moments of base inertias that are rounding errors
-//!    beside the others.
+//!    Components of axes below 1e-11 become 0, and so do translations below 1e-11 of the lengths that they move, and moments of
+//!    base inertias that are rounding errors beside the others.
 //!
 //! The rewrites leave the joint coordinates, and so every joint-space quantity, unchanged. The fourth changes the
 //! inertias of single links. On a fixed base it also drops mass that cannot move, with its constant part of the
@@ -48,7 +48,7 @@ use constrained_frames::{constrained, touching};
 use coordinates::{Coordinates, coordinates};
 use dh_frames::Frames;
 use elementary::{ElementaryBody, expand_composite_joints};
-use snapping::{rotation_by, snap};
+use snapping::rotation_by;
 
 pub(crate) use tree::{RootwardAccumulator, TreeAccess};
 
@@ -188,7 +188,7 @@ impl Mechanism<f64> {
         let (elementary, links) = expand_composite_joints(model);
         let mut frames = Frames::with_axes_along_z(&elementary);
         frames.rotate(&elementary);
-        frames.shift(&elementary);
+        frames.shift();
         let mut bodies = bodies(&elementary, &frames);
         let static_inertia = base_inertia::move_to_parents(&mut bodies);
         for body in &mut bodies {
@@ -261,7 +261,7 @@ fn bodies(elementary: &[ElementaryBody<'_>], frames: &Frames) -> Vec<Body<f64>> 
             },
             placement: DhTransform {
                 azimuth: rotation_by(frames.azimuth[i]),
-                translation: Vector3(frames.translation[i].0.map(snap)),
+                translation: frames.kept_translation(i),
                 tilt: rotation_by(frames.tilt[i]),
             },
             link: frames.link[i],

@@ -2,11 +2,12 @@
 
 use crate::spatial::{AxisRotation, RigidInertia, Symmetric3, Vector3};
 
-/// Sines, cosines, translations (m) and components of axes below this become 0.
-const SNAP: f64 = 1e-11;
+/// Sines, cosines and components of axes below this become 0, and so do offsets below this fraction of the lengths that they move.
+pub(super) const SNAP: f64 = 1e-11;
 
-/// A first or second moment below this fraction of the largest one of the body is a rounding error, and becomes 0.
-const ROUNDING: f64 = 1e-14;
+/// A first or second moment below this fraction of the largest one of the body is a rounding error, and becomes 0. So does an
+/// offset below this fraction of the longest path from the root.
+pub(super) const ROUNDING: f64 = 1e-14;
 
 /// The cosine and sine of a constant angle.
 pub(super) type Direction = (f64, f64);
@@ -14,11 +15,11 @@ pub(super) type Direction = (f64, f64);
 /// The angle zero.
 pub(super) const ZERO_ANGLE: Direction = (1.0, 0.0);
 
-/// Returns the direction of a vector in the x, y plane; the angle zero for a vector along z.
-pub(super) fn direction_of(v: Vector3<f64>) -> Direction {
+/// Returns the direction of a vector in the x, y plane; the angle zero if its length in this plane is at most `negligible`.
+pub(super) fn direction_of(v: Vector3<f64>, negligible: f64) -> Direction {
     let [x, y, _] = v.0;
     let length = libm::hypot(x, y);
-    if length < 1e-12 { ZERO_ANGLE } else { snapped((x / length, y / length)) }
+    if length <= negligible { ZERO_ANGLE } else { snapped((x / length, y / length)) }
 }
 
 pub(super) fn inverse((cos, sin): Direction) -> Direction {
@@ -30,8 +31,14 @@ pub(super) fn combine((c, s): Direction, (cos, sin): Direction) -> Direction {
     snapped((c * cos - s * sin, s * cos + c * sin))
 }
 
+/// Returns a sine, a cosine or a component of an axis, or zero if it is negligible.
 pub(super) fn snap(x: f64) -> f64 {
-    if x.abs() < SNAP { 0.0 } else { x }
+    without(SNAP, x)
+}
+
+/// Returns `x`, or zero if its magnitude is at most `negligible`.
+pub(super) fn without(negligible: f64, x: f64) -> f64 {
+    if x.abs() <= negligible { 0.0 } else { x }
 }
 
 /// Returns a direction scaled to length 1, exactly along a coordinate axis if it is nearly parallel to one.
@@ -63,10 +70,9 @@ pub(super) fn without_rounding(inertia: RigidInertia<f64>) -> RigidInertia<f64> 
     let Symmetric3 { xx, yy, zz, xy, xz, yz } = inertia.second_moment;
     let of_first = ROUNDING * largest(&first);
     let of_second = ROUNDING * largest(&[xx, yy, zz, xy, xz, yz]);
-    let kept = |x: f64, limit: f64| if x.abs() <= limit { 0.0 } else { x };
-    let [xx, yy, zz, xy, xz, yz] = [xx, yy, zz, xy, xz, yz].map(|x| kept(x, of_second));
+    let [xx, yy, zz, xy, xz, yz] = [xx, yy, zz, xy, xz, yz].map(|x| without(of_second, x));
     RigidInertia {
-        first_moment: Vector3(first.map(|x| kept(x, of_first))),
+        first_moment: Vector3(first.map(|x| without(of_first, x))),
         second_moment: Symmetric3 { xx, yy, zz, xy, xz, yz },
         ..inertia
     }

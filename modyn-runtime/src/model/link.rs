@@ -1,6 +1,7 @@
 //! Links: the moving links, and all links of the description as frames.
 
 use alloc::string::String;
+use alloc::vec::Vec;
 
 use super::{Inertial, Joint};
 use crate::spatial::Pose;
@@ -31,4 +32,17 @@ pub struct Frame {
     pub pose: Pose<f64>,
     /// The link's own inertia in its own frame. The moving link's inertia includes it.
     pub inertial: Inertial,
+}
+
+/// Returns the length of the longest path between joints of a robot's links, m. The distance of a root's joint from the world's
+/// origin does not count.
+#[must_use]
+pub fn longest_path(links: &[Link]) -> f64 {
+    let mut lengths: Vec<f64> = Vec::with_capacity(links.len());
+    for link in links {
+        let [x, y, z] = link.joint.origin.translation;
+        let before = link.parent.and_then(|parent| lengths.get(parent));
+        lengths.push(before.map_or(0.0, |before| before + libm::sqrt(x * x + y * y + z * z)));
+    }
+    lengths.into_iter().fold(0.0, f64::max)
 }

@@ -157,7 +157,7 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 /// Returns the radius of gyration about the link's origin, m; zero for a link without mass.
-fn radius_of_gyration(inertial: &Inertial) -> f64 {
+pub(crate) fn radius_of_gyration(inertial: &Inertial) -> f64 {
     let [xx, _, _, yy, _, zz] = inertial.inertia;
     let [x, y, z] = inertial.center_of_mass;
     if inertial.mass > 0.0 {

@@ -20,7 +20,8 @@ pub use contact::{Contact, ContactKind};
 pub use error::{ModelError, ModelErrorKind};
 pub use joint::{Friction, Joint, JointDynamics, Limits, Mimic};
 pub use keyframe::Keyframe;
-pub use link::{Frame, Link};
+pub use link::{Frame, Link, longest_path};
+pub(crate) use loop_constraint::radius_of_gyration;
 pub use loop_constraint::{LoopConstraint, LoopConstraintEnd, LoopConstraintKind};
 pub use modules::{Module, ModuleError, ModuleTree};
 pub use spring::Spring;
@@ -389,7 +390,7 @@ impl Model {
     /// joint and of all joints that mimic it. For a mimic joint the coordinate is its leader's.
     ///
     /// The range is infinite without limits, for a joint with several coordinates, and if there is no such link. The limits
-    /// of a mimic joint are ignored if they contradict those before: if they would leave less than 1e-9 rad or m.
+    /// of a mimic joint are ignored if they contradict those before: if they would leave less than 1e-9 of the largest bound.
     #[must_use]
     pub fn coordinate_range(&self, link: usize) -> [f64; 2] {
         let leader = self.mimic(link).map_or(link, |mimic| mimic.leader);
@@ -402,7 +403,9 @@ impl Model {
             let (lower, upper) = if mimic.multiplier < 0.0 { (b, a) } else { (a, b) };
             let lower = if lower > low { lower } else { low };
             let upper = if upper < high { upper } else { high };
-            if upper - lower > 1e-9 { [lower, upper] } else { [low, high] }
+            let finite = [lower, upper].into_iter().filter(|bound| bound.is_finite());
+            let largest = finite.fold(0.0, |most: f64, bound| most.max(bound.abs()));
+            if upper - lower > 1e-9 * largest { [lower, upper] } else { [low, high] }
         })
     }
 

@@ -176,8 +176,14 @@ impl Build<'_, '_, '_> {
 
     /// Returns the pose of a frame in the frame of a link; both are within the scope.
     fn between(&self, scope: usize, link: usize, frame: usize) -> Pose<f64> {
-        let link = self.frames.pose(self.world, scope, link);
-        inverse(&link).compose(&self.frames.pose(self.world, scope, frame))
+        let [link, frame] = [link, frame].map(|end| self.frames.pose(self.world, scope, end));
+        let sizes = link.translation.iter().chain(&frame.translation);
+        let negligible = NOTHING * sizes.fold(0.0, |most: f64, x| most.max(x.abs()));
+        let mut between = inverse(&link).compose(&frame);
+        for x in between.translation.iter_mut().filter(|x| x.abs() <= negligible) {
+            *x = 0.0;
+        }
+        between
     }
 
     /// Returns a fixed joint without its links, whose name no other joint has.
@@ -465,7 +471,7 @@ impl Build<'_, '_, '_> {
             Some(JointKind::Fixed | JointKind::Prismatic) => false,
             Some(JointKind::Screw) => true,
             Some(JointKind::Ball) => !is_identity(&in_child),
-            _ => in_child.translation.iter().any(|x| x.abs() > NOTHING),
+            _ => in_child.translation != [0.0; 3],
         };
         if !is_apart {
             let origin =
@@ -665,12 +671,13 @@ impl Build<'_, '_, '_> {
 const DEFAULT_INERTIA: Inertial =
     Inertial { mass: 1.0, center_of_mass: [0.0; 3], inertia: [1.0, 0.0, 0.0, 1.0, 0.0, 1.0] };
 
-/// The largest rounding error of a pose that counts as zero.
+/// The largest rounding error that counts as zero: of an entry of a rotation, and as a part of the lengths of which a translation is a
+/// difference.
 const NOTHING: f64 = 1e-12;
 
 /// Returns whether a pose is the identity but for rounding errors.
 fn is_identity(pose: &Pose<f64>) -> bool {
     let Pose { rotation, translation } = Pose::<f64>::identity();
-    let zero = pose.rotation.iter().flatten().zip(rotation.iter().flatten());
-    zero.chain(pose.translation.iter().zip(&translation)).all(|(a, b)| (a - b).abs() <= NOTHING)
+    let mut entries = pose.rotation.iter().flatten().zip(rotation.iter().flatten());
+    pose.translation == translation && entries.all(|(a, b)| (a - b).abs() <= NOTHING)
 }

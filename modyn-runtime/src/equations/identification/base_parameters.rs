@@ -5,7 +5,8 @@
 //! in the order of the parameters. The parameter of a column that depends on earlier columns is grouped
 //! with the parameters of those columns. Parents come before children. A parameter that has no effect on
 //! a joint of its own is therefore grouped with its parent's parameters, as in Khalil and Dombre 2002,
-//! chapter 9.
+//! chapter 9. Columns and coefficients are compared in a unit of length of the robot's size, so that the combinations of a robot
+//! and of its scaled copy are the same.
 
 use alloc::{format, string::String, vec, vec::Vec};
 
@@ -14,7 +15,8 @@ use crate::Portable;
 use crate::equations::Workspace;
 use crate::equations::kinematics::coordinates;
 use crate::mechanism::Mechanism;
-use crate::model::{INERTIAL_PARAMETERS, Model, PARAMETERS_PER_LINK};
+use crate::model::{INERTIAL_PARAMETERS, Model, PARAMETERS_PER_LINK, longest_path};
+use crate::spatial::Vector3;
 
 /// The relative length of a column's independent part above which the column counts as independent.
 /// Smaller parts cannot be identified, and arise from the rounded angles of parallel axes.
@@ -54,7 +56,8 @@ impl BaseParameters {
     /// Returns the base parameters of `model`. They depend neither on its inertias nor on its limits.
     #[must_use]
     pub fn new(model: &Model) -> Self {
-        let columns = stacked_regressors(model);
+        let unit = Unit::new(model);
+        let columns = stacked_regressors(model, unit);
         let largest = columns.iter().map(|column| length(column)).fold(0.0, f64::max);
         let mut basis = Basis { directions: Vec::new(), triangle: Vec::new() };
         let mut parameters: Vec<BaseParameter> = Vec::new();
@@ -74,7 +77,8 @@ impl BaseParameters {
             } else {
                 basis.solve(&mut parts);
                 for (parameter, part) in parameters.iter_mut().zip(parts) {
-                    let part = snap(part);
+                    let part =
+                        snap(part) * unit.of_parameter(index) / unit.of_parameter(parameter.kept);
                     if part != 0.0 {
                         parameter.combination.push((index, part));
                     }
@@ -112,10 +116,55 @@ impl BaseParameters {
     }
 }
 
-/// Returns the columns of the regressors at many states, stacked. They are computed with portable numbers,
+/// A unit of length, m: the power of two below the length of the longest path between joints, so that scaling is exact.
+#[derive(Clone, Copy)]
+struct Unit(f64);
+
+impl Unit {
+    fn new(model: &Model) -> Self {
+        let longest = longest_path(model.links());
+        Self(if longest > 0.0 { power_of_two(longest) } else { 1.0 })
+    }
+
+    /// Returns the unit of the second moment, divided by the unit of an inertial parameter: of a mass m^2, of a first moment m.
+    fn of_parameter(self, index: usize) -> f64 {
+        match index % PARAMETERS_PER_LINK {
+            0 => self.0 * self.0,
+            1..=3 => self.0,
+            _ => 1.0,
+        }
+    }
+
+    /// Returns the unit of each joint velocity: of a sliding joint m.
+    fn of_velocities(self, mechanism: &Mechanism<Portable>) -> Vec<f64> {
+        let mut units = vec![1.0; mechanism.nv];
+        // The first three components of a twist are angular.
+        for dof in mechanism.dofs.iter().filter(|dof| dof.multiplier.is_none() && dof.component > 2)
+        {
+            units[dof.v] = self.0;
+        }
+        units
+    }
+
+    /// Returns the gravity multiplied by a power of two, so that it has 8 to 16 units of length per s^2.
+    fn gravity(self, gravity: Vector3<Portable>) -> Vector3<Portable> {
+        let size = gravity.0.iter().fold(0.0, |most: f64, x| most.max(x.0.abs()));
+        let factor = if size > 0.0 { 8.0 * self.0 / power_of_two(size) } else { 1.0 };
+        Vector3(gravity.0.map(|x| Portable(x.0 * factor)))
+    }
+}
+
+/// Returns the largest power of two that is not above a positive number.
+fn power_of_two(x: f64) -> f64 {
+    libm::scalbn(1.0, libm::ilogb(x))
+}
+
+/// Returns the columns of the regressors at many states, stacked, in these units. They are computed with portable numbers,
 /// the same on every host, since they become part of generated text.
-fn stacked_regressors(model: &Model) -> Vec<Vec<f64>> {
-    let mechanism = Mechanism::new(model).cast::<Portable>();
+fn stacked_regressors(model: &Model, unit: Unit) -> Vec<Vec<f64>> {
+    let mut mechanism = Mechanism::new(model).cast::<Portable>();
+    mechanism.gravity = unit.gravity(mechanism.gravity);
+    let units = unit.of_velocities(&mechanism);
     let workspace = &mut Workspace::new(&mechanism);
     let (nq, nv) = (model.nq(), model.nv());
     let count = PARAMETERS_PER_LINK * model.links().len();
@@ -130,11 +179,12 @@ fn stacked_regressors(model: &Model) -> Vec<Vec<f64>> {
     let mut one = vec![zero; nv * count];
     for _ in 0..states {
         let [step, qd, qdd]: [Vec<Portable>; 3] =
-            core::array::from_fn(|_| (0..nv).map(|_| Portable(random.next())).collect());
+            core::array::from_fn(|_| units.iter().map(|u| Portable(u * random.next())).collect());
         coordinates::integrate(&mechanism, (&neutral, &step), &mut q);
         regressor(&mechanism, (&q, &qd, &qdd), workspace, &mut one);
-        for (column, part) in columns.iter_mut().zip(one.chunks(nv)) {
-            column.extend(part.iter().map(|number| number.0));
+        for (index, (column, part)) in columns.iter_mut().zip(one.chunks(nv)).enumerate() {
+            let rows = part.iter().zip(&units);
+            column.extend(rows.map(|(number, row)| number.0 * row / unit.of_parameter(index)));
         }
     }
     columns
