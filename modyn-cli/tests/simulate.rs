@@ -462,3 +462,127 @@ fn loops_stay_closed() {
     assert_eq!(found.code, 1);
     assert!(found.err.contains("joint `rocker_pin`"), "{}", found.err);
 }
+
+/// A parallelogram that swings a table: flat where its angle is a right angle, as in mujoco#2172.
+const PARALLELOGRAM: &str = r#"<mujoco model="swing_table">
+  <compiler angle="radian"/>
+  <worldbody>
+    <body name="left"><joint name="left" axis="0 1 0"/><inertial pos="0 0 0.2" mass="1" diaginertia="0.02 0.02 0.001"/>
+      <body name="table" pos="0 0 0.4"><joint name="table" axis="0 1 0"/>
+        <inertial pos="0.3 0 0.05" mass="2" diaginertia="0.01 0.05 0.05"/></body>
+    </body>
+    <body name="right" pos="0.6 0 0"><joint name="right" axis="0 1 0"/>
+      <inertial pos="0 0 0.15" mass="0.8" diaginertia="0.015 0.015 0.001"/></body>
+  </worldbody>
+  <equality><connect body1="table" body2="right" anchor="0.6 0 0"/></equality>
+</mujoco>"#;
+
+/// Returns the angle of the parallelogram, whose one equation of motion is I a = g sin(angle).
+fn parallelogram_angle(time: f64) -> f64 {
+    let inertia = (0.02 + 0.2 * 0.2) + (0.015 + 0.8 * 0.15 * 0.15) + 2.0 * 0.4 * 0.4;
+    let weight = 9.81 * (1.0 * 0.2 + 0.8 * 0.15 + 2.0 * 0.4);
+    let rates = |[angle, rate]: [f64; 2]| [rate, weight * angle.sin() / inertia];
+    let plus = |a: [f64; 2], factor: f64, b: [f64; 2]| [a[0] + factor * b[0], a[1] + factor * b[1]];
+    let (mut state, steps) = ([0.5, 1.3], 20_000);
+    let dt = time / f64::from(steps);
+    for _ in 0..steps {
+        let first = rates(state);
+        let second = rates(plus(state, dt / 2.0, first));
+        let third = rates(plus(state, dt / 2.0, second));
+        let last = rates(plus(state, dt, third));
+        let ends = plus(state, dt / 6.0, plus(first, 1.0, last));
+        state = plus(ends, dt / 3.0, plus(second, 1.0, third));
+    }
+    state[0]
+}
+
+/// Runs a linkage, with further arguments.
+fn run_linkage(text: &str, more: &[&str]) -> common::Output {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("linkage.xml");
+    std::fs::write(&path, text).expect("writes");
+    modyn(&[&["simulate", &*path.to_string_lossy()], more].concat())
+}
+
+/// In its flat posture the parallelogram has another assembly, in which the sides cross. It stays in its own by any steps.
+#[test]
+fn a_parallelogram_swings_through_its_flat_posture() {
+    let start = ["--q", "0.5,-0.5,0.5", "--qd", "1.3,-1.3,1.3"];
+    let assert_right = |more: &[&str]| {
+        let found = run_linkage(PARALLELOGRAM, &[&start[..], more].concat());
+        assert_eq!(found.code, 0, "{more:?}: {}", found.err);
+        let singular = "singular posture, in which the rank of their constraints falls from 2 to 1";
+        assert!(found.err.contains(singular), "{more:?}: {}", found.err);
+        assert!(drift(&found.out) < 1e-5, "{more:?}: {}", drift(&found.out));
+        let (head, rows) = table(&found.out);
+        let sides = ["left (rad)", "table (rad)", "right (rad)"].map(|name| column(&head, name));
+        for row in &rows {
+            let angle = parallelogram_angle(row[0]);
+            for (side, sign) in sides.into_iter().zip([1.0, -1.0, 1.0]) {
+                let off = (row[side] - sign * angle).abs();
+                assert!(off < 1e-5, "{more:?} at {} s: {off:e}", row[0]);
+            }
+        }
+    };
+    for [step, time] in [["0.002", "4"], ["0.001", "4"], ["0.0003", "2"], ["0.00002", "0.35"]] {
+        assert_right(&["--step", step, "--time", time, "--every", "0.05"]);
+    }
+    assert_right(&["--tolerance", "1e-8", "--time", "4", "--every", "0.05"]);
+    // A tolerance below what rounding allows near the posture: the message names it, and its advice works.
+    let strict = ["--time", "4", "--every", "0.05", "--tolerance"];
+    let found = run_linkage(PARALLELOGRAM, &[&start[..], &strict, &["1e-13"]].concat());
+    assert_eq!(found.code, 1, "{}", found.err);
+    assert!(found.err.contains("falls from 2 to 1"), "{}", found.err);
+    let (_, advice) = found.err.split_once("take `--tolerance ").expect("advice");
+    let (tolerance, _) = advice.split_once('`').expect("a number");
+    assert_right(&[&strict[..], &[tolerance]].concat());
+}
+
+/// A linkage without symmetry whose shortest and longest sides are together as long as the others: it is flat where all angles are
+/// zero. It keeps its energy, its closed loop and its assembly.
+#[test]
+fn a_linkage_in_general_position_swings_through_its_flat_posture() {
+    let linkage = r#"<mujoco model="change_point">
+      <compiler angle="radian"/>
+      <worldbody>
+        <body name="crank"><joint name="crank" axis="0 -1 0"/>
+          <inertial pos="0.13 0 0.02" mass="1.1" diaginertia="0.01 0.012 0.011"/>
+          <body name="coupler" pos="0.3 0 0"><joint name="coupler" axis="0 -1 0"/>
+            <inertial pos="0.2 0 -0.03" mass="0.7" diaginertia="0.01 0.02 0.015"/></body>
+        </body>
+        <body name="rocker" pos="0.6 0 0"><joint name="rocker" axis="0 -1 0"/>
+          <inertial pos="0.09 0 0.01" mass="0.5" diaginertia="0.004 0.005 0.003"/></body>
+      </worldbody>
+      <equality><connect body1="coupler" body2="rocker" anchor="0.5 0 0"/></equality>
+    </mujoco>"#;
+    // The triangle of the coupler, the rocker and the line from the crank's tip to the rocker's pivot.
+    let crank = 0.5_f64;
+    let (x, z) = (0.6 - 0.3 * crank.cos(), -0.3 * crank.sin());
+    let at_tip = ((0.25 + x * x + z * z - 0.04) / x.hypot(z)).acos();
+    let coupler = z.atan2(x) + at_tip;
+    let rocker = (0.5 * coupler.sin() - z).atan2(0.5 * coupler.cos() - x);
+    let start = [crank, coupler - crank, rocker].map(|x| x.to_string()).join(",");
+    for steps in [["--step", "0.001"], ["--step", "0.0002"], ["--tolerance", "1e-8"]] {
+        let more = ["--q", &start, "--qd", "-2,0,0", "--time", "1", "--every", "0.01"];
+        let found = run_linkage(linkage, &[&more[..], &steps].concat());
+        assert_eq!(found.code, 0, "{steps:?}: {}", found.err);
+        assert!(drift(&found.out) < 1e-5, "{steps:?}: {}", drift(&found.out));
+        let (head, rows) = table(&found.out);
+        let columns =
+            ["crank (rad)", "coupler (rad)", "rocker (rad)"].map(|name| column(&head, name));
+        let first = rows[0][columns[1]].sin() * (rows[0][columns[2]] / 2.0).sin();
+        let mut sides = [0, 0];
+        for row in &rows {
+            let [a, b, c] = columns.map(|column| row[column]);
+            let x = 0.3 * a.cos() + 0.5 * (a + b).cos() - 0.6 - 0.2 * c.cos();
+            let z = 0.3 * a.sin() + 0.5 * (a + b).sin() - 0.2 * c.sin();
+            assert!(x.hypot(z) < 1e-7, "{steps:?} at {} s: {x} {z}", row[0]);
+            // The rocker turns around. In each flat posture coupler and crank pass each other; in the other assembly they would turn
+            // back.
+            let side = b.sin() * (c / 2.0).sin();
+            assert!(side * first > -1e-9, "{steps:?} at {} s: {b} {c}", row[0]);
+            sides[usize::from((c / 2.0).sin() > 0.0)] += 1;
+        }
+        assert!(sides.iter().all(|&rows| rows > 5), "{steps:?}: {sides:?}");
+    }
+}

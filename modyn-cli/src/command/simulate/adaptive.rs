@@ -1,6 +1,6 @@
 //! Runge-Kutta steps whose length follows from a tolerance: the pair of orders 5 and 4 of Dormand and Prince 1980, "A family of
 //! embedded Runge-Kutta formulae", with the step control of Hairer, Norsett and Wanner 1993, "Solving Ordinary Differential
-//! Equations I", section II.4.
+//! Equations I", section II.4, and their continuous extension of order 4, section II.6.
 
 use super::state::State;
 
@@ -28,39 +28,99 @@ const DIFFERENCE: [f64; 7] = [
     -1.0 / 40.0,
 ];
 
+/// The weights of the rates in the term of the continuous extension that vanishes at both ends, with its derivative.
+const INSIDE: [f64; 7] = [
+    -12_715_105_075.0 / 11_282_082_432.0,
+    0.0,
+    87_487_479_700.0 / 32_700_410_799.0,
+    -10_690_763_975.0 / 1_880_347_072.0,
+    701_980_252_875.0 / 199_316_789_632.0,
+    -1_453_857_185.0 / 822_651_844.0,
+    69_997_945.0 / 29_380_423.0,
+];
+
 /// The limits of the ratio of consecutive steps, and the safety factor.
 const RATIO: [f64; 2] = [0.2, 5.0];
 const SAFETY: f64 = 0.9;
 
-/// Returns the state after a step, before quaternions are scaled to length 1, and its error relative to `tolerance`. The error
-/// of each coordinate and velocity x is measured by `tolerance` (1 + |x|); the largest one counts. It is NaN if the state has
-/// left all bounds.
-pub fn step<E>(
-    (time, dt): (f64, f64),
-    start: &State,
-    tolerance: f64,
-    mut rates: impl FnMut(f64, &State) -> Result<State, E>,
-) -> Result<(State, f64), E> {
-    let mut found: Vec<State> = Vec::with_capacity(NODES.len());
-    let sum = |found: &[State], weights: &[f64], start: &State| {
-        found.iter().zip(weights).fold(start.clone(), |sum, (rate, w)| sum.plus(dt * w, rate))
-    };
-    let mut state = start.clone();
-    for (k, node) in NODES.iter().enumerate() {
-        if let Some(weights) = k.checked_sub(1).map(|k| STAGES[k]) {
-            state = sum(&found, weights, start);
+/// A step from `time` on, of length `dt`, s.
+#[derive(Clone, Copy)]
+pub struct Interval {
+    pub time: f64,
+    pub dt: f64,
+}
+
+/// A step. Quaternions of its states do not have length 1.
+pub struct Step {
+    interval: Interval,
+    start: State,
+    /// The coefficients of the continuous extension.
+    parts: [State; 4],
+    /// The state after the step.
+    pub end: State,
+    /// The error relative to the tolerance; NaN if the state has left all bounds.
+    pub error: f64,
+}
+
+impl Step {
+    /// Returns the step from a state. The error of each coordinate and velocity x is measured by `tolerance` (1 + |x|); the
+    /// largest one counts.
+    pub fn new<E>(
+        interval: Interval,
+        start: &State,
+        tolerance: f64,
+        mut rates: impl FnMut(f64, &State) -> Result<State, E>,
+    ) -> Result<Self, E> {
+        let Interval { time, dt } = interval;
+        let mut found: Vec<State> = Vec::with_capacity(NODES.len());
+        let sum = |found: &[State], weights: &[f64], start: &State| {
+            found.iter().zip(weights).fold(start.clone(), |sum, (rate, w)| sum.plus(dt * w, rate))
+        };
+        let mut end = start.clone();
+        for (k, node) in NODES.iter().enumerate() {
+            if let Some(weights) = k.checked_sub(1).map(|k| STAGES[k]) {
+                end = sum(&found, weights, start);
+            }
+            found.push(rates(time + node * dt, &end)?);
         }
-        found.push(rates(time + node * dt, &state)?);
+        let other = sum(&found, &DIFFERENCE, &end);
+        let errors = differences(&other, &end, start);
+        // A NaN remains.
+        let error = errors.fold(0.0, |most: f64, error| if error <= most { most } else { error });
+        let is_finite = end.q.iter().chain(&end.qd).all(|x| x.is_finite());
+        let error = if is_finite { error / tolerance } else { f64::NAN };
+        let moved = end.plus(-1.0, start);
+        let zero = start.plus(-1.0, start);
+        let ahead = zero.plus(dt, &found[0]).plus(-1.0, &moved);
+        let back = moved.plus(-dt, &found[6]).plus(-1.0, &ahead);
+        let parts = [moved, ahead, back, sum(&found, &INSIDE, &zero)];
+        Ok(Self { interval, start: start.clone(), parts, end, error })
     }
-    let other = sum(&found, &DIFFERENCE, &state);
-    let numbers = |state: &State| state.q.iter().chain(&state.qd).copied().collect::<Vec<f64>>();
-    let (after, before, other) = (numbers(&state), numbers(start), numbers(&other));
-    let errors = after.iter().zip(&before).zip(&other).map(|((after, before), other)| {
-        (after - other).abs() / (tolerance * (1.0 + after.abs().max(before.abs())))
-    });
-    // A NaN remains.
-    let error = errors.fold(0.0, |most: f64, error| if error <= most { most } else { error });
-    Ok((state, if after.iter().all(|x| x.is_finite()) { error } else { f64::NAN }))
+
+    /// Returns the state at an instant within the step.
+    pub fn at(&self, time: f64) -> State {
+        let part = (time - self.interval.time) / self.interval.dt;
+        let [moved, ahead, back, inside] = &self.parts;
+        let rest = 1.0 - part;
+        self.start
+            .plus(part, moved)
+            .plus(part * rest, ahead)
+            .plus(part * part * rest, back)
+            .plus(part * part * rest * rest, inside)
+    }
+}
+
+/// Returns the difference of each coordinate and velocity x from another state, divided by 1 + |x|, where |x| is the larger
+/// one of the state and of `before`.
+pub fn differences<'a>(
+    other: &'a State,
+    state: &'a State,
+    before: &'a State,
+) -> impl Iterator<Item = f64> + 'a {
+    let numbers = |state: &'a State| state.q.iter().chain(&state.qd);
+    numbers(state).zip(numbers(before)).zip(numbers(other)).map(|((state, before), other)| {
+        (state - other).abs() / (1.0 + state.abs().max(before.abs()))
+    })
 }
 
 /// Returns the ratio of the next step to a step with this error.

@@ -7,6 +7,7 @@ mod state;
 mod table;
 mod torques;
 mod units;
+mod walk;
 
 use std::path::PathBuf;
 
@@ -208,6 +209,9 @@ fn summary(model: &Model, motion: &Motion, limits: bool) -> String {
              stops\n",
             motion.residual.contacts, motion.residual.stops
         );
+    }
+    if let Some(singular) = &motion.singular {
+        out += &format!("{singular}; the linkage stays in its assembly\n");
     }
     let (found, remark) = match limits {
         true => (

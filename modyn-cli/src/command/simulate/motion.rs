@@ -9,9 +9,9 @@ use modyn_runtime::simulate::Residual;
 use modyn_runtime::spatial::{Twist, Wrench};
 use modyn_runtime::{ConstraintSettings, ContactTarget, FrameError, Interpreter, ShapeError};
 
-use super::adaptive;
 use super::state::State;
 use super::torques::Torques;
+use super::walk::{Lengths, Ranks, Singular, Walk};
 use crate::command::outcome::Failure;
 use crate::impulses::{Impulses, OpenLoop, Options, close_loops, settings_of};
 use crate::random::Random;
@@ -63,23 +63,16 @@ pub struct Motion {
     pub lowest: f64,
     /// The largest velocities that the impulses of a step left wrong.
     pub residual: Residual,
+    /// The first singular posture that the loops pass.
+    pub singular: Option<Singular>,
 }
 
-/// The shortest step by a tolerance, as a part of the time from one row to the next.
-const SHORTEST: f64 = 1e-7;
-
-/// The steps by a tolerance.
-struct Control {
-    tolerance: f64,
-    /// The length of the next step, s.
-    step: f64,
-    /// The number of steps that kept the tolerance.
-    steps: usize,
-}
+/// The part of a constraint's mobility below which a row is not firm: near a singular posture.
+const FIRM: f64 = 1e-4;
 
 /// The equations of motion.
-struct Dynamics<'a> {
-    interpreter: Interpreter<f64>,
+pub struct Dynamics<'a> {
+    pub interpreter: Interpreter<f64>,
     /// The interpreter without friction; `None` if there is no friction.
     smooth: Option<Interpreter<f64>>,
     torques: &'a Torques,
@@ -90,9 +83,13 @@ struct Dynamics<'a> {
     /// The forces of the ground in the last step.
     forces: Vec<[f64; 3]>,
     /// The stabilization of the loops, and the ground under the contacts.
-    constraint_settings: ConstraintSettings<f64, Vec<ContactTarget<f64>>>,
+    pub constraint_settings: ConstraintSettings<f64, Vec<ContactTarget<f64>>>,
     /// For each contact whether it is active: none is.
-    inactive: Vec<bool>,
+    pub inactive: Vec<bool>,
+    /// The ranks of the loops in the states of the last evaluations.
+    pub ranks: Vec<Ranks>,
+    /// The largest number of firm rows of the loops up to now.
+    pub usual: f64,
     /// The wrench and the residual of each constraint.
     constraints: (Vec<Wrench<f64>>, Vec<Twist<f64>>),
 }
@@ -126,38 +123,47 @@ impl Motion {
             forces: Vec::new(),
             constraint_settings,
             inactive,
+            ranks: Vec::new(),
+            usual: 0.0,
             constraints,
         };
         let mut state = State { q, qd, energy: [0.0; 2] };
         let mut samples = vec![dynamics.sample(0.0, &state).map_err(shape)?];
-        let mut control = settings.tolerance.map(|tolerance| Control {
-            tolerance,
-            step: 0.1 * settings.step,
-            steps: 0,
-        });
+        let lengths = Lengths {
+            tolerance: settings.tolerance,
+            first: if settings.tolerance.is_some() { 0.1 * settings.step } else { settings.step },
+            longest: settings.step * settings.every as f64,
+        };
+        let mut walk = Walk::new(state.clone(), lengths);
         for i in 1..=settings.steps {
-            let before = settings.step * (i - 1) as f64;
-            state = match (&mut control, dynamics.impulses.is_none()) {
-                (Some(control), _) => dynamics.steps(before, settings.step, state, control)?,
-                (None, true) => dynamics.step(before, settings.step, &state).map_err(shape)?,
-                (None, false) => {
-                    let next = dynamics.impulse_step(before, settings.step, &state);
-                    next.map_err(|error| Failure::usage(format!("error: {error}")))?
-                }
-            };
             let time = settings.step * i as f64;
+            state = if dynamics.impulses.is_none() {
+                walk.state_at(time, &mut dynamics)?
+            } else {
+                let before = settings.step * (i - 1) as f64;
+                let next = dynamics.impulse_step(before, settings.step, &state);
+                next.map_err(|error| Failure::usage(format!("error: {error}")))?
+            };
             if !state.q.iter().chain(&state.qd).all(|x| x.is_finite()) {
+                let singular = walk.singular.map_or(String::new(), |[_, last]| format!("; {last}"));
                 return Err(Failure::Negative(format!(
                     "error: the motion leaves all bounds at {time:.4} s: take a smaller `--step`, or \
-                     smaller torques"
+                     smaller torques{singular}"
                 )));
             }
             if i % settings.every == 0 || i == settings.steps {
                 samples.push(dynamics.sample(time, &state).map_err(shape)?);
             }
         }
-        let steps = control.map_or(settings.steps, |control| control.steps);
-        Ok(Self { samples, steps, lowest: dynamics.lowest, residual: dynamics.residual })
+        let steps = if dynamics.impulses.is_none() { walk.steps } else { settings.steps };
+        let Dynamics { lowest, residual, .. } = dynamics;
+        Ok(Self {
+            samples,
+            steps,
+            lowest,
+            residual,
+            singular: walk.singular.map(|[first, _]| first),
+        })
     }
 
     /// Returns the motion of the robot of this index for the viewer.
@@ -227,7 +233,7 @@ impl Dynamics<'_> {
     }
 
     /// Returns the state after one step of the classical Runge-Kutta method; quaternions are scaled to length 1.
-    fn step(&mut self, time: f64, dt: f64, state: &State) -> Result<State, ShapeError> {
+    pub fn step(&mut self, time: f64, dt: f64, state: &State) -> Result<State, ShapeError> {
         let first = self.rates(time, state)?;
         let second = self.rates(time + dt / 2.0, &state.plus(dt / 2.0, &first))?;
         let third = self.rates(time + dt / 2.0, &state.plus(dt / 2.0, &second))?;
@@ -236,51 +242,6 @@ impl Dynamics<'_> {
         let mut next = state.plus(dt / 6.0, &ends).plus(dt / 3.0, &middles);
         self.interpreter.normalize(&mut next.q)?;
         Ok(next)
-    }
-
-    /// Returns the state after the time `duration` by steps that keep a tolerance; quaternions are scaled to length 1 after
-    /// each.
-    fn steps(
-        &mut self,
-        start: f64,
-        duration: f64,
-        mut state: State,
-        control: &mut Control,
-    ) -> Result<State, Failure> {
-        let shape = |error: ShapeError| Failure::usage(format!("error: {error}"));
-        let mut done = 0.0;
-        while done < duration {
-            // The last step ends where the row is.
-            let rest = duration - done;
-            let is_last = control.step >= 0.999 * rest;
-            let dt = if is_last { rest } else { control.step };
-            let time = start + done;
-            let rates = |time: f64, state: &State| self.rates(time, state);
-            let (mut next, error) =
-                adaptive::step((time, dt), &state, control.tolerance, rates).map_err(shape)?;
-            let ratio = adaptive::ratio(error);
-            if error <= 1.0 {
-                self.interpreter.normalize(&mut next.q).map_err(shape)?;
-                state = next;
-                control.steps += 1;
-                done = if is_last { duration } else { done + dt };
-                // A step that was shortened to end at a row says nothing about longer ones, unless its error is large.
-                control.step = if is_last { control.step.max(ratio * dt) } else { ratio * dt };
-            } else {
-                control.step = ratio.min(1.0) * dt;
-            }
-            control.step = control.step.min(duration);
-            if control.step < SHORTEST * duration {
-                return Err(Failure::Negative(format!(
-                    "error: the tolerance {:e} cannot be kept at {time:.4} s, not even by steps of {:.1e} s: the motion is \
-                     stiff, leaves all bounds, or the tolerance is below rounding: take a larger `--tolerance`, or fixed \
-                     steps by `--step`",
-                    control.tolerance,
-                    SHORTEST * duration
-                )));
-            }
-        }
-        Ok(state)
     }
 
     /// Returns the state after one step of the semi-implicit Euler method with the impulses of the ground and of joint
@@ -303,20 +264,42 @@ impl Dynamics<'_> {
         Ok(next)
     }
 
-    fn rates(&mut self, time: f64, State { q, qd, .. }: &State) -> Result<State, ShapeError> {
+    /// Returns the rates of a state. Near a singular posture of closed loops they are those of the state with the loops closed: the
+    /// errors of states within a step would grow there.
+    pub fn rates(&mut self, time: f64, state: &State) -> Result<State, ShapeError> {
         self.set_torques(time);
+        let has_loops = self.constraints.0.len() != self.inactive.len();
+        let mut closed = state.clone();
+        let firm = if has_loops { self.firm_rows(state)? } else { 0.0 };
+        if firm < self.usual {
+            self.close(&mut closed)?;
+        }
+        let State { q, qd, .. } = &closed;
         let mut rates = State { q: vec![0.0; q.len()], qd: vec![0.0; qd.len()], energy: [0.0; 2] };
         self.interpreter.velocity_to_qdot(q, qd, &mut rates.q)?;
         let into = (&mut *rates.qd, &mut *self.constraints.0, &mut *self.constraints.1);
-        if into.1.len() == self.inactive.len() {
-            self.interpreter.forward_dynamics(q, qd, &self.tau, into.0)?;
-        } else {
+        if has_loops {
             let state = (q.as_slice(), qd.as_slice(), self.tau.as_slice());
             let settings = &self.constraint_settings;
-            self.interpreter.constrained_forward_dynamics(state, &self.inactive, settings, into)?;
+            let robot = &mut self.interpreter;
+            let exact =
+                robot.constrained_forward_dynamics(state, &self.inactive, settings, into)?;
+            self.ranks.push(Ranks { exact, firm });
+        } else {
+            self.interpreter.forward_dynamics(q, qd, &self.tau, into.0)?;
         }
         rates.energy = [power(&self.tau, qd), self.friction_power(q, qd)?];
         Ok(rates)
+    }
+
+    /// Returns the number of rows of closed loops that keep a part of their mobility that is not small.
+    fn firm_rows(&mut self, State { q, qd, .. }: &State) -> Result<f64, ShapeError> {
+        let settings = ConstraintSettings { tolerance: FIRM, ..self.constraint_settings.clone() };
+        let into = (&mut *vec![0.0; qd.len()], &mut *vec![0.0; qd.len()]);
+        let firm =
+            self.interpreter.project_constraints((q, qd), &self.inactive, &settings, into)?;
+        self.usual = self.usual.max(firm);
+        Ok(firm)
     }
 
     /// Returns the power that friction and damping dissipate: their part of inverse dynamics times the velocities, W.
