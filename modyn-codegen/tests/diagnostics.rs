@@ -294,7 +294,7 @@ fn implausible_masses_are_found_in_robots_of_any_size() {
             let reading = read(&robot(size, radius * size), "r.urdf", &ReadOptions::default());
             let reading = reading.unwrap_or_else(|found| panic!("{size}: {found}"));
             let found =
-                reading.warnings.iter().any(|warning| warning.code() == Code::ImplausibleMass);
+                reading.warnings.iter().any(|warning| warning.code == Code::ImplausibleMass);
             assert_eq!(found, is_found, "size {size}, radius {radius}");
         }
     }

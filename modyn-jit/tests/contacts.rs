@@ -237,3 +237,62 @@ fn near(function: Function, found: &[f64], expected: &[f64]) {
         assert!((found - expected).abs() <= 1e-8 * size, "{function:?}: {found} {expected}");
     }
 }
+
+/// A leg whose light shank is nearly stretched; its foot and its knee are held. In each order of the contacts it is locked, although the
+/// row along the leg is small after the other rows of the foot.
+#[test]
+fn a_leg_whose_foot_and_knee_are_held_is_locked() {
+    let link = |name: &str, mass: f64, moment: f64, center: f64| {
+        format!(
+            "<link name='{name}'><inertial><origin xyz='0 0 {center}'/><mass value='{mass}'/>
+             <inertia ixx='{moment}' iyy='{moment}' izz='{moment}' ixy='0' ixz='0' iyz='0'/></inertial></link>"
+        )
+    };
+    let joint = |name: &str, ends: [&str; 2], place: &str| {
+        format!(
+            "<joint name='{name}' type='continuous'><parent link='{}'/><child link='{}'/>{place}<axis xyz='0 1 0'/></joint>",
+            ends[0], ends[1]
+        )
+    };
+    let text = [
+        "<robot name='leg'><link name='base'/>".into(),
+        link("thigh", 1.0, 0.1, -0.4),
+        link("shank", 0.0008, 4e-5, -0.3),
+        joint("hip", ["base", "thigh"], "<origin rpy='0.3 0.2 0.1'/>"),
+        joint("knee", ["thigh", "shank"], "<origin xyz='0 0 -0.5'/>"),
+        "</robot>".into(),
+    ];
+    let held = [
+        contact("foot", ContactKind::Point, "shank", [0.0, 0.0, -0.6]),
+        contact("knee", ContactKind::Point, "thigh", [0.0, 0.0, -0.5]),
+    ];
+    let ConstraintSettings { alpha, beta, tolerance, rounding, .. } =
+        ConstraintSettings::<f64>::EXACT;
+    let contacts = vec![ContactTarget::<f64>::EXACT; 2];
+    let settings = numbers(&ConstraintSettings { alpha, beta, tolerance, rounding, contacts });
+    let function = Function::ConstrainedForwardDynamics;
+    for order in [[0, 1], [1, 0]] {
+        let builder = Builder::new().urdf_text(text.concat(), "leg.urdf").functions([function]);
+        let planning = builder.contacts(order.map(|k| held[k].clone())).plan().expect("good");
+        for instruction_set in InstructionSet::available() {
+            let mut options = Options::default();
+            (options.instruction_set, options.batches) = (Some(instruction_set), true);
+            let compiled = Compiled::<f64>::from_plan(&planning, options).expect("code");
+            let call = compiled.function(function).expect("compiled");
+            for bend in [0.0, 1e-5, 1e-4, 1e-3, 1.5e-3, 3e-3, 0.1] {
+                let given: [&[f64]; 5] =
+                    [&[0.4, bend], &[0.0; 2], &[1.0, -2.0], &[1.0; 2], &settings];
+                let mut found = vec![f64::NAN; call.result().len()];
+                call.one(&given, &mut found).expect("fits");
+                let rank = found[found.len() - 1];
+                // Free accelerations are 5 and 5e4 rad/s^2.
+                let is_locked = found[0].abs() < 1e-9 && found[1].abs() < 1e-5;
+                assert!(
+                    is_locked && rank == 2.0,
+                    "{order:?}, {bend}: {:?}, rank {rank}",
+                    &found[..2]
+                );
+            }
+        }
+    }
+}

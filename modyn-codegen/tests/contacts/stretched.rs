@@ -3,7 +3,7 @@
 use super::*;
 
 /// A quadruped that lies on a frame of its trunk, with a point at each foot.
-fn lying_quadruped() -> Model {
+pub fn lying_quadruped() -> Model {
     let mut contacts = quadruped().contacts().to_vec();
     let end = LoopConstraintEnd {
         frame: quadruped().frame_index("trunk").expect("a link"),
@@ -18,7 +18,7 @@ fn lying_quadruped() -> Model {
 }
 
 /// Returns a state at rest whose knees are bent by these angles; the trunk and the hips are anywhere.
-fn with_knees(model: &Model, bends: [f64; 4], random: &mut Random) -> State {
+pub fn with_knees(model: &Model, bends: [f64; 4], random: &mut Random) -> State {
     let mut state = state(model, random);
     state.qd.fill(0.0);
     for (leg, bend) in bends.into_iter().enumerate() {

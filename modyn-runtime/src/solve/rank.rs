@@ -1,8 +1,10 @@
 //! The pseudo-inverse of a matrix of constraint rows by a rank-revealing factorization, without a branch on a value.
 //!
-//! The symmetric matrix A is factorized as P Delta P^T, constraint by constraint. In each step the row
-//! of the constraint with the largest remaining diagonal becomes the pivot: it exchanges its place with
-//! the next row. Selections between numbers exchange the two rows, so that no index depends on a value.
+//! The symmetric matrix A is factorized as P Delta P^T. In each step the row with the largest remaining diagonal, of all rows of all
+//! constraints, becomes the pivot: it exchanges its place with the next row. Diagonals are compared relative to the scales of
+//! their constraints. A row that is small after some rows, such as the row along a stretched leg, is therefore a pivot only if no
+//! later row makes it redundant, and the pivots do not depend on the order of the constraints. Selections between numbers exchange
+//! the two rows, so that no index depends on a value.
 //! The pivot's column divided by its diagonal becomes a column of P, and its outer product is subtracted
 //! from the matrix. A pivot at or below its threshold leaves a column of zeros: its row depends on
 //! earlier rows. In the order of the pivots P is lower triangular with a diagonal of ones. The columns
@@ -73,14 +75,16 @@ pub(crate) struct Counts {
 /// row.
 #[derive(Debug)]
 pub(crate) struct RankFactorization<'a, S> {
-    /// For each constraint the number of its rows, and the number of pivots that are searched for among them.
+    /// For each constraint the number of its rows, and an upper bound of the number of its pivots.
     pub blocks: &'a [(usize, usize)],
     /// The lower triangle of A, reduced by each step's outer product; then P below the diagonal, whose column of a pivot is
     /// that of the pivot's row. Row k has k + 1 entries, from `row_start(k)` on.
     pub matrix: &'a mut [S],
     /// For each row, the remaining diagonal at or below which the row is dependent.
     pub thresholds: &'a mut [S],
-    /// The rows of one constraint that are not zero for all inputs.
+    /// For each row, the reciprocal of its constraint's scale; one if there is one constraint.
+    pub units: &'a mut [S],
+    /// The rows that are not zero for all inputs.
     pub moving: &'a mut [usize],
     /// The exchanges of rows, in their order: as many as a triangle has entries at most.
     pub exchanges: &'a mut [Exchange<S>],
@@ -125,8 +129,10 @@ impl<S: Scalar> RankFactorization<'_, S> {
     pub(crate) fn set_thresholds(&mut self, scales: &[S], tolerance: S, rounding: S) {
         let mut first = 0;
         for (&(rows, _), &scale) in self.blocks.iter().zip(scales) {
+            let unit = if self.blocks.len() == 1 { S::one() } else { reciprocal(scale) };
             for k in first..first + rows {
                 self.thresholds[k] = tolerance * scale + rounding * self.matrix[place(k, k)];
+                self.units[k] = unit;
             }
             first += rows;
         }
@@ -136,31 +142,28 @@ impl<S: Scalar> RankFactorization<'_, S> {
     #[inline(always)]
     pub(crate) fn factorize(&mut self) {
         *self.counts = Counts::default();
-        let mut first = 0;
-        for b in 0..self.blocks.len() {
-            let (rows, pivots) = self.blocks[b];
-            // A row whose diagonal is zero for all inputs is zero: A has no negative eigenvalue.
-            let mut count = 0;
-            for k in first..first + rows {
-                if !self.matrix[place(k, k)].is_constant_zero() {
-                    self.moving[count] = k;
-                    count += 1;
-                }
+        // A row whose diagonal is zero for all inputs is zero: A has no negative eigenvalue.
+        let mut count = 0;
+        for k in 0..self.rows() {
+            if !self.matrix[place(k, k)].is_constant_zero() {
+                self.moving[count] = k;
+                count += 1;
             }
-            for k in 0..pivots.min(count) {
-                self.eliminate_largest(k, count);
-            }
-            first += rows;
+        }
+        let pivots: usize = self.blocks.iter().map(|(_, pivots)| pivots).sum();
+        for k in 0..pivots.min(count) {
+            self.eliminate_largest(k, count);
         }
         self.factorize_gram();
     }
 
-    /// Performs one step: the row with the largest margin over its threshold, of the moving rows from `k` to `end`, becomes the
-    /// pivot in the place of row `k`.
+    /// Performs one step: the row with the largest margin over its threshold, relative to its constraint's scale, of the moving rows
+    /// from `k` to `end`, becomes the pivot in the place of row `k`.
     #[inline(always)]
     fn eliminate_largest(&mut self, k: usize, end: usize) {
         let (rows, pivot) = (self.rows(), self.moving[k]);
-        let margin = |own: &Self, k: usize| own.matrix[place(k, k)] - own.thresholds[k];
+        let margin =
+            |own: &Self, k: usize| (own.matrix[place(k, k)] - own.thresholds[k]) * own.units[k];
         let mut largest = margin(self, pivot);
         for other in k + 1..end {
             let k = self.moving[other];
@@ -170,6 +173,7 @@ impl<S: Scalar> RankFactorization<'_, S> {
             let exchange = Exchange { rows: [pivot, k], larger };
             exchange.in_matrix(self.matrix, rows);
             exchange.in_vector(self.thresholds);
+            exchange.in_vector(self.units);
             self.exchanges[self.counts.exchanges] = exchange;
             self.counts.exchanges += 1;
         }
@@ -297,6 +301,14 @@ impl<S: Scalar> RankFactorization<'_, S> {
     }
 }
 
+/// Returns 1 / x of a number that is not negative; zero for zero.
+#[inline(always)]
+fn reciprocal<S: Scalar>(x: S) -> S {
+    let is_zero = -x;
+    let reciprocal = is_zero.select_nonnegative(S::one(), x).recip();
+    is_zero.select_nonnegative(S::zero(), reciprocal)
+}
+
 #[inline(always)]
 pub(crate) fn dot<S: Scalar>(a: &[S], b: &[S]) -> S {
     a.iter().zip(b).map(|(&a, &b)| a * b).reduce(|sum, x| sum + x).unwrap_or(S::zero())
@@ -348,12 +360,13 @@ impl<S: Scalar, const N: usize, const T: usize, const C: usize, const B: usize> 
     #[inline(always)]
     fn run(mut self) -> Self::Output {
         let (zero, mut counts) = (S::zero(), Counts::default());
-        let mut numbers = [[zero; N]; 5];
-        let [thresholds, reciprocals, independent, gram_reciprocals, reduced] = &mut numbers;
+        let mut numbers = [[zero; N]; 6];
+        let [thresholds, units, reciprocals, independent, gram_reciprocals, reduced] = &mut numbers;
         let mut factorization = RankFactorization {
             blocks: &self.blocks.map(|rows| (rows, rows)),
             matrix: &mut self.matrix,
             thresholds,
+            units,
             moving: &mut [0; N],
             exchanges: &mut [Exchange::none(); T],
             pivots: &mut [0; N],

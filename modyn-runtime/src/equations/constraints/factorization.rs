@@ -18,6 +18,7 @@ pub(super) struct Factorization<S> {
     matrix: Vec<S>,
     /// The memory of a [`RankFactorization`]: lists with an entry for each row, and triangles.
     thresholds: Vec<S>,
+    units: Vec<S>,
     moving: Vec<usize>,
     exchanges: Vec<Exchange<S>>,
     pivots: Vec<usize>,
@@ -106,6 +107,7 @@ impl<S: Scalar> Factorization<S> {
             blocks,
             matrix: numbers(row_start(rows)),
             thresholds: numbers(rows),
+            units: numbers(rows),
             moving: vec![0; rows],
             exchanges: vec![Exchange::none(); row_start(rows)],
             pivots: vec![0; rows],
@@ -127,6 +129,7 @@ impl<S: Scalar> Factorization<S> {
             blocks: &self.blocks,
             matrix: &mut self.matrix,
             thresholds: &mut self.thresholds,
+            units: &mut self.units,
             moving: &mut self.moving,
             exchanges: &mut self.exchanges,
             pivots: &mut self.pivots,
@@ -166,7 +169,7 @@ impl<S: Scalar> Factorization<S> {
         match &mut self.apart {
             None => self.by_rank().factorize(),
             Some(apart) => {
-                apart.full = FullRank::new(&self.matrix, &self.thresholds, &apart.system.blocks);
+                apart.full = FullRank::new(&self.matrix, &self.thresholds);
                 apart.system.matrix.clone_from(&self.matrix);
                 apart.system.sides.clear();
                 apart.system.scales = scales.to_vec();
@@ -208,7 +211,7 @@ impl<S: Scalar> Factorization<S> {
             scales: Vec::new(),
             tolerances: [S::zero(); 2],
         };
-        self.apart = Some(Apart { given, system, full: FullRank::new(&[], &[], &[]) });
+        self.apart = Some(Apart { given, system, full: FullRank::new(&[], &[]) });
     }
 
     /// Returns the equations whose solution is computed elsewhere, and a number that is not negative only if that solution does not

@@ -1,10 +1,9 @@
 //! The factorization of J M^-1 J^T where all rows are independent.
 //!
 //! L D L^T in the order of the rows, without exchanges. A row that is zero, such as that of an inactive contact, is left out.
-//! Whether the pivoted factorization would find a dependent row is known from this one. Before a constraint's rows are
-//! eliminated, their block of the matrix is S, in any order of the constraints' own rows. The remaining diagonal of row i is least
-//! if all other rows of its constraint are eliminated before it: then it is 1 / (S^-1)_ii. So all rows are independent where
-//! each of these numbers is above its row's threshold.
+//! Whether the pivoted factorization would find a dependent row is known from this one. The remaining diagonal of row i is least
+//! if all other rows are eliminated before it: then it is 1 / (A^-1)_ii. So in any order of the rows all are independent where each
+//! of these numbers is above its row's threshold. These numbers do not depend on the order of the rows either.
 
 use alloc::{vec, vec::Vec};
 
@@ -16,6 +15,8 @@ use crate::solve::place;
 pub(super) struct FullRank<S> {
     /// L below the diagonal, in the lower triangle by rows.
     factor: Vec<S>,
+    /// The inverse of L below the diagonal, in the same order.
+    lower: Vec<S>,
     /// The reciprocals of D; zero for a zero row.
     reciprocals: Vec<S>,
     /// For each row one, or zero if the row is zero.
@@ -25,8 +26,8 @@ pub(super) struct FullRank<S> {
 }
 
 impl<S: Scalar> FullRank<S> {
-    /// Factorizes a matrix, of which the lower triangle is stored by rows. `blocks` are the numbers of rows of the constraints.
-    pub(super) fn new(matrix: &[S], thresholds: &[S], blocks: &[usize]) -> Self {
+    /// Factorizes a matrix, of which the lower triangle is stored by rows.
+    pub(super) fn new(matrix: &[S], thresholds: &[S]) -> Self {
         let rows = thresholds.len();
         let (mut factor, zeros) = (matrix.to_vec(), vec![S::zero(); rows]);
         let (mut reciprocals, mut present) = (zeros.clone(), zeros);
@@ -48,52 +49,30 @@ impl<S: Scalar> FullRank<S> {
                 factor[place(i, k)] = scaled;
             }
         }
-        let mut own = Self { factor, reciprocals, present, excess };
-        let mut end = 0;
-        for rows in blocks {
-            end += rows;
-            for (i, &threshold) in thresholds.iter().enumerate().take(end).skip(end - rows) {
-                let largest = threshold * own.inverse_diagonal(i, end);
-                own.excess = own.excess.max(largest - S::one());
-            }
+        let lower = inverse_of_triangle(&factor, rows);
+        let mut own = Self { factor, lower, reciprocals, present, excess };
+        for (i, &threshold) in thresholds.iter().enumerate() {
+            own.excess = own.excess.max(threshold * own.inverse_entry(i, i) - S::one());
         }
         own
     }
 
-    /// Returns entry (i, i) of the inverse of L D L^T, of the rows i to `end` alone.
-    fn inverse_diagonal(&self, i: usize, end: usize) -> S {
-        let mut column: Vec<S> = vec![S::one()];
-        let mut sum = self.reciprocals[i];
-        for k in i + 1..end {
-            let known = column.iter().enumerate();
-            let entry =
-                -known.fold(S::zero(), |sum, (j, &x)| sum + self.factor[place(k, i + j)] * x);
-            sum = sum + entry * entry * self.reciprocals[k];
-            column.push(entry);
-        }
-        sum
+    /// Returns entry (i, j) of the inverse of the matrix, where j is at most i.
+    fn inverse_entry(&self, i: usize, j: usize) -> S {
+        let Self { lower, reciprocals, .. } = self;
+        let first = if i == j { reciprocals[i] } else { reciprocals[i] * lower[place(i, j)] };
+        let terms = (i + 1..reciprocals.len())
+            .map(|k| lower[place(k, i)] * reciprocals[k] * lower[place(k, j)]);
+        terms.fold(first, |sum, x| sum + x)
     }
 
     /// Computes the inverse by columns; the rows and the columns of zero rows are zero.
     pub(super) fn inverse(&self, columns: &mut [S]) {
-        let Self { factor, reciprocals, .. } = self;
-        let rows = reciprocals.len();
-        // The inverse of L, in the same triangle; its diagonal is one.
-        let mut lower = factor.clone();
-        for j in 0..rows {
-            for i in j + 1..rows {
-                let known = (j + 1..i).map(|k| factor[place(i, k)] * lower[place(k, j)]);
-                lower[place(i, j)] = -known.fold(factor[place(i, j)], |sum, x| sum + x);
-            }
-        }
+        let rows = self.reciprocals.len();
         for i in 0..rows {
             for j in 0..=i {
-                let own = |k: usize| lower[place(k, i)] * reciprocals[k];
-                let first =
-                    if i == j { reciprocals[i] } else { reciprocals[i] * lower[place(i, j)] };
-                let terms = (i + 1..rows).map(|k| own(k) * lower[place(k, j)]);
-                let sum = terms.fold(first, |sum, x| sum + x);
-                (columns[j * rows + i], columns[i * rows + j]) = (sum, sum);
+                let entry = self.inverse_entry(i, j);
+                (columns[j * rows + i], columns[i * rows + j]) = (entry, entry);
             }
         }
     }
@@ -124,4 +103,16 @@ impl<S: Scalar> FullRank<S> {
             x[k] = (k + 1..x.len()).fold(x[k], |sum, i| sum - factor[place(i, k)] * x[i]);
         }
     }
+}
+
+/// Returns the inverse of a triangle whose diagonal is one, of which the entries below are stored by rows.
+fn inverse_of_triangle<S: Scalar>(triangle: &[S], rows: usize) -> Vec<S> {
+    let mut inverse = triangle.to_vec();
+    for j in 0..rows {
+        for i in j + 1..rows {
+            let terms = (j + 1..i).map(|k| triangle[place(i, k)] * inverse[place(k, j)]);
+            inverse[place(i, j)] = -terms.fold(triangle[place(i, j)], |sum, x| sum + x);
+        }
+    }
+    inverse
 }
