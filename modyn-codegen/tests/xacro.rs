@@ -304,7 +304,12 @@ fn value(expression: &str) -> String {
     let text = format!("<robot name='r'><a b=\"{expression}\"/></robot>");
     let found = expand_xacro(&text, "r.xacro", &ReadOptions::default());
     let (expanded, _) = found.unwrap_or_else(|found| panic!("{expression}: {found}"));
-    let document = roxmltree::Document::parse(&expanded).expect("XML");
+    attribute(&expanded)
+}
+
+/// Returns the attribute `b` of the first element.
+fn attribute(expanded: &str) -> String {
+    let document = roxmltree::Document::parse(expanded).expect("XML");
     let element = document.root_element().first_element_child().expect("an element");
     element.attribute("b").expect("an attribute").into()
 }
@@ -325,6 +330,77 @@ fn numbers_have_the_texts_of_python() {
         assert_eq!(value(&format!("${{{expression}}}")), text);
     }
     assert_eq!(value("a$${b} $c$$d"), "a${b} $c$$d");
+}
+
+/// Expressions of Python that are refused here, with the reasons.
+const REFUSED: &[(&str, &str)] = &[
+    ("(-8.0) ** (1 / 3)", "a root of a negative number"),
+    ("[1] is [1]", "write `==`"),
+    ("1.5 is 1.5", "write `==`"),
+    ("'\\x41'", "the escape `\\x` is not supported"),
+    ("python.set([100, 8, 1])", "write `python.sorted(...)`"),
+    ("python.set([1]).add(2)", "a set has no `add`"),
+    ("python.frozenset([1])", "no `frozenset`"),
+    ("dict(a=1) | dict(b=2)", "of dictionaries is not supported"),
+    ("python.isinstance(1, int)", "no `isinstance`"),
+    ("python.hash(1)", "no `hash`"),
+    ("python.complex(1, 2)", "no `complex`"),
+    ("round(1234.5, -2)", "not between 0 and 300"),
+    ("math.factorial(5)", "no `factorial`"),
+    ("math.gcd(4, 6)", "no `gcd`"),
+    ("'%g' % 0.1", "the format `g`"),
+    ("'%x' % 255", "the format `x`"),
+    ("'%-5s|' % 'a'", "the format `-5s`"),
+    ("'%05s' % 'a'", "the format `05s`"),
+    ("'%.2s' % 'abc'", "the format `.2s`"),
+    ("'%.3d' % 7", "the format `.3d`"),
+    ("'%+d' % 5", "the format `+d`"),
+    ("'%f' % math.inf", "the format `f`"),
+    ("f'a'", "texts with a prefix are not supported"),
+    ("r'a'", "texts with a prefix are not supported"),
+    ("'a,b,c'.split(',', 1)", "`split` of a text cannot be called"),
+    ("'abc'.endswith(('c', 'd'))", "`endswith` of a text cannot be called"),
+    ("'a'.isalpha()", "no `isalpha`"),
+    ("'abc'.partition('b')", "no `partition`"),
+    ("[1].append(2)", "no `append`"),
+];
+
+/// Expressions whose last digit depends on the C library below Python.
+const LAST_DIGIT: &[&str] = &["math.exp(1)"];
+
+/// `xacro/expressions.golden` has the results of `xacro` 2.1.1 (`xacro/golden.py`).
+#[test]
+fn expressions_have_the_results_of_the_reference_or_are_refused() {
+    let golden = include_str!("xacro/expressions.golden");
+    let mut wrong = Vec::new();
+    for line in golden.lines() {
+        let (expression, wanted) = line.split_once('\t').expect("an expression and its result");
+        let escaped = expression.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
+        let text = format!("<robot name='r'><a b=\"${{{escaped}}}\"/></robot>");
+        let expanded = expand_xacro(&text, "r.xacro", &ReadOptions::default());
+        let reason = REFUSED.iter().find(|(refused, _)| *refused == expression);
+        match (expanded, wanted.strip_prefix('='), reason) {
+            (Ok((expanded, _)), Some(wanted), None) => {
+                let result = attribute(&expanded).replace('\t', "\\t").replace('\n', "\\n");
+                let close = || {
+                    let [a, b] =
+                        [&result, wanted].map(|text| text.parse::<f64>().expect("a number"));
+                    (a - b).abs() <= f64::EPSILON * b.abs()
+                };
+                let agrees = result == wanted || LAST_DIGIT.contains(&expression) && close();
+                if !agrees {
+                    wrong.push(format!("{expression}: {result}, wanted {wanted}"));
+                }
+            }
+            (Err(_), None, None) => {}
+            (Err(errors), Some(_), Some((_, reason))) if errors.to_string().contains(reason) => {}
+            (Ok((expanded, _)), ..) => {
+                wrong.push(format!("{expression}: {}, wanted {line}", attribute(&expanded)));
+            }
+            (Err(errors), ..) => wrong.push(format!("{line}: {errors}")),
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 #[test]

@@ -3,8 +3,8 @@
 use std::rc::Rc;
 
 use super::functions;
-use super::parse::{Expression, Loop};
-use super::value::Value;
+use super::parse::{Comprehension, Expression, Form, Loop};
+use super::value::{SequenceKind, Value};
 
 /// The names of an expression, and the work that it may still do.
 pub trait Names {
@@ -55,6 +55,8 @@ impl Evaluator<'_> {
                 let mut left = self.value(first)?;
                 for (operator, right) in rest {
                     let right = self.value(right)?;
+                    let length = functions::length(&left) + functions::length(&right);
+                    self.names.spend(length / 100)?;
                     if !compare(operator, &left, &right)? {
                         return Ok(Value::Bool(false));
                     }
@@ -115,15 +117,21 @@ impl Evaluator<'_> {
                 }
                 Value::Dict(Rc::new(found))
             }
-            Expression::Comprehension(item, value, found) => {
+            Expression::Set(items) => Value::set(self.values(items)?)?,
+            Expression::Comprehension(comprehension) => {
                 let mut out = Vec::new();
-                self.comprehension(item, value.as_deref(), found, &mut out)?;
-                if value.is_none() {
-                    return Ok(Value::list(out.into_iter().map(|(item, _)| item).collect()));
+                self.comprehension(comprehension, &comprehension.first, &mut out)?;
+                let items = out.iter().map(|(item, _)| item.clone());
+                match comprehension.form {
+                    Form::List => Value::list(items.collect()),
+                    Form::Iterator => Value::iterator(items.collect()),
+                    Form::Set => Value::set(items)?,
+                    Form::Dict => {
+                        let mut entries = Vec::new();
+                        out.into_iter().for_each(|(key, value)| insert(&mut entries, key, value));
+                        Value::Dict(Rc::new(entries))
+                    }
                 }
-                let mut entries = Vec::new();
-                out.into_iter().for_each(|(key, value)| insert(&mut entries, key, value));
-                Value::Dict(Rc::new(entries))
             }
         })
     }
@@ -166,16 +174,41 @@ impl Evaluator<'_> {
     ) -> Evaluated {
         let work: usize = arguments.iter().map(functions::length).sum();
         self.names.spend(1 + work)?;
+        if let Value::Method(method) = function {
+            self.names.spend(functions::length(&method.0) / 100)?;
+        }
         match function {
             Value::Function("dict") => functions::dict(&arguments, named),
-            Value::Function("map") => {
+            Value::Function(name @ ("map" | "filter")) => {
                 let [function, over] = arguments.as_slice() else {
-                    return Err("`map` has a function and a list".into());
+                    return Err(format!("`{name}` has a function and a list"));
                 };
-                let items = functions::items(over)?;
-                let called =
-                    items.into_iter().map(|item| self.call(function, vec![item], Vec::new()));
-                called.collect::<Result<_, _>>().map(Value::list)
+                let mut results = Vec::new();
+                for item in functions::items(over)? {
+                    let is_identity = *name == "filter" && matches!(function, Value::None);
+                    let result = if is_identity {
+                        item.clone()
+                    } else {
+                        self.call(function, vec![item.clone()], Vec::new())?
+                    };
+                    if *name == "map" {
+                        results.push(result);
+                    } else if result.is_true() {
+                        results.push(item);
+                    }
+                }
+                Ok(Value::iterator(results))
+            }
+            Value::Function("divmod") => {
+                let [left, right] = arguments.as_slice() else {
+                    return Err("`divmod` has two numbers".into());
+                };
+                let parts = [arithmetic("//", left, right)?, arithmetic("%", left, right)?];
+                let parts = parts.into_iter().flatten().collect::<Vec<_>>();
+                if parts.len() < 2 {
+                    return Err(format!("`divmod` of {} and {}", left.kind(), right.kind()));
+                }
+                Ok(Value::Tuple(Rc::new(parts)))
             }
             Value::Function("sorted") if !named.is_empty() => functions::sorted(&arguments, &named),
             Value::Function(name) if name.starts_with("xacro.") => {
@@ -192,8 +225,7 @@ impl Evaluator<'_> {
 
     fn comprehension(
         &mut self,
-        item: &Expression,
-        value: Option<&Expression>,
+        comprehension: &Comprehension,
         found: &Loop,
         out: &mut Vec<(Value, Value)>,
     ) -> Result<(), String> {
@@ -217,9 +249,10 @@ impl Evaluator<'_> {
             }
             if holds {
                 match &found.inner {
-                    Some(inner) => self.comprehension(item, value, inner, out)?,
+                    Some(inner) => self.comprehension(comprehension, inner, out)?,
                     None => {
-                        let key = self.value(item)?;
+                        let key = self.value(&comprehension.item)?;
+                        let value = comprehension.value.as_ref();
                         let value = value.map_or(Ok(Value::None), |value| self.value(value))?;
                         out.push((key, value));
                     }
@@ -254,7 +287,16 @@ impl Evaluator<'_> {
                 self.repeated(right, count)?
             }
             ("%", Value::Text(format), values) => functions::percent(format, values)?,
+            ("|" | "&" | "^", Value::Dict(_), Value::Dict(_)) => {
+                return Err(format!("`{operator}` of dictionaries is not supported"));
+            }
             _ => {
+                if let (Some(a), Some(b)) = (left.as_set(), right.as_set())
+                    && let Some(combined) = a.combined(operator, &b)
+                {
+                    self.names.spend(a.values().len() + b.values().len())?;
+                    return combined.map(|set| Value::Set(Rc::new(set)));
+                }
                 return Err(format!("`{operator}` of {} and {}", left.kind(), right.kind()));
             }
         };
@@ -311,6 +353,14 @@ const BY_ZERO: &str = "division by zero";
 
 /// Returns the result of numbers; `None` if one of them is no number.
 fn arithmetic(operator: &str, left: &Value, right: &Value) -> Result<Option<Value>, String> {
+    if let (Value::Bool(a), Value::Bool(b)) = (left, right) {
+        match operator {
+            "&" => return Ok(Some(Value::Bool(a & b))),
+            "|" => return Ok(Some(Value::Bool(a | b))),
+            "^" => return Ok(Some(Value::Bool(a ^ b))),
+            _ => {}
+        }
+    }
     if let (Some(a), Some(b)) = (left.integer(), right.integer()) {
         let exact = match operator {
             "+" => a.checked_add(b),
@@ -349,7 +399,13 @@ fn float_arithmetic(operator: &str, left: &Value, right: &Value) -> Result<Optio
         "%" => python_remainder(a, b),
         "**" if a == 0.0 && b < 0.0 => return Err(BY_ZERO.into()),
         "**" if a < 0.0 && b.fract() != 0.0 => return Err("a root of a negative number".into()),
-        "**" => libm::pow(a, b),
+        "**" => {
+            let power = libm::pow(a, b);
+            if power.is_infinite() && a.is_finite() && b.is_finite() {
+                return Err("a power is too large".into());
+            }
+            power
+        }
         _ => return Ok(None),
     };
     Ok(Some(Value::Float(found)))
@@ -358,21 +414,23 @@ fn float_arithmetic(operator: &str, left: &Value, right: &Value) -> Result<Optio
 /// Returns the remainder with the sign of the divisor.
 fn python_remainder(a: f64, b: f64) -> f64 {
     let remainder = a % b;
-    if remainder != 0.0 && (remainder < 0.0) != (b < 0.0) { remainder + b } else { remainder }
+    if remainder == 0.0 {
+        return remainder.copysign(b);
+    }
+    if (remainder < 0.0) != (b < 0.0) { remainder + b } else { remainder }
 }
 
 fn compare(operator: &str, left: &Value, right: &Value) -> Result<bool, String> {
-    let is = || match (left, right) {
-        (Value::None, Value::None) => true,
-        (Value::Bool(a), Value::Bool(b)) => a == b,
-        (Value::None | Value::Bool(_), _) | (_, Value::None | Value::Bool(_)) => false,
-        _ => left.equals(right),
-    };
+    if let (Some(a), Some(b)) = (left.as_set(), right.as_set())
+        && let Some(holds) = a.compared(operator, &b)
+    {
+        return Ok(holds);
+    }
     Ok(match operator {
         "==" => left.equals(right),
         "!=" => !left.equals(right),
-        "is" => is(),
-        "is not" => !is(),
+        "is" => is(left, right)?,
+        "is not" => !is(left, right)?,
         "in" => contains(left, right)?,
         "not in" => !contains(left, right)?,
         _ => {
@@ -393,10 +451,28 @@ fn compare(operator: &str, left: &Value, right: &Value) -> Result<bool, String> 
     })
 }
 
+/// Returns whether two values are one object of Python; an error if that follows from its memory.
+fn is(left: &Value, right: &Value) -> Result<bool, String> {
+    match (left, right) {
+        (Value::None, Value::None) => Ok(true),
+        (Value::Bool(a), Value::Bool(b)) => Ok(a == b),
+        // Python has one object for each of these integers.
+        (Value::Int(a), Value::Int(b)) if a != b || (-5..=256).contains(a) => Ok(a == b),
+        _ if left.kind() != right.kind() => Ok(false),
+        (Value::Float(_), Value::Float(_)) => Err(IS_OF_OBJECTS.into()),
+        _ if left.equals(right) => Err(IS_OF_OBJECTS.into()),
+        _ => Ok(false),
+    }
+}
+
+const IS_OF_OBJECTS: &str =
+    "`is` of equal values depends on Python's memory: write `==`, or `!=` for `is not`";
+
 fn contains(item: &Value, all: &Value) -> Result<bool, String> {
     match (item, all) {
         (Value::Text(part), Value::Text(whole)) => Ok(whole.contains(&**part)),
         (_, Value::Text(_)) => Err(format!("`in` of {} and a text", item.kind())),
+        (_, Value::Set(set)) => set.contains(item),
         _ => Ok(functions::items(all)?.iter().any(|own| own.equals(item))),
     }
 }
@@ -409,8 +485,11 @@ fn item(of: &Value, index: &Value) -> Evaluated {
     }
     let items = match of {
         Value::List(items) | Value::Tuple(items) => Some(items.clone()),
+        Value::Sequence(range) if matches!(range.kind, SequenceKind::Range(_)) => {
+            Some(Rc::new(range.items.clone()))
+        }
         Value::Text(_) => None,
-        other => return Err(format!("{} has no items", other.kind())),
+        other => return Err(format!("{} has no index", other.kind())),
     };
     let index = index.integer().ok_or_else(|| format!("{} is not an index", index.repr()))?;
     let length = functions::length(of);
@@ -464,7 +543,8 @@ fn slice(of: &Value, [from, to, step]: [Option<i64>; 3]) -> Evaluated {
     }
     Ok(match of {
         Value::Text(_) => {
-            Value::text(found.iter().map(|c| c.display().to_string()).collect::<String>())
+            let characters = found.iter().map(Value::display).collect::<Result<Vec<_>, _>>()?;
+            Value::text(characters.concat())
         }
         Value::Tuple(_) => Value::Tuple(Rc::new(found)),
         _ => Value::list(found),

@@ -164,7 +164,7 @@ impl<'e, 'r> Expander<'e, 'r> {
                 continue;
             }
             let place = attribute.place.expanded_by(call);
-            let value = self.evaluated(&attribute.value, place, scope)?.display();
+            let value = self.evaluated_text(&attribute.value, place, scope)?;
             attributes.push(Attribute { name: attribute.name.clone(), value, place });
         }
         let mut children = Vec::with_capacity(element.children.len());
@@ -186,7 +186,7 @@ impl<'e, 'r> Expander<'e, 'r> {
             match child {
                 Node::Text(text, place) => {
                     let place = place.expanded_by(call);
-                    let text = self.evaluated(text, place, scope)?.display();
+                    let text = self.evaluated_text(text, place, scope)?;
                     output.children.push(Node::Text(text, place));
                 }
                 Node::Element(child) => self.child(child, scope, call, output)?,
@@ -238,7 +238,7 @@ impl<'e, 'r> Expander<'e, 'r> {
             }
             "element" => {
                 let name = self.required(element, "xacro:name", call)?;
-                let found = self.evaluated(&name.value, name.place, scope)?.display();
+                let found = self.evaluated_text(&name.value, name.place, scope)?;
                 if !is_xml_name(&found) {
                     return self
                         .refuse(name.place, format!("`{found}` is not a name of an element"));
@@ -250,19 +250,19 @@ impl<'e, 'r> Expander<'e, 'r> {
             "attribute" => {
                 let name = self.required(element, "name", call)?;
                 let value = self.required(element, "value", call)?;
-                let found = self.evaluated(&name.value, name.place, scope)?.display();
+                let found = self.evaluated_text(&name.value, name.place, scope)?;
                 if !is_xml_name(&found) {
                     return self
                         .refuse(name.place, format!("`{found}` is not a name of an attribute"));
                 }
-                let text = self.evaluated(&value.value, value.place, scope)?.display();
+                let text = self.evaluated_text(&value.value, value.place, scope)?;
                 output.attributes.retain(|own| own.name != found);
                 output.attributes.push(Attribute { name: found, value: text, place });
                 Ok(())
             }
             "call" => {
                 let name = self.required(element, "macro", call)?;
-                let found = self.evaluated(&name.value, name.place, scope)?.display();
+                let found = self.evaluated_text(&name.value, name.place, scope)?;
                 let mut renamed =
                     Element { name: format!("xacro:{found}").into(), ..(**element).clone() };
                 renamed.attributes.retain(|own| &*own.name != "macro");
@@ -316,10 +316,16 @@ impl<'e, 'r> Expander<'e, 'r> {
         self.at(place, found)
     }
 
+    /// Returns the value of a text at a place, as text.
+    fn evaluated_text(&mut self, text: &str, place: Place, scope: ScopeId) -> Expanded<Rc<str>> {
+        let value = self.evaluated(text, place, scope)?;
+        self.at(place, value.display().map_err(Fault::from))
+    }
+
     fn property(&mut self, element: &Rc<Element>, scope: ScopeId, call: Call) -> Expanded {
         let place = element.place.expanded_by(call);
         let name = self.required(element, "name", call)?;
-        let name = self.evaluated(&name.value, name.place, scope)?.display();
+        let name = self.evaluated_text(&name.value, name.place, scope)?;
         if !is_identifier(&name) || name.starts_with("__") {
             let reason = format!("`{name}` is not a name of a property");
             let help = "write letters, digits and underscores, and no word of the language";
@@ -407,7 +413,7 @@ impl<'e, 'r> Expander<'e, 'r> {
         let name = self.required(element, "name", call)?;
         let default = self.required(element, "default", call)?;
         if !self.arguments.contains_key(&name.value) {
-            let value = self.evaluated(&default.value, default.place, scope)?.display();
+            let value = self.evaluated_text(&default.value, default.place, scope)?;
             self.arguments.insert(name.value, value);
         }
         Ok(())
@@ -422,7 +428,7 @@ impl<'e, 'r> Expander<'e, 'r> {
     ) -> Expanded {
         let place = element.place.expanded_by(call);
         let name = self.required(element, "filename", call)?;
-        let file = self.evaluated(&name.value, name.place, scope)?.display();
+        let file = self.evaluated_text(&name.value, name.place, scope)?;
         let path = self.beside(&file);
         let optional = match element.attribute("optional") {
             Some(attribute) => {
@@ -441,7 +447,7 @@ impl<'e, 'r> Expander<'e, 'r> {
         }
         let inner = match element.attribute("ns") {
             Some(namespace) => {
-                let found = self.evaluated(&namespace.value, place, scope)?.display();
+                let found = self.evaluated_text(&namespace.value, place, scope)?;
                 self.scopes.add_namespace(scope, found)
             }
             None => scope,

@@ -4,7 +4,8 @@ use std::cmp::Ordering;
 use std::f64::consts::{E, PI, TAU};
 use std::rc::Rc;
 
-use super::value::{Value, float};
+use super::set::Set;
+use super::value::{SequenceKind, Value, float};
 
 type Called = Result<Value, String>;
 
@@ -59,12 +60,16 @@ const OTHER: &[&str] = &[
     "math.isnan",
     "math.isinf",
     "math.isfinite",
+    "math.isclose",
+    "math.prod",
     "abs",
     "all",
     "any",
     "bool",
     "dict",
+    "divmod",
     "enumerate",
+    "filter",
     "float",
     "int",
     "len",
@@ -72,6 +77,7 @@ const OTHER: &[&str] = &[
     "map",
     "max",
     "min",
+    "ord",
     "range",
     "repr",
     "reversed",
@@ -96,8 +102,21 @@ const OTHER: &[&str] = &[
 ];
 
 /// The functions of Python that have no name of their own, but one in the namespace `python`.
-const IN_PYTHON: &[&str] =
-    &["abs", "all", "any", "enumerate", "repr", "reversed", "set", "sum", "tuple", "zip"];
+const IN_PYTHON: &[&str] = &[
+    "abs",
+    "all",
+    "any",
+    "divmod",
+    "enumerate",
+    "filter",
+    "ord",
+    "repr",
+    "reversed",
+    "set",
+    "sum",
+    "tuple",
+    "zip",
+];
 
 /// Returns the function of this full name.
 fn function(name: &str) -> Option<Value> {
@@ -141,16 +160,29 @@ pub fn length(value: &Value) -> usize {
         Value::Text(text) => text.chars().count(),
         Value::List(items) | Value::Tuple(items) => items.len(),
         Value::Dict(entries) => entries.len(),
+        Value::Set(set) => set.values().len(),
+        Value::Sequence(sequence) => sequence.items.len(),
         _ => 0,
     }
 }
 
-/// Returns the items of a list, the characters of a text, or the keys of a dictionary.
+/// Returns the items in any order, for results that do not depend on it.
+fn members(value: &Value) -> Result<Vec<Value>, String> {
+    match value {
+        Value::Set(set) => Ok(set.values().to_vec()),
+        other => items(other),
+    }
+}
+
+/// Returns the items of a list, a set or an iterator, the characters of a text, or the keys of a
+/// dictionary, in the order of Python.
 pub fn items(value: &Value) -> Result<Vec<Value>, String> {
     match value {
         Value::List(items) | Value::Tuple(items) => Ok(items.to_vec()),
         Value::Text(text) => Ok(text.chars().map(|c| Value::text(String::from(c))).collect()),
         Value::Dict(entries) => Ok(entries.iter().map(|(key, _)| key.clone()).collect()),
+        Value::Set(set) => set.ordered(),
+        Value::Sequence(sequence) => Ok(sequence.items.clone()),
         other => Err(format!("{} has no items", other.kind())),
     }
 }
@@ -188,6 +220,102 @@ pub fn call(name: &str, arguments: &[Value]) -> Called {
         }
         return Ok(Value::Float(found));
     }
+    if name.starts_with("math.") {
+        return call_math(name, arguments);
+    }
+    match (name, arguments) {
+        ("ord", [Value::Text(text)]) if text.chars().count() == 1 => {
+            let code = text.chars().next().map_or(0, u32::from);
+            Ok(Value::Int(i64::from(code)))
+        }
+        ("abs", [Value::Float(x)]) => Ok(Value::Float(x.abs())),
+        ("abs", [x]) => {
+            let x = x.integer().ok_or_else(|| format!("`abs` of {}", x.kind()))?;
+            x.checked_abs().map(Value::Int).ok_or_else(|| "an integer is too large".into())
+        }
+        ("all", [all]) => Ok(Value::Bool(members(all)?.iter().all(Value::is_true))),
+        ("any", [all]) => Ok(Value::Bool(members(all)?.iter().any(Value::is_true))),
+        ("bool", []) => Ok(Value::Bool(false)),
+        ("bool", [x]) => Ok(Value::Bool(x.is_true())),
+        ("float", [x]) => to_float(x),
+        ("int", [x]) => to_int(x),
+        ("int", [Value::Text(text), base]) => {
+            let base = base.integer().and_then(|base| u32::try_from(base).ok());
+            let base =
+                base.filter(|base| (2..=36).contains(base)).ok_or("the base is not 2 to 36")?;
+            let digits = text.trim();
+            let prefixed = digits.strip_prefix("0x").or_else(|| digits.strip_prefix("0X"));
+            let digits = prefixed
+                .filter(|digits| base == 16 && !digits.starts_with(['+', '-']))
+                .unwrap_or(digits);
+            let value = i64::from_str_radix(digits, base);
+            value.map(Value::Int).map_err(|_| format!("'{text}' is not an integer"))
+        }
+        ("len", [Value::Sequence(sequence)]) if sequence.kind == SequenceKind::Iterator => {
+            Err("an iterator has no length: write `len(list(...))`".into())
+        }
+        (
+            "len",
+            [
+                Value::Text(_)
+                | Value::List(_)
+                | Value::Tuple(_)
+                | Value::Dict(_)
+                | Value::Set(_)
+                | Value::Sequence(_),
+            ],
+        ) => Ok(Value::Int(i64::try_from(length(&arguments[0])).unwrap_or(i64::MAX))),
+        ("list", []) => Ok(Value::list(Vec::new())),
+        ("list", [all]) => items(all).map(Value::list),
+        ("tuple", []) => Ok(Value::Tuple(Rc::default())),
+        ("tuple", [all]) => items(all).map(|items| Value::Tuple(Rc::new(items))),
+        ("set", []) => Value::set([]),
+        ("set", [all]) => Value::set(members(all)?),
+        ("max", _) => extreme(arguments, Ordering::Greater),
+        ("min", _) => extreme(arguments, Ordering::Less),
+        ("range", _) => range(arguments),
+        ("repr", [x]) => x.checked_repr().map(Value::text),
+        ("reversed", [all]) => {
+            if matches!(all, Value::Set(_)) || all.kind() == "an iterator" {
+                return Err(format!("`reversed` of {}", all.kind()));
+            }
+            let mut all = items(all)?;
+            all.reverse();
+            Ok(Value::iterator(all))
+        }
+        ("round", [x]) => match x {
+            Value::Float(x) => truncated(libm::rint(*x)),
+            other => to_int(other),
+        },
+        ("round", [x, digits]) => {
+            let digits = digits.integer().ok_or("the number of digits is an integer")?;
+            rounded(x, digits)
+        }
+        ("sorted", [_]) => sorted(arguments, &[]),
+        ("str", []) => Ok(Value::text("")),
+        ("str", [x]) => x.display().map(Value::Text),
+        ("sum", [all]) => {
+            let numbers = members(all)?;
+            let is_exact = numbers.iter().all(|number| number.integer().is_some());
+            sum(&if is_exact { numbers } else { items(all)? })
+        }
+        ("enumerate", [all]) => {
+            let pairs = items(all)?.into_iter().zip(0_i64..);
+            let pairs = pairs.map(|(item, i)| Value::Tuple(Rc::new(vec![Value::Int(i), item])));
+            Ok(Value::iterator(pairs.collect()))
+        }
+        ("zip", lists) => {
+            let lists = lists.iter().map(items).collect::<Result<Vec<_>, _>>()?;
+            let count = lists.iter().map(Vec::len).min().unwrap_or(0);
+            let row = |i: usize| lists.iter().map(|list| list[i].clone()).collect();
+            Ok(Value::iterator((0..count).map(|i| Value::Tuple(Rc::new(row(i)))).collect()))
+        }
+        _ => Err(wrong_arguments(name, arguments)),
+    }
+}
+
+/// Calls a function of `math` with other arguments or results than numbers.
+fn call_math(name: &str, arguments: &[Value]) -> Called {
     match (name, arguments) {
         ("math.ceil", [x]) => truncated(number(x)?.ceil()),
         ("math.floor", [x]) => truncated(number(x)?.floor()),
@@ -201,81 +329,22 @@ pub fn call(name: &str, arguments: &[Value]) -> Called {
         ("math.isinf", [x]) => Ok(Value::Bool(number(x)?.is_infinite())),
         ("math.isfinite", [x]) => Ok(Value::Bool(number(x)?.is_finite())),
         ("math.fsum", [all]) => {
-            let sum = items(all)?.iter().map(number).sum::<Result<f64, _>>()?;
-            Ok(Value::Float(sum))
+            let numbers = members(all)?.iter().map(number).collect::<Result<Vec<_>, _>>()?;
+            exact_sum(&numbers).map(Value::Float)
         }
-        ("abs", [Value::Float(x)]) => Ok(Value::Float(x.abs())),
-        ("abs", [x]) => {
-            let x = x.integer().ok_or_else(|| format!("`abs` of {}", x.kind()))?;
-            x.checked_abs().map(Value::Int).ok_or_else(|| "an integer is too large".into())
+        ("math.isclose", [a, b]) => {
+            let (a, b) = (number(a)?, number(b)?);
+            let scale = a.abs().max(b.abs());
+            Ok(Value::Bool(a == b || scale.is_finite() && (a - b).abs() <= 1e-9 * scale))
         }
-        ("all", [all]) => Ok(Value::Bool(items(all)?.iter().all(Value::is_true))),
-        ("any", [all]) => Ok(Value::Bool(items(all)?.iter().any(Value::is_true))),
-        ("bool", []) => Ok(Value::Bool(false)),
-        ("bool", [x]) => Ok(Value::Bool(x.is_true())),
-        ("float", [x]) => to_float(x),
-        ("int", [x]) => to_int(x),
-        ("int", [Value::Text(text), base]) => {
-            let base = base.integer().and_then(|base| u32::try_from(base).ok());
-            let base =
-                base.filter(|base| (2..=36).contains(base)).ok_or("the base is not 2 to 36")?;
-            let digits = text.trim().trim_start_matches("0x").trim_start_matches("0X");
-            let value = i64::from_str_radix(digits, base);
-            value.map(Value::Int).map_err(|_| format!("'{text}' is not an integer"))
-        }
-        ("len", [Value::Text(_) | Value::List(_) | Value::Tuple(_) | Value::Dict(_)]) => {
-            Ok(Value::Int(i64::try_from(length(&arguments[0])).unwrap_or(i64::MAX)))
-        }
-        ("list", []) => Ok(Value::list(Vec::new())),
-        ("list", [all]) => items(all).map(Value::list),
-        ("tuple", []) => Ok(Value::Tuple(Rc::default())),
-        ("tuple", [all]) => items(all).map(|items| Value::Tuple(Rc::new(items))),
-        ("set", [all]) => {
-            let mut unique: Vec<Value> = Vec::new();
-            for item in items(all)? {
-                if !unique.iter().any(|own| own.equals(&item)) {
-                    unique.push(item);
-                }
-            }
-            Ok(Value::list(unique))
-        }
-        ("max", _) => extreme(arguments, Ordering::Greater),
-        ("min", _) => extreme(arguments, Ordering::Less),
-        ("range", _) => range(arguments),
-        ("repr", [x]) => Ok(Value::text(x.repr())),
-        ("reversed", [all]) => {
-            let mut all = items(all)?;
-            all.reverse();
-            Ok(Value::list(all))
-        }
-        ("round", [x]) => match x {
-            Value::Float(x) => truncated(libm::rint(*x)),
-            other => to_int(other),
-        },
-        ("round", [x, digits]) => {
-            let digits = digits.integer().ok_or("the number of digits is an integer")?;
-            rounded(x, digits)
-        }
-        ("sorted", [_]) => sorted(arguments, &[]),
-        ("str", []) => Ok(Value::text("")),
-        ("str", [x]) => Ok(Value::Text(x.display())),
-        ("sum", [all]) => sum(&items(all)?),
-        ("enumerate", [all]) => {
-            let pairs = items(all)?.into_iter().zip(0_i64..);
-            let pairs = pairs.map(|(item, i)| Value::Tuple(Rc::new(vec![Value::Int(i), item])));
-            Ok(Value::list(pairs.collect()))
-        }
-        ("zip", lists) => {
-            let lists = lists.iter().map(items).collect::<Result<Vec<_>, _>>()?;
-            let count = lists.iter().map(Vec::len).min().unwrap_or(0);
-            let row = |i: usize| lists.iter().map(|list| list[i].clone()).collect();
-            Ok(Value::list((0..count).map(|i| Value::Tuple(Rc::new(row(i)))).collect()))
-        }
-        _ => {
-            let kinds: Vec<&str> = arguments.iter().map(Value::kind).collect();
-            Err(format!("`{name}` cannot be called with ({})", kinds.join(", ")))
-        }
+        ("math.prod", [all]) => product(&items(all)?),
+        _ => Err(wrong_arguments(name, arguments)),
     }
+}
+
+fn wrong_arguments(name: &str, arguments: &[Value]) -> String {
+    let kinds: Vec<&str> = arguments.iter().map(Value::kind).collect();
+    format!("`{name}` cannot be called with ({})", kinds.join(", "))
 }
 
 /// Returns the dictionary of entries, of pairs, and of named arguments.
@@ -303,7 +372,7 @@ pub fn dict(arguments: &[Value], named: Vec<(Rc<str>, Value)>) -> Called {
 /// Returns the items in order.
 pub fn sorted(arguments: &[Value], named: &[(Rc<str>, Value)]) -> Called {
     let [all] = arguments else { return Err("`sorted` has one list".into()) };
-    let mut all = items(all)?;
+    let mut all = members(all)?;
     let comparable = all.windows(2).all(|pair| pair[0].compare(&pair[1]).is_some());
     if !comparable {
         return Err("`sorted` of values without an order".into());
@@ -360,7 +429,7 @@ pub fn literal_float(text: &str) -> Option<f64> {
 
 fn extreme(arguments: &[Value], wanted: Ordering) -> Called {
     let all = match arguments {
-        [all] => items(all)?,
+        [all] => members(all)?,
         several => several.to_vec(),
     };
     let mut all = all.into_iter();
@@ -398,14 +467,14 @@ fn range(arguments: &[Value]) -> Called {
         let Some(next) = at.checked_add(step) else { break };
         at = next;
     }
-    Ok(Value::list(values))
+    Ok(Value::sequence(SequenceKind::Range([from, to, step]), values))
 }
 
 fn rounded(x: &Value, digits: i64) -> Called {
     if let Value::Int(_) | Value::Bool(_) = x
         && digits >= 0
     {
-        return Ok(x.clone());
+        return to_int(x);
     }
     let x = number(x)?;
     let Some(digits) = usize::try_from(digits).ok().filter(|digits| *digits < 300) else {
@@ -413,6 +482,59 @@ fn rounded(x: &Value, digits: i64) -> Called {
     };
     // The text is exact, and its last digit is rounded to even, as Python's.
     format!("{x:.digits$}").parse().map(Value::Float).map_err(|_| "a number is not finite".into())
+}
+
+fn product(all: &[Value]) -> Called {
+    let mut exact = Some(1_i64);
+    let mut product = 1.0;
+    let mut is_integer = true;
+    for item in all {
+        is_integer = is_integer && item.integer().is_some();
+        exact = exact.and_then(|product| product.checked_mul(item.integer()?));
+        product *= number(item)?;
+    }
+    if is_integer {
+        return exact.map(Value::Int).ok_or_else(|| "an integer is too large".into());
+    }
+    Ok(Value::Float(product))
+}
+
+/// Returns the sum of numbers, rounded once: Shewchuk's sum of parts that do not overlap.
+fn exact_sum(numbers: &[f64]) -> Result<f64, String> {
+    let mut parts: Vec<f64> = Vec::new();
+    for number in numbers {
+        let mut sum = *number;
+        let mut kept = Vec::new();
+        for part in parts {
+            let (large, small) = if sum.abs() < part.abs() { (part, sum) } else { (sum, part) };
+            sum = large + small;
+            let rest = small - (sum - large);
+            if rest != 0.0 {
+                kept.push(rest);
+            }
+        }
+        kept.push(sum);
+        parts = kept;
+    }
+    let Some(mut sum) = parts.pop() else { return Ok(0.0) };
+    let mut rest = 0.0;
+    while let Some(part) = parts.pop() {
+        let before = sum;
+        sum = before + part;
+        rest = part - (sum - before);
+        if rest != 0.0 {
+            break;
+        }
+    }
+    // Half of the last digit is rounded by the part below it.
+    if parts.last().is_some_and(|part| (*part < 0.0) == (rest < 0.0)) {
+        let twice = rest * 2.0;
+        let rounded = sum + twice;
+        if (rounded - sum).to_bits() == twice.to_bits() {
+            sum = rounded;
+        }
+    }
+    if sum.is_finite() { Ok(sum) } else { Err("`math.fsum` of these numbers is not finite".into()) }
 }
 
 fn sum(all: &[Value]) -> Called {
@@ -441,7 +563,19 @@ const TEXT_METHODS: &[&str] = &[
     "count",
     "title",
     "capitalize",
+    "index",
     "isdigit",
+    "zfill",
+];
+const SET_METHODS: &[&str] = &[
+    "copy",
+    "union",
+    "intersection",
+    "difference",
+    "symmetric_difference",
+    "issubset",
+    "issuperset",
+    "isdisjoint",
 ];
 const LIST_METHODS: &[&str] = &["index", "count"];
 const DICT_METHODS: &[&str] = &["get", "keys", "values", "items"];
@@ -452,6 +586,7 @@ pub fn is_method(value: &Value, name: &str) -> bool {
         Value::Text(_) => TEXT_METHODS,
         Value::List(_) | Value::Tuple(_) => LIST_METHODS,
         Value::Dict(_) => DICT_METHODS,
+        Value::Set(_) => SET_METHODS,
         _ => return false,
     };
     methods.contains(&name)
@@ -468,18 +603,20 @@ pub fn call_method(of: &Value, name: &str, arguments: &[Value]) -> Called {
         Value::Dict(entries) => match (name, arguments) {
             ("get", [key]) => Ok(of.entry(key).unwrap_or(Value::None)),
             ("get", [key, default]) => Ok(of.entry(key).unwrap_or_else(|| default.clone())),
-            ("keys", []) => items(of).map(Value::list),
+            ("keys", []) => items(of).map(|keys| view("dict_keys", keys)),
             ("values", []) => {
-                Ok(Value::list(entries.iter().map(|(_, value)| value.clone()).collect()))
+                let values = entries.iter().map(|(_, value)| value.clone());
+                Ok(view("dict_values", values.collect()))
             }
             ("items", []) => {
                 let pair = |(key, value): &(Value, Value)| {
                     Value::Tuple(Rc::new(vec![key.clone(), value.clone()]))
                 };
-                Ok(Value::list(entries.iter().map(pair).collect()))
+                Ok(view("dict_items", entries.iter().map(pair).collect()))
             }
             _ => Err(wrong()),
         },
+        Value::Set(set) => set_method(set, name, arguments)?.ok_or_else(wrong),
         Value::List(all) | Value::Tuple(all) => {
             let [item] = arguments else { return Err(wrong()) };
             let found = match name {
@@ -491,6 +628,55 @@ pub fn call_method(of: &Value, name: &str, arguments: &[Value]) -> Called {
         }
         _ => Err(wrong()),
     }
+}
+
+fn view(kind: &'static str, items: Vec<Value>) -> Value {
+    Value::sequence(SequenceKind::View(kind), items)
+}
+
+/// Calls a method of a set; `None` if it has other arguments.
+fn set_method(set: &Rc<Set>, name: &str, arguments: &[Value]) -> Result<Option<Value>, String> {
+    let mut others = Vec::new();
+    for argument in arguments {
+        others.push(Set::of(members(argument)?)?);
+    }
+    Ok(match (name, others.as_slice()) {
+        ("copy", []) => Some(Value::Set(set.clone())),
+        ("issubset", [other]) => Some(Value::Bool(set.is_subset(other))),
+        ("issuperset", [other]) => Some(Value::Bool(other.is_subset(set))),
+        ("isdisjoint", [other]) => Some(Value::Bool(set.is_disjoint(other))),
+        ("union" | "intersection" | "difference", _) | ("symmetric_difference", [_]) => {
+            let operator = match name {
+                "union" => "|",
+                "intersection" => "&",
+                "difference" => "-",
+                _ => "^",
+            };
+            let mut result = Set::clone(set);
+            for other in &others {
+                if let Some(combined) = result.combined(operator, other) {
+                    result = combined?;
+                }
+            }
+            Some(Value::Set(Rc::new(result)))
+        }
+        _ => None,
+    })
+}
+
+/// Returns a text in which each word begins with a capital letter.
+fn title(text: &str) -> String {
+    let mut out = String::new();
+    let mut is_in_word = false;
+    for c in text.chars() {
+        if is_in_word {
+            out.extend(c.to_lowercase())
+        } else {
+            out.extend(c.to_uppercase())
+        }
+        is_in_word = c.is_alphabetic();
+    }
+    out
 }
 
 fn text_method(text: &Rc<str>, name: &str, arguments: &[Value]) -> Option<Called> {
@@ -523,6 +709,26 @@ fn text_method(text: &Rc<str>, name: &str, arguments: &[Value]) -> Option<Called
             let at = text.find(part).map(|at| text[..at].chars().count());
             Value::Int(at.and_then(|at| i64::try_from(at).ok()).unwrap_or(-1))
         }
+        ("index", Some([part])) => {
+            let Some(at) = text.find(part) else {
+                return Some(Err(format!("'{part}' is not in '{text}'")));
+            };
+            Value::Int(i64::try_from(text[..at].chars().count()).unwrap_or(i64::MAX))
+        }
+        ("title", Some([])) => Value::text(title(text)),
+        ("zfill", _) => {
+            let width = match arguments {
+                [width] => usize::try_from(width.integer()?).unwrap_or(0),
+                _ => return None,
+            };
+            if width > 1 << 20 {
+                return Some(Err("a text is too long".into()));
+            }
+            let digits = text.strip_prefix(['+', '-']).unwrap_or(text);
+            let sign = &text[..text.len() - digits.len()];
+            let count = width.saturating_sub(text.chars().count());
+            Value::text(format!("{sign}{}{digits}", "0".repeat(count)))
+        }
         ("count", Some([part])) if !part.is_empty() => {
             Value::Int(i64::try_from(text.matches(part).count()).unwrap_or(i64::MAX))
         }
@@ -544,19 +750,31 @@ fn text_method(text: &Rc<str>, name: &str, arguments: &[Value]) -> Option<Called
             if length > 1 << 20 {
                 return Some(Err("a text is too long".into()));
             }
-            let parts: Vec<Rc<str>> = all.iter().map(Value::display).collect();
-            Value::text(parts.join(text))
+            let parts = all.iter().map(Value::display).collect::<Result<Vec<_>, _>>();
+            match parts {
+                Ok(parts) => Value::text(parts.join(text)),
+                Err(reason) => return Some(Err(reason)),
+            }
         }
         _ => return None,
     };
     Some(Ok(found))
 }
 
+/// Returns a number with an exponent of at least two digits.
+fn exponential(value: f64, precision: usize) -> String {
+    let text = format!("{value:.precision$e}");
+    let (digits, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+    let size = exponent.trim_start_matches('-');
+    let sign = if exponent.starts_with('-') { '-' } else { '+' };
+    format!("{digits}e{sign}{size:0>2}")
+}
+
 /// Returns a value in a format such as `.3f`, `d` or `03d`.
 fn formatted(value: &Value, spec: &str) -> Result<String, String> {
     let wrong = || format!("the format `{spec}` of {} is not supported", value.kind());
     if spec.is_empty() {
-        return Ok(value.display().to_string());
+        return value.display().map(|text| text.to_string());
     }
     let (digits, kind) = match spec.chars().next_back() {
         Some(kind) if kind.is_ascii_alphabetic() => (&spec[..spec.len() - 1], kind),
@@ -571,10 +789,16 @@ fn formatted(value: &Value, spec: &str) -> Result<String, String> {
     if width > 100 || precision > 100 {
         return Err(wrong());
     }
+    // Python fills a text with spaces, and gives other meanings to the precision of these kinds.
+    let is_plain = !spec.contains('.');
     let text = match kind {
+        'f' | 'e' if !number(value)?.is_finite() => return Err(wrong()),
         'f' => format!("{:.precision$}", number(value)?),
+        'e' => exponential(number(value)?, precision),
+        'd' | 's' if !is_plain => return Err(wrong()),
+        's' if zeros => return Err(wrong()),
         'd' => value.integer().ok_or_else(wrong)?.to_string(),
-        's' => value.display().to_string(),
+        's' => value.display()?.to_string(),
         _ => return Err(wrong()),
     };
     Ok(match (zeros, kind) {
@@ -582,7 +806,6 @@ fn formatted(value: &Value, spec: &str) -> Result<String, String> {
             Some(digits) => format!("-{digits:0>width$}", width = width.saturating_sub(1)),
             None => format!("{text:0>width$}"),
         },
-        (false, 's') => format!("{text:<width$}"),
         (false, _) => format!("{text:>width$}"),
     })
 }

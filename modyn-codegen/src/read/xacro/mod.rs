@@ -13,6 +13,7 @@ mod expand;
 mod functions;
 mod parse;
 mod scopes;
+mod set;
 mod text;
 mod tree;
 mod value;

@@ -25,8 +25,29 @@ pub enum Expression {
     List(Vec<Expression>),
     Tuple(Vec<Expression>),
     Dict(Vec<(Expression, Expression)>),
-    /// The element (and the value, in a dictionary), and the loop.
-    Comprehension(Box<Expression>, Option<Box<Expression>>, Box<Loop>),
+    Set(Vec<Expression>),
+    Comprehension(Box<Comprehension>),
+}
+
+/// A comprehension.
+#[derive(Clone, Debug)]
+pub struct Comprehension {
+    pub form: Form,
+    /// The element; in a dictionary, the key.
+    pub item: Expression,
+    /// The value, in a dictionary.
+    pub value: Option<Expression>,
+    pub first: Loop,
+}
+
+/// The result of a comprehension.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    List,
+    Set,
+    Dict,
+    /// In parentheses.
+    Iterator,
 }
 
 /// The loop of a comprehension.
@@ -174,6 +195,10 @@ fn quoted(text: &str, quote: char) -> Result<(String, usize), String> {
             '\\' => match chars.next().map(|(_, c)| c) {
                 Some('n') => out.push('\n'),
                 Some('t') => out.push('\t'),
+                Some('r') => out.push('\r'),
+                Some(c) if c.is_digit(8) || "abfvxNuU\n".contains(c) => {
+                    return Err(format!("the escape `\\{}` is not supported", c.escape_default()));
+                }
                 Some(c) if c == '\\' || c == '\'' || c == '"' => out.push(c),
                 other => {
                     out.push('\\');
@@ -386,7 +411,7 @@ impl Parser {
                 let argument = self.expression()?;
                 let is_loop = self.peek() == Some(&Token::Name("for".into()));
                 arguments.push(if is_loop {
-                    Expression::Comprehension(Box::new(argument), None, Box::new(self.for_loop()?))
+                    self.comprehension(Form::Iterator, argument, None)?
                 } else {
                     argument
                 });
@@ -470,9 +495,9 @@ impl Parser {
                 }
                 let inner = self.expressions()?;
                 if self.peek() == Some(&Token::Name("for".into())) {
-                    let found = self.for_loop()?;
+                    let found = self.comprehension(Form::Iterator, inner, None)?;
                     self.expect(")")?;
-                    return Ok(Expression::Comprehension(Box::new(inner), None, Box::new(found)));
+                    return Ok(found);
                 }
                 self.expect(")")?;
                 inner
@@ -483,15 +508,19 @@ impl Parser {
         })
     }
 
+    fn comprehension(&mut self, form: Form, item: Expression, value: Option<Expression>) -> Parsed {
+        let first = self.for_loop()?;
+        Ok(Expression::Comprehension(Box::new(Comprehension { form, item, value, first })))
+    }
+
     fn list(&mut self) -> Parsed {
         let mut items = Vec::new();
         while !self.take("]") {
             items.push(self.expression()?);
             if items.len() == 1 && self.peek() == Some(&Token::Name("for".into())) {
-                let found = self.for_loop()?;
+                let found = self.comprehension(Form::List, items.remove(0), None)?;
                 self.expect("]")?;
-                let item = Box::new(items.remove(0));
-                return Ok(Expression::Comprehension(item, None, Box::new(found)));
+                return Ok(found);
             }
             if !self.take(",") {
                 self.expect("]")?;
@@ -501,17 +530,39 @@ impl Parser {
         Ok(Expression::List(items))
     }
 
+    /// The rest of a set after its first value.
+    fn set(&mut self, first: Expression) -> Parsed {
+        if self.peek() == Some(&Token::Name("for".into())) {
+            let found = self.comprehension(Form::Set, first, None)?;
+            self.expect("}")?;
+            return Ok(found);
+        }
+        let mut items = vec![first];
+        while !self.take("}") {
+            self.expect(",")?;
+            if self.take("}") {
+                break;
+            }
+            items.push(self.expression()?);
+        }
+        Ok(Expression::Set(items))
+    }
+
+    /// A dictionary, or a set.
     fn dict(&mut self) -> Parsed {
         let mut entries = Vec::new();
         while !self.take("}") {
             let key = self.expression()?;
+            let is_set = entries.is_empty() && self.peek() != Some(&Token::Symbol(":"));
+            if is_set {
+                return self.set(key);
+            }
             self.expect(":")?;
             let value = self.expression()?;
             if entries.is_empty() && self.peek() == Some(&Token::Name("for".into())) {
-                let found = self.for_loop()?;
+                let found = self.comprehension(Form::Dict, key, Some(value))?;
                 self.expect("}")?;
-                let value = Some(Box::new(value));
-                return Ok(Expression::Comprehension(Box::new(key), value, Box::new(found)));
+                return Ok(found);
             }
             entries.push((key, value));
             if !self.take(",") {

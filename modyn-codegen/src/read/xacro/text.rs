@@ -1,12 +1,11 @@
 //! Evaluates texts with expressions, `${...}`, and substitutions, `$(...)`.
 
 use std::path::Path;
-use std::rc::Rc;
 
 use super::evaluate::{Names, evaluate};
 use super::expand::{Expander, Fault};
 use super::parse::parse;
-use super::value::{ScopeId, Value};
+use super::value::{ScopeId, SequenceKind, Value};
 use super::yaml;
 use crate::diagnostics::suggest;
 
@@ -70,11 +69,11 @@ impl Expander<'_, '_> {
                 Part::Plain(plain) => Value::text(plain),
                 Part::Expression(inside) => {
                     // A substitution can be part of an expression.
-                    let inside = self.text(inside, scope)?.display();
+                    let inside = self.text(inside, scope)?.display()?;
                     self.expression(&inside, scope)?
                 }
                 Part::Substitution(inside) => {
-                    let inside = self.text(inside, scope)?.display();
+                    let inside = self.text(inside, scope)?.display()?;
                     self.substitution(&inside, scope)?
                 }
             });
@@ -82,7 +81,7 @@ impl Expander<'_, '_> {
         if values.len() == 1 {
             return Ok(values.remove(0));
         }
-        let texts: Vec<Rc<str>> = values.iter().map(Value::display).collect();
+        let texts = values.iter().map(Value::display).collect::<Result<Vec<_>, _>>()?;
         self.spend(texts.iter().map(|text| text.len()).sum::<usize>() / 100)?;
         Ok(Value::text(texts.concat()))
     }
@@ -96,6 +95,9 @@ impl Expander<'_, '_> {
         let mut names = Scoped { expander: self, scope, fault: None };
         let found = evaluate(&parsed, &mut names);
         match (found, names.fault) {
+            (Ok(Value::Sequence(result)), _) if result.kind == SequenceKind::Iterator => {
+                Err(in_words("the result is an iterator: write `list(...)` of it".into()))
+            }
             (Ok(value), _) => Ok(value),
             (Err(_), Some(fault)) => Err(fault),
             (Err(reason), None) => Err(in_words(reason)),
@@ -164,7 +166,7 @@ impl Expander<'_, '_> {
             other => Err(Fault::from(format!("`{name}` of {}", other.kind()))),
         };
         let joined = || {
-            let words: Vec<Rc<str>> = arguments.iter().map(Value::display).collect();
+            let words: Vec<String> = arguments.iter().map(Value::message).collect();
             words.join(" ")
         };
         match (name, arguments) {

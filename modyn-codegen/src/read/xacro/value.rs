@@ -4,11 +4,30 @@ use std::cmp::Ordering;
 use std::fmt::Write;
 use std::rc::Rc;
 
+use super::set::Set;
 use super::tree::Element;
 
 /// A scope of properties by its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ScopeId(pub usize);
+
+/// The values of a range, of a view of a dictionary or of an iterator.
+#[derive(Clone, Debug)]
+pub struct Sequence {
+    pub kind: SequenceKind,
+    pub items: Vec<Value>,
+}
+
+/// The type of a sequence that is no list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SequenceKind {
+    /// The start, the end and the step.
+    Range([i64; 3]),
+    /// `dict_keys`, `dict_values` or `dict_items`.
+    View(&'static str),
+    /// The result of `map`, `zip` and others, which Python computes when it is iterated.
+    Iterator,
+}
 
 /// A value.
 #[derive(Clone, Debug)]
@@ -22,6 +41,8 @@ pub enum Value {
     Tuple(Rc<Vec<Value>>),
     /// Keys and values, in the order in which they were added.
     Dict(Rc<Vec<(Value, Value)>>),
+    Set(Rc<Set>),
+    Sequence(Rc<Sequence>),
     /// A function by its name, such as `math.sin`.
     Function(&'static str),
     /// A method of a value.
@@ -43,6 +64,34 @@ impl Value {
     /// Returns a list as a value.
     pub fn list(items: Vec<Self>) -> Self {
         Self::List(Rc::new(items))
+    }
+
+    /// Returns the set of values as a value.
+    pub fn set(values: impl IntoIterator<Item = Self>) -> Result<Self, String> {
+        Set::of(values).map(|set| Self::Set(Rc::new(set)))
+    }
+
+    /// Returns a range, a view or an iterator as a value.
+    pub fn sequence(kind: SequenceKind, items: Vec<Self>) -> Self {
+        Self::Sequence(Rc::new(Sequence { kind, items }))
+    }
+
+    /// Returns an iterator as a value.
+    pub fn iterator(items: Vec<Self>) -> Self {
+        Self::sequence(SequenceKind::Iterator, items)
+    }
+
+    /// Returns the set of a set, or of the keys or the items of a dictionary.
+    pub fn as_set(&self) -> Option<Rc<Set>> {
+        match self {
+            Self::Set(set) => Some(set.clone()),
+            Self::Sequence(view)
+                if matches!(view.kind, SequenceKind::View("dict_keys" | "dict_items")) =>
+            {
+                Set::of(view.items.iter().cloned()).ok().map(Rc::new)
+            }
+            _ => None,
+        }
     }
 
     /// Returns the number of a number or a truth value.
@@ -75,6 +124,10 @@ impl Value {
             Self::Text(text) => !text.is_empty(),
             Self::List(items) | Self::Tuple(items) => !items.is_empty(),
             Self::Dict(entries) => !entries.is_empty(),
+            Self::Set(set) => !set.values().is_empty(),
+            Self::Sequence(sequence) => {
+                sequence.kind == SequenceKind::Iterator || !sequence.items.is_empty()
+            }
             _ => true,
         }
     }
@@ -90,6 +143,12 @@ impl Value {
             Self::List(_) => "a list",
             Self::Tuple(_) => "a tuple",
             Self::Dict(_) => "a dictionary",
+            Self::Set(_) => "a set",
+            Self::Sequence(sequence) => match sequence.kind {
+                SequenceKind::Range(_) => "a range",
+                SequenceKind::View(_) => "a view of a dictionary",
+                SequenceKind::Iterator => "an iterator",
+            },
             Self::Function(_) | Self::Method(_) => "a function",
             Self::Module(_) | Self::Scope(_) => "a namespace",
             Self::Block(_) => "a block",
@@ -111,10 +170,18 @@ impl Value {
                     })
             }
             (Self::Function(a), Self::Function(b)) => a == b,
-            _ => match (self.number(), other.number()) {
-                (Some(a), Some(b)) => a == b,
-                _ => false,
-            },
+            (Self::Sequence(a), Self::Sequence(b))
+                if matches!((a.kind, b.kind), (SequenceKind::Range(_), SequenceKind::Range(_))) =>
+            {
+                Self::list(a.items.clone()).equals(&Self::list(b.items.clone()))
+            }
+            (Self::Set(_) | Self::Sequence(_), Self::Set(_) | Self::Sequence(_)) => {
+                match (self.as_set(), other.as_set()) {
+                    (Some(a), Some(b)) => a.equals(&b),
+                    _ => false,
+                }
+            }
+            _ => self.compare_numbers(other) == Some(Ordering::Equal),
         }
     }
 
@@ -126,8 +193,17 @@ impl Value {
                 let unequal = a.iter().zip(b.iter()).find(|(a, b)| !a.equals(b));
                 unequal.map_or(Some(a.len().cmp(&b.len())), |(a, b)| a.compare(b))
             }
-            (Self::Int(a), Self::Int(b)) => Some(a.cmp(b)),
-            _ => self.number()?.partial_cmp(&other.number()?),
+            _ => self.compare_numbers(other),
+        }
+    }
+
+    /// Returns the order of two numbers, exactly also for an integer and a float.
+    fn compare_numbers(&self, other: &Self) -> Option<Ordering> {
+        match (self.integer(), other.integer()) {
+            (Some(a), Some(b)) => Some(a.cmp(&b)),
+            (Some(a), None) => compare_with_float(a, other.number()?),
+            (None, Some(b)) => compare_with_float(b, self.number()?).map(Ordering::reverse),
+            (None, None) => self.number()?.partial_cmp(&other.number()?),
         }
     }
 
@@ -137,15 +213,52 @@ impl Value {
         entries.iter().find(|(own, _)| own.equals(key)).map(|(_, value)| value.clone())
     }
 
-    /// Returns the text, as Python's `str` writes it.
-    pub fn display(&self) -> Rc<str> {
+    /// Returns the text, as Python's `str` writes it; an error if Python's text is not fixed.
+    pub fn display(&self) -> Result<Rc<str>, String> {
         match self {
-            Self::Text(text) => text.clone(),
-            other => other.repr().into(),
+            Self::Text(text) => Ok(text.clone()),
+            other => other.checked_repr().map(Into::into),
+        }
+    }
+
+    /// Returns the text of a message, also of values whose text is not fixed in Python.
+    pub fn message(&self) -> String {
+        match self {
+            Self::Text(text) => text.to_string(),
+            other => other.repr(),
+        }
+    }
+
+    /// Returns the text of `repr`; an error if Python's text is not fixed.
+    pub fn checked_repr(&self) -> Result<String, String> {
+        self.check_text()?;
+        Ok(self.repr())
+    }
+
+    fn check_text(&self) -> Result<(), String> {
+        match self {
+            Self::List(items) | Self::Tuple(items) => items.iter().try_for_each(Self::check_text),
+            Self::Dict(entries) => entries
+                .iter()
+                .try_for_each(|(key, value)| key.check_text().and_then(|()| value.check_text())),
+            Self::Set(set) => set.ordered()?.iter().try_for_each(Self::check_text),
+            Self::Sequence(sequence) if sequence.kind != SequenceKind::Iterator => {
+                sequence.items.iter().try_for_each(Self::check_text)
+            }
+            Self::Sequence(_) => Err("an iterator has no text: write `list(...)` of it".into()),
+            Self::Function(_) | Self::Method(_) => {
+                Err("a function has no text: is a pair of parentheses missing?".into())
+            }
+            Self::Module(_) | Self::Scope(_) | Self::Block(_) => {
+                Err(format!("{} has no text", self.kind()))
+            }
+            _ => Ok(()),
         }
     }
 
     /// Returns the text of an expression of this value, as Python's `repr` writes it.
+    ///
+    /// Values without such a text are described for messages.
     pub fn repr(&self) -> String {
         let joined = |items: &[Self]| items.iter().map(Self::repr).collect::<Vec<_>>().join(", ");
         match self {
@@ -161,12 +274,31 @@ impl Value {
                 let entries = entries.iter().map(|(k, v)| format!("{}: {}", k.repr(), v.repr()));
                 format!("{{{}}}", entries.collect::<Vec<_>>().join(", "))
             }
+            Self::Set(set) if set.values().is_empty() => "set()".into(),
+            Self::Set(set) => {
+                let values = set.ordered().unwrap_or_else(|_| set.values().to_vec());
+                format!("{{{}}}", joined(&values))
+            }
+            Self::Sequence(sequence) => match sequence.kind {
+                SequenceKind::Range([from, to, 1]) => format!("range({from}, {to})"),
+                SequenceKind::Range([from, to, step]) => format!("range({from}, {to}, {step})"),
+                SequenceKind::View(name) => format!("{name}([{}])", joined(&sequence.items)),
+                SequenceKind::Iterator => "<iterator>".into(),
+            },
             Self::Function(name) | Self::Module(name) => format!("<{name}>"),
             Self::Method(method) => format!("<{}>", method.1),
             Self::Scope(_) => "<namespace>".into(),
             Self::Block(_) => "<block>".into(),
         }
     }
+}
+
+/// Returns the order of an integer and a float, without rounding the integer.
+fn compare_with_float(integer: i64, float: f64) -> Option<Ordering> {
+    #[allow(clippy::cast_possible_truncation)] // Floats beyond 128 bits become the largest integer.
+    let floor = float.floor() as i128;
+    let fraction = || if float > float.floor() { Ordering::Less } else { Ordering::Equal };
+    (!float.is_nan()).then(|| i128::from(integer).cmp(&floor).then_with(fraction))
 }
 
 /// Returns a text in quotes, as Python writes it.
@@ -177,6 +309,7 @@ fn quoted(text: &str) -> String {
         match c {
             '\n' => out += "\\n",
             '\t' => out += "\\t",
+            '\r' => out += "\\r",
             '\\' => out += "\\\\",
             c if c == quote => out.extend(['\\', c]),
             c => out.push(c),
