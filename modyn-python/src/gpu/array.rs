@@ -1,6 +1,5 @@
 //! Arrays on a graphics processor, to and from NumPy.
 
-use modyn_codegen::Function;
 use modyn_gpu::Gpu;
 use numpy::prelude::*;
 use pyo3::exceptions::PyValueError;
@@ -99,23 +98,23 @@ pub(super) enum Argument<'py> {
 }
 
 impl<'py> Argument<'py> {
-    /// Returns an argument of `function`, whose states have this shape.
+    /// Returns an argument of the function of this name, whose states have this shape.
     ///
     /// # Errors
     ///
     /// `TypeError` if these are not real numbers, `ValueError` for another shape, or a number out of range.
     pub fn read(
-        function: Function,
-        argument: &modyn_codegen::plan::Argument,
+        function: &str,
+        name: &'static str,
+        check: Option<Check>,
         shape: &[usize],
         object: &Bound<'py, PyAny>,
     ) -> PyResult<Self> {
         if let Ok(array) = object.cast::<GpuArray>() {
             return Ok(Self::OnProcessor(array.get().array.clone()));
         }
-        let name = argument.name;
-        let given = Given::read_for_scalar(function.name(), name, shape, object)?;
-        if let Some(check) = Check::of(Some(function), argument) {
+        let given = Given::read_for_scalar(function, name, shape, object)?;
+        if let Some(check) = check {
             let checked = check.run(name, given.as_slice()?, shape.iter().product());
             checked.map_err(PyValueError::new_err)?;
         }

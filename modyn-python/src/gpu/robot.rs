@@ -11,6 +11,7 @@ use pyo3::types::PyTuple;
 
 use super::array::{Argument, any, layout, upload};
 use super::{GpuArray, GpuRollout, exception, function_named};
+use crate::checks::Check;
 use crate::errors::description_error;
 use crate::layout::{self, Layout};
 use crate::parameters::ParameterNumbers;
@@ -109,8 +110,10 @@ impl GpuRobot {
             return Err(PyTypeError::new_err(message));
         }
         let given = own.arguments.iter().zip(arguments.iter());
-        let given =
-            given.map(|((own, shape), object)| Argument::read(function, own, shape, &object));
+        let given = given.map(|((own, shape), object)| {
+            let check = Check::of(Some(function), own);
+            Argument::read(function.name(), own.name, check, shape, &object)
+        });
         let given = given.collect::<PyResult<Vec<_>>>()?;
         let states = given.iter().find_map(Argument::states).unwrap_or(1);
         let uploaded = given.into_iter().map(|argument| argument.uploaded(py, &self.gpu, states));

@@ -9,6 +9,7 @@ use pyo3::prelude::*;
 use super::array::{Argument, any, layout, upload};
 use super::{GpuArray, exception, function_named};
 use crate::arrays::tuple;
+use crate::checks::Check;
 use crate::errors::description_error;
 use crate::parameters::ParameterNumbers;
 use crate::robot::Robot;
@@ -110,15 +111,15 @@ impl GpuRollout {
         let source = self.rollout.source();
         let step = function_named(step)?;
         let [q, qd] = [("q", source.nq, q), ("qd", source.nv, qd)].map(|(name, n, object)| {
-            Argument::read("run", name, &[n], object)?.uploaded(py, &self.gpu, 1)
+            Argument::read("run", name, None, &[n], object)?.uploaded(py, &self.gpu, 1)
         });
         let (q, qd, controls) = (q?, qd?, self.controls(py, controls)?);
-        let common = |name, shape: &[usize], object: Option<&Bound<'py, PyAny>>| {
-            let read = |object| Argument::read("run", name, shape, object);
-            let uploaded = |object| read(object)?.uploaded(py, &self.gpu, 1);
-            object.map(uploaded).transpose()
+        let uploaded = |settings| {
+            let check = Some(Check::Settings);
+            let shape = &[source.settings];
+            Argument::read("run", "settings", check, shape, settings)?.uploaded(py, &self.gpu, 1)
         };
-        let settings = common("settings", &[source.settings], settings)?;
+        let settings = settings.map(uploaded).transpose()?;
         let data = data.map(|data| any_numbers(py, &self.gpu, data)).transpose()?;
         let parameters = match source.parameters {
             0 => None,
