@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use modyn_codegen::Builder;
 use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_codegen::diagnostics::{Code, Diagnostics};
-use modyn_codegen::{ReadOptions, read};
+use modyn_codegen::{ReadOptions, expand_xacro, read};
 
 /// The number of repetitions: `MODYN_TEST_MANY=1000000 cargo test --release` sets a million.
 fn many() -> usize {
@@ -257,4 +257,82 @@ fn includes_without_end() {
     let shown = found.to_string();
     assert!(shown.contains("more than 1000 files are included"), "{shown}");
     assert!(found.iter().count() < 2000, "{}", found.iter().count());
+}
+
+/// Runs a function in a thread whose stack has this many bytes.
+fn with_stack<T: Send>(bytes: usize, run: impl FnOnce() -> T + Send) -> T {
+    std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new().stack_size(bytes).spawn_scoped(scope, run);
+        thread.expect("a thread").join().expect("no panic")
+    })
+}
+
+/// Returns the text of a xacro.
+fn xacro(inside: &str) -> String {
+    format!("<robot name='r' xmlns:xacro='http://ros.org/wiki/xacro'>{inside}</robot>")
+}
+
+/// Returns the error of a xacro that is expanded with a small stack.
+fn refused_xacro(inside: &str) -> String {
+    with_stack(256 << 10, || {
+        let options = ReadOptions::default();
+        let refused = expand_xacro(&xacro(inside), "hostile.xacro", &options);
+        refused.expect_err("refused").to_string()
+    })
+}
+
+/// The depth is counted before any recursion, in parts that nothing expands as well.
+#[test]
+fn elements_of_a_xacro_nested_without_end() {
+    for (before, open, close, after) in [
+        ("", "<a>", "</a>", ""),
+        ("<xacro:macro name='m'>", "<a>", "</a>", "</xacro:macro>"),
+        ("<xacro:property name='p'>", "<a>", "</a>", "</xacro:property>"),
+        ("<xacro:macro name='m' params='*b'/><xacro:m>", "<a>", "</a>", "</xacro:m>"),
+        ("<xacro:macro name='m' params='*b'/>", "<xacro:m>", "</xacro:m>", ""),
+        ("", "<xacro:if value='1'>", "</xacro:if>", ""),
+        ("", "<xacro:unless value='1'>", "</xacro:unless>", ""),
+        ("", "<xacro:element xacro:name='a'>", "</xacro:element>", ""),
+        ("", "<xacro:include filename='a'>", "</xacro:include>", ""),
+    ] {
+        for depth in [150, many()] {
+            let nested = [before, &open.repeat(depth), &close.repeat(depth), after].concat();
+            let error = refused_xacro(&nested);
+            assert!(error.contains("elements are nested more than 150 deep"), "{open}: {error}");
+            assert!(error.contains("hostile.xacro:1:"), "{open}: {error}");
+            assert!(error.contains("beside each other"), "{open}: {error}");
+        }
+    }
+}
+
+/// The deepest xacros that are read fit into the stack of a thread.
+#[test]
+fn the_deepest_xacros_fit_into_the_stack_of_a_thread() {
+    let expanded = |inside: &str| {
+        let text = xacro(inside);
+        with_stack(2 << 20, || expand_xacro(&text, "deep.xacro", &ReadOptions::default()))
+    };
+    for (open, close) in [
+        ("<a>", "</a>"),
+        ("<xacro:if value='1'>", "</xacro:if>"),
+        ("<xacro:unless value='0'>", "</xacro:unless>"),
+    ] {
+        let nested = open.repeat(148) + &close.repeat(148);
+        assert!(expanded(&nested).is_ok(), "{open}");
+    }
+    // A sum is as deep as its terms, and each property is the innermost term of the next one.
+    let sums: String = (1..100)
+        .map(|i| {
+            let sum = format!("p{}{}", i - 1, "+1".repeat(480));
+            format!("<xacro:property name='p{i}' value='${{{sum}}}'/>")
+        })
+        .collect();
+    let within = |expression: &str| {
+        let start = format!("<xacro:property name='p0' value='1'/>{sums}");
+        let value = format!("<b c='${{{expression}}}'/>");
+        expanded(&[start, "<a>".repeat(147), value, "</a>".repeat(147)].concat())
+    };
+    assert!(within("p1").is_ok());
+    let error = within("p99").expect_err("too deep").to_string();
+    assert!(error.contains("operations are nested more than 600 deep"), "{error}");
 }

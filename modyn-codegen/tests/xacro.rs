@@ -283,6 +283,68 @@ fn hostile_files_end() {
     let _ = std::fs::remove_dir_all(root);
 }
 
+/// Values share their parts, so that a few lines are values of any size: all that prints or compares
+/// them is counted before it is done.
+#[test]
+fn repeated_values_end() {
+    let too_long = "takes too long: more than a million operations";
+    // `a` has ten values, `b` a hundred, ...
+    let mut aliases = String::from("a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n");
+    for (name, before) in ('b'..='u').zip('a'..) {
+        writeln!(aliases, "{name}: &{name} [{}]", vec![format!("*{before}"); 10].join(", "))
+            .expect("a string");
+    }
+    let found = yaml("aliases", &aliases);
+    assert!(found.contains("a.yaml:7") && found.contains(too_long), "{found}");
+    assert!(found.contains("aliases of YAML shorter"), "{found}");
+    // So do mappings, merges and lists of lines.
+    let merges = "a: &a {x: 1}\nb: &b\n- *a\n- *a\nc: {<<: *a, y: *b, z: *b}\n";
+    assert!(yaml("merges", merges).contains("{'a': {'x': 1}"));
+    let in_lines = "a: &a\n  - 1\n".to_owned()
+        + &('b'..='u')
+            .zip('a'..)
+            .map(|(name, before)| {
+                format!("{name}: &{name}\n") + &format!("  - *{before}\n").repeat(10)
+            })
+            .collect::<String>();
+    assert!(yaml("lines", &in_lines).contains(too_long));
+    let property =
+        |name: &str, value: &str| format!("<xacro:property name='{name}' value='{value}'/>");
+    let doubled: String =
+        (1..60).map(|i| property(&format!("p{i}"), &format!("${{[p{0}, p{0}]}}", i - 1))).collect();
+    let doubled = property("p0", "${[1]}") + &doubled;
+    // Within an expression no property is between the lists.
+    let nested = (0..40).fold(String::from("[0]"), |list, _| format!("[[y, y] for y in [{list}]]"));
+    for expression in [
+        "p59",
+        "p59 == p59",
+        "str(p59)",
+        "len(p59)",
+        "p59 in [p59]",
+        "sorted([p59, p59])",
+        "'%s' % p59",
+        "dict(a=p59)",
+    ] {
+        let text = format!("{doubled}<a b=\"${{{expression}}}\"/>");
+        assert!(refused(&text).contains(too_long), "{expression}: {}", refused(&text));
+    }
+    for expression in
+        ["N", "str(N)", "N == N", "N in [N]", "max(N, N)", "len(str(N))", "[N].index(N)"]
+    {
+        let text = format!("<a b='${{{}}}'/>", expression.replace('N', &nested));
+        assert!(refused(&text).contains(too_long), "{expression}: {}", refused(&text));
+    }
+    // Keys are looked for among all others.
+    let keys = "<a b='${len({i: i for i in range(100000)})}'/>";
+    assert!(refused(keys).contains(too_long), "{}", refused(keys));
+    let keys: String = (0..50_000).map(|i| format!("k{i}: 1\n")).collect();
+    assert!(yaml("keys", &keys).contains(too_long));
+    // A value in itself, as often as the file says.
+    let deeper = "<xacro:property name='x' value='${[x]}' lazy_eval='false'/>".repeat(5000);
+    let deeper = property("x", "1") + &deeper + "<a b='${x}'/>";
+    assert!(refused(&deeper).contains("a value is nested more than 100 deep"));
+}
+
 #[test]
 fn packages_are_those_of_the_option_first() {
     let root = arm("packages");

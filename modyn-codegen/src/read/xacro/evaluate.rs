@@ -20,6 +20,13 @@ pub trait Names {
     /// Counts work; an error if the description does too much of it.
     fn spend(&mut self, work: usize) -> Result<(), String>;
 
+    /// Enters an operation in others, those of the properties that it needs included; an error if
+    /// they are too many for the call stack.
+    fn enter(&mut self) -> Result<(), String>;
+
+    /// Leaves an operation.
+    fn leave(&mut self);
+
     /// Returns advice for a name that is not there.
     fn similar(&self, name: &str) -> Option<String>;
 }
@@ -43,6 +50,13 @@ struct Evaluator<'n> {
 impl Evaluator<'_> {
     fn value(&mut self, expression: &Expression) -> Evaluated {
         self.names.spend(1)?;
+        self.names.enter()?;
+        let value = self.operation(expression)?;
+        self.names.leave();
+        Ok(value)
+    }
+
+    fn operation(&mut self, expression: &Expression) -> Evaluated {
         Ok(match expression {
             Expression::Constant(value) => value.clone(),
             Expression::Name(name) => self.name(name)?,
@@ -55,8 +69,7 @@ impl Evaluator<'_> {
                 let mut left = self.value(first)?;
                 for (operator, right) in rest {
                     let right = self.value(right)?;
-                    let length = functions::length(&left) + functions::length(&right);
-                    self.names.spend(length / 100)?;
+                    self.weigh_comparison(&left, &right)?;
                     if !compare(operator, &left, &right)? {
                         return Ok(Value::Bool(false));
                     }
@@ -83,6 +96,8 @@ impl Evaluator<'_> {
             }
             Expression::Index(of, index) => {
                 let (of, index) = (self.value(of)?, self.value(index)?);
+                self.weigh(&index)?;
+                self.names.spend(functions::length(&of) / 100)?;
                 item(&of, &index)?
             }
             Expression::Slice(of, parts) => {
@@ -113,11 +128,14 @@ impl Evaluator<'_> {
                 let mut found: Vec<(Value, Value)> = Vec::new();
                 for (key, value) in entries {
                     let (key, value) = (self.value(key)?, self.value(value)?);
-                    insert(&mut found, key, value);
+                    self.insert(&mut found, key, value)?;
                 }
                 Value::Dict(Rc::new(found))
             }
-            Expression::Set(items) => Value::set(self.values(items)?)?,
+            Expression::Set(items) => {
+                let items = self.values(items)?;
+                self.set(items)?
+            }
             Expression::Comprehension(comprehension) => {
                 let mut out = Vec::new();
                 self.comprehension(comprehension, &comprehension.first, &mut out)?;
@@ -125,10 +143,12 @@ impl Evaluator<'_> {
                 match comprehension.form {
                     Form::List => Value::list(items.collect()),
                     Form::Iterator => Value::iterator(items.collect()),
-                    Form::Set => Value::set(items)?,
+                    Form::Set => self.set(items.collect())?,
                     Form::Dict => {
                         let mut entries = Vec::new();
-                        out.into_iter().for_each(|(key, value)| insert(&mut entries, key, value));
+                        for (key, value) in out {
+                            self.insert(&mut entries, key, value)?;
+                        }
                         Value::Dict(Rc::new(entries))
                     }
                 }
@@ -177,6 +197,7 @@ impl Evaluator<'_> {
         if let Value::Method(method) = function {
             self.names.spend(functions::length(&method.0) / 100)?;
         }
+        self.weigh_call(function, &arguments)?;
         match function {
             Value::Function("dict") => functions::dict(&arguments, named),
             Value::Function(name @ ("map" | "filter")) => {
@@ -286,7 +307,10 @@ impl Evaluator<'_> {
             ("*", count, Value::Text(_) | Value::List(_) | Value::Tuple(_)) => {
                 self.repeated(right, count)?
             }
-            ("%", Value::Text(format), values) => functions::percent(format, values)?,
+            ("%", Value::Text(format), values) => {
+                self.weigh(values)?;
+                functions::percent(format, values)?
+            }
             ("|" | "&" | "^", Value::Dict(_), Value::Dict(_)) => {
                 return Err(format!("`{operator}` of dictionaries is not supported"));
             }
@@ -295,6 +319,8 @@ impl Evaluator<'_> {
                     && let Some(combined) = a.combined(operator, &b)
                 {
                     self.names.spend(a.values().len() + b.values().len())?;
+                    self.weigh(left)?;
+                    self.weigh(right)?;
                     return combined.map(|set| Value::Set(Rc::new(set)));
                 }
                 return Err(format!("`{operator}` of {} and {}", left.kind(), right.kind()));
@@ -304,6 +330,55 @@ impl Evaluator<'_> {
             return Err(format!("a value is longer than {MAX_LENGTH}"));
         }
         Ok(found)
+    }
+
+    /// Counts the work to print or compare a value.
+    fn weigh(&mut self, value: &Value) -> Result<(), String> {
+        self.names.spend(value.weight()? / 10)
+    }
+
+    /// Counts the work to compare two values, or to look for one in the other.
+    fn weigh_comparison(&mut self, left: &Value, right: &Value) -> Result<(), String> {
+        self.names.spend((functions::length(left) + functions::length(right)) / 100)?;
+        if left.is_collection() && right.is_collection() {
+            self.weigh(left)?;
+            self.weigh(right)?;
+        }
+        Ok(())
+    }
+
+    /// Counts the work of a function that prints or compares its arguments or its value.
+    fn weigh_call(&mut self, function: &Value, arguments: &[Value]) -> Result<(), String> {
+        match function {
+            Value::Function(name) if functions::is_shallow(name) => return Ok(()),
+            Value::Method(method) if !matches!(method.0, Value::Dict(_)) => {
+                self.weigh(&method.0)?
+            }
+            _ => {}
+        }
+        arguments.iter().try_for_each(|argument| self.weigh(argument))
+    }
+
+    /// Returns a set, whose values are compared by their texts.
+    fn set(&mut self, values: Vec<Value>) -> Evaluated {
+        values.iter().try_for_each(|value| self.weigh(value))?;
+        Value::set(values)
+    }
+
+    /// Sets the value of a key.
+    fn insert(
+        &mut self,
+        entries: &mut Vec<(Value, Value)>,
+        key: Value,
+        value: Value,
+    ) -> Result<(), String> {
+        self.weigh(&key)?;
+        self.names.spend(entries.len() / 100)?;
+        match entries.iter_mut().find(|(known, _)| known.equals(&key)) {
+            Some(entry) => entry.1 = value,
+            None => entries.push((key, value)),
+        }
+        Ok(())
     }
 
     fn repeated(&mut self, value: &Value, count: &Value) -> Evaluated {
@@ -322,14 +397,6 @@ impl Evaluator<'_> {
             Value::Tuple(items) => Value::Tuple(Rc::new(many(items))),
             other => other.clone(),
         })
-    }
-}
-
-/// Sets the value of a key.
-fn insert(entries: &mut Vec<(Value, Value)>, key: Value, value: Value) {
-    match entries.iter_mut().find(|(own, _)| own.equals(&key)) {
-        Some(entry) => entry.1 = value,
-        None => entries.push((key, value)),
     }
 }
 

@@ -8,8 +8,10 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
+use roxmltree::Document;
+
 use super::scopes::{Macro, Parameter, Property, Scopes};
-use super::tree::{self, Attribute, Call, Element, Node, Place};
+use super::tree::{self, Attribute, Call, Element, MAX_DEPTH, Node, Place};
 use super::value::{ScopeId, Value};
 use crate::description::ReadOptions;
 use crate::diagnostics::{Code, ExpansionCall, Report, Severity, suggest};
@@ -19,14 +21,21 @@ use crate::read::xml;
 
 /// The largest depth of macro calls and includes.
 const MAX_CALLS: usize = 60;
-/// The largest depth of elements in each other, through all macros.
-const MAX_DEPTH: usize = 150;
 /// The largest number of included files.
 const MAX_FILES: usize = 1000;
-/// The largest amount of work: elements, attributes, operations, and characters in hundreds.
-const MAX_WORK: usize = 1_000_000;
+/// The largest amount of work: elements, attributes, operations, values that are printed or compared
+/// in tens, and characters in hundreds.
+pub const MAX_WORK: usize = 1_000_000;
 /// The largest number of properties that are evaluated for each other.
 const MAX_PROPERTIES: usize = 100;
+
+/// The largest depth of operations in each other, through all properties: a sum of 500 terms, which
+/// is the longest expression, is as deep.
+const MAX_OPERATIONS: usize = 600;
+
+/// The reason of a fault if an expansion does too much work.
+pub const TOO_LONG: &str =
+    "the expansion of the file takes too long: more than a million operations";
 
 /// The reason why an expansion ended; it is in the report.
 pub struct Refused;
@@ -76,6 +85,8 @@ pub struct Expander<'e, 'r> {
     depth: usize,
     /// The number of properties that are being evaluated.
     open_properties: usize,
+    /// The number of operations that are being evaluated.
+    open_operations: usize,
     work: Cell<usize>,
     packages: RefCell<Packages>,
 }
@@ -105,6 +116,7 @@ impl<'e, 'r> Expander<'e, 'r> {
             open_calls: 0,
             depth: 0,
             open_properties: 0,
+            open_operations: 0,
             work: Cell::new(0),
             packages: RefCell::default(),
         }
@@ -120,7 +132,7 @@ impl<'e, 'r> Expander<'e, 'r> {
     pub fn spend(&self, work: usize) -> Result<(), String> {
         self.work.set(self.work.get().saturating_add(work));
         if self.work.get() > MAX_WORK {
-            return Err("the expansion of the file takes too long".into());
+            return Err(TOO_LONG.into());
         }
         Ok(())
     }
@@ -129,7 +141,13 @@ impl<'e, 'r> Expander<'e, 'r> {
     fn refuse<T>(&mut self, place: Place, fault: impl Into<Fault>) -> Expanded<T> {
         let Fault { reason, help } = fault.into();
         let help = help.unwrap_or_else(|| {
-            "the language is that of `xacro` 2; docs/command.md says what modyn reads of it".into()
+            let help = if reason.ends_with(TOO_LONG) {
+                "make loops, recursions, repeated values and aliases of YAML shorter, or expand the \
+                 file by `xacro` and read the URDF"
+            } else {
+                "the language is that of `xacro` 2; docs/command.md says what modyn reads of it"
+            };
+            help.into()
         });
         let call = place.call.unwrap_or(0);
         self.report.error_in_call(Code::Xacro, place.at, (&self.calls, call), reason, help);
@@ -138,6 +156,42 @@ impl<'e, 'r> Expander<'e, 'r> {
 
     fn at<T>(&mut self, place: Place, found: Result<T, impl Into<Fault>>) -> Expanded<T> {
         found.or_else(|fault| self.refuse(place, fault))
+    }
+
+    /// Returns the tree of a document whose text starts at offset `start` of the report.
+    /// The call is that of the include.
+    pub fn tree(&mut self, document: &Document<'_>, start: usize, call: Call) -> Expanded<Element> {
+        let tree = tree::of_document(document, start);
+        tree.or_else(|at| self.refuse_depth(Place { at, call: Some(call) }))
+    }
+
+    /// Enters an element, a condition or a block; an error if there are too many of them around it.
+    fn deeper(&mut self, place: Place) -> Expanded {
+        self.depth += 1;
+        if self.depth > MAX_DEPTH { self.refuse_depth(place) } else { Ok(()) }
+    }
+
+    fn refuse_depth<T>(&mut self, place: Place) -> Expanded<T> {
+        let reason = format!("elements are nested more than {MAX_DEPTH} deep");
+        let help = "write the links and joints beside each other, directly in `<robot>`; if a macro \
+                    calls itself, end the recursion by a condition";
+        self.refuse(place, Fault::with_help(reason, help))
+    }
+
+    /// Enters an operation of an expression; an error if there are too many of them around it.
+    pub fn enter(&mut self) -> Result<(), String> {
+        self.open_operations += 1;
+        if self.open_operations > MAX_OPERATIONS {
+            return Err(format!(
+                "operations are nested more than {MAX_OPERATIONS} deep, with those of properties"
+            ));
+        }
+        Ok(())
+    }
+
+    /// Leaves an operation of an expression.
+    pub fn leave(&mut self) {
+        self.open_operations -= 1;
     }
 
     /// Remembers the namespaces that a document declares.
@@ -152,10 +206,7 @@ impl<'e, 'r> Expander<'e, 'r> {
     /// Returns an element with its attributes and children expanded.
     fn element(&mut self, element: &Element, scope: ScopeId, call: Call) -> Expanded<Element> {
         let place = element.place.expanded_by(call);
-        self.depth += 1;
-        if self.depth > MAX_DEPTH {
-            return self.refuse(place, format!("elements are nested more than {MAX_DEPTH} deep"));
-        }
+        self.deeper(place)?;
         let work = self.spend(1 + element.attributes.len());
         self.at(place, work)?;
         let mut attributes = Vec::with_capacity(element.attributes.len());
@@ -226,11 +277,7 @@ impl<'e, 'r> Expander<'e, 'r> {
                     let mut unused = Vec::new();
                     let children = &mut *output.children;
                     let mut output = Output { attributes: &mut unused, children };
-                    self.depth += 1;
-                    if self.depth > MAX_DEPTH {
-                        let reason = format!("elements are nested more than {MAX_DEPTH} deep");
-                        return self.refuse(place, reason);
-                    }
+                    self.deeper(place)?;
                     self.children(element, scope, call, &mut output)?;
                     self.depth -= 1;
                 }
@@ -280,11 +327,7 @@ impl<'e, 'r> Expander<'e, 'r> {
         call: Call,
         output: &mut Output<'_>,
     ) -> Expanded {
-        self.depth += 1;
-        if self.depth > MAX_DEPTH {
-            let reason = format!("elements are nested more than {MAX_DEPTH} deep");
-            return self.refuse(renamed.place.expanded_by(call), reason);
-        }
+        self.deeper(renamed.place.expanded_by(call))?;
         self.child(&Rc::new(renamed), scope, call, output)?;
         self.depth -= 1;
         Ok(())
@@ -461,9 +504,9 @@ impl<'e, 'r> Expander<'e, 'r> {
             return Err(Refused);
         };
         let document = xml::document::parse(&text, start, "robot", self.report).ok_or(Refused)?;
-        let root = tree::of_document(&document, start);
-        self.declare(&root);
         let own = self.open_call(String::from("include"), place)?;
+        let root = self.tree(&document, start, own)?;
+        self.declare(&root);
         self.files.push(path);
         // The attributes of the outermost element are dropped, `xacro:attribute` beside its children too.
         let children = &mut *output.children;
@@ -556,11 +599,7 @@ impl<'e, 'r> Expander<'e, 'r> {
         let Some((block, only_content)) = found else {
             return self.refuse(name.place, format!("there is no block `{}`", name.value));
         };
-        self.depth += 1;
-        if self.depth > MAX_DEPTH {
-            return self
-                .refuse(name.place, format!("elements are nested more than {MAX_DEPTH} deep"));
-        }
+        self.deeper(name.place)?;
         if only_content {
             let mut unused = Vec::new();
             let children = &mut *output.children;

@@ -118,6 +118,26 @@ const IN_PYTHON: &[&str] = &[
     "zip",
 ];
 
+/// Returns whether a function neither prints nor compares the values in its arguments.
+pub fn is_shallow(name: &str) -> bool {
+    let shallow = [
+        "all",
+        "any",
+        "bool",
+        "dict",
+        "enumerate",
+        "filter",
+        "len",
+        "list",
+        "map",
+        "reversed",
+        "tuple",
+        "xacro.dotify",
+        "zip",
+    ];
+    shallow.contains(&name)
+}
+
 /// Returns the function of this full name.
 fn function(name: &str) -> Option<Value> {
     let names = UNARY.iter().map(|(name, _)| *name).chain(BINARY.iter().map(|(name, _)| *name));

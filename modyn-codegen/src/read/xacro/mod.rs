@@ -36,8 +36,8 @@ pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> O
 /// Returns the URDF; `None` with an error in the report. From then on, the report's offsets are those of the URDF.
 pub fn expand(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> Option<String> {
     let document = xml::document::parse(text, 0, "robot", report)?;
-    let root = tree::of_document(&document, 0);
     let mut expander = Expander::new(PathBuf::new(), options, report);
+    let root = expander.tree(&document, 0, 0).ok()?;
     let expanded = expander.document(&root).ok()?;
     let (text, mut expansion) = write::write(&expanded, &expander.namespaces);
     expansion.set_calls(std::mem::take(&mut expander.calls));

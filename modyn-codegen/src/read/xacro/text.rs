@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::evaluate::{Names, evaluate};
-use super::expand::{Expander, Fault};
+use super::expand::{Expander, Fault, TOO_LONG};
 use super::parse::parse;
 use super::value::{ScopeId, SequenceKind, Value};
 use super::yaml;
@@ -93,7 +93,10 @@ impl Expander<'_, '_> {
         };
         let parsed = parse(text).map_err(in_words)?;
         let mut names = Scoped { expander: self, scope, fault: None };
-        let found = evaluate(&parsed, &mut names);
+        let found = evaluate(&parsed, &mut names).and_then(|value| {
+            names.spend(value.weight()? / 10)?;
+            Ok(value)
+        });
         match (found, names.fault) {
             (Ok(Value::Sequence(result)), _) if result.kind == SequenceKind::Iterator => {
                 Err(in_words("the result is an iterator: write `list(...)` of it".into()))
@@ -200,18 +203,28 @@ impl Expander<'_, '_> {
         let path = self.beside(file);
         let content = self.read_text(&path)?;
         self.spend(content.len() / 100)?;
-        let found = yaml::read(&content, &mut |text| {
-            let parsed = parse(text)?;
-            let mut names = Constants { work: 0 };
-            let value = evaluate(&parsed, &mut names)?;
-            value.number().ok_or_else(|| format!("`{text}` is not a number"))
-        });
-        found.map_err(|(line, reason)| {
-            Fault::with_help(
-                format!("{}:{line}: {reason}", path.display()),
-                "the part of YAML that is read: mappings, lists, and scalars in one line",
-            )
+        yaml::read(&content, &*self).map_err(|(line, reason)| {
+            let is_too_long = reason == TOO_LONG;
+            let reason = format!("{}:{line}: {reason}", path.display());
+            if is_too_long {
+                return reason.into();
+            }
+            let help = "the part of YAML that is read: mappings, lists, and scalars in one line";
+            Fault::with_help(reason, help)
         })
+    }
+}
+
+impl yaml::Host for Expander<'_, '_> {
+    fn number(&self, expression: &str) -> Result<f64, String> {
+        let parsed = parse(expression)?;
+        let mut names = Constants { work: 0 };
+        let value = evaluate(&parsed, &mut names)?;
+        value.number().ok_or_else(|| format!("`{expression}` is not a number"))
+    }
+
+    fn spend(&self, work: usize) -> Result<(), String> {
+        self.spend(work)
     }
 }
 
@@ -256,6 +269,14 @@ impl Names for Scoped<'_, '_, '_> {
         self.expander.spend(work)
     }
 
+    fn enter(&mut self) -> Result<(), String> {
+        self.expander.enter()
+    }
+
+    fn leave(&mut self) {
+        self.expander.leave();
+    }
+
     fn similar(&self, name: &str) -> Option<String> {
         suggest(name, self.expander.scopes.property_names(self.scope)).map(Into::into)
     }
@@ -283,6 +304,13 @@ impl Names for Constants {
         self.work += work;
         if self.work > 10_000 { Err("the number takes too long".into()) } else { Ok(()) }
     }
+
+    // The depth of one expression is that of its text.
+    fn enter(&mut self) -> Result<(), String> {
+        Ok(())
+    }
+
+    fn leave(&mut self) {}
 
     fn similar(&self, _: &str) -> Option<String> {
         None

@@ -60,9 +60,36 @@ impl Element {
     }
 }
 
+/// The largest depth of elements in each other: in a document, and through all macros.
+pub const MAX_DEPTH: usize = 150;
+
 /// Returns the outermost element of a document, whose text starts at offset `start` of the report.
-pub fn of_document(document: &Document<'_>, start: usize) -> Element {
-    element(document.root_element(), start)
+/// An error is the offset of an element beyond the largest depth, before any recursion.
+pub fn of_document(document: &Document<'_>, start: usize) -> Result<Element, usize> {
+    let mut depth = 1;
+    let mut node = document.root_element();
+    loop {
+        if depth > MAX_DEPTH {
+            return Err(start + node.range().start);
+        }
+        if let Some(child) = node.first_element_child() {
+            node = child;
+            depth += 1;
+            continue;
+        }
+        // The next element after this one and its ancestors that end with it.
+        let next = loop {
+            if let Some(sibling) = node.next_sibling_element() {
+                break sibling;
+            }
+            match node.parent_element() {
+                Some(parent) => node = parent,
+                None => return Ok(element(document.root_element(), start)),
+            }
+            depth -= 1;
+        };
+        node = next;
+    }
 }
 
 fn element(node: roxmltree::Node<'_, '_>, start: usize) -> Element {

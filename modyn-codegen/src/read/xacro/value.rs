@@ -7,6 +7,12 @@ use std::rc::Rc;
 use super::set::Set;
 use super::tree::Element;
 
+/// The largest depth of lists, tuples and dictionaries in each other.
+const MAX_DEPTH: usize = 100;
+
+/// The weight of the values that no expansion may print or compare.
+const MAX_WEIGHT: usize = 10 * super::expand::MAX_WORK;
+
 /// A scope of properties by its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ScopeId(pub usize);
@@ -153,6 +159,49 @@ impl Value {
             Self::Module(_) | Self::Scope(_) => "a namespace",
             Self::Block(_) => "a block",
         }
+    }
+
+    /// Returns whether the value contains others.
+    pub fn is_collection(&self) -> bool {
+        let is_list = matches!(self, Self::List(_) | Self::Tuple(_) | Self::Sequence(_));
+        is_list || matches!(self, Self::Dict(_) | Self::Set(_))
+    }
+
+    /// Returns the work to print or to compare the value: the number of values in it, each as often
+    /// as it is repeated, and its characters in tens. The count ends at [`MAX_WEIGHT`]. An error if
+    /// the value is nested too deep for printing.
+    pub fn weight(&self) -> Result<usize, String> {
+        let mut weight = 0;
+        let mut open = vec![(self, 0)];
+        while let Some((value, depth)) = open.pop() {
+            if depth > MAX_DEPTH {
+                return Err(format!("a value is nested more than {MAX_DEPTH} deep"));
+            }
+            weight += 1;
+            match value {
+                Self::Text(text) => weight += text.len() / 10,
+                Self::List(items) | Self::Tuple(items) => {
+                    open.extend(items.iter().map(|item| (item, depth + 1)));
+                }
+                Self::Dict(entries) => {
+                    // The keys of two dictionaries are compared with each other.
+                    weight = weight.saturating_add(entries.len().saturating_pow(2) / 100);
+                    let parts = entries.iter().flat_map(|(key, value)| [key, value]);
+                    open.extend(parts.map(|part| (part, depth + 1)));
+                }
+                Self::Set(set) => {
+                    open.extend(set.values().iter().map(|item| (item, depth + 1)));
+                }
+                Self::Sequence(sequence) => {
+                    open.extend(sequence.items.iter().map(|item| (item, depth + 1)));
+                }
+                _ => {}
+            }
+            if weight > MAX_WEIGHT {
+                break;
+            }
+        }
+        Ok(weight)
     }
 
     /// Returns whether two values are equal.

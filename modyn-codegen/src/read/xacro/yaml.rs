@@ -21,11 +21,17 @@ const UNITS: &[(&str, f64)] = &[
     ("!inches", 0.0254),
 ];
 
-/// Evaluates the expression of a number with a unit.
-pub type Evaluate<'e> = &'e mut dyn FnMut(&str) -> Result<f64, String>;
+/// The program that reads a YAML.
+pub trait Host {
+    /// Returns the number of an expression, which has a unit.
+    fn number(&self, expression: &str) -> Result<f64, String>;
+
+    /// Counts work; an error if there is too much.
+    fn spend(&self, work: usize) -> Result<(), String>;
+}
 
 /// Returns the value of a text. An error is a line, counted from 1, and the reason in words.
-pub fn read(text: &str, evaluate: Evaluate<'_>) -> Result<Value, (usize, String)> {
+pub fn read(text: &str, host: &dyn Host) -> Result<Value, (usize, String)> {
     let mut lines = Vec::new();
     for (i, line) in text.lines().enumerate() {
         let content = without_comment(line);
@@ -42,7 +48,7 @@ pub fn read(text: &str, evaluate: Evaluate<'_>) -> Result<Value, (usize, String)
         }
         lines.push(Line { number: i + 1, indent, text: trimmed.into() });
     }
-    let mut reader = Reader { lines, at: 0, anchors: BTreeMap::new(), evaluate };
+    let mut reader = Reader { lines, at: 0, anchors: BTreeMap::new(), host };
     if reader.lines.is_empty() {
         return Ok(Value::None);
     }
@@ -81,7 +87,7 @@ struct Reader<'e> {
     at: usize,
     /// The values with names, `&name`, which `*name` repeats.
     anchors: BTreeMap<String, Value>,
-    evaluate: Evaluate<'e>,
+    host: &'e dyn Host,
 }
 
 type Read = Result<Value, (usize, String)>;
@@ -108,9 +114,17 @@ impl Reader<'_> {
     fn joined(&mut self) -> String {
         let mut text = self.lines[self.at].text.clone();
         self.at += 1;
-        while open_brackets(&text) > 0 && self.at < self.lines.len() {
+        if !text.starts_with(['[', '{']) {
+            return text;
+        }
+        let mut brackets = Brackets::default();
+        brackets.take(&text);
+        while brackets.open > 0 && self.at < self.lines.len() {
+            let line = &self.lines[self.at].text;
+            brackets.take(" ");
+            brackets.take(line);
             text += " ";
-            text += &self.lines[self.at].text;
+            text += line;
             self.at += 1;
         }
         text
@@ -167,10 +181,12 @@ impl Reader<'_> {
             {
                 let is_new =
                     |(own, _): &&(Value, Value)| !entries.iter().any(|(key, _)| key.equals(own));
+                self.spend(entries.len() * others.len() / 100, number)?;
                 let others: Vec<_> = others.iter().filter(is_new).cloned().collect();
                 entries.extend(others);
                 continue;
             }
+            self.spend(entries.len() / 100, number)?;
             // The last of equal keys counts.
             match entries.iter_mut().find(|(own, _)| own.equals(&key)) {
                 Some(entry) => entry.1 = value,
@@ -205,6 +221,11 @@ impl Reader<'_> {
         Err((number, format!("`{rest}` follows a value")))
     }
 
+    /// Counts work in a line; an error if there is too much.
+    fn spend(&self, work: usize, number: usize) -> Result<(), (usize, String)> {
+        self.host.spend(work).map_err(|reason| (number, reason))
+    }
+
     /// Returns the value of a scalar without quotes, or with them.
     fn scalar(&mut self, text: &str, number: usize) -> Read {
         let text = text.trim();
@@ -213,12 +234,17 @@ impl Reader<'_> {
             let Some((_, factor)) = UNITS.iter().find(|(name, _)| *name == tag) else {
                 return Err((number, format!("the tag `{tag}` is not known")));
             };
-            let value = (self.evaluate)(rest.trim()).map_err(|reason| (number, reason))?;
+            let value = self.host.number(rest.trim()).map_err(|reason| (number, reason))?;
             return Ok(Value::Float(value * factor));
         }
         if let Some(name) = text.strip_prefix('*') {
-            let found = self.anchors.get(name).cloned();
-            return found.ok_or_else(|| (number, format!("there is no `&{name}` before this")));
+            let Some(value) = self.anchors.get(name).cloned() else {
+                return Err((number, format!("there is no `&{name}` before this")));
+            };
+            // The values of an alias count each time, as in all that prints them.
+            let weight = value.weight().map_err(|reason| (number, reason))?;
+            self.spend(weight / 10, number)?;
+            return Ok(value);
         }
         if text.starts_with(['&', '|', '>', '@', '`']) {
             let message = format!("`{text}` is not supported: write the value itself, in one line");
@@ -328,24 +354,28 @@ fn key_of(text: &str) -> Option<(&str, &str)> {
     }
 }
 
-/// Returns the number of brackets that are not closed.
-fn open_brackets(text: &str) -> i32 {
-    let (mut open, mut quote) = (0, None);
-    if !text.starts_with(['[', '{']) {
-        return 0;
-    }
-    let mut escaped = false;
-    for c in text.chars() {
-        match (quote, c) {
-            (None, '[' | '{') => open += 1,
-            (None, ']' | '}') => open -= 1,
-            (None, '"' | '\'') => quote = Some(c),
-            (Some(open), c) if open == c && !escaped => quote = None,
-            _ => {}
+/// The brackets and the quote that are open after a part of a text.
+#[derive(Default)]
+struct Brackets {
+    open: i32,
+    quote: Option<char>,
+    escaped: bool,
+}
+
+impl Brackets {
+    /// Counts the brackets of the next part of the text.
+    fn take(&mut self, text: &str) {
+        for c in text.chars() {
+            match (self.quote, c) {
+                (None, '[' | '{') => self.open += 1,
+                (None, ']' | '}') => self.open -= 1,
+                (None, '"' | '\'') => self.quote = Some(c),
+                (Some(open), c) if open == c && !self.escaped => self.quote = None,
+                _ => {}
+            }
+            self.escaped = c == '\\' && self.quote == Some('"') && !self.escaped;
         }
-        escaped = c == '\\' && quote == Some('"') && !escaped;
     }
-    open
 }
 
 /// Lists and mappings in brackets.
