@@ -336,3 +336,86 @@ fn the_deepest_xacros_fit_into_the_stack_of_a_thread() {
     let error = within("p99").expect_err("too deep").to_string();
     assert!(error.contains("operations are nested more than 600 deep"), "{error}");
 }
+
+/// Returns an MJCF.
+fn mjcf(inside: &str) -> String {
+    format!("<mujoco model='m'>{inside}</mujoco>")
+}
+
+fn hinges(count: usize) -> String {
+    let body = "<body name='b#'><joint name='j#' type='hinge'/><geom size='1'/></body>";
+    format!("<worldbody>{}</worldbody>", repeated(count, body))
+}
+
+/// Every constraint looks for the names of its ends among all names.
+#[test]
+fn constraints_between_many_bodies() {
+    let n = many() / 5;
+    let welds = (1..n)
+        .fold(String::new(), |text, i| text + &format!("<weld body1='b{}' body2='b{i}'/>", i - 1));
+    let couplings = (1..n).fold(String::new(), |text, i| {
+        text + &format!("<joint joint1='j{i}' joint2='j{}' polycoef='0 1 0 0 0'/>", i - 1)
+    });
+    for (constraints, loops) in [(welds, n - 1), (couplings, 0)] {
+        let text = mjcf(&format!("{}<equality>{constraints}</equality>", hinges(n)));
+        let model = read(&text, "hostile.xml", &ReadOptions::default()).expect("large").model;
+        assert_eq!(model.loop_constraints().len(), loops);
+    }
+}
+
+/// Each element looks at the elements of its class and of the classes around that.
+#[test]
+fn classes_without_end() {
+    let n = many() / 2;
+    let classes = repeated(n, "<default class='c#'><geom size='1'/></default>");
+    let bodies = repeated(n, "<body childclass='c#'><joint type='hinge'/><geom/></body>");
+    let text = mjcf(&format!("<default>{classes}</default><worldbody>{bodies}</worldbody>"));
+    let model = read(&text, "hostile.xml", &ReadOptions::default()).expect("large").model;
+    assert_eq!(model.links().len(), n);
+    let geoms = "<geom size='1'/>".repeat(many());
+    let text = mjcf(&format!("<default>{geoms}</default><worldbody/>"));
+    assert!(codes(&refused(&text)).contains(&Code::Excessive));
+}
+
+/// Each keyframe has a coordinate of each joint, and each copy a name.
+#[test]
+fn products_of_counts() {
+    let keys = repeated(20_000, "<key name='k#'/>");
+    let text = mjcf(&format!("{}<keyframe>{keys}</keyframe>", hinges(1000)));
+    let found = refused(&text);
+    assert_eq!(codes(&found), [Code::Excessive]);
+    assert!(found.to_string().contains("20000 keyframes of 1000 coordinates"), "{found}");
+    let copies = |name: &str| {
+        mjcf(&format!(
+            "<worldbody><replicate count='30000'><body name='{name}'><joint type='hinge'/>\
+             <geom size='1'/></body></replicate></worldbody>"
+        ))
+    };
+    let found = refused(&copies(&"p".repeat(20_000)));
+    assert!(codes(&found).contains(&Code::Excessive), "{found}");
+    assert!(found.to_string().contains("short names"), "{found}");
+    assert!(read(&copies("p"), "hostile.xml", &ReadOptions::default()).is_ok());
+    // Elements beyond the limit are not left out without a word.
+    let found = refused(&copies("p").replace("30000", "900000"));
+    assert!(codes(&found).contains(&Code::Excessive), "{found}");
+}
+
+/// Points on two circles: quickhull makes facets for each pair of them.
+#[test]
+fn hulls_of_circles() {
+    let hull = |count: usize| {
+        let points = (0..count).fold(String::new(), |text, i| {
+            let angle = i as f64 * std::f64::consts::TAU / count as f64;
+            text + &format!("{:.12} {:.12} {} ", angle.cos(), angle.sin(), i % 2)
+        });
+        let text = mjcf(&format!(
+            "<asset><mesh name='m' inertia='convex' vertex='{points}'/></asset><worldbody><body>\
+             <joint type='hinge'/><geom type='mesh' mesh='m'/></body></worldbody>"
+        ));
+        read(&text, "hostile.xml", &ReadOptions::default())
+    };
+    let mass = hull(2000).expect("a drum").model.links()[0].inertial.mass;
+    assert!((mass / (1000.0 * std::f64::consts::PI) - 1.0).abs() < 1e-4, "{mass}");
+    let found = hull(many()).expect_err("too long").to_string();
+    assert!(found.contains("has a convex hull of too many vertices in common planes"), "{found}");
+}

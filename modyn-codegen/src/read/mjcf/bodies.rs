@@ -20,7 +20,8 @@ use crate::description::{
 };
 use crate::diagnostics::{Code, Report, Severity};
 
-/// The largest number of bodies, joints, geoms and sites: models and replicas in each other have exponentially many.
+/// The largest number of bodies, joints, geoms and sites, and of the characters of their names in
+/// tens: models and replicas in each other have exponentially many.
 const MAX_ITEMS: usize = 1_000_000;
 
 /// The description so far.
@@ -164,8 +165,9 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
         self.check_class(element.attribute("childclass"), container.model);
         parts.sound &= self.models[container.model].is_sound(&[element]);
         for child in &element.children {
-            self.items += 1;
-            if self.items > MAX_ITEMS {
+            let Naming { prefix, suffix } = &*container.naming;
+            let name = prefix.len() + child.text("name").map_or(0, str::len) + suffix.len();
+            if !self.count(1 + name / 10, child.at) {
                 return;
             }
             let model = container.model;
@@ -196,6 +198,23 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
         }
     }
 
+    /// Counts elements and names. Returns whether they may be read; otherwise an error is in the
+    /// report.
+    fn count(&mut self, items: usize, at: usize) -> bool {
+        let is_first = self.items <= MAX_ITEMS;
+        self.items += items;
+        let is_excess = self.items > MAX_ITEMS;
+        if is_excess && is_first {
+            let message = format!(
+                "there are more than {MAX_ITEMS} bodies, joints, geoms and sites, or tens of \
+                 characters in their names"
+            );
+            let help = "attach and replicate fewer elements, and give them short names";
+            self.report.error(Code::Excessive, at, None, message, help);
+        }
+        !is_excess
+    }
+
     /// Reports a class that the model does not have.
     fn check_class(&mut self, class: Option<&super::element::Attribute>, model: usize) {
         if let Some(class) = class
@@ -215,8 +234,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
         let digits = format!("{count}").len();
         let mut position = [0.0; 3];
         for i in 0..count.clamp(0.0, MAX_ITEMS as f64) as usize {
-            self.items += 1;
-            if self.items > MAX_ITEMS {
+            if !self.count(1, item.element().at) {
                 return;
             }
             let rotation =

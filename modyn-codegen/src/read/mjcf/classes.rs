@@ -9,6 +9,9 @@ use crate::diagnostics::{Code, Report};
 /// The name of the outermost class, which all elements have.
 const MAIN: &str = "main";
 
+/// The largest number of elements of a class: all elements of the model look at all of them.
+const MAX_ELEMENTS: usize = 200;
+
 /// The classes of a model.
 pub struct Classes<'e> {
     by_name: BTreeMap<&'e str, Class<'e>>,
@@ -17,15 +20,15 @@ pub struct Classes<'e> {
 struct Class<'e> {
     /// The class around it; `None` for the outermost one.
     parent: Option<&'e str>,
-    /// The `<default>` elements.
-    sections: Vec<&'e Element>,
+    /// The elements of its `<default>`s, without those of the classes in them.
+    elements: Vec<&'e Element>,
 }
 
 impl<'e> Classes<'e> {
     /// Returns the classes of the model whose root element is `root`; their errors are in the report.
     pub fn new(root: &'e Element, report: &mut Report<'_>) -> Self {
         let mut classes = Self { by_name: BTreeMap::new() };
-        classes.by_name.insert(MAIN, Class { parent: None, sections: Vec::new() });
+        classes.by_name.insert(MAIN, Class { parent: None, elements: Vec::new() });
         for section in root.named("default") {
             if let Some(class) = section.attribute("class").filter(|class| class.value != MAIN) {
                 let message =
@@ -40,7 +43,14 @@ impl<'e> Classes<'e> {
 
     fn add(&mut self, section: &'e Element, name: &'e str, report: &mut Report<'_>) {
         if let Some(class) = self.by_name.get_mut(name) {
-            class.sections.push(section);
+            let elements = section.children.iter().filter(|child| child.name != "default");
+            class.elements.extend(elements);
+            if let Some(beyond) = class.elements.get(MAX_ELEMENTS) {
+                let message = format!("the class `{name}` has more than {MAX_ELEMENTS} elements");
+                let help = "write each kind of element once in a class; the last one counts";
+                report.error(Code::Excessive, beyond.at, None, message, help);
+                class.elements.truncate(MAX_ELEMENTS);
+            }
         }
         for inner in section.named("default") {
             let Some(class) = inner.attribute("class").filter(|class| !class.value.is_empty())
@@ -56,7 +66,7 @@ impl<'e> Classes<'e> {
                 report.error(Code::NotRead, class.at, None, message, help);
                 continue;
             }
-            let entry = Class { parent: Some(name), sections: Vec::new() };
+            let entry = Class { parent: Some(name), elements: Vec::new() };
             self.by_name.insert(&class.value, entry);
             self.add(inner, &class.value, report);
         }
@@ -73,8 +83,7 @@ impl<'e> Classes<'e> {
         let mut chain = vec![element];
         let mut next = Some(element.text("class").or(inherited).unwrap_or(MAIN));
         while let Some(class) = next.and_then(|name| self.by_name.get(name)) {
-            let elements =
-                class.sections.iter().rev().flat_map(|section| section.children.iter().rev());
+            let elements = class.elements.iter().rev().copied();
             chain.extend(elements.filter(|child| is_default_of(&child.name, &element.name)));
             next = class.parent;
         }

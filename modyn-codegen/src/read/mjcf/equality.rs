@@ -1,6 +1,6 @@
 //! Constraints of `<equality>`: joints that follow others, and loops.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 
 use modyn_runtime::model::LoopConstraintKind;
 use modyn_runtime::spatial::Pose;
@@ -21,9 +21,34 @@ struct End {
     drawn: Pose<f64>,
 }
 
+/// The names to which constraints refer, and the names that are taken.
+struct Names<'e> {
+    joints: HashMap<String, usize>,
+    tendons: HashMap<String, Item<'e>>,
+    /// The names of joints and loops.
+    taken: BTreeSet<String>,
+}
+
 /// Returns whether a constraint acts from the start.
 fn is_active(constraint: &Item) -> bool {
     constraint.text("active") != Some("false")
+}
+
+impl Names<'_> {
+    /// Returns the joints of a fixed tendon and their coefficients; `None` if there is no such tendon
+    /// or joint.
+    fn fixed_tendon(&self, name: &str) -> Option<Vec<(usize, f64)>> {
+        let tendon = self.tendons.get(name)?;
+        if tendon.element().name != "fixed" {
+            return None;
+        }
+        let joints = tendon.element().named("joint").map(|joint| {
+            let name = tendon.naming.name(joint.text("joint")?);
+            let coefficient = joint.text("coef").and_then(list)?.first().copied()?;
+            Some((*self.joints.get(&name)?, coefficient))
+        });
+        joints.collect()
+    }
 }
 
 impl<'e> Bodies<'e, '_, '_> {
@@ -32,16 +57,21 @@ impl<'e> Bodies<'e, '_, '_> {
         if !self.models[0].settings.flags.equality {
             return;
         }
-        for item in self.of_section("equality") {
+        let constraints = self.of_section("equality");
+        if constraints.is_empty() {
+            return;
+        }
+        let mut names = self.names();
+        for item in constraints {
             let element = item.element();
             let is_sound = self.models[item.model].is_sound(&item.chain);
             if !is_sound || !is_active(&item) {
                 continue;
             }
             match element.name.as_str() {
-                "joint" => self.coupling(&item),
-                "tendon" => self.tendon_coupling(&item),
-                "connect" | "weld" => self.closure(&item),
+                "joint" => self.coupling(&item, &names),
+                "tendon" => self.tendon_coupling(&item, &names),
+                "connect" | "weld" => self.closure(&item, &mut names.taken),
                 name if table::row("equality", name).is_some() => {
                     let message = format!("the constraint `<{name}>` of `<equality>` is not read");
                     let help = "remove it, or write `active=\"false\"`";
@@ -52,16 +82,26 @@ impl<'e> Bodies<'e, '_, '_> {
         }
     }
 
+    fn names(&self) -> Names<'e> {
+        let joints = self.description.joints_by_name().into_iter();
+        let tendons = self.of_section("tendon").into_iter().rev();
+        let taken = self.description.joint_names().map(String::from);
+        Names {
+            joints: joints.map(|(name, joint)| (name.to_owned(), joint)).collect(),
+            // The first of equal names counts.
+            tendons: tendons.filter_map(|tendon| Some((tendon.name()?, tendon))).collect(),
+            taken: taken.collect(),
+        }
+    }
+
     /// Adds a joint that follows another one, or that does not move.
-    fn coupling(&mut self, item: &Item<'e>) {
+    fn coupling(&mut self, item: &Item<'e>, names: &Names<'e>) {
         let at = item.element().at;
-        // A part of an attached model may lack the joint.
-        let is_main = item.naming.prefix.is_empty();
-        let Some(follower) = self.joint_of(item, "joint1", is_main) else { return };
+        let Some(follower) = self.joint_of(item, "joint1", names) else { return };
         let coefficients = item.text("polycoef").and_then(list).unwrap_or_else(|| vec![0.0, 1.0]);
         let coefficient = |i: usize| coefficients.get(i).copied().unwrap_or(0.0);
         let leader = match item.element().text("joint2") {
-            Some(_) => match self.joint_of(item, "joint2", is_main) {
+            Some(_) => match self.joint_of(item, "joint2", names) {
                 Some(leader) => Some((leader, coefficient(1))),
                 None => return,
             },
@@ -119,21 +159,22 @@ impl<'e> Bodies<'e, '_, '_> {
         if !self.models[0].settings.flags.equality {
             return BTreeSet::new();
         }
+        let names = self.names();
         let constraints = self.of_section("equality").into_iter();
         let constraints = constraints.filter(|item| {
             item.element().name == "tendon"
                 && is_active(item)
                 && item.element().text("tendon2").is_none()
         });
-        let names = constraints.filter_map(|item| {
-            let name = item.element().text("tendon1")?;
-            self.fixed_tendon(&item, name).map(|_| item.naming.name(name))
+        let held = constraints.filter_map(|item| {
+            let name = item.naming.name(item.element().text("tendon1")?);
+            names.fixed_tendon(&name).map(|_| name)
         });
-        names.collect()
+        held.collect()
     }
 
     /// Adds the constraint of fixed tendons that concern one joint or two.
-    fn tendon_coupling(&mut self, item: &Item<'e>) {
+    fn tendon_coupling(&mut self, item: &Item<'e>, names: &Names<'e>) {
         let at = item.element().at;
         let coefficients = item.text("polycoef").and_then(list).unwrap_or_else(|| vec![0.0, 1.0]);
         let coefficient = |i: usize| coefficients.get(i).copied().unwrap_or(0.0);
@@ -144,7 +185,7 @@ impl<'e> Bodies<'e, '_, '_> {
             if attribute == "tendon2" && (2..5).any(|i| coefficient(i) != 0.0) {
                 return self.refuse_polynomial(at, None);
             }
-            let Some(tendon) = self.fixed_tendon(item, name) else {
+            let Some(tendon) = names.fixed_tendon(&item.naming.name(name)) else {
                 let message = "a constraint of a tendon that is not `<fixed>` is not read";
                 let help = "write `active=\"false\"`, or constrain joints or a `<fixed>` tendon";
                 self.report.error(Code::NotRead, at, None, message, help);
@@ -171,30 +212,13 @@ impl<'e> Bodies<'e, '_, '_> {
         }
     }
 
-    /// Returns the joints of a fixed tendon and their coefficients; `None` if there is no such tendon or joint.
-    fn fixed_tendon(&self, item: &Item<'e>, name: &str) -> Option<Vec<(usize, f64)>> {
-        let name = item.naming.name(name);
-        let tendons = self.of_section("tendon");
-        let is_meant = |tendon: &&Item| tendon.name().as_deref() == Some(name.as_str());
-        let tendon = tendons.iter().find(is_meant)?;
-        if tendon.element().name != "fixed" {
-            return None;
-        }
-        let joints = tendon.element().named("joint").map(|joint| {
-            let name = tendon.naming.name(joint.text("joint")?);
-            let coefficient = joint.text("coef").and_then(list)?.first().copied()?;
-            let mut joints = self.description.joints.iter();
-            Some((joints.position(|joint| joint.name.text == name)?, coefficient))
-        });
-        joints.collect()
-    }
-
-    /// Returns the index of the joint that an attribute names; `None` with an error in the report, if it `must` exist.
-    fn joint_of(&mut self, item: &Item<'e>, attribute: &str, must: bool) -> Option<usize> {
+    /// Returns the index of the joint that an attribute names; `None` with an error in the report,
+    /// unless a part of an attached model lacks it.
+    fn joint_of(&mut self, item: &Item<'e>, attribute: &str, names: &Names<'e>) -> Option<usize> {
         let own = item.element().attribute(attribute);
         let name = own.map(|own| item.naming.name(&own.value)).unwrap_or_default();
-        let found = self.description.joints.iter().position(|joint| joint.name.text == name);
-        if found.is_none() && must {
+        let found = names.joints.get(&name).copied();
+        if found.is_none() && item.naming.prefix.is_empty() {
             let at = own.map_or(item.element().at, |own| own.at);
             let message = format!(
                 "`{attribute}` of `<equality>` is the joint `{name}`, which does not exist"
@@ -205,7 +229,7 @@ impl<'e> Bodies<'e, '_, '_> {
     }
 
     /// Adds the loop of a `<connect>` or a `<weld>`.
-    fn closure(&mut self, item: &Item<'e>) {
+    fn closure(&mut self, item: &Item<'e>, taken: &mut BTreeSet<String>) {
         let element = item.element();
         let is_weld = element.name == "weld";
         let has_sites = element.text("site1").is_some();
@@ -234,9 +258,6 @@ impl<'e> Bodies<'e, '_, '_> {
             let anchor = at_point(item.numbers("anchor").unwrap_or([0.0; 3]));
             (written.compose(&anchor), anchor)
         };
-        let mut taken: BTreeSet<String> =
-            self.description.joint_names().map(String::from).collect();
-        taken.extend(self.description.loops.iter().map(|record| record.name.clone()));
         let number = self.description.loops.len() + 1;
         let name = item.name().unwrap_or_else(|| format!("{}_{number}", element.name));
         let end = |link: usize, pose| EndRecord {
@@ -247,7 +268,7 @@ impl<'e> Bodies<'e, '_, '_> {
         let ends = [end(one.link, one_pose), end(other.link, other_pose)];
         let kind = if is_point { LoopConstraintKind::Point } else { LoopConstraintKind::Rigid };
         self.description.loops.push(LoopRecord {
-            name: unique(&name, "loop", &mut taken),
+            name: unique(&name, "loop", taken),
             at: Some(element.at),
             kind: Some(kind),
             ends,

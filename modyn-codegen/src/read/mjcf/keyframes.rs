@@ -11,6 +11,9 @@ use super::item::Item;
 use crate::description::{KeyframeRecord, Kind, Located};
 use crate::diagnostics::Code;
 
+/// The largest number of coordinates of all keyframes: each of them has those of all joints.
+const MAX_COORDINATES: usize = 1_000_000;
+
 impl<'e> Bodies<'e, '_, '_> {
     /// Adds the keyframes of the main model, while the joints are those of the text: before constraints fix some.
     pub fn keyframes(&mut self) {
@@ -18,8 +21,19 @@ impl<'e> Bodies<'e, '_, '_> {
         // Those of the main model come first; a model that attaches a part of itself has them again.
         let own = self.models[0].source.root.in_sections("keyframe").count();
         let (mut taken, mut moving) = (BTreeSet::new(), Vec::new());
+        let coordinates: usize =
+            self.drawn_coordinates().iter().map(|(_, values)| values.len()).sum();
         for (i, item) in items.iter().take(own).enumerate() {
             let at = item.element().at;
+            if (i + 1).saturating_mul(coordinates) > MAX_COORDINATES {
+                let message = format!(
+                    "{own} keyframes of {coordinates} coordinates are more than {MAX_COORDINATES} \
+                     coordinates together"
+                );
+                let help = "keep the keyframes that the program needs, or read the others as data";
+                self.report.error(Code::Excessive, at, None, message, help);
+                return;
+            }
             if !self.models[item.model].is_sound(&item.chain) {
                 continue;
             }

@@ -32,12 +32,23 @@ impl Facet {
     }
 }
 
-/// Returns the triangles of the convex hull of these points, with their normals outwards; `None` if all points are in one
-/// plane. Points whose distance from the hull is a rounding error are left out.
-pub fn hull(points: &[[f64; 3]]) -> Option<Vec<[usize; 3]>> {
+/// The largest number of facets that are made, most of which are removed again. A hull of a
+/// scanned mesh makes some ten for each of its corners; that of many points on a circle makes half
+/// as many for each point as there are points.
+const MAX_FACETS: usize = 5_000_000;
+
+const IN_ONE_PLANE: &str = "has all vertices in one plane";
+const TOO_MANY: &str = "has a convex hull of too many vertices in common planes: reduce them, or give \
+                        the body an `<inertial>`";
+const INCONSISTENT: &str = "has vertices too close to each other for a convex hull";
+
+/// Returns the triangles of the convex hull of these points, with their normals outwards. Points
+/// whose distance from the hull is a rounding error are left out. An error if all points are in one
+/// plane, or if the hull takes too long.
+pub fn hull(points: &[[f64; 3]]) -> Result<Vec<[usize; 3]>, &'static str> {
     let largest = points.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
     let tolerance = 32.0 * f64::EPSILON * largest;
-    let simplex = simplex(points, tolerance)?;
+    let simplex = simplex(points, tolerance).ok_or(IN_ONE_PLANE)?;
     let mut facets: Vec<Facet> = Vec::new();
     // The four facets of a tetrahedron, each without one of the points.
     let [a, b, c, d] = simplex;
@@ -52,13 +63,17 @@ pub fn hull(points: &[[f64; 3]]) -> Option<Vec<[usize; 3]>> {
         assign(points, &mut facets, 0, point, tolerance);
     }
     let mut open: Vec<usize> = (0..4).collect();
+    let mut made = facets.len();
+    // The removed facets are dropped when there may be as many as others.
+    let mut most = 1024;
     while let Some(at) = open.pop() {
         if facets[at].is_removed || facets[at].outside.is_empty() {
             continue;
         }
         let height = |point: &usize| facets[at].distance(points[*point]);
         let farthest =
-            facets[at].outside.iter().copied().max_by(|a, b| height(a).total_cmp(&height(b)))?;
+            facets[at].outside.iter().copied().max_by(|a, b| height(a).total_cmp(&height(b)));
+        let farthest = farthest.ok_or(INCONSISTENT)?;
         let (visible, horizon) = visible_from(points[farthest], &mut facets, at, tolerance);
         let first = facets.len();
         for (i, &(from, to, beyond)) in horizon.iter().enumerate() {
@@ -67,8 +82,8 @@ pub fn hull(points: &[[f64; 3]]) -> Option<Vec<[usize; 3]>> {
             facet.neighbors = [beyond, first + (i + 1) % count, first + (i + count - 1) % count];
             let across = &mut facets[beyond];
             let edge =
-                (0..3).find(|&k| across.corners[k] == to && across.corners[(k + 1) % 3] == from)?;
-            across.neighbors[edge] = first + i;
+                (0..3).find(|&k| across.corners[k] == to && across.corners[(k + 1) % 3] == from);
+            across.neighbors[edge.ok_or(INCONSISTENT)?] = first + i;
             facets.push(facet);
         }
         for at in visible {
@@ -79,8 +94,35 @@ pub fn hull(points: &[[f64; 3]]) -> Option<Vec<[usize; 3]>> {
             }
         }
         open.extend(first..facets.len());
+        made += horizon.len();
+        if made > MAX_FACETS {
+            return Err(TOO_MANY);
+        }
+        if facets.len() > most {
+            drop_removed(&mut facets, &mut open);
+            most = 1024 + 2 * facets.len();
+        }
     }
-    Some(facets.iter().filter(|facet| !facet.is_removed).map(|facet| facet.corners).collect())
+    Ok(facets.iter().filter(|facet| !facet.is_removed).map(|facet| facet.corners).collect())
+}
+
+/// Drops the facets that are removed; the order of the others is kept.
+fn drop_removed(facets: &mut Vec<Facet>, open: &mut Vec<usize>) {
+    open.retain(|&facet| !facets[facet].is_removed);
+    let mut kept = 0;
+    let numbers: Vec<usize> = facets
+        .iter()
+        .map(|facet| {
+            let number = kept;
+            kept += usize::from(!facet.is_removed);
+            number
+        })
+        .collect();
+    facets.retain(|facet| !facet.is_removed);
+    for facet in facets {
+        facet.neighbors = facet.neighbors.map(|neighbor| numbers[neighbor]);
+    }
+    open.iter_mut().for_each(|facet| *facet = numbers[*facet]);
 }
 
 /// Gives a point to the first facet from `first` on that it is above.

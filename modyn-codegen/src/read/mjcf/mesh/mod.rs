@@ -114,8 +114,7 @@ fn picture(name: &str, model: &Model, report: &mut Report<'_>) -> Result<Mesh, S
     let mut mesh = Asset::read(name, model, Purpose::Picture, report)?.mesh;
     if mesh.faces.is_empty() {
         let faces = hull::hull(&mesh.vertices);
-        mesh.faces =
-            faces.ok_or_else(|| format!("the mesh `{name}` has all vertices in one plane"))?;
+        mesh.faces = faces.map_err(|why| format!("the mesh `{name}` {why}"))?;
     }
     Ok(mesh)
 }
@@ -133,8 +132,7 @@ fn mass_properties(
             return Err(format!("the hull of the mesh `{name}` is cut by `maxhullvert`"));
         }
         let faces = hull::hull(&asset.mesh.vertices);
-        asset.mesh.faces =
-            faces.ok_or_else(|| format!("the mesh `{name}` has all vertices in one plane"))?;
+        asset.mesh.faces = faces.map_err(|why| format!("the mesh `{name}` {why}"))?;
     }
     MassProperties::new(asset.mesh, method).map_err(|why| format!("the mesh `{name}` {why}"))
 }
