@@ -164,6 +164,31 @@ fn a_rotated_shape_has_its_pose_in_the_frame_of_its_link() {
     }
 }
 
+/// Each file is read once for each scale, and the shapes share its mesh.
+#[test]
+fn shapes_of_one_file_share_their_mesh() {
+    let visual =
+        r#"<visual><geometry><mesh filename="part.stl" scale="1 2 S"/></geometry></visual>"#;
+    let visuals = visual.replace('S', "3").repeat(100) + &visual.replace('S', "4").repeat(100);
+    let text = format!(
+        "<robot name='r'><link name='a'/><link name='b'>{visuals}<inertial><mass value='1'/>\
+         <inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>\
+         <joint name='j' type='continuous'><parent link='a'/><child link='b'/></joint></robot>"
+    );
+    let found = shapes(&text, "a.urdf");
+    let mesh = |shape: &Shape| match &shape.geometry {
+        Geometry::Mesh(mesh) => mesh.clone(),
+        other => panic!("{other:?}"),
+    };
+    let meshes: Vec<_> = only(&found).iter().map(mesh).collect();
+    assert_eq!(meshes.len(), 200);
+    for (i, mesh) in meshes.iter().enumerate() {
+        assert!(std::sync::Arc::ptr_eq(mesh, &meshes[i / 100 * 100]), "{i}");
+        let height = mesh.vertices.iter().map(|vertex| vertex[2]).fold(0.0, f64::max);
+        assert!((height - if i < 100 { 0.9 } else { 1.2 }).abs() < 1e-6, "{i}: {height}");
+    }
+}
+
 /// Nothing in a shape refuses a robot.
 #[test]
 fn shapes_that_cannot_be_read_are_notes() {

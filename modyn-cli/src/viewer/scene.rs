@@ -250,7 +250,9 @@ fn shape<'s>(out: &mut String, frame: usize, shape: &'s Shape, meshes: &mut Vec<
         Geometry::Cylinder { radius, length } => lengths(out, "cylinder", &[*radius, *length]),
         Geometry::Capsule { radius, length } => lengths(out, "capsule", &[*radius, *length]),
         Geometry::Mesh(mesh) => {
-            let known = meshes.iter().position(|known| **known == **mesh);
+            // Most equal meshes are one.
+            let known = meshes.iter().position(|known| std::ptr::eq(*known, &**mesh));
+            let known = known.or_else(|| meshes.iter().position(|known| **known == **mesh));
             let index = known.unwrap_or_else(|| {
                 meshes.push(mesh);
                 meshes.len() - 1

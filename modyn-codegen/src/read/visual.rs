@@ -1,9 +1,10 @@
 //! The shapes of links in XML, for pictures. A shape that cannot be read is left out with a note, and is never an error.
 
-use std::path::{Path, PathBuf};
+use std::collections::HashMap;
+use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::description::{FileStore, Geometry, MAX_NUMBER};
+use crate::description::{FileStore, Geometry, MAX_NUMBER, Mesh};
 use crate::read::mesh::{self, Purpose};
 
 /// Returns `N` numbers, separated by white space; `None` for another text.
@@ -28,22 +29,51 @@ pub fn solid<'t>(element: &str, text: impl Fn(&str) -> Option<&'t str>) -> Optio
     geometry.is_sound().then_some(geometry)
 }
 
-/// Returns the mesh of the first of these files that exists, scaled along x, y and z.
-///
-/// # Errors
-///
-/// Returns what is wrong with the mesh, as the end of a sentence about it.
-pub fn surface(
-    files: &FileStore,
-    name: &str,
-    places: &[PathBuf],
-    scale: Option<&str>,
-) -> Result<Geometry, String> {
-    let scale = scale.map_or(Some([1.0; 3]), numbers::<3>);
-    let scale = scale.filter(|scale| scale.iter().all(|&factor| factor != 0.0));
-    let scale = scale.ok_or("has a `scale` that is not three numbers other than zero")?;
-    let place = places.iter().find(|place| files.is_file(place));
-    let place: &Path = place.ok_or_else(|| format!("has the file `{name}`, which is not found"))?;
-    let mesh = mesh::read(files, place, Purpose::Picture)?;
-    Ok(Geometry::Mesh(Arc::new(mesh::scaled(mesh, scale))))
+/// The largest number of vertices and triangles of all meshes of a description.
+const MAX_PARTS: usize = 20_000_000;
+
+/// The meshes of a description: shapes with the same file and scale share their mesh.
+#[derive(Default)]
+pub struct Surfaces {
+    /// The meshes by their file and the bits of their scale.
+    read: HashMap<(PathBuf, [u64; 3]), Result<Arc<Mesh>, String>>,
+    /// The number of vertices and triangles so far.
+    parts: usize,
+}
+
+impl Surfaces {
+    /// Returns the mesh of the first of these files that exists, scaled along x, y and z.
+    ///
+    /// # Errors
+    ///
+    /// Returns what is wrong with the mesh, as the end of a sentence about it.
+    pub fn surface(
+        &mut self,
+        files: &FileStore,
+        name: &str,
+        places: &[PathBuf],
+        scale: Option<&str>,
+    ) -> Result<Geometry, String> {
+        let scale = scale.map_or(Some([1.0; 3]), numbers::<3>);
+        let scale = scale.filter(|scale| scale.iter().all(|&factor| factor != 0.0));
+        let scale = scale.ok_or("has a `scale` that is not three numbers other than zero")?;
+        let key = |place: &PathBuf| (place.clone(), scale.map(f64::to_bits));
+        let known = places.iter().find_map(|place| self.read.get(&key(place)));
+        if let Some(mesh) = known {
+            return mesh.clone().map(Geometry::Mesh);
+        }
+        let place = places.iter().find(|place| files.is_file(place));
+        let place = place.ok_or_else(|| format!("has the file `{name}`, which is not found"))?;
+        if self.parts > MAX_PARTS {
+            return Err(format!(
+                "has the file `{name}`, which is not read, since the meshes before it have more \
+                 than {MAX_PARTS} vertices and triangles"
+            ));
+        }
+        let mesh = mesh::read(files, place, Purpose::Picture);
+        let mesh = mesh.map(|mesh| Arc::new(mesh::scaled(mesh, scale)));
+        self.parts += mesh.as_ref().map_or(0, |mesh| mesh.vertices.len() + mesh.faces.len());
+        self.read.insert(key(place), mesh.clone());
+        mesh.map(Geometry::Mesh)
+    }
 }

@@ -5,7 +5,7 @@ use roxmltree::Node;
 
 use super::reader::Reader;
 use crate::description::{Geometry, Shape, roll_pitch_yaw};
-use crate::read::visual::{numbers, solid, surface};
+use crate::read::visual::{numbers, solid};
 use crate::read::xml::element::is;
 
 impl<'a> Reader<'a, '_, '_, '_> {
@@ -52,7 +52,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let place =
             self.file_of(uri).map_err(|_| format!("has the file `{uri}`, which is not found"))?;
         self.xml.report.depends_on(place.clone());
-        surface(&self.options.files, uri, &[place], content(shape, "scale"))
+        self.world.surfaces.surface(&self.options.files, uri, &[place], content(shape, "scale"))
     }
 }
 

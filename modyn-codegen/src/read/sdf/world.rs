@@ -5,6 +5,7 @@ use modyn_runtime::spatial::Pose;
 use rustc_hash::FxHashMap;
 
 use crate::description::{InertialRecord, Located, Shape, SpringRecord};
+use crate::read::visual::Surfaces;
 
 /// The index of the world among the scopes, and of its frame among the frames.
 pub const WORLD: usize = 0;
@@ -22,6 +23,8 @@ pub struct World {
     pub ball_constraints: Vec<BallConstraint>,
     /// The acceleration of free fall, m/s^2; `None` in a file without a world.
     pub gravity: Option<[f64; 3]>,
+    /// The meshes of visuals.
+    pub surfaces: Surfaces,
     /// A sentence for each shape that could not be read.
     pub shape_notes: Vec<String>,
 }
@@ -40,6 +43,7 @@ impl World {
             joints: Vec::new(),
             ball_constraints: Vec::new(),
             gravity: None,
+            surfaces: Surfaces::default(),
             shape_notes: Vec::new(),
         }
     }

@@ -6,6 +6,7 @@ use roxmltree::Node;
 use crate::description::{ReadOptions, roll_pitch_yaw};
 use crate::diagnostics::{Code, Place, Severity, Subject};
 use crate::read::packages::Packages;
+use crate::read::visual::Surfaces;
 use crate::read::xml::element::{Attribute, Elements, attribute};
 use crate::read::xml::unread::Unread;
 
@@ -26,6 +27,8 @@ pub struct Reader<'a, 't, 'r, 'f> {
     pub unread: Unread,
     /// The folders of the packages that visuals name.
     pub packages: Packages,
+    /// The meshes of visuals.
+    pub surfaces: Surfaces,
     /// A sentence for each shape that could not be read.
     pub shape_notes: Vec<String>,
 }

@@ -7,6 +7,7 @@ use super::reader::Reader;
 use crate::description::{Description, Kind, LinkRecord, ReadOptions};
 use crate::diagnostics::{Code, Place, Report, Severity};
 use crate::read::packages::Packages;
+use crate::read::visual::Surfaces;
 use crate::read::xml::element::{Elements, is};
 use crate::read::xml::unread::Unread;
 
@@ -25,6 +26,7 @@ pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Desc
         negative_limits: Vec::new(),
         unread: Unread::default(),
         packages: Packages::default(),
+        surfaces: Surfaces::default(),
         shape_notes: Vec::new(),
     };
     let name = robot.attribute("name").unwrap_or("");

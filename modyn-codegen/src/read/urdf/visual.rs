@@ -7,7 +7,7 @@ use roxmltree::Node;
 
 use super::reader::Reader;
 use crate::description::{Geometry, Shape, roll_pitch_yaw};
-use crate::read::visual::{numbers, solid, surface};
+use crate::read::visual::{numbers, solid};
 use crate::read::xml::element::is;
 
 impl<'a> Reader<'a, '_, '_, '_> {
@@ -41,7 +41,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         for place in &places {
             self.xml.report.depends_on(place.clone());
         }
-        surface(&self.options.files, file, &places, geometry.attribute("scale"))
+        self.surfaces.surface(&self.options.files, file, &places, geometry.attribute("scale"))
     }
 
     /// Returns the colour of a material, which may be one of the robot's.

@@ -183,7 +183,8 @@ impl<'e, 'r> Expander<'e, 'r> {
         self.open_operations += 1;
         if self.open_operations > MAX_OPERATIONS {
             return Err(format!(
-                "operations are nested more than {MAX_OPERATIONS} deep, with those of properties"
+                "operations are nested more than {MAX_OPERATIONS} deep, with those of properties: \
+                 evaluate some properties where they are defined, by `lazy_eval=\"false\"`"
             ));
         }
         Ok(())
