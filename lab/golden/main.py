@@ -19,6 +19,7 @@ import ground
 import hessians
 import loops
 import mechanisms
+import soft_steps
 import urdf
 from coordinates import Coordinates, moved
 from quantities import Same, evaluate
@@ -179,6 +180,7 @@ def files():
     for name in contacts.ROBOTS:
         yield f"{name}.json", lambda name=name: text(standing(name))
     yield "ground.json", lambda: text(ground.cases(ROOT))
+    yield "soft_steps.json", lambda: json.dumps(soft_steps.make(ROOT)) + "\n"
 
 
 def main():

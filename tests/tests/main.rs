@@ -31,6 +31,7 @@ mod regressor;
 mod rotors;
 mod scale;
 mod shapes;
+mod soft_steps;
 mod step_hessians;
 mod steps;
 mod ui;

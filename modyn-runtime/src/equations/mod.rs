@@ -30,6 +30,7 @@
 //! | `brge` | the public entry of the factorization | (35)-(57) |
 //! | `derivatives` | derivatives of inverse and forward dynamics | Singh, Russell and Wensing 2022 |
 //! | `derivatives/external` | the same under external wrenches | |
+//! | `soft_constraints` | steps with soft contacts, joint limits and dry joint friction | Todorov 2014 |
 //! | `steps/semi_implicit` | the state after a semi-implicit Euler step, its derivatives | |
 //! | `steps/implicit_midpoint` | the state after a step of the implicit midpoint rule, its derivatives | Hairer, Lubich and Wanner 2006 |
 //! | `steps/runge_kutta` | the state after a Runge-Kutta step | Celledoni, Marthinsen and Owren 2003 |
@@ -52,6 +53,7 @@ pub mod identification;
 pub mod kinematics;
 pub mod paper;
 pub mod singular;
+pub mod soft_constraints;
 pub mod steps;
 mod workspace;
 

@@ -35,6 +35,10 @@ pub struct Workspace<S> {
     pub(super) perturbations: Vec<AccelerationPerturbation<S>>,
     /// For each body, the articulated inertia of its eliminated child modules; `None` without child modules.
     pub(super) articulated: Vec<Option<ArticulatedInertia<S>>>,
+    /// For each body, the inertia that soft constraints add to it; `None` if there is none.
+    pub(super) added_inertia: Vec<Option<ArticulatedInertia<S>>>,
+    /// For each degree of freedom, the inertia that soft constraints of the joint add to it; `None` if there is none.
+    pub(super) added_armature: Vec<Option<S>>,
     /// For each component and degree of freedom: the wrench at its module's first body (Psi), reduced by the
     /// pivot's factor V (`columns`), and divided by the pivot (`scaled_psi`).
     pub(super) columns: [Vec<S>; 6],
@@ -75,6 +79,8 @@ impl<S: Scalar> Workspace<S> {
             relative_velocities: vec![Vector3::zero(); bodies],
             perturbations: vec![AccelerationPerturbation::zero(); dofs],
             articulated: vec![None; bodies],
+            added_inertia: vec![None; bodies],
+            added_armature: vec![None; dofs],
             columns: core::array::from_fn(|_| vec![zero; dofs]),
             scaled_psi: core::array::from_fn(|_| vec![zero; dofs]),
             reciprocals: vec![zero; dofs],

@@ -14,6 +14,7 @@ mod momentum;
 mod paper;
 mod products;
 mod regressor;
+mod soft_constraints;
 mod steps;
 
 use alloc::{vec, vec::Vec};

@@ -115,15 +115,26 @@ fn recursion<S: Scalar, T: BodyTree<S>>(
     qdd: &mut [S],
 ) {
     let model = tree.mechanism();
-    start(model, workspace);
+    against_fall(tree, partition, (qd, tau), workspace, qdd);
+    for i in (0..model.bodies.len()).filter(|&i| is_base(model, i)) {
+        add_free_fall(model, i, qd, workspace, qdd);
+    }
+}
+
+/// Solves for the accelerations, those of floating bases relative to free fall. Expects the wrenches at zero joint accelerations.
+pub(in crate::equations) fn against_fall<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
+    partition: &ModulePartition,
+    (qd, tau): (&[S], &[S]),
+    workspace: &mut Workspace<S>,
+    qdd: &mut [S],
+) {
+    start(tree.mechanism(), workspace);
     for block in partition.blocks.iter().rev() {
         eliminate_module(tree, block, (qd, tau), workspace);
     }
     for block in &partition.blocks {
         accelerate(tree, block, workspace, qdd);
-    }
-    for i in (0..model.bodies.len()).filter(|&i| is_base(model, i)) {
-        add_free_fall(model, i, qd, workspace, qdd);
     }
 }
 
@@ -203,7 +214,7 @@ pub(super) fn accelerate<S: Scalar, T: BodyTree<S>>(
             Twist::from_components(tree.broadcast_from_parents(first, |p| of(p).components()));
         body.twist_to_child(&workspace.motions[first], twist)
     });
-    let subspace = motion_subspace(model, block);
+    let subspace = motion_subspace(model, block, workspace);
     for d in block.dofs.clone() {
         qdd[d] = workspace.torques[d];
         if let Some(from_parent) = &from_parent {
@@ -247,7 +258,7 @@ fn remaining_wrench<S: Scalar>(
     workspace: &Workspace<S>,
     torque: impl Fn(usize) -> S,
 ) -> Wrench<S> {
-    let subspace = motion_subspace(model, block);
+    let subspace = motion_subspace(model, block, workspace);
     let mut left = workspace.wrenches[block.bodies.start].components();
     for (row, entry) in left.iter_mut().enumerate() {
         if let Some(d) = subspace[row] {

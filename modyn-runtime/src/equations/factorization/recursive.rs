@@ -17,12 +17,12 @@ use crate::equations::Workspace;
 use crate::mechanism::{BodyTree, Mechanism, RootwardAccumulator};
 use crate::spatial::{ArticulatedInertia, Wrench};
 
-/// Sets each composite inertia to the body's own inertia.
+/// Sets each composite inertia to the body's own inertia, and each articulated inertia to the one that soft constraints add.
 pub(in crate::equations) fn start<S: Scalar>(model: &Mechanism<S>, workspace: &mut Workspace<S>) {
     for (composite, body) in workspace.composite.iter_mut().zip(&model.bodies) {
         *composite = body.base_inertia;
     }
-    workspace.articulated.fill(None);
+    workspace.articulated.copy_from_slice(&workspace.added_inertia);
 }
 
 /// Computes the module's pivot block and its columns Psi at the module's first body, and accumulates the
@@ -47,6 +47,9 @@ pub(in crate::equations) fn pivot<S: Scalar, T: BodyTree<S>>(
             let mut own = wrench.components()[dof.component];
             if let Some(armature) = dof.armature {
                 own = own + armature;
+            }
+            if let Some(added) = workspace.added_armature[d] {
+                own = own + added;
             }
             workspace.pivots[block.pivot + j * size + j] = own;
             let mut at = i;
@@ -85,14 +88,15 @@ pub(in crate::equations) fn split<S: Scalar>(block: &ModuleBlock, workspace: &mu
 
 /// Returns the motion subspace of the module's first joint: for each component of the twist, the degree of
 /// freedom that moves along it. The joint transmits no force along its motion subspace to the parent.
-/// (A joint with rotor inertia does, so its components are left out.)
+/// (A joint with rotor inertia or a soft constraint does, so its components are left out.)
 pub(in crate::equations) fn motion_subspace<S: Scalar>(
     model: &Mechanism<S>,
     block: &ModuleBlock,
+    workspace: &Workspace<S>,
 ) -> [Option<usize>; 6] {
     let mut subspace = [None; 6];
     for d in model.bodies[block.bodies.start].dofs.clone() {
-        if model.dofs[d].armature.is_none() {
+        if model.dofs[d].armature.is_none() && workspace.added_armature[d].is_none() {
             subspace[model.dofs[d].component] = Some(d);
         }
     }
@@ -106,7 +110,7 @@ pub(in crate::equations) fn reduce_columns<S: Scalar>(
     block: &ModuleBlock,
     workspace: &mut Workspace<S>,
 ) {
-    let subspace = motion_subspace(model, block);
+    let subspace = motion_subspace(model, block, workspace);
     let v = factor(block, &workspace.pivots);
     for row in (0..6).filter(|&row| subspace[row].is_none()) {
         solve_upper(v, &mut workspace.columns[row][block.dofs.clone()]);
@@ -124,7 +128,7 @@ pub(in crate::equations) fn eliminate<S: Scalar, T: BodyTree<S>>(
 ) {
     let model = tree.mechanism();
     let first = block.bodies.start;
-    let subspace = motion_subspace(model, block);
+    let subspace = motion_subspace(model, block, workspace);
     if subspace.iter().all(Option::is_some) {
         return;
     }
@@ -211,7 +215,7 @@ fn finish_gains<S: Scalar>(
     block: &ModuleBlock,
     workspace: &mut Workspace<S>,
 ) {
-    let subspace = motion_subspace(model, block);
+    let subspace = motion_subspace(model, block, workspace);
     for (row, free) in subspace.into_iter().enumerate() {
         let scaled_psi = &mut workspace.scaled_psi[row][block.dofs.clone()];
         if let Some(d) = free {

@@ -37,6 +37,28 @@ pub fn integrate<S: Scalar>(model: &Mechanism<S>, (q, v): (&[S], &[S]), out: &mu
     }
 }
 
+/// Computes the coordinates after the time `dt` from `q`: origins of floating joints move straight at their velocities at `q`, rotations
+/// follow the exponential map. Turns the linear velocities in `qd` from the axes at `q` to those of the result.
+pub fn move_straight<S: Scalar>(model: &Mechanism<S>, q: &[S], qd: &mut [S], dt: S, out: &mut [S]) {
+    for block in &model.coordinates {
+        match block.space {
+            CoordinateSpace::Line { .. } => out[block.q] = q[block.q] + dt * qd[block.v],
+            CoordinateSpace::Rotation => {
+                let turn = Quaternion::exp(vector(qd, block.v).scale(dt));
+                write_rotation(rotation(q, block.q).times(turn).renormalized(), out, block.q);
+            }
+            CoordinateSpace::Pose => {
+                let (linear, w) = (vector(qd, block.v), vector(qd, block.v + 3));
+                let (attitude, turn) = (rotation(q, block.q + 3), Quaternion::exp(w.scale(dt)));
+                let moved = attitude.rotate(linear.scale(dt));
+                write_vector(vector(q, block.q) + moved, out, block.q);
+                write_rotation(attitude.times(turn).renormalized(), out, block.q + 3);
+                write_vector(turn.conjugate().rotate(linear), qd, block.v);
+            }
+        }
+    }
+}
+
 /// Computes the tangent vector v with `from` (+) v = `to`, nv entries. Rotations are the shortest ones;
 /// joint angles are not wrapped.
 pub fn difference<S: Scalar>(model: &Mechanism<S>, (from, to): (&[S], &[S]), out: &mut [S]) {

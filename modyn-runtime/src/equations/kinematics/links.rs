@@ -16,6 +16,18 @@ pub fn link_poses<S: Scalar>(
     poses: &mut [Pose<S>],
 ) {
     workspace.move_to(model, q);
+    compute_body_poses(model, workspace, body_poses);
+    for (pose, frame) in poses.iter_mut().zip(&model.frames) {
+        *pose = frame.body.map_or(frame.pose, |body| body_poses[body].compose(&frame.pose));
+    }
+}
+
+/// Computes the poses of the bodies in the world. Expects the joint transforms at q.
+pub(in crate::equations) fn compute_body_poses<S: Scalar>(
+    model: &Mechanism<S>,
+    workspace: &Workspace<S>,
+    body_poses: &mut [Pose<S>],
+) {
     for (i, body) in model.bodies.iter().enumerate() {
         let motion = &workspace.motions[i];
         let parent = body.parent.map_or_else(Pose::identity, |p| body_poses[p]);
@@ -27,9 +39,6 @@ pub fn link_poses<S: Scalar>(
         }
         let rotation = motion.rotate_axes(&at_joint).0;
         body_poses[i] = Pose { rotation, translation: origin.0 };
-    }
-    for (pose, frame) in poses.iter_mut().zip(&model.frames) {
-        *pose = frame.body.map_or(frame.pose, |body| body_poses[body].compose(&frame.pose));
     }
 }
 

@@ -1,0 +1,233 @@
+//! The rows of soft constraints at a state: contacts of points with planes, joint limits, dry joint friction.
+
+use alloc::vec::Vec;
+
+use super::law::{Cone, ContactLaw, Response, RowState, SoftRow, Softness};
+use crate::Scalar;
+use crate::equations::Workspace;
+use crate::mechanism::{BodyFrame, Mechanism};
+use crate::spatial::{ArticulatedInertia, Matrix3, Pose, Symmetric3, Twist, Vector3, Wrench};
+
+/// The parameters of soft constraints.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SoftParameters<S> {
+    /// The cone of all contacts.
+    pub cone: Cone,
+    /// MuJoCo's `impratio`: how much stiffer friction is than the normal direction.
+    pub ratio: S,
+    /// The parameters of each contact of the robot, in its order.
+    pub contacts: Vec<ContactParameters<S>>,
+    /// The parameters of each entry of qd; entries of joints with several degrees of freedom have none.
+    pub joints: Vec<Option<JointParameters<S>>>,
+}
+
+/// The parameters of a contact: a sphere about the origin of the contact's frame, and a plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactParameters<S> {
+    /// The pose of the plane in the world: its z axis is the normal.
+    pub plane: Pose<S>,
+    /// The radius of the sphere, m; zero for a point.
+    pub radius: S,
+    /// The coefficient of friction.
+    pub friction: S,
+    /// The distance from which on the contact acts, m.
+    pub margin: S,
+    /// The mobility of the link, 1/kg: MuJoCo's `body_invweight0`.
+    pub mobility: S,
+    /// The softness.
+    pub softness: Softness<S>,
+}
+
+/// The parameters of a joint's limits and of its dry friction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointParameters<S> {
+    /// The entry of q.
+    pub coordinate: usize,
+    /// The least and the largest coordinate, rad or m; infinite without a limit.
+    pub range: [S; 2],
+    /// The distance from which on a limit acts, rad or m.
+    pub margin: S,
+    /// The mobility of the joint, 1/(kg m^2) or 1/kg: MuJoCo's `dof_invweight0`.
+    pub mobility: S,
+    /// The softness of the limits.
+    pub limit: Softness<S>,
+    /// The dry friction, N m or N.
+    pub dry_friction: S,
+    /// The softness of dry friction.
+    pub friction: Softness<S>,
+}
+
+/// A contact at a state.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ContactRows<S> {
+    /// The body that carries the contact.
+    pub body: usize,
+    /// The contact's place on the body.
+    place: Vector3<S>,
+    /// The normal and two tangents in the body's axes, as columns.
+    axes: Matrix3<S>,
+    /// The law of the accelerations, those of floating bases relative to free fall.
+    pub law: ContactLaw<S>,
+}
+
+/// The state of a body.
+pub(super) struct BodyState<S> {
+    /// The pose in the world.
+    pub pose: Pose<S>,
+    /// The velocity in the body's axes.
+    pub velocity: Twist<S>,
+    /// The linear acceleration in free fall, in the body's axes; zero for a body on a fixed base.
+    pub fall: Vector3<S>,
+}
+
+/// A limit or the dry friction of a joint at a state.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct JointRow<S> {
+    /// The degree of freedom, which is also the entry of qd.
+    pub dof: usize,
+    /// The sign of the row: 1 for the lower limit and for friction, -1 for the upper limit.
+    pub sign: S,
+    pub weight: S,
+    pub reference: S,
+    /// The largest force of dry friction; `None` for a limit.
+    most: Option<S>,
+}
+
+impl<S: Scalar> ContactRows<S> {
+    /// Returns the rows of a contact whose sphere is about the origin of `frame`; `None` for a frame on the world.
+    pub(super) fn new(
+        frame: &BodyFrame<S>,
+        state: &BodyState<S>,
+        parameters: &SoftParameters<S>,
+        contact: &ContactParameters<S>,
+        dt: S,
+    ) -> Option<Self> {
+        let body = frame.body?;
+        let BodyState { pose, velocity, fall } = state;
+        let to_body = Matrix3(pose.rotation).transposed();
+        let plane = Matrix3(contact.plane.rotation);
+        let normal = plane.column(2);
+        let center = Vector3(frame.pose.translation);
+        let in_world = Vector3(pose.translation) + Matrix3(pose.rotation).mul_vector(center);
+        let gap = normal.dot(in_world - Vector3(contact.plane.translation)) - contact.radius;
+        // The contact is in the middle of the overlap.
+        let depth = gap * S::from_f64(0.5) + contact.radius;
+        let axes = to_body.times(&Matrix3::from_columns(|k| plane.column((k + 2) % 3)));
+        let place = center - axes.column(0).scale(depth);
+        let at_place = |twist: &Twist<S>| twist.linear + twist.angular.cross(place);
+        let components = |v: Vector3<S>| [0, 1, 2].map(|k| axes.column(k).dot(v));
+        let rates = components(at_place(velocity));
+        let violation = gap - contact.margin;
+        let state =
+            RowState { position: violation, velocity: rates[0], mobility: contact.mobility };
+        let row = contact.softness.row(&state, dt);
+        let falling = components(*fall);
+        let reference = [
+            row.reference,
+            contact.softness.damped(rates[1], dt),
+            contact.softness.damped(rates[2], dt),
+        ];
+        let law = ContactLaw {
+            cone: parameters.cone,
+            friction: contact.friction,
+            ratio: parameters.ratio,
+            weight: violation.select_nonnegative(S::zero(), row.weight),
+            reference: core::array::from_fn(|k| reference[k] - falling[k]),
+        };
+        Some(Self { body, place, axes, law })
+    }
+
+    /// Returns the acceleration of the contact, given that of its body.
+    pub(super) fn acceleration(&self, of_body: &Twist<S>) -> [S; 3] {
+        let at_place = of_body.linear + of_body.angular.cross(self.place);
+        [0, 1, 2].map(|k| self.axes.column(k).dot(at_place))
+    }
+
+    /// Returns the wrench of a force at the body's origin.
+    pub(super) fn wrench(&self, force: [S; 3]) -> Wrench<S> {
+        let force = self.axes.mul_vector(Vector3(force));
+        Wrench { moment: self.place.cross(force), force }
+    }
+
+    /// Returns the inertia that a stiffness adds to the body.
+    pub(super) fn inertia(&self, response: &Response<S>) -> ArticulatedInertia<S> {
+        let stiffness = self.axes.congruence(&Matrix3(response.stiffness)).0;
+        let at_place = ArticulatedInertia {
+            rotational: Symmetric3::zero(),
+            coupling: Matrix3::zero(),
+            translational: Symmetric3::from_fn(|i, j| stiffness[i][j]),
+        };
+        at_place.shifted(self.place)
+    }
+}
+
+impl<S: Scalar> JointRow<S> {
+    /// Adds the rows of a joint with one degree of freedom to `rows`.
+    pub(super) fn add(
+        dof: usize,
+        parameters: &JointParameters<S>,
+        (q, qd): (&[S], &[S]),
+        dt: S,
+        rows: &mut Vec<Self>,
+    ) {
+        let JointParameters { range, margin, mobility, limit, dry_friction, friction, .. } =
+            *parameters;
+        let coordinate = q[parameters.coordinate];
+        let velocity = qd[dof];
+        let [below, above] = [coordinate - range[0], range[1] - coordinate];
+        for (sign, distance) in [(S::one(), below), (-S::one(), above)] {
+            let position = distance - margin;
+            let row = limit.row(&RowState { position, velocity: sign * velocity, mobility }, dt);
+            rows.push(Self {
+                dof,
+                sign,
+                weight: position.select_nonnegative(S::zero(), row.weight),
+                reference: position.select_nonnegative(S::zero(), row.reference),
+                most: None,
+            });
+        }
+        if !dry_friction.is_constant_zero() {
+            let state = RowState { position: S::zero(), velocity, mobility };
+            let SoftRow { weight, .. } = friction.row(&state, dt);
+            rows.push(Self {
+                dof,
+                sign: S::one(),
+                weight,
+                reference: friction.damped(velocity, dt),
+                most: Some(dry_friction),
+            });
+        }
+    }
+
+    /// Returns the force at an acceleration of the row, and minus its derivative.
+    pub(super) fn response(&self, acceleration: S) -> [S; 2] {
+        let zero = S::zero();
+        let force = -(self.weight * (acceleration - self.reference));
+        match self.most {
+            // A limit only pushes.
+            None => {
+                [force.select_nonnegative(force, zero), force.select_nonnegative(self.weight, zero)]
+            }
+            Some(most) => {
+                let above = (force - most).select_nonnegative(most, force);
+                let within = (most - force.abs()).select_nonnegative(self.weight, zero);
+                [(-most - force).select_nonnegative(-most, above), within]
+            }
+        }
+    }
+}
+
+/// Computes the velocities (or accelerations) of all bodies from those of the joints, in the bodies' axes. Expects the joint
+/// transforms at q.
+pub(super) fn body_twists<S: Scalar>(
+    model: &Mechanism<S>,
+    rates: &[S],
+    workspace: &mut Workspace<S>,
+) {
+    for (i, body) in model.bodies.iter().enumerate() {
+        let parent = body.parent.map_or_else(Twist::zero, |parent| {
+            body.twist_to_child(&workspace.motions[i], workspace.twists[parent])
+        });
+        workspace.twists[i] = model.add_rates(i, parent, rates);
+    }
+}
