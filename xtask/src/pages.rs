@@ -56,7 +56,7 @@ fn text_of(name: &str) -> String {
 }
 
 /// Returns the path of a file of the repository.
-fn root(path: &str) -> PathBuf {
+pub(crate) fn root(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)
 }
 
