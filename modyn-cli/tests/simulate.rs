@@ -238,6 +238,14 @@ fn feet_stay_above_the_ground_and_impacts_take_energy() {
     assert!(!free.err.contains("deepest"), "{}", free.err);
     // The default is 0.8; without friction the feet slide apart.
     assert_eq!(run(&["--ground", "0.8"]).out, found.out);
+    // The page draws the ground where it is, although the feet are a little below.
+    let folder = tempfile::tempdir().expect("a folder");
+    let page = folder.path().join("fall.html").to_string_lossy().into_owned();
+    for (more, ground) in [(&["--ground"][..], serde_json::json!(0)), (&[], Value::Null)] {
+        assert_eq!(run(&[more, &["--html", &page]].concat()).code, 0);
+        let html = std::fs::read_to_string(&page).expect("a page");
+        assert_eq!(common::page_data(&html)["ground"], ground);
+    }
     assert_ne!(run(&["--ground", "0"]).out, found.out);
 }
 
@@ -381,7 +389,7 @@ fn the_page_has_the_robot_and_its_motion() {
     let data = common::page_data(&html);
     assert_eq!(data["robots"][0]["bodies"].as_array().map(Vec::len), Some(2));
     let motion = &data["motions"][0];
-    assert_eq!(motion["forces"], Value::Null);
+    assert_eq!((&motion["forces"], &data["ground"]), (&Value::Null, &Value::Null));
     let (head, rows) = table(&read("p.csv"));
     assert_eq!(rows.len(), 51);
     let columns = ["shoulder (rad)", "elbow (rad)"].map(|name| column(&head, name));

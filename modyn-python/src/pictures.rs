@@ -11,11 +11,13 @@ use crate::robot::Robot;
 #[pymethods]
 impl Robot {
     /// Returns a page of HTML that shows the robot in motion, with its shapes. `times`, (n,), s, must ascend; `trajectory`, (n, nq),
-    /// has the coordinates at each time.
+    /// has the coordinates at each time. The ground is drawn at the height `ground`, m; by default at zero, or below the motion.
+    #[pyo3(signature = (times, trajectory, ground = None))]
     fn animation(
         &self,
         times: &Bound<'_, PyAny>,
         trajectory: &Bound<'_, PyAny>,
+        ground: Option<f64>,
     ) -> PyResult<String> {
         let wrong = |message: &str| PyValueError::new_err(message.to_owned());
         let nq = self.model().nq();
@@ -30,6 +32,12 @@ impl Robot {
         let times = times.as_slice()?.to_vec();
         let coordinates = trajectory.as_slice()?.chunks(nq.max(1)).map(<[f64]>::to_vec).collect();
         scene.motion(Motion { name: model.name().into(), robot, times, coordinates, forces: None });
+        if let Some(height) = ground {
+            if !height.is_finite() {
+                return Err(wrong("`ground` must be finite: it is the height of the ground in m"));
+            }
+            scene.ground(height);
+        }
         Ok(scene.page())
     }
 

@@ -41,6 +41,7 @@ pub struct Scene {
     title: String,
     robots: Vec<(Model, Shapes)>,
     motions: Vec<Motion>,
+    ground: Option<f64>,
 }
 
 /// The motion of a robot.
@@ -91,6 +92,16 @@ impl Scene {
         self.motions.push(motion);
     }
 
+    /// Draws the ground at this height, m. Without a call it is at zero, or below all motions if one of them goes below zero.
+    ///
+    /// # Panics
+    ///
+    /// If the height is not finite.
+    pub fn ground(&mut self, height: f64) {
+        assert!(height.is_finite(), "the ground has a height");
+        self.ground = Some(height);
+    }
+
     /// Returns the page.
     #[must_use]
     pub fn page(&self) -> String {
@@ -125,6 +136,10 @@ impl Scene {
             }
             out.push('}');
         });
+        if let Some(height) = self.ground {
+            key(&mut out, "ground");
+            number(&mut out, height);
+        }
         out += ",\"figures\":[]}";
         out
     }

@@ -301,9 +301,10 @@ class Robot:
         """Returns the coordinates of the keyframe of this name, (nq,); `KeyError` names those that there are."""
     def check_configuration(self, q: ArrayLike) -> None:
         """Checks that the quaternions of spherical and floating joints in `q`, (nq,), have length 1."""
-    def animation(self, times: ArrayLike, trajectory: ArrayLike) -> str:
-        """Returns a page of HTML that animates the lines between the links. `times`, (n,), s, must ascend; `trajectory`,
-        (n, nq), has the coordinates at each time."""
+    def animation(self, times: ArrayLike, trajectory: ArrayLike, ground: float | None = None) -> str:
+        """Returns a page of HTML that shows the robot in motion, with its shapes. `times`, (n,), s, must ascend; `trajectory`,
+        (n, nq), has the coordinates at each time. The ground is drawn at the height `ground`, m; by default at zero, or below the
+        motion."""
     def set_gravity(self, gravity: ArrayLike) -> None:
         """Sets gravity, the acceleration of free fall in world axes, (3,), m/s^2. Needs the option `runtime_gravity`."""
     def set_inertia(

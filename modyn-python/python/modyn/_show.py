@@ -39,14 +39,16 @@ def show(
     times: ArrayLike | None = None,
     dt: float = 0.01,
     height: int = 480,
+    ground: float | None = None,
 ) -> Animation:
     """Returns the animation of a motion, with the shapes of the description and sliders of the joints.
 
     `trajectory` has the coordinates at each time, (n, nq); one configuration, (nq,), is a still picture, as is the neutral
-    one without a trajectory. `times`, (n,), are in s; by default the states are `dt` apart.
+    one without a trajectory. `times`, (n,), are in s; by default the states are `dt` apart. The ground is drawn at the
+    height `ground`, m; by default at zero, or below the motion if that goes below zero.
     """
     if trajectory is None:
         trajectory = robot.neutral()
     q = np.atleast_2d(np.asarray(trajectory, float))
     when = np.arange(len(q)) * dt if times is None else np.asarray(times, float)
-    return Animation(robot.animation(when, q), height)
+    return Animation(robot.animation(when, q, ground), height)

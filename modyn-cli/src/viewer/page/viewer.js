@@ -113,7 +113,7 @@ class Viewer {
     for (let k = 0; k < 3; k++) if (!(low[k] <= high[k])) { low[k] = -0.5; high[k] = 0.5; }
     const whole = norm(subtract(high, low));
     this.size = Math.max(largest, 1e-6);
-    this.ground = low[2] < -0.02 * this.size ? low[2] : 0;
+    this.ground = this.data.ground ?? (low[2] < -0.02 * this.size ? low[2] : 0);
     const isFixed = this.robots.some((robot) => robot.bodies[0] && !["floating", "planar"].includes(robot.bodies[0].joint.type));
     this.column = isFixed && !hangs && this.ground < 0 ? this.ground : null;
     this.spacing = 1.3 * Math.max(width, 0.35 * this.size);
