@@ -1,6 +1,6 @@
 //! Escapes names of a description, which may contain any character, for the format of the output.
 //!
-//! serde_json escapes JSON, csv escapes quotes in CSV, and [`markup`] escapes text in pictures. For terminals there is
+//! [`json`] escapes in JSON what serde_json leaves, csv escapes quotes in CSV, and [`markup`] escapes text in pictures. For terminals there is
 //! `modyn_codegen::diagnostics::sanitize_for_display`.
 
 /// Returns text, or an attribute's value, escaped for SVG and HTML.
@@ -16,6 +16,22 @@ pub fn markup(text: &str) -> String {
             // Characters that XML forbids.
             c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => escaped.push('\u{fffd}'),
             _ => escaped.push(c),
+        }
+    }
+    escaped
+}
+
+/// Returns JSON in lines. Characters that control a terminal or are invisible are escaped, too.
+#[cfg(feature = "command")]
+pub fn json(value: &serde_json::Value) -> String {
+    let mut escaped = String::new();
+    for c in format!("{value:#}\n").chars() {
+        if c == '\n' || !modyn_codegen::diagnostics::is_unprintable(c) {
+            escaped.push(c);
+            continue;
+        }
+        for unit in c.encode_utf16(&mut [0; 2]) {
+            escaped += &format!("\\u{unit:04x}");
         }
     }
     escaped
@@ -59,5 +75,10 @@ mod tests {
         );
         #[cfg(feature = "command")]
         assert_eq!([cell("=1+1"), cell("a\r\nb")], ["'=1+1", "a\u{fffd}\u{fffd}b"]);
+        #[cfg(feature = "command")]
+        assert_eq!(
+            json(&serde_json::json!(["\u{9b}2J\u{202e}\u{e0001}é"])),
+            "[\n  \"\\u009b2J\\u202e\\udb40\\udc01é\"\n]\n"
+        );
     }
 }

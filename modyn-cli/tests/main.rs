@@ -11,5 +11,6 @@ mod hostile;
 mod inspect;
 mod kinematics;
 mod mjcf;
+mod output_files;
 mod simulate;
 mod view;

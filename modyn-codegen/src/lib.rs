@@ -21,6 +21,7 @@ pub mod graph;
 mod intern;
 pub mod names;
 pub mod options;
+pub mod output;
 pub mod passes;
 pub mod plan;
 pub mod program;

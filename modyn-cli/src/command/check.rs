@@ -13,6 +13,7 @@ use crate::command::description::Description;
 use crate::command::diagnostics;
 use crate::command::options::ReadingOptions;
 use crate::command::outcome::{Failure, to_stdout};
+use crate::escape;
 use crate::report;
 
 /// Report the errors and warnings of descriptions
@@ -105,5 +106,5 @@ fn as_text(outcomes: &[Outcome]) -> String {
 
 fn as_json(outcomes: &[Outcome]) -> String {
     let all: Vec<_> = outcomes.iter().map(Outcome::to_json).collect();
-    format!("{:#}\n", serde_json::Value::from(all))
+    escape::json(&serde_json::Value::from(all))
 }

@@ -1,12 +1,12 @@
 //! `modyn convert`: writes what modyn understood of a description as a URDF or an MJCF.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use modyn_codegen::diagnostics::{Diagnostics, sanitize_for_display};
 use modyn_codegen::{Format, write};
 
-use crate::command::outcome::{Failure, to_file, to_stderr, to_stdout};
+use crate::command::outcome::{Failure, to_file, to_stderr};
 use crate::command::robot::Robot;
 
 /// Write a robot as a URDF or an MJCF: its links, joints, inertias, loops and contacts, and nothing else
@@ -41,16 +41,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let description = robot.open()?;
     let reading = description.read(&robot.options.read_options());
     let reading = reading.map_err(|found| description.failure(robot.named(found)))?;
+    let inputs = description.inputs(Some(&reading));
     description.warn(robot.named(Diagnostics::new(reading.warnings)));
     let written = write(&reading.model, format);
     let written = written.map_err(|found| Failure::Diagnostics(found, None))?;
     for note in &written.notes {
         to_stderr(&format!("note: {}\n", sanitize_for_display(note)));
     }
-    if out == Path::new("-") {
-        return to_stdout(&written.text);
-    }
-    to_file(out, &written.text)
+    to_file(out, &written.text, &inputs)
 }
 
 impl Arguments {

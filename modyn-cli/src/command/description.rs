@@ -36,6 +36,12 @@ impl Description {
         Ok(Self { name, text, path: Some(path) })
     }
 
+    /// Returns the file of the description, if it is one, and the files that the reading names.
+    pub fn inputs(&self, reading: Option<&Reading>) -> Vec<PathBuf> {
+        let named = reading.map_or(&[][..], |reading| &reading.files);
+        self.path.iter().chain(named).cloned().collect()
+    }
+
     /// Reads the robot.
     pub fn read(&self, options: &ReadOptions) -> Result<Reading, Diagnostics> {
         let folder = self.path.as_deref().and_then(Path::parent).map(Path::to_owned);

@@ -14,9 +14,10 @@ use modyn_jit::{CompileError, InstructionSet};
 
 use crate::command::description::Description;
 use crate::command::options::CodeOptions;
-use crate::command::outcome::{Failure, to_file, to_stderr, to_stdout};
+use crate::command::outcome::{Failure, to_file, to_generated_file, to_stderr, to_stdout};
 use crate::command::progress::Progress;
 use crate::command::robot::Robot;
+use modyn_codegen::output::has_content;
 
 /// The report on a file that differs from what would be written.
 const STALE: &str = "stale: it is missing or was edited, or the description, an option or modyn has changed; \
@@ -185,7 +186,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return source(arguments, &builder, target, &description, &named);
     }
     let mut progress = Progress::start("compiling");
-    let result = match &arguments.output {
+    // Standard output.
+    let output = arguments.output.as_ref().filter(|output| *output != Path::new("-"));
+    let result = match output {
         Some(output) if arguments.check => stale(arguments, &builder, output, &named),
         Some(output) => write(arguments, &builder, output, &description, &named),
         None => {
@@ -208,9 +211,9 @@ fn write(
 ) -> Result<(), Failure> {
     let generated = builder.write(output).map_err(named)?;
     if let (Some(path), Some(header)) = (&arguments.c_header, &generated.c_header)
-        && !std::fs::read_to_string(path).is_ok_and(|found| found == *header)
+        && !has_content(path, header.as_bytes())
     {
-        to_file(path, header)?;
+        to_generated_file(path, header, &description.inputs(None))?;
     }
     description.warn(arguments.robot.named(Diagnostics::new(generated.warnings)));
     Ok(())
@@ -245,11 +248,11 @@ fn rollout(
     progress.stop();
     description.warn(arguments.robot.named(Diagnostics::new(warnings)));
     let Some(output) = &arguments.output else { return to_stdout(&source.text) };
-    let current = std::fs::read_to_string(output).is_ok_and(|found| found == source.text);
+    let current = has_content(output, source.text.as_bytes());
     match (current, arguments.check) {
         (_, true) => checked(output, !current),
         (true, false) => Ok(()),
-        (false, false) => to_file(output, &source.text),
+        (false, false) => to_generated_file(output, &source.text, &description.inputs(None)),
     }
 }
 
@@ -263,7 +266,8 @@ fn source(
 ) -> Result<(), Failure> {
     refuse_rust_options(arguments)?;
     let mut progress = Progress::start("compiling");
-    let Some(output) = &arguments.output else {
+    let output = arguments.output.as_ref().filter(|output| *output != Path::new("-"));
+    let Some(output) = output else {
         let emitted = builder.emit(target).map_err(named)?;
         progress.stop();
         if let [file] = &*emitted.files {
@@ -348,13 +352,16 @@ fn object(
         (output.with_extension("h"), object.header.into_bytes()),
         (output.with_extension("rs"), object.wrapper.into_bytes()),
     ];
+    let inputs = description.inputs(None);
     let mut stale = false;
     for (path, content) in files {
-        let current = std::fs::read(&path).is_ok_and(|found| found == content);
+        let current = has_content(&path, &content);
         if arguments.check {
             stale |= !current;
+        } else if !current && path == *output {
+            to_file(&path, &content, &inputs)?;
         } else if !current {
-            to_file(&path, &content)?;
+            to_generated_file(&path, &content, &inputs)?;
         }
     }
     if arguments.check {
@@ -378,8 +385,7 @@ fn stale(
     let mut stale = is(output, builder.is_stale(output).map_err(named)?);
     if let Some(path) = &arguments.c_header {
         let header = builder.generate().map_err(named)?.c_header.unwrap_or_default();
-        let found = std::fs::read_to_string(path);
-        stale |= is(path, !found.is_ok_and(|found| found.replace("\r\n", "\n") == header));
+        stale |= is(path, !has_content(path, header.as_bytes()));
     }
     if stale { Err(Failure::Reported) } else { Ok(()) }
 }

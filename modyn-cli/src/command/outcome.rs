@@ -2,11 +2,12 @@
 
 use std::fmt;
 use std::io::{ErrorKind, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_codegen::diagnostics::{Code, Diagnostics};
+use modyn_codegen::output::{Replaces, write_file};
 
 use crate::command::description::Description;
 use crate::command::diagnostics;
@@ -66,8 +67,16 @@ impl Failure {
 
 /// Writes to standard output, with colours on terminals. A broken pipe is not an error.
 pub fn to_stdout(text: &str) -> Result<(), Failure> {
-    let mut out = anstream::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    written(anstream::stdout().lock(), text.as_bytes())
+}
+
+/// Writes bytes to standard output. A broken pipe is not an error.
+fn bytes_to_stdout(content: &[u8]) -> Result<(), Failure> {
+    written(std::io::stdout().lock(), content)
+}
+
+fn written(mut out: impl Write, content: &[u8]) -> Result<(), Failure> {
+    match out.write_all(content).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(Failure::usage(format!("error: standard output cannot be written: {error}")))
         }
@@ -81,9 +90,34 @@ pub fn to_stderr(text: &str) {
     let _ = anstream::stderr().lock().write_all(text.as_bytes());
 }
 
-/// Writes a file.
-pub fn to_file(path: &Path, content: &(impl AsRef<[u8]> + ?Sized)) -> Result<(), Failure> {
-    std::fs::write(path, content).map_err(|error| {
+/// Writes a file, or to standard output for `-`. None of the `inputs` is overwritten.
+pub fn to_file(
+    path: &Path,
+    content: &(impl AsRef<[u8]> + ?Sized),
+    inputs: &[PathBuf],
+) -> Result<(), Failure> {
+    write(path, content.as_ref(), inputs, Replaces::Any)
+}
+
+/// Writes a generated file, which replaces only files that modyn generated; or to standard output for `-`.
+pub fn to_generated_file(
+    path: &Path,
+    content: &(impl AsRef<[u8]> + ?Sized),
+    inputs: &[PathBuf],
+) -> Result<(), Failure> {
+    write(path, content.as_ref(), inputs, Replaces::Generated)
+}
+
+fn write(
+    path: &Path,
+    content: &[u8],
+    inputs: &[PathBuf],
+    replaces: Replaces,
+) -> Result<(), Failure> {
+    if path == Path::new("-") {
+        return bytes_to_stdout(content);
+    }
+    write_file(path, content, inputs, replaces).map_err(|error| {
         let path = sanitize_for_display(&path.display().to_string());
         Failure::usage(format!("error: `{path}` cannot be written: {error}"))
     })

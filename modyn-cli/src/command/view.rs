@@ -46,6 +46,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = arguments.robot.options.read_options();
     let reading = description.read(&ReadOptions { shapes: true, ..options.clone() });
     let reading = reading.map_err(|found| description.failure(arguments.robot.named(found)))?;
+    let mut inputs = description.inputs(Some(&reading));
+    inputs.extend(arguments.motion.iter().cloned());
     description.warn(arguments.robot.named(Diagnostics::new(reading.warnings)));
     note_shapes(&reading.shapes);
     let model = reading.model;
@@ -56,7 +58,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let page = scene.page();
     if let Some(path) = &arguments.output {
-        return to_file(path, &page);
+        return to_file(path, &page, &inputs);
     }
     let file = tempfile::Builder::new().prefix("modyn-").suffix(".html").tempfile();
     let kept = file.map_err(|error| error.to_string());
@@ -66,7 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             "error: no temporary file can be made: {error}; name a file by `-o`"
         ))
     })?;
-    to_file(&path, &page)?;
+    to_file(&path, &page, &[])?;
     open(&path)
 }
 

@@ -4,7 +4,13 @@
 /// could command a terminal, and rustc rejects characters that change the direction of text.
 #[must_use]
 pub fn sanitize_for_display(text: &str) -> String {
-    text.replace(|c: char| c.is_control() || is_invisible(c), "\u{fffd}")
+    text.replace(is_unprintable, "\u{fffd}")
+}
+
+/// Returns whether a character controls a terminal, or is invisible.
+#[must_use]
+pub fn is_unprintable(c: char) -> bool {
+    c.is_control() || is_invisible(c)
 }
 
 /// Returns whether a character is invisible: marks of direction, joiners, separators of lines.

@@ -10,7 +10,7 @@ mod suggest;
 
 pub use code::Code;
 pub use diagnostic::{Diagnostic, Diagnostics, Position, Severity, Subject};
-pub use display::sanitize_for_display;
+pub use display::{is_unprintable, sanitize_for_display};
 pub(crate) use expansion::{Expansion, ExpansionCall};
 pub(crate) use report::{Place, Report};
 pub(crate) use suggest::Suggestions;

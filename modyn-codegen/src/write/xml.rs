@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use crate::diagnostics::{is_unprintable, sanitize_for_display};
+
 /// An element of XML.
 pub struct Element {
     name: &'static str,
@@ -108,7 +110,8 @@ impl Drop for Element {
 /// Prints a comment.
 pub fn comment(comment: &str, text: &mut String) {
     // Two dashes would end the comment.
-    let _ = writeln!(text, "<!-- {} -->", comment.replace("--", "- -").replace("--", "- -"));
+    let comment = sanitize_for_display(comment).replace("--", "- -").replace("--", "- -");
+    let _ = writeln!(text, "<!-- {comment} -->");
 }
 
 /// Returns a text as the value of an attribute in double quotes.
@@ -120,8 +123,8 @@ fn escaped(value: &str) -> String {
             '<' => text.push_str("&lt;"),
             '>' => text.push_str("&gt;"),
             '"' => text.push_str("&quot;"),
-            // As themselves they would become spaces.
-            '\t' | '\n' | '\r' => {
+            // Tabs and ends of lines would become spaces; others could control a terminal.
+            c if is_unprintable(c) => {
                 let _ = write!(text, "&#{};", u32::from(c));
             }
             c => text.push(c),

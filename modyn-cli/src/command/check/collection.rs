@@ -13,6 +13,7 @@ use super::{Arguments, Outcome, check_one};
 use crate::command::description::Description;
 use crate::command::outcome::{Failure, to_stdout};
 use crate::command::table::Table;
+use crate::escape;
 
 /// The extensions of files that may be descriptions.
 const EXTENSIONS: [&str; 6] = ["urdf", "xacro", "xml", "mjcf", "sdf", "world"];
@@ -240,5 +241,5 @@ fn as_json(entries: &[Entry]) -> String {
         (format, counts.collect::<BTreeMap<_, _>>())
     });
     let (files, totals) = (files.collect::<Vec<_>>(), totals.collect::<BTreeMap<_, _>>());
-    format!("{:#}\n", json!({ "files": files, "totals": totals }))
+    escape::json(&json!({ "files": files, "totals": totals }))
 }

@@ -89,9 +89,9 @@ impl Harness<'_> {
             }
         };
         let (robot, main) = (folder.join("robot.rs"), folder.join("main.rs"));
-        to_file(&robot, self.robot)?;
-        to_file(&main, &self.main(model))?;
-        to_file(&folder.join("timing.rs"), TIMING)?;
+        to_file(&robot, self.robot, &[])?;
+        to_file(&main, &self.main(model), &[])?;
+        to_file(&folder.join("timing.rs"), TIMING, &[])?;
         let program = folder.join(format!("compare{}", std::env::consts::EXE_SUFFIX));
         let mut command = Command::new(&self.rustc.path);
         command.args([

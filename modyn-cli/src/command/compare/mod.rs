@@ -23,6 +23,7 @@ use crate::command::outcome::{Failure, to_stderr, to_stdout};
 use crate::command::progress::Progress;
 use crate::command::robot::Robot;
 use crate::command::table::Table;
+use crate::escape;
 use crate::random::Random;
 use harness::{Harness, Measured};
 use machine_code::MachineCode;
@@ -335,7 +336,7 @@ fn as_json(outcome: &Outcome, rows: &[Row]) -> String {
         "compiled_in_s": outcome.compiled_in.as_secs_f64(),
         "functions": rows.iter().map(row).collect::<Value>(),
     });
-    format!("{all:#}\n")
+    escape::json(&all)
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use super::text::active_friction;
 use super::{Cost, Inspection, advice};
 use crate::command::diagnostics;
+use crate::escape;
 
 /// Returns the inspection as JSON, in SI units.
 pub fn of(inspection: &Inspection) -> String {
@@ -67,7 +68,7 @@ pub fn of(inspection: &Inspection) -> String {
         "diagnostics": diagnostics::to_json(warnings),
         "advice": advice,
     });
-    format!("{all:#}\n")
+    escape::json(&all)
 }
 
 fn joint(model: &Model, link: usize) -> Value {

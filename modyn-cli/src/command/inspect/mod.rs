@@ -21,6 +21,7 @@ use crate::command::options::{Functions, functions, modules};
 use crate::command::outcome::{Failure, to_file, to_stdout};
 use crate::command::progress::Progress;
 use crate::command::robot::Robot;
+use crate::escape;
 use crate::picture::{self, Sparsity};
 use advice::Advice;
 
@@ -80,12 +81,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
                 "usable": false,
                 "diagnostics": diagnostics::to_json(found.as_slice()),
             });
-            to_stdout(&format!("{refused:#}\n"))?;
+            to_stdout(&escape::json(&refused))?;
             return Err(Failure::Reported);
         }
         reading => reading.map_err(|found| description.failure(found))?,
     };
     let mut progress = Progress::start("counting operations");
+    let inputs = description.inputs(Some(&reading));
     let Reading { model, warnings, .. } = reading;
     let has_dynamics = joints_without_inertia(&model).is_empty();
     let costs = if arguments.json || arguments.functions.is_some() {
@@ -108,7 +110,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(path) = &arguments.svg {
         let sparsity = Sparsity::of(&inspection.model, &inspection.modules)
             .map_err(|why| Failure::usage(format!("error: {why}")))?;
-        to_file(path, &picture::draw(&inspection.model, &inspection.modules, &sparsity))?;
+        let picture = picture::draw(&inspection.model, &inspection.modules, &sparsity);
+        to_file(path, &picture, &inputs)?;
     }
     if arguments.json {
         return to_stdout(&json::of(&inspection));

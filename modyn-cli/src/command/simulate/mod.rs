@@ -1,6 +1,7 @@
 //! `modyn simulate`: computes a robot's motion as a table, as plots, and as a page with an animation.
 
 mod adaptive;
+mod dynamics;
 mod motion;
 mod plot;
 mod state;
@@ -98,6 +99,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = ReadOptions { shapes: arguments.html.is_some(), ..options.clone() };
     let reading = description.read(&options);
     let reading = reading.map_err(|found| description.failure(found))?;
+    let mut inputs = description.inputs(Some(&reading));
+    inputs.extend(arguments.torques.clone());
     description.warn(Diagnostics::new(reading.warnings));
     let model = reading.model;
     needs_dynamics(&model, "simulate")?;
@@ -111,17 +114,20 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let motion = Motion::simulate(&model, (q, qd), &torques, &settings)?;
     progress.stop();
     if let Some(path) = &arguments.csv {
-        to_file(path, &table::of(&model, &motion)?)?;
+        to_file(path, &table::of(&model, &motion)?, &inputs)?;
     }
     if let Some(path) = &arguments.plot {
-        to_file(path, &plot::of(&model, &motion))?;
+        to_file(path, &plot::of(&model, &motion), &inputs)?;
     }
     if let Some(path) = &arguments.html {
         note_shapes(&reading.shapes);
         let mut scene = Scene::new(model.name());
         let robot = scene.robot(model.clone(), reading.shapes);
         scene.motion(motion.shown(&model, robot));
-        to_file(path, &scene.page())?;
+        if arguments.ground.is_some() {
+            scene.ground(0.0);
+        }
+        to_file(path, &scene.page(), &inputs)?;
     }
     if arguments.csv.is_none() && arguments.plot.is_none() && arguments.html.is_none() {
         to_stdout(&table::of(&model, &motion)?)?;

@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 
 use modyn_runtime::model::Model;
 
-use super::motion::{Motion, Sample};
+use super::dynamics::Sample;
+use super::motion::Motion;
 use super::units::{self, Kind};
 use crate::command::numbers::four_digits;
 use crate::escape::{markup, shortened};

@@ -5,7 +5,8 @@ use std::error::Error;
 use csv::Writer;
 use modyn_runtime::model::Model;
 
-use super::motion::{Motion, Sample};
+use super::dynamics::Sample;
+use super::motion::Motion;
 use super::units;
 use crate::command::outcome::Failure;
 use crate::escape::cell;

@@ -9,7 +9,7 @@
 use modyn_runtime::ShapeError;
 
 use super::adaptive::{self, Interval, Step};
-use super::motion::Dynamics;
+use super::dynamics::{Dynamics, Ranks};
 use super::state::State;
 use crate::command::outcome::Failure;
 
@@ -25,18 +25,6 @@ const LENGTHS: [f64; 7] = [1.0, 1.4, 0.7, 2.0, 0.5, 2.8, 0.35];
 
 /// The largest change of a state by a projection onto closed loops, in tolerances.
 const JUMP: f64 = 100.0;
-
-/// The number of projections of a state. Each doubles the number of correct digits.
-const PROJECTIONS: usize = 3;
-
-/// The ranks of the constraints of closed loops in one state.
-#[derive(Clone, Copy, Default)]
-pub struct Ranks {
-    /// The rank.
-    pub exact: f64,
-    /// The number of rows that keep a part of their mobility that is not small.
-    pub firm: f64,
-}
 
 /// A posture near which the rank of constraints falls.
 #[derive(Clone, Copy)]
@@ -202,23 +190,4 @@ impl Walk {
 /// Returns whether the rank falls from the first of the states to a later one.
 fn has_fallen(ranks: &[Ranks]) -> bool {
     ranks.iter().any(|later| later.exact < ranks[0].exact)
-}
-
-impl Dynamics<'_> {
-    /// Projects a state onto the closed loops. Returns the largest change of a coordinate or velocity x, relative to 1 + |x|.
-    pub fn close(&mut self, state: &mut State) -> Result<f64, ShapeError> {
-        let before = state.clone();
-        let mut change = [vec![0.0; state.qd.len()], vec![0.0; state.qd.len()]];
-        for _ in 0..PROJECTIONS {
-            let [dq, dqd] = &mut change;
-            let settings = &self.constraint_settings;
-            let motion = (&*state.q, &*state.qd);
-            self.interpreter.project_constraints(motion, &self.inactive, settings, (dq, dqd))?;
-            let q = state.q.clone();
-            self.interpreter.integrate(&q, dq, &mut state.q)?;
-            state.qd.iter_mut().zip(dqd).for_each(|(v, d)| *v += *d);
-        }
-        Ok(adaptive::differences(state, &before, &before)
-            .fold(0.0, |most: f64, change| if change <= most { most } else { change }))
-    }
 }

@@ -1,0 +1,230 @@
+//! The equations of motion of a simulated robot, and one step of them.
+
+use modyn_runtime::model::{Friction, Model};
+use modyn_runtime::simulate::Residual;
+use modyn_runtime::spatial::{Twist, Wrench};
+use modyn_runtime::{ConstraintSettings, ContactTarget, FrameError, Interpreter, ShapeError};
+
+use super::adaptive;
+use super::state::State;
+use super::torques::Torques;
+use crate::command::outcome::Failure;
+use crate::impulses::{Impulses, Options, settings_of};
+
+/// The state of a robot at an instant, and its energies.
+#[derive(Clone)]
+pub struct Sample {
+    pub time: f64,
+    pub q: Vec<f64>,
+    pub qd: Vec<f64>,
+    pub tau: Vec<f64>,
+    pub kinetic: f64,
+    pub potential: f64,
+    /// The work of the joint forces since the start, J.
+    pub work: f64,
+    /// The energy dissipated by friction, damping, impacts and joint stops since the start, J.
+    pub dissipated: f64,
+    /// The force of the ground on each contact in the last step, N, in world axes; empty without ground or step.
+    pub forces: Vec<[f64; 3]>,
+}
+
+impl Sample {
+    /// Returns the conserved quantity: the energy, minus the work of the joint forces, plus the dissipated energy, J.
+    pub fn balance(&self) -> f64 {
+        self.kinetic + self.potential - self.work + self.dissipated
+    }
+}
+
+/// The ranks of the constraints of closed loops in one state.
+#[derive(Clone, Copy, Default)]
+pub struct Ranks {
+    /// The rank.
+    pub exact: f64,
+    /// The number of rows that keep a part of their mobility that is not small.
+    pub firm: f64,
+}
+
+/// The number of projections of a state. Each doubles the number of correct digits.
+const PROJECTIONS: usize = 3;
+
+/// The part of a constraint's mobility below which a row is not firm: near a singular posture.
+const FIRM: f64 = 1e-4;
+
+/// The equations of motion.
+pub struct Dynamics<'a> {
+    pub interpreter: Interpreter<f64>,
+    /// The interpreter without friction; `None` if there is no friction.
+    smooth: Option<Interpreter<f64>>,
+    torques: &'a Torques,
+    tau: Vec<f64>,
+    pub impulses: Impulses,
+    /// The height of the lowest contact above the ground up to now, m; infinite without ground.
+    pub lowest: f64,
+    /// The largest velocities that the impulses of a step left wrong.
+    pub residual: Residual,
+    /// The forces of the ground in the last step.
+    forces: Vec<[f64; 3]>,
+    /// The stabilization of the loops, and the ground under the contacts.
+    pub constraint_settings: ConstraintSettings<f64, Vec<ContactTarget<f64>>>,
+    /// For each contact whether it is active: none is.
+    pub inactive: Vec<bool>,
+    /// The ranks of the loops in the states of the last evaluations.
+    pub ranks: Vec<Ranks>,
+    /// The largest number of firm rows of the loops up to now.
+    pub usual: f64,
+    /// The wrench and the residual of each constraint.
+    constraints: (Vec<Wrench<f64>>, Vec<Twist<f64>>),
+}
+
+impl<'a> Dynamics<'a> {
+    /// Returns the equations of motion under these joint forces, with the ground and the joint limits.
+    pub fn new(model: &Model, torques: &'a Torques, unilateral: Options) -> Result<Self, Failure> {
+        let smooth = (model.friction() != Friction::None)
+            .then(|| model.clone().with_friction(Friction::None).map(Interpreter::new));
+        let smooth = smooth.transpose().map_err(|errors| Failure::usage(&errors[0]))?;
+        let interpreter = Interpreter::new(model.clone());
+        let tau = vec![0.0; model.nv()];
+        let count = model.constraints();
+        let constraints = (vec![Wrench::zero(); count], vec![Twist::zero(); count]);
+        let inactive = vec![false; model.contacts().len()];
+        let constraint_settings = settings_of(model);
+        Ok(Self {
+            interpreter,
+            smooth,
+            torques,
+            tau,
+            impulses: Impulses::new(model, unilateral),
+            lowest: f64::INFINITY,
+            residual: Residual { contacts: 0.0, stops: 0.0 },
+            forces: Vec::new(),
+            constraint_settings,
+            inactive,
+            ranks: Vec::new(),
+            usual: 0.0,
+            constraints,
+        })
+    }
+
+    /// Sets the joint forces to those of this time.
+    fn set_torques(&mut self, time: f64) {
+        self.torques.at(time, &mut self.tau);
+        self.impulses.limit(&mut self.tau);
+    }
+
+    /// Returns the sample of a state.
+    pub fn sample(&mut self, time: f64, state: &State) -> Result<Sample, ShapeError> {
+        self.set_torques(time);
+        let State { q, qd, energy: [work, dissipated] } = state.clone();
+        Ok(Sample {
+            time,
+            kinetic: self.interpreter.kinetic_energy(&q, &qd)?,
+            potential: self.interpreter.potential_energy(&q)?,
+            tau: self.tau.clone(),
+            q,
+            qd,
+            work,
+            dissipated,
+            forces: self.forces.clone(),
+        })
+    }
+
+    /// Returns the state after one step of the classical Runge-Kutta method; quaternions are scaled to length 1.
+    pub fn step(&mut self, time: f64, dt: f64, state: &State) -> Result<State, ShapeError> {
+        let first = self.rates(time, state)?;
+        let second = self.rates(time + dt / 2.0, &state.plus(dt / 2.0, &first))?;
+        let third = self.rates(time + dt / 2.0, &state.plus(dt / 2.0, &second))?;
+        let last = self.rates(time + dt, &state.plus(dt, &third))?;
+        let (ends, middles) = (first.plus(1.0, &last), second.plus(1.0, &third));
+        let mut next = state.plus(dt / 6.0, &ends).plus(dt / 3.0, &middles);
+        self.interpreter.normalize(&mut next.q)?;
+        Ok(next)
+    }
+
+    /// Returns the state after one step of the semi-implicit Euler method with the impulses of the ground and of joint
+    /// stops.
+    pub fn impulse_step(&mut self, time: f64, dt: f64, state: &State) -> Result<State, FrameError> {
+        self.set_torques(time);
+        let State { q, qd, energy: [work, dissipated] } = state;
+        let motion = (&**q, &**qd, &*self.tau);
+        let settings = &self.constraint_settings;
+        let step = self.impulses.step(&mut self.interpreter, motion, settings, dt)?;
+        self.lowest = self.lowest.min(step.lowest);
+        self.residual = self.residual.max(step.residual);
+        self.forces = step.forces;
+        let mut next = State { q: vec![0.0; q.len()], qd: step.qd, energy: [0.0; 2] };
+        let moved: Vec<f64> = next.qd.iter().map(|rate| dt * rate).collect();
+        self.interpreter.integrate(q, &moved, &mut next.q)?;
+        let friction = self.friction_power(q, qd)?;
+        let power = (power(&self.tau, qd) + power(&self.tau, &next.qd)) / 2.0;
+        next.energy = [work + dt * power, dissipated + dt * friction + step.dissipated];
+        Ok(next)
+    }
+
+    /// Returns the rates of a state. Near a singular posture of closed loops they are those of the state with the loops closed: the
+    /// errors of states within a step would grow there.
+    pub fn rates(&mut self, time: f64, state: &State) -> Result<State, ShapeError> {
+        self.set_torques(time);
+        let has_loops = self.constraints.0.len() != self.inactive.len();
+        let mut closed = state.clone();
+        let firm = if has_loops { self.firm_rows(state)? } else { 0.0 };
+        if firm < self.usual {
+            self.close(&mut closed)?;
+        }
+        let State { q, qd, .. } = &closed;
+        let mut rates = State { q: vec![0.0; q.len()], qd: vec![0.0; qd.len()], energy: [0.0; 2] };
+        self.interpreter.velocity_to_qdot(q, qd, &mut rates.q)?;
+        let into = (&mut *rates.qd, &mut *self.constraints.0, &mut *self.constraints.1);
+        if has_loops {
+            let state = (q.as_slice(), qd.as_slice(), self.tau.as_slice());
+            let settings = &self.constraint_settings;
+            let robot = &mut self.interpreter;
+            let exact =
+                robot.constrained_forward_dynamics(state, &self.inactive, settings, into)?;
+            self.ranks.push(Ranks { exact, firm });
+        } else {
+            self.interpreter.forward_dynamics(q, qd, &self.tau, into.0)?;
+        }
+        rates.energy = [power(&self.tau, qd), self.friction_power(q, qd)?];
+        Ok(rates)
+    }
+
+    /// Returns the number of rows of closed loops that keep a part of their mobility that is not small.
+    fn firm_rows(&mut self, State { q, qd, .. }: &State) -> Result<f64, ShapeError> {
+        let settings = ConstraintSettings { tolerance: FIRM, ..self.constraint_settings.clone() };
+        let into = (&mut *vec![0.0; qd.len()], &mut *vec![0.0; qd.len()]);
+        let firm =
+            self.interpreter.project_constraints((q, qd), &self.inactive, &settings, into)?;
+        self.usual = self.usual.max(firm);
+        Ok(firm)
+    }
+
+    /// Returns the power that friction and damping dissipate: their part of inverse dynamics times the velocities, W.
+    fn friction_power(&mut self, q: &[f64], qd: &[f64]) -> Result<f64, ShapeError> {
+        let Some(smooth) = &mut self.smooth else { return Ok(0.0) };
+        let (mut with, mut without) = (vec![0.0; qd.len()], vec![0.0; qd.len()]);
+        self.interpreter.bias_forces(q, qd, &mut with)?;
+        smooth.bias_forces(q, qd, &mut without)?;
+        Ok(power(&with, qd) - power(&without, qd))
+    }
+
+    /// Projects a state onto the closed loops. Returns the largest change of a coordinate or velocity x, relative to 1 + |x|.
+    pub fn close(&mut self, state: &mut State) -> Result<f64, ShapeError> {
+        let before = state.clone();
+        let mut change = [vec![0.0; state.qd.len()], vec![0.0; state.qd.len()]];
+        for _ in 0..PROJECTIONS {
+            let [dq, dqd] = &mut change;
+            let settings = &self.constraint_settings;
+            let motion = (&*state.q, &*state.qd);
+            self.interpreter.project_constraints(motion, &self.inactive, settings, (dq, dqd))?;
+            let q = state.q.clone();
+            self.interpreter.integrate(&q, dq, &mut state.q)?;
+            state.qd.iter_mut().zip(dqd).for_each(|(v, d)| *v += *d);
+        }
+        Ok(adaptive::differences(state, &before, &before)
+            .fold(0.0, |most: f64, change| if change <= most { most } else { change }))
+    }
+}
+
+fn power(tau: &[f64], qd: &[f64]) -> f64 {
+    tau.iter().zip(qd).map(|(a, b)| a * b).sum()
+}

@@ -1,0 +1,126 @@
+//! Output files: inputs and files of others are kept, devices and pipes are written, and no file is half written.
+
+use std::fs;
+use std::path::Path;
+
+use crate::common::modyn;
+
+const ARM: &str = include_str!("../../robots/double_pendulum.urdf");
+
+/// Returns a folder with the description `a.urdf`, and a function from names to paths.
+fn folder() -> (tempfile::TempDir, impl Fn(&str) -> String) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let root = folder.path().to_owned();
+    let path = move |name: &str| root.join(name).to_string_lossy().into_owned();
+    fs::write(path("a.urdf"), ARM).expect("a description");
+    (folder, path)
+}
+
+#[test]
+fn inputs_are_not_overwritten() {
+    let (_folder, path) = folder();
+    let (robot, motion) = (path("a.urdf"), path("m.csv"));
+    assert_eq!(modyn(&["simulate", &robot, "--time", "0.1", "--csv", &motion]).code, 0);
+    let written = fs::read(&motion).expect("a table");
+    let overwriting: [&[&str]; 7] = [
+        &["generate", &robot, "-o", &robot],
+        &["generate", &robot, "--target", "c", "-o", &path("b.c"), "--c-header", &robot],
+        &["view", &robot, "-o", &robot],
+        &["view", &robot, "--motion", &motion, "-o", &motion],
+        &["simulate", &robot, "--time", "0.1", "--csv", &robot],
+        &["inspect", &robot, "--svg", &robot],
+        &["convert", &robot, &robot],
+    ];
+    for arguments in overwriting {
+        let found = modyn(arguments);
+        assert_eq!(found.code, 2, "{arguments:?}: {}", found.err);
+        assert_eq!(fs::read_to_string(&robot).expect("the description"), ARM, "{arguments:?}");
+        assert_eq!(fs::read(&motion).expect("the motion"), written, "{arguments:?}");
+    }
+    let error = modyn(&["convert", &robot, &robot]).err;
+    assert!(error.contains("it is an input, which would be overwritten"), "{error}");
+}
+
+#[test]
+fn files_of_others_are_kept() {
+    let (_folder, path) = folder();
+    let robot = path("a.urdf");
+    let own = "my own header";
+    fs::write(path("arm.h"), own).expect("a file");
+    let object = ["generate", &*robot, "--target", "object", "-o", &path("arm.o")];
+    let found = modyn(&object);
+    assert_eq!(found.code, 2);
+    assert!(found.err.contains("modyn did not write the file that is there"), "{}", found.err);
+    assert_eq!(fs::read_to_string(path("arm.h")).expect("the file"), own);
+    // As the help says.
+    fs::remove_file(path("arm.h")).expect("removed");
+    assert_eq!((modyn(&object).code, modyn(&object).code), (0, 0));
+    fs::write(path("robot.rs"), "mod robot;").expect("a file");
+    let found = modyn(&["generate", &robot, "-o", &path("robot.rs")]);
+    assert_eq!(
+        (found.code, found.err.contains("that modyn generated")),
+        (2, true),
+        "{}",
+        found.err
+    );
+    // Generated files and empty ones are replaced.
+    fs::write(path("empty.rs"), "").expect("a file");
+    for more in [&[][..], &["--functions", "all"]] {
+        for file in ["empty.rs", "other.c"] {
+            let target = if file == "other.c" { "c" } else { "rust" };
+            let arguments = ["generate", &robot, "--target", target, "-o", &path(file)];
+            let found = modyn(&[&arguments[..], more].concat());
+            assert_eq!(found.code, 0, "{file}: {}", found.err);
+        }
+    }
+    assert!(fs::read_dir(path("")).expect("the folder").all(|entry| {
+        let name = entry.expect("an entry").file_name().to_string_lossy().into_owned();
+        !name.starts_with('.')
+    }));
+}
+
+#[test]
+#[cfg(unix)]
+fn devices_pipes_and_links_are_written() {
+    use std::os::unix::fs::{PermissionsExt as _, symlink};
+    let (_folder, path) = folder();
+    let robot = path("a.urdf");
+    // A full device is not read.
+    if Path::new("/dev/full").exists() {
+        assert_eq!(modyn(&["generate", &robot, "-o", "/dev/full"]).code, 2);
+    }
+    let expected = modyn(&["generate", &robot]).out;
+    for arguments in [&["generate", &*robot, "-o", "-"][..], &["simulate", &robot, "--csv", "-"]] {
+        let found = modyn(arguments);
+        assert_eq!(found.code, 0, "{}", found.err);
+        assert!(!found.out.is_empty() && (arguments[0] != "generate" || found.out == expected));
+    }
+    let convert = |out: &str| assert_eq!(modyn(&["convert", &robot, out, "--to", "urdf"]).code, 0);
+    // A link stays a link, and a file keeps its permissions.
+    symlink(path("real.urdf"), path("link.urdf")).expect("a link");
+    convert(&path("real.urdf"));
+    fs::set_permissions(path("real.urdf"), fs::Permissions::from_mode(0o640)).expect("set");
+    fs::write(path("real.urdf"), "").expect("a file");
+    convert(&path("link.urdf"));
+    assert!(fs::symlink_metadata(path("link.urdf")).expect("the link").is_symlink());
+    let found = fs::metadata(path("real.urdf")).expect("the file");
+    assert!(found.len() > 100 && found.permissions().mode() & 0o777 == 0o640);
+}
+
+#[test]
+fn names_cannot_control_terminals() {
+    let (_folder, path) = folder();
+    let name = "a\u{9b}2J\u{202e}b";
+    fs::write(path("c1.urdf"), ARM.replacen("double_pendulum", name, 1)).expect("a description");
+    for arguments in [
+        &["convert", &*path("c1.urdf"), "-", "--to", "urdf"][..],
+        &["inspect", &path("c1.urdf"), "--json"],
+        &["check", &path("c1.urdf"), "--json"],
+    ] {
+        let found = modyn(arguments);
+        assert_eq!(found.code, 0, "{}", found.err);
+        assert!(!found.out.contains(['\u{9b}', '\u{202e}']), "{arguments:?}");
+    }
+    let converted = modyn(&["convert", &path("c1.urdf"), "-", "--to", "urdf"]).out;
+    assert!(converted.contains("a&#155;2J&#8238;b"), "{converted}");
+}
