@@ -6,7 +6,7 @@ use modyn_codegen::graph::{Expr, Graph};
 use modyn_codegen::passes::{balance, optimize};
 use modyn_codegen::plan::{Choices, LIMB_LIMITS, Plan, Sizes};
 use modyn_codegen::program::{
-    Execution, Operand, Operation, ProductBlock, Products, Program, RowEquations, Source,
+    Execution, Operand, ProductBlock, Products, Program, RowEquations, Source,
 };
 use modyn_codegen::trace::{DenseGraph, LimbPacking, Tracer};
 use modyn_codegen::{
@@ -333,14 +333,79 @@ fn packed_and_repeated_programs_agree_with_graphs() {
             assert!(simd.widths().len() > 1, "{name}");
             same(&graph, &simd);
             let repeated = Program::repeated(&graph, count).expect("valid");
-            let calls =
-                |s: &modyn_codegen::program::Statement| matches!(s.operation, Operation::Call(_));
-            assert!(repeated.statements.iter().all(calls), "{name}");
-            assert!(repeated.routines.iter().any(|routine| routine.tables.len() > 1), "{name}");
+            assert_eq!(repeated.loops().count(), repeated.statements.len(), "{name}");
+            assert!(repeated.tables.iter().any(|table| table.rows.len() > 1), "{name}");
             let (each, all) = (repeated.static_operations(), repeated.operations_per_call());
             assert!(each.total() < all.total(), "{name}");
             same(&graph, &repeated);
         }
+    }
+}
+
+/// Heron's rule in a loop that ends early, for two numbers of a loop around it, and the sum of both roots.
+const ROOTS: &str = "program scalar, 3 arguments
+table
+row ; 0, 0
+row ; 1, 1
+table
+row 0.5;
+row 0.5;
+row 0.5;
+row 0.5;
+row 0.5;
+row 0.5;
+row 0.5;
+row 0.5;
+routine 1 constants
+program scalar, 3 arguments
+x0 = reciprocal(a2)
+x1 = fused(a1 * x0 + a2)
+x2 = a0 * x1
+x3 = x2 - a2
+x4 = abs(x3)
+x5 = -1e-9 + x4
+results x2, -x5
+end
+routine 0 constants
+program scalar, 1 arguments
+results 1.0, a0, -1.0
+end
+x0 = a0 + a1
+x1 = loops 3, 2, 1x2
+store 0[2] = x0
+for 0
+call 1 (a[1+0.0]) -> 0[0], 0[1], 2[1]
+for 1 until 2[1]
+call 0 (0[1], 0[0]) -> 0[0], 2[1]
+end
+call 1 (0[0]) -> 2[0], 1[0+0.1], 2[1]
+call 1 (0[0]) -> 2[0], +0[2], 2[1]
+end
+end 1[0], 1[1], 0[2]
+results x1, x1.1, x1.2
+";
+
+#[test]
+fn loops_carry_numbers_and_end_early() {
+    let program: Program = ROOTS.parse().expect("a program");
+    assert_eq!(program.to_string(), ROOTS);
+    let [a, b, sum] = program.evaluate(&[0.5_f64, 2.0, 9.0])[..] else { panic!("three results") };
+    for (found, expected) in [(a, 2_f64.sqrt()), (b, 3.0), (sum, 2.5 + 2_f64.sqrt() + 3.0)] {
+        assert!((found - expected).abs() < 1e-8, "{found} {expected}");
+    }
+    // The square root of NaN does not end the loop, and is NaN.
+    assert!(program.evaluate(&[0.0, f64::NAN, 9.0])[0].is_nan());
+    for (line, wrong, rule) in [
+        ("for 1 until 2[1]", "for 2 until 2[1]", "a loop has a table"),
+        ("for 1 until 2[1]", "for 1 until 2[2]", "an entry of an array is within the array"),
+        ("call 1 (a[1+0.0])", "call 1 (a[2+0.0])", "an entry of an array is within the array"),
+        ("call 1 (a[1+0.0])", "call 1 (a[1+1.0])", "an entry of an array is within the array"),
+        ("call 1 (a[1+0.0])", "call 2 (a[1+0.0])", "a routine that is called exists"),
+        ("call 1 (a[1+0.0])", "call 1 (a[1+0.0], a[0])", "a routine has as many arguments"),
+        ("row ; 1, 1", "row ; 1, 1, 1", "the rows of a table have the same lengths"),
+    ] {
+        let wrong = ROOTS.replacen(line, wrong, 1).parse::<Program>().expect_err("invalid");
+        assert!(wrong.message.contains(rule), "{line}: {wrong}");
     }
 }
 

@@ -92,7 +92,6 @@ impl<S: Real> Assembly<S> {
             Kernels::Straight { scalar, simd } => {
                 CompiledKernels::One(kernel(scalar, simd.as_ref(), &arrays))
             }
-            Kernels::Looped(_) => unreachable!("plans for machine code have no loops"),
             Kernels::ByLink(programs) => {
                 let own = plan.frames.links_with_own_program().count();
                 let arrays = |k: usize| if k < own { &arrays } else { &placed };

@@ -207,7 +207,7 @@ impl<S: Real> Lowering<'_, S> {
                 let results = self.row_equations(equations);
                 results.into_iter().map(|result| vec![result]).collect()
             }
-            Statement::Call(_) => unreachable!("plans for machine code are straight-line code"),
+            Statement::Loops(_) => unreachable!("plans for machine code are straight-line code"),
         }
     }
 

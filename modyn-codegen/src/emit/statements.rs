@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::support::Support;
 use crate::program::{
-    Addend, Call, MultiplyAdd, Operand, Operation, Program, RowEquations, Source, Value,
+    Addend, Entry, Loops, MultiplyAdd, Operand, Operation, Program, RowEquations, Source, Value,
     argument_of,
 };
 
@@ -67,9 +67,15 @@ pub(super) trait Syntax {
         }
     }
 
-    /// Returns the lines that call a routine; `text` returns the text of an operand.
-    fn call(&self, _: &Program, _: &Call, _: &dyn Fn(&Operand) -> String) -> String {
-        unreachable!("the back end has no routines")
+    /// Returns the lines that define the arrays of loops, whose names begin with `arrays`, and run the steps.
+    fn loops(
+        &self,
+        _arrays: &str,
+        _: &Loops,
+        _: &Program,
+        _operand: &dyn Fn(&Operand) -> String,
+    ) -> String {
+        unreachable!("the back end has straight-line code in place of loops")
     }
 
     /// Returns the lines that define the results of row equations, with this name.
@@ -81,6 +87,11 @@ pub(super) trait Syntax {
 /// Returns the name of the results of row equations, statement `s`.
 fn rows(s: usize) -> String {
     format!("rows{s}")
+}
+
+/// Returns the first part of the names of the arrays of loops, statement `s`.
+fn arrays(s: usize) -> String {
+    format!("array{s}")
 }
 
 /// The statements of one chunk.
@@ -121,8 +132,8 @@ impl<S: Syntax> Body<'_, S> {
             Operation::Absolute(a) => self.syntax.absolute(&t(a)),
             Operation::Maximum(a, b) => call(Support::Maximum, &[a, b]),
             Operation::Select(a, b, c) => self.syntax.select(&t(a), &t(b), &t(c)),
-            Operation::Call(call) => {
-                *text += &self.syntax.call(self.program, call, &t);
+            Operation::Loops(loops) => {
+                *text += &self.syntax.loops(&arrays(s), loops, self.program, &t);
                 return;
             }
             Operation::RowEquations(equations) => {
@@ -162,13 +173,26 @@ impl<S: Syntax> Body<'_, S> {
         self.syntax.live_value(chunk, i)
     }
 
+    /// Returns the name of an array of loops, statement `s`.
+    pub fn array(&self, s: usize, array: usize) -> String {
+        format!("{}_{array}", arrays(s))
+    }
+
     fn local(&self, s: usize, place: usize) -> String {
         match &self.program.statements[s].operation {
             Operation::SinCos(_) if place.is_multiple_of(2) => format!("s{s}_{}", place / 2),
             Operation::SinCos(_) => format!("c{s}_{}", place / 2),
             Operation::RowEquations(_) => self.syntax.entry(&rows(s), place),
-            Operation::Call(call) => {
-                self.syntax.entry(&format!("p{}_{}", call.routine, call.repetition), place)
+            Operation::Loops(loops) => {
+                let Entry { array, index } = loops.results[place];
+                let (name, columns) = (self.array(s, array), loops.arrays[array].columns);
+                match columns {
+                    1 => self.syntax.entry(&name, index),
+                    _ => {
+                        let row = self.syntax.entry(&name, index / columns);
+                        self.syntax.entry(&row, index % columns)
+                    }
+                }
             }
             _ => format!("x{s}"),
         }

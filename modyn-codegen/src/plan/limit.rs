@@ -104,8 +104,10 @@ impl Planned {
     /// Returns the length of the text in operations.
     pub(super) fn length(&self) -> usize {
         let rows = match &self.kernels {
-            Kernels::Looped(recursion) => recursion.records(),
-            _ => 0,
+            Kernels::Straight { scalar, .. } => {
+                scalar.tables.iter().map(|table| table.rows.len()).sum()
+            }
+            Kernels::ByLink(_) | Kernels::Poses { .. } => 0,
         };
         self.static_operations().total() + self.result.len() / RESULTS + ROW * rows
     }

@@ -6,7 +6,7 @@ use super::context::PlanContext;
 use super::functions::Lowering;
 use crate::graph::Graph;
 use crate::passes::{balance, optimize};
-use crate::program::Recursion;
+use crate::program::{Program, RecursionSizes};
 
 /// The largest number of operations of straight-line code for which loops are not taken unless the user chooses them. An
 /// operation takes about 7 bytes. From this length on, some 45 joints, loops take at most a sixth more time than straight-line
@@ -18,14 +18,14 @@ pub(super) const MAX_STRAIGHT: usize = 16_000;
 /// few bodies in each limb, loops are short, and straight-line code is quicker at any length.
 const MIN_BODIES_IN_LOOP: usize = 8;
 
-/// Returns the loops of a function, if the user has chosen loops or straight-line code would be too long; `None` for
+/// Returns the program in loops of a function, if the user has chosen loops or straight-line code would be too long; `None` for
 /// functions that are no recursions over bodies, and robots that loops do not suit. `straight` are the graphs of straight-line
 /// code: on scalars, and packed.
 pub(super) fn recursion(
     function: Function,
     context: &PlanContext<'_>,
     (straight, packed): (&Graph, Option<&Graph>),
-) -> Option<Recursion> {
+) -> Option<Program> {
     let recursion = Lowering::of(function).recursion?();
     let is_wanted = match context.code {
         CodeForm::Fast => false,
@@ -40,8 +40,12 @@ pub(super) fn recursion(
         kind.graph = optimize(std::mem::take(&mut kind.graph));
     }
     // The bodies of a chain wait for each other: a sweep takes as long as its critical path.
-    let recursion = Recursion::new(&graphs, [context.sizes.nq, context.sizes.nv], balance)?;
-    let bodies = recursion.records() - 1;
-    let has_long_loops = bodies >= MIN_BODIES_IN_LOOP * recursion.runs.len();
-    (context.code == CodeForm::Small || has_long_loops).then_some(recursion)
+    let sizes = RecursionSizes {
+        nq: context.sizes.nq,
+        nv: context.sizes.nv,
+        parameters: graphs.parameters,
+    };
+    let program = Program::over_bodies(&graphs, sizes, balance);
+    let has_long_loops = graphs.bodies.len() >= MIN_BODIES_IN_LOOP * program.tables.len();
+    (context.code == CodeForm::Small || has_long_loops).then_some(program)
 }

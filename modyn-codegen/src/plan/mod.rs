@@ -281,12 +281,14 @@ impl Plan {
             return Vec::new();
         }
         let of = |planned: &Planned| {
-            if let Kernels::Straight { scalar, .. } = &planned.kernels
-                && let Some(loops) = dense::loops(scalar)
-            {
+            let Kernels::Straight { scalar, .. } = &planned.kernels else { return None };
+            if let Some(loops) = dense::loops(scalar) {
                 return Some((planned.name, loops));
             }
-            let Kernels::Looped(_) = &planned.kernels else { return None };
+            // Equal limbs that share code read no arguments in their loops.
+            if scalar.loops().all(|loops| loops.arguments().is_empty()) {
+                return None;
+            }
             let limit = looped::MAX_STRAIGHT;
             let why = match self.choices.code {
                 CodeForm::Small => "the option `code` is `small`".to_string(),

@@ -5,7 +5,7 @@ use modyn_runtime::{OperationCount, Scalar};
 use super::frames::{Frames, LinkProgram};
 use super::functions::CForm;
 use super::{Argument, Function, Record, Shape};
-use crate::program::{InvalidProgram, Program, Recursion};
+use crate::program::{InvalidProgram, Program};
 
 /// A function or a bundle of functions, planned for a robot.
 pub struct Planned {
@@ -35,15 +35,13 @@ pub struct Planned {
 
 /// The programs of a function.
 pub enum Kernels {
-    /// Straight-line code.
+    /// Statements, of which some may be loops.
     Straight {
         /// The program without packs.
         scalar: Program,
         /// The same function on vectors, if that is profitable; the processor's features decide at run time.
         simd: Option<Program>,
     },
-    /// Loops over the bodies.
-    Looped(Recursion),
     /// The programs of a function of one link, with the indices of [`LinkProgram`](super::LinkProgram). A program that links
     /// share has the link's placement as a further argument.
     ByLink(Vec<Program>),
@@ -70,7 +68,7 @@ impl Kernels {
     pub fn straight(&self) -> Option<(&Program, &Program)> {
         match self {
             Self::Straight { scalar, simd } => Some((scalar, simd.as_ref().unwrap_or(scalar))),
-            Self::Looped(_) | Self::ByLink(_) | Self::Poses { .. } => None,
+            Self::ByLink(_) | Self::Poses { .. } => None,
         }
     }
 }
@@ -104,7 +102,6 @@ impl Planned {
         };
         match &self.kernels {
             Kernels::Straight { scalar, .. } => scalar.evaluate(arguments),
-            Kernels::Looped(recursion) => recursion.evaluate(arguments),
             Kernels::ByLink(programs) => {
                 let LinkProgram { program, placement } = frames.programs()[link];
                 placed(&programs[program], arguments, placement)
@@ -142,7 +139,6 @@ impl Planned {
     pub fn operations_per_call(&self) -> OperationCount {
         match &self.kernels {
             Kernels::Straight { scalar, .. } => scalar.operations_per_call(),
-            Kernels::Looped(recursion) => recursion.operations_per_call(),
             Kernels::ByLink(all) => {
                 let counts = all.iter().map(Program::operations_per_call);
                 counts.max_by_key(OperationCount::total).unwrap_or_default()
@@ -158,7 +154,6 @@ impl Planned {
     #[must_use]
     pub fn static_operations(&self) -> OperationCount {
         match &self.kernels {
-            Kernels::Looped(recursion) => recursion.static_operations(),
             Kernels::Straight { scalar, simd } => [Some(scalar), simd.as_ref()]
                 .into_iter()
                 .flatten()

@@ -201,7 +201,7 @@ impl PlanContext<'_> {
         }
         let packed = packing::packed(function, self, &graph);
         let straight = (&graph, packed.as_ref());
-        let looped = looped::recursion(function, self, straight).map(Kernels::Looped);
+        let looped = looped::recursion(function, self, straight).map(Kernels::of);
         let products = || dense::by_products(function, self, straight, scalars);
         match looped.or_else(products) {
             Some(kernels) => (kernels, None),

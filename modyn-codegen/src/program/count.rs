@@ -2,26 +2,32 @@
 
 use modyn_runtime::OperationCount;
 
-use super::{Addend, Operation, Program, Routine, Statement};
+use super::{Addend, Loops, Operation, Program, Statement};
 
 impl Program {
-    /// Returns the operations of one call; those of routines count as often as they are called.
+    /// Returns the operations of one call. Loops count with all iterations that they can have.
     #[must_use]
     pub fn operations_per_call(&self) -> OperationCount {
-        let calls = |routine: &Routine| {
-            let one = routine.program.operations_per_call();
-            std::iter::repeat_n(one, routine.tables.len()).sum::<OperationCount>()
-        };
+        let loops = self.loops().map(|loops| loops.operations(self)).sum();
         let products = self.products.iter().map(|products| products.operations(self));
-        self.own_operations() + self.routines.iter().map(calls).sum() + products.sum()
+        self.own_operations() + loops + products.sum()
     }
 
     /// Returns the operations in the program's text; those of routines count once.
     #[must_use]
     pub fn static_operations(&self) -> OperationCount {
         let routines = self.routines.iter().map(|routine| routine.program.static_operations());
+        let loops = self.loops().map(Loops::static_operations).sum();
         let products = self.products.iter().map(|products| products.static_operations(self));
-        self.own_operations() + routines.sum() + products.sum()
+        self.own_operations() + routines.sum() + loops + products.sum()
+    }
+
+    /// Returns the loops.
+    pub fn loops(&self) -> impl Iterator<Item = &Loops> {
+        self.statements.iter().filter_map(|statement| match &statement.operation {
+            Operation::Loops(loops) => Some(loops),
+            _ => None,
+        })
     }
 
     /// Returns the operations of the program's own statements. An operation on lanes counts once; packs, unpacks and
@@ -50,7 +56,7 @@ impl Program {
                 Operation::Pack(_)
                 | Operation::Constants(_)
                 | Operation::Unpack(_)
-                | Operation::Call(_)
+                | Operation::Loops(_)
                 | Operation::RowEquations(_) => {}
             }
         }

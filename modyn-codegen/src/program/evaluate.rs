@@ -59,18 +59,14 @@ impl Program {
                 Operation::RowEquations(equations) => {
                     results.extend(equations.evaluate(|operand| at(operand, 0)));
                 }
-                Operation::Call(call) => {
-                    let routine = &self.routines[call.routine];
-                    let constants = routine.tables[call.repetition].iter();
-                    let operands = call.own.iter().chain(&call.common);
-                    let all = constants.map(|&x| S::from_f64(x));
-                    let all: Vec<S> = all.chain(operands.map(|operand| at(operand, 0))).collect();
-                    results.extend(routine.program.evaluate(&all));
+                Operation::Loops(loops) => {
+                    let number = |operand: &Operand| at(operand, 0);
+                    results.extend(loops.evaluate(self, arguments, number));
                 }
             }
             let width = match &statement.operation {
                 // Each result is a scalar.
-                Operation::Unpack(_) | Operation::Call(_) | Operation::RowEquations(_) => 1,
+                Operation::Unpack(_) | Operation::Loops(_) | Operation::RowEquations(_) => 1,
                 _ => usize::from(statement.lanes),
             };
             values.push(width, &mut results);

@@ -87,6 +87,7 @@ impl Program {
             first_stores: Vec::new(),
             chunks: Vec::new(),
             routines: Vec::new(),
+            tables: Vec::new(),
         }
     }
 

@@ -14,15 +14,17 @@
 //!
 //! A program has a text, which can be read again: [`Program`] implements `Display` and `FromStr`.
 //!
-//! A [`Recursion`] is the short form of code: loops over bodies, each of which runs a program.
+//! Programs have one kind of loop ([`Loops`]): routines run over arrays, for each row of a table. Recursions over bodies and
+//! equal limbs that share code are such loops.
 
+mod bodies;
 mod count;
 mod evaluate;
+mod loops;
 mod lower;
 mod outline;
 mod places;
 mod products;
-mod recursion;
 mod repeat;
 mod row_equations;
 mod text;
@@ -31,10 +33,13 @@ mod validate;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
+pub use bodies::{RecursionSizes, Sweep};
+pub use loops::{
+    Array, Call, Column, Entry, Loop, Loops, Place, Read, Routine, Row, Step, Stored, Table, Write,
+};
 pub use places::argument_of;
 pub(crate) use products::is_zero;
 pub use products::{ProductBlock, ProductMatrix, Products, ROW_LANES};
-pub use recursion::{Places, Read, Recursion, Run, Step, Sweep, Write};
 pub use row_equations::RowEquations;
 pub use text::ParseProgramError;
 pub use validate::InvalidProgram;
@@ -77,8 +82,10 @@ pub struct Program {
     pub first_stores: Vec<usize>,
     /// The statements, cut into chunks. The last chunk calls the others in their order, and returns the results.
     pub chunks: Vec<Chunk>,
-    /// The programs that statements call.
+    /// The programs that loops call.
     pub routines: Vec<Routine>,
+    /// The tables of loops.
+    pub tables: Vec<Table>,
 }
 
 /// An operation in its place in the program.
@@ -129,8 +136,8 @@ pub enum Operation {
     Constants(Vec<f64>),
     /// The lanes of a vector as scalars: one result for each lane.
     Unpack(Operand),
-    /// A call of a routine.
-    Call(Call),
+    /// Loops over arrays.
+    Loops(Loops),
     /// The solution of equations of constraint rows, where some may be dependent.
     RowEquations(RowEquations),
 }
@@ -210,35 +217,6 @@ pub struct Scope {
     pub live_out: Vec<Value>,
 }
 
-/// A program that is called several times, each time with other constants. Its arguments are the constants of one
-/// repetition, then the repetition's own operands, then operands that all repetitions share.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Routine {
-    /// The program.
-    pub program: Program,
-    /// The constants of each repetition; all tables have the same length.
-    pub tables: Vec<Vec<f64>>,
-    /// The number of operands that belong to one repetition.
-    pub own: usize,
-    /// The number of operands that all repetitions share.
-    pub common: usize,
-    /// Whether its code must not be inlined into the calls: several calls share it.
-    pub never_inline: bool,
-}
-
-/// A call of a routine; its results are the routine's results.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Call {
-    /// The index of the routine.
-    pub routine: usize,
-    /// The index of the repetition, and of its table of constants.
-    pub repetition: usize,
-    /// The operands of this repetition.
-    pub own: Vec<Operand>,
-    /// The operands that all repetitions share.
-    pub common: Vec<Operand>,
-}
-
 impl Operation {
     /// Returns the operands, in order.
     #[must_use]
@@ -261,7 +239,7 @@ impl Operation {
             Self::Select(a, b, c) => vec![*a, *b, *c],
             Self::SinCos(all) | Self::Pack(all) => all.clone(),
             Self::Constants(_) => Vec::new(),
-            Self::Call(call) => [&*call.own, &*call.common].concat(),
+            Self::Loops(loops) => loops.stored.iter().map(|stored| stored.value).collect(),
             Self::RowEquations(equations) => equations.operands.clone(),
         }
     }

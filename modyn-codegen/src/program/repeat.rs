@@ -2,13 +2,14 @@
 //!
 //! A graph with packed limbs is split into stages: scalars, then limbs that need them, then scalars that need the limbs,
 //! and so on. Each stage becomes a routine over its inputs. In a limb's routine a value has one lane instead of all
-//! lanes, and the routine is called once for each lane.
+//! lanes, and a loop calls the routine once for each lane.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::validate::COPIED;
 use super::{
-    Call, Execution, InvalidProgram, Operand, Operation, Program, Routine, Source, Statement, Value,
+    Array, Call, Entry, Execution, InvalidProgram, Loop, Loops, Operand, Operation, Place, Program,
+    Read, Routine, Row, Source, Statement, Step, Stored, Table, Value, Write,
 };
 use crate::graph::{Graph, Id, Node};
 
@@ -23,49 +24,94 @@ impl Program {
             return Err(InvalidProgram { statement: None, rule: COPIED });
         }
         let stages = stages(graph);
-        let (mut statements, mut routines) = (Vec::new(), Vec::new());
-        for (routine, stage) in stages.iter().enumerate() {
-            let [constants, own, common] = stage.kinds();
-            let operand = |id: &Id, lane| operand(graph, &stages, *id, lane);
-            for lane in 0..stage.calls {
-                let call = Call {
-                    routine,
-                    repetition: lane.into(),
-                    own: own.iter().map(|id| operand(id, lane)).collect(),
-                    common: common.iter().map(|id| operand(id, 0)).collect(),
-                };
-                statements.push(Statement {
-                    operation: Operation::Call(call),
-                    lanes: 1,
-                    used: vec![true; stage.outputs.len()],
-                    last_use: 0,
-                    stores: Vec::new(),
-                });
-            }
-            let table = |lane| {
-                let number = |&id: &Id| graph.value(graph.packed_at(id, lane));
-                constants.iter().map(|id| number(id).expect("a constant")).collect()
-            };
-            routines.push(Routine {
-                program: Self::try_new(&stage.graph, stage.inputs.len(), Execution::Scalar)?,
-                tables: (0..stage.calls).map(table).collect(),
-                own: own.len(),
-                common: common.len(),
-                never_inline: stage.calls > 1,
-            });
-        }
-        let results = graph.outputs.iter().map(|&id| operand(graph, &stages, id, 0)).collect();
-        let program = Self {
+        let mut program = Self {
             execution: Execution::Scalar,
             arguments,
-            statements,
-            results,
+            statements: Vec::new(),
+            results: Vec::new(),
             products: None,
             first_stores: Vec::new(),
             chunks: Vec::new(),
-            routines,
+            routines: Vec::new(),
+            tables: Vec::new(),
         };
+        for stage in &stages {
+            let loops = program.stage(graph, &stages, stage)?;
+            program.statements.push(Statement {
+                used: vec![true; loops.results.len()],
+                operation: Operation::Loops(loops),
+                lanes: 1,
+                last_use: 0,
+                stores: Vec::new(),
+            });
+        }
+        program.results = graph.outputs.iter().map(|&id| operand(graph, &stages, id, 0)).collect();
         program.finished()
+    }
+
+    /// Adds the routine and the table of a stage, and returns the loop that computes the stage's outputs, all of one lane after
+    /// those of the lane before.
+    fn stage(
+        &mut self,
+        graph: &Graph,
+        stages: &[Stage],
+        stage: &Stage,
+    ) -> Result<Loops, InvalidProgram> {
+        /// The arrays: values of each lane, values that all lanes share, and results.
+        const OWN: usize = 0;
+        const COMMON: usize = 1;
+        const RESULTS: usize = 2;
+        let [constants, own, common] = stage.kinds();
+        let [own_count, outputs] = [own.len(), stage.outputs.len()];
+        let value = |id: &Id, lane| operand(graph, stages, *id, lane);
+        let row = |lane: u8| {
+            let number = |&id: &Id| graph.value(graph.packed_at(id, lane));
+            let repetition = usize::from(lane);
+            Row {
+                constants: constants.iter().map(|id| number(id).expect("a constant")).collect(),
+                places: vec![repetition],
+            }
+        };
+        let own_values =
+            (0..stage.calls).flat_map(|lane| own.iter().map(move |id| value(id, lane)));
+        let stored =
+            |array: usize| move |(index, value)| Stored { entry: Entry { array, index }, value };
+        let reads_own = (0..own_count).map(|i| Read::Entry(OWN, Place::in_row(0, i)));
+        let reads_common = (0..common.len()).map(|i| Read::Entry(COMMON, Place::fixed(i)));
+        let writes =
+            (0..outputs).map(|i| Write { array: RESULTS, place: Place::in_row(0, i), adds: false });
+        let call = Call {
+            routine: self.routines.len(),
+            reads: reads_own.chain(reads_common).collect(),
+            writes: writes.collect(),
+        };
+        self.routines.push(Routine {
+            program: Self::try_new(&stage.graph, stage.inputs.len(), Execution::Scalar)?,
+            constants: constants.len(),
+            never_inline: false,
+        });
+        self.tables.push(Table { rows: (0..stage.calls).map(row).collect() });
+        let lanes = usize::from(stage.calls);
+        let table = self.tables.len() - 1;
+        Ok(Loops {
+            arrays: vec![
+                Array { rows: lanes, columns: own_count },
+                Array::flat(common.len()),
+                Array { rows: lanes, columns: outputs },
+            ],
+            stored: own_values
+                .enumerate()
+                .map(stored(OWN))
+                .chain(common.iter().map(|id| value(id, 0)).enumerate().map(stored(COMMON)))
+                .collect(),
+            steps: vec![Step::Loop(Loop {
+                table,
+                reversed: false,
+                end: None,
+                steps: vec![Step::Call(call)],
+            })],
+            results: (0..lanes * outputs).map(|index| Entry { array: RESULTS, index }).collect(),
+        })
     }
 }
 
@@ -103,8 +149,6 @@ struct Stage {
     width: u8,
     /// The number of calls: the lanes that are used.
     calls: u8,
-    /// The index of the first call among all calls.
-    first: usize,
     inputs: Vec<Input>,
     /// The nodes that other stages need.
     outputs: Vec<Id>,
@@ -120,10 +164,10 @@ fn operand(graph: &Graph, stages: &[Stage], id: Id, lane: u8) -> Operand {
         Node::ExtractLane(vector, lane) => operand(graph, stages, vector, lane),
         Node::Pack(..) => operand(graph, stages, graph.packed_at(id, lane), 0),
         _ => {
-            let found = stages.iter().find_map(|stage| {
+            let found = stages.iter().enumerate().find_map(|(statement, stage)| {
                 let place = stage.outputs.iter().position(|&output| output == id)?;
                 let call = if stage.width == 1 { 0 } else { usize::from(lane) };
-                Some(Value { statement: stage.first + call, place })
+                Some(Value { statement, place: call * stage.outputs.len() + place })
             });
             scalar(Source::Result(
                 found.expect("a value that other chunks read is an output of its chunk"),
@@ -167,8 +211,7 @@ fn stages(graph: &Graph) -> Vec<Stage> {
     let mut stages: Vec<Stage> = Vec::new();
     for ((_, width), ids) in &members {
         let outputs = ids.iter().copied().filter(|&id| needed[id as usize]).collect();
-        let first = stages.last().map_or(0, |stage| stage.first + usize::from(stage.calls));
-        stages.push(Stage::new(graph, (*width, lanes(*width), first), ids, outputs));
+        stages.push(Stage::new(graph, (*width, lanes(*width)), ids, outputs));
     }
     stages
 }
@@ -188,12 +231,7 @@ fn levels(graph: &Graph) -> Vec<usize> {
 }
 
 impl Stage {
-    fn new(
-        graph: &Graph,
-        (width, calls, first): (u8, u8, usize),
-        ids: &[Id],
-        outputs: Vec<Id>,
-    ) -> Self {
+    fn new(graph: &Graph, (width, calls): (u8, u8), ids: &[Id], outputs: Vec<Id>) -> Self {
         let own: BTreeSet<Id> = ids.iter().copied().collect();
         let input = |id: Id| match graph.node(id) {
             _ if own.contains(&id) => None,
@@ -222,7 +260,7 @@ impl Stage {
             ids_made.insert(id, same);
         }
         made.outputs = outputs.iter().map(|id| ids_made[id]).collect();
-        Self { width, calls, first, inputs: all, outputs, graph: made }
+        Self { width, calls, inputs: all, outputs, graph: made }
     }
 
     /// Returns the inputs of the stage: constants, values of each lane, values that are the same for all lanes.

@@ -9,9 +9,8 @@
 //! ```
 //!
 //! `a0` is an argument, `x0` the first result of statement 0, `x0.1` its second result. A vector of four lanes is defined as
-//! `x3<4>`. A call `call 0, 1 (x2; a1)` is repetition 1 of routine 0, with its own operands and those that all repetitions
-//! share. `equations 3 6, 1 (x4, ...)` are row equations: the numbers of rows of the constraints, the number of right-hand sides, then
-//! the operands. Routines come before the statements, each with its tables and its program. Products of matrices come after the results:
+//! `x3<4>`. `equations 3 6, 1 (x4, ...)` are row equations: the numbers of rows of the constraints, the number of right-hand sides, then
+//! the operands. The tables and routines of loops come before the statements (`loops/text.rs`). Products of matrices come after the results:
 //! `products 2, x5, x6, ...` is a matrix A of two rows, with its entries by columns, and `of 0..2:12+1+4, x7, ...` a matrix B that it
 //! multiplies: the entries of A B are added to results, rows 0 and 1 of the first column to results 12 and 13, of the next one to 16 and 17.
 
@@ -20,8 +19,8 @@ use std::ops::Range;
 use std::str::{FromStr, Lines};
 
 use super::{
-    Addend, Call, Execution, MultiplyAdd, Operand, Operation, Products, Program, Routine,
-    RowEquations, Source, Statement, Value,
+    Addend, Execution, MultiplyAdd, Operand, Operation, Products, Program, RowEquations, Source,
+    Statement, Value,
 };
 use crate::trace::{ProductForm, Target};
 
@@ -57,15 +56,8 @@ const SELECT: &str = "select";
 impl fmt::Display for Program {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "program {}, {} arguments", self.execution.name(), self.arguments)?;
-        for Routine { program, tables, own, common, never_inline } in &self.routines {
-            let inline = if *never_inline { ", never inlined" } else { "" };
-            writeln!(f, "routine own {own}, common {common}{inline}")?;
-            for table in tables {
-                let numbers: Vec<String> = table.iter().map(|x| format!("{x:?}")).collect();
-                writeln!(f, "table {}", numbers.join(", "))?;
-            }
-            writeln!(f, "{program}end")?;
-        }
+        self.tables.iter().try_for_each(|table| table.fmt(f))?;
+        self.routines.iter().try_for_each(|routine| routine.fmt(f))?;
         for (s, Statement { operation, lanes, .. }) in self.statements.iter().enumerate() {
             let lanes = if *lanes == 1 { String::new() } else { format!("<{lanes}>") };
             writeln!(f, "x{s}{lanes} = {operation}")?;
@@ -116,9 +108,7 @@ impl fmt::Display for Operation {
                 let numbers: Vec<String> = lanes.iter().map(|x| format!("{x:?}")).collect();
                 return write!(f, "constants({})", numbers.join(", "));
             }
-            Self::Call(Call { routine, repetition, own, common }) => {
-                return write!(f, "call {routine}, {repetition} ({}; {})", list(own), list(common));
-            }
+            Self::Loops(loops) => return loops.fmt(f),
             Self::RowEquations(RowEquations { blocks, sides, operands }) => {
                 let blocks: Vec<String> = blocks.iter().map(usize::to_string).collect();
                 let blocks = blocks.join(" ");
@@ -193,7 +183,7 @@ impl FromStr for Program {
     }
 }
 
-struct Parser<'a> {
+pub(super) struct Parser<'a> {
     lines: Lines<'a>,
     /// The number of the current line.
     line: usize,
@@ -202,11 +192,11 @@ struct Parser<'a> {
 }
 
 impl<'a> Parser<'a> {
-    fn error(&self, message: impl Into<String>) -> ParseProgramError {
+    pub(super) fn error(&self, message: impl Into<String>) -> ParseProgramError {
         ParseProgramError { line: self.line, message: message.into() }
     }
 
-    fn next(&mut self) -> Result<&'a str, ParseProgramError> {
+    pub(super) fn next(&mut self) -> Result<&'a str, ParseProgramError> {
         self.line += 1;
         let line = self.lines.next().map(str::trim);
         line.ok_or_else(|| self.error("the text ends; a program ends with a line `results`"))
@@ -234,6 +224,7 @@ impl<'a> Parser<'a> {
             first_stores: Vec::new(),
             chunks: Vec::new(),
             routines: Vec::new(),
+            tables: Vec::new(),
         };
         loop {
             let line = self.next()?;
@@ -244,6 +235,8 @@ impl<'a> Parser<'a> {
             } else if let Some(head) = line.strip_prefix("routine ") {
                 let routine = self.routine(head)?;
                 program.routines.push(routine);
+            } else if line == "table" {
+                program.tables.push(self.table()?);
             } else {
                 let statement = self.statement(&program, line)?;
                 program.statements.push(statement);
@@ -288,46 +281,26 @@ impl<'a> Parser<'a> {
     }
 
     /// Returns the rest of the next line if that begins with `word`; otherwise the line is not read.
-    fn next_after(&mut self, word: &str) -> Option<&'a str> {
+    pub(super) fn next_after(&mut self, word: &str) -> Option<&'a str> {
         let rest = self.lines.clone().next()?.trim().strip_prefix(word)?;
         self.lines.next();
         self.line += 1;
         Some(rest)
     }
 
-    fn routine(&mut self, head: &str) -> Result<Routine, ParseProgramError> {
+    /// Reads the program of a routine.
+    pub(super) fn inner_program(&mut self) -> Result<Program, ParseProgramError> {
         // Routines of modyn call no routines; texts of strangers must not exhaust the stack.
         if self.depth > 3 {
             return Err(self.error("a routine is inside of too many others"));
         }
-        let (head, never_inline) = match head.strip_suffix(", never inlined") {
-            Some(head) => (head, true),
-            None => (head, false),
-        };
-        let counts = head.strip_prefix("own ").and_then(|rest| {
-            let (own, common) = rest.split_once(", common ")?;
-            Some((own.parse().ok()?, common.parse().ok()?))
-        });
-        let (own, common) = counts.ok_or_else(|| {
-            self.error(format!("{head:?} is not a routine, as `own 2, common 1` is"))
-        })?;
-        let mut tables = Vec::new();
-        while let Some(table) =
-            self.lines.clone().next().and_then(|line| line.trim().strip_prefix("table"))
-        {
-            self.next()?;
-            tables.push(self.numbers(table)?);
-        }
         self.depth += 1;
         let program = self.program()?;
         self.depth -= 1;
-        if self.next()? != "end" {
-            return Err(self.error("a routine ends with a line `end`"));
-        }
-        Ok(Routine { program, tables, own, common, never_inline })
+        Ok(program)
     }
 
-    fn statement(&self, program: &Program, line: &str) -> Result<Statement, ParseProgramError> {
+    fn statement(&mut self, program: &Program, line: &str) -> Result<Statement, ParseProgramError> {
         let wrong = |expected: &str| self.error(format!("{line:?} is no statement: {expected}"));
         let (name, text) = line.split_once(" = ").ok_or_else(|| wrong("it has no ` = `"))?;
         let number = format!("x{}", program.statements.len());
@@ -342,20 +315,20 @@ impl<'a> Parser<'a> {
         let lanes: u8 = lanes.ok_or_else(|| {
             wrong(&format!("the next one is `{number}`, or `{number}<4>` for four lanes"))
         })?;
-        let operation = self.operation(program, text, lanes)?;
+        let operation = match text.strip_prefix("loops ") {
+            Some(lengths) => Operation::Loops(self.loops(program, lengths)?),
+            None => self.operation(program, text, lanes)?,
+        };
         let results = match &operation {
             Operation::SinCos(angles) => 2 * angles.len(),
             Operation::Unpack(vector) => vector.lanes.into(),
             Operation::RowEquations(equations) => equations.results(),
-            Operation::Call(call) => {
-                let routine = program.routines.get(call.routine);
-                routine.ok_or_else(|| wrong("there is no such routine"))?.program.results.len()
-            }
+            Operation::Loops(loops) => loops.results.len(),
             _ => 1,
         };
-        // All results of routines are outputs of their stage. A statement with one result has it, also if nothing reads it, as the
-        // constants within wider constants.
-        let used = vec![results == 1 || matches!(operation, Operation::Call(_)); results];
+        // All results of loops are there. A statement with one result has it, also if nothing reads it, as the constants within wider
+        // constants.
+        let used = vec![results == 1 || matches!(operation, Operation::Loops(_)); results];
         Ok(Statement { operation, lanes, used, last_use: 0, stores: Vec::new() })
     }
 
@@ -367,18 +340,6 @@ impl<'a> Parser<'a> {
     ) -> Result<Operation, ParseProgramError> {
         let wrong = || self.error(format!("{text:?} is no operation"));
         let operand = |text: &str| self.operand(program, text, lanes);
-        if let Some(rest) = text.strip_prefix("call ") {
-            let (numbers, operands) = rest.split_once(" (").ok_or_else(wrong)?;
-            let (routine, repetition) = numbers.split_once(", ").ok_or_else(wrong)?;
-            let operands = operands.strip_suffix(')').and_then(|operands| operands.split_once(';'));
-            let (own, common) = operands.ok_or_else(wrong)?;
-            return Ok(Operation::Call(Call {
-                routine: routine.parse().map_err(|_| wrong())?,
-                repetition: repetition.parse().map_err(|_| wrong())?,
-                own: self.operands(program, own, lanes)?,
-                common: self.operands(program, common, lanes)?,
-            }));
-        }
         if let Some(rest) = text.strip_prefix("equations ") {
             let (form, operands) = rest.split_once(" (").ok_or_else(wrong)?;
             let operands = operands.strip_suffix(')').ok_or_else(wrong)?;
@@ -473,7 +434,7 @@ impl<'a> Parser<'a> {
         items(text).map(|text| self.operand(program, text, lanes)).collect()
     }
 
-    fn operand(
+    pub(super) fn operand(
         &self,
         program: &Program,
         text: &str,
@@ -536,7 +497,7 @@ fn range(text: &str) -> Option<Range<usize>> {
 }
 
 /// Returns the items of a list that commas separate.
-fn items(text: &str) -> impl Iterator<Item = &str> {
+pub(super) fn items(text: &str) -> impl Iterator<Item = &str> {
     text.split(',').map(str::trim).filter(|item| !item.is_empty())
 }
 

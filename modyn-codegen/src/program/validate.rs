@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use super::{Call, Chunk, Execution, Operand, Operation, Program, Routine, Source, Value};
+use super::loops::tables_fault;
+use super::{Chunk, Execution, Operand, Operation, Program, Source, Value};
 
 /// The rule about operands with other lanes than their operation.
 pub(super) const COPIED: &str = "only scalars are copied to lanes";
@@ -37,7 +38,7 @@ impl Program {
             .or_else(|| self.store_fault())
             .or_else(|| self.cut_fault())
             .or_else(|| self.products.as_ref()?.fault(self))
-            .or_else(|| self.routines.iter().find_map(routine_fault));
+            .or_else(|| tables_fault(self));
         rule.map_or(Ok(()), |rule| Err(InvalidProgram { statement: None, rule }))?;
         self.routines.iter().try_for_each(|routine| routine.program.validate())
     }
@@ -58,7 +59,12 @@ impl Program {
                 (lanes == 1 && self.lanes_of(vector.source) > 1, vector.lanes.into())
             }
             Operation::SinCos(angles) => (all(statement.lanes), 2 * angles.len()),
-            Operation::Call(call) => (lanes == 1 && all(1), self.call_results(call)?),
+            Operation::Loops(loops) => {
+                if let Some(rule) = loops.fault(self) {
+                    return Some(rule);
+                }
+                (lanes == 1 && all(1), loops.results.len())
+            }
             Operation::RowEquations(equations) => {
                 (lanes == 1 && all(1) && equations.fits(), equations.results())
             }
@@ -95,15 +101,6 @@ impl Program {
         }
         let own = self.lanes_of(operand.source);
         (own != 1 && own != operand.lanes).then_some(COPIED)
-    }
-
-    /// Returns the number of results of a call; `None` if the routine does not exist.
-    fn call_results(&self, call: &Call) -> Option<usize> {
-        let routine = self.routines.get(call.routine)?;
-        let fits = call.repetition < routine.tables.len()
-            && call.own.len() == routine.own
-            && call.common.len() == routine.common;
-        fits.then_some(routine.program.results.len())
     }
 
     /// Returns the rule that the stores of results break.
@@ -151,12 +148,4 @@ impl Program {
         }
         None
     }
-}
-
-fn routine_fault(routine: &Routine) -> Option<&'static str> {
-    let constants = routine.tables.first().map_or(0, Vec::len);
-    let fits = routine.tables.iter().all(|table| table.len() == constants)
-        && routine.program.arguments == constants + routine.own + routine.common
-        && !routine.tables.is_empty();
-    (!fits).then_some("a routine has as many arguments as its tables and calls give")
 }

@@ -3,7 +3,7 @@
 
 use modyn::{EmbeddedModel, Robot};
 use modyn_codegen::plan::{Choices, Kernels, Plan};
-use modyn_codegen::program::{Execution, Recursion};
+use modyn_codegen::program::{Execution, Program};
 use modyn_codegen::{CodeForm, Function};
 use modyn_runtime::Interpreter;
 use modyn_runtime::joint::JointType;
@@ -23,15 +23,15 @@ fn plan(model: &Model, code: CodeForm, runtime_gravity: bool) -> Plan {
 }
 
 /// Returns the loops of both functions; `None` if they are straight-line code.
-fn looped(plan: &Plan) -> Option<[&Recursion; 2]> {
-    let recursion = |function| {
+fn looped(plan: &Plan) -> Option<[&Program; 2]> {
+    let program = |function| {
         let mut all = plan.functions.iter();
         match &all.find(|planned| planned.function == Some(function))?.kernels {
-            Kernels::Looped(recursion) => Some(recursion),
+            Kernels::Straight { scalar, .. } if !scalar.tables.is_empty() => Some(scalar),
             _ => None,
         }
     };
-    let [forward, inverse] = FUNCTIONS.map(recursion);
+    let [forward, inverse] = FUNCTIONS.map(program);
     assert_eq!(forward.is_some(), inverse.is_some());
     Some([forward?, inverse?])
 }
@@ -95,8 +95,8 @@ fn the_amount_of_code_does_not_depend_on_the_number_of_bodies() {
     let counts = |links| {
         let plan = plan(&chain(links), CodeForm::Small, false);
         let loops = looped(&plan).expect("loops");
-        let in_the_text = loops.map(|recursion| recursion.static_operations().total());
-        (in_the_text, loops.map(|recursion| recursion.operations_per_call().total()))
+        let in_the_text = loops.map(|program| program.static_operations().total());
+        (in_the_text, loops.map(|program| program.operations_per_call().total()))
     };
     let (_, least) = counts(14);
     for links in [28, 112] {

@@ -4,11 +4,12 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
+use super::loops::LoopStatements;
 use super::{Array, Printer, literal, products};
 use crate::emit::statements::{Body, Syntax, sum_of_products};
 use crate::emit::support::Support;
 use crate::program::{
-    Call, Chunk, MultiplyAdd, Operand, Operation, Program, RowEquations, Source, argument_of,
+    Chunk, Loops, MultiplyAdd, Operand, Operation, Program, RowEquations, Source, argument_of,
     is_zero,
 };
 
@@ -22,21 +23,7 @@ impl Printer {
         results: usize,
         program: &Program,
     ) {
-        for (number, routine) in program.routines.iter().enumerate() {
-            let constants = routine.tables[0].len();
-            let arrays = [("table", constants), ("own", routine.own), ("common", routine.common)];
-            let arrays = arrays.iter().filter(|(_, len)| *len > 0);
-            let arrays: Vec<Array> =
-                arrays.map(|&(name, len)| Array { name: name.into(), len }).collect();
-            let results = routine.program.results.len();
-            self.function(
-                "static ",
-                &format!("{name}_routine{number}"),
-                &arrays,
-                results,
-                &routine.program,
-            );
-        }
+        self.routines_and_tables(name, program);
         let operations = program.statements.iter().map(|statement| &statement.operation);
         for operation in operations {
             let Operation::RowEquations(equations) = operation else { continue };
@@ -97,8 +84,18 @@ impl Printer {
             } else {
                 chunk.live_out.iter().map(|&value| body.value(value)).collect()
             };
-            for (i, value) in stored.iter().enumerate() {
-                let _ = writeln!(text, "    out[{i}] = {value};");
+            let in_array = program.results_in_array().filter(|_| k == last && products.is_none());
+            if let Some((statement, first)) = in_array {
+                let (array, count) = (body.array(statement, first.array), stored.len());
+                let _ = writeln!(
+                    text,
+                    "    for (int i = 0; i < {count}; ++i) {{ out[i] = {array}[i + {}]; }}",
+                    first.index
+                );
+            } else {
+                for (i, value) in stored.iter().enumerate() {
+                    let _ = writeln!(text, "    out[{i}] = {value};");
+                }
             }
             if let Some(products) = products {
                 let operand = |operand: &Operand| body.operand(operand);
@@ -183,24 +180,16 @@ impl Syntax for C<'_> {
         format!("chunk{chunk}[{i}]")
     }
 
-    fn call(&self, program: &Program, call: &Call, t: &dyn Fn(&Operand) -> String) -> String {
-        let (p, k, real) = (call.routine, call.repetition, self.printer.real());
-        let (routine, mut text) = (&program.routines[p], String::new());
-        let mut array = |name: &str, list: Vec<String>| {
-            let (name, len, list) = (format!("{name}{p}_{k}"), list.len(), list.join(", "));
-            let kind = if list.is_empty() { return None } else { format!("const {real}") };
-            let _ = writeln!(text, "    {kind} {name}[{len}] = {{ {list} }};");
-            Some(name)
-        };
-        let table = routine.tables[k].iter().map(|&x| self.literal(x));
-        let table = array("table", table.collect());
-        let own = array("own", call.own.iter().map(t).collect());
-        let common = array("common", call.common.iter().map(t).collect());
-        let (result, results) = (format!("p{p}_{k}"), routine.program.results.len().max(1));
-        let _ = writeln!(text, "    {real} {result}[{results}];");
-        let all: Vec<String> = [table, own, common, Some(result)].into_iter().flatten().collect();
-        let _ = writeln!(text, "    {}_routine{p}({});", self.name, all.join(", "));
-        text
+    fn loops(
+        &self,
+        arrays: &str,
+        loops: &Loops,
+        program: &Program,
+        operand: &dyn Fn(&Operand) -> String,
+    ) -> String {
+        let C { printer, name, given } = *self;
+        let shapes = &loops.arrays;
+        LoopStatements { printer, name, given, program, arrays, shapes, operand }.print(loops)
     }
 
     fn row_equations(
@@ -248,10 +237,15 @@ fn arguments_read(
     lengths: &[usize],
 ) -> BTreeSet<usize> {
     let statements = program.statements[chunk.statements.clone()].iter();
-    let operands = statements.flat_map(|statement| statement.operation.operands());
+    let operands = statements.clone().flat_map(|statement| statement.operation.operands());
     let number = |operand: Operand| match operand.source {
-        Source::Argument(number) => Some(argument_of(number, lengths.iter().copied()).ok()?.0),
+        Source::Argument(number) => Some(number),
         _ => None,
     };
-    operands.chain(stored).filter_map(number).collect()
+    let in_loops = statements.flat_map(|statement| match &statement.operation {
+        Operation::Loops(loops) => loops.arguments(),
+        _ => Vec::new(),
+    });
+    let numbers = operands.chain(stored).filter_map(number).chain(in_loops);
+    numbers.filter_map(|i| Some(argument_of(i, lengths.iter().copied()).ok()?.0)).collect()
 }

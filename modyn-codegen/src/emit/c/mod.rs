@@ -5,8 +5,8 @@
 //! (`-ffp-contract=off`) the results equal those of the scalar Rust functions, bit for bit.
 
 mod function;
+mod loops;
 mod products;
-mod recursion;
 mod rollout;
 mod support;
 
@@ -19,7 +19,7 @@ use super::support::Support;
 use super::{Backend, EmitOptions, File, FloatType, MachineCode, PlannedRobot, coordinates_in_c};
 use crate::names;
 use crate::plan::{Argument, Frames, Function, Kernels, LinkProgram, Plan, Shape};
-use crate::program::{Execution, Program, Recursion};
+use crate::program::{Execution, Program};
 pub(super) use support::{Qualifiers, text as support};
 
 /// The back end.
@@ -74,8 +74,6 @@ impl Item<'_> {
 enum Programs<'a> {
     /// One program.
     One(&'a Program),
-    /// Loops over bodies.
-    Looped(&'a Recursion),
     /// The programs of a function of one link: see [`Kernels::ByLink`].
     ByLink(&'a [Program]),
     /// The programs of the poses of all links: see [`Kernels::Poses`].
@@ -85,7 +83,7 @@ enum Programs<'a> {
 impl Programs<'_> {
     /// Returns whether they are one function in C.
     fn are_one(&self) -> bool {
-        matches!(self, Self::One(_) | Self::Looped(_))
+        matches!(self, Self::One(_))
     }
 }
 
@@ -261,7 +259,6 @@ impl Printer {
             Programs::One(program) => {
                 self.function("", &item.own_name(), arguments, result.len(), program);
             }
-            Programs::Looped(recursion) => self.recursion(&item.own_name(), arguments, recursion),
             Programs::ByLink(programs) => {
                 let (own, shared) = programs.split_at(frames.links_with_own_program().count());
                 for (link, program) in frames.links_with_own_program().zip(own) {
@@ -288,7 +285,7 @@ impl Printer {
     fn calls(&self, item: &Item<'_>, names: &str, frames: &Frames) -> String {
         let (name, table) = (&item.name, format!("{}_placements", self.prefix));
         match item.programs {
-            Programs::One(_) | Programs::Looped(_) => {
+            Programs::One(_) => {
                 format!("    {}({names}, out);\n", item.own_name())
             }
             Programs::ByLink(_) => {
@@ -408,7 +405,6 @@ fn items<'a>(plan: &'a Plan, prefix: &str) -> Vec<Item<'a>> {
     for planned in &plan.functions {
         let programs = match &planned.kernels {
             Kernels::Straight { scalar, .. } => Programs::One(scalar),
-            Kernels::Looped(recursion) => Programs::Looped(recursion),
             Kernels::ByLink(programs) => Programs::ByLink(programs),
             Kernels::Poses { bodies, placed, .. } => Programs::Poses { bodies, placed },
         };

@@ -303,7 +303,6 @@ fn kernels<'a>(plan: &'a Plan, model: &Model, prefix: &str) -> Vec<Kernel<'a>> {
                     kernels.push(kernel(planned, named, &programs[*program], placement_numbers));
                 }
             }
-            Kernels::Looped(_) => unreachable!("plans for threads have no loops"),
             Kernels::Poses { .. } => unreachable!("threads share no poses"),
         }
     }

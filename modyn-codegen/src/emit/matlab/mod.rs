@@ -192,7 +192,6 @@ impl Printer<'_> {
                     let _ = writeln!(text, "    out({}, :) = {value};", rows(link));
                 }
             }
-            Kernels::Looped(_) => unreachable!("the plan has no loops"),
         }
         self.file((planned.name, planned.docs), &parameters, (&planned.result, &text), &locals)
     }

@@ -3,6 +3,7 @@
 //! Scopes become blocks, `let (live, ...) = { ... };`. Chunks become functions (`name_chunk0` and so on) that return the
 //! values that later chunks read. The last chunk has the function's own name.
 
+mod loops;
 pub(crate) mod operations;
 mod products;
 mod row_equations;
@@ -17,7 +18,7 @@ use super::parameter::{Parameter, unpacked};
 use super::shape::Shape;
 use crate::names::helper_type;
 use crate::program::{
-    Chunk, Execution, Operand, ProductMatrix, Products, Program, Routine, Scope, Value, is_zero,
+    Chunk, Execution, Operand, ProductMatrix, Products, Program, Scope, Value, is_zero,
 };
 use vectors::VectorType;
 
@@ -66,6 +67,9 @@ impl Printer<'_> {
         let mut text = String::new();
         for (number, routine) in self.program.routines.iter().enumerate() {
             self.routine(&mut text, number, routine);
+        }
+        for (number, table) in self.program.tables.iter().enumerate() {
+            self.table(&mut text, number, table);
         }
         let chunks = &self.program.chunks;
         for (k, chunk) in chunks.iter().enumerate() {
@@ -300,43 +304,9 @@ impl Printer<'_> {
         };
         numbers.iter().map(stored).collect()
     }
-
-    /// Prints a routine's function and its tables of constants.
-    fn routine(&self, text: &mut String, number: usize, routine: &Routine) {
-        let (name, float) = (self.routine_name(number), self.float.name());
-        let constants = routine.tables[0].len();
-        let mut parameters = Vec::new();
-        if constants > 0 {
-            for (repetition, table) in routine.tables.iter().enumerate() {
-                let row: Vec<String> = table.iter().map(|&x| literal(x, self.float)).collect();
-                let (table, row) = (table_name(&name, repetition), row.join(", "));
-                let _ = writeln!(text, "static {table}: [{float}; {constants}] = [{row}];\n");
-            }
-            parameters.push(Parameter::constants("table", Shape::vector(constants), float));
-        }
-        for (name, count) in [("own", routine.own), ("common", routine.common)] {
-            if count > 0 {
-                parameters.push(Parameter::new(name, Shape::vector(count)));
-            }
-        }
-        if routine.never_inline {
-            *text += "#[inline(never)]\n";
-        }
-        let result = Shape::vector(routine.program.results.len());
-        *text += &function(&name, &parameters, &result, &routine.program, self.float);
-    }
-
-    fn routine_name(&self, number: usize) -> String {
-        format!("{}_routine{number}", self.name)
-    }
 }
 
 /// Returns the start of a function's text.
 fn head(name: &str, bound: &str, inputs: &[String], returned: &str) -> String {
     format!("fn {name}<{bound}>({}) -> {returned} {{\n", inputs.join(", "))
-}
-
-/// Returns the name of the constants of one repetition.
-fn table_name(routine: &str, repetition: usize) -> String {
-    format!("{}_TABLE_{repetition}", routine.to_uppercase())
 }

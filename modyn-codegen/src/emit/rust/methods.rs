@@ -29,7 +29,7 @@ impl Robot<'_> {
         }
         let arguments = arguments.join(", ");
         match quantity.kernels {
-            Kernels::Straight { .. } | Kernels::Looped(_) | Kernels::Poses { .. } => {
+            Kernels::Straight { .. } | Kernels::Poses { .. } => {
                 format!("{name}({arguments})")
             }
             Kernels::ByLink(_) if self.code.is_some() => format!("{name}({arguments}, link)"),

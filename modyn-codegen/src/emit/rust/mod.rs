@@ -24,7 +24,6 @@ mod missing;
 mod parameter;
 mod parameters;
 mod quantity;
-mod recursion;
 mod robot_trait;
 mod shape;
 mod types;
@@ -39,7 +38,6 @@ use crate::plan::{Constants, Kernels, Plan, Planned};
 use crate::program::{Execution, Program};
 use function::function;
 use quantity::Quantity;
-use recursion::looped;
 
 /// The back end.
 pub(super) struct Rust;
@@ -187,9 +185,6 @@ impl Robot<'_> {
             Kernels::Straight { scalar, simd: None } => *text += &function(name, scalar),
             Kernels::Straight { scalar, simd: Some(simd) } => {
                 self.dispatched(text, quantity, &parameters, (scalar, simd));
-            }
-            Kernels::Looped(recursion) => {
-                *text += &looped(name, &parameters, recursion, self.options.scalar);
             }
             Kernels::ByLink(programs) => self.link_functions(text, quantity, programs),
             Kernels::Poses { bodies, placed, .. } => {

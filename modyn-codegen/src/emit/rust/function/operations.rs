@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use super::{Printer, row_equations, table_name};
+use super::{Printer, row_equations};
 use crate::emit::FloatType;
 use crate::program::{
-    Addend, Call, Execution, MultiplyAdd, Operand, Operation, Source, Value, argument_of,
+    Addend, Execution, MultiplyAdd, Operand, Operation, Source, Value, argument_of,
 };
 
 impl Printer<'_> {
@@ -30,12 +30,7 @@ impl Printer<'_> {
             }
             Operation::Unpack(_) => format!("[{}]", names.join(", ")),
             Operation::RowEquations(equations) => row_equations::pattern(equations, &names),
-            Operation::Call(call) => {
-                if call.repetition == 0 && !call.common.is_empty() {
-                    let _ = writeln!(text, "{indent}let common = &[{}];", self.all(&call.common));
-                }
-                format!("[{}]", names.join(", "))
-            }
+            Operation::Loops(_) => format!("[{}]", names.join(", ")),
             _ => names.concat(),
         };
         let value = self.operation(&statement.operation, statement.lanes);
@@ -82,16 +77,7 @@ impl Printer<'_> {
             }
             Operation::Unpack(a) => format!("{}::unpack({})", self.kind(a.lanes), t(a)),
             Operation::RowEquations(equations) => self.row_equations(equations),
-            Operation::Call(Call { routine, repetition, own, common }) => {
-                let name = self.routine_name(*routine);
-                let tables = &self.program.routines[*routine].tables;
-                let table = (!tables[*repetition].is_empty())
-                    .then(|| format!("&{}", table_name(&name, *repetition)));
-                let own = (!own.is_empty()).then(|| format!("&[{}]", self.all(own)));
-                let common = (!common.is_empty()).then(|| "common".to_string());
-                let arguments: Vec<String> = [table, own, common].into_iter().flatten().collect();
-                format!("{name}({})", arguments.join(", "))
-            }
+            Operation::Loops(loops) => self.loops(loops),
         }
     }
 
@@ -138,8 +124,9 @@ impl Printer<'_> {
                     if angles.len() == 1 { String::new() } else { format!("_{}", place / 2) };
                 format!("{function}{s}{angle}")
             }
-            Operation::Unpack(_) | Operation::RowEquations(_) => format!("x{s}_{place}"),
-            Operation::Call(call) => format!("p{}_{}_{place}", call.routine, call.repetition),
+            Operation::Unpack(_) | Operation::RowEquations(_) | Operation::Loops(_) => {
+                format!("x{s}_{place}")
+            }
             _ => format!("x{s}"),
         }
     }

@@ -7,10 +7,44 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use modyn_runtime::equations::dynamics::Sweep;
 
-use super::{Read, Step, Write};
 use crate::graph::{Graph, Id, Node};
 use crate::program::{Execution, Program, argument_of};
-use crate::trace::BodyKind;
+use crate::trace::{BodyGraphs, BodyKind};
+
+/// The program of a body in a sweep. Its arguments are the body's constants, then the numbers that it reads.
+pub(super) struct BodyStep {
+    pub program: Program,
+    /// The number of constants.
+    pub constants: usize,
+    /// The numbers that it reads.
+    pub reads: Vec<BodyRead>,
+    /// The place of each of its results.
+    pub writes: Vec<BodyWrite>,
+}
+
+/// A number that a body reads in a sweep.
+#[derive(Clone, Copy)]
+pub(super) enum BodyRead {
+    /// An entry of a joint vector (first index): the body's entry with this index.
+    Vector(usize, usize),
+    /// A run-time parameter.
+    Parameter(usize),
+    /// A number of the body's record.
+    Own(usize),
+    /// A number of the parent's record.
+    Parent(usize),
+}
+
+/// The place of a result of a body in a sweep.
+#[derive(Clone, Copy)]
+pub(super) enum BodyWrite {
+    /// A number of the body's record.
+    Own(usize),
+    /// A number of the parent's record, to which it is added.
+    AddToParent(usize),
+    /// The body's entry of the result with this index.
+    Result(usize),
+}
 
 /// The equations of a kind of bodies, cut into sweeps.
 pub(super) struct Kind {
@@ -60,27 +94,35 @@ fn number_of(kind: &BodyKind, (sweeps, parameters): (Sweeps, usize), input: usiz
     }
 }
 
+/// Returns the numbers that some body reads when they pass between bodies: the sweep, and the index among its numbers.
+pub(super) fn received(graphs: &BodyGraphs) -> BTreeSet<(usize, usize)> {
+    let context = (graphs.sweeps, graphs.parameters);
+    graphs.kinds.iter().flat_map(|kind| received_by(kind, context)).collect()
+}
+
 /// Returns the numbers that bodies of this kind read when they pass between bodies.
-pub(super) fn received(
-    kind: &BodyKind,
-    (sweeps, parameters): (Sweeps, usize),
-) -> BTreeSet<(usize, usize)> {
+fn received_by(kind: &BodyKind, context: (Sweeps, usize)) -> BTreeSet<(usize, usize)> {
     let live = kind.graph.live();
     let nodes = kind.graph.nodes().iter().zip(live).filter(|(_, live)| *live);
-    let numbers = nodes.filter_map(|(node, _)| match node {
-        Node::Input(input) => Some(number_of(kind, (sweeps, parameters), *input as usize)),
-        _ => None,
-    });
-    let exchanged = numbers.filter_map(|number| match number {
-        Number::Exchanged(sweep, k) => Some((sweep, k)),
+    let exchanged = nodes.filter_map(|(node, _)| match node {
+        Node::Input(input) => match number_of(kind, context, *input as usize) {
+            Number::Exchanged(sweep, k) => Some((sweep, k)),
+            _ => None,
+        },
         _ => None,
     });
     exchanged.collect()
 }
 
 impl Kind {
+    /// Returns the equations of all kinds, cut.
+    pub fn all(graphs: &BodyGraphs) -> Vec<Self> {
+        let (needed, context) = (received(graphs), (graphs.sweeps, graphs.parameters));
+        graphs.kinds.iter().map(|kind| Self::new(kind, context, &needed)).collect()
+    }
+
     /// Returns the equations of a kind, cut. `needed` are the numbers between bodies that some body reads.
-    pub fn new(
+    fn new(
         kind: &BodyKind,
         (sweeps, parameters): (Sweeps, usize),
         needed: &BTreeSet<(usize, usize)>,
@@ -127,28 +169,31 @@ impl Kind {
     /// Returns the program of a sweep in this direction, after `pass`; `slot` is the place of a number in the record.
     pub fn step(
         &self,
-        (sweep, direction): (usize, Sweep),
+        sweep: usize,
+        direction: Sweep,
         slot: impl Fn(&Number) -> usize,
-        (pass, is_shared): (fn(&Graph) -> Graph, bool),
-    ) -> Step {
+        pass: fn(&Graph) -> Graph,
+    ) -> BodyStep {
         let Part { graph, constants, reads, writes } = &self.parts[sweep];
         let inward = direction == Sweep::Inward;
         let read = |number: &Number| match *number {
-            Number::Vector(vector, entry) => Read::Vector(vector, entry),
-            Number::Parameter(parameter) => Read::Parameter(parameter),
-            Number::Exchanged(..) if !inward => Read::Parent(slot(number)),
-            _ => Read::Own(slot(number)),
+            Number::Vector(vector, entry) => BodyRead::Vector(vector, entry),
+            Number::Parameter(parameter) => BodyRead::Parameter(parameter),
+            Number::Exchanged(..) if !inward => BodyRead::Parent(slot(number)),
+            _ => BodyRead::Own(slot(number)),
         };
         let write = |number: &Number| match *number {
-            Number::Result(entry) => Write::Result(entry),
-            Number::Exchanged(to, _) if inward && to == sweep => Write::AddToParent(slot(number)),
-            _ => Write::Own(slot(number)),
+            Number::Result(entry) => BodyWrite::Result(entry),
+            Number::Exchanged(to, _) if inward && to == sweep => {
+                BodyWrite::AddToParent(slot(number))
+            }
+            _ => BodyWrite::Own(slot(number)),
         };
-        Step {
+        BodyStep {
             program: Program::new(&pass(graph), constants + reads.len(), Execution::Scalar),
+            constants: *constants,
             reads: reads.iter().map(read).collect(),
             writes: writes.iter().map(write).collect(),
-            is_shared,
         }
     }
 }

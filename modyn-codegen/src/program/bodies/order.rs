@@ -2,11 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use super::{Places, Run};
+use super::{PlacedBody, Run};
 use crate::trace::{BodyGraphs, LoopedBody};
 
-/// Returns the bodies in an order with few runs, each body after its parent; `None` if a place exceeds its type.
-pub(super) fn runs(graphs: &BodyGraphs) -> Option<Vec<Run>> {
+/// Returns the bodies in an order with few runs, each body after its parent.
+pub(super) fn runs(graphs: &BodyGraphs) -> Vec<Run> {
     let mut children: Vec<Vec<usize>> = vec![Vec::new(); graphs.bodies.len()];
     // The bodies whose parent has a place, by kind.
     let mut ready: Vec<BTreeSet<usize>> = vec![BTreeSet::new(); graphs.kinds.len()];
@@ -18,28 +18,28 @@ pub(super) fn runs(graphs: &BodyGraphs) -> Option<Vec<Run>> {
     }
     let mut records = vec![0; graphs.bodies.len()];
     let mut runs: Vec<Run> = Vec::new();
-    let mut next = 1_u16;
+    let mut next = 1;
     while let Some(kind) = (0..ready.len()).max_by_key(|&kind| ready[kind].len()) {
         if ready[kind].is_empty() {
             break;
         }
-        let mut run = Run { kind, table: Vec::new(), bodies: Vec::new() };
+        let mut run = Run { kind, bodies: Vec::new() };
         while let Some(i) = ready[kind].pop_first() {
             let LoopedBody { row, parent, starts: [q, v], .. } = graphs.bodies[i];
             records[i] = next;
-            run.table.push(graphs.kinds[kind].table[row].clone());
-            run.bodies.push(Places {
-                own: next,
+            run.bodies.push(PlacedBody {
+                constants: graphs.kinds[kind].table[row].clone(),
+                record: next,
                 parent: parent.map_or(0, |parent| records[parent]),
-                q: u16::try_from(q).ok()?,
-                v: u16::try_from(v).ok()?,
+                q,
+                v,
             });
-            next = next.checked_add(1)?;
+            next += 1;
             for &child in &children[i] {
                 ready[graphs.bodies[child].kind].insert(child);
             }
         }
         runs.push(run);
     }
-    Some(runs)
+    runs
 }
