@@ -1,6 +1,5 @@
 //! A function of a robot: its code, and calls of it for one state or many.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError, RwLock};
 
 use modyn_codegen::plan::{Argument, ArgumentKind, Planned};
@@ -15,23 +14,17 @@ use pyo3::types::PyFloat;
 use crate::arrays::{self, Given, Output};
 use crate::change::Change;
 use crate::checks::Check;
-use crate::entries::pool::{BETWEEN_QUESTIONS, Pool, StartedThreads};
 use crate::evaluated::Evaluated;
 use crate::layout::{self, Layout};
 use crate::memory::{filled, repeated};
 use crate::number::Number;
+use crate::pool::{BETWEEN_QUESTIONS, INSTRUCTIONS_PER_THREAD, Pool, StartedThreads};
 
 /// The largest number of arguments of a function.
 const MAX_ARGUMENTS: usize = 16;
 
 /// The size of the longest vectors, whose lanes are states.
 const MAX_VECTOR_BYTES: usize = 64;
-
-/// The instructions that a thread should have, about 50 us; starting a thread takes about 20 us.
-pub const INSTRUCTIONS_PER_THREAD: usize = 200_000;
-
-/// The number of threads for a batch; zero for all processors.
-pub static THREADS: AtomicUsize = AtomicUsize::new(0);
 
 /// A function or a bundle of a robot, compiled for either scalar.
 pub trait RobotFunction: Send + Sync {
@@ -432,16 +425,4 @@ fn evaluated<S: Number>(planning: Planning) -> Option<Evaluated<S>> {
     let Planning { mut plan, model, .. } = planning;
     let planned: Planned = plan.functions.drain(..).next()?;
     Some(Evaluated::new(planned, plan, model.gravity()))
-}
-
-/// Returns the number of threads for a batch.
-pub fn threads() -> usize {
-    match THREADS.load(Ordering::Relaxed) {
-        0 => {
-            let all = std::thread::available_parallelism().map_or(1, usize::from);
-            THREADS.store(all, Ordering::Relaxed);
-            all
-        }
-        threads => threads,
-    }
 }

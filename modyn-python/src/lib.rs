@@ -24,6 +24,7 @@ mod number;
 mod options;
 mod parameters;
 mod pictures;
+mod pool;
 mod robot;
 
 use std::path::{Path, PathBuf};
@@ -129,7 +130,7 @@ fn set_threads(threads: Option<usize>) -> PyResult<()> {
     if threads == Some(0) {
         return Err(PyValueError::new_err("`threads` must be at least 1"));
     }
-    function::THREADS.store(threads.unwrap_or(0), Ordering::Relaxed);
+    pool::THREADS.store(threads.unwrap_or(0), Ordering::Relaxed);
     Ok(())
 }
 

@@ -3,11 +3,10 @@
 use std::ops::Range;
 
 use super::kernel::{ArrayShapes, Arrays, StateFunction};
-use super::pool::Pool;
 use super::rollout::Rollout;
 use super::states::{Broadcast, Numbers, Results};
-use crate::function::INSTRUCTIONS_PER_THREAD;
 use crate::number::Number;
+use crate::pool::{INSTRUCTIONS_PER_THREAD, Pool};
 
 /// A function of arrays, or a rollout of one.
 pub enum ArrayCode<S: Number + 'static> {

@@ -8,11 +8,10 @@ use modyn_codegen::plan::Planned;
 use modyn_codegen::program::Program;
 use modyn_jit::{Call, Compiled, Options};
 
-use super::pool::{BETWEEN_QUESTIONS, Pool, Questions};
 use super::states::{Broadcast, Numbers, Results};
 use crate::checks::Check;
-use crate::function::INSTRUCTIONS_PER_THREAD;
 use crate::number::Number;
+use crate::pool::{BETWEEN_QUESTIONS, INSTRUCTIONS_PER_THREAD, Pool, Questions};
 
 /// The numbers of a state that are computed without memory from the heap.
 const SMALL: usize = 64;

@@ -7,8 +7,8 @@
 use std::ops::Range;
 
 use super::kernel::{Arrays, Kernel, StateFunction};
-use super::pool::{Pool, Questions};
 use crate::number::Number;
+use crate::pool::{Pool, Questions};
 
 /// The steps whose states are stored at a time. A longer motion is divided into parts, whose first states are stored.
 const MAX_STORED: usize = 128;

@@ -19,10 +19,10 @@ use super::interface::{
     Api, Attributes, Buffer, Buffers, CallFrame, Error, ErrorCreate, ErrorDestroy, F32, F64, I64,
     INVALID_ARGUMENT, METADATA, MetadataExtension, NumThreads, SCALAR, ScalarAttribute, Schedule,
 };
-use super::pool::Pool;
 use super::states::{Broadcast, Numbers, Results};
 use super::{AnyCode, find, leading, missing};
 use crate::number::Number;
+use crate::pool::Pool;
 
 /// Returns the address of XLA's handler of all functions of arrays.
 #[pyfunction]

@@ -12,7 +12,7 @@ use roxmltree::Document;
 
 use super::scopes::{Macro, Parameter, Property, Scopes};
 use super::tree::{self, Attribute, Call, Element, MAX_DEPTH, Node, Place};
-use super::value::{ScopeId, Value};
+use super::value::{MAX_WORK, ScopeId, Value};
 use crate::description::ReadOptions;
 use crate::diagnostics::{Code, ExpansionCall, Report, Severity, suggest};
 use crate::read::file::read_named;
@@ -23,9 +23,6 @@ use crate::read::xml;
 const MAX_CALLS: usize = 60;
 /// The largest number of included files.
 const MAX_FILES: usize = 1000;
-/// The largest amount of work: elements, attributes, operations, values that are printed or compared
-/// in tens, and characters in hundreds.
-pub const MAX_WORK: usize = 1_000_000;
 /// The largest number of properties that are evaluated for each other.
 const MAX_PROPERTIES: usize = 100;
 

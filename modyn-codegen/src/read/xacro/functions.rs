@@ -4,8 +4,7 @@ use std::cmp::Ordering;
 use std::f64::consts::{E, PI, TAU};
 use std::rc::Rc;
 
-use super::set::Set;
-use super::value::{SequenceKind, Value, float};
+use super::value::{SequenceKind, Set, Value, float};
 
 type Called = Result<Value, String>;
 

@@ -13,7 +13,6 @@ mod expand;
 mod functions;
 mod parse;
 mod scopes;
-mod set;
 mod text;
 mod tree;
 mod value;

@@ -1,17 +1,23 @@
 //! The values of expressions, with the texts that Python gives them.
 
+mod set;
+
 use std::cmp::Ordering;
 use std::fmt::Write;
 use std::rc::Rc;
 
-use super::set::Set;
 use super::tree::Element;
+pub use set::Set;
 
 /// The largest depth of lists, tuples and dictionaries in each other.
 const MAX_DEPTH: usize = 100;
 
+/// The largest amount of work: elements, attributes, operations, values that are printed or compared
+/// in tens, and characters in hundreds.
+pub const MAX_WORK: usize = 1_000_000;
+
 /// The weight of the values that no expansion may print or compare.
-const MAX_WEIGHT: usize = 10 * super::expand::MAX_WORK;
+const MAX_WEIGHT: usize = 10 * MAX_WORK;
 
 /// A scope of properties by its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

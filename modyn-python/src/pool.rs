@@ -7,6 +7,24 @@ use std::time::{Duration, Instant};
 
 use pyo3::prelude::*;
 
+/// The instructions that a thread should have, about 50 us; starting a thread takes about 20 us.
+pub const INSTRUCTIONS_PER_THREAD: usize = 200_000;
+
+/// The number of threads for a batch; zero for all processors.
+pub static THREADS: AtomicUsize = AtomicUsize::new(0);
+
+/// Returns the number of threads for a batch.
+pub fn threads() -> usize {
+    match THREADS.load(Ordering::Relaxed) {
+        0 => {
+            let all = std::thread::available_parallelism().map_or(1, usize::from);
+            THREADS.store(all, Ordering::Relaxed);
+            all
+        }
+        threads => threads,
+    }
+}
+
 /// The time between two looks at Python's signals. A look takes Python's lock, for which other threads may make it wait.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(30);
 
@@ -77,7 +95,7 @@ impl StartedThreads {
 
 impl Pool for StartedThreads {
     fn threads(&self) -> usize {
-        crate::function::threads()
+        threads()
     }
 
     fn share(&self, chunks: usize, run: &(dyn Fn(usize) + Sync)) {

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::value::Value;
+use super::Value;
 
 /// A set: values that differ, in the order in which they were added.
 #[derive(Clone, Debug, Default)]
