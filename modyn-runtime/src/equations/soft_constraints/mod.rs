@@ -1,6 +1,6 @@
 //! Steps with soft contacts, joint limits and dry joint friction: MuJoCo's law, solved by Newton's method on the tree.
 //!
-//! A constraint row with the Jacobian J has a force f(J a - a*) by its [law](law). The accelerations a minimize the convex
+//! A constraint row with the Jacobian J has a force f(J a - a*) by its law ([`ContactLaw`], [`SoftRow`]). The accelerations a minimize the convex
 //! function
 //!
 //! ```text
