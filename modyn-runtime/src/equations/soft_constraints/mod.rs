@@ -1,7 +1,7 @@
 //! Steps with soft contacts, joint limits and dry joint friction: MuJoCo's law, solved by Newton's method on the tree.
 //!
-//! A constraint row with the Jacobian J has a force f(J a - a*) by its law ([`ContactLaw`], [`SoftRow`]). The accelerations a minimize the convex
-//! function
+//! A constraint row with the Jacobian J has a force f(J a - a*) by its law ([`ContactLaw`], [`SoftRow`]). The accelerations a
+//! minimize the convex function
 //!
 //! ```text
 //! 1/2 (a - a0)^T M (a - a0) + sum s(J a - a*),   f = -ds/d(J a),   M a0 = tau - h
