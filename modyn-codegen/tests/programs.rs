@@ -529,16 +529,19 @@ fn machine_code_of_many_rows_has_them_in_its_program() {
 /// on each other.
 #[test]
 fn row_equations_are_their_program() {
-    let (blocks, sides) = (vec![1, 1, 1], 1);
-    let numbers = [0.0, 0.0, 2.0, 0.0, 2.0, 2.0, -0.0, 1.5, 1.5, 1.0, 1.0, 1.0, 1e-10, 1e-10];
     let operand = |number| Operand { source: Source::Argument(number), negated: false, lanes: 1 };
-    let operands = (0..=numbers.len()).map(operand).collect();
-    let equations = RowEquations { blocks: blocks.clone(), sides, operands };
-    let program = equations.program();
-    let [matrix, sides, scales, tolerances] =
-        [0..6, 6..9, 9..12, 12..14].map(|of| numbers[of].to_vec());
-    let system =
-        RowSystem { blocks, matrix, sides, scales, tolerances: [tolerances[0], tolerances[1]] };
-    let bits = |numbers: Vec<f64>| -> Vec<u64> { numbers.into_iter().map(f64::to_bits).collect() };
-    assert_eq!(bits(system.solve()), bits(program.evaluate(&numbers)));
+    for side in [1.5, -1.5] {
+        let blocks = vec![1, 1, 1];
+        let numbers = [0.0, 0.0, 2.0, 0.0, 2.0, 2.0, -0.0, side, side, 1.0, 1.0, 1.0, 1e-10, 1e-10];
+        let operands = (0..=numbers.len()).map(operand).collect();
+        let equations = RowEquations { blocks: blocks.clone(), sides: 1, operands };
+        let program = equations.program();
+        let [matrix, sides, scales, tolerances] =
+            [0..6, 6..9, 9..12, 12..14].map(|of| numbers[of].to_vec());
+        let tolerances = [tolerances[0], tolerances[1]];
+        let system = RowSystem { blocks, matrix, sides, scales, tolerances };
+        let bits =
+            |numbers: Vec<f64>| -> Vec<u64> { numbers.into_iter().map(f64::to_bits).collect() };
+        assert_eq!(bits(system.solve()), bits(program.evaluate(&numbers)), "{side}");
+    }
 }

@@ -247,13 +247,12 @@ impl<S: Scalar> RankFactorization<'_, S> {
         for (residual, &b) in residuals.iter_mut().zip(&*right_hand_sides) {
             *residual = -b;
         }
-        self.add_expanded(residuals);
+        self.expand(residuals, |_, sum, term| sum + term);
         for (x, &reciprocal) in self.reduced[..pivots].iter_mut().zip(&*self.reciprocals) {
             *x = *x * reciprocal;
         }
         self.solve_gram();
-        right_hand_sides.fill(S::zero());
-        self.add_expanded(right_hand_sides);
+        self.set_expanded(right_hand_sides);
         for exchange in self.exchanges[..exchanges].iter().rev() {
             exchange.in_vector(right_hand_sides);
             exchange.in_vector(residuals);
@@ -289,13 +288,22 @@ impl<S: Scalar> RankFactorization<'_, S> {
         }
     }
 
-    /// Adds P times `reduced` to `sum`.
+    /// Sets `product` to P times `reduced`. The first term of a sum is not added to zero, which would change the sign of a negative
+    /// zero: a graph has no such sum.
     #[inline(always)]
-    fn add_expanded(&self, sum: &mut [S]) {
-        for (&x, &pivot) in self.reduced.iter().zip(&self.pivots[..self.counts.pivots]) {
-            sum[pivot] = sum[pivot] + x;
+    fn set_expanded(&self, product: &mut [S]) {
+        product.fill(S::zero());
+        self.expand(product, |k, sum, term| if k == 0 { term } else { sum + term });
+    }
+
+    /// Adds P times `reduced` to `sum`. `add` gets the number of the pivot, the sum and the term.
+    #[inline(always)]
+    fn expand(&self, sum: &mut [S], add: impl Fn(usize, S, S) -> S) {
+        let pivots = &self.pivots[..self.counts.pivots];
+        for (k, (&x, &pivot)) in self.reduced.iter().zip(pivots).enumerate() {
+            sum[pivot] = add(k, sum[pivot], x);
             for (i, sum) in sum.iter_mut().enumerate().skip(pivot + 1) {
-                *sum = *sum + self.matrix[place(i, pivot)] * x;
+                *sum = add(k, *sum, self.matrix[place(i, pivot)] * x);
             }
         }
     }
