@@ -330,7 +330,7 @@ def test_pictures(panda):
     animation = modyn.show(panda, q, dt=0.05)
     assert animation.page.startswith("<!doctype html>") and "0.95" in animation.page
     assert animation._repr_html_().startswith("<iframe srcdoc=")
-    assert '"ground"' not in animation.page and '"ground":-0.25' in modyn.show(panda, q, ground=-0.25).page
+    assert '"ground":' not in animation.page and '"ground":-0.25' in modyn.show(panda, q, ground=-0.25).page
     with pytest.raises(ValueError, match="`ground` must be finite"):
         modyn.show(panda, q, ground=np.nan)
     with pytest.raises(ValueError, match="as many times as states"):
