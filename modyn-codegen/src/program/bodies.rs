@@ -67,17 +67,9 @@ impl Program {
         let needed: BTreeSet<(usize, usize)> = cut::received(graphs);
         let (slots, record) = slots::slots(&kinds, graphs.sweeps, &needed);
         let runs = runs(graphs);
-        let mut recursion = Self {
-            execution: Execution::Scalar,
-            arguments: sizes.start(3) + sizes.parameters,
-            statements: Vec::new(),
-            results: Vec::new(),
-            products: None,
-            first_stores: Vec::new(),
-            chunks: Vec::new(),
-            routines: Vec::new(),
-            tables: runs.iter().map(|run| run.table()).collect(),
-        };
+        let mut recursion =
+            Self::without_statements(Execution::Scalar, sizes.start(3) + sizes.parameters);
+        recursion.tables = runs.iter().map(|run| run.table()).collect();
         let mut steps = Vec::new();
         for (sweep, &(direction, _)) in graphs.sweeps.iter().enumerate() {
             let reversed = direction == Sweep::Inward;

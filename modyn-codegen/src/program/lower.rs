@@ -61,8 +61,8 @@ impl Program {
         Self::lowered_with(graph, arguments, execution, None)
     }
 
-    /// Returns the statements and results of a graph, as [`lowered`](Self::lowered) does. With `equations` of constraint rows, the last outputs of the graph are the operands of these
-    /// equations, and the inputs after the arguments are their results.
+    /// Returns the statements and results of a graph, as [`lowered`](Self::lowered) does. With `equations` of constraint rows, the
+    /// last outputs of the graph are the operands of these equations, and the inputs after the arguments are their results.
     pub(super) fn lowered_with(
         graph: &Graph,
         arguments: usize,
@@ -78,17 +78,7 @@ impl Program {
         let statements = lowering.order.iter().map(|item| lowering.statement(item)).collect();
         let results = graph.outputs[..results].iter();
         let results = results.map(|&id| lowering.operand(id, 1)).collect();
-        Self {
-            execution,
-            arguments,
-            statements,
-            results,
-            products: None,
-            first_stores: Vec::new(),
-            chunks: Vec::new(),
-            routines: Vec::new(),
-            tables: Vec::new(),
-        }
+        Self { statements, results, ..Self::without_statements(execution, arguments) }
     }
 
     /// Computes the last use of each value, cuts the statements into chunks, and checks the program.

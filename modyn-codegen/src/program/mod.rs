@@ -88,6 +88,23 @@ pub struct Program {
     pub tables: Vec<Table>,
 }
 
+impl Program {
+    /// Returns a program without statements and results.
+    fn without_statements(execution: Execution, arguments: usize) -> Self {
+        Self {
+            execution,
+            arguments,
+            statements: Vec::new(),
+            results: Vec::new(),
+            products: None,
+            first_stores: Vec::new(),
+            chunks: Vec::new(),
+            routines: Vec::new(),
+            tables: Vec::new(),
+        }
+    }
+}
+
 /// An operation in its place in the program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Statement {

@@ -24,17 +24,7 @@ impl Program {
             return Err(InvalidProgram { statement: None, rule: COPIED });
         }
         let stages = stages(graph);
-        let mut program = Self {
-            execution: Execution::Scalar,
-            arguments,
-            statements: Vec::new(),
-            results: Vec::new(),
-            products: None,
-            first_stores: Vec::new(),
-            chunks: Vec::new(),
-            routines: Vec::new(),
-            tables: Vec::new(),
-        };
+        let mut program = Self::without_statements(Execution::Scalar, arguments);
         for stage in &stages {
             let loops = program.stage(graph, &stages, stage)?;
             program.statements.push(Statement {
@@ -49,8 +39,7 @@ impl Program {
         program.finished()
     }
 
-    /// Adds the routine and the table of a stage, and returns the loop that computes the stage's outputs, all of one lane after
-    /// those of the lane before.
+    /// Adds the routine and the table of a stage, and returns the loop that computes the stage's outputs, lane by lane.
     fn stage(
         &mut self,
         graph: &Graph,

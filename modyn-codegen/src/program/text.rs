@@ -215,17 +215,7 @@ impl<'a> Parser<'a> {
                     "{head:?} does not begin a program, as `program scalar, 3 arguments` does"
                 ))
             })?;
-        let mut program = Program {
-            execution,
-            arguments,
-            statements: Vec::new(),
-            results: Vec::new(),
-            products: None,
-            first_stores: Vec::new(),
-            chunks: Vec::new(),
-            routines: Vec::new(),
-            tables: Vec::new(),
-        };
+        let mut program = Program::without_statements(execution, arguments);
         loop {
             let line = self.next()?;
             if let Some(results) = line.strip_prefix("results") {
