@@ -47,9 +47,9 @@ fn two_zeros_agree() {
         let text = format!("<robot name='r'><link name='base'/>{}</robot>", parts.concat());
         let file = std::env::temp_dir().join(format!("modyn-zeros-{}.urdf", std::process::id()));
         std::fs::write(&file, text).expect("a file");
-        let found = modyn(&["compare", &file.to_string_lossy(), "--friction", "none"]);
+        let output = modyn(&["compare", &file.to_string_lossy(), "--friction", "none"]);
         let _ = std::fs::remove_file(&file);
-        assert_eq!(found.code, 0, "{}{}", found.out, found.err);
+        assert_eq!(output.code, 0, "{}{}", output.out, output.err);
     }
 }
 

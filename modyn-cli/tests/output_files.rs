@@ -19,7 +19,8 @@ fn folder() -> (tempfile::TempDir, impl Fn(&str) -> String) {
 #[test]
 fn inputs_are_not_overwritten() {
     let (_folder, path) = folder();
-    let (robot, motion) = (path("a.urdf"), path("m.csv"));
+    let robot = path("a.urdf");
+    let motion = path("m.csv");
     assert_eq!(modyn(&["simulate", &robot, "--time", "0.1", "--csv", &motion]).code, 0);
     let written = fs::read(&motion).expect("a table");
     let overwriting: [&[&str]; 7] = [
@@ -32,8 +33,8 @@ fn inputs_are_not_overwritten() {
         &["convert", &robot, &robot],
     ];
     for arguments in overwriting {
-        let found = modyn(arguments);
-        assert_eq!(found.code, 2, "{arguments:?}: {}", found.err);
+        let output = modyn(arguments);
+        assert_eq!(output.code, 2, "{arguments:?}: {}", output.err);
         assert_eq!(fs::read_to_string(&robot).expect("the description"), ARM, "{arguments:?}");
         assert_eq!(fs::read(&motion).expect("the motion"), written, "{arguments:?}");
     }
@@ -45,32 +46,30 @@ fn inputs_are_not_overwritten() {
 fn files_of_others_are_kept() {
     let (_folder, path) = folder();
     let robot = path("a.urdf");
-    let own = "my own header";
-    fs::write(path("arm.h"), own).expect("a file");
+    let header = "my own header";
+    fs::write(path("arm.h"), header).expect("a file");
     let object = ["generate", &*robot, "--target", "object", "-o", &path("arm.o")];
-    let found = modyn(&object);
-    assert_eq!(found.code, 2);
-    assert!(found.err.contains("modyn did not write the file that is there"), "{}", found.err);
-    assert_eq!(fs::read_to_string(path("arm.h")).expect("the file"), own);
+    let output = modyn(&object);
+    assert_eq!(output.code, 2);
+    assert!(output.err.contains("modyn did not write the file that is there"), "{}", output.err);
+    assert_eq!(fs::read_to_string(path("arm.h")).expect("the file"), header);
     // As the help says.
     fs::remove_file(path("arm.h")).expect("removed");
-    assert_eq!((modyn(&object).code, modyn(&object).code), (0, 0));
+    for _ in 0..2 {
+        assert_eq!(modyn(&object).code, 0);
+    }
     fs::write(path("robot.rs"), "mod robot;").expect("a file");
-    let found = modyn(&["generate", &robot, "-o", &path("robot.rs")]);
-    assert_eq!(
-        (found.code, found.err.contains("that modyn generated")),
-        (2, true),
-        "{}",
-        found.err
-    );
+    let output = modyn(&["generate", &robot, "-o", &path("robot.rs")]);
+    assert_eq!(output.code, 2, "{}", output.err);
+    assert!(output.err.contains("that modyn generated"), "{}", output.err);
     // Generated files and empty ones are replaced.
     fs::write(path("empty.rs"), "").expect("a file");
     for more in [&[][..], &["--functions", "all"]] {
         for file in ["empty.rs", "other.c"] {
             let target = if file == "other.c" { "c" } else { "rust" };
             let arguments = ["generate", &robot, "--target", target, "-o", &path(file)];
-            let found = modyn(&[&arguments[..], more].concat());
-            assert_eq!(found.code, 0, "{file}: {}", found.err);
+            let output = modyn(&[&arguments[..], more].concat());
+            assert_eq!(output.code, 0, "{file}: {}", output.err);
         }
     }
     assert!(fs::read_dir(path("")).expect("the folder").all(|entry| {
@@ -91,9 +90,9 @@ fn devices_pipes_and_links_are_written() {
     }
     let expected = modyn(&["generate", &robot]).out;
     for arguments in [&["generate", &*robot, "-o", "-"][..], &["simulate", &robot, "--csv", "-"]] {
-        let found = modyn(arguments);
-        assert_eq!(found.code, 0, "{}", found.err);
-        assert!(!found.out.is_empty() && (arguments[0] != "generate" || found.out == expected));
+        let output = modyn(arguments);
+        assert_eq!(output.code, 0, "{}", output.err);
+        assert!(!output.out.is_empty() && (arguments[0] != "generate" || output.out == expected));
     }
     let convert = |out: &str| assert_eq!(modyn(&["convert", &robot, out, "--to", "urdf"]).code, 0);
     // A link stays a link, and a file keeps its permissions.
@@ -103,8 +102,8 @@ fn devices_pipes_and_links_are_written() {
     fs::write(path("real.urdf"), "").expect("a file");
     convert(&path("link.urdf"));
     assert!(fs::symlink_metadata(path("link.urdf")).expect("the link").is_symlink());
-    let found = fs::metadata(path("real.urdf")).expect("the file");
-    assert!(found.len() > 100 && found.permissions().mode() & 0o777 == 0o640);
+    let real = fs::metadata(path("real.urdf")).expect("the file");
+    assert!(real.len() > 100 && real.permissions().mode() & 0o777 == 0o640);
 }
 
 #[test]
@@ -117,9 +116,9 @@ fn names_cannot_control_terminals() {
         &["inspect", &path("c1.urdf"), "--json"],
         &["check", &path("c1.urdf"), "--json"],
     ] {
-        let found = modyn(arguments);
-        assert_eq!(found.code, 0, "{}", found.err);
-        assert!(!found.out.contains(['\u{9b}', '\u{202e}']), "{arguments:?}");
+        let output = modyn(arguments);
+        assert_eq!(output.code, 0, "{}", output.err);
+        assert!(!output.out.contains(['\u{9b}', '\u{202e}']), "{arguments:?}");
     }
     let converted = modyn(&["convert", &path("c1.urdf"), "-", "--to", "urdf"]).out;
     assert!(converted.contains("a&#155;2J&#8238;b"), "{converted}");

@@ -147,7 +147,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let (expected, interpreted) = interpret(&mut interpreter, quantity, &outcome.states)?;
         let zero = arguments.tolerance * ZERO;
         let zero = zero * cancelled(&mut single, quantity, &outcome.states, &expected)?;
-        let difference = largest(results, &expected, zero);
+        let difference = largest_difference(results, &expected, zero);
         let factor = if quantity.solves { condition } else { 1.0 };
         let bound = arguments.tolerance * factor;
         let name = quantity.function.name();
@@ -234,8 +234,8 @@ fn interpret(
 /// The part of the tolerance at which a difference counts as zero, relative to terms that cancel.
 const ZERO: f64 = 1e-3;
 
-/// Returns the size of the terms that cancel in the results of a function: what single precision leaves of them, divided by its
-/// precision. A result that is zero by cancellation has no size of its own.
+/// Returns an estimate of the size of the terms that cancel in the results of a function: the largest error of single precision,
+/// divided by the unit of single precision. A result that is zero by cancellation has no size of its own.
 fn cancelled(
     interpreter: &mut Interpreter<f32>,
     quantity: &Quantity,
@@ -256,16 +256,16 @@ fn cancelled(
 
 /// Returns the largest difference over all states, relative to the largest number of each state's result. Differences up to `zero`
 /// count as none.
-fn largest(found: &[Vec<f64>], expected: &[Vec<f64>], zero: f64) -> f64 {
+fn largest_difference(results: &[Vec<f64>], expected: &[Vec<f64>], zero: f64) -> f64 {
     let mut worst = 0.0_f64;
-    for (found, expected) in found.iter().zip(expected) {
+    for (result, expected) in results.iter().zip(expected) {
         let size = expected.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let size = if size > 0.0 { size } else { 1.0 };
-        if found.len() != expected.len() {
+        if result.len() != expected.len() {
             return f64::INFINITY;
         }
-        for (a, b) in found.iter().zip(expected) {
-            let difference = (a - b).abs();
+        for (x, expected) in result.iter().zip(expected) {
+            let difference = (x - expected).abs();
             let difference = if difference <= zero { 0.0 } else { difference / size };
             // NaN counts as an infinite difference.
             worst = if difference.is_nan() { f64::INFINITY } else { worst.max(difference) };
@@ -345,13 +345,13 @@ mod tests {
 
     #[test]
     fn differences_are_found() {
-        let differ = |a: &[f64], b: &[f64]| largest(&[a.to_vec()], &[b.to_vec()], 0.0);
+        let differ = |a: &[f64], b: &[f64]| largest_difference(&[a.to_vec()], &[b.to_vec()], 0.0);
         assert!((differ(&[1.0, 10.5], &[1.0, 10.0]) - 0.05).abs() < 1e-15);
         assert!((differ(&[0.1], &[0.0]) - 0.1).abs() < 1e-15);
         assert!(differ(&[f64::NAN, 1.0], &[1.0, 1.0]).is_infinite());
         assert!(differ(&[1.0], &[1.0, 1.0]).is_infinite());
         // Two zeros, with other rounding.
-        let zeros = |zero: f64| largest(&[vec![-4.7e-18]], &[vec![-3.5e-18]], zero);
+        let zeros = |zero: f64| largest_difference(&[vec![-4.7e-18]], &[vec![-3.5e-18]], zero);
         assert!(zeros(0.0) > 0.1 && zeros(1e-17) <= 0.0 && zeros(1e-19) > 0.1);
         let row =
             Row { name: "", difference: f64::NAN, bound: 1.0, interpreted: 1.0, compiled: 1.0 };

@@ -72,28 +72,26 @@ impl Step {
         mut rates: impl FnMut(f64, &State) -> Result<State, E>,
     ) -> Result<Self, E> {
         let Interval { time, dt } = interval;
-        let mut found: Vec<State> = Vec::with_capacity(NODES.len());
-        let sum = |found: &[State], weights: &[f64], start: &State| {
-            found.iter().zip(weights).fold(start.clone(), |sum, (rate, w)| sum.plus(dt * w, rate))
+        let mut stages: Vec<State> = Vec::with_capacity(NODES.len());
+        let moved_from = |start: &State, stages: &[State], weights: &[f64]| {
+            stages.iter().zip(weights).fold(start.clone(), |sum, (rate, w)| sum.plus(dt * w, rate))
         };
         let mut end = start.clone();
         for (k, node) in NODES.iter().enumerate() {
             if let Some(weights) = k.checked_sub(1).map(|k| STAGES[k]) {
-                end = sum(&found, weights, start);
+                end = moved_from(start, &stages, weights);
             }
-            found.push(rates(time + node * dt, &end)?);
+            stages.push(rates(time + node * dt, &end)?);
         }
-        let other = sum(&found, &DIFFERENCE, &end);
-        let errors = differences(&other, &end, start);
-        // A NaN remains.
-        let error = errors.fold(0.0, |most: f64, error| if error <= most { most } else { error });
+        let other = moved_from(&end, &stages, &DIFFERENCE);
+        let error = largest_difference(&other, &end, start);
         let is_finite = end.q.iter().chain(&end.qd).all(|x| x.is_finite());
         let error = if is_finite { error / tolerance } else { f64::NAN };
         let moved = end.plus(-1.0, start);
         let zero = start.plus(-1.0, start);
-        let ahead = zero.plus(dt, &found[0]).plus(-1.0, &moved);
-        let back = moved.plus(-dt, &found[6]).plus(-1.0, &ahead);
-        let parts = [moved, ahead, back, sum(&found, &INSIDE, &zero)];
+        let ahead = zero.plus(dt, &stages[0]).plus(-1.0, &moved);
+        let back = moved.plus(-dt, &stages[6]).plus(-1.0, &ahead);
+        let parts = [moved, ahead, back, moved_from(&zero, &stages, &INSIDE)];
         Ok(Self { interval, start: start.clone(), parts, end, error })
     }
 
@@ -110,17 +108,14 @@ impl Step {
     }
 }
 
-/// Returns the difference of each coordinate and velocity x from another state, divided by 1 + |x|, where |x| is the larger
-/// one of the state and of `before`.
-pub fn differences<'a>(
-    other: &'a State,
-    state: &'a State,
-    before: &'a State,
-) -> impl Iterator<Item = f64> + 'a {
-    let numbers = |state: &'a State| state.q.iter().chain(&state.qd);
-    numbers(state).zip(numbers(before)).zip(numbers(other)).map(|((state, before), other)| {
-        (state - other).abs() / (1.0 + state.abs().max(before.abs()))
-    })
+/// Returns the largest difference of a coordinate or velocity x from another state, divided by 1 + |x|, where |x| is the larger
+/// one of the state and of `before`. It is NaN if one of the differences is.
+pub fn largest_difference(other: &State, state: &State, before: &State) -> f64 {
+    let numbers = |state: &'_ State| state.q.iter().chain(&state.qd).copied().collect::<Vec<f64>>();
+    let differences = numbers(state).into_iter().zip(numbers(before)).zip(numbers(other)).map(
+        |((state, before), other)| (state - other).abs() / (1.0 + state.abs().max(before.abs())),
+    );
+    differences.fold(0.0, |most, x| if x <= most { most } else { x })
 }
 
 /// Returns the ratio of the next step to a step with this error.

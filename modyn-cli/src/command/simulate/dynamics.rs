@@ -105,7 +105,7 @@ impl<'a> Dynamics<'a> {
         })
     }
 
-    /// Sets the joint forces to those of this time.
+    /// Sets the joint forces of this time.
     fn set_torques(&mut self, time: f64) {
         self.torques.at(time, &mut self.tau);
         self.impulses.limit(&mut self.tau);
@@ -134,7 +134,8 @@ impl<'a> Dynamics<'a> {
         let second = self.rates(time + dt / 2.0, &state.plus(dt / 2.0, &first))?;
         let third = self.rates(time + dt / 2.0, &state.plus(dt / 2.0, &second))?;
         let last = self.rates(time + dt, &state.plus(dt, &third))?;
-        let (ends, middles) = (first.plus(1.0, &last), second.plus(1.0, &third));
+        let ends = first.plus(1.0, &last);
+        let middles = second.plus(1.0, &third);
         let mut next = state.plus(dt / 6.0, &ends).plus(dt / 3.0, &middles);
         self.interpreter.normalize(&mut next.q)?;
         Ok(next)
@@ -160,7 +161,7 @@ impl<'a> Dynamics<'a> {
         Ok(next)
     }
 
-    /// Returns the rates of a state. Near a singular posture of closed loops they are those of the state with the loops closed: the
+    /// Returns the rates of a state. Near a singular posture of closed loops the state is projected onto the loops first: the
     /// errors of states within a step would grow there.
     pub fn rates(&mut self, time: f64, state: &State) -> Result<State, ShapeError> {
         self.set_torques(time);
@@ -201,10 +202,11 @@ impl<'a> Dynamics<'a> {
     /// Returns the power that friction and damping dissipate: their part of inverse dynamics times the velocities, W.
     fn friction_power(&mut self, q: &[f64], qd: &[f64]) -> Result<f64, ShapeError> {
         let Some(smooth) = &mut self.smooth else { return Ok(0.0) };
-        let (mut with, mut without) = (vec![0.0; qd.len()], vec![0.0; qd.len()]);
-        self.interpreter.bias_forces(q, qd, &mut with)?;
-        smooth.bias_forces(q, qd, &mut without)?;
-        Ok(power(&with, qd) - power(&without, qd))
+        let mut forces = vec![0.0; qd.len()];
+        self.interpreter.bias_forces(q, qd, &mut forces)?;
+        let all = power(&forces, qd);
+        smooth.bias_forces(q, qd, &mut forces)?;
+        Ok(all - power(&forces, qd))
     }
 
     /// Projects a state onto the closed loops. Returns the largest change of a coordinate or velocity x, relative to 1 + |x|.
@@ -220,8 +222,7 @@ impl<'a> Dynamics<'a> {
             self.interpreter.integrate(&q, dq, &mut state.q)?;
             state.qd.iter_mut().zip(dqd).for_each(|(v, d)| *v += *d);
         }
-        Ok(adaptive::differences(state, &before, &before)
-            .fold(0.0, |most: f64, change| if change <= most { most } else { change }))
+        Ok(adaptive::largest_difference(state, &before, &before))
     }
 }
 
