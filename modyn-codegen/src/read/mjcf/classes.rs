@@ -20,7 +20,7 @@ pub struct Classes<'e> {
 struct Class<'e> {
     /// The class around it; `None` for the outermost one.
     parent: Option<&'e str>,
-    /// The elements of its `<default>`s, without those of the classes in them.
+    /// The elements of its `<default>`s, without the elements of nested classes.
     elements: Vec<&'e Element>,
 }
 

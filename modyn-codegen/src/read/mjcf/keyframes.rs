@@ -11,7 +11,7 @@ use super::item::Item;
 use crate::description::{KeyframeRecord, Kind, Located};
 use crate::diagnostics::Code;
 
-/// The largest number of coordinates of all keyframes: each of them has those of all joints.
+/// The largest number of coordinates of all keyframes together. Each keyframe has the coordinates of all joints.
 const MAX_COORDINATES: usize = 1_000_000;
 
 impl<'e> Bodies<'e, '_, '_> {

@@ -12,7 +12,7 @@ use crate::description::{Description, EndRecord, JointRecord, Kind, LoopRecord, 
 use crate::diagnostics::{Code, Place, Subject, Suggestions, suggest};
 use crate::read::xml::element::{Attribute, attribute, is, is_extension, shown, written};
 
-/// Elements of a robot that have no effect on the equations of motion, also those of SRDF.
+/// Elements of a robot, in URDF or SRDF, that have no effect on the equations of motion.
 const HARMLESS_IN_ROBOT: &[&str] = &[
     "material",
     "frame",
@@ -165,8 +165,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         }
     }
 
-    /// Names the elements of a link or joint that are not known. Their names may be similar to
-    /// those of optional elements, which would silently be missing.
+    /// Names the elements of a link or joint that are not known. One of them may be an optional
+    /// element with a misspelt name, which would silently be missing.
     pub fn unread_elements(
         &mut self,
         node: Node<'a, '_>,
