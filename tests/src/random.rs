@@ -93,7 +93,7 @@ impl Random {
     }
 
     /// Returns a rotation in general position.
-    fn any_rotation(&mut self) -> [[f64; 3]; 3] {
+    pub fn any_rotation(&mut self) -> [[f64; 3]; 3] {
         let [w, x, y, z] = self.unit();
         let (xx, yy, zz) = (2.0 * x * x, 2.0 * y * y, 2.0 * z * z);
         let (xy, xz, yz) = (2.0 * x * y, 2.0 * x * z, 2.0 * y * z);

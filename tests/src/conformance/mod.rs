@@ -17,9 +17,9 @@ use modyn_codegen::{
     Base, Builder, Bundle, CodeForm, Contact, ContactKind, Emitted, FloatType, Function,
     Interpreter, LoopEnd, Planning, UserArgument, UserError, UserFunction,
 };
-use modyn_runtime::Scalar;
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{Link, Model, Spring};
+use modyn_runtime::{ConstraintSettings, ContactTarget, Scalar};
 
 use crate::random::{Random, normalize};
 use numbers::{Reference, evaluate, is_same};
@@ -476,7 +476,13 @@ fn calls_of<B: BackEnd>(
                 });
             }
             if state >= STATES - 2 && !matches!(arithmetic, Arithmetic::Own(_)) {
-                set_special(&mut random, &mut arguments[..planned.arguments.len()]);
+                // Special settings are errors in Python.
+                let mut ordinary: Vec<&mut f64> = (planned.arguments.iter())
+                    .zip(&mut arguments)
+                    .filter(|((argument, _), _)| argument.name != "settings")
+                    .flat_map(|(_, numbers)| numbers)
+                    .collect();
+                set_special(&mut random, &mut ordinary);
             }
             if float == FloatType::F32 {
                 arguments.iter_mut().flatten().for_each(|x| *x = f64::from(*x as f32));
@@ -508,13 +514,11 @@ fn calls_of<B: BackEnd>(
     calls
 }
 
-/// Puts an infinity, NaN, a zero or a subnormal number among the numbers of arguments.
-fn set_special(random: &mut Random, arguments: &mut [Vec<f64>]) {
+/// Puts an infinity, NaN, a zero or a subnormal number among numbers.
+fn set_special(random: &mut Random, numbers: &mut [&mut f64]) {
     const SPECIAL: [f64; 6] = [f64::INFINITY, f64::NEG_INFINITY, f64::NAN, 0.0, -0.0, 1e-310];
-    let count: usize = arguments.iter().map(Vec::len).sum();
-    if count > 0 {
-        let place = random.below(count);
-        *arguments.iter_mut().flatten().nth(place).expect("a number") = SPECIAL[random.below(6)];
+    if !numbers.is_empty() {
+        *numbers[random.below(numbers.len())] = SPECIAL[random.below(6)];
     }
 }
 
@@ -573,8 +577,7 @@ fn arguments(
             "contacts" => {
                 numbers.iter_mut().for_each(|x| *x = if *x > 0.0 { 1.0 } else { 0.0 });
             }
-            // The limits of dependent rows are small, since results are not continuous there.
-            "settings" => numbers[2..4].fill(1e-10),
+            "settings" => set_settings(random, &mut numbers),
             "dt" => numbers[0] = 0.01 * numbers[0] / scale,
             "uniforms" => numbers.iter_mut().for_each(|x| *x = (x.abs() / scale).min(0.99)),
             _ => {}
@@ -582,6 +585,30 @@ fn arguments(
         arrays.push(numbers);
     }
     arrays
+}
+
+/// Puts settings within their ranges: others are errors in Python. The limits of dependent rows are small, since results are not
+/// continuous there.
+fn set_settings(random: &mut Random, numbers: &mut [f64]) {
+    let mut settings = ConstraintSettings::<f64>::DEFAULT;
+    settings.alpha = random.between(0.0, 3.0);
+    settings.beta = random.between(0.0, 3.0);
+    settings.tolerance = 1e-10;
+    settings.rounding = 1e-10;
+    let (common, targets) = numbers.split_at_mut(ConstraintSettings::<f64>::COUNT);
+    common.copy_from_slice(&settings.numbers());
+    for numbers in targets.chunks_exact_mut(ContactTarget::<f64>::COUNT) {
+        let mut target = ContactTarget::from_numbers(core::array::from_fn(|k| numbers[k]));
+        target.pose.rotation = random.any_rotation();
+        target.tangential = random.between(0.0, 1.0);
+        target.alpha = random.between(0.0, 3.0);
+        target.beta = random.between(0.0, 3.0);
+        target.compliance = random.between(0.0, 1.0);
+        target.restitution = random.between(0.0, 1.0);
+        target.weight = random.between(0.1, 1.0);
+        target.friction = random.between(0.0, 1.0);
+        numbers.copy_from_slice(&target.numbers());
+    }
 }
 
 /// Returns the folder of this name, within the target folder of the running test.
