@@ -4,7 +4,7 @@ use super::Interpreter;
 use super::errors::{ShapeError, check};
 use crate::equations::dynamics::Elimination;
 use crate::equations::soft_constraints::{
-    SoftParameters, SoftSolution, SolverLimits, StepInput, soft_step,
+    SoftParameters, SoftStep, StepInput, StepProblem, soft_step,
 };
 use crate::solve::Decide;
 
@@ -19,15 +19,16 @@ impl<S: Decide> Interpreter<S> {
         &mut self,
         input: StepInput<'_, S>,
         parameters: &SoftParameters<S>,
-        limits: SolverLimits<S>,
-    ) -> Result<Option<SoftSolution<S>>, ShapeError> {
+    ) -> Result<Option<SoftStep<S>>, ShapeError> {
         let Self { mechanism, elimination, workspace, .. } = self;
         check("q", input.q, mechanism.nq)?;
         check("qd", input.qd, mechanism.nv)?;
         check("tau", input.tau, mechanism.nv)?;
+        check("warm", input.warm, mechanism.nv)?;
         check("contacts", &parameters.contacts, mechanism.contacts())?;
         check("joints", &parameters.joints, mechanism.nv)?;
         let Elimination::Recursive(partition) = elimination else { return Ok(None) };
-        Ok(Some(soft_step(mechanism, partition, input, parameters, limits, workspace)))
+        let problem = StepProblem::new(mechanism, partition, input, parameters, workspace);
+        Ok(Some(soft_step(problem, parameters.tolerance)))
     }
 }

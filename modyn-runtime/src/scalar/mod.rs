@@ -18,5 +18,5 @@ pub use portable::Portable;
 #[cfg(feature = "alloc")]
 pub(crate) use tangent::Tangent;
 pub use traits::{Chunk, Pack, Scalar, SimdBackend, SimdTask};
-pub(crate) use traits::{epsilon, larger, positive};
+pub(crate) use traits::{at_least, at_most, epsilon, larger, positive};
 pub use trig::{FRAC_1_PI_BITS, PI_BITS, SIN_COS_F32, SIN_COS_F64, SinCosNumbers};

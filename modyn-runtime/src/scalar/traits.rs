@@ -125,6 +125,18 @@ pub(crate) fn positive<S: Scalar>(x: S) -> S {
     (-x).select_nonnegative(S::zero(), x)
 }
 
+/// Returns the larger of two numbers; NaN if the first is.
+#[inline(always)]
+pub(crate) fn at_least<S: Scalar>(x: S, least: S) -> S {
+    (least - x).select_nonnegative(least, x)
+}
+
+/// Returns the smaller of two numbers; NaN if the first is.
+#[inline(always)]
+pub(crate) fn at_most<S: Scalar>(x: S, most: S) -> S {
+    (x - most).select_nonnegative(most, x)
+}
+
 /// Returns the larger of two numbers that are not negative; unlike [`Scalar::max`], NaN if one is NaN.
 #[inline(always)]
 pub(crate) fn larger<S: Scalar>(a: S, b: S) -> S {

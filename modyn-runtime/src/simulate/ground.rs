@@ -5,7 +5,7 @@ use super::impulses::{
 };
 use super::{State, add_scaled};
 use crate::robot::{Factorization, Settings};
-use crate::scalar::positive;
+use crate::scalar::{at_least, at_most, positive};
 use crate::solve::{Contact, ContactMode, Decide, Effort, Residual, Stop};
 use crate::spatial::{Matrix3, Pose, Vector3};
 use crate::{Array, Robot, Scalar, functions};
@@ -229,8 +229,7 @@ pub fn limit_effort<R: Robot, T: Scalar>(tau: &R::V<T>) -> R::V<T> {
     R::V::<T>::from_fn(|i| {
         let (most, force) = (T::from_f64(R::LIMITS.effort[i]), tau.as_ref()[i]);
         // NaN stays NaN.
-        let below = (force - most).select_nonnegative(most, force);
-        (-most - below).select_nonnegative(-most, below)
+        at_least(at_most(force, most), -most)
     })
 }
 

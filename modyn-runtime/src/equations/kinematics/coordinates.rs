@@ -9,6 +9,7 @@
 use crate::Scalar;
 use crate::mechanism::Mechanism;
 use crate::mechanism::coordinates::{CoordinateSpace, Coordinates};
+use crate::scalar::at_most;
 use crate::spatial::{
     Matrix3, Quaternion, Vector3, inverse_rotation_jacobian, rotation_jacobian, screw_translation,
     screw_translation_by_rotation, screw_velocity,
@@ -293,8 +294,7 @@ fn fill<S: Scalar>(
 
 /// Returns low + (high - low) part, at most `high` in spite of rounding; NaN for NaN.
 fn interpolate<S: Scalar>(low: S, high: S, part: S) -> S {
-    let x = low + (high - low) * part;
-    (x - high).select_nonnegative(high, x)
+    at_most(low + (high - low) * part, high)
 }
 
 /// Returns a uniformly distributed rotation: Shoemake 1992, "Uniform random rotations", Graphics Gems III.

@@ -5,9 +5,16 @@
 //! an approximation of J M^-1 J^T. Its force follows from J qdd - a*. All forces together minimize a convex function.
 
 use crate::Scalar;
+use crate::scalar::{at_least, at_most};
 
 /// The smallest and the largest impedance, as in MuJoCo.
 const IMPEDANCES: [f64; 2] = [1e-4, 0.9999];
+
+/// The impedance of rows with which a solver converges from any start.
+const SOFT: f64 = 0.95;
+
+/// The width below which the impedance does not depend on the violation, as in MuJoCo.
+const LEAST_WIDTH: f64 = 1e-15;
 
 /// The impedance of a constraint as a function of its violation: MuJoCo's `solimp`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,11 +23,12 @@ pub struct Impedance<S> {
     pub least: S,
     /// The impedance from the violation `width` on.
     pub most: S,
-    /// The violation at which the impedance stops growing, m or rad.
+    /// The violation at which the impedance stops growing, m or rad. At most 1e-15: the impedance is
+    /// the mean of the two for all violations.
     pub width: S,
     /// The share of `width` at which the curve changes its direction.
     pub midpoint: S,
-    /// The power of the curve.
+    /// The power of the curve; 0 acts as 1. MuJoCo also has powers between integers.
     pub power: u32,
 }
 
@@ -67,14 +75,27 @@ impl<S: Scalar> Impedance<S> {
     pub fn at(&self, violation: S) -> S {
         let one = S::one();
         let [start, end, midpoint] = [self.least, self.most, self.midpoint].map(possible);
-        let x = at_most(violation.abs() / self.width, one);
+        let least_width = S::from_f64(LEAST_WIDTH);
+        let x = at_most(violation.abs() / at_least(self.width, least_width), one);
+        let exponent = self.power.max(1);
         let power = |x: S, exponent: u32| (0..exponent).fold(one, |product, _| product * x);
         // a x^p before the midpoint and 1 - b (1 - x)^p behind it: one line through the midpoint.
-        let rising = |x: S, midpoint: S| power(x, self.power) / power(midpoint, self.power - 1);
+        let rising = |x: S, midpoint: S| power(x, exponent) / power(midpoint, exponent - 1);
         let low = rising(x, midpoint);
         let high = one - rising(one - x, one - midpoint);
         let share = (midpoint - x).select_nonnegative(low, high);
+        let mean = S::from_f64(0.5);
+        let share = (least_width - self.width).select_nonnegative(mean, share);
         start + share * (end - start)
+    }
+
+    /// Returns the factor of the weights of rows with this impedance that makes them as soft as rows
+    /// with the impedance 0.95; at most 1.
+    #[must_use]
+    pub fn softening(&self) -> S {
+        let one = S::one();
+        let most = possible(self.most);
+        at_most(S::from_f64(SOFT / (1.0 - SOFT)) * (one - most) / most, one)
     }
 }
 
@@ -157,6 +178,12 @@ pub struct Response<S> {
 }
 
 impl<S: Scalar> ContactLaw<S> {
+    /// Returns the law with the weight times `scale`.
+    #[must_use]
+    pub fn scaled(&self, scale: S) -> Self {
+        Self { weight: self.weight * scale, ..*self }
+    }
+
     /// Returns the force at this acceleration of the contact.
     #[must_use]
     pub fn response(&self, acceleration: [S; 3]) -> Response<S> {
@@ -238,14 +265,4 @@ impl<S: Scalar> ContactLaw<S> {
 fn possible<S: Scalar>(impedance: S) -> S {
     let [least, most] = IMPEDANCES.map(S::from_f64);
     at_most(at_least(impedance, least), most)
-}
-
-/// Returns the larger of two numbers; NaN if the first is.
-fn at_least<S: Scalar>(x: S, least: S) -> S {
-    (least - x).select_nonnegative(least, x)
-}
-
-/// Returns the smaller of two numbers; NaN if the first is.
-fn at_most<S: Scalar>(x: S, most: S) -> S {
-    (x - most).select_nonnegative(most, x)
 }

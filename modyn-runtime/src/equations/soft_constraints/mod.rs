@@ -14,8 +14,10 @@
 
 mod law;
 mod newton;
+mod problem;
 mod rows;
 
 pub use law::{Cone, ContactLaw, Impedance, Response, RowState, SoftRow, Softness};
-pub use newton::{SoftSolution, SolverLimits, StepInput, soft_step};
+pub use newton::{Advance, MAX_ITERATIONS, MAX_SEARCH, Progress, Search, SoftStep, soft_step};
+pub use problem::{Iterate, SoftSolution, StepInput, StepProblem};
 pub use rows::{ContactParameters, JointParameters, SoftParameters};

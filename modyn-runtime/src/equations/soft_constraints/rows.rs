@@ -2,15 +2,19 @@
 
 use alloc::vec::Vec;
 
-use super::law::{Cone, ContactLaw, Response, RowState, SoftRow, Softness};
+use super::law::{Cone, ContactLaw, Response, RowState, Softness};
+use super::problem::StepInput;
 use crate::Scalar;
 use crate::equations::Workspace;
 use crate::mechanism::{BodyFrame, Mechanism};
+use crate::scalar::{at_least, at_most};
 use crate::spatial::{ArticulatedInertia, Matrix3, Pose, Symmetric3, Twist, Vector3, Wrench};
 
 /// The parameters of soft constraints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SoftParameters<S> {
+    /// The largest mismatch between forces and laws at which the solver ends, N and N m.
+    pub tolerance: S,
     /// The cone of all contacts.
     pub cone: Cone,
     /// MuJoCo's `impratio`: how much stiffer friction is than the normal direction.
@@ -43,16 +47,16 @@ pub struct ContactParameters<S> {
 pub struct JointParameters<S> {
     /// The entry of q.
     pub coordinate: usize,
-    /// The least and the largest coordinate, rad or m; infinite without a limit.
-    pub range: [S; 2],
+    /// The least and the largest coordinate, rad or m.
+    pub range: [Option<S>; 2],
     /// The distance from which on a limit acts, rad or m.
     pub margin: S,
     /// The mobility of the joint, 1/(kg m^2) or 1/kg: MuJoCo's `dof_invweight0`.
     pub mobility: S,
     /// The softness of the limits.
     pub limit: Softness<S>,
-    /// The dry friction, N m or N.
-    pub dry_friction: S,
+    /// The dry friction, N m or N; `None` without friction.
+    pub dry_friction: Option<S>,
     /// The softness of dry friction.
     pub friction: Softness<S>,
 }
@@ -161,42 +165,68 @@ impl<S: Scalar> ContactRows<S> {
     }
 }
 
-impl<S: Scalar> JointRow<S> {
-    /// Adds the rows of a joint with one degree of freedom to `rows`.
-    pub(super) fn add(
-        dof: usize,
-        parameters: &JointParameters<S>,
-        (q, qd): (&[S], &[S]),
-        dt: S,
-        rows: &mut Vec<Self>,
-    ) {
-        let JointParameters { range, margin, mobility, limit, dry_friction, friction, .. } =
-            *parameters;
-        let coordinate = q[parameters.coordinate];
-        let velocity = qd[dof];
-        let [below, above] = [coordinate - range[0], range[1] - coordinate];
-        for (sign, distance) in [(S::one(), below), (-S::one(), above)] {
+impl<S: Scalar> SoftParameters<S> {
+    /// Returns the factor of all weights that makes the stiffest row soft.
+    pub(super) fn softening(&self) -> S {
+        let contacts = self.contacts.iter().map(|contact| &contact.softness);
+        let joints = self.joints.iter().flatten().flat_map(|joint| {
+            let limits = joint.range.iter().flatten().map(|_| &joint.limit);
+            limits.chain(joint.dry_friction.map(|_| &joint.friction))
+        });
+        contacts
+            .chain(joints)
+            .fold(S::one(), |least, softness| at_most(least, softness.impedance.softening()))
+    }
+}
+
+/// Returns the rows of joints with one degree of freedom.
+pub(super) fn joint_rows<S: Scalar>(
+    parameters: &[Option<JointParameters<S>>],
+    input: StepInput<'_, S>,
+) -> Vec<JointRow<S>> {
+    let mut rows = Vec::new();
+    for (dof, parameters) in parameters.iter().enumerate() {
+        let Some(parameters) = parameters else { continue };
+        let JointParameters { range: [low, high], margin, mobility, .. } = *parameters;
+        let coordinate = input.q[parameters.coordinate];
+        let velocity = input.qd[dof];
+        let mut limit = |sign: S, distance: S| {
             let position = distance - margin;
-            let row = limit.row(&RowState { position, velocity: sign * velocity, mobility }, dt);
-            rows.push(Self {
+            let state = RowState { position, velocity: sign * velocity, mobility };
+            let row = parameters.limit.row(&state, input.dt);
+            rows.push(JointRow {
                 dof,
                 sign,
                 weight: position.select_nonnegative(S::zero(), row.weight),
                 reference: position.select_nonnegative(S::zero(), row.reference),
                 most: None,
             });
+        };
+        if let Some(low) = low {
+            limit(S::one(), coordinate - low);
         }
-        if !dry_friction.is_constant_zero() {
+        if let Some(high) = high {
+            limit(-S::one(), high - coordinate);
+        }
+        if let Some(most) = parameters.dry_friction {
             let state = RowState { position: S::zero(), velocity, mobility };
-            let SoftRow { weight, .. } = friction.row(&state, dt);
-            rows.push(Self {
+            let row = parameters.friction.row(&state, input.dt);
+            rows.push(JointRow {
                 dof,
                 sign: S::one(),
-                weight,
-                reference: friction.damped(velocity, dt),
-                most: Some(dry_friction),
+                weight: row.weight,
+                reference: parameters.friction.damped(velocity, input.dt),
+                most: Some(most),
             });
         }
+    }
+    rows
+}
+
+impl<S: Scalar> JointRow<S> {
+    /// Returns the row with the weight times `scale`.
+    pub(super) fn scaled(&self, scale: S) -> Self {
+        Self { weight: self.weight * scale, ..*self }
     }
 
     /// Returns the force at an acceleration of the row, and minus its derivative.
@@ -209,9 +239,8 @@ impl<S: Scalar> JointRow<S> {
                 [force.select_nonnegative(force, zero), force.select_nonnegative(self.weight, zero)]
             }
             Some(most) => {
-                let above = (force - most).select_nonnegative(most, force);
                 let within = (most - force.abs()).select_nonnegative(self.weight, zero);
-                [(-most - force).select_nonnegative(-most, above), within]
+                [at_least(at_most(force, most), -most), within]
             }
         }
     }

@@ -1,0 +1,276 @@
+//! A step at a state: what does not change between the iterations of its solver, and the solver's full steps.
+
+use alloc::{vec, vec::Vec};
+
+use super::law::Response;
+use super::rows::{BodyState, ContactRows, JointRow, SoftParameters, body_twists, joint_rows};
+use crate::Scalar;
+use crate::equations::Workspace;
+use crate::equations::dynamics::newton_euler::{Accelerations, link_wrenches};
+use crate::equations::dynamics::{against_fall, is_base};
+use crate::equations::factorization::ModulePartition;
+use crate::equations::kinematics::coordinates;
+use crate::equations::kinematics::links::compute_body_poses;
+use crate::mechanism::Mechanism;
+use crate::spatial::{Matrix3, Pose, Vector3, Wrench};
+
+/// The state of a robot, its joint forces, and the time of a step.
+#[derive(Clone, Copy, Debug)]
+pub struct StepInput<'a, S> {
+    /// The coordinates.
+    pub q: &'a [S],
+    /// The velocities.
+    pub qd: &'a [S],
+    /// The joint forces, N m or N.
+    pub tau: &'a [S],
+    /// The accelerations from which the solver starts, such as those of the last step.
+    pub warm: &'a [S],
+    /// The time, s.
+    pub dt: S,
+}
+
+/// The state after a step, and the forces in it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SoftSolution<S> {
+    /// The coordinates.
+    pub q: Vec<S>,
+    /// The velocities.
+    pub qd: Vec<S>,
+    /// The accelerations; those of a floating base are classical ones in the base's axes.
+    pub qdd: Vec<S>,
+    /// The force of each contact along the normal and the two tangents of its plane, N.
+    pub forces: Vec<[S; 3]>,
+}
+
+/// The rows at accelerations: three for each contact, then one for each row of a joint.
+#[derive(Clone, Debug)]
+pub struct Iterate<S> {
+    /// The accelerations of the rows.
+    pub accelerations: Vec<S>,
+    /// The forces of the rows that keep these accelerations in equilibrium.
+    pub balances: Vec<S>,
+}
+
+/// The forces of the laws at accelerations, and minus their derivatives.
+pub(super) struct Laws<S> {
+    contacts: Vec<Response<S>>,
+    joints: Vec<[S; 2]>,
+}
+
+impl<S: Scalar> Laws<S> {
+    /// Returns the forces of all rows.
+    pub fn forces(&self) -> impl Iterator<Item = S> + '_ {
+        let contacts = self.contacts.iter().flat_map(|response| response.force);
+        contacts.chain(self.joints.iter().map(|response| response[0]))
+    }
+
+    /// Returns the products of the stiffness with the accelerations of the rows.
+    fn stiffness_times(&self, accelerations: &[S]) -> Vec<S> {
+        let (points, of_joints) = accelerations.split_at(3 * self.contacts.len());
+        let contacts = self.contacts.iter().zip(points.chunks(3)).flat_map(|(response, point)| {
+            response.stiffness.map(|row| row[0] * point[0] + row[1] * point[1] + row[2] * point[2])
+        });
+        let joints = self.joints.iter().zip(of_joints).map(|(response, &a)| response[1] * a);
+        contacts.chain(joints).collect()
+    }
+}
+
+/// A step at a state.
+pub struct StepProblem<'a, S> {
+    model: &'a Mechanism<S>,
+    partition: &'a ModulePartition,
+    input: StepInput<'a, S>,
+    workspace: &'a mut Workspace<S>,
+    /// The wrenches of the bodies at zero joint accelerations.
+    bias: Vec<Wrench<S>>,
+    contacts: Vec<ContactRows<S>>,
+    joints: Vec<JointRow<S>>,
+    /// The factor of all weights that makes the stiffest row soft.
+    pub(super) softening: S,
+    /// The joint accelerations, those of floating bases relative to free fall.
+    accelerations: Vec<S>,
+}
+
+/// The effect of the rows on the recursion.
+#[derive(Clone, Copy)]
+enum Effect<'a, S> {
+    /// Forces, and the stiffness of these laws as added inertia.
+    Stiff(&'a Laws<S>),
+    /// Forces. The damping of joints acts with the velocities after the step.
+    Forces,
+}
+
+impl<'a, S: Scalar> StepProblem<'a, S> {
+    /// Returns the problem of a step.
+    pub fn new(
+        model: &'a Mechanism<S>,
+        partition: &'a ModulePartition,
+        input: StepInput<'a, S>,
+        parameters: &SoftParameters<S>,
+        workspace: &'a mut Workspace<S>,
+    ) -> Self {
+        let StepInput { q, qd, dt, .. } = input;
+        workspace.reserve(partition.pivots, 0, 0);
+        workspace.move_with_forces(model, q, Some(qd));
+        link_wrenches(model, qd, Accelerations::FreeFall, workspace);
+        let bias = workspace.wrenches.clone();
+        let mut poses = vec![Pose::identity(); model.bodies.len()];
+        compute_body_poses(model, workspace, &mut poses);
+        body_twists(model, qd, workspace);
+        let mut falls = vec![false; model.bodies.len()];
+        for (i, body) in model.bodies.iter().enumerate() {
+            falls[i] = body.parent.map_or_else(|| is_base(model, i), |parent| falls[parent]);
+        }
+        let frames = model.constraints.iter().filter(|constraint| constraint.contact);
+        let contacts = frames.zip(&parameters.contacts).filter_map(|(constraint, contact)| {
+            let frame = &constraint.ends[1];
+            let body = frame.body?;
+            let state = BodyState {
+                pose: poses[body],
+                velocity: workspace.twists[body],
+                fall: match falls[body] {
+                    true => Matrix3(poses[body].rotation).transposed().mul_vector(model.gravity),
+                    false => Vector3::zero(),
+                },
+            };
+            ContactRows::new(frame, &state, parameters, contact, dt)
+        });
+        Self {
+            bias,
+            contacts: contacts.collect(),
+            joints: joint_rows(&parameters.joints, input),
+            softening: parameters.softening(),
+            accelerations: vec![S::zero(); model.nv],
+            model,
+            partition,
+            input,
+            workspace,
+        }
+    }
+
+    /// Returns the number of rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        3 * self.contacts.len() + self.joints.len()
+    }
+
+    /// Returns the first iterate: the accelerations of the rows at `input.warm`, with forces that only the first full step overwrites.
+    pub fn first(&mut self) -> Iterate<S> {
+        let mut accelerations = self.input.warm.to_vec();
+        self.add_fall(-S::one(), &mut accelerations);
+        body_twists(self.model, &accelerations, self.workspace);
+        self.accelerations = accelerations;
+        Iterate { accelerations: self.row_accelerations(), balances: vec![S::zero(); self.rows()] }
+    }
+
+    /// Returns the laws at an iterate. All weights are scaled.
+    pub(super) fn laws(&self, iterate: &Iterate<S>, scale: S) -> Laws<S> {
+        let (points, of_joints) = iterate.accelerations.split_at(3 * self.contacts.len());
+        let contacts = self.contacts.iter().zip(points.chunks(3));
+        let joints = self.joints.iter().zip(of_joints);
+        Laws {
+            contacts: contacts
+                .map(|(contact, a)| contact.law.scaled(scale).response([a[0], a[1], a[2]]))
+                .collect(),
+            joints: joints.map(|(row, &a)| row.scaled(scale).response(a)).collect(),
+        }
+    }
+
+    /// Returns the minimum of the quadratic model of the function at an iterate with these laws.
+    pub(super) fn full_step(&mut self, iterate: &Iterate<S>, laws: &Laws<S>) -> Iterate<S> {
+        let shares = laws.stiffness_times(&iterate.accelerations);
+        let applied: Vec<S> =
+            laws.forces().zip(shares).map(|(force, share)| force + share).collect();
+        self.accelerate(&applied, Effect::Stiff(laws));
+        let accelerations = self.row_accelerations();
+        let shares = laws.stiffness_times(&accelerations);
+        let balances = applied.iter().zip(shares).map(|(&force, share)| force - share).collect();
+        Iterate { accelerations, balances }
+    }
+
+    /// Returns the state after the step, given the iterate at which the last full step ended.
+    pub fn solution(&mut self, end: &Iterate<S>) -> SoftSolution<S> {
+        let laws = self.laws(end, S::one());
+        let qdd = self.with_implicit_damping(&laws);
+        let StepInput { q, qd, dt, .. } = self.input;
+        let mut solution = SoftSolution {
+            q: vec![S::zero(); self.model.nq],
+            qd: qd.iter().zip(&qdd).map(|(&v, &a)| v + dt * a).collect(),
+            qdd,
+            forces: laws.contacts.iter().map(|response| response.force).collect(),
+        };
+        coordinates::move_straight(self.model, q, &mut solution.qd, dt, &mut solution.q);
+        solution
+    }
+
+    /// Returns the accelerations of the rows, given those of the bodies and joints.
+    fn row_accelerations(&self) -> Vec<S> {
+        let contacts = self
+            .contacts
+            .iter()
+            .flat_map(|contact| contact.acceleration(&self.workspace.twists[contact.body]));
+        let joints = self.joints.iter().map(|row| row.sign * self.accelerations[row.dof]);
+        contacts.chain(joints).collect()
+    }
+
+    /// Computes the joint accelerations, relative to free fall, under these forces of the rows, and the accelerations of the bodies.
+    fn accelerate(&mut self, forces: &[S], effect: Effect<'_, S>) {
+        let Self { model, workspace, contacts, joints, .. } = self;
+        workspace.wrenches.copy_from_slice(&self.bias);
+        let mut tau = self.input.tau.to_vec();
+        let (points, of_joints) = forces.split_at(3 * contacts.len());
+        for (contact, force) in contacts.iter().zip(points.chunks(3)) {
+            let wrench = &mut workspace.wrenches[contact.body];
+            *wrench = *wrench - contact.wrench([force[0], force[1], force[2]]);
+        }
+        for (row, &force) in joints.iter().zip(of_joints) {
+            tau[row.dof] = tau[row.dof] + row.sign * force;
+        }
+        match effect {
+            Effect::Stiff(laws) => {
+                for (contact, response) in contacts.iter().zip(&laws.contacts) {
+                    let inertia = contact.inertia(response);
+                    let sum = &mut workspace.added_inertia[contact.body];
+                    *sum = Some(sum.map_or(inertia, |sum| sum + inertia));
+                }
+                for (row, &[_, stiffness]) in joints.iter().zip(&laws.joints) {
+                    let sum = &mut workspace.added_armature[row.dof];
+                    *sum = Some(sum.map_or(stiffness, |sum| sum + stiffness));
+                }
+            }
+            Effect::Forces => {
+                for (added, dof) in workspace.added_armature.iter_mut().zip(&model.dofs) {
+                    *added = dof.damping.map(|damping| damping * self.input.dt);
+                }
+            }
+        }
+        let forces = (self.input.qd, &*tau);
+        against_fall(*model, self.partition, forces, workspace, &mut self.accelerations);
+        body_twists(model, &self.accelerations, workspace);
+        workspace.added_inertia.fill(None);
+        workspace.added_armature.fill(None);
+    }
+
+    /// Returns the accelerations under the forces of the laws, with the damping of the joints at the velocities after the step. Linear
+    /// accelerations of floating bases are classical ones, in the base's axes.
+    fn with_implicit_damping(&mut self, laws: &Laws<S>) -> Vec<S> {
+        if self.model.dofs.iter().any(|dof| dof.damping.is_some()) {
+            let forces: Vec<S> = laws.forces().collect();
+            self.accelerate(&forces, Effect::Forces);
+        }
+        let mut accelerations = self.accelerations.clone();
+        self.add_fall(S::one(), &mut accelerations);
+        accelerations
+    }
+
+    /// Adds the acceleration of free fall times `factor` to the accelerations of floating bases.
+    fn add_fall(&self, factor: S, accelerations: &mut [S]) {
+        for i in (0..self.model.bodies.len()).filter(|&i| is_base(self.model, i)) {
+            let body = &self.model.bodies[i];
+            let gravity = body.to_child(&self.workspace.motions[i], self.model.gravity);
+            for (dof, fall) in self.model.dofs_of(i).iter().zip(gravity.0) {
+                dof.add(factor * fall, accelerations);
+            }
+        }
+    }
+}
