@@ -34,6 +34,15 @@ pub struct Loops {
     pub results: Vec<Entry>,
 }
 
+/// Loops whose stored values are outputs of a graph.
+#[derive(Clone, Debug)]
+pub struct LoopForm {
+    /// The loops, without stored values.
+    pub loops: Loops,
+    /// The entries of the stored values.
+    pub stored: Vec<Entry>,
+}
+
 /// An array of numbers in rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Array {

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::{
-    Addend, Execution, InvalidProgram, MultiplyAdd, Operand, Operation, Products, Program,
-    RowEquations, Source, Statement, Value, outline,
+    Addend, Execution, InvalidProgram, LoopForm, Loops, MultiplyAdd, Operand, Operation, Products,
+    Program, RowEquations, Source, Statement, Stored, Value, outline,
 };
 use crate::graph::{Graph, Id, Node};
 use crate::trace::{DenseGraph, RowForm};
@@ -47,7 +47,11 @@ impl Program {
         execution: Execution,
     ) -> Result<Self, InvalidProgram> {
         let DenseGraph { graph, rows, products } = of;
-        let mut program = Self::lowered_with(graph, arguments, execution, rows.as_ref());
+        let rows = rows.as_ref().map(|form| {
+            let results = graph.outputs.len() - RowEquations::count(&form.blocks, form.sides);
+            Apart::new(ApartForm::Rows(form), results, arguments)
+        });
+        let mut program = Self::lowered_with(graph, arguments, execution, rows);
         if let Some(form) = products {
             let entries = program.results.split_off(form.results);
             let products = Products::new(form, entries, &program.results, execution);
@@ -56,25 +60,35 @@ impl Program {
         program.finished()
     }
 
+    /// Returns the statements and results of a graph with loops, as a program that is not
+    /// [`finished`](Self::finished). The last outputs of the graph are the stored values, and the inputs
+    /// after the arguments are the results of the loops.
+    pub(super) fn with_loops(
+        graph: &Graph,
+        form: &LoopForm,
+        arguments: usize,
+        execution: Execution,
+    ) -> Self {
+        let results = graph.outputs.len() - form.stored.len();
+        let apart = Apart::new(ApartForm::Loops(form), results, arguments);
+        Self::lowered_with(graph, arguments, execution, Some(apart))
+    }
+
     /// Returns the statements and results of a graph, as a program that is not [`finished`](Self::finished).
     pub(super) fn lowered(graph: &Graph, arguments: usize, execution: Execution) -> Self {
         Self::lowered_with(graph, arguments, execution, None)
     }
 
-    /// Returns the statements and results of a graph, as [`lowered`](Self::lowered) does. With `equations` of constraint rows, the
-    /// last outputs of the graph are the operands of these equations, and the inputs after the arguments are their results.
-    pub(super) fn lowered_with(
+    /// Returns the statements and results of a graph, as [`lowered`](Self::lowered) does, with an operation
+    /// that the graph does not have.
+    fn lowered_with(
         graph: &Graph,
         arguments: usize,
         execution: Execution,
-        equations: Option<&RowForm>,
+        apart: Option<Apart<'_>>,
     ) -> Self {
-        let equations = equations.map(|&RowForm { ref blocks, sides }| {
-            let results = graph.outputs.len() - RowEquations::count(blocks, sides);
-            Equations { blocks, sides, results, first: arguments, statement: usize::MAX }
-        });
-        let results = equations.as_ref().map_or(graph.outputs.len(), |own| own.results);
-        let lowering = Lowering::new(graph, equations);
+        let results = apart.as_ref().map_or(graph.outputs.len(), |apart| apart.results);
+        let lowering = Lowering::new(graph, apart);
         let statements = lowering.order.iter().map(|item| lowering.statement(item)).collect();
         let results = graph.outputs[..results].iter();
         let results = results.map(|&id| lowering.operand(id, 1)).collect();
@@ -108,22 +122,48 @@ enum Item {
     Node(Id),
     /// The sines and cosines of angles.
     Angles(Vec<Id>),
-    /// The solution of the row equations.
-    RowEquations,
+    /// The operation that the graph does not have.
+    Apart,
 }
 
-/// The row equations within a program.
-struct Equations<'a> {
-    /// For each constraint, the number of its rows.
-    blocks: &'a [usize],
-    /// The number of right-hand sides.
-    sides: usize,
+/// An operation that a graph does not have, within its program. The last outputs of the graph are its
+/// operands, and the inputs after the arguments are its results.
+struct Apart<'a> {
+    form: ApartForm<'a>,
     /// The number of the program's results. The outputs after them are the operands.
     results: usize,
-    /// The first input that is a result.
+    /// The first input that is a result of the operation.
     first: usize,
     /// The statement.
     statement: usize,
+}
+
+enum ApartForm<'a> {
+    Rows(&'a RowForm),
+    Loops(&'a LoopForm),
+}
+
+impl<'a> Apart<'a> {
+    fn new(form: ApartForm<'a>, results: usize, first: usize) -> Self {
+        Self { form, results, first, statement: usize::MAX }
+    }
+
+    /// Returns the operation, given its operands, and its number of results.
+    fn operation(&self, operands: Vec<Operand>) -> (Operation, usize) {
+        match self.form {
+            ApartForm::Rows(RowForm { blocks, sides }) => {
+                let equations = RowEquations { blocks: blocks.clone(), sides: *sides, operands };
+                let results = equations.results();
+                (Operation::RowEquations(equations), results)
+            }
+            ApartForm::Loops(LoopForm { loops, stored }) => {
+                let stored = stored.iter().zip(operands);
+                let stored = stored.map(|(&entry, value)| Stored { entry, value }).collect();
+                let results = loops.results.len();
+                (Operation::Loops(Loops { stored, ..loops.clone() }), results)
+            }
+        }
+    }
 }
 
 struct Lowering<'a> {
@@ -131,15 +171,15 @@ struct Lowering<'a> {
     live: Vec<bool>,
     /// The statements, in order.
     order: Vec<Item>,
-    /// The row equations, if there are some.
-    equations: Option<Equations<'a>>,
+    /// The operation that the graph does not have, if there is one.
+    apart: Option<Apart<'a>>,
     /// For each node, the statement that computes it. `None` for operands, and for products and packs that are part of the
     /// operation that reads them.
     statement_of: Vec<Option<usize>>,
 }
 
 impl<'a> Lowering<'a> {
-    fn new(graph: &'a Graph, equations: Option<Equations<'a>>) -> Self {
+    fn new(graph: &'a Graph, apart: Option<Apart<'a>>) -> Self {
         let (live, uses) = (graph.live(), graph.uses());
         let nodes = graph.nodes();
         // A product that is used once, in a sum, is fused into the sum. A pack that is used once, in a wider pack, is part of
@@ -156,7 +196,7 @@ impl<'a> Lowering<'a> {
             }
         }
         let statement_of = vec![None; nodes.len()];
-        let mut lowering = Self { graph, live, order: Vec::new(), equations, statement_of };
+        let mut lowering = Self { graph, live, order: Vec::new(), apart, statement_of };
         lowering.schedule(&fused);
         lowering
     }
@@ -183,12 +223,12 @@ impl<'a> Lowering<'a> {
             self.push(Item::Angles(early));
         }
         let mut unpacked: BTreeMap<Id, usize> = BTreeMap::new();
-        if let Some(equations) = &self.equations {
-            let operands = &graph.outputs[equations.results..];
+        if let Some(apart) = &self.apart {
+            let operands = &graph.outputs[apart.results..];
             let is_before = graph.live_from(operands);
             self.push_nodes(fused, |i| is_before[i], (&mut angles, &mut unpacked));
-            let statement = self.push(Item::RowEquations);
-            self.equations.iter_mut().for_each(|equations| equations.statement = statement);
+            let statement = self.push(Item::Apart);
+            self.apart.iter_mut().for_each(|apart| apart.statement = statement);
         }
         self.push_nodes(fused, |_| true, (&mut angles, &mut unpacked));
     }
@@ -236,15 +276,14 @@ impl<'a> Lowering<'a> {
 
     fn statement(&self, item: &Item) -> Statement {
         let (operation, lanes, used) = match item {
-            Item::RowEquations => {
-                let Equations { blocks, sides, results, first, .. } =
-                    *self.equations.as_ref().expect("the item is that of equations");
-                let operands = self.graph.outputs[results..].iter();
-                let operands = operands.map(|&id| self.operand(id, 1)).collect();
-                let equations = RowEquations { blocks: blocks.to_vec(), sides, operands };
-                let inputs = first..first + equations.results();
+            Item::Apart => {
+                let apart = self.apart.as_ref().expect("the item is that of an operation apart");
+                let operands = self.graph.outputs[apart.results..].iter();
+                let (operation, results) =
+                    apart.operation(operands.map(|&id| self.operand(id, 1)).collect());
+                let inputs = apart.first..apart.first + results;
                 let used = inputs.map(|input| self.is_live(Node::input(input))).collect();
-                (Operation::RowEquations(equations), 1, used)
+                (operation, 1, used)
             }
             Item::Angles(angles) => {
                 let of = |&angle: &Id| self.operand(angle, self.graph.width(angle));
@@ -364,9 +403,9 @@ impl<'a> Lowering<'a> {
             Node::Constant(bits) => operand(Source::Constant(f64::from_bits(bits))),
             Node::Input(number) => {
                 let number = number as usize;
-                let result = self.equations.iter().find_map(|equations| {
-                    let place = number.checked_sub(equations.first)?;
-                    Some(Source::Result(Value { statement: equations.statement, place }))
+                let result = self.apart.iter().find_map(|apart| {
+                    let place = number.checked_sub(apart.first)?;
+                    Some(Source::Result(Value { statement: apart.statement, place }))
                 });
                 operand(result.unwrap_or(Source::Argument(number)))
             }
@@ -382,7 +421,7 @@ impl<'a> Lowering<'a> {
     fn place(&self, statement: usize, node: Node) -> usize {
         let of = |angle: Id| match &self.order[statement] {
             Item::Angles(angles) => 2 * angles.iter().position(|&a| a == angle).unwrap_or(0),
-            Item::Node(_) | Item::RowEquations => 0,
+            Item::Node(_) | Item::Apart => 0,
         };
         match node {
             Node::Sin(angle) => of(angle),

@@ -27,6 +27,7 @@ mod places;
 mod products;
 mod repeat;
 mod row_equations;
+mod soft_steps;
 mod text;
 mod validate;
 
@@ -35,7 +36,8 @@ use std::ops::Range;
 
 pub use bodies::{RecursionSizes, Sweep};
 pub use loops::{
-    Array, Call, Column, Entry, Loop, Loops, Place, Read, Routine, Row, Step, Stored, Table, Write,
+    Array, Call, Column, Entry, Loop, LoopForm, Loops, Place, Read, Routine, Row, Step, Stored,
+    Table, Write,
 };
 pub use places::argument_of;
 pub(crate) use products::is_zero;

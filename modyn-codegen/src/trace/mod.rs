@@ -19,6 +19,7 @@ mod looped;
 mod merge;
 mod parameters;
 mod products;
+mod soft_steps;
 mod step_hessians;
 mod steps;
 mod tangent;
@@ -35,6 +36,7 @@ pub use evaluation::Solvers;
 pub use limbs::{LimbLimits, LimbPacking};
 pub use looped::{BodyGraphs, BodyKind, LoopedBody};
 pub use parameters::Parameters;
+pub use soft_steps::{Part, SEARCH, SoftModel, StepGraph};
 pub use tangent::{TangentGraphs, TangentInput};
 pub use user::{UserGraphs, UserTraceError};
 

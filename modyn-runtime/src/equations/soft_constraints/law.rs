@@ -99,6 +99,23 @@ impl<S: Scalar> Impedance<S> {
     }
 }
 
+impl<S: Copy> Softness<S> {
+    /// Returns the softness with `f` applied to its numbers.
+    pub(super) fn map<T>(&self, f: impl Fn(S) -> T + Copy) -> Softness<T> {
+        let Impedance { least, most, width, midpoint, power } = self.impedance;
+        Softness {
+            reference: self.reference.map(f),
+            impedance: Impedance {
+                least: f(least),
+                most: f(most),
+                width: f(width),
+                midpoint: f(midpoint),
+                power,
+            },
+        }
+    }
+}
+
 impl<S: Scalar> Softness<S> {
     /// MuJoCo's default: the time constant 0.02 s with critical damping.
     #[must_use]

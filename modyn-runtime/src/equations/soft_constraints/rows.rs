@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use super::law::{Cone, ContactLaw, Response, RowState, Softness};
+use super::law::{Cone, ContactLaw, Impedance, Response, RowState, Softness};
 use super::problem::StepInput;
 use crate::Scalar;
 use crate::equations::Workspace;
@@ -59,6 +59,49 @@ pub struct JointParameters<S> {
     pub dry_friction: Option<S>,
     /// The softness of dry friction.
     pub friction: Softness<S>,
+}
+
+impl<S: Scalar> ContactParameters<S> {
+    /// The number of numbers.
+    pub const COUNT: usize = 22;
+
+    /// Returns the parameters from their numbers: the plane's rotation by rows and its translation, the
+    /// radius, the friction, the margin, the mobility, `solref`, and `solimp` with the power 2.
+    #[must_use]
+    pub fn from_numbers(numbers: [S; 22]) -> Self {
+        let three = |first: usize| [numbers[first], numbers[first + 1], numbers[first + 2]];
+        Self {
+            plane: Pose { rotation: [three(0), three(3), three(6)], translation: three(9) },
+            radius: numbers[12],
+            friction: numbers[13],
+            margin: numbers[14],
+            mobility: numbers[15],
+            softness: Softness {
+                reference: [numbers[16], numbers[17]],
+                impedance: Impedance {
+                    least: numbers[18],
+                    most: numbers[19],
+                    width: numbers[20],
+                    midpoint: numbers[21],
+                    power: 2,
+                },
+            },
+        }
+    }
+
+    /// Returns the numbers, in the order of [`from_numbers`](Self::from_numbers).
+    #[must_use]
+    pub fn numbers(&self) -> [S; 22] {
+        let Self { plane, radius, friction, margin, mobility, softness } = self;
+        let Impedance { least, most, width, midpoint, .. } = softness.impedance;
+        let [[a, b, c], [d, e, f], [g, h, i]] = plane.rotation;
+        let [x, y, z] = plane.translation;
+        let [first, second] = softness.reference;
+        [
+            a, b, c, d, e, f, g, h, i, x, y, z, *radius, *friction, *margin, *mobility, first,
+            second, least, most, width, midpoint,
+        ]
+    }
 }
 
 /// A contact at a state.
@@ -162,6 +205,21 @@ impl<S: Scalar> ContactRows<S> {
             translational: Symmetric3::from_fn(|i, j| stiffness[i][j]),
         };
         at_place.shifted(self.place)
+    }
+}
+
+impl<S: Copy> JointParameters<S> {
+    /// Returns the parameters with `f` applied to their numbers.
+    pub fn map<T>(&self, f: impl Fn(S) -> T + Copy) -> JointParameters<T> {
+        JointParameters {
+            coordinate: self.coordinate,
+            range: self.range.map(|end| end.map(f)),
+            margin: f(self.margin),
+            mobility: f(self.mobility),
+            limit: self.limit.map(f),
+            dry_friction: self.dry_friction.map(f),
+            friction: self.friction.map(f),
+        }
     }
 }
 
