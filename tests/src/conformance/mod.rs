@@ -476,10 +476,10 @@ fn calls_of<B: BackEnd>(
                 });
             }
             if state >= STATES - 2 && !matches!(arithmetic, Arithmetic::Own(_)) {
-                // Special settings are errors in Python.
+                // Special settings and times are errors in Python.
                 let mut ordinary: Vec<&mut f64> = (planned.arguments.iter())
                     .zip(&mut arguments)
-                    .filter(|((argument, _), _)| argument.name != "settings")
+                    .filter(|((argument, _), _)| !["settings", "dt"].contains(&argument.name))
                     .flat_map(|(_, numbers)| numbers)
                     .collect();
                 set_special(&mut random, &mut ordinary);
@@ -578,7 +578,7 @@ fn arguments(
                 numbers.iter_mut().for_each(|x| *x = if *x > 0.0 { 1.0 } else { 0.0 });
             }
             "settings" => set_settings(random, &mut numbers),
-            "dt" => numbers[0] = 0.01 * numbers[0] / scale,
+            "dt" => numbers[0] = 0.01 * numbers[0].abs() / scale,
             "uniforms" => numbers.iter_mut().for_each(|x| *x = (x.abs() / scale).min(0.99)),
             _ => {}
         }
