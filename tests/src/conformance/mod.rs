@@ -476,10 +476,10 @@ fn calls_of<B: BackEnd>(
                 });
             }
             if state >= STATES - 2 && !matches!(arithmetic, Arithmetic::Own(_)) {
-                // Special settings and times are errors in Python.
+                // Special settings, times and random numbers are errors in Python.
                 let mut ordinary: Vec<&mut f64> = (planned.arguments.iter())
                     .zip(&mut arguments)
-                    .filter(|((argument, _), _)| !["settings", "dt"].contains(&argument.name))
+                    .filter(|((argument, _), _)| !["settings", "dt", "uniforms"].contains(&argument.name))
                     .flat_map(|(_, numbers)| numbers)
                     .collect();
                 set_special(&mut random, &mut ordinary);
