@@ -524,6 +524,7 @@ impl Builder {
             share: code.share,
             code: code.code,
             machine_code: false,
+            without_loops: false,
             runtime_gravity: code.runtime_gravity,
             runtime_inertia: runtime_inertia.unwrap_or_default(),
             payload: payload.unwrap_or_default(),

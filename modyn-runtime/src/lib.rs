@@ -49,6 +49,7 @@ pub mod solve;
 #[cfg(feature = "alloc")]
 pub mod sources;
 pub mod spatial;
+mod step_settings;
 #[cfg(feature = "std")]
 #[doc(hidden)]
 pub mod trig_steps;
@@ -87,7 +88,7 @@ pub use results::{
     ContactProblem, ContactStep, DifferenceDerivatives, ForwardDynamicsDerivatives,
     ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp, GeneralizedForces,
     IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian, InverseDynamicsJvp,
-    InverseDynamicsVjp, OperationalInertia, Step, StepDerivatives, StepHessian,
+    InverseDynamicsVjp, OperationalInertia, Step, StepDerivatives, StepHessian, StepSolution,
 };
 #[cfg(feature = "alloc")]
 pub use robot::EmbeddedModel;
@@ -99,5 +100,6 @@ pub use scalar::{FRAC_1_PI_BITS, PI_BITS};
 pub use scalar::{Portable, SIN_COS_F32, SIN_COS_F64, Scalar, SinCosNumbers};
 pub use setting_range::{SettingError, SettingPlace, SettingRange, check_settings};
 pub use spatial::{Momentum, Pose, Twist, Vector3, Wrench};
+pub use step_settings::{ContactSurface, StepSettings};
 #[cfg(feature = "alloc")]
 pub use user_function::{UserArgument, UserArgumentKind, UserDerivatives, UserError, UserFunction};

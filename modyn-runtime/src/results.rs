@@ -280,6 +280,24 @@ pub struct ContactStep<Q, V, P, T> {
     pub residual: T,
 }
 
+/// The state after a step with contacts, the forces in it, and how its solver ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepSolution<Q, V, P, T> {
+    /// The coordinates after the step.
+    pub q: Q,
+    /// The velocities after the step, rad/s or m/s.
+    pub qd: V,
+    /// The accelerations in the step, from which the next step starts, rad/s^2 or m/s^2.
+    pub qdd: V,
+    /// The force of each contact along the x and y axes of its plane, then along the normal, N.
+    pub forces: P,
+    /// The largest mismatch between the forces and their laws, divided by the robot's weight. NaN if an
+    /// argument is NaN.
+    pub residual: T,
+    /// The number of iterations of Newton's method.
+    pub iterations: T,
+}
+
 /// The joint forces of accelerations, and the wrenches of the contacts that carry the floating bases.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstrainedInverseDynamics<V, W, T> {

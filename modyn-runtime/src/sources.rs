@@ -20,5 +20,5 @@ macro_rules! sources {
 pub const SOURCES: &[Source] = sources!(
     "configuration" "constants" "constraint_settings" "float/elementary" "float/root" "float/scalars" "inertial"
     "jacobi" "parameters" "results" "scalar/traits" "scalar/trig"
-    "solve/rank" "spatial/pose" "spatial/vector" "spatial/wrench"
+    "solve/rank" "spatial/pose" "spatial/vector" "spatial/wrench" "step_settings"
 );

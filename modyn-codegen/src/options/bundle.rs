@@ -242,6 +242,10 @@ impl Member {
             let help = "leave it out, or give the robot `contacts` or `loops`";
             return Err((format!("only {robots} have the function `{name}`"), help.into()));
         }
+        if function == Function::Step {
+            let message = "`step` is no member of a bundle, since its solver is a loop";
+            return Err((message.into(), "leave it out, and call it by itself".into()));
+        }
         let frames = || model.frames().iter().map(|frame| frame.name.as_str());
         let found = link.map(|link| {
             frames().position(|other| other == link).ok_or_else(|| {

@@ -6,6 +6,7 @@ use super::Function;
 use super::bundle::Bundle;
 use super::code_form::CodeForm;
 use super::user::TracedFunction;
+use crate::program::Execution;
 use crate::trace::Parameters;
 
 /// The choices of a user that a plan depends on.
@@ -23,6 +24,8 @@ pub struct Choices {
     pub code: CodeForm,
     /// Whether the programs are for machine code.
     pub machine_code: bool,
+    /// Whether the programs are for a language whose back end has no loops.
+    pub without_loops: bool,
     /// Whether gravity is an argument.
     pub runtime_gravity: bool,
     /// The links whose own inertia is an argument, as indices into the model's frames.
@@ -48,6 +51,11 @@ impl Choices {
         self.code = CodeForm::Fast;
         self.machine_code = true;
         self
+    }
+
+    /// Returns whether programs that run in this way can have loops.
+    pub(super) fn has_loops(&self, execution: Execution) -> bool {
+        execution != Execution::Threads && !self.machine_code && !self.without_loops
     }
 
     /// Returns the run-time parameters of a model.

@@ -65,6 +65,8 @@ pub enum GraphSource {
     Traced(fn(&Tracer<'_>, &PlanContext<'_>) -> Graph),
     /// The poses of all links, of which some share a program.
     Poses,
+    /// A step with soft constraints, whose solver is a loop.
+    Step,
 }
 
 /// Returns a graph with dense parts, over this number of inputs.
@@ -234,6 +236,7 @@ impl Lowering {
                     .packed(Packing::ConstrainedColumns)
                     .rows(|t, s, inputs| t.operational_inertia_around_rows(&s.layout, inputs))
             }
+            Function::Step => Lowering { source: GraphSource::Step, ..Lowering::EVALUATED },
             Function::LinkPoses => Lowering { source: GraphSource::Poses, ..Lowering::EVALUATED },
             Function::LinkPose => Lowering::EVALUATED.in_bundles(|t| t.link_pose_from_world(0)),
             Function::LinkAcceleration => {
@@ -257,6 +260,7 @@ impl<'a> PlanContext<'a> {
         match Lowering::of(function).source {
             GraphSource::Traced(trace) => trace(tracer, self),
             GraphSource::Poses => self.all_links.link_poses(),
+            GraphSource::Step => unreachable!("a step has a program of its own"),
             GraphSource::Evaluation => {
                 let on_links =
                     function.row().arguments.iter().any(|a| a.kind == ArgumentKind::Wrenches);

@@ -178,6 +178,7 @@ impl Plan {
             choices.functions.contains(function)
                 && (batches || row.batch_of.is_none())
                 && function.fits(sizes.constraints)
+                && (*function != Function::Step || choices.has_loops(execution))
         };
         let selected: Vec<Function> = Function::ALL.iter().copied().filter(selected).collect();
         let mut graphs = ScalarGraphs::new(&selected);
@@ -284,6 +285,9 @@ impl Plan {
             let Kernels::Straight { scalar, .. } = &planned.kernels else { return None };
             if let Some(loops) = dense::loops(scalar) {
                 return Some((planned.name, loops));
+            }
+            if planned.function == Some(Function::Step) {
+                return Some((planned.name, "loops for the iterations of its solver".into()));
             }
             // Equal limbs that share code read no arguments in their loops.
             if scalar.loops().all(|loops| loops.arguments().is_empty()) {

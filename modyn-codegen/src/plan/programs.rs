@@ -2,6 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use modyn_runtime::Interpreter;
+use modyn_runtime::equations::soft_constraints::Cone;
 use modyn_runtime::quantities::{Argument, Function, Shape, Sizes};
 
 use super::bundle::{Bundle, Graphs, Member};
@@ -83,6 +85,7 @@ impl Planned {
                 let graph = packing::balanced(optimize(context.all_links.link_poses()));
                 Kernels::of(context.program(&graph, scalars))
             }
+            GraphSource::Step => Kernels::of(context.step(scalars)),
             GraphSource::Traced(_) | GraphSource::Evaluation => {
                 let rows = dense::of_constraints(function, context, scalars);
                 rows.unwrap_or_else(|| {
@@ -207,6 +210,15 @@ impl PlanContext<'_> {
             Some(kernels) => (kernels, None),
             None => self.kernels(&graph, packed, scalars),
         }
+    }
+
+    /// Returns the program of a step with soft constraints.
+    fn step(&self, scalars: usize) -> Program {
+        let soft = Interpreter::<f64>::new(self.model.clone()).soft_model(Cone::default());
+        let mut step = self.tracer.step(&self.elimination, &soft);
+        step.graph = optimize(step.graph);
+        Program::of_step(&step, scalars, self.without_packs(), packing::balanced)
+            .expect("a fault of modyn: please report it")
     }
 
     /// Returns the way that programs without packs run.

@@ -215,6 +215,12 @@ impl Table {
         self.rows.first().map_or(0, |row| row.places.len())
     }
 
+    /// Returns whether the rows are empty: they only count iterations.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.constants() == 0 && self.places() == 0
+    }
+
     /// Returns the largest place.
     #[must_use]
     pub fn last_place(&self) -> usize {
@@ -223,7 +229,8 @@ impl Table {
 }
 
 impl Loops {
-    /// Returns the operations of all iterations that loops can have. Additions to entries count.
+    /// Returns the operations of all iterations; of a loop that may end early, those of one. Additions to
+    /// entries count.
     pub(super) fn operations(&self, program: &Program) -> OperationCount {
         operations(&self.steps, program)
     }
@@ -300,7 +307,8 @@ fn operations(steps: &[Step], program: &Program) -> OperationCount {
         }
         Step::Loop(inner) => {
             let iteration = operations(&inner.steps, program);
-            std::iter::repeat_n(iteration, program.tables[inner.table].rows.len()).sum()
+            let rows = program.tables[inner.table].rows.len();
+            std::iter::repeat_n(iteration, if inner.end.is_some() { 1 } else { rows }).sum()
         }
     };
     steps.iter().map(of).sum()

@@ -175,7 +175,7 @@ impl Program {
     /// # Errors
     ///
     /// Returns the first violation of a rule.
-    pub fn of_soft_step(
+    pub fn of_step(
         step: &StepGraph,
         arguments: usize,
         execution: Execution,

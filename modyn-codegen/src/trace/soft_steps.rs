@@ -4,23 +4,15 @@
 use std::ops::Range;
 
 use modyn_runtime::Scalar;
+use modyn_runtime::equations::Workspace;
+use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::equations::soft_constraints::{
-    Advance, Cone, ContactParameters, Iterate, JointParameters, Progress, Search, SoftParameters,
-    StepInput, StepProblem,
+    Advance, Iterate, Progress, Search, SoftModel, StepInput, StepProblem,
 };
-use modyn_runtime::equations::{ModulePartition, Workspace};
+use modyn_runtime::{ContactSurface, StepSettings};
 
 use super::Tracer;
 use crate::graph::{Expr, Graph};
-
-/// What is known of a robot's soft constraints when its step is compiled.
-#[derive(Clone, Debug)]
-pub struct SoftModel {
-    /// The cone of all contacts.
-    pub cone: Cone,
-    /// The limits and dry frictions of joints, for each entry of qd.
-    pub joints: Vec<Option<JointParameters<f64>>>,
-}
 
 /// The parts of a step, as one graph. Its inputs after the arguments belong to one part each.
 pub struct StepGraph {
@@ -53,22 +45,24 @@ pub struct Part {
 pub const SEARCH: usize = 6;
 
 impl Tracer<'_> {
-    /// Returns the parts of a step. Arguments: q, qd, tau, the accelerations to start from, dt; then the
-    /// tolerance, the ratio of weights, and the parameters of each contact.
+    /// Returns the parts of a step. Arguments: q, qd, tau, dt, the accelerations to start from, the settings.
     #[must_use]
-    pub fn soft_step(&self, partition: &ModulePartition, soft: &SoftModel) -> StepGraph {
+    pub fn step(&self, elimination: &Elimination, soft: &SoftModel<f64>) -> StepGraph {
         let (nq, nv) = (self.model.nq, self.model.nv);
-        let settings = 2 + ContactParameters::<Expr>::COUNT * self.model.contacts();
+        let surfaces = ContactSurface::<Expr>::COUNT * self.model.contacts();
+        let settings = StepSettings::<Expr>::COUNT + surfaces;
         let arguments = nq + 3 * nv + 1 + settings + self.parameters.len();
         let mut parts = Vec::new();
         let mut rows = 0;
-        let groups = [nq, nv, nv, nv, 1, settings];
-        let graph = self.trace_groups(groups, |model, [q, qd, tau, warm, dt, settings]| {
-            let input = StepInput { q: &q, qd: &qd, tau: &tau, warm: &warm, dt: dt[0] };
-            let parameters = parameters(&settings, soft);
+        let groups = [nq, nv, nv, 1, nv, settings];
+        let graph = self.trace_groups(groups, |model, [q, qd, tau, dt, warm_start, settings]| {
+            let input = StepInput { q: &q, qd: &qd, tau: &tau, warm_start: &warm_start, dt: dt[0] };
+            let settings = settings_of(&settings);
+            let soft = soft.map(Expr::from_f64);
+            let model = &model.without_friction();
             let mut workspace = Workspace::new(model);
             let mut problem =
-                StepProblem::new(model, partition, input, &parameters, &mut workspace);
+                StepProblem::new(model, elimination, input, (&soft, &settings), &mut workspace);
             rows = problem.rows();
             let mut inputs = Inputs { next: arguments };
             let mut outputs = Vec::new();
@@ -84,8 +78,7 @@ impl Tracer<'_> {
             let start = inputs.iterate(rows);
             let [scale, iterations] = inputs.array();
             let progress = Progress { scale, iterations, ..Progress::first() };
-            let Advance { end, progress, search } =
-                problem.advance(&start, &progress, parameters.tolerance);
+            let Advance { end, progress, search } = problem.advance(&start, &progress);
             let Progress { scale, iterations, residual, end: ends } = progress;
             let numbers = [scale, iterations, residual, ends];
             part(
@@ -152,18 +145,10 @@ fn search_numbers(search: &Search<Expr>) -> [Expr; SEARCH] {
     [low, low_slope, high, high_slope, least, end]
 }
 
-/// Returns the parameters of a step.
-fn parameters(settings: &[Expr], soft: &SoftModel) -> SoftParameters<Expr> {
-    let contacts = settings[2..].as_chunks().0;
-    let joints = soft.joints.iter();
-    SoftParameters {
-        tolerance: settings[0],
-        cone: soft.cone,
-        ratio: settings[1],
-        contacts: contacts
-            .iter()
-            .map(|contact| ContactParameters::from_numbers(*contact))
-            .collect(),
-        joints: joints.map(|joint| joint.map(|joint| joint.map(Expr::from_f64))).collect(),
-    }
+/// Returns the settings of a step.
+fn settings_of(numbers: &[Expr]) -> StepSettings<Expr, Vec<ContactSurface<Expr>>> {
+    let (settings, surfaces) = numbers.split_first_chunk().expect("the settings are counted");
+    let surfaces = surfaces.as_chunks().0.iter();
+    let contacts = surfaces.map(|surface| ContactSurface::from_numbers(*surface)).collect();
+    StepSettings::from_numbers(*settings, contacts)
 }

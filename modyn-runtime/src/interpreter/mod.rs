@@ -22,6 +22,7 @@ use alloc::{vec, vec::Vec};
 use crate::Scalar;
 use crate::equations::brge::UduLayout;
 use crate::equations::dynamics::Elimination;
+use crate::equations::soft_constraints::SoftModel;
 use crate::equations::{
     ConstraintWorkspace, MidpointWorkspace, RungeKuttaWorkspace, StepWorkspace, Workspace,
 };
@@ -37,6 +38,7 @@ pub use errors::{DecompositionError, FrameError, ModuleMismatch, ShapeError, Upd
 pub use factorization::UduFactorization;
 pub use hessians::{HessianOutputs, StepHessianOutputs};
 pub use inertias::InertialError;
+pub use soft_constraints::StepSolutionOutputs;
 pub use steps::StepOutputs;
 
 /// The dynamics of a model that is known at run time only.
@@ -93,6 +95,8 @@ pub struct Interpreter<S = f64> {
     runge_kutta: Option<RungeKuttaWorkspace<S>>,
     /// Created when a step of the implicit midpoint rule is first computed.
     midpoint: Option<MidpointWorkspace<S>>,
+    /// Created when a step with soft constraints is first computed.
+    soft: Option<SoftModel<S>>,
     /// For each contact, 1 if it is active, else 0.
     active: Vec<S>,
     /// A joint that moves no inertia, since its link has none.
@@ -159,6 +163,7 @@ impl<S: Scalar> Interpreter<S> {
             steps,
             runge_kutta,
             midpoint,
+            soft: None,
             active,
             without_inertia: None,
         }

@@ -1,34 +1,136 @@
 //! Steps with soft constraints.
 
+use alloc::{vec, vec::Vec};
+
 use super::Interpreter;
 use super::errors::{ShapeError, check};
-use crate::equations::dynamics::Elimination;
 use crate::equations::soft_constraints::{
-    SoftParameters, SoftStep, StepInput, StepProblem, soft_step,
+    Cone, JointParameters, SoftModel, SoftStep, Softness, StepInput, StepProblem, soft_step,
 };
-use crate::solve::Decide;
+use crate::model::Friction;
+use crate::spatial::{Twist, Vector3};
+use crate::{ContactSurface, Scalar, StepSettings};
 
-impl<S: Decide> Interpreter<S> {
-    /// Returns the state after a step of the time `input.dt` (s) with contacts, joint limits and dry joint friction by MuJoCo's law, and
-    /// the forces of the contacts. Each call allocates memory. `None` for robots with mimic joints.
+/// The acceleration by gravity in the unit of residuals, m/s^2.
+const EARTH: f64 = 9.81;
+
+const LENGTHS: &str = "the lengths are the model's";
+
+/// The results of [`Interpreter::step`].
+pub struct StepSolutionOutputs<'a, S> {
+    /// The coordinates after the step.
+    pub q: &'a mut [S],
+    /// The velocities after the step.
+    pub qd: &'a mut [S],
+    /// The accelerations.
+    pub qdd: &'a mut [S],
+    /// The force of each contact along the x and y axes of its plane, then along the normal, N.
+    pub forces: &'a mut [S],
+    /// The largest mismatch between the forces and their laws, divided by the robot's weight.
+    pub residual: &'a mut S,
+    /// The number of iterations.
+    pub iterations: &'a mut S,
+}
+
+impl<S: Scalar> Interpreter<S> {
+    /// Computes the state after a step with contacts, joint limits and dry joint friction: see
+    /// [`step`](crate::Robot::step). Allocates memory at each call.
     ///
     /// # Errors
     ///
     /// If a slice does not have the model's length.
-    pub fn soft_step(
+    pub fn step(
         &mut self,
         input: StepInput<'_, S>,
-        parameters: &SoftParameters<S>,
-    ) -> Result<Option<SoftStep<S>>, ShapeError> {
+        settings: &StepSettings<S, impl AsRef<[ContactSurface<S>]>>,
+        outputs: StepSolutionOutputs<'_, S>,
+    ) -> Result<(), ShapeError> {
+        let contacts = self.model.contacts().len();
+        check("q", input.q, self.model.nq())?;
+        check("qd", input.qd, self.model.nv())?;
+        check("tau", input.tau, self.model.nv())?;
+        check("warm_start", input.warm_start, self.model.nv())?;
+        check("step_settings.contacts", settings.contacts.as_ref(), contacts)?;
+        check("outputs.q", outputs.q, self.model.nq())?;
+        check("outputs.qd", outputs.qd, self.model.nv())?;
+        check("outputs.qdd", outputs.qdd, self.model.nv())?;
+        check("outputs.forces", outputs.forces, 3 * contacts)?;
+        let soft = self.soft.take().unwrap_or_else(|| {
+            Interpreter::<f64>::new(self.model.clone()).soft_model(Cone::default()).map(S::from_f64)
+        });
         let Self { mechanism, elimination, workspace, .. } = self;
-        check("q", input.q, mechanism.nq)?;
-        check("qd", input.qd, mechanism.nv)?;
-        check("tau", input.tau, mechanism.nv)?;
-        check("warm", input.warm, mechanism.nv)?;
-        check("contacts", &parameters.contacts, mechanism.contacts())?;
-        check("joints", &parameters.joints, mechanism.nv)?;
-        let Elimination::Recursive(partition) = elimination else { return Ok(None) };
-        let problem = StepProblem::new(mechanism, partition, input, parameters, workspace);
-        Ok(Some(soft_step(problem, parameters.tolerance)))
+        let settings = (&soft, settings);
+        let mechanism = &mechanism.without_friction();
+        let problem = StepProblem::new(mechanism, elimination, input, settings, workspace);
+        let SoftStep { solution, residual, iterations } = soft_step(problem);
+        self.soft = Some(soft);
+        outputs.q.copy_from_slice(&solution.q);
+        outputs.qd.copy_from_slice(&solution.qd);
+        outputs.qdd.copy_from_slice(&solution.qdd);
+        for (output, force) in outputs.forces.chunks_mut(3).zip(&solution.forces) {
+            output.copy_from_slice(force);
+        }
+        (*outputs.residual, *outputs.iterations) = (residual, iterations);
+        Ok(())
+    }
+
+    /// Replaces what the robot's soft constraints have beside the settings of a step.
+    pub fn set_soft_model(&mut self, soft: SoftModel<S>) {
+        self.soft = Some(soft);
+    }
+}
+
+impl Interpreter<f64> {
+    /// Returns what the robot's soft constraints have beside the settings of a step: the joint limits of the
+    /// description, its dry joint friction if friction is enabled, and mobilities at the neutral
+    /// configuration, where MuJoCo has those of its reference configuration.
+    #[must_use]
+    pub fn soft_model(&mut self, cone: Cone) -> SoftModel<f64> {
+        let mut q = vec![0.0; self.model.nq()];
+        self.neutral(&mut q).expect(LENGTHS);
+        let factors = self.brge(&q).expect(LENGTHS);
+        let mobility = |row: &[f64]| -> f64 {
+            let response = factors.solve(row).expect(LENGTHS);
+            row.iter().zip(response).map(|(a, b)| a * b).sum()
+        };
+        let mut twists = vec![Twist::zero(); self.model.nv()];
+        let mut mobilities = Vec::new();
+        for contact in self.model.contacts().to_vec() {
+            let link = contact.end.frame;
+            let center = Vector3(self.model.frames()[link].inertial.center_of_mass);
+            self.local_jacobian(&q, link, &mut twists).expect(LENGTHS);
+            let axis = |k: usize| -> f64 {
+                let rows = twists.iter().map(|twist| {
+                    let at_center: Vector3<f64> = twist.linear + twist.angular.cross(center);
+                    at_center.0[k]
+                });
+                mobility(&rows.collect::<Vec<f64>>())
+            };
+            mobilities.push((axis(0) + axis(1) + axis(2)) / 3.0);
+        }
+        let mut joints = vec![None; self.model.nv()];
+        for (i, link) in self.model.links().iter().enumerate() {
+            let (coordinates, velocities) = (self.model.q_range(i), self.model.v_range(i));
+            if coordinates.len() != 1 || self.model.mimic(i).is_some() {
+                continue;
+            }
+            let dof = velocities.start;
+            let mut unit = vec![0.0; self.model.nv()];
+            unit[dof] = 1.0;
+            let friction = link.joint.dynamics.friction;
+            let has_friction =
+                matches!(self.model.friction(), Friction::Coulomb | Friction::Smooth(_));
+            joints[dof] = Some(JointParameters {
+                coordinate: coordinates.start,
+                range: link.joint.limits.map_or([None; 2], |limits| [limits.lower, limits.upper]),
+                margin: 0.0,
+                mobility: mobility(&unit),
+                limit: Softness::standard(),
+                dry_friction: (has_friction && friction > 0.0).then_some(friction),
+                friction: Softness::standard(),
+            });
+        }
+        let mass: f64 = self.model.links().iter().map(|link| link.inertial.mass).sum();
+        SoftModel { cone, weight: mass * EARTH, mobilities, joints }
     }
 }

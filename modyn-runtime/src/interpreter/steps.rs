@@ -34,7 +34,7 @@ impl<S: Scalar> Interpreter<S> {
         next_q: &mut [S],
         next_qd: &mut [S],
     ) -> Result<(), ShapeError> {
-        self.step(steps::step_semi_implicit, (q, qd, tau, dt), (next_q, next_qd))
+        self.step_by(steps::step_semi_implicit, (q, qd, tau, dt), (next_q, next_qd))
     }
 
     /// Computes the state of [`step_semi_implicit`](Self::step_semi_implicit), and its derivatives A with respect
@@ -73,7 +73,7 @@ impl<S: Scalar> Interpreter<S> {
         next_q: &mut [S],
         next_qd: &mut [S],
     ) -> Result<(), ShapeError> {
-        self.step(steps::step_rk4, (q, qd, tau, dt), (next_q, next_qd))
+        self.step_by(steps::step_rk4, (q, qd, tau, dt), (next_q, next_qd))
     }
 
     /// Computes the state of [`step_rk4`](Self::step_rk4), and its derivatives A with respect to the state before and B with
@@ -142,7 +142,7 @@ impl<S: Scalar> Interpreter<S> {
     }
 
     /// Computes a step by one of the methods.
-    fn step(
+    fn step_by(
         &mut self,
         method: Method<S>,
         (q, qd, tau, dt): (&[S], &[S], &[S], S),

@@ -38,6 +38,8 @@ pub enum ArgumentKind {
     Contacts,
     /// The settings of constraints.
     Settings,
+    /// The settings of steps.
+    StepSettings,
     /// Random numbers, one for each degree of freedom.
     RandomNumbers,
     /// The factors of the mass matrix.
@@ -72,7 +74,7 @@ impl ArgumentKind {
             | Self::RandomNumbers
             | Self::Factors => BatchForm::Numbers,
             Self::Contacts => BatchForm::Sets,
-            Self::Settings => BatchForm::Shared,
+            Self::Settings | Self::StepSettings => BatchForm::Shared,
             Self::Wrenches | Self::ConstraintWrenches => BatchForm::None,
         }
     }
@@ -93,6 +95,7 @@ impl Argument {
             ArgumentKind::ContactVectors => shapes::contact_vectors(sizes),
             ArgumentKind::Contacts => shapes::contacts(sizes),
             ArgumentKind::Settings => shapes::settings(sizes),
+            ArgumentKind::StepSettings => shapes::step_settings(sizes),
             ArgumentKind::Factors => Shape::vector(sizes.factors),
         }
     }

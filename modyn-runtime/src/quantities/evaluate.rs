@@ -7,13 +7,14 @@ use super::shape::{Record, Shape, Sizes};
 use super::table;
 use crate::equations::Forces;
 use crate::equations::derivatives::CentroidalOutputs;
+use crate::equations::soft_constraints::StepInput;
 use crate::interpreter::{
     ConstrainedDerivatives, ConstrainedHessianOutputs, ContactProblemOutputs, ContactStepOutputs,
     ForwardDerivatives, FrameError, HessianOutputs, Interpreter, ShapeError, StepHessianOutputs,
-    StepOutputs,
+    StepOutputs, StepSolutionOutputs,
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
-use crate::{ConstraintSettings, ContactTarget, Scalar};
+use crate::{ConstraintSettings, ContactSurface, ContactTarget, Scalar, StepSettings};
 
 /// An object that consists of a number of scalars.
 trait Components<S>: Sized {
@@ -107,6 +108,14 @@ fn settings_of<S: Scalar>(numbers: &[S]) -> ConstraintSettings<S, Vec<ContactTar
     let (targets, _) = targets.as_chunks();
     let contacts = targets.iter().map(|target| ContactTarget::from_numbers(*target)).collect();
     ConstraintSettings::from_numbers(settings, contacts)
+}
+
+/// Returns the settings of steps, and the surfaces of contacts, with these scalars.
+fn step_settings_of<S: Scalar>(numbers: &[S]) -> StepSettings<S, Vec<ContactSurface<S>>> {
+    let (settings, surfaces) = numbers.split_at(StepSettings::<S>::COUNT);
+    let (surfaces, _) = surfaces.as_chunks();
+    let contacts = surfaces.iter().map(|surface| ContactSurface::from_numbers(*surface)).collect();
+    StepSettings::from_numbers([settings[0], settings[1]], contacts)
 }
 
 /// Returns the parts of a result: the fields of a function with several results, else the whole result.

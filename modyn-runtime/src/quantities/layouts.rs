@@ -144,6 +144,12 @@ macro_rules! layouts {
                 let contacts = [("impulses", contact_vectors(s)), ("residual", Shape::Scalar)];
                 Shape::Record(Record::Each("ContactStep"), [state, contacts].concat())
             };
+            step_solution (StepSolution<Self::Q<T>, Self::V<T>, Self::PerContact<Vector3<T>>, T>) |s| {
+                let motion = [("q", coordinates(s)), ("qd", velocities(s)), ("qdd", velocities(s))];
+                let solver = [("residual", Shape::Scalar), ("iterations", Shape::Scalar)];
+                let forces = [("forces", contact_vectors(s))];
+                Shape::Record(Record::Each("StepSolution"), [&motion[..], &forces, &solver].concat())
+            };
             constrained_torques (ConstrainedInverseDynamics<Self::V<T>, Self::PerConstraint<Wrench<T>>, T>) |s| {
                 let wrenches = Shape::wrench().array(s.constraints);
                 let fields = vec![("tau", velocities(s)), ("wrenches", wrenches), ("rank", Shape::Scalar)];

@@ -282,6 +282,24 @@ pub mod shapes {
         named_fields("ConstraintSettings", fields)
     }
 
+    pub fn step_settings(s: &Sizes) -> Shape {
+        let surface = vec![
+            ("plane", Shape::pose()),
+            ("radius", Shape::Scalar),
+            ("friction", Shape::Scalar),
+            ("margin", Shape::Scalar),
+            ("solref", Shape::vector(2)),
+            ("solimp", Shape::vector(4)),
+        ];
+        let surface = Shape::Record(Record::Plain("ContactSurface"), surface);
+        let fields = vec![
+            ("tolerance", Shape::Scalar),
+            ("impratio", Shape::Scalar),
+            ("contacts", surface.array(s.contacts)),
+        ];
+        named_fields("StepSettings", fields)
+    }
+
     fn named_fields(name: &'static str, fields: Vec<(&'static str, Shape)>) -> Shape {
         Shape::Record(Record::Several(name), fields)
     }

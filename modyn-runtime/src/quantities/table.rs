@@ -48,6 +48,8 @@ macro_rules! arguments {
             impulses ContactVectors,
             contacts Contacts,
             settings Settings,
+            warm_start Velocities,
+            step_settings StepSettings,
             uniforms RandomNumbers,
         }
     };
@@ -431,6 +433,26 @@ macro_rules! quantities {
                             residual: &mut residual[0],
                         };
                         robot.contact_step((q, qd, tau, dt[0]), impulses, &settings_of(settings), results)?;
+                    };
+
+            Step step / step_with(q, qd, tau, dt, warm_start, step_settings) -> step_solution, [inertia],
+             "Returns the state after a step of the time `dt` (s) under the joint forces `tau`, with contacts, joint limits and\n\
+             dry joint friction by MuJoCo's law: soft constraints whose forces minimize a convex function. The solver is Newton's\n\
+             method, to the tolerance of `step_settings`; `residual` says how far it came, relative to the robot's weight. It\n\
+             starts from the accelerations `warm_start`: those of the last step, or zeros. The integrator is semi-implicit Euler,\n\
+             implicit in joint damping. Closed loops are not closed.",
+             "`{Self}` has no function `step`"
+             => |robot, [next, after, qdd, forces, residual, iterations]| {
+                        let outputs = StepSolutionOutputs {
+                            q: next,
+                            qd: after,
+                            qdd,
+                            forces,
+                            residual: &mut residual[0],
+                            iterations: &mut iterations[0],
+                        };
+                        let input = StepInput { q, qd, tau, warm_start, dt: dt[0] };
+                        robot.step(input, &step_settings_of(step_settings), outputs)?;
                     };
 
             ConstrainedInverseDynamics constrained_inverse_dynamics / constrained_inverse_dynamics_with(q, qd, qdd, contacts, settings) -> constrained_torques, [constraints inertia],

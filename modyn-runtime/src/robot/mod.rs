@@ -20,9 +20,10 @@ use crate::results::{
     ContactProblem, ContactStep, DifferenceDerivatives, ForwardDynamicsDerivatives,
     ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp, GeneralizedForces,
     IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian, InverseDynamicsJvp,
-    InverseDynamicsVjp, OperationalInertia, Step, StepDerivatives, StepHessian,
+    InverseDynamicsVjp, OperationalInertia, Step, StepDerivatives, StepHessian, StepSolution,
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
+use crate::step_settings::{ContactSurface, StepSettings};
 use functions::{declare_function, declare_functions, missing};
 
 #[cfg(feature = "alloc")]

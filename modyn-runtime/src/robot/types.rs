@@ -13,6 +13,7 @@ macro_rules! kind_type {
     (ContactVectors) => { &Self::PerContact<Vector3<T>> };
     (Contacts) => { Self::Contacts };
     (Settings) => { &Settings<Self, T> };
+    (StepSettings) => { &StepSettings<T, Self::PerContact<ContactSurface<T>>> };
     (RandomNumbers) => { impl FnMut() -> T };
 }
 

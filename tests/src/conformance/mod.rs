@@ -479,7 +479,9 @@ fn calls_of<B: BackEnd>(
                 // Special settings, times and random numbers are errors in Python.
                 let mut ordinary: Vec<&mut f64> = (planned.arguments.iter())
                     .zip(&mut arguments)
-                    .filter(|((argument, _), _)| !["settings", "dt", "uniforms"].contains(&argument.name))
+                    .filter(|((argument, _), _)| {
+                        !["settings", "dt", "uniforms"].contains(&argument.name)
+                    })
                     .flat_map(|(_, numbers)| numbers)
                     .collect();
                 set_special(&mut random, &mut ordinary);

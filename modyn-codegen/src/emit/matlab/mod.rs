@@ -58,7 +58,8 @@ impl Backend for Matlab {
         choices: &Choices,
         options: &EmitOptions,
     ) -> Result<Plan, TooLong> {
-        let choices = Choices { share: false, code: CodeForm::Fast, ..choices.clone() };
+        let choices =
+            Choices { share: false, code: CodeForm::Fast, without_loops: true, ..choices.clone() };
         Plan::new(model, modules, &choices, self.execution(options))
     }
 

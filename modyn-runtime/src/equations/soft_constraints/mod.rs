@@ -12,6 +12,7 @@
 //! (`against_fall`). Step lengths and the residual need no further recursion: after a step a = a0 + M^-1 J^T G holds for forces G
 //! of the rows, so the function's slope is a sum over the rows.
 
+mod dense;
 mod law;
 mod newton;
 mod problem;
@@ -20,4 +21,4 @@ mod rows;
 pub use law::{Cone, ContactLaw, Impedance, Response, RowState, SoftRow, Softness};
 pub use newton::{Advance, MAX_ITERATIONS, MAX_SEARCH, Progress, Search, SoftStep, soft_step};
 pub use problem::{Iterate, SoftSolution, StepInput, StepProblem};
-pub use rows::{ContactParameters, JointParameters, SoftParameters};
+pub use rows::{JointParameters, SoftModel};

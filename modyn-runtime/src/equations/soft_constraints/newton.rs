@@ -4,7 +4,6 @@
 use super::problem::{Iterate, Laws, SoftSolution, StepProblem};
 use crate::Scalar;
 use crate::scalar::{at_most, larger};
-use crate::solve::Decide;
 
 /// A full step is taken if the slope at its end is at most this share of that at its start.
 const FULL_STEP: f64 = 0.05;
@@ -31,7 +30,7 @@ pub struct Progress<S> {
     pub scale: S,
     /// The number of iterations.
     pub iterations: S,
-    /// The largest mismatch between forces and laws, N and N m.
+    /// The largest mismatch between forces and laws, divided by the robot's weight.
     pub residual: S,
     /// The solver has ended if this is not negative.
     pub end: S,
@@ -69,19 +68,15 @@ pub struct Advance<S> {
 }
 
 impl<S: Scalar> StepProblem<'_, S> {
-    /// Makes one full step of Newton's method. `tolerance` is the largest allowed mismatch between forces and laws, N and N m.
-    pub fn advance(
-        &mut self,
-        start: &Iterate<S>,
-        progress: &Progress<S>,
-        tolerance: S,
-    ) -> Advance<S> {
+    /// Makes one full step of Newton's method.
+    pub fn advance(&mut self, start: &Iterate<S>, progress: &Progress<S>) -> Advance<S> {
         let [zero, one] = [S::zero(), S::one()];
         let scale = progress.scale;
         let start_laws = self.laws(start, scale);
         let end = self.full_step(start, &start_laws);
         let end_laws = self.laws(&end, scale);
-        let residual = mismatch(&end, &end_laws);
+        let residual = mismatch(&end, &end_laws) / self.weight;
+        let tolerance = self.tolerance;
         let is_solved = |tolerance: S, then: S, otherwise: S| {
             // A residual that is NaN ends the iterations.
             (residual - tolerance).select_nonnegative(otherwise, then)
@@ -146,16 +141,15 @@ impl<S: Scalar> StepProblem<'_, S> {
 pub struct SoftStep<S> {
     /// The state, and the forces.
     pub solution: SoftSolution<S>,
-    /// The largest mismatch between forces and laws, N and N m.
+    /// The largest mismatch between forces and laws, divided by the robot's weight.
     pub residual: S,
     /// The number of iterations.
     pub iterations: S,
 }
 
 /// Returns the state after a step, by semi-implicit Euler: joint damping acts with the velocities after
-/// the step. Positions move straight, rotations by the exponential map, as in MuJoCo. `tolerance` is the
-/// largest mismatch between forces and laws, N and N m.
-pub fn soft_step<S: Decide>(mut problem: StepProblem<'_, S>, tolerance: S) -> SoftStep<S> {
+/// the step. Positions move straight, rotations by the exponential map, as in MuJoCo.
+pub fn soft_step<S: Scalar>(mut problem: StepProblem<'_, S>) -> SoftStep<S> {
     let mut start = problem.first();
     let mut progress = Progress::<S>::first();
     for _ in 0..MAX_ITERATIONS {
@@ -163,7 +157,7 @@ pub fn soft_step<S: Decide>(mut problem: StepProblem<'_, S>, tolerance: S) -> So
             break;
         }
         let Advance { end, progress: next_progress, mut search } =
-            problem.advance(&start, &progress, tolerance);
+            problem.advance(&start, &progress);
         let mut next = end.clone();
         for _ in 0..MAX_SEARCH {
             if search.end.is_known_nonnegative() {

@@ -2,17 +2,17 @@
 
 use alloc::{vec, vec::Vec};
 
+use super::dense::DenseProblem;
 use super::law::Response;
-use super::rows::{BodyState, ContactRows, JointRow, SoftParameters, body_twists, joint_rows};
-use crate::Scalar;
+use super::rows::{BodyState, ContactRows, JointRow, Law, SoftModel, body_twists, joint_rows};
 use crate::equations::Workspace;
 use crate::equations::dynamics::newton_euler::{Accelerations, link_wrenches};
-use crate::equations::dynamics::{against_fall, is_base};
-use crate::equations::factorization::ModulePartition;
+use crate::equations::dynamics::{Elimination, against_fall, is_base};
 use crate::equations::kinematics::coordinates;
 use crate::equations::kinematics::links::compute_body_poses;
 use crate::mechanism::Mechanism;
 use crate::spatial::{Matrix3, Pose, Vector3, Wrench};
+use crate::{ContactSurface, Scalar, StepSettings};
 
 /// The state of a robot, its joint forces, and the time of a step.
 #[derive(Clone, Copy, Debug)]
@@ -24,7 +24,7 @@ pub struct StepInput<'a, S> {
     /// The joint forces, N m or N.
     pub tau: &'a [S],
     /// The accelerations from which the solver starts, such as those of the last step.
-    pub warm: &'a [S],
+    pub warm_start: &'a [S],
     /// The time, s.
     pub dt: S,
 }
@@ -38,7 +38,7 @@ pub struct SoftSolution<S> {
     pub qd: Vec<S>,
     /// The accelerations; those of a floating base are classical ones in the base's axes.
     pub qdd: Vec<S>,
-    /// The force of each contact along the normal and the two tangents of its plane, N.
+    /// The force of each contact along the x and y axes of its plane, then along the normal, N.
     pub forces: Vec<[S; 3]>,
 }
 
@@ -53,8 +53,10 @@ pub struct Iterate<S> {
 
 /// The forces of the laws at accelerations, and minus their derivatives.
 pub(super) struct Laws<S> {
-    contacts: Vec<Response<S>>,
-    joints: Vec<[S; 2]>,
+    /// The response of each contact.
+    pub contacts: Vec<Response<S>>,
+    /// The force and the stiffness of each row of a joint.
+    pub joints: Vec<[S; 2]>,
 }
 
 impl<S: Scalar> Laws<S> {
@@ -77,23 +79,29 @@ impl<S: Scalar> Laws<S> {
 
 /// A step at a state.
 pub struct StepProblem<'a, S> {
-    model: &'a Mechanism<S>,
-    partition: &'a ModulePartition,
-    input: StepInput<'a, S>,
-    workspace: &'a mut Workspace<S>,
+    pub(super) model: &'a Mechanism<S>,
+    elimination: &'a Elimination,
+    /// For robots that the factors of a matrix solve.
+    dense: Option<DenseProblem<S>>,
+    pub(super) input: StepInput<'a, S>,
+    pub(super) workspace: &'a mut Workspace<S>,
     /// The wrenches of the bodies at zero joint accelerations.
     bias: Vec<Wrench<S>>,
     contacts: Vec<ContactRows<S>>,
     joints: Vec<JointRow<S>>,
     /// The factor of all weights that makes the stiffest row soft.
     pub(super) softening: S,
+    /// The largest residual at which the solver ends.
+    pub(super) tolerance: S,
+    /// The unit of residuals, N.
+    pub(super) weight: S,
     /// The joint accelerations, those of floating bases relative to free fall.
-    accelerations: Vec<S>,
+    pub(super) accelerations: Vec<S>,
 }
 
-/// The effect of the rows on the recursion.
+/// The effect of the rows on the accelerations.
 #[derive(Clone, Copy)]
-enum Effect<'a, S> {
+pub(super) enum Effect<'a, S> {
     /// Forces, and the stiffness of these laws as added inertia.
     Stiff(&'a Laws<S>),
     /// Forces. The damping of joints acts with the velocities after the step.
@@ -104,13 +112,18 @@ impl<'a, S: Scalar> StepProblem<'a, S> {
     /// Returns the problem of a step.
     pub fn new(
         model: &'a Mechanism<S>,
-        partition: &'a ModulePartition,
+        elimination: &'a Elimination,
         input: StepInput<'a, S>,
-        parameters: &SoftParameters<S>,
+        (soft, settings): (&SoftModel<S>, &StepSettings<S, impl AsRef<[ContactSurface<S>]>>),
         workspace: &'a mut Workspace<S>,
     ) -> Self {
+        let surfaces = settings.contacts.as_ref();
         let StepInput { q, qd, dt, .. } = input;
-        workspace.reserve(partition.pivots, 0, 0);
+        elimination.reserve(model, workspace);
+        let dense = match elimination {
+            Elimination::Recursive(_) => None,
+            Elimination::Matrix(_) => Some(DenseProblem::new(model, input, workspace)),
+        };
         workspace.move_with_forces(model, q, Some(qd));
         link_wrenches(model, qd, Accelerations::FreeFall, workspace);
         let bias = workspace.wrenches.clone();
@@ -122,7 +135,10 @@ impl<'a, S: Scalar> StepProblem<'a, S> {
             falls[i] = body.parent.map_or_else(|| is_base(model, i), |parent| falls[parent]);
         }
         let frames = model.constraints.iter().filter(|constraint| constraint.contact);
-        let contacts = frames.zip(&parameters.contacts).filter_map(|(constraint, contact)| {
+        let surfaces_of_links = surfaces.iter().zip(&soft.mobilities);
+        let contacts = frames.zip(surfaces_of_links).filter_map(|(constraint, contact)| {
+            let (surface, &mobility) = contact;
+            let law = Law { cone: soft.cone, ratio: settings.impratio, mobility };
             let frame = &constraint.ends[1];
             let body = frame.body?;
             let state = BodyState {
@@ -133,19 +149,24 @@ impl<'a, S: Scalar> StepProblem<'a, S> {
                     false => Vector3::zero(),
                 },
             };
-            ContactRows::new(frame, &state, parameters, contact, dt)
+            ContactRows::new(frame, &state, law, surface, dt)
         });
-        Self {
+        let mut problem = Self {
             bias,
             contacts: contacts.collect(),
-            joints: joint_rows(&parameters.joints, input),
-            softening: parameters.softening(),
+            joints: joint_rows(&soft.joints, input),
+            softening: soft.softening(surfaces),
+            tolerance: settings.tolerance,
+            weight: soft.weight,
             accelerations: vec![S::zero(); model.nv],
             model,
-            partition,
+            elimination,
+            dense: None,
             input,
             workspace,
-        }
+        };
+        problem.dense = dense.map(|dense| dense.with_rows(&mut problem));
+        problem
     }
 
     /// Returns the number of rows.
@@ -154,9 +175,9 @@ impl<'a, S: Scalar> StepProblem<'a, S> {
         3 * self.contacts.len() + self.joints.len()
     }
 
-    /// Returns the first iterate: the accelerations of the rows at `input.warm`, with forces that only the first full step overwrites.
+    /// Returns the first iterate: the accelerations of the rows at `input.warm_start`, with forces that only the first full step overwrites.
     pub fn first(&mut self) -> Iterate<S> {
-        let mut accelerations = self.input.warm.to_vec();
+        let mut accelerations = self.input.warm_start.to_vec();
         self.add_fall(-S::one(), &mut accelerations);
         body_twists(self.model, &accelerations, self.workspace);
         self.accelerations = accelerations;
@@ -197,14 +218,16 @@ impl<'a, S: Scalar> StepProblem<'a, S> {
             q: vec![S::zero(); self.model.nq],
             qd: qd.iter().zip(&qdd).map(|(&v, &a)| v + dt * a).collect(),
             qdd,
-            forces: laws.contacts.iter().map(|response| response.force).collect(),
+            forces: (laws.contacts.iter())
+                .map(|Response { force: [normal, x, y], .. }| [*x, *y, *normal])
+                .collect(),
         };
         coordinates::move_straight(self.model, q, &mut solution.qd, dt, &mut solution.q);
         solution
     }
 
     /// Returns the accelerations of the rows, given those of the bodies and joints.
-    fn row_accelerations(&self) -> Vec<S> {
+    pub(super) fn row_accelerations(&self) -> Vec<S> {
         let contacts = self
             .contacts
             .iter()
@@ -215,6 +238,16 @@ impl<'a, S: Scalar> StepProblem<'a, S> {
 
     /// Computes the joint accelerations, relative to free fall, under these forces of the rows, and the accelerations of the bodies.
     fn accelerate(&mut self, forces: &[S], effect: Effect<'_, S>) {
+        let partition = match (self.elimination, &self.dense) {
+            (Elimination::Recursive(partition), _) => partition,
+            (Elimination::Matrix(layout), Some(dense)) => {
+                let accelerations = dense.accelerations(layout, self, forces, effect);
+                body_twists(self.model, &accelerations, self.workspace);
+                self.accelerations = accelerations;
+                return;
+            }
+            (Elimination::Matrix(_), None) => unreachable!("the matrix is there from the start"),
+        };
         let Self { model, workspace, contacts, joints, .. } = self;
         workspace.wrenches.copy_from_slice(&self.bias);
         let mut tau = self.input.tau.to_vec();
@@ -245,7 +278,7 @@ impl<'a, S: Scalar> StepProblem<'a, S> {
             }
         }
         let forces = (self.input.qd, &*tau);
-        against_fall(*model, self.partition, forces, workspace, &mut self.accelerations);
+        against_fall(*model, partition, forces, workspace, &mut self.accelerations);
         body_twists(model, &self.accelerations, workspace);
         workspace.added_inertia.fill(None);
         workspace.added_armature.fill(None);
@@ -264,7 +297,7 @@ impl<'a, S: Scalar> StepProblem<'a, S> {
     }
 
     /// Adds the acceleration of free fall times `factor` to the accelerations of floating bases.
-    fn add_fall(&self, factor: S, accelerations: &mut [S]) {
+    pub(super) fn add_fall(&self, factor: S, accelerations: &mut [S]) {
         for i in (0..self.model.bodies.len()).filter(|&i| is_base(self.model, i)) {
             let body = &self.model.bodies[i];
             let gravity = body.to_child(&self.workspace.motions[i], self.model.gravity);

@@ -4,42 +4,24 @@ use alloc::vec::Vec;
 
 use super::law::{Cone, ContactLaw, Impedance, Response, RowState, Softness};
 use super::problem::StepInput;
-use crate::Scalar;
 use crate::equations::Workspace;
 use crate::mechanism::{BodyFrame, Mechanism};
 use crate::scalar::{at_least, at_most};
 use crate::spatial::{ArticulatedInertia, Matrix3, Pose, Symmetric3, Twist, Vector3, Wrench};
+use crate::{ContactSurface, Scalar};
 
-/// The parameters of soft constraints.
+/// What a robot's soft constraints have beside the settings of a step.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SoftParameters<S> {
-    /// The largest mismatch between forces and laws at which the solver ends, N and N m.
-    pub tolerance: S,
+pub struct SoftModel<S> {
     /// The cone of all contacts.
     pub cone: Cone,
-    /// MuJoCo's `impratio`: how much stiffer friction is than the normal direction.
-    pub ratio: S,
-    /// The parameters of each contact of the robot, in its order.
-    pub contacts: Vec<ContactParameters<S>>,
-    /// The parameters of each entry of qd; entries of joints with several degrees of freedom have none.
+    /// The robot's weight on Earth, N: the unit of residuals.
+    pub weight: S,
+    /// The mobility of the link of each contact, 1/kg: MuJoCo's `body_invweight0`.
+    pub mobilities: Vec<S>,
+    /// The limits and dry friction of each entry of qd; entries of joints with several degrees of freedom
+    /// have none.
     pub joints: Vec<Option<JointParameters<S>>>,
-}
-
-/// The parameters of a contact: a sphere about the origin of the contact's frame, and a plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ContactParameters<S> {
-    /// The pose of the plane in the world: its z axis is the normal.
-    pub plane: Pose<S>,
-    /// The radius of the sphere, m; zero for a point.
-    pub radius: S,
-    /// The coefficient of friction.
-    pub friction: S,
-    /// The distance from which on the contact acts, m.
-    pub margin: S,
-    /// The mobility of the link, 1/kg: MuJoCo's `body_invweight0`.
-    pub mobility: S,
-    /// The softness.
-    pub softness: Softness<S>,
 }
 
 /// The parameters of a joint's limits and of its dry friction.
@@ -61,49 +43,6 @@ pub struct JointParameters<S> {
     pub friction: Softness<S>,
 }
 
-impl<S: Scalar> ContactParameters<S> {
-    /// The number of numbers.
-    pub const COUNT: usize = 22;
-
-    /// Returns the parameters from their numbers: the plane's rotation by rows and its translation, the
-    /// radius, the friction, the margin, the mobility, `solref`, and `solimp` with the power 2.
-    #[must_use]
-    pub fn from_numbers(numbers: [S; 22]) -> Self {
-        let three = |first: usize| [numbers[first], numbers[first + 1], numbers[first + 2]];
-        Self {
-            plane: Pose { rotation: [three(0), three(3), three(6)], translation: three(9) },
-            radius: numbers[12],
-            friction: numbers[13],
-            margin: numbers[14],
-            mobility: numbers[15],
-            softness: Softness {
-                reference: [numbers[16], numbers[17]],
-                impedance: Impedance {
-                    least: numbers[18],
-                    most: numbers[19],
-                    width: numbers[20],
-                    midpoint: numbers[21],
-                    power: 2,
-                },
-            },
-        }
-    }
-
-    /// Returns the numbers, in the order of [`from_numbers`](Self::from_numbers).
-    #[must_use]
-    pub fn numbers(&self) -> [S; 22] {
-        let Self { plane, radius, friction, margin, mobility, softness } = self;
-        let Impedance { least, most, width, midpoint, .. } = softness.impedance;
-        let [[a, b, c], [d, e, f], [g, h, i]] = plane.rotation;
-        let [x, y, z] = plane.translation;
-        let [first, second] = softness.reference;
-        [
-            a, b, c, d, e, f, g, h, i, x, y, z, *radius, *friction, *margin, *mobility, first,
-            second, least, most, width, midpoint,
-        ]
-    }
-}
-
 /// A contact at a state.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ContactRows<S> {
@@ -115,6 +54,16 @@ pub(super) struct ContactRows<S> {
     axes: Matrix3<S>,
     /// The law of the accelerations, those of floating bases relative to free fall.
     pub law: ContactLaw<S>,
+}
+
+/// The part of a contact's law that no surface decides.
+#[derive(Clone, Copy)]
+pub(super) struct Law<S> {
+    pub cone: Cone,
+    /// How many times stiffer friction is than the normal direction.
+    pub ratio: S,
+    /// The mobility of the link.
+    pub mobility: S,
 }
 
 /// The state of a body.
@@ -145,10 +94,11 @@ impl<S: Scalar> ContactRows<S> {
     pub(super) fn new(
         frame: &BodyFrame<S>,
         state: &BodyState<S>,
-        parameters: &SoftParameters<S>,
-        contact: &ContactParameters<S>,
+        law: Law<S>,
+        contact: &ContactSurface<S>,
         dt: S,
     ) -> Option<Self> {
+        let softness = softness(contact);
         let body = frame.body?;
         let BodyState { pose, velocity, fall } = state;
         let to_body = Matrix3(pose.rotation).transposed();
@@ -165,19 +115,15 @@ impl<S: Scalar> ContactRows<S> {
         let components = |v: Vector3<S>| [0, 1, 2].map(|k| axes.column(k).dot(v));
         let rates = components(at_place(velocity));
         let violation = gap - contact.margin;
-        let state =
-            RowState { position: violation, velocity: rates[0], mobility: contact.mobility };
-        let row = contact.softness.row(&state, dt);
+        let state = RowState { position: violation, velocity: rates[0], mobility: law.mobility };
+        let row = softness.row(&state, dt);
         let falling = components(*fall);
-        let reference = [
-            row.reference,
-            contact.softness.damped(rates[1], dt),
-            contact.softness.damped(rates[2], dt),
-        ];
+        let reference =
+            [row.reference, softness.damped(rates[1], dt), softness.damped(rates[2], dt)];
         let law = ContactLaw {
-            cone: parameters.cone,
+            cone: law.cone,
             friction: contact.friction,
-            ratio: parameters.ratio,
+            ratio: law.ratio,
             weight: violation.select_nonnegative(S::zero(), row.weight),
             reference: core::array::from_fn(|k| reference[k] - falling[k]),
         };
@@ -223,17 +169,38 @@ impl<S: Copy> JointParameters<S> {
     }
 }
 
-impl<S: Scalar> SoftParameters<S> {
+impl<S: Copy> SoftModel<S> {
+    /// Returns the model with `f` applied to its numbers.
+    pub fn map<T>(&self, f: impl Fn(S) -> T + Copy) -> SoftModel<T> {
+        SoftModel {
+            cone: self.cone,
+            weight: f(self.weight),
+            mobilities: self.mobilities.iter().map(|&mobility| f(mobility)).collect(),
+            joints: self.joints.iter().map(|joint| joint.map(|joint| joint.map(f))).collect(),
+        }
+    }
+}
+
+impl<S: Scalar> SoftModel<S> {
     /// Returns the factor of all weights that makes the stiffest row soft.
-    pub(super) fn softening(&self) -> S {
-        let contacts = self.contacts.iter().map(|contact| &contact.softness);
+    pub(super) fn softening(&self, surfaces: &[ContactSurface<S>]) -> S {
+        let contacts = surfaces.iter().map(softness);
         let joints = self.joints.iter().flatten().flat_map(|joint| {
-            let limits = joint.range.iter().flatten().map(|_| &joint.limit);
-            limits.chain(joint.dry_friction.map(|_| &joint.friction))
+            let limits = joint.range.iter().flatten().map(|_| joint.limit);
+            limits.chain(joint.dry_friction.map(|_| joint.friction))
         });
         contacts
             .chain(joints)
             .fold(S::one(), |least, softness| at_most(least, softness.impedance.softening()))
+    }
+}
+
+/// Returns the softness of a surface.
+fn softness<S: Scalar>(surface: &ContactSurface<S>) -> Softness<S> {
+    let [least, most, width, midpoint] = surface.solimp;
+    Softness {
+        reference: surface.solref,
+        impedance: Impedance { least, most, width, midpoint, power: 2 },
     }
 }
 

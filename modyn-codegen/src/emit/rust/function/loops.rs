@@ -59,6 +59,9 @@ impl Printer<'_> {
 
     /// Prints a table.
     pub(super) fn table(&self, text: &mut String, number: usize, table: &Table) {
+        if table.is_empty() {
+            return;
+        }
         let (name, float) = (self.table_name(number), self.float.name());
         let (constants, places, rows) = (table.constants(), table.places(), table.rows.len());
         let index = index_type(table);
@@ -114,8 +117,13 @@ impl Printer<'_> {
         let (name, order) =
             (self.table_name(inner.table), if inner.reversed { ".rev()" } else { "" });
         let table = &self.program.tables[inner.table];
-        let _ =
-            writeln!(text, "    for (constants{depth}, places{depth}) in {name}.iter(){order} {{");
+        let _ = match table.is_empty() {
+            true => writeln!(text, "    for _ in 0..{} {{", table.rows.len()),
+            false => writeln!(
+                text,
+                "    for (constants{depth}, places{depth}) in {name}.iter(){order} {{"
+            ),
+        };
         if let Some(end) = &inner.end {
             let kind = self.kind(1);
             let _ = writeln!(

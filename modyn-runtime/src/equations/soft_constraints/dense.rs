@@ -1,0 +1,117 @@
+//! Steps of robots whose mass matrix is factorized as a whole, since mimic joints couple its links.
+
+use alloc::{vec, vec::Vec};
+
+use super::problem::{Effect, StepInput, StepProblem};
+use super::rows::body_twists;
+use crate::Scalar;
+use crate::equations::Workspace;
+use crate::equations::dynamics::{inverse_dynamics, mass_matrix};
+use crate::equations::factorization::{UduLayout, factorize_matrix, solve};
+use crate::mechanism::Mechanism;
+
+/// The matrices of a step.
+pub(super) struct DenseProblem<S> {
+    /// The mass matrix by columns.
+    mass: Vec<S>,
+    /// The joint forces that accelerate the robot.
+    forces: Vec<S>,
+    /// For each row of the constraints, its acceleration by each unit acceleration of a joint.
+    jacobian: Vec<Vec<S>>,
+}
+
+impl<S: Scalar> DenseProblem<S> {
+    /// Returns the matrices without rows. The workspace is used.
+    pub fn new(
+        model: &Mechanism<S>,
+        input: StepInput<'_, S>,
+        workspace: &mut Workspace<S>,
+    ) -> Self {
+        let StepInput { q, qd, tau, .. } = input;
+        let mut forces = vec![S::zero(); model.nv];
+        inverse_dynamics(model, (q, qd, None), None, workspace, &mut forces);
+        for (force, &tau) in forces.iter_mut().zip(tau) {
+            *force = tau - *force;
+        }
+        let mut mass = vec![S::zero(); model.nv * model.nv];
+        mass_matrix(model, q, workspace, &mut mass);
+        Self { mass, forces, jacobian: Vec::new() }
+    }
+
+    /// Returns the matrices with the rows of a problem, relative to free fall.
+    pub fn with_rows(mut self, problem: &mut StepProblem<'_, S>) -> Self {
+        let nv = problem.model.nv;
+        let mut fall = vec![S::zero(); nv];
+        problem.add_fall(S::one(), &mut fall);
+        for (column, &fall) in self.mass.chunks(nv).zip(&fall) {
+            for (force, &mass) in self.forces.iter_mut().zip(column) {
+                *force = *force - mass * fall;
+            }
+        }
+        self.jacobian = vec![vec![S::zero(); nv]; problem.rows()];
+        for dof in 0..nv {
+            let mut unit = vec![S::zero(); nv];
+            unit[dof] = S::one();
+            body_twists(problem.model, &unit, problem.workspace);
+            problem.accelerations = unit;
+            for (row, entry) in self.jacobian.iter_mut().zip(problem.row_accelerations()) {
+                row[dof] = entry;
+            }
+        }
+        self
+    }
+
+    /// Returns the joint accelerations, relative to free fall, under these forces of the rows.
+    pub fn accelerations(
+        &self,
+        layout: &UduLayout,
+        problem: &StepProblem<'_, S>,
+        forces: &[S],
+        effect: Effect<'_, S>,
+    ) -> Vec<S> {
+        let nv = problem.model.nv;
+        let mut sum = self.forces.clone();
+        for (row, &force) in self.jacobian.iter().zip(forces) {
+            for (sum, &entry) in sum.iter_mut().zip(row) {
+                *sum = *sum + entry * force;
+            }
+        }
+        let mut matrix = self.mass.clone();
+        let mut add = |a: &[S], b: &[S], stiffness: S| {
+            for (column, &a) in matrix.chunks_mut(nv).zip(a) {
+                for (entry, &b) in column.iter_mut().zip(b) {
+                    *entry = *entry + a * stiffness * b;
+                }
+            }
+        };
+        match effect {
+            Effect::Stiff(laws) => {
+                let (points, of_joints) = self.jacobian.split_at(3 * laws.contacts.len());
+                for (response, rows) in laws.contacts.iter().zip(points.chunks(3)) {
+                    for (i, stiffness) in response.stiffness.iter().enumerate() {
+                        for (j, &stiffness) in stiffness.iter().enumerate() {
+                            add(&rows[j], &rows[i], stiffness);
+                        }
+                    }
+                }
+                for (&[_, stiffness], row) in laws.joints.iter().zip(of_joints) {
+                    add(row, row, stiffness);
+                }
+            }
+            Effect::Forces => {
+                for dof in &problem.model.dofs {
+                    let Some(damping) = dof.damping else { continue };
+                    let factor = dof.multiplier.unwrap_or_else(S::one);
+                    let mut unit = vec![S::zero(); nv];
+                    unit[dof.v] = factor;
+                    add(&unit, &unit, damping * problem.input.dt);
+                }
+            }
+        }
+        let mut pivots = vec![S::zero(); layout.pivots()];
+        let mut factors = vec![S::zero(); layout.size()];
+        factorize_matrix(layout, &mut matrix, &mut pivots, &mut factors);
+        solve(layout, &factors, &mut sum);
+        sum
+    }
+}

@@ -1,0 +1,146 @@
+//! The settings of steps with contacts.
+
+use crate::spatial::Pose;
+
+/// The settings of [`step`](crate::Robot::step). Names and defaults are MuJoCo's. `C` is an array with the
+/// surface of each contact, or a slice.
+///
+/// ```
+/// use modyn_runtime::{ContactSurface, StepSettings};
+///
+/// let ice = ContactSurface { friction: 0.05, ..ContactSurface::<f64>::GROUND };
+/// let settings = StepSettings::<f64, [_; 4]> { contacts: [ice; 4], ..Default::default() };
+/// assert_eq!(settings.impratio, 1.0);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepSettings<T, C = [ContactSurface<T>; 0]> {
+    /// The largest mismatch between the forces and their laws at which the solver ends, divided by the
+    /// robot's weight.
+    pub tolerance: T,
+    /// How many times stiffer friction is than the normal direction.
+    pub impratio: T,
+    /// The surface at each contact.
+    pub contacts: C,
+}
+
+/// A contact: a sphere about the origin of the contact's frame, or a point, and a plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactSurface<T> {
+    /// The pose of the plane in the world. Its z axis is the normal.
+    pub plane: Pose<T>,
+    /// The radius of the sphere, m; zero for a point.
+    pub radius: T,
+    /// The coefficient of friction.
+    pub friction: T,
+    /// The distance from which on the contact acts, m.
+    pub margin: T,
+    /// How a violation decays: the time constant (s) and the damping ratio; if the first number is negative,
+    /// minus the stiffness and minus the damping.
+    pub solref: [T; 2],
+    /// The impedance: at the surface and at the depth `width`, from 0 to 1; the width, m; the share of the
+    /// width at which the curve between them, of two parabolas, changes its direction.
+    pub solimp: [T; 4],
+}
+
+impl<T: Copy, C> StepSettings<T, C> {
+    /// The number of settings before the surfaces of contacts.
+    pub const COUNT: usize = 2;
+
+    /// Returns the settings from the tolerance and `impratio`.
+    #[must_use]
+    pub fn from_numbers([tolerance, impratio]: [T; 2], contacts: C) -> Self {
+        Self { tolerance, impratio, contacts }
+    }
+
+    /// Returns the tolerance and `impratio`. In an array of all settings, the numbers of the surfaces follow.
+    #[must_use]
+    pub fn numbers(&self) -> [T; 2] {
+        [self.tolerance, self.impratio]
+    }
+}
+
+impl<T: Copy> ContactSurface<T> {
+    /// The number of numbers of a surface.
+    pub const COUNT: usize = 21;
+
+    /// Returns the surface from its numbers: the rotation of the plane by rows, its translation, the radius,
+    /// the friction, the margin, `solref` and `solimp`.
+    ///
+    /// ```
+    /// use modyn_runtime::ContactSurface;
+    ///
+    /// let surface = ContactSurface::from_numbers(core::array::from_fn(|k| k as f64));
+    /// assert_eq!(surface.plane.translation, [9.0, 10.0, 11.0]);
+    /// assert_eq!((surface.friction, surface.solimp), (13.0, [17.0, 18.0, 19.0, 20.0]));
+    /// ```
+    #[must_use]
+    pub fn from_numbers(numbers: [T; 21]) -> Self {
+        let three = |first: usize| [numbers[first], numbers[first + 1], numbers[first + 2]];
+        Self {
+            plane: Pose { rotation: [three(0), three(3), three(6)], translation: three(9) },
+            radius: numbers[12],
+            friction: numbers[13],
+            margin: numbers[14],
+            solref: [numbers[15], numbers[16]],
+            solimp: [numbers[17], numbers[18], numbers[19], numbers[20]],
+        }
+    }
+
+    /// Returns the numbers of the surface, in the order of [`from_numbers`](Self::from_numbers).
+    #[must_use]
+    pub fn numbers(&self) -> [T; 21] {
+        let Self { plane, radius, friction, margin, solref, solimp } = self;
+        let plane = plane.rotation.iter().flatten().chain(&plane.translation);
+        let shape = [radius, friction, margin].into_iter();
+        let mut numbers = [*radius; 21];
+        for (number, value) in
+            numbers.iter_mut().zip(plane.chain(shape).chain(solref).chain(solimp))
+        {
+            *number = *value;
+        }
+        numbers
+    }
+}
+
+macro_rules! defaults {
+    ($float:ty, $tolerance:literal) => {
+        impl ContactSurface<$float> {
+            /// A point and the plane z = 0 of the world, with friction 1 and MuJoCo's default softness.
+            pub const GROUND: Self = Self {
+                plane: Pose {
+                    rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+                    translation: [0.0; 3],
+                },
+                radius: 0.0,
+                friction: 1.0,
+                margin: 0.0,
+                solref: [0.02, 1.0],
+                solimp: [0.9, 0.95, 0.001, 0.5],
+            };
+        }
+
+        impl Default for ContactSurface<$float> {
+            fn default() -> Self {
+                Self::GROUND
+            }
+        }
+
+        impl<const N: usize> StepSettings<$float, [ContactSurface<$float>; N]> {
+            /// The plane z = 0 of the world, `impratio` 1, and a tolerance that the number type reaches.
+            pub const DEFAULT: Self = Self {
+                tolerance: $tolerance,
+                impratio: 1.0,
+                contacts: [ContactSurface::<$float>::GROUND; N],
+            };
+        }
+
+        impl<const N: usize> Default for StepSettings<$float, [ContactSurface<$float>; N]> {
+            fn default() -> Self {
+                Self::DEFAULT
+            }
+        }
+    };
+}
+
+defaults!(f64, 1e-10);
+defaults!(f32, 1e-4);
