@@ -291,8 +291,8 @@ pub struct StepSolution<Q, V, P, T> {
     pub qdd: V,
     /// The force of each contact along the x and y axes of its plane, then along the normal, N.
     pub forces: P,
-    /// The largest mismatch between the forces and their laws, divided by the robot's weight. NaN if an
-    /// argument is NaN.
+    /// The largest mismatch between the forces and their laws, divided by the sum of the robot's weight and the
+    /// largest force. NaN if an argument is NaN.
     pub residual: T,
     /// The number of iterations of Newton's method.
     pub iterations: T,

@@ -14,8 +14,8 @@ use crate::spatial::Pose;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepSettings<T, C = [ContactSurface<T>; 0]> {
-    /// The largest mismatch between the forces and their laws at which the solver ends, divided by the
-    /// robot's weight.
+    /// The largest mismatch between the forces and their laws at which the solver ends, divided by the sum of
+    /// the robot's weight and the largest force.
     pub tolerance: T,
     /// How many times stiffer friction is than the normal direction.
     pub impratio: T,

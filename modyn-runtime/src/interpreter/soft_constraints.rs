@@ -26,7 +26,8 @@ pub struct StepSolutionOutputs<'a, S> {
     pub qdd: &'a mut [S],
     /// The force of each contact along the x and y axes of its plane, then along the normal, N.
     pub forces: &'a mut [S],
-    /// The largest mismatch between the forces and their laws, divided by the robot's weight.
+    /// The largest mismatch between the forces and their laws, divided by the sum of the robot's weight and the
+    /// largest force.
     pub residual: &'a mut S,
     /// The number of iterations.
     pub iterations: &'a mut S,

@@ -438,7 +438,7 @@ macro_rules! quantities {
             Step step / step_with(q, qd, tau, dt, warm_start, step_settings) -> step_solution, [inertia],
              "Returns the state after a step of the time `dt` (s) under the joint forces `tau`, with contacts, joint limits and\n\
              dry joint friction by MuJoCo's law: soft constraints whose forces minimize a convex function. The solver is Newton's\n\
-             method, to the tolerance of `step_settings`; `residual` says how far it came, relative to the robot's weight. It\n\
+             method, to the tolerance of `step_settings`; `residual` says how far it came, relative to the largest force. It\n\
              starts from the accelerations `warm_start`: those of the last step, or zeros. The integrator is semi-implicit Euler,\n\
              implicit in joint damping. Closed loops are not closed.",
              "`{Self}` has no function `step`"

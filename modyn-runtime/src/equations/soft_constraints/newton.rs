@@ -30,7 +30,7 @@ pub struct Progress<S> {
     pub scale: S,
     /// The number of iterations.
     pub iterations: S,
-    /// The largest mismatch between forces and laws, divided by the robot's weight.
+    /// The largest mismatch between forces and laws, divided by the robot's weight and the largest force.
     pub residual: S,
     /// The solver has ended if this is not negative.
     pub end: S,
@@ -75,7 +75,7 @@ impl<S: Scalar> StepProblem<'_, S> {
         let start_laws = self.laws(start, scale);
         let end = self.full_step(start, &start_laws);
         let end_laws = self.laws(&end, scale);
-        let residual = mismatch(&end, &end_laws) / self.weight;
+        let residual = mismatch(&end, &end_laws, self.weight);
         let tolerance = self.tolerance;
         let is_solved = |tolerance: S, then: S, otherwise: S| {
             // A residual that is NaN ends the iterations.
@@ -91,9 +91,9 @@ impl<S: Scalar> StepProblem<'_, S> {
         let slopes =
             [slope(start, &start_laws, [start, &end]), slope(&end, &end_laws, [start, &end])];
         let least = S::from_f64(FULL_STEP) * slopes[0].abs();
-        // NaN ends the search. The first iterate has no forces in equilibrium, so its full step is taken.
-        let is_searched = (slopes[1] - least).select_nonnegative(-one, one);
-        let is_taken = (-progress.iterations).select_nonnegative(one, is_searched);
+        // The first iterate has no forces in equilibrium, so its full step is taken.
+        let is_flat = (least - slopes[1]).select_nonnegative(one, -one);
+        let is_taken = (-progress.iterations).select_nonnegative(one, is_flat);
         Advance {
             end,
             progress: Progress { scale: next_scale, iterations, residual, end: solved },
@@ -130,7 +130,7 @@ impl<S: Scalar> StepProblem<'_, S> {
             low: [choose(low[0], at), choose(low[1] * half, here)],
             high: [choose(at, high[0]), choose(here, high[1] * half)],
             least: search.least,
-            end: (here.abs() - search.least).select_nonnegative(-S::one(), S::one()),
+            end: (search.least - here.abs()).select_nonnegative(S::one(), -S::one()),
         };
         (iterate, next)
     }
@@ -141,7 +141,7 @@ impl<S: Scalar> StepProblem<'_, S> {
 pub struct SoftStep<S> {
     /// The state, and the forces.
     pub solution: SoftSolution<S>,
-    /// The largest mismatch between forces and laws, divided by the robot's weight.
+    /// The largest mismatch between forces and laws, divided by the robot's weight and the largest force.
     pub residual: S,
     /// The number of iterations.
     pub iterations: S,
@@ -171,10 +171,15 @@ pub fn soft_step<S: Scalar>(mut problem: StepProblem<'_, S>) -> SoftStep<S> {
     SoftStep { solution: problem.solution(&start), residual, iterations }
 }
 
-/// Returns the largest difference between a force that keeps an iterate in equilibrium and the force of its law; NaN if one is.
-fn mismatch<S: Scalar>(iterate: &Iterate<S>, laws: &Laws<S>) -> S {
-    let differences = iterate.balances.iter().zip(laws.forces());
-    differences.fold(S::zero(), |most, (&balance, force)| larger(most, (balance - force).abs()))
+/// Returns the largest difference between a force that keeps an iterate in equilibrium and the force of its
+/// law, divided by the sum of the robot's weight and the largest force; NaN if one is.
+fn mismatch<S: Scalar>(iterate: &Iterate<S>, laws: &Laws<S>, weight: S) -> S {
+    let (mut most, mut force) = (S::zero(), S::zero());
+    for (&balance, of_law) in iterate.balances.iter().zip(laws.forces()) {
+        most = larger(most, (balance - of_law).abs());
+        force = force.max(of_law.abs());
+    }
+    most / (weight + force)
 }
 
 /// Returns the slope of the function at an iterate along the way between two.

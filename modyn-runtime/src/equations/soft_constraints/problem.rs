@@ -136,12 +136,13 @@ impl<'a, S: Scalar> StepProblem<'a, S> {
         }
         let frames = model.constraints.iter().filter(|constraint| constraint.contact);
         let surfaces_of_links = surfaces.iter().zip(&soft.mobilities);
-        let contacts = frames.zip(surfaces_of_links).filter_map(|(constraint, contact)| {
+        let contacts = frames.zip(surfaces_of_links).map(|(constraint, contact)| {
             let (surface, &mobility) = contact;
             let law = Law { cone: soft.cone, ratio: settings.impratio, mobility };
             let frame = &constraint.ends[1];
-            let body = frame.body?;
+            let body = frame.body.expect("contacts are on moving links");
             let state = BodyState {
+                body,
                 pose: poses[body],
                 velocity: workspace.twists[body],
                 fall: match falls[body] {

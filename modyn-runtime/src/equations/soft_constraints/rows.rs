@@ -68,6 +68,8 @@ pub(super) struct Law<S> {
 
 /// The state of a body.
 pub(super) struct BodyState<S> {
+    /// The index of the body.
+    pub body: usize,
     /// The pose in the world.
     pub pose: Pose<S>,
     /// The velocity in the body's axes.
@@ -90,17 +92,16 @@ pub(super) struct JointRow<S> {
 }
 
 impl<S: Scalar> ContactRows<S> {
-    /// Returns the rows of a contact whose sphere is about the origin of `frame`; `None` for a frame on the world.
+    /// Returns the rows of a contact on a body, whose sphere is about the origin of `frame`.
     pub(super) fn new(
         frame: &BodyFrame<S>,
         state: &BodyState<S>,
         law: Law<S>,
         contact: &ContactSurface<S>,
         dt: S,
-    ) -> Option<Self> {
+    ) -> Self {
         let softness = softness(contact);
-        let body = frame.body?;
-        let BodyState { pose, velocity, fall } = state;
+        let BodyState { body, pose, velocity, fall } = state;
         let to_body = Matrix3(pose.rotation).transposed();
         let plane = Matrix3(contact.plane.rotation);
         let normal = plane.column(2);
@@ -127,7 +128,7 @@ impl<S: Scalar> ContactRows<S> {
             weight: violation.select_nonnegative(S::zero(), row.weight),
             reference: core::array::from_fn(|k| reference[k] - falling[k]),
         };
-        Some(Self { body, place, axes, law })
+        Self { body: *body, place, axes, law }
     }
 
     /// Returns the acceleration of the contact, given that of its body.
