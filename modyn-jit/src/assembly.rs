@@ -2,7 +2,7 @@
 
 use modyn_codegen::Planning;
 use modyn_codegen::plan::{Frames, Kernels, Plan, Planned, Shape};
-use modyn_codegen::program::Program;
+use modyn_codegen::program::{AroundLoops, Program};
 
 use crate::code_size::CodeSize;
 use crate::error::CompileError;
@@ -10,6 +10,7 @@ use crate::function::{CompiledFunction, CompiledKernels, Kernel};
 use crate::generate::{MAX_ARRAYS, PADDING, generate};
 use crate::helper::{Helper, Helpers, Linkage};
 use crate::instruction_set::InstructionSet;
+use crate::looped::LoopedCode;
 use crate::lower::{Rows, lower};
 use crate::machine::Code;
 use crate::real::Real;
@@ -89,9 +90,10 @@ impl<S: Real> Assembly<S> {
         };
         let placed = [&*arrays, &[Frames::PLACEMENT]].concat();
         let kernels = match &planned.kernels {
-            Kernels::Straight { scalar, simd } => {
-                CompiledKernels::One(kernel(scalar, simd.as_ref(), &arrays))
-            }
+            Kernels::Straight { scalar, simd } => match scalar.around_loops() {
+                Some(parts) => self.looped(scalar, &parts, &arrays, &mut size),
+                None => CompiledKernels::One(kernel(scalar, simd.as_ref(), &arrays)),
+            },
             Kernels::ByLink(programs) => {
                 let own = plan.frames.links_with_own_program().count();
                 let arrays = |k: usize| if k < own { &arrays } else { &placed };
@@ -116,6 +118,27 @@ impl<S: Real> Assembly<S> {
             kernels,
             size,
         }
+    }
+
+    /// Compiles a program with loops.
+    fn looped(
+        &mut self,
+        program: &Program,
+        parts: &AroundLoops<'_>,
+        arrays: &[usize],
+        size: &mut CodeSize,
+    ) -> CompiledKernels {
+        let single = LoopedCode::new(program, parts, arrays, |program, arrays| {
+            let (code, bytes) = self.append(program, arrays, false);
+            *size += bytes;
+            code
+        });
+        let batch = self.batches.then(|| {
+            LoopedCode::new(program, parts, arrays, |program, arrays| {
+                self.append(program, arrays, true).0
+            })
+        });
+        CompiledKernels::Looped { single, batch }
     }
 
     /// Compiles a program. The code for one state has vectors if the program has some and they are profitable; the code for

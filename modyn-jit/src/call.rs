@@ -130,6 +130,7 @@ impl<S: Real> Call<'_, S> {
             CompiledKernels::One(kernel) | CompiledKernels::Poses { bodies: kernel, .. } => {
                 kernel.batch.is_some()
             }
+            CompiledKernels::Looped { batch, .. } => batch.is_some(),
             CompiledKernels::ByLink(_, kernels) => kernels.iter().all(|k| k.batch.is_some()),
         }
     }
@@ -137,7 +138,9 @@ impl<S: Real> Call<'_, S> {
     fn check_link(&self, link: Option<usize>) -> Result<(), CallError> {
         let links = match &self.compiled.kernels {
             CompiledKernels::ByLink(links, _) => Some(links.len()),
-            CompiledKernels::One(_) | CompiledKernels::Poses { .. } => None,
+            CompiledKernels::One(_)
+            | CompiledKernels::Looped { .. }
+            | CompiledKernels::Poses { .. } => None,
         };
         let fits = match (link, links) {
             (None, None) => true,
@@ -185,6 +188,10 @@ impl<S: Real> Call<'_, S> {
         match &self.compiled.kernels {
             CompiledKernels::One(kernel) => {
                 kernel.code(lanes).call(self.pages, &all[..count], result);
+            }
+            CompiledKernels::Looped { single, batch } => {
+                let code = batch.as_ref().filter(|_| lanes > 1).unwrap_or(single);
+                code.call(self.pages, &all[..count], result, lanes);
             }
             CompiledKernels::ByLink(links, kernels) => {
                 let LinkProgram { program, placement: row } = links[link.unwrap_or_default()];

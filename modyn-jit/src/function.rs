@@ -4,6 +4,7 @@ use modyn_codegen::Function;
 use modyn_codegen::plan::{LinkProgram, Shape};
 
 use crate::code_size::CodeSize;
+use crate::looped::LoopedCode;
 use crate::machine::Code;
 
 /// The code of a function.
@@ -23,6 +24,8 @@ pub(crate) struct CompiledFunction {
 pub(crate) enum CompiledKernels {
     /// One program.
     One(Kernel),
+    /// A program with loops: its code for one state, and that for a state in each lane.
+    Looped { single: LoopedCode, batch: Option<LoopedCode> },
     /// The program of each link, and the code of the programs.
     ByLink(Vec<LinkProgram>, Vec<Kernel>),
     /// The poses of some links and bodies, and the pose of a link from that of its body. Each link has the index of its

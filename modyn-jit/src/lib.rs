@@ -46,6 +46,7 @@ mod function;
 mod generate;
 mod helper;
 mod instruction_set;
+mod looped;
 mod lower;
 mod machine;
 #[cfg(feature = "object")]

@@ -51,19 +51,24 @@ impl Builder {
         let mut inputs = self.inputs_without(&REFUSED)?;
         let mut plan = inputs.machine_code()?;
         let Inputs { model, files, modules, mut options, .. } = inputs;
-        let functions = plan.functions.len();
-        plan.functions.retain(|planned| planned.function != Some(Function::Brge));
+        let without_form = [
+            (Function::Brge, "use `mass_matrix` and `forward_dynamics`"),
+            (Function::Step, "use the target `c` or `rust`"),
+        ];
+        let has = |function| plan.functions.iter().any(|one| one.function == Some(function));
+        let left_out: Vec<_> = without_form.iter().filter(|(function, _)| has(*function)).collect();
+        let is_left_out = |one: Option<Function>| left_out.iter().any(|(f, _)| Some(*f) == one);
+        plan.functions.retain(|planned| !is_left_out(planned.function));
         plan.factorization.clear();
         // `default` and `all` are requests for the functions that there are.
         let is_wanted = self.options.code.functions.as_ref().is_some_and(|selected| {
             Function::DEFAULT.iter().any(|function| !selected.contains(function))
         });
-        if plan.functions.len() < functions && is_wanted {
-            let message = "`brge` has no form in object files, and is left out";
-            options.warnings.push(
-                Diagnostic::new(Severity::Warning, Code::Option, message)
-                    .with_help("use `mass_matrix` and `forward_dynamics`"),
-            );
+        for (function, help) in left_out.into_iter().filter(|_| is_wanted) {
+            let message =
+                format!("`{}` has no form in object files, and is left out", function.name());
+            let warning = Diagnostic::new(Severity::Warning, Code::Option, message);
+            options.warnings.push(warning.with_help(*help));
         }
         let warnings = options.warnings.clone();
         let planning = Planning { plan, model, warnings, files };

@@ -55,7 +55,7 @@ impl Choices {
 
     /// Returns whether programs that run in this way can have loops.
     pub(super) fn has_loops(&self, execution: Execution) -> bool {
-        execution != Execution::Threads && !self.machine_code && !self.without_loops
+        execution != Execution::Threads && !self.without_loops
     }
 
     /// Returns the run-time parameters of a model.

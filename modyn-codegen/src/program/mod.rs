@@ -17,6 +17,7 @@
 //! Programs have one kind of loop ([`Loops`]): routines run over arrays, for each row of a table. Recursions over bodies and
 //! equal limbs that share code are such loops.
 
+mod around_loops;
 mod bodies;
 mod count;
 mod evaluate;
@@ -34,6 +35,7 @@ mod validate;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
+pub use around_loops::AroundLoops;
 pub use bodies::{RecursionSizes, Sweep};
 pub use loops::{
     Array, Call, Column, Entry, Loop, LoopForm, Loops, Place, Read, Routine, Row, Step, Stored,

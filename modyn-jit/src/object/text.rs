@@ -143,7 +143,9 @@ impl<S: Real> Writer<S> {
                 }
                 Some((rows, links.len()))
             }
-            CompiledKernels::One(_) | CompiledKernels::Poses { .. } => None,
+            CompiledKernels::One(_)
+            | CompiledKernels::Looped { .. }
+            | CompiledKernels::Poses { .. } => None,
         };
         let links: Vec<(usize, Option<Label>)> = match &function.kernels {
             CompiledKernels::Poses { links, .. } => {
@@ -151,12 +153,17 @@ impl<S: Real> Writer<S> {
                     |link: &LinkProgram| (link.program, link.placement.map(|row| placements[row]));
                 links.iter().map(link).collect()
             }
-            CompiledKernels::One(_) | CompiledKernels::ByLink(..) => Vec::new(),
+            CompiledKernels::One(_)
+            | CompiledKernels::Looped { .. }
+            | CompiledKernels::ByLink(..) => Vec::new(),
         };
         let body = match (&function.kernels, rows) {
             (CompiledKernels::One(kernel), _) => Body::One(self.a.label_at(kernel.single.entry)),
             (CompiledKernels::ByLink(..), Some(rows)) => Body::Link { rows },
             (CompiledKernels::ByLink(..), None) => unreachable!("the table is there"),
+            (CompiledKernels::Looped { .. }, _) => {
+                unreachable!("plans for object files leave out functions with loops")
+            }
             (CompiledKernels::Poses { bodies, placed, .. }, _) => {
                 let pose = placed.single.results * size_of::<S>();
                 let all = bodies.single.results * size_of::<S>();

@@ -1,0 +1,123 @@
+//! A program as what runs before its loops, the loops, and what runs after them, for back ends that run the
+//! loops themselves.
+
+use std::collections::BTreeMap;
+
+use super::{Addend, Loops, MultiplyAdd, Operand, Operation, Program, Source, Statement, Value};
+
+/// The parts of a program with loops in one of its statements.
+pub struct AroundLoops<'a> {
+    /// What runs before. Results: the stored values of the loops, then the values that `after` reads.
+    pub before: Program,
+    /// The loops.
+    pub loops: &'a Loops,
+    /// What runs after. Arguments: those of the program, the results of the loops, then the values that
+    /// `before` computes for it.
+    pub after: Program,
+}
+
+impl Program {
+    /// Returns the parts around the loops; `None` for programs without loops.
+    ///
+    /// # Panics
+    ///
+    /// If there are several loops, or vectors, which no program of a step has.
+    #[must_use]
+    pub fn around_loops(&self) -> Option<AroundLoops<'_>> {
+        let is_loop = |statement: &Statement| matches!(statement.operation, Operation::Loops(_));
+        let at = self.statements.iter().position(is_loop)?;
+        let Operation::Loops(loops) = &self.statements[at].operation else { return None };
+        assert!(self.loops().count() == 1 && self.widths().len() == 1, "one solver on scalars");
+        let after = &self.statements[at + 1..];
+        let operands = after.iter().flat_map(|statement| statement.operation.operands());
+        let mut crossing: BTreeMap<Value, usize> = BTreeMap::new();
+        for value in operands.chain(self.results.iter().copied()).filter_map(|x| x.value()) {
+            if value.statement < at {
+                let next = crossing.len();
+                crossing.entry(value).or_insert(next);
+            }
+        }
+        let mut values: Vec<(&Value, &usize)> = crossing.iter().collect();
+        values.sort_by_key(|(_, place)| **place);
+        let crossing_operands = values.iter().map(|(value, _)| Operand {
+            source: Source::Result(**value),
+            negated: false,
+            lanes: 1,
+        });
+        let stored = loops.stored.iter().map(|stored| stored.value);
+        let before = Self {
+            statements: self.statements[..at].iter().map(without_last_use).collect(),
+            results: stored.chain(crossing_operands).collect(),
+            ..Self::without_statements(self.execution, self.arguments)
+        };
+        let first = self.arguments + loops.results.len();
+        let moved = |operand: Operand| {
+            let source = match operand.source {
+                Source::Result(value) if value.statement < at => {
+                    Source::Argument(first + crossing[&value])
+                }
+                Source::Result(value) if value.statement == at => {
+                    Source::Argument(self.arguments + value.place)
+                }
+                Source::Result(value) => {
+                    Source::Result(Value { statement: value.statement - at - 1, ..value })
+                }
+                source => source,
+            };
+            Operand { source, ..operand }
+        };
+        let after = Self {
+            statements: after
+                .iter()
+                .map(|statement| Statement {
+                    operation: statement.operation.map(moved),
+                    ..without_last_use(statement)
+                })
+                .collect(),
+            results: self.results.iter().map(|&result| moved(result)).collect(),
+            ..Self::without_statements(self.execution, first + crossing.len())
+        };
+        let finished = |program: Self| program.finished().expect("a part of a valid program");
+        Some(AroundLoops { before: finished(before), loops, after: finished(after) })
+    }
+}
+
+fn without_last_use(statement: &Statement) -> Statement {
+    Statement { last_use: 0, ..statement.clone() }
+}
+
+impl Operation {
+    /// Returns the operation with `f` applied to its operands.
+    fn map(&self, f: impl Fn(Operand) -> Operand) -> Self {
+        match self {
+            Self::Add(a, b) => Self::Add(f(*a), f(*b)),
+            Self::Subtract(a, b) => Self::Subtract(f(*a), f(*b)),
+            Self::Multiply(a, b) => Self::Multiply(f(*a), f(*b)),
+            Self::Atan2(a, b) => Self::Atan2(f(*a), f(*b)),
+            Self::Maximum(a, b) => Self::Maximum(f(*a), f(*b)),
+            Self::MultiplyAdd(MultiplyAdd {
+                negative_product,
+                factors,
+                negative_addend,
+                addend,
+            }) => Self::MultiplyAdd(MultiplyAdd {
+                negative_product: *negative_product,
+                factors: factors.map(&f),
+                negative_addend: *negative_addend,
+                addend: match *addend {
+                    Addend::Value(a) => Addend::Value(f(a)),
+                    Addend::Product(a, b) => Addend::Product(f(a), f(b)),
+                },
+            }),
+            Self::Reciprocal(a) => Self::Reciprocal(f(*a)),
+            Self::SquareRoot(a) => Self::SquareRoot(f(*a)),
+            Self::Logarithm(a) => Self::Logarithm(f(*a)),
+            Self::Absolute(a) => Self::Absolute(f(*a)),
+            Self::Unpack(a) => Self::Unpack(f(*a)),
+            Self::Select(a, b, c) => Self::Select(f(*a), f(*b), f(*c)),
+            Self::SinCos(angles) => Self::SinCos(angles.iter().map(|&a| f(a)).collect()),
+            Self::Pack(packed) => Self::Pack(packed.iter().map(|&a| f(a)).collect()),
+            Self::Constants(_) | Self::Loops(_) | Self::RowEquations(_) => self.clone(),
+        }
+    }
+}
