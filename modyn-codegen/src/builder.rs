@@ -418,6 +418,12 @@ impl Builder {
     ///
     /// Returns all errors of the description and the options, and an error if the function has too many operations.
     pub fn plan_entries(&self, function: &EntryFunction) -> Result<Planning, Diagnostics> {
+        if function.function == Function::Step {
+            let message = "`step` has no form that libraries of arrays differentiate";
+            let error = Diagnostic::new(Severity::Error, Code::Option, message);
+            let help = "call `step` of the robot, which has no gradients";
+            return Err(Diagnostics::new(vec![error.with_help(help)]));
+        }
         let Inputs { model, modules, choices, options, files } =
             self.clone().functions([]).inputs()?;
         let plan = Plan::for_entries(&model, &modules, &choices.of_machine_code(), function);

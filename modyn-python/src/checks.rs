@@ -2,7 +2,7 @@
 
 use modyn_codegen::Function;
 use modyn_codegen::plan::{Argument, ArgumentKind};
-use modyn_runtime::{SettingPlace, SettingRange, check_settings};
+use modyn_runtime::{SettingPlace, SettingRange, check_settings, check_step_settings};
 
 use crate::number::Number;
 
@@ -11,6 +11,8 @@ use crate::number::Number;
 pub enum Check {
     /// The settings of constraints.
     Settings,
+    /// The settings of steps.
+    StepSettings,
     /// A time step on the ground, s: above zero.
     TimeStep,
     /// Parts of ranges: from zero to one. NaN gives NaN.
@@ -22,8 +24,13 @@ impl Check {
     pub fn of(function: Option<Function>, argument: &Argument) -> Option<Self> {
         match argument.kind {
             ArgumentKind::Settings => Some(Self::Settings),
+            ArgumentKind::StepSettings => Some(Self::StepSettings),
             ArgumentKind::RandomNumbers => Some(Self::Parts),
-            ArgumentKind::Time if function == Some(Function::ContactStep) => Some(Self::TimeStep),
+            ArgumentKind::Time
+                if matches!(function, Some(Function::ContactStep | Function::Step)) =>
+            {
+                Some(Self::TimeStep)
+            }
             _ => None,
         }
     }
@@ -41,6 +48,7 @@ impl Check {
     ) -> Result<(), String> {
         let in_state = |numbers: &[S]| match self {
             Self::Settings => check_settings(numbers),
+            Self::StepSettings => check_step_settings(numbers),
             Self::TimeStep => numbers.iter().try_for_each(|&number| {
                 SettingRange::Positive.check(name, SettingPlace::Argument, number.into())
             }),

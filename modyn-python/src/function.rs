@@ -159,7 +159,7 @@ impl<S: Number> Typed<S> {
         match (kind, given.filter(|given| !given.is_none())) {
             (kind, Some(given)) => {
                 let numbers = match kind {
-                    ArgumentKind::Settings => {
+                    ArgumentKind::Settings | ArgumentKind::StepSettings => {
                         Given::read_for_scalar(self.name, name, shape, given)?
                     }
                     ArgumentKind::Contacts => Given::read(self.name, name, shape, given)
@@ -177,6 +177,12 @@ impl<S: Number> Typed<S> {
             }
             (ArgumentKind::Settings, None) => {
                 Ok(Given::owned(name, default_settings(shape.iter().product())))
+            }
+            (ArgumentKind::StepSettings, None) => {
+                Ok(Given::owned(name, default_step_settings(shape.iter().product())))
+            }
+            (_, None) if *name == "warm_start" => {
+                Ok(Given::owned(name, vec![S::zero(); shape.iter().product()]))
             }
             (_, None) => {
                 Err(PyTypeError::new_err(format!("`{}` needs the argument `{name}`", self.name)))
@@ -419,6 +425,12 @@ fn rounded<S: Number>(inertial: &Inertial) -> Inertial<S> {
 pub fn default_settings<S: Number>(length: usize) -> Vec<S> {
     let contacts = S::GROUND.numbers().into_iter().cycle();
     S::SETTINGS.numbers().into_iter().chain(contacts).take(length).collect()
+}
+
+/// Returns the default settings of steps as this many numbers, in the order of `StepSettings`.
+pub fn default_step_settings<S: Number>(length: usize) -> Vec<S> {
+    let surfaces = S::SURFACE.numbers().into_iter().cycle();
+    S::STEP_SETTINGS.numbers().into_iter().chain(surfaces).take(length).collect()
 }
 
 fn evaluated<S: Number>(planning: Planning) -> Option<Evaluated<S>> {

@@ -456,6 +456,22 @@ impl Robot {
         self.call(py, 37, &[Some(q), Some(qd), Some(tau), Some(dt), Some(impulses), settings], None, out)
     }
 
+    /// Returns the state after a step of the time `dt` (s) under the joint forces `tau`, with contacts,
+    /// joint limits and dry joint friction by MuJoCo's law: soft constraints whose forces minimize a convex
+    /// function. The solver is Newton's method, to the tolerance of `settings`; `residual` says how far it
+    /// came, relative to the largest force. It starts from the accelerations `warm_start`: those of the
+    /// last step, or zeros. The integrator is semi-implicit Euler, implicit in joint damping. Closed loops
+    /// are not closed.
+    ///
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `warm_start`: (nv,), by default
+    /// zeros; `settings`: `StepSettings`, by default with the ground at z = 0 under all contacts.
+    /// Result: `StepSolution`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (contacts, 3), `residual` a
+    /// number, `iterations` a number. Several states have one more axis, the first.
+    #[pyo3(signature = (q, qd, tau, dt, warm_start=None, settings=None, *, out=None))]
+    fn step<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, dt: &Bound<'py, PyAny>, warm_start: Argument<'_, 'py>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.call(py, 38, &[Some(q), Some(qd), Some(tau), Some(dt), warm_start, settings], None, out)
+    }
+
     /// Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts that carry
     /// the floating bases, and the rank of the contacts' columns of the bases. The wrenches have the
     /// smallest sum of (force^2 + (moment / l)^2) / weight with the characteristic length l of each
@@ -469,7 +485,7 @@ impl Robot {
     /// moments before forces. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, contacts=None, settings=None, *, out=None))]
     fn constrained_inverse_dynamics<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, contacts: Argument<'_, 'py>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 38, &[Some(q), Some(qd), Some(qdd), contacts, settings], None, out)
+        self.call(py, 39, &[Some(q), Some(qd), Some(qdd), contacts, settings], None, out)
     }
 
     /// Returns the Jacobian of each constraint. The product with `qd` is, for a loop constraint, the
@@ -481,7 +497,7 @@ impl Robot {
     /// the first.
     #[pyo3(signature = (q, *, out=None))]
     fn constraint_jacobian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 39, &[Some(q)], None, out)
+        self.call(py, 40, &[Some(q)], None, out)
     }
 
     /// Returns the bias acceleration of each constraint: the time derivative of `constraint_jacobian` times
@@ -492,7 +508,7 @@ impl Robot {
     /// first.
     #[pyo3(signature = (q, qd, *, out=None))]
     fn constraint_bias_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 40, &[Some(q), Some(qd)], None, out)
+        self.call(py, 41, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T with the mass
@@ -506,7 +522,7 @@ impl Robot {
     /// rows, constraint rows), `rank` a number. Several states have one more axis, the first.
     #[pyo3(signature = (q, contacts=None, settings=None, *, out=None))]
     fn operational_inertia<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, contacts: Argument<'_, 'py>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 41, &[Some(q), contacts, settings], None, out)
+        self.call(py, 42, &[Some(q), contacts, settings], None, out)
     }
 
     /// Returns the regressor Y of inverse dynamics: tau = Y pi, without rotors and friction. pi has ten
@@ -517,7 +533,7 @@ impl Robot {
     /// Result: (nv, 10 moving links). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, *, out=None))]
     fn regressor<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 42, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 43, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the centre of mass of the moving links in world axes, m.
@@ -526,7 +542,7 @@ impl Robot {
     /// Result: (3,). Several states have one more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
     fn center_of_mass<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 43, &[Some(q)], None, out)
+        self.call(py, 44, &[Some(q)], None, out)
     }
 
     /// Returns the Jacobian of the centre of mass. Its product with `qd` is the velocity of the centre of
@@ -536,7 +552,7 @@ impl Robot {
     /// Result: (3, nv). Several states have one more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
     fn center_of_mass_jacobian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 44, &[Some(q)], None, out)
+        self.call(py, 45, &[Some(q)], None, out)
     }
 
     /// Returns the centroidal momentum matrix. Its product with `qd` is the momentum about the centre of
@@ -546,7 +562,7 @@ impl Robot {
     /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
     fn centroidal_momentum_matrix<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 45, &[Some(q)], None, out)
+        self.call(py, 46, &[Some(q)], None, out)
     }
 
     /// Returns the centroidal composite inertia. Its product with a twist is the momentum about the centre
@@ -556,7 +572,7 @@ impl Robot {
     /// Result: (6, 6), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
     fn centroidal_composite_inertia<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 46, &[Some(q)], None, out)
+        self.call(py, 47, &[Some(q)], None, out)
     }
 
     /// Returns the momentum of the moving links about their centre of mass, in world axes. Rotors have
@@ -566,7 +582,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, *, out=None))]
     fn centroidal_momentum<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 47, &[Some(q), Some(qd)], None, out)
+        self.call(py, 48, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the time derivative of the centroidal momentum in world axes: the moment (N m) and the force
@@ -577,7 +593,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, *, out=None))]
     fn centroidal_momentum_rate<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 48, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 49, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the momentum of the moving links about their centre of mass, its time derivative at `qdd`
@@ -591,7 +607,7 @@ impl Robot {
     /// more axis, the first.
     #[pyo3(signature = (q, qd, qdd, *, out=None))]
     fn centroidal_momentum_derivatives<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 49, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 50, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the poses in the world of all links of the description, fixed links included, in the order
@@ -602,7 +618,7 @@ impl Robot {
     /// axis, the first.
     #[pyo3(signature = (q, *, out=None))]
     fn link_poses<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 50, &[Some(q)], None, out)
+        self.call(py, 51, &[Some(q)], None, out)
     }
 
     /// Returns the pose of a link in the world. Computes the link's kinematic path only.
@@ -611,7 +627,7 @@ impl Robot {
     /// Result: `Pose`: `rotation` (3, 3), `translation` (3,). Several states have one more axis, the first.
     #[pyo3(signature = (q, link, *, out=None))]
     fn link_pose<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 51, &[Some(q)], Some(link), out)
+        self.call(py, 52, &[Some(q)], Some(link), out)
     }
 
     /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in world axes.
@@ -621,7 +637,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn link_velocity<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 52, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 53, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in the link's own
@@ -631,7 +647,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn local_link_velocity<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 53, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 54, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
@@ -642,7 +658,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, link, *, out=None))]
     fn link_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 54, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
+        self.call(py, 55, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
     }
 
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
@@ -653,7 +669,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, link, *, out=None))]
     fn local_link_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 55, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
+        self.call(py, 56, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
     }
 
     /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its origin, in
@@ -663,7 +679,7 @@ impl Robot {
     /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, link, *, out=None))]
     fn jacobian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 56, &[Some(q)], Some(link), out)
+        self.call(py, 57, &[Some(q)], Some(link), out)
     }
 
     /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its origin, in
@@ -673,7 +689,7 @@ impl Robot {
     /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, link, *, out=None))]
     fn local_jacobian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 57, &[Some(q)], Some(link), out)
+        self.call(py, 58, &[Some(q)], Some(link), out)
     }
 
     /// Returns the time derivative of `jacobian`. Its product with `qd` is `bias_acceleration`. Computes
@@ -683,7 +699,7 @@ impl Robot {
     /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn jacobian_time_derivative<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 58, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 59, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the time derivative of `local_jacobian`. Its product with `qd` is `local_bias_acceleration`.
@@ -693,7 +709,7 @@ impl Robot {
     /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn local_jacobian_time_derivative<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 59, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 60, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the bias acceleration of a link in world axes: the time derivative of `jacobian` times `qd`,
@@ -704,7 +720,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn bias_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 60, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 61, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the bias acceleration of a link in its own axes: the time derivative of `local_jacobian`
@@ -714,7 +730,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn local_bias_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 61, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 62, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the coordinates after the displacement `v` (a velocity times a time) from `q`.
@@ -723,7 +739,7 @@ impl Robot {
     /// Result: (nq,). Several states have one more axis, the first.
     #[pyo3(signature = (q, v, *, out=None))]
     fn integrate<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, v: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 62, &[Some(q), Some(v)], None, out)
+        self.call(py, 63, &[Some(q), Some(v)], None, out)
     }
 
     /// Returns the displacement `v` with which `integrate` leads from `from_` to `to`. Rotations are the
@@ -733,7 +749,7 @@ impl Robot {
     /// Result: (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (from_, to, *, out=None))]
     fn difference<'py>(&self, py: Python<'py>, from_: &Bound<'py, PyAny>, to: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 63, &[Some(from_), Some(to)], None, out)
+        self.call(py, 64, &[Some(from_), Some(to)], None, out)
     }
 
     /// Returns the derivatives of `integrate` with respect to `q` and `v` in tangent space: displacements
@@ -744,7 +760,7 @@ impl Robot {
     /// first.
     #[pyo3(signature = (q, v, *, out=None))]
     fn integrate_derivatives<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, v: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 64, &[Some(q), Some(v)], None, out)
+        self.call(py, 65, &[Some(q), Some(v)], None, out)
     }
 
     /// Returns the derivatives of `difference` with respect to `from_` and `to` in tangent space:
@@ -755,7 +771,7 @@ impl Robot {
     /// axis, the first.
     #[pyo3(signature = (from_, to, *, out=None))]
     fn difference_derivatives<'py>(&self, py: Python<'py>, from_: &Bound<'py, PyAny>, to: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 65, &[Some(from_), Some(to)], None, out)
+        self.call(py, 66, &[Some(from_), Some(to)], None, out)
     }
 
     /// Returns dq/dt, the rates of the coordinates `q` at the velocities `qd`.
@@ -764,7 +780,7 @@ impl Robot {
     /// Result: (nq,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, *, out=None))]
     fn velocity_to_qdot<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 66, &[Some(q), Some(qd)], None, out)
+        self.call(py, 67, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the coordinates with quaternions scaled to length 1.
@@ -773,7 +789,7 @@ impl Robot {
     /// Result: (nq,). Several states have one more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
     fn normalize<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 67, &[Some(q)], None, out)
+        self.call(py, 68, &[Some(q)], None, out)
     }
 
     /// Returns coordinates within the joint limits, from random numbers uniformly distributed in [0, 1).
@@ -784,7 +800,7 @@ impl Robot {
     /// Result: (nq,). Several states have one more axis, the first.
     #[pyo3(signature = (uniforms, *, out=None))]
     fn random<'py>(&self, py: Python<'py>, uniforms: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 68, &[Some(uniforms)], None, out)
+        self.call(py, 69, &[Some(uniforms)], None, out)
     }
     // <!-- end -->
 }

@@ -2,7 +2,7 @@
 
 use modyn_jit::Real;
 use modyn_runtime::batch::Float;
-use modyn_runtime::{ConstraintSettings, ContactTarget};
+use modyn_runtime::{ConstraintSettings, ContactSurface, ContactTarget, StepSettings};
 use numpy::Element;
 
 /// A scalar with machine code and with arrays of NumPy.
@@ -15,16 +15,26 @@ pub trait Number: Real + Float + Element + Into<f64> {
 
     /// The default target of a contact.
     const GROUND: ContactTarget<Self>;
+
+    /// The default settings of steps.
+    const STEP_SETTINGS: StepSettings<Self>;
+
+    /// The default surface of a contact.
+    const SURFACE: ContactSurface<Self>;
 }
 
 impl Number for f64 {
     const DTYPE: &'static str = "float64";
     const SETTINGS: ConstraintSettings<Self> = ConstraintSettings::<Self>::DEFAULT;
     const GROUND: ContactTarget<Self> = ContactTarget::<Self>::GROUND;
+    const STEP_SETTINGS: StepSettings<Self> = StepSettings::<Self>::DEFAULT;
+    const SURFACE: ContactSurface<Self> = ContactSurface::<Self>::GROUND;
 }
 
 impl Number for f32 {
     const DTYPE: &'static str = "float32";
     const SETTINGS: ConstraintSettings<Self> = ConstraintSettings::<Self>::DEFAULT;
     const GROUND: ContactTarget<Self> = ContactTarget::<Self>::GROUND;
+    const STEP_SETTINGS: StepSettings<Self> = StepSettings::<Self>::DEFAULT;
+    const SURFACE: ContactSurface<Self> = ContactSurface::<Self>::GROUND;
 }

@@ -98,7 +98,9 @@ pub use scalar::LaneScalar;
 #[doc(hidden)]
 pub use scalar::{FRAC_1_PI_BITS, PI_BITS};
 pub use scalar::{Portable, SIN_COS_F32, SIN_COS_F64, Scalar, SinCosNumbers};
-pub use setting_range::{SettingError, SettingPlace, SettingRange, check_settings};
+pub use setting_range::{
+    SettingError, SettingPlace, SettingRange, check_settings, check_step_settings,
+};
 pub use spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 pub use step_settings::{ContactSurface, StepSettings};
 #[cfg(feature = "alloc")]

@@ -3,6 +3,7 @@
 use core::fmt;
 
 use crate::constraint_settings::{ConstraintSettings, ContactTarget};
+use crate::step_settings::{ContactSurface, StepSettings};
 
 /// A setting that is not finite, or outside of its range.
 ///
@@ -101,6 +102,20 @@ const TARGET: [(&str, SettingRange, usize); 10] = [
     ("friction", SettingRange::NotNegative, 1),
 ];
 
+/// The names of [`StepSettings::numbers`](crate::StepSettings::numbers).
+const STEP_SETTINGS: [&str; 2] = ["tolerance", "impratio"];
+
+/// The names, the ranges and the counts of the numbers of [`ContactSurface::numbers`].
+const SURFACE: [(&str, SettingRange, usize); 7] = [
+    ("rotation", SettingRange::Finite, 9),
+    ("translation", SettingRange::Finite, 3),
+    ("radius", SettingRange::NotNegative, 1),
+    ("friction", SettingRange::NotNegative, 1),
+    ("margin", SettingRange::Finite, 1),
+    ("solref", SettingRange::Finite, 2),
+    ("solimp", SettingRange::Finite, 4),
+];
+
 impl SettingRange {
     /// Returns whether a number is within the range.
     fn contains(self, value: f64) -> bool {
@@ -168,11 +183,37 @@ pub fn check_settings<T: Copy + Into<f64>>(numbers: &[T]) -> Result<(), SettingE
     Ok(())
 }
 
+/// Checks the numbers of the settings of steps: [`StepSettings::numbers`], then [`ContactSurface::numbers`] for
+/// each contact.
+///
+/// # Errors
+///
+/// If a number is not finite or outside of its range.
+pub fn check_step_settings<T: Copy + Into<f64>>(numbers: &[T]) -> Result<(), SettingError> {
+    let (settings, surfaces) = numbers.split_at(STEP_SETTINGS.len().min(numbers.len()));
+    for (name, &number) in STEP_SETTINGS.iter().zip(settings) {
+        SettingRange::Positive.check(name, SettingPlace::Settings, number.into())?;
+    }
+    for (contact, surface) in surfaces.chunks_exact(ContactSurface::<f64>::COUNT).enumerate() {
+        check_numbers(contact, &SURFACE, surface)?;
+    }
+    Ok(())
+}
+
 /// Checks the numbers of the target of a contact.
 fn check_target<T: Copy + Into<f64>>(contact: usize, target: &[T]) -> Result<(), SettingError> {
+    check_numbers(contact, &TARGET, target)
+}
+
+/// Checks the numbers of a contact, which begin with a rotation, by their names, ranges and counts.
+fn check_numbers<T: Copy + Into<f64>>(
+    contact: usize,
+    rows: &[(&'static str, SettingRange, usize)],
+    target: &[T],
+) -> Result<(), SettingError> {
     let place = SettingPlace::Contact(contact);
     let mut numbers = target.iter().map(|&number| number.into());
-    for (name, range, count) in TARGET {
+    for &(name, range, count) in rows {
         for number in numbers.by_ref().take(count) {
             range.check(name, place, number)?;
         }
@@ -195,6 +236,21 @@ impl<T: Copy + Into<f64>, C: AsRef<[ContactTarget<T>]>> ConstraintSettings<T, C>
         check_settings(&self.numbers())?;
         let mut targets = self.contacts.as_ref().iter().enumerate();
         targets.try_for_each(|(contact, target)| check_target(contact, &target.numbers()))
+    }
+}
+
+impl<T: Copy + Into<f64>, C: AsRef<[ContactSurface<T>]>> StepSettings<T, C> {
+    /// Checks that all settings are finite and within their ranges: the tolerance and `impratio` are above zero, radii and
+    /// frictions are not negative, and rotations are rotations.
+    ///
+    /// # Errors
+    ///
+    /// The first setting that is not.
+    pub fn check(&self) -> Result<(), SettingError> {
+        check_step_settings(&self.numbers())?;
+        let mut surfaces = self.contacts.as_ref().iter().enumerate();
+        surfaces
+            .try_for_each(|(contact, surface)| check_numbers(contact, &SURFACE, &surface.numbers()))
     }
 }
 

@@ -21,6 +21,7 @@ from ._show import Animation, show
 from ._types import (
     BaseParameters,
     ConstraintSettings,
+    ContactSurface,
     ContactTarget,
     Ground,
     GroundStates,
@@ -32,6 +33,7 @@ from ._types import (
     RolloutGradients,
     RolloutResults,
     RolloutStates,
+    StepSettings,
 )
 
 __version__ = "0.2.0"
@@ -40,6 +42,7 @@ __all__ = [
     "Animation",
     "BaseParameters",
     "ConstraintSettings",
+    "ContactSurface",
     "ContactTarget",
     "DescriptionError",
     "DescriptionWarning",
@@ -57,6 +60,7 @@ __all__ = [
     "RolloutGradients",
     "RolloutResults",
     "RolloutStates",
+    "StepSettings",
     "conventions",
     "functions",
     "load",

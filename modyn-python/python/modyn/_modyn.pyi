@@ -21,6 +21,7 @@ from ._types import (
     RolloutGradients,
     RolloutResults,
     RolloutStates,
+    StepSettings,
 )
 
 # `float64`, or `float32` with the option `scalar="f32"`.
@@ -883,6 +884,21 @@ class Robot:
         `settings`: `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
         Result: `ContactStep`: `q` (nq,), `qd` (nv,), `impulses` (contacts, 3), `residual` a number. Several
         states have one more axis, the first.
+        """
+    def step(
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, warm_start: ArrayLike | None = None, settings: StepSettings | ArrayLike | None = None, *, out: StepSolution | None = None
+    ) -> StepSolution:
+        """Returns the state after a step of the time `dt` (s) under the joint forces `tau`, with contacts,
+        joint limits and dry joint friction by MuJoCo's law: soft constraints whose forces minimize a convex
+        function. The solver is Newton's method, to the tolerance of `settings`; `residual` says how far it
+        came, relative to the largest force. It starts from the accelerations `warm_start`: those of the
+        last step, or zeros. The integrator is semi-implicit Euler, implicit in joint damping. Closed loops
+        are not closed.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `warm_start`: (nv,), by default
+        zeros; `settings`: `StepSettings`, by default with the ground at z = 0 under all contacts.
+        Result: `StepSolution`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (contacts, 3), `residual` a
+        number, `iterations` a number. Several states have one more axis, the first.
         """
     def constrained_inverse_dynamics(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedInverseDynamics | None = None

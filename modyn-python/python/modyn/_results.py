@@ -35,6 +35,7 @@ __all__ = [
     "Step",
     "StepDerivatives",
     "StepHessian",
+    "StepSolution",
 ]
 
 
@@ -380,4 +381,21 @@ class StepHessian(NamedTuple):
     """(2 nv, nv)"""
     dtau_dtau: NDArray[Any]
     """(nv, nv)"""
+
+
+class StepSolution(NamedTuple):
+    """The result of `step`."""
+
+    q: NDArray[Any]
+    """(nq,)"""
+    qd: NDArray[Any]
+    """(nv,)"""
+    qdd: NDArray[Any]
+    """(nv,)"""
+    forces: NDArray[Any]
+    """(contacts, 3)"""
+    residual: NDArray[Any]
+    """a number"""
+    iterations: NDArray[Any]
+    """a number"""
 # <!-- end -->

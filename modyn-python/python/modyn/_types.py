@@ -107,6 +107,54 @@ class ConstraintSettings:
         return np.concatenate([numbers, *(np.asarray(contact) for contact in self.contacts)]).astype(wanted)
 
 
+@dataclass
+class ContactSurface:
+    """A contact of `step`: a sphere about the origin of the contact's frame, or a point, and a plane. Defaults are MuJoCo's."""
+
+    rotation: ArrayLike = field(default_factory=lambda: np.eye(3))
+    """(3, 3): the columns are the plane's axes in the world; z is the normal"""
+    translation: ArrayLike = (0.0, 0.0, 0.0)
+    """(3,): a point of the plane, m"""
+    radius: float = 0.0
+    """the radius of the sphere, m; 0 for a point"""
+    friction: float = 1.0
+    """the coefficient of friction"""
+    margin: float = 0.0
+    """the distance from which on the contact acts, m"""
+    solref: ArrayLike = (0.02, 1.0)
+    """(2,): how a violation decays: the time constant (s) and the damping ratio; if the first number is negative, minus the
+    stiffness and minus the damping"""
+    solimp: ArrayLike = (0.9, 0.95, 0.001, 0.5)
+    """(4,): the impedance at the surface and at the depth `width`; the width, m; the share of the width at which the curve between
+    them, of two parabolas, changes its direction"""
+
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
+        plane = [np.asarray(x, float).ravel() for x in (self.rotation, self.translation)]
+        softness = [np.asarray(x, float).ravel() for x in (self.solref, self.solimp)]
+        numbers = [self.radius, self.friction, self.margin]
+        return np.concatenate([*plane, numbers, *softness]).astype(np.dtype(dtype))
+
+
+@dataclass
+class StepSettings:
+    """The settings of `step`: its solver, and the surfaces of the contacts. Names and defaults are MuJoCo's."""
+
+    contacts: list[ContactSurface] = field(default_factory=list)
+    """the surface of each contact, in the order of `contact_names`"""
+    tolerance: float | None = None
+    """the largest mismatch between the forces and their laws at which the solver ends, divided by the sum of the robot's weight and
+    the largest force; by default 1e-10, and 1e-4 in single precision"""
+    impratio: float = 1.0
+    """how many times stiffer friction is than the normal direction"""
+
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
+        wanted = np.dtype(dtype)
+        tolerance = 1e-4 if wanted == np.float32 else 1e-10
+        tolerance = tolerance if self.tolerance is None else self.tolerance
+        numbers = np.array([tolerance, self.impratio])
+        return np.concatenate([numbers, *(np.asarray(contact) for contact in self.contacts)]).astype(wanted)
+
+
 class Joint(NamedTuple):
     """A joint with coordinates of its own."""
 

@@ -54,6 +54,10 @@ fn argument(name: &str, shape: &Shape) -> String {
         ("settings", _) => {
             "`ConstraintSettings`, by default with the ground at z = 0 under all contacts".into()
         }
+        ("step_settings", _) => {
+            "`StepSettings`, by default with the ground at z = 0 under all contacts".into()
+        }
+        ("warm_start", _) => "(nv,), by default zeros".into(),
         ("contacts", _) => {
             "(contacts,), 1 for each active contact, else 0; by default all are".into()
         }
@@ -131,7 +135,7 @@ fn docs(row: &Row) -> String {
     for name in constants {
         text = text.replace(&format!("`{name}`"), &format!("`{}`", name.to_lowercase()));
     }
-    text.replace("`from`", "`from_`")
+    text.replace("`from`", "`from_`").replace("`step_settings`", "`settings`")
 }
 
 /// Returns the documentation with the shapes of arguments and results, in lines.
@@ -175,14 +179,18 @@ fn wrap(text: &str, most: usize) -> Vec<String> {
     lines
 }
 
-/// Returns the name of an argument in Python, where `from` is a keyword.
+/// Returns the name of an argument in Python, where `from` is a keyword, and each function has one kind of settings.
 fn python(name: &str) -> &str {
-    if name == "from" { "from_" } else { name }
+    match name {
+        "from" => "from_",
+        "step_settings" => "settings",
+        name => name,
+    }
 }
 
 /// Returns whether an argument has a default.
 fn is_optional(name: &str) -> bool {
-    matches!(name, "contacts" | "settings")
+    matches!(name, "contacts" | "settings" | "warm_start")
 }
 
 /// Returns the methods in Rust.
@@ -307,6 +315,7 @@ pub(super) fn method_stubs() -> String {
         let mut arguments: Vec<String> = (row.arguments.iter())
             .map(|own| match own.name {
                 "settings" => "settings: ConstraintSettings | ArrayLike | None = None".into(),
+                "step_settings" => "settings: StepSettings | ArrayLike | None = None".into(),
                 name if is_optional(name) => format!("{name}: ArrayLike | None = None"),
                 name => format!("{}: ArrayLike", python(name)),
             })

@@ -13,8 +13,12 @@ const IMPEDANCES: [f64; 2] = [1e-4, 0.9999];
 /// The impedance of rows with which a solver converges from any start.
 const SOFT: f64 = 0.95;
 
-/// The width below which the impedance does not depend on the violation, as in MuJoCo.
-const LEAST_WIDTH: f64 = 1e-15;
+/// The width below which the impedance does not depend on the violation, and the smallest denominator, as in
+/// MuJoCo.
+const LEAST: f64 = 1e-15;
+
+/// The smallest coefficient of friction, as in MuJoCo.
+const LEAST_FRICTION: f64 = 1e-5;
 
 /// The impedance of a constraint as a function of its violation: MuJoCo's `solimp`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,7 +79,7 @@ impl<S: Scalar> Impedance<S> {
     pub fn at(&self, violation: S) -> S {
         let one = S::one();
         let [start, end, midpoint] = [self.least, self.most, self.midpoint].map(possible);
-        let least_width = S::from_f64(LEAST_WIDTH);
+        let least_width = S::from_f64(LEAST);
         let x = at_most(violation.abs() / at_least(self.width, least_width), one);
         let exponent = self.power.max(1);
         let power = |x: S, exponent: u32| (0..exponent).fold(one, |product, _| product * x);
@@ -131,9 +135,10 @@ impl<S: Scalar> Softness<S> {
         let two = S::from_f64(2.0);
         let most = possible(self.impedance.most);
         let time_constant = at_least(first, two * dt);
-        let rate = (most * time_constant).recip();
-        let standard = rate * second.recip();
-        let [stiffness, damping] = [standard * standard, two * rate];
+        let least = S::from_f64(LEAST);
+        let period = most * time_constant;
+        let damping = two / at_least(period, least);
+        let stiffness = at_least(period * second * period * second, least).recip();
         let [direct_stiffness, direct_damping] = [-first / (most * most), -second / most];
         [
             (-first).select_nonnegative(direct_stiffness, stiffness),
@@ -276,6 +281,11 @@ impl<S: Scalar> ContactLaw<S> {
         ];
         Response { force, stiffness }
     }
+}
+
+/// Returns the coefficient of friction, at least the smallest one.
+pub(super) fn friction<S: Scalar>(coefficient: S) -> S {
+    at_least(coefficient, S::from_f64(LEAST_FRICTION))
 }
 
 /// Returns the impedance within the range of impedances.

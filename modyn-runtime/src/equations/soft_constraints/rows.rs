@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use super::law::{Cone, ContactLaw, Impedance, Response, RowState, Softness};
+use super::law::{self, Cone, ContactLaw, Impedance, Response, RowState, Softness};
 use super::problem::StepInput;
 use crate::equations::Workspace;
 use crate::mechanism::{BodyFrame, Mechanism};
@@ -123,7 +123,7 @@ impl<S: Scalar> ContactRows<S> {
             [row.reference, softness.damped(rates[1], dt), softness.damped(rates[2], dt)];
         let law = ContactLaw {
             cone: law.cone,
-            friction: contact.friction,
+            friction: law::friction(contact.friction),
             ratio: law.ratio,
             weight: violation.select_nonnegative(S::zero(), row.weight),
             reference: core::array::from_fn(|k| reference[k] - falling[k]),
