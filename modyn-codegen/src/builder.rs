@@ -1,4 +1,5 @@
-//! The builder: from a description and options to text. The macro, build scripts and the command line use it.
+//! The builder: from a description and options to text. The macro, build scripts and the command
+//! line use it.
 
 mod build_script;
 pub(crate) mod checks;
@@ -105,7 +106,8 @@ impl Emitted {
         self.files.first().map_or("", |file| &file.text)
     }
 
-    /// Returns the name by which [`Builder::write_as`] writes the files: that of the main file, or of the folder of all files.
+    /// Returns the name by which [`Builder::write_as`] writes the files: that of the main file, or
+    /// of the folder of all files.
     #[must_use]
     pub fn output(&self) -> &str {
         let name = self.files.first().map_or("", |file| &file.name);
@@ -133,10 +135,12 @@ pub struct Generated {
     pub operations: Vec<(&'static str, OperationCount)>,
     /// The operations of one call of each function that has a program on vectors, on vectors.
     pub operations_in_lanes: Vec<(&'static str, OperationCount)>,
-    /// The operations in the text of each function of one state; [`operations`](Self::operations) has those of a call.
+    /// The operations in the text of each function of one state; [`operations`](Self::operations)
+    /// has those of a call.
     ///
-    /// For a function of one link they include all links. Equal limbs count once if they share their code. If they
-    /// are packed into vectors, the packed code and the scalar code count, both.
+    /// For a function of one link they include all links. Equal limbs count once if they share
+    /// their code. If they are packed into vectors, the packed code and the scalar code count,
+    /// both.
     pub static_operations: Vec<(&'static str, OperationCount)>,
     /// The functions that have loops in place of straight-line code: which loops, and why.
     pub loops: Vec<(&'static str, String)>,
@@ -228,18 +232,23 @@ impl Builder {
         Ok(self)
     }
 
-    /// Adds a function of the user's own, such as a cost: it is compiled with its derivatives. It is a function `name` of the
-    /// generated type, over the function's arguments. Its derivatives are functions whose names begin with `name`:
+    /// Adds a function of the user's own, such as a cost: it is compiled with its derivatives. It
+    /// is a function `name` of the generated type, over the function's arguments. Its derivatives
+    /// are functions whose names begin with `name`:
     ///
     /// - `.._jvp`: the value, and its change along changes `dq`, ... of the variables
-    /// - `.._gradient`: the value, and the gradient with respect to each variable, of a function of one result
-    /// - `.._vjp`: the value, and the gradients of `cotangent`^T value, of a function of several results
-    /// - `.._jacobian`: the value, and its derivatives with respect to each variable by columns, of a function of several
+    /// - `.._gradient`: the value, and the gradient with respect to each variable, of a function of
+    ///   one result
+    /// - `.._vjp`: the value, and the gradients of `cotangent`^T value, of a function of several
     ///   results
-    /// - `.._hessian`: the value, and the gradients and the Hessian of `cotangent`^T value (of the value, if that is one
-    ///   number): a block `dq_dqd` has a row for each entry of the variable `q` and a column for each entry of `qd`
+    /// - `.._jacobian`: the value, and its derivatives with respect to each variable by columns, of
+    ///   a function of several results
+    /// - `.._hessian`: the value, and the gradients and the Hessian of `cotangent`^T value (of the
+    ///   value, if that is one number): a block `dq_dqd` has a row for each entry of the variable
+    ///   `q` and a column for each entry of `qd`
     ///
-    /// Derivatives with respect to coordinates are in tangent space. A result is a type of the robot's own.
+    /// Derivatives with respect to coordinates are in tangent space. A result is a type of the
+    /// robot's own.
     ///
     /// ```no_run
     /// use modyn_codegen::{Builder, Scalar, UserArgument, UserError, UserFunction};
@@ -284,8 +293,8 @@ impl Builder {
         self
     }
 
-    /// Adds a function of the user's own, as [`function`](Self::function), with forms for many states of its value and its
-    /// derivatives.
+    /// Adds a function of the user's own, as [`function`](Self::function), with forms for many
+    /// states of its value and its derivatives.
     #[must_use]
     pub fn function_batch<const N: usize>(
         mut self,
@@ -296,8 +305,9 @@ impl Builder {
         self
     }
 
-    /// Sets the folder of a description that is given as [text](Self::text), in which files that it names are looked for.
-    /// The folder of a [file](Self::file) is known; without a folder, no other file is read.
+    /// Sets the folder of a description that is given as [text](Self::text), in which files that it
+    /// names are looked for. The folder of a [file](Self::file) is known; without a folder, no
+    /// other file is read.
     #[must_use]
     pub fn folder(mut self, folder: impl Into<PathBuf>) -> Self {
         self.options.read.folder = Some(folder.into());
@@ -319,7 +329,8 @@ impl Builder {
 
     /// Returns the generated text in a language, without writing a file.
     ///
-    /// Names outside of Rust begin with the type's name in snake case. Options of other languages have no effect.
+    /// Names outside of Rust begin with the type's name in snake case. Options of other languages
+    /// have no effect.
     ///
     /// ```no_run
     /// # fn main() -> Result<(), modyn_codegen::diagnostics::Diagnostics> {
@@ -334,12 +345,14 @@ impl Builder {
     ///
     /// # Errors
     ///
-    /// Returns all errors of the description and the options, and an error for each option that the language refuses.
+    /// Returns all errors of the description and the options, and an error for each option that the
+    /// language refuses.
     pub fn emit(&self, target: Target) -> Result<Emitted, Diagnostics> {
         self.emit_as(target, None)
     }
 
-    /// Returns the generated text in files with this name, without an ending; `None` takes the prefix of names.
+    /// Returns the generated text in files with this name, without an ending; `None` takes the
+    /// prefix of names.
     fn emit_as(&self, target: Target, stem: Option<&str>) -> Result<Emitted, Diagnostics> {
         let backend = target.backend();
         let (plan, inputs) = self.planned(target)?;
@@ -369,7 +382,8 @@ impl Builder {
         Ok((plan, inputs))
     }
 
-    /// Returns the generated Rust, without writing a file: [`emit`](Self::emit) for [`Target::Rust`].
+    /// Returns the generated Rust, without writing a file: [`emit`](Self::emit) for
+    /// [`Target::Rust`].
     ///
     /// # Errors
     ///
@@ -410,13 +424,15 @@ impl Builder {
         Ok(Planning { plan, model, warnings: options.warnings, files })
     }
 
-    /// Returns the program of one function of arrays of plain numbers, or of a derivative of one, for back ends that print no text:
-    /// for libraries that differentiate by every entry of their arrays. The program has one argument and one result, in which the
-    /// arrays follow one another. The options `functions` and `bundles` have no effect.
+    /// Returns the program of one function of arrays of plain numbers, or of a derivative of one,
+    /// for back ends that print no text: for libraries that differentiate by every entry of their
+    /// arrays. The program has one argument and one result, in which the arrays follow one another.
+    /// The options `functions` and `bundles` have no effect.
     ///
     /// # Errors
     ///
-    /// Returns all errors of the description and the options, and an error if the function has too many operations.
+    /// Returns all errors of the description and the options, and an error if the function has too
+    /// many operations.
     pub fn plan_entries(&self, function: &EntryFunction) -> Result<Planning, Diagnostics> {
         if function.function == Function::Step {
             let message = "`step` has no form that libraries of arrays differentiate";
@@ -435,13 +451,15 @@ impl Builder {
         Ok(Planning { plan, model, warnings, files })
     }
 
-    /// Returns kernels for graphics processors that integrate motions over many time steps, without writing anything, and
-    /// the warnings. Each function of a time step among the robot's functions (such as `step_semi_implicit`) becomes a
-    /// kernel. The other functions become device functions, which the functions of `rollouts` may call.
+    /// Returns kernels for graphics processors that integrate motions over many time steps, without
+    /// writing anything, and the warnings. Each function of a time step among the robot's functions
+    /// (such as `step_semi_implicit`) becomes a kernel. The other functions become device
+    /// functions, which the functions of `rollouts` may call.
     ///
     /// # Errors
     ///
-    /// Returns all errors of the description and the options, also if there is no function of a time step or no control.
+    /// Returns all errors of the description and the options, also if there is no function of a
+    /// time step or no control.
     pub fn emit_rollouts(
         &self,
         language: GpuLanguage,
@@ -476,7 +494,8 @@ impl Builder {
         Ok((source, options.warnings))
     }
 
-    /// Returns the inputs of the plan and of the back ends, for a back end that refuses these options.
+    /// Returns the inputs of the plan and of the back ends, for a back end that refuses these
+    /// options.
     fn inputs_without(&self, refused: &[Refused]) -> Result<Inputs, Diagnostics> {
         let refused = refused.iter().filter(|refused| self.options.has(refused.option));
         let error =

@@ -4,12 +4,13 @@
 //! text ─ read ─▶ Description ─ assemble, check ─▶ Model ─ modules ─▶ equations on Expr (trace) ─▶ Graph ─ passes, plan ─▶ Program ─ emit ─▶ Rust, C99, CUDA, WGSL, CasADi's C
 //! ```
 //!
-//! The macro `modyn::modyn!`, build scripts and the command line use [`Builder`]. [`read`](read()) returns the model
-//! only.
+//! The macro `modyn::modyn!`, build scripts and the command line use [`Builder`]. [`read`](read())
+//! returns the model only.
 //!
-//! Stable are [`Builder`] with its options and result, [`read`](read()) with its options and result, [`diagnostics`] and
-//! [`names`]. The other modules (`emit`, `graph`, `passes`, `plan`, `program`, `read::file`, `trace`) are public for tests
-//! and measurements, and may change in any release.
+//! Stable are [`Builder`] with its options and result, [`read`](read()) with its options and
+//! result, [`diagnostics`] and [`names`]. The other modules (`emit`, `graph`, `passes`, `plan`,
+//! `program`, `read::file`, `trace`) are public for tests and measurements, and may change in any
+//! release.
 
 mod assemble;
 mod builder;
@@ -49,7 +50,8 @@ pub use read::read_mjcf;
 pub use read::{Format, Reading, expand_xacro, read, read_urdf};
 pub use write::{Written, write};
 
-/// Parts that the tests of this crate reach, besides the public interface. They may change in any release.
+/// Parts that the tests of this crate reach, besides the public interface. They may change in any
+/// release.
 ///
 /// The tests are another crate, so that the compiler is built once for all tests.
 #[doc(hidden)]

@@ -3,16 +3,18 @@
 //! URDF allows any text as a name; names with dots, dashes and slashes are common.
 //!
 //! 1. A name is split into words at every character that is not an ASCII letter or digit.
-//! 2. A type or an enum variant ([`type_name`], [`variants`]) is the words in upper camel case. Only the first letter of
-//!    each word is changed: `my-robot 2` is `MyRobot2`, `fr3_linkA` is `Fr3LinkA`. Between a digit and a digit of the
-//!    next word an underscore remains: `joint_1_2` is `Joint1_2`, not `Joint12`.
-//! 3. A function or a variable ([`snake`]) is the words in lower case, separated by underscores. An upper-case letter
-//!    after a lower-case letter or a digit starts a new word: `linkA.2` is `link_a_2`.
-//! 4. An identifier that would start with a digit is prefixed with `N` (`n_` in snake case). A name without words is
-//!    `Unnamed` (`unnamed`). A keyword gets a trailing underscore; so does a variant `ALL`, since the generated enums
-//!    have a constant of that name.
-//! 5. Among [`variants`], a name whose identifier is taken gets `_2`, `_3` and so on: the first identifier that no other
-//!    name has by rules 1 to 4. Names are handled in order.
+//! 2. A type or an enum variant ([`type_name`], [`variants`]) is the words in upper camel case.
+//!    Only the first letter of each word is changed: `my-robot 2` is `MyRobot2`, `fr3_linkA` is
+//!    `Fr3LinkA`. Between a digit and a digit of the next word an underscore remains: `joint_1_2`
+//!    is `Joint1_2`, not `Joint12`.
+//! 3. A function or a variable ([`snake`]) is the words in lower case, separated by underscores. An
+//!    upper-case letter after a lower-case letter or a digit starts a new word: `linkA.2` is
+//!    `link_a_2`.
+//! 4. An identifier that would start with a digit is prefixed with `N` (`n_` in snake case). A name
+//!    without words is `Unnamed` (`unnamed`). A keyword gets a trailing underscore; so does a
+//!    variant `ALL`, since the generated enums have a constant of that name.
+//! 5. Among [`variants`], a name whose identifier is taken gets `_2`, `_3` and so on: the first
+//!    identifier that no other name has by rules 1 to 4. Names are handled in order.
 
 use std::collections::HashSet;
 
@@ -34,8 +36,8 @@ pub fn type_name(name: &str) -> String {
     identifier(result, "N", "Unnamed")
 }
 
-/// Returns the name of a type that only the generated text uses. No robot's type can have it: [`type_name`] never starts
-/// with an underscore.
+/// Returns the name of a type that only the generated text uses. No robot's type can have it:
+/// [`type_name`] never starts with an underscore.
 pub(crate) fn helper_type(name: &str) -> String {
     format!("__{}", type_name(name))
 }
@@ -48,10 +50,12 @@ pub fn variants(names: &[&str]) -> Vec<String> {
         other => other,
     };
     let plain: Vec<String> = names.iter().map(variant).collect();
-    // An identifier that a name has by itself is never used as the numbered identifier of another name.
+    // An identifier that a name has by itself is never used as the numbered identifier of another
+    // name.
     let reserved: HashSet<&str> = plain.iter().map(String::as_str).collect();
     let mut taken: HashSet<String> = HashSet::new();
-    // The next number for each name, so that a thousand equal names take a thousand steps, not a million.
+    // The next number for each name, so that a thousand equal names take a thousand steps, not a
+    // million.
     let mut next: std::collections::HashMap<&str, usize> = std::collections::HashMap::new();
     let mut variants = Vec::with_capacity(names.len());
     for name in &plain {
@@ -73,8 +77,8 @@ pub fn variants(names: &[&str]) -> Vec<String> {
     variants
 }
 
-/// Returns the attribute of a type with these names of the type and its variants: rustc expects no underscore in them, except between
-/// digits.
+/// Returns the attribute of a type with these names of the type and its variants: rustc expects no
+/// underscore in them, except between digits.
 #[must_use]
 pub(crate) fn camel_case_lint<'n>(mut names: impl Iterator<Item = &'n str>) -> &'static str {
     let is_odd = |name: &str| {
@@ -87,7 +91,8 @@ pub(crate) fn camel_case_lint<'n>(mut names: impl Iterator<Item = &'n str>) -> &
     if names.any(is_odd) { "#[allow(non_camel_case_types)]\n" } else { "" }
 }
 
-/// Returns the names of fields in snake case, in the order of `names`; all are different, and none is `reserved`.
+/// Returns the names of fields in snake case, in the order of `names`; all are different, and none
+/// is `reserved`.
 #[must_use]
 pub fn fields(names: &[&str], reserved: &[&str]) -> Vec<String> {
     let mut taken: HashSet<String> = reserved.iter().map(|&name| name.into()).collect();

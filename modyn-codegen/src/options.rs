@@ -1,5 +1,5 @@
-//! The table of options: all that the builder, the macro, the command line, the first lines of generated files and
-//! `docs/command.md` know about each, in one row.
+//! The table of options: all that the builder, the macro, the command line, the first lines of
+//! generated files and `docs/command.md` know about each, in one row.
 //!
 //! A new option is a row in `option_table!`; one about reading has a field in [`ReadOptions`], too.
 
@@ -38,7 +38,8 @@ pub enum Entries {
 
 /// A row of the table.
 pub struct OptionRow {
-    /// The name, the same at every entry. (A method of `Builder` that would be a keyword has an underscore after it.)
+    /// The name, the same at every entry. (A method of `Builder` that would be a keyword has an
+    /// underscore after it.)
     pub name: &'static str,
     /// The method of `Builder`.
     pub method: &'static str,
@@ -82,14 +83,15 @@ impl OptionRow {
 
 /// Calls the macro `$callback` with all options: about reading, then about code.
 ///
-/// A row starts with the documentation, the name and the method with its argument. The field follows, with its type
-/// and how the method changes it. The form of values, the default and an example end the row, and `Files` if the
-/// macro does not have the option.
+/// A row starts with the documentation, the name and the method with its argument. The field
+/// follows, with its type and how the method changes it. The form of values, the default and an
+/// example end the row, and `Files` if the macro does not have the option.
 macro_rules! option_table {
     ($callback:ident) => {
         $callback! {
             read {
-                /// The acceleration of free fall in world axes, m/s^2; an MJCF or a model has its own.
+                /// The acceleration of free fall in world axes, m/s^2; an MJCF or a model has its
+                /// own.
                 "gravity" gravity(gravity: [f64; 3])
                     gravity: Option<[f64; 3]>, field => *field = Some(gravity),
                     "[x, y, z]", "`[0.0, 0.0, -9.81]`, or the MJCF's or the model's own", "[0, 0, -1.62]";
@@ -100,25 +102,27 @@ macro_rules! option_table {
                 "base" base(base: Base)
                     base: Base, field => *field = base,
                     "described | fixed | floating", "`described`", "floating";
-                /// How joints that mimic another one are read: they follow it and have no coordinate of their own, have
-                /// one, or are refused.
+                /// How joints that mimic another one are read: they follow it and have no
+                /// coordinate of their own, have one, or are refused.
                 "mimic" mimic(mimic: Mimic)
                     mimic: Mimic, field => *field = mimic,
                     "follow | independent | refuse", "`follow`", "independent";
-                /// Rotors of joints: the inertia (kg m^2) and the gear ratio of each. They replace the joint's rotor of the
-                /// description.
+                /// Rotors of joints: the inertia (kg m^2) and the gear ratio of each. They replace
+                /// the joint's rotor of the description.
                 "rotors" rotors(rotors: impl IntoIterator<Item = Rotor>)
                     rotors: Vec<Rotor>, field => field.extend(rotors),
                     "[\"joint\": (inertia, gear_ratio), ...]", "the description's", "[\"elbow\": (0.0001, 100)]";
-                /// Joints that close loops, besides the `<loop_joint>`s of the description: of type `spherical`, `fixed`,
-                /// `revolute`, `continuous` or `prismatic`, the last three with an `axis` at the end. Roll, pitch and yaw,
-                /// `[r, p, y]`, may follow each origin.
+                /// Joints that close loops, besides the `<loop_joint>`s of the description: of type
+                /// `spherical`, `fixed`, `revolute`, `continuous` or `prismatic`, the last three
+                /// with an `axis` at the end. Roll, pitch and yaw, `[r, p, y]`, may follow each
+                /// origin.
                 "loops" loops(loops: impl IntoIterator<Item = Loop>)
                     loops: Vec<Loop>, field => field.extend(loops),
                     "[\"name\": type(\"link\", [x, y, z], \"link\", [x, y, z]), ...]", "the description's", "[\"pin\": revolute(\"rod\", [0.5, 0, 0], \"crank\", [0.4, 0, 0], axis = [0, 1, 0])]";
-                /// Frames of links that can touch the world, besides the `<contact_frame>`s of the description: of type `point`, which stops the motion of the frame's origin,
-                /// or `surface`, which stops rotations too. The frame's origin may follow the link, and its roll, pitch and
-                /// yaw may follow the origin.
+                /// Frames of links that can touch the world, besides the `<contact_frame>`s of the
+                /// description: of type `point`, which stops the motion of the frame's origin, or
+                /// `surface`, which stops rotations too. The frame's origin may follow the link,
+                /// and its roll, pitch and yaw may follow the origin.
                 "contacts" contacts(contacts: impl IntoIterator<Item = Contact>)
                     contacts: Vec<Contact>, field => field.extend(contacts),
                     "[\"name\": type(\"link\", [x, y, z]), ...]", "the description's", "[\"fingertip\": point(\"hand\", [0, 0, 0.2])]";
@@ -126,18 +130,19 @@ macro_rules! option_table {
                 "friction" friction(friction: Friction)
                     friction: Option<Friction>, field => *field = Some(friction),
                     "none | viscous | coulomb | smooth(velocity)", "`none`, with a warning if there are some", "smooth(0.01)";
-                /// How inertias that no rigid body has are reported. A negative mass is always an error.
+                /// How inertias that no rigid body has are reported. A negative mass is always an
+                /// error.
                 "unphysical_inertia" unphysical_inertia(severity: Severity)
                     unphysical_inertia: Severity, field => *field = severity,
                     "error | warn", "`error`", "warn";
-                /// How forces of fluids, such as air, and of tendons in an MJCF are reported, which are not read. With a
-                /// warning the robot is without them.
+                /// How forces of fluids, such as air, and of tendons in an MJCF are reported, which
+                /// are not read. With a warning the robot is without them.
                 "unread_forces" unread_forces(severity: Severity)
                     unread_forces: Severity, field => *field = severity,
                     "error | warn", "`error`", "warn";
-                /// The folders of ROS packages, which a description names in `$(find ...)` and `package://`. Packages in the
-                /// folders above the description are found without this option, and so are those of `ROS_PACKAGE_PATH` and
-                /// `AMENT_PREFIX_PATH`.
+                /// The folders of ROS packages, which a description names in `$(find ...)` and
+                /// `package://`. Packages in the folders above the description are found without
+                /// this option, and so are those of `ROS_PACKAGE_PATH` and `AMENT_PREFIX_PATH`.
                 "packages" packages(packages: impl IntoIterator<Item = Package>)
                     packages: Vec<Package>, field => field.extend(packages),
                     "[\"name\": \"folder\", ...]", "found by their names", "[\"arm_description\": \"robots/arm\"]";
@@ -147,20 +152,22 @@ macro_rules! option_table {
                     "[\"name\": \"value\", ...]", "the defaults of the xacro", "[\"prefix\": \"left_\"]";
             }
             code {
-                /// The functions that the robot has; `default` and `all` stand for several. The dynamics of a large
-                /// robot take seconds to compile; a function that is left out costs nothing.
+                /// The functions that the robot has; `default` and `all` stand for several. The
+                /// dynamics of a large robot take seconds to compile; a function that is left out
+                /// costs nothing.
                 "functions" functions(functions: impl IntoIterator<Item = Function>)
                     functions: Option<Vec<Function>>, field => *field = Some(functions.into_iter().collect()),
                     "[name, ...]", "`default`", "[default, regressor]";
-                /// Bundles of functions: one call computes all functions of a bundle, and does their common work once. A
-                /// bundle is a function of this name over the arguments of all its functions; its result is a type with a
-                /// field for each of them (`jacobian_hand`). Functions of one link are named with the link. In generated
+                /// Bundles of functions: one call computes all functions of a bundle, and does
+                /// their common work once. A bundle is a function of this name over the arguments
+                /// of all its functions; its result is a type with a field for each of them
+                /// (`jacobian_hand`). Functions of one link are named with the link. In generated
                 /// code, `name: batch(..)` makes the form for many states as well.
                 "bundles" bundles(bundles: impl IntoIterator<Item = Bundle>)
                     bundles: Vec<Bundle>, field => field.extend(bundles),
                     "[\"name\": (function, function(\"link\"), ...), ...]", "none", "[\"control\": (mass_matrix, bias_forces, jacobian(\"hand\"))]";
-                /// The kinematic modules: maximal serial chains, links, or lists of link names, each from its parent
-                /// outwards.
+                /// The kinematic modules: maximal serial chains, links, or lists of link names,
+                /// each from its parent outwards.
                 "modules" modules(modules: ModuleChoice)
                     modules: ModuleChoice, field => *field = modules,
                     "chains | links | [[\"link\", ...], ...]", "`chains`", "[[\"upper_arm\", \"forearm\"], [\"hand\"]]";
@@ -168,40 +175,47 @@ macro_rules! option_table {
                 "scalar" scalar(scalar: FloatType)
                     scalar: FloatType, field => *field = scalar,
                     "f64 | f32", "`f64`", "f32";
-                /// Makes gravity a run-time parameter, which can be changed; its value is then the default.
+                /// Makes gravity a run-time parameter, which can be changed; its value is then the
+                /// default.
                 "runtime_gravity" runtime_gravity()
                     runtime_gravity: bool, field => *field = true,
                     "true | false", "`false`", "true";
-                /// The links whose own inertia is a run-time parameter: each replaces the description's, which is the
-                /// default. (Of each link alone, without the links that are fixed to it.)
+                /// The links whose own inertia is a run-time parameter: each replaces the
+                /// description's, which is the default. (Of each link alone, without the links that
+                /// are fixed to it.)
                 "runtime_inertia" runtime_inertia(links: impl IntoIterator<Item = impl Into<String>>)
                     runtime_inertia: Vec<String>, field => field.extend(links.into_iter().map(Into::into)),
                     "links", "none", "[\"hand\"]";
-                /// The links with a payload: an inertia that is a run-time parameter and is added to the link's. Its default
-                /// is zero.
+                /// The links with a payload: an inertia that is a run-time parameter and is added
+                /// to the link's. Its default is zero.
                 "payload" payload(links: impl IntoIterator<Item = impl Into<String>>)
                     payload: Vec<String>, field => field.extend(links.into_iter().map(Into::into)),
                     "links", "none", "[\"hand\"]";
-                /// Runs equal limbs (legs, arms, fingers) through one function, with a table of constants for each: the
-                /// smallest code. Limbs of which one carries a `payload` or a `runtime_inertia` are not equal. Without
-                /// this option equal limbs are packed into vectors where the processor has them.
+                /// Runs equal limbs (legs, arms, fingers) through one function, with a table of
+                /// constants for each: the smallest code. Limbs of which one carries a `payload` or
+                /// a `runtime_inertia` are not equal. Without this option equal limbs are packed
+                /// into vectors where the processor has them.
                 "share" share()
                     share: bool, field => *field = true,
                     "true | false", "`false`", "true";
-                /// Gives the type its description: the trait `EmbeddedModel`, whose function `model` returns what was read. An
-                /// interpreter, a graphics processor or a compiler at run time then takes the type instead of a file. Needs
-                /// the feature `alloc` of `modyn`, which is on by default.
+                /// Gives the type its description: the trait `EmbeddedModel`, whose function
+                /// `model` returns what was read. An interpreter, a graphics processor or a
+                /// compiler at run time then takes the type instead of a file. Needs the feature
+                /// `alloc` of `modyn`, which is on by default.
                 "embed_model" embed_model()
                     embed_model: bool, field => *field = true,
                     "true | false", "`false`", "true";
-                /// The form of the code of forward and inverse dynamics. `fast` is straight-line code, whose length grows with
-                /// the robot. `small` is a loop over the bodies with a table of constants: a few kB for any robot, and for long
-                /// chains quicker than straight-line code where other work has taken the caches. `auto` takes loops for
-                /// long chains of some 45 joints and more. Robots with mimic joints, a `payload` or a
-                /// `runtime_inertia` have straight-line code. The derivatives of forward dynamics, also with contacts or closed
-                /// loops, and their Hessian have products of matrices in loops where that is shorter (`small`), or where there are
-                /// many products (`auto`); for many states with `small` alone. Dependent rows of contacts and closed loops are
-                /// solved for in loops, behind a branch, unless the code is `fast`.
+                /// The form of the code of forward and inverse dynamics. `fast` is straight-line
+                /// code, whose length grows with the robot. `small` is a loop over the bodies with
+                /// a table of constants: a few kB for any robot, and for long chains quicker than
+                /// straight-line code where other work has taken the caches. `auto` takes loops for
+                /// long chains of some 45 joints and more. Robots with mimic joints, a `payload` or
+                /// a `runtime_inertia` have straight-line code. The derivatives of forward
+                /// dynamics, also with contacts or closed loops, and their Hessian have products of
+                /// matrices in loops where that is shorter (`small`), or where there are many
+                /// products (`auto`); for many states with `small` alone. Dependent rows of
+                /// contacts and closed loops are solved for in loops, behind a branch, unless the
+                /// code is `fast`.
                 "code" code(form: CodeForm)
                     code: CodeForm, field => *field = form,
                     "auto | fast | small", "`auto`", "small";
@@ -209,25 +223,28 @@ macro_rules! option_table {
                 "crate" crate_(path: impl Into<String>)
                     crate_path: Option<String>, field => *field = Some(path.into()),
                     "path", "`::modyn`", "::modyn";
-                /// The name of the generated type, in upper camel case. (The macro: `Name = "robot.urdf"`.)
+                /// The name of the generated type, in upper camel case. (The macro:
+                /// `Name = "robot.urdf"`.)
                 "type_name" type_name(name: impl Into<String>)
                     type_name: Option<String>, field => *field = Some(name.into()),
                     "name", "made from the robot's name", "MyArm", Files;
-                /// The visibility of the generated types, such as `pub(crate)`; nothing for private. (The macro:
-                /// `pub(crate) Name = "robot.urdf"`.)
+                /// The visibility of the generated types, such as `pub(crate)`; nothing for
+                /// private. (The macro: `pub(crate) Name = "robot.urdf"`.)
                 "visibility" visibility(visibility: impl Into<String>)
                     visibility: Option<String>, field => *field = Some(visibility.into()),
                     "text", "`pub`", "pub(crate)", Files;
-                /// Makes text that depends on `core` alone: it carries the part of the runtime that it needs, as a module
-                /// `runtime`. Include it as a module of its own (`mod arm;` beside `arm.rs`). The type has its functions,
-                /// but not the trait `Robot` nor batches.
+                /// Makes text that depends on `core` alone: it carries the part of the runtime that
+                /// it needs, as a module `runtime`. Include it as a module of its own (`mod arm;`
+                /// beside `arm.rs`). The type has its functions, but not the trait `Robot` nor
+                /// batches.
                 "self_contained" self_contained()
                     self_contained: bool, field => *field = true,
                     "true | false", "`false`", "true", Files;
-                /// Adds functions for C, named `prefix_function`: `extern "C"` over pointers to arrays of fixed sizes,
-                /// without namespaces (`#[unsafe(no_mangle)]`, so not under `forbid(unsafe_code)`: that two functions have
-                /// one name is found by the linker alone). The arrays must be valid and aligned, and `out` must overlap
-                /// nothing. `Generated::c_header` is their header.
+                /// Adds functions for C, named `prefix_function`: `extern "C"` over pointers to
+                /// arrays of fixed sizes, without namespaces (`#[unsafe(no_mangle)]`, so not under
+                /// `forbid(unsafe_code)`: that two functions have one name is found by the linker
+                /// alone). The arrays must be valid and aligned, and `out` must overlap nothing.
+                /// `Generated::c_header` is their header.
                 "c_functions" c_functions(prefix: impl Into<String>)
                     c_functions: Option<String>, field => *field = Some(prefix.into()),
                     "name", "none", "arm", Files;
@@ -318,7 +335,8 @@ impl Options {
         }
     }
 
-    /// Returns whether the option of this name differs from its default; `function` is the user's functions.
+    /// Returns whether the option of this name differs from its default; `function` is the user's
+    /// functions.
     pub fn has(&self, name: &str) -> bool {
         let row = OPTIONS.iter().find(|row| row.name == name);
         match row {

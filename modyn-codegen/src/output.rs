@@ -1,7 +1,7 @@
 //! Output files: each is whole or not there, and no input is overwritten.
 //!
-//! A file is written beside its place and renamed. Devices and pipes are written directly. Words in a comment mark generated
-//! files.
+//! A file is written beside its place and renamed. Devices and pipes are written directly. Words in
+//! a comment mark generated files.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, ErrorKind, Read, Write};
@@ -26,7 +26,8 @@ pub enum Replaces {
 ///
 /// # Errors
 ///
-/// If the path is one of the `inputs`, if another file is there that it must not replace, or if it cannot be written.
+/// If the path is one of the `inputs`, if another file is there that it must not replace, or if it
+/// cannot be written.
 pub fn write_file(
     path: &Path,
     content: &[u8],

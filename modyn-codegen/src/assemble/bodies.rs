@@ -23,7 +23,8 @@ pub struct MergedBody {
 pub struct Assembly {
     pub links: Vec<Link>,
     pub bodies: Vec<MergedBody>,
-    /// For each link of the description, the moving link that carries it, and its pose on that link.
+    /// For each link of the description, the moving link that carries it, and its pose on that
+    /// link.
     pub place: Vec<(Option<usize>, Pose<f64>)>,
 }
 
@@ -117,7 +118,8 @@ impl Assembly {
     }
 }
 
-/// Returns a joint's frame in the frame of its carrying body; the joint's parent has the pose `above` there.
+/// Returns a joint's frame in the frame of its carrying body; the joint's parent has the pose
+/// `above` there.
 fn joint_origin(joint: &JointRecord, above: &Pose<f64>, report: &mut Report<'_>) -> Pose<f64> {
     let origin = above.compose(&joint.origin);
     let near = check::is_near(&origin, Some(joint.name.at), &joint.subject(), report);

@@ -17,8 +17,8 @@ pub fn from_option(option: &description::Contact) -> ContactRecord {
     ContactRecord { name: option.name.clone(), at: None, kind: Some(option.kind), end }
 }
 
-/// Returns the contacts, and reports their errors. `carriers` has, for each link of the description, the moving
-/// link that carries it.
+/// Returns the contacts, and reports their errors. `carriers` has, for each link of the
+/// description, the moving link that carries it.
 pub fn contacts(
     description: &Description,
     carriers: &[Option<usize>],

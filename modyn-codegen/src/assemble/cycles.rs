@@ -1,9 +1,10 @@
 //! The cycles of a function from indices to indices.
 
-/// Returns all cycles, in the order of the walk; each starts with its smallest index. Takes linear time: each index is
-/// left once.
+/// Returns all cycles, in the order of the walk; each starts with its smallest index. Takes linear
+/// time: each index is left once.
 pub fn cycles(next: &[Option<usize>]) -> Vec<Vec<usize>> {
-    // For each index, the walk that reached it first. A walk ends at an index that was reached before.
+    // For each index, the walk that reached it first. A walk ends at an index that was reached
+    // before.
     let mut walked = vec![usize::MAX; next.len()];
     let mut cycles = Vec::new();
     for start in 0..next.len() {

@@ -5,7 +5,8 @@ use rustc_hash::FxHashMap;
 
 use crate::description::Description;
 
-/// Returns the keyframes with the coordinates of the model's joints: fixed joints and mimic joints have none.
+/// Returns the keyframes with the coordinates of the model's joints: fixed joints and mimic joints
+/// have none.
 pub fn keyframes(description: &Description, model: &Model) -> Vec<Keyframe> {
     let independent = (0..).zip(model.links()).filter(|(i, _)| model.mimic(*i).is_none());
     let links: FxHashMap<&str, usize> = if description.keyframes.is_empty() {

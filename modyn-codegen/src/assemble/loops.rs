@@ -33,7 +33,8 @@ pub fn from_option(option: &Loop, report: &mut Report<'_>) -> LoopRecord {
     record
 }
 
-/// Returns the loop constraints. `carriers` has, for each link of the description, the moving link that carries it.
+/// Returns the loop constraints. `carriers` has, for each link of the description, the moving link
+/// that carries it.
 pub fn loop_constraints(
     description: &Description,
     carriers: &[Option<usize>],

@@ -98,7 +98,8 @@ impl Search<'_> {
 const ONE_COORDINATE: &str =
     "only `revolute`, `continuous` and `prismatic` joints can mimic and be mimicked";
 
-/// Returns whether joints of this kind have one coordinate. An unreadable kind is already an error, so it passes.
+/// Returns whether joints of this kind have one coordinate. An unreadable kind is already an error,
+/// so it passes.
 fn has_one_coordinate(kind: Kind) -> bool {
     !matches!(kind, Kind::Moving(joint_type) if joint_type.nq() > 1)
 }

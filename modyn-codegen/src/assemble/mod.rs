@@ -1,4 +1,5 @@
-//! From a description to a model: the tree, merging of fixed joints, mimic joints, loops, contacts, rotors.
+//! From a description to a model: the tree, merging of fixed joints, mimic joints, loops, contacts,
+//! rotors.
 //!
 //! ```text
 //! Description ─ rotors, loops and contacts of the options ─ mimics ─▶ leaders ─┐
@@ -70,7 +71,8 @@ fn model(
     let mut bodies: Vec<Body> = bodies.iter().map(|body| body.view(description)).collect();
     for (link, body) in links.iter_mut().zip(&mut bodies) {
         if !check::inertia::check(body, &link.inertial, options.unphysical_inertia, report) {
-            // The error is reported. With a stand-in, the motions of the other bodies can be checked.
+            // The error is reported. With a stand-in, the motions of the other bodies can be
+            // checked.
             body.known = false;
             link.inertial = PLACEHOLDER_INERTIA;
         }

@@ -11,11 +11,12 @@ use crate::names;
 use crate::read::PACKAGE_PATHS;
 
 impl Builder {
-    /// Compiles to `OUT_DIR` from a build script, for `modyn::include_model!`. Cargo runs the script again when the
-    /// description changes, and shows the warnings.
+    /// Compiles to `OUT_DIR` from a build script, for `modyn::include_model!`. Cargo runs the
+    /// script again when the description changes, and shows the warnings.
     ///
-    /// The name for `include_model!` is derived from the type, if a name was [given](Self::type_name) (`LeftArm` is
-    /// `include_model!(left_arm)`), else from the description's file (`my-robot.urdf` is `include_model!(my_robot)`).
+    /// The name for `include_model!` is derived from the type, if a name was
+    /// [given](Self::type_name) (`LeftArm` is `include_model!(left_arm)`), else from the
+    /// description's file (`my-robot.urdf` is `include_model!(my_robot)`).
     ///
     /// # Errors
     ///
@@ -28,15 +29,16 @@ impl Builder {
         Ok(generated)
     }
 
-    /// Makes Cargo run the build script again when the description's file changes, also if it is missing.
+    /// Makes Cargo run the build script again when the description's file changes, also if it is
+    /// missing.
     pub fn rerun_if_changed(&self) {
         if let Source::File(path) = &self.source {
             println!("cargo::rerun-if-changed={}", resolve_path(path).display());
         }
     }
 
-    /// Makes Cargo run the build script again when one of the other files changes that the description names
-    /// ([`Generated::files`]), or a variable that names the folders of packages.
+    /// Makes Cargo run the build script again when one of the other files changes that the
+    /// description names ([`Generated::files`]), or a variable that names the folders of packages.
     pub fn rerun_if_others_changed(&self, files: &[PathBuf]) {
         for file in files {
             println!("cargo::rerun-if-changed={}", file.display());
@@ -46,9 +48,10 @@ impl Builder {
         }
     }
 
-    /// Writes a robot's text to `OUT_DIR` from a build script, for `modyn::include_model!`, and shows the warnings. Returns the
-    /// name for `include_model!`. [`compile`](Self::compile) does this with the text of [`generate`](Self::generate); build
-    /// scripts with another back end do it with their own.
+    /// Writes a robot's text to `OUT_DIR` from a build script, for `modyn::include_model!`, and
+    /// shows the warnings. Returns the name for `include_model!`. [`compile`](Self::compile) does
+    /// this with the text of [`generate`](Self::generate); build scripts with another back end do
+    /// it with their own.
     ///
     /// # Errors
     ///
@@ -71,7 +74,8 @@ impl Builder {
         };
         let name = names::snake(stem.as_deref().unwrap_or(type_name));
         let file = Path::new(&folder).join(format!("{name}.rs"));
-        // The files that this process, a build script, has written: a robot must not overwrite another.
+        // The files that this process, a build script, has written: a robot must not overwrite
+        // another.
         static WRITTEN: Mutex<BTreeMap<PathBuf, String>> = Mutex::new(BTreeMap::new());
         let mut written = WRITTEN.lock().unwrap_or_else(PoisonError::into_inner);
         let earlier = written.entry(file.clone()).or_insert_with(|| text.to_owned());

@@ -172,8 +172,8 @@ pub(super) fn left_out(target: Target, selected: &[Function]) -> Option<Diagnost
     })
 }
 
-/// Returns the selected functions that a robot has whose joints `singular` move no inertia, and an error if a function that
-/// needs inertia was selected by its name or is in a bundle.
+/// Returns the selected functions that a robot has whose joints `singular` move no inertia, and an
+/// error if a function that needs inertia was selected by its name or is in a bundle.
 pub(super) fn without_inertia(
     model: &Model,
     singular: &[usize],
@@ -272,7 +272,8 @@ pub(super) fn moving_frames(
     if errors.is_empty() { Ok(frames) } else { Err(Diagnostics::new(errors)) }
 }
 
-/// Returns the error that a function of arrays, which is differentiated this many times, takes too many operations.
+/// Returns the error that a function of arrays, which is differentiated this many times, takes too
+/// many operations.
 pub fn too_long_entries(
     model: &Model,
     modules: &ModuleTree,
@@ -293,7 +294,8 @@ pub fn too_long_entries(
     Diagnostic::error(Code::TooLarge, message).with_help(help)
 }
 
-/// Returns whether these functions are short enough with modules of one link, whose factors have no dense pivots.
+/// Returns whether these functions are short enough with modules of one link, whose factors have no
+/// dense pivots.
 fn helps_by_links(model: &Model, modules: &ModuleTree, names: &[&str]) -> bool {
     let links = ModuleTree::links(model);
     let functions = Function::ALL.iter().copied();

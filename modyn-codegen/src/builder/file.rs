@@ -1,4 +1,5 @@
-//! Generated files in the source tree: written with a comment about their origin, and checked later.
+//! Generated files in the source tree: written with a comment about their origin, and checked
+//! later.
 
 use std::fmt::Write as _;
 use std::io::ErrorKind;
@@ -17,13 +18,14 @@ type PathsAndTexts = Vec<(PathBuf, String)>;
 impl Builder {
     /// Compiles to the file `path`, to be kept in the source tree.
     ///
-    /// Its first lines name the version of modyn, the description and the options, and say how to generate it again.
-    /// The text does not depend on the machine or the date. An up-to-date file is not written.
+    /// Its first lines name the version of modyn, the description and the options, and say how to
+    /// generate it again. The text does not depend on the machine or the date. An up-to-date file
+    /// is not written.
     ///
     /// # Errors
     ///
-    /// Returns all errors of the description and the options, or that the file cannot be written: it is an input, or modyn did not
-    /// write the file that is there.
+    /// Returns all errors of the description and the options, or that the file cannot be written:
+    /// it is an input, or modyn did not write the file that is there.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<Generated, Diagnostics> {
         let path = path.as_ref();
         let generated = self.generate()?;
@@ -31,8 +33,8 @@ impl Builder {
         Ok(generated)
     }
 
-    /// Returns whether the file `path` differs from the text that [`write`](Self::write) would write: the description,
-    /// the options or modyn have changed, or the file was edited.
+    /// Returns whether the file `path` differs from the text that [`write`](Self::write) would
+    /// write: the description, the options or modyn have changed, or the file was edited.
     ///
     /// # Errors
     ///
@@ -42,9 +44,9 @@ impl Builder {
         Ok(!has_content(path.as_ref(), self.file_text(&generated).as_bytes()))
     }
 
-    /// Compiles to files of a language: the main one is `path`, the others are beside it. For MATLAB `path` is the folder of a
-    /// package (`+arm`). Returns the warnings. Up-to-date
-    /// files are not written. Their first line names the version of modyn and a hash of the description.
+    /// Compiles to files of a language: the main one is `path`, the others are beside it. For
+    /// MATLAB `path` is the folder of a package (`+arm`). Returns the warnings. Up-to-date files
+    /// are not written. Their first line names the version of modyn and a hash of the description.
     ///
     /// # Errors
     ///
@@ -83,7 +85,8 @@ impl Builder {
         description.into_iter().chain(others).collect()
     }
 
-    /// Returns whether the files differ from the texts that [`write_as`](Self::write_as) would write.
+    /// Returns whether the files differ from the texts that [`write_as`](Self::write_as) would
+    /// write.
     ///
     /// # Errors
     ///

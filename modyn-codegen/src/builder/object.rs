@@ -39,14 +39,14 @@ pub struct ObjectPlanning {
 }
 
 impl Builder {
-    /// Returns the programs of the robot's functions of one state, for back ends that write object files. Functions of
-    /// many states become functions of one state.
+    /// Returns the programs of the robot's functions of one state, for back ends that write object
+    /// files. Functions of many states become functions of one state.
     ///
     /// # Errors
     ///
-    /// Returns all errors of the description and the options. The options `self_contained`, `embed_model` and
-    /// `c_functions` are refused: the Rust text needs the crate `modyn` and has functions alone, and the object's functions
-    /// are C functions already.
+    /// Returns all errors of the description and the options. The options `self_contained`,
+    /// `embed_model` and `c_functions` are refused: the Rust text needs the crate `modyn` and has
+    /// functions alone, and the object's functions are C functions already.
     pub fn plan_object(&self) -> Result<ObjectPlanning, Diagnostics> {
         let mut inputs = self.inputs_without(&REFUSED)?;
         let mut plan = inputs.machine_code()?;
@@ -101,8 +101,9 @@ impl ObjectPlanning {
         emit_object_header(&self.robot(), code)
     }
 
-    /// Returns the Rust text that calls the machine code: the robot's type with its functions of one state in its own
-    /// scalar, as in the text of [`Builder::generate`]. The text has unsafe code: these calls.
+    /// Returns the Rust text that calls the machine code: the robot's type with its functions of
+    /// one state in its own scalar, as in the text of [`Builder::generate`]. The text has unsafe
+    /// code: these calls.
     #[must_use]
     pub fn wrapper(&self, code: &MachineCode) -> String {
         emit_wrapper(&self.robot(), code)

@@ -27,14 +27,16 @@ pub(super) enum Source {
 }
 
 impl Builder {
-    /// Sets the file to read, of any format ([`Format::of`]); a relative path as for a [URDF](Self::urdf).
+    /// Sets the file to read, of any format ([`Format::of`]); a relative path as for a
+    /// [URDF](Self::urdf).
     #[must_use]
     pub fn file(mut self, path: impl Into<PathBuf>) -> Self {
         (self.source, self.format) = (Source::File(path.into()), None);
         self
     }
 
-    /// Sets the text of a description, of any format ([`Format::of`]), and the file name for diagnostics.
+    /// Sets the text of a description, of any format ([`Format::of`]), and the file name for
+    /// diagnostics.
     #[must_use]
     pub fn text(mut self, text: impl Into<String>, file: impl Into<String>) -> Self {
         self = self.urdf_text(text, file);
@@ -42,7 +44,8 @@ impl Builder {
         self
     }
 
-    /// Sets the URDF file to read. A relative path starts at the folder of the crate's `Cargo.toml`.
+    /// Sets the URDF file to read. A relative path starts at the folder of the crate's
+    /// `Cargo.toml`.
     #[must_use]
     pub fn urdf(mut self, path: impl Into<PathBuf>) -> Self {
         (self.source, self.format) = (Source::File(path.into()), Some(Format::Urdf));
@@ -57,8 +60,8 @@ impl Builder {
         self
     }
 
-    /// Sets the `MuJoCo` model to read, [as far as that is supported](crate::read_mjcf); a relative path as for a
-    /// [URDF](Self::urdf).
+    /// Sets the `MuJoCo` model to read, [as far as that is supported](crate::read_mjcf); a relative
+    /// path as for a [URDF](Self::urdf).
     #[must_use]
     pub fn mjcf(mut self, path: impl Into<PathBuf>) -> Self {
         (self.source, self.format) = (Source::File(path.into()), Some(Format::Mjcf));
@@ -73,8 +76,8 @@ impl Builder {
         self
     }
 
-    /// Sets a model as the robot. It is checked as a description is, and keeps its own gravity unless
-    /// [`gravity`](Self::gravity) is called.
+    /// Sets a model as the robot. It is checked as a description is, and keeps its own gravity
+    /// unless [`gravity`](Self::gravity) is called.
     #[must_use]
     pub fn model(mut self, model: Model) -> Self {
         self.source = Source::Model(Box::new(model));
@@ -82,14 +85,15 @@ impl Builder {
     }
 
     /// Sets the robot of a generated type, which has its description by the option
-    /// [`embed_model`](Self::embed_model). It keeps its own gravity unless [`gravity`](Self::gravity) is called. Its options
-    /// about code are not taken over.
+    /// [`embed_model`](Self::embed_model). It keeps its own gravity unless
+    /// [`gravity`](Self::gravity) is called. Its options about code are not taken over.
     #[must_use]
     pub fn robot<R: EmbeddedModel>(self) -> Self {
         self.model(R::model())
     }
 
-    /// Sets the errors of a description that could not be read; `generate` returns them with the errors of the options.
+    /// Sets the errors of a description that could not be read; `generate` returns them with the
+    /// errors of the options.
     #[doc(hidden)]
     #[must_use]
     pub fn failed_to_read(mut self, why: Diagnostics) -> Self {

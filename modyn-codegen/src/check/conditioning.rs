@@ -14,15 +14,17 @@ const STATES: u32 = 8;
 /// The largest number of velocities: the eigenvalues take time cubic in it.
 const MAX_VELOCITIES: usize = 100;
 
-/// The largest condition number at which single precision, with its 24 bits, is certain to keep two digits.
+/// The largest condition number at which single precision, with its 24 bits, is certain to keep two
+/// digits.
 pub const MAX_CONDITION_F32: f64 = 1e5;
 
-/// Returns the largest condition number (2-norm) of the mass matrix at a few states spread over the joints' ranges. The
-/// matrix is scaled to a diagonal of ones. `None` for a robot that is too large, or has joints that move no inertia.
+/// Returns the largest condition number (2-norm) of the mass matrix at a few states spread over the
+/// joints' ranges. The matrix is scaled to a diagonal of ones. `None` for a robot that is too
+/// large, or has joints that move no inertia.
 ///
-/// Elimination does not depend on the units of the joints, nor on the ratio of a shoulder's and a wrist's inertia. The
-/// scaled matrix therefore bounds its errors, not the matrix itself (Higham 2002, "Accuracy and Stability of Numerical
-/// Algorithms", sect. 10.1).
+/// Elimination does not depend on the units of the joints, nor on the ratio of a shoulder's and a
+/// wrist's inertia. The scaled matrix therefore bounds its errors, not the matrix itself (Higham
+/// 2002, "Accuracy and Stability of Numerical Algorithms", sect. 10.1).
 #[must_use]
 pub fn condition_number(model: &Model) -> Option<f64> {
     let nv = model.nv();

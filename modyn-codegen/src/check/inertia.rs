@@ -6,15 +6,16 @@ use super::{Body, LinkView};
 use crate::description::MAX_NUMBER;
 use crate::diagnostics::{Code, Place, Report, Severity};
 
-/// Checks whether the inertia of a body as a whole is physical; `false` with an error in the report.
+/// Checks whether the inertia of a body as a whole is physical; `false` with an error in the
+/// report.
 pub fn check(body: &Body, whole: &Inertial, unphysical: Severity, report: &mut Report<'_>) -> bool {
     let negative = check_masses(body, report);
     let sound = body.inertials().all(|(_, own)| own.sound);
     sound && check_whole(body, whole, negative, unphysical, report) && !negative
 }
 
-/// Returns whether a link of the body has a negative mass. It is an error on any link, since a sum could hide it. No
-/// option accepts it: the equations have no meaning with it.
+/// Returns whether a link of the body has a negative mass. It is an error on any link, since a sum
+/// could hide it. No option accepts it: the equations have no meaning with it.
 fn check_masses(body: &Body, report: &mut Report<'_>) -> bool {
     let errors = report.errors();
     for (link, own) in body.inertials().filter(|(_, own)| own.inertial.mass < 0.0) {
@@ -114,11 +115,13 @@ pub fn densities(bodies: &[Body], links: &[Link], report: &mut Report<'_>) {
 /// A density above that of any material (osmium has 22,600), kg/m^3.
 const MAX_DENSITY: f64 = 30_000.0;
 
-/// The radius of gyration below which a link counts as a point mass with rounding errors, as a part of the robot's size.
+/// The radius of gyration below which a link counts as a point mass with rounding errors, as a part
+/// of the robot's size.
 const POINT: f64 = 1e-6;
 
-/// Returns a message if no body can have this mass and inertia; `size` is the robot's, m. Among all bodies of one volume and mass, a ball has the
-/// smallest inertia. A body is therefore at least as dense as the ball of its mass and inertia.
+/// Returns a message if no body can have this mass and inertia; `size` is the robot's, m. Among all
+/// bodies of one volume and mass, a ball has the smallest inertia. A body is therefore at least as
+/// dense as the ball of its mass and inertia.
 fn implausible(inertial: &Inertial, size: f64) -> Option<String> {
     let Inertial { mass, inertia: [xx, _, _, yy, _, zz], .. } = *inertial;
     // A ball of radius r has the moment 2/5 m r^2 about each axis.
@@ -133,8 +136,8 @@ fn implausible(inertial: &Inertial, size: f64) -> Option<String> {
     })
 }
 
-/// Warns of moving links without `<inertial>`, if no link that is fixed to them has one either. Bodies in `refused` have an
-/// error instead.
+/// Warns of moving links without `<inertial>`, if no link that is fixed to them has one either.
+/// Bodies in `refused` have an error instead.
 pub fn warn_of_missing(bodies: &[Body], refused: &[usize], report: &mut Report<'_>) {
     let mut said = vec![false; bodies.len()];
     refused.iter().for_each(|&i| said[i] = true);

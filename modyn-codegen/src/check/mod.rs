@@ -1,5 +1,6 @@
-//! The checks of a model: physical inertias, joints that move inertia, numbers in a range that can be computed with. The
-//! checks are the same for a description and for a model that was built in code, which has no places.
+//! The checks of a model: physical inertias, joints that move inertia, numbers in a range that can
+//! be computed with. The checks are the same for a description and for a model that was built in
+//! code, which has no places.
 
 mod conditioning;
 pub mod inertia;

@@ -1,4 +1,5 @@
-//! Checks whether joints can move: armatures, damping, ratios of mimic joints, and the inertia that each joint moves.
+//! Checks whether joints can move: armatures, damping, ratios of mimic joints, and the inertia that
+//! each joint moves.
 
 use modyn_runtime::model::{Friction, Inertial, JointDynamics, Model};
 
@@ -44,9 +45,10 @@ pub fn inactive_friction(bodies: &[Body], chosen: Option<Friction>, report: &mut
     report.warn_once(Code::InactiveFriction, &places, message, help);
 }
 
-/// Reports joints that move no inertia, and mimic joints whose ratio is too large to compute with; warns of moving links
-/// without inertia. Joints that move no inertia only because their links have none are a warning: the robot has kinematic
-/// functions. The bodies are those of the model's links. Joints that depend on an unreadable body are not checked.
+/// Reports joints that move no inertia, and mimic joints whose ratio is too large to compute with;
+/// warns of moving links without inertia. Joints that move no inertia only because their links have
+/// none are a warning: the robot has kinematic functions. The bodies are those of the model's
+/// links. Joints that depend on an unreadable body are not checked.
 pub fn check(bodies: &[Body], model: &Model, report: &mut Report<'_>) {
     for joint in too_large(model).filter_map(|i| bodies[i].joint.as_ref()) {
         let message = "its coordinate is too large a multiple of its leader's to compute with";
@@ -134,8 +136,8 @@ pub fn listed<'n>(what: &str, names: impl Iterator<Item = &'n str>) -> String {
     }
 }
 
-/// Returns the joints whose motion depends on readable numbers only: those of the bodies that they carry, and of all
-/// joints that follow them.
+/// Returns the joints whose motion depends on readable numbers only: those of the bodies that they
+/// carry, and of all joints that follow them.
 fn is_determined(bodies: &[Body], model: &Model) -> Vec<bool> {
     let mut judged: Vec<bool> = bodies.iter().map(|body| body.known).collect();
     if judged.iter().all(|&known| known) {
@@ -153,8 +155,8 @@ fn is_determined(bodies: &[Body], model: &Model) -> Vec<bool> {
     judged
 }
 
-/// Returns the links, as indices, whose mimic joints have a ratio that is too large to compute with. The ratios of a chain
-/// of mimic joints are multiplied.
+/// Returns the links, as indices, whose mimic joints have a ratio that is too large to compute
+/// with. The ratios of a chain of mimic joints are multiplied.
 fn too_large(model: &Model) -> impl Iterator<Item = usize> {
     let large = |i: &usize| {
         let mimic = model.mimic(*i);

@@ -1,18 +1,20 @@
 //! Finds joints that move no inertia: their pivot in the elimination of the mass matrix is zero.
 //!
-//! Forward dynamics divides by the inertia at each joint while all joints of its descendants are free: the pivot of the
-//! articulated-body elimination (Featherstone 1987). If a pivot is zero, the mass matrix is singular. Examples are a
-//! massless link at the end of a chain, and a massless link between two joints about the same line. A massless link
-//! between joints about different lines is valid. The elimination is therefore run here, on inertias only, at fixed
-//! generic configurations. A pivot that is zero at all of them is zero for the robot, not for the configuration. It is a
+//! Forward dynamics divides by the inertia at each joint while all joints of its descendants are
+//! free: the pivot of the articulated-body elimination (Featherstone 1987). If a pivot is zero, the
+//! mass matrix is singular. Examples are a massless link at the end of a chain, and a massless link
+//! between two joints about the same line. A massless link between joints about different lines is
+//! valid. The elimination is therefore run here, on inertias only, at fixed generic configurations.
+//! A pivot that is zero at all of them is zero for the robot, not for the configuration. It is a
 //! loop over the links, not over pairs, so a chain of 100,000 joints takes little time.
 //!
-//! A joint of several degrees of freedom is eliminated one unit motion at a time. A rotor is inertia at its own joint
-//! only.
+//! A joint of several degrees of freedom is eliminated one unit motion at a time. A rotor is
+//! inertia at its own joint only.
 //!
-//! A mimic joint is locked, since its motion is the leader's, and its inertia is added to the leader as a rotor. A leader is
-//! therefore rejected only if neither it nor a mimic joint that follows it moves inertia. This is simpler than the mass
-//! matrix of the coupled joints: motions that cancel exactly in the ratio of a mimic joint are not found.
+//! A mimic joint is locked, since its motion is the leader's, and its inertia is added to the
+//! leader as a rotor. A leader is therefore rejected only if neither it nor a mimic joint that
+//! follows it moves inertia. This is simpler than the mass matrix of the coupled joints: motions
+//! that cancel exactly in the ratio of a mimic joint are not found.
 
 use modyn_runtime::joint::{JointType, planar};
 use modyn_runtime::model::{Inertial, Joint, Model};
@@ -30,10 +32,11 @@ const ROTATED: f64 = 1e-14;
 /// The number of configurations that are tried.
 pub const CONFIGURATIONS: usize = 3;
 
-/// Returns the joints, as indices, that move no inertia in any configuration; mimic joints are not among them.
+/// Returns the joints, as indices, that move no inertia in any configuration; mimic joints are not
+/// among them.
 ///
-/// A robot that was read has such joints only if their links have no inertia. It then has no functions that
-/// [need inertia](modyn_runtime::quantities::Row::needs_inertia).
+/// A robot that was read has such joints only if their links have no inertia. It then has no
+/// functions that [need inertia](modyn_runtime::quantities::Row::needs_inertia).
 #[must_use]
 pub fn singular_joints(model: &Model) -> Vec<usize> {
     let own = |i: &usize| model.mimic(*i).is_none();
@@ -65,8 +68,8 @@ fn singular_pivots(model: &Model, configuration: usize) -> Vec<bool> {
     pivots.into_iter().map(|pivot| pivot == 0.0).collect()
 }
 
-/// Returns, for each joint, the smallest of its pivots in this configuration, with the rotor's inertia; zero for rounding
-/// noise.
+/// Returns, for each joint, the smallest of its pivots in this configuration, with the rotor's
+/// inertia; zero for rounding noise.
 fn least_pivots(model: &Model, configuration: usize, rotors: &[f64]) -> Vec<f64> {
     let links = model.links();
     let mut bodies: Vec<ArticulatedState> =
@@ -86,8 +89,9 @@ fn least_pivots(model: &Model, configuration: usize, rotors: &[f64]) -> Vec<f64>
                 pivot += rotors[i];
                 subtree = eliminate(&subtree, &axis, pivot);
             } else {
-                // Where the pivot is zero, so is the momentum: there is nothing to eliminate. The remaining inertia along
-                // the axis is rounding noise, which the terms that cancelled reveal.
+                // Where the pivot is zero, so is the momentum: there is nothing to eliminate. The
+                // remaining inertia along the axis is rounding noise, which the terms that
+                // cancelled reveal.
                 pivot = rotors[i];
                 uncancelled = body.before;
             }
@@ -108,15 +112,16 @@ fn least_pivots(model: &Model, configuration: usize, rotors: &[f64]) -> Vec<f64>
     least
 }
 
-/// Returns the motion to eliminate next: the one with the largest pivot, which keeps most digits. The order is free.
+/// Returns the motion to eliminate next: the one with the largest pivot, which keeps most digits.
+/// The order is free.
 fn largest_pivot(motions: &[Twist<f64>], pivot: impl Fn(&Twist<f64>) -> f64) -> Option<usize> {
     let clear = |&k: &usize| pivot(&motions[k]).abs();
     (0..motions.len()).max_by(|a, b| clear(a).total_cmp(&clear(b)))
 }
 
-/// Returns the unit motions that a joint allows its link, in the link's axes, and the link's pose in the joint's frame at
-/// these coordinates. Only the span of the motions counts, so those of a universal or planar joint may be in any
-/// intermediate frame of the joint.
+/// Returns the unit motions that a joint allows its link, in the link's axes, and the link's pose
+/// in the joint's frame at these coordinates. Only the span of the motions counts, so those of a
+/// universal or planar joint may be in any intermediate frame of the joint.
 pub fn motions(joint: &Joint, q: &[f64; 6]) -> (Vec<Twist<f64>>, Pose<f64>) {
     let axis = joint.axis;
     let rotated = |rotation| Pose { rotation, translation: [0.0; 3] };
@@ -165,7 +170,8 @@ fn any_rotation(angles: Vec3) -> [Vec3; 3] {
     x.times(&y).times(&z).0
 }
 
-/// Returns coordinates in general position, one for each degree of freedom; a mimic joint's follow its ratio.
+/// Returns coordinates in general position, one for each degree of freedom; a mimic joint's follow
+/// its ratio.
 pub fn coordinates(model: &Model, link: usize, configuration: usize) -> [f64; 6] {
     let start = model.v_range(link).start;
     let own: [f64; 6] = core::array::from_fn(|k| coordinate(start + k, configuration));
@@ -198,7 +204,8 @@ fn translation_along(axis: Vec3) -> Twist<f64> {
     Twist { angular: Vector3::zero(), linear: Vector3(axis) }
 }
 
-/// The inertia of a link with its descendants during the elimination, and the magnitude of its rounding errors.
+/// The inertia of a link with its descendants during the elimination, and the magnitude of its
+/// rounding errors.
 #[derive(Clone, Copy)]
 struct ArticulatedState {
     /// The inertia with the joints of all descendants eliminated.

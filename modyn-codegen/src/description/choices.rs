@@ -10,12 +10,13 @@ use crate::diagnostics::Severity;
 /// The options of reading.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
-    /// The folder of the description, in which files that it names are looked for. `None`: no other file is read.
+    /// The folder of the description, in which files that it names are looked for. `None`: no other
+    /// file is read.
     pub folder: Option<PathBuf>,
     /// The place from which these files are read.
     pub files: FileStore,
-    /// The acceleration of free fall in world axes, m/s^2. `None` takes the description's, if its format has it, else
-    /// [`DEFAULT_GRAVITY`](modyn_runtime::model::DEFAULT_GRAVITY).
+    /// The acceleration of free fall in world axes, m/s^2. `None` takes the description's, if its
+    /// format has it, else [`DEFAULT_GRAVITY`](modyn_runtime::model::DEFAULT_GRAVITY).
     pub gravity: Option<[f64; 3]>,
     /// The severity of inertias that no rigid body has.
     pub unphysical_inertia: Severity,
@@ -27,8 +28,8 @@ pub struct ReadOptions {
     pub base: Base,
     /// The rotors of joints; each replaces the armature in the description.
     pub rotors: Vec<Rotor>,
-    /// The part of damping and friction that acts. `None` is [`Friction::None`], with a warning if the description has
-    /// damping or friction.
+    /// The part of damping and friction that acts. `None` is [`Friction::None`], with a warning if
+    /// the description has damping or friction.
     pub friction: Option<Friction>,
     /// The joints that close loops, besides those of the description.
     pub loops: Vec<Loop>,
@@ -38,7 +39,8 @@ pub struct ReadOptions {
     pub packages: Vec<Package>,
     /// The arguments of a xacro, in place of its defaults.
     pub xacro_args: Vec<XacroArg>,
-    /// Whether the shapes of the links are read, for pictures, with the files of their meshes. They do not change the robot.
+    /// Whether the shapes of the links are read, for pictures, with the files of their meshes. They
+    /// do not change the robot.
     pub shapes: bool,
 }
 
@@ -59,7 +61,8 @@ pub enum Mimic {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Base {
-    /// As the format says: the root link of a URDF is fixed; a link of an SDF or an MJCF floats where the file says so.
+    /// As the format says: the root link of a URDF is fixed; a link of an SDF or an MJCF floats
+    /// where the file says so.
     #[default]
     Described,
     /// The root link is fixed to the world, and so are links that float in the world by a joint of
@@ -78,7 +81,8 @@ pub struct Rotor {
     pub joint: String,
     /// The rotor's inertia about its own axis, kg m^2 (or kg for a prismatic joint).
     pub inertia: f64,
-    /// The gear ratio: the rotor's velocity divided by the joint's. The armature is its square times the inertia.
+    /// The gear ratio: the rotor's velocity divided by the joint's. The armature is its square
+    /// times the inertia.
     pub gear_ratio: f64,
 }
 

@@ -7,8 +7,9 @@ use std::sync::Arc;
 
 /// The place from which a description and the files that it names are read.
 ///
-/// Files in memory are found by the end of their path: `package://arm/meshes/hand.stl` is the file `hand.stl`, unless the files
-/// have one in a folder `meshes`, which is preferred. Nothing is read from the file system then.
+/// Files in memory are found by the end of their path: `package://arm/meshes/hand.stl` is the file
+/// `hand.stl`, unless the files have one in a folder `meshes`, which is preferred. Nothing is read
+/// from the file system then.
 ///
 /// ```
 /// use modyn_codegen::{FileStore, ReadOptions};
@@ -61,8 +62,8 @@ impl FileStore {
         self.0.is_some()
     }
 
-    /// Returns the file in memory whose path has the longest common end with this path, the first of several; `None` if none has
-    /// its name.
+    /// Returns the file in memory whose path has the longest common end with this path, the first
+    /// of several; `None` if none has its name.
     fn find(files: &[MemoryFile], path: &Path) -> Option<usize> {
         let ends = files.iter().map(|file| common_end(&file.path, path)).enumerate();
         let best = ends.rev().max_by_key(|(_, end)| *end)?;

@@ -3,10 +3,12 @@
 /// The smallest magnitude that is rejected: products of such numbers could overflow.
 pub const MAX_NUMBER: f64 = 1e60;
 
-/// The magnitude from which a limit is no limit. Other software requires limits where modyn does not.
+/// The magnitude from which a limit is no limit. Other software requires limits where modyn does
+/// not.
 pub const UNLIMITED: f64 = 1e30;
 
-/// Returns `Rz(yaw) Ry(pitch) Rx(roll)`. Sines are libm's, so that every host computes the same numbers.
+/// Returns `Rz(yaw) Ry(pitch) Rx(roll)`. Sines are libm's, so that every host computes the same
+/// numbers.
 pub fn roll_pitch_yaw([roll, pitch, yaw]: [f64; 3]) -> [[f64; 3]; 3] {
     let (sr, cr) = libm::sincos(roll);
     let (sp, cp) = libm::sincos(pitch);
@@ -30,7 +32,8 @@ pub fn normalized(axis: [f64; 3]) -> Option<([f64; 3], f64)> {
     Some((scaled.map(|x| x / length), largest * length))
 }
 
-/// Returns whether two unit vectors are parallel, or nearly so, as for the axes of a universal joint.
+/// Returns whether two unit vectors are parallel, or nearly so, as for the axes of a universal
+/// joint.
 pub fn are_parallel(a: [f64; 3], b: [f64; 3]) -> bool {
     let cos: f64 = a.iter().zip(&b).map(|(a, b)| a * b).sum();
     cos.abs() > PARALLEL

@@ -1,7 +1,8 @@
-//! The description of a robot: owned records with their places in the text, independent of the format.
+//! The description of a robot: owned records with their places in the text, independent of the
+//! format.
 //!
-//! A value that could not be read is replaced by its default, so that assembling can continue and find the next error. The
-//! report has the reason, and no model is made of the description.
+//! A value that could not be read is replaced by its default, so that assembling can continue and
+//! find the next error. The report has the reason, and no model is made of the description.
 
 mod choices;
 mod file_store;
@@ -213,8 +214,8 @@ impl ContactRecord {
 #[derive(Clone)]
 pub struct KeyframeRecord {
     pub name: Located,
-    /// For joints of the description, by their index: the coordinates in modyn's order, with quaternions of unit length.
-    /// The coordinates of other joints are neutral.
+    /// For joints of the description, by their index: the coordinates in modyn's order, with
+    /// quaternions of unit length. The coordinates of other joints are neutral.
     pub coordinates: Vec<(usize, Vec<f64>)>,
 }
 

@@ -7,7 +7,8 @@ use modyn_runtime::spatial::Pose;
 /// The shapes of a robot, as far as its description and its files have them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shapes {
-    /// For each frame of the model its shapes, in the frame's axes. Empty if no shapes were asked for.
+    /// For each frame of the model its shapes, in the frame's axes. Empty if no shapes were asked
+    /// for.
     pub of_frames: Vec<Vec<Shape>>,
     /// A sentence for each shape that could not be read.
     pub notes: Vec<String>,
@@ -20,7 +21,8 @@ pub struct Shape {
     pub pose: Pose<f64>,
     /// The geometry.
     pub geometry: Geometry,
-    /// Red, green, blue and opacity, from 0 to 1, as encoded by sRGB; `None` if the description has no colour.
+    /// Red, green, blue and opacity, from 0 to 1, as encoded by sRGB; `None` if the description has
+    /// no colour.
     pub color: Option<[f64; 4]>,
 }
 

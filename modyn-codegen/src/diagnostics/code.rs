@@ -66,7 +66,8 @@ codes! {
     Xacro = "xacro":
         "Repair the element, expression or substitution at the position; the notes name the macro calls that led there. \
         A xacro whose name does not end in `.xacro` and that has no `<xacro:...>` is read as a URDF: rename it.",
-    /// A xacro itself issues a warning, or reads a variable of the environment, which has its default here.
+    /// A xacro itself issues a warning, or reads a variable of the environment, which has its
+    /// default here.
     XacroWarning = "xacro-warning":
         "Do what the message says. A variable of the environment becomes an argument, `$(arg name)`, whose value \
         the option `xacro_args` gives.",
@@ -233,7 +234,8 @@ codes! {
     /// The damping, friction or rotor of a joint is negative.
     NegativeJointDynamics = "negative-joint-dynamics":
         "Write a number of at least 0: damping and friction oppose the motion, and a rotor's inertia is positive.",
-    /// The description has damping or friction, but the option `friction` is not set; they have no effect.
+    /// The description has damping or friction, but the option `friction` is not set; they have no
+    /// effect.
     InactiveFriction = "inactive-friction":
         "Set the option `friction`: with `viscous`, `coulomb` or `smooth`, damping (and friction) act on \
         the joints; with `none` they have no effect, and there is no warning.",
@@ -244,7 +246,8 @@ codes! {
     /// The mass of a link is negative.
     NegativeMass = "negative-mass":
         "Write a mass of at least 0, in kg. No option accepts a negative mass.",
-    /// Neither a moving link nor a link that is fixed to it has an `<inertial>`; the link counts as massless.
+    /// Neither a moving link nor a link that is fixed to it has an `<inertial>`; the link counts as
+    /// massless.
     MissingInertial = "missing-inertial":
         "Write the link's `<inertial>`. If it is massless on purpose, between two joints about different \
         axes, write an `<inertial>` with zeros.",
@@ -267,7 +270,8 @@ codes! {
     SingularJoint = "singular-joint":
         "Give the link that the joint moves (or a link that is fixed to it) a mass and an inertia, give the \
         joint a rotor (`rotors`, or `<dynamics armature>`), or make the joint `fixed`.",
-    /// Joints move no inertia, since their links have none, so the robot has kinematic functions alone.
+    /// Joints move no inertia, since their links have none, so the robot has kinematic functions
+    /// alone.
     KinematicsOnly = "kinematics-only":
         "Nothing, if poses, Jacobians and velocities are all that is needed: they do not depend on inertia. For dynamics, \
         give the links that the message names a mass and an inertia, or give their joints rotors (`rotors`, or \
@@ -321,7 +325,8 @@ impl Code {
         Self::ALL.iter().copied().find(|code| code.name() == name)
     }
 
-    /// Returns the code whose name differs from `name` by one or two letters; `None` if there is none.
+    /// Returns the code whose name differs from `name` by one or two letters; `None` if there is
+    /// none.
     #[must_use]
     pub fn suggest(name: &str) -> Option<Self> {
         suggest(name, Self::ALL.iter().map(|code| code.name())).and_then(Self::from_name)

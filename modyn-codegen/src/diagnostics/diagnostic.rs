@@ -1,4 +1,5 @@
-//! A diagnostic, and the diagnostics of a run: severity, place, subject, message and help, and their display.
+//! A diagnostic, and the diagnostics of a run: severity, place, subject, message and help, and
+//! their display.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -91,8 +92,9 @@ impl Diagnostic {
         Self::new(Severity::Error, code, message)
     }
 
-    /// Returns the error that the file `wanted` does not exist at any of the places `tried`. These are the folder of
-    /// the source file and the folder of `Cargo.toml`, or the folder of `Cargo.toml` alone.
+    /// Returns the error that the file `wanted` does not exist at any of the places `tried`. These
+    /// are the folder of the source file and the folder of `Cargo.toml`, or the folder of
+    /// `Cargo.toml` alone.
     pub fn missing_file<T: fmt::Display>(wanted: impl fmt::Display, tried: &[T]) -> Self {
         use fmt::Write;
         let mut message = format!("`{wanted}` does not exist");
@@ -137,8 +139,9 @@ impl Diagnostic {
     }
 }
 
-/// Writes `robots/foo.urdf:12:7: error[negative-mass]: link `arm`: the mass is -1 kg`, then the help on a line of its own.
-/// Line breaks and control characters in names are replaced: they could command a terminal or end a comment.
+/// Writes `robots/foo.urdf:12:7: error[negative-mass]: link `arm`: the mass is -1 kg`, then the
+/// help on a line of its own. Line breaks and control characters in names are replaced: they could
+/// command a terminal or end a comment.
 impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.write_place(f)?;
@@ -157,8 +160,8 @@ impl fmt::Display for Diagnostic {
 }
 
 impl Diagnostic {
-    /// Returns the text for a tool that writes `error: ` itself, such as rustc: `robots/foo.urdf:12:7: link `arm`: the mass
-    /// is -1 kg [negative-mass]`, then the help.
+    /// Returns the text for a tool that writes `error: ` itself, such as rustc:
+    /// `robots/foo.urdf:12:7: link `arm`: the mass is -1 kg [negative-mass]`, then the help.
     #[must_use]
     pub fn without_severity(&self) -> impl fmt::Display + '_ {
         WithoutSeverity(self)
@@ -187,7 +190,8 @@ impl Diagnostic {
     }
 }
 
-/// The largest number of characters of a message that are shown: names of a description may have any length.
+/// The largest number of characters of a message that are shown: names of a description may have
+/// any length.
 const MAX_SHOWN: usize = 4000;
 
 /// Returns a message without its middle part if it is very long.
@@ -265,8 +269,8 @@ impl Diagnostics {
     }
 }
 
-/// Writes the diagnostics for a user: a build script whose `main` returns them prints this text after `Error: `. Their
-/// number therefore comes first, on a line of its own.
+/// Writes the diagnostics for a user: a build script whose `main` returns them prints this text
+/// after `Error: `. Their number therefore comes first, on a line of its own.
 impl fmt::Debug for Diagnostics {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let count = |severity, one: &str| {

@@ -1,7 +1,8 @@
 //! Makes names of a description safe to display; they may contain any character.
 
-/// Returns `text` on one line, with invisible characters replaced. A line break would end a comment, a control character
-/// could command a terminal, and rustc rejects characters that change the direction of text.
+/// Returns `text` on one line, with invisible characters replaced. A line break would end a
+/// comment, a control character could command a terminal, and rustc rejects characters that change
+/// the direction of text.
 #[must_use]
 pub fn sanitize_for_display(text: &str) -> String {
     text.replace(is_unprintable, "\u{fffd}")

@@ -1,4 +1,5 @@
-//! The origins of a text that macros made: the place in a file of each part, and the calls that led there.
+//! The origins of a text that macros made: the place in a file of each part, and the calls that led
+//! there.
 
 /// A call of a macro, or an include.
 #[derive(Clone, Debug, Default)]

@@ -1,4 +1,5 @@
-//! Diagnostics: the table of codes, a diagnostic with its place, and the report that a reader collects.
+//! Diagnostics: the table of codes, a diagnostic with its place, and the report that a reader
+//! collects.
 
 mod code;
 mod diagnostic;

@@ -26,7 +26,8 @@ struct File<'a> {
 
 /// The diagnostics of a file and the files that it names, or of a model without a file.
 ///
-/// Offsets continue from file to file: the offset of a byte is its offset in its own file, plus the start of that file.
+/// Offsets continue from file to file: the offset of a byte is its offset in its own file, plus the
+/// start of that file.
 pub struct Report<'a> {
     files: Vec<File<'a>>,
     /// The offset after the last file.
@@ -120,7 +121,8 @@ impl<'a> Report<'a> {
         calls.take(SHOWN_CALLS).map(note).collect()
     }
 
-    /// Adds an error at an offset of the files that was reached by a call, before the expansion is complete.
+    /// Adds an error at an offset of the files that was reached by a call, before the expansion is
+    /// complete.
     pub fn error_in_call(
         &mut self,
         code: Code,
@@ -184,8 +186,9 @@ impl<'a> Report<'a> {
         self.push(diagnostic);
     }
 
-    /// Adds one warning for all these places, of which a real file may have dozens: at the first place, with the number of
-    /// the others and the lines of some. Adds nothing if there are no places.
+    /// Adds one warning for all these places, of which a real file may have dozens: at the first
+    /// place, with the number of the others and the lines of some. Adds nothing if there are no
+    /// places.
     pub fn warn_once(&mut self, code: Code, places: &[Place], message: &str, help: &str) {
         self.add_once(Severity::Warning, code, places, message, help);
     }

@@ -1,6 +1,7 @@
 //! Suggestions for misspelt names.
 
-/// Returns the candidate that differs from `name` by one or two letters; the first of equally close ones.
+/// Returns the candidate that differs from `name` by one or two letters; the first of equally close
+/// ones.
 pub fn suggest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let name: Vec<char> = name.chars().flat_map(char::to_lowercase).take(80).collect();
     let allowed = if name.len() < 4 { 1 } else { 2 };
@@ -18,7 +19,8 @@ pub fn suggest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     best.map(|(_, candidate)| candidate)
 }
 
-/// Suggestions for the first misspelt names of a file. Each is a search through all names, so their number is limited.
+/// Suggestions for the first misspelt names of a file. Each is a search through all names, so their
+/// number is limited.
 pub struct Suggestions(usize);
 
 impl Suggestions {

@@ -1,5 +1,5 @@
-//! Back ends: from a [`Plan`] to text, one folder for each language ([`Target`]), which implements [`Backend`]. Back ends
-//! make no decisions.
+//! Back ends: from a [`Plan`] to text, one folder for each language ([`Target`]), which implements
+//! [`Backend`]. Back ends make no decisions.
 
 mod c;
 mod casadi;
@@ -203,7 +203,8 @@ pub trait Backend: Sync {
         &[]
     }
 
-    /// Returns a replacement for a function that the language does not have; `None` for the functions that it has.
+    /// Returns a replacement for a function that the language does not have; `None` for the
+    /// functions that it has.
     fn lacks(&self, _: Function) -> Option<&'static str> {
         None
     }
@@ -225,11 +226,13 @@ pub enum Target {
     C,
     /// CUDA C++, for NVRTC or nvcc: a kernel for each function, with a thread for each state.
     Cuda,
-    /// WGSL, for `WebGPU`, in single precision: a kernel for each function, with a thread for each state.
+    /// WGSL, for `WebGPU`, in single precision: a kernel for each function, with a thread for each
+    /// state.
     Wgsl,
     /// C99 for `casadi.external`: functions with all derivatives.
     Casadi,
-    /// MATLAB, which GNU Octave runs as well: a package with a file for each function, for one state or many.
+    /// MATLAB, which GNU Octave runs as well: a package with a file for each function, for one
+    /// state or many.
     Matlab,
 }
 
@@ -289,8 +292,8 @@ pub fn emit_object_header(robot: &PlannedRobot<'_>, code: &MachineCode) -> Strin
     c::print_object_header(robot, code)
 }
 
-/// Returns kernels for graphics processors that integrate motions over many time steps, whose names begin with the type's
-/// name in snake case.
+/// Returns kernels for graphics processors that integrate motions over many time steps, whose names
+/// begin with the type's name in snake case.
 #[must_use]
 pub fn emit_rollouts(
     robot: &PlannedRobot<'_>,

@@ -67,7 +67,8 @@ pub(super) trait Syntax {
         }
     }
 
-    /// Returns the lines that define the arrays of loops, whose names begin with `arrays`, and run the steps.
+    /// Returns the lines that define the arrays of loops, whose names begin with `arrays`, and run
+    /// the steps.
     fn loops(
         &self,
         _arrays: &str,

@@ -1,4 +1,5 @@
-//! The operations for which C, CUDA and WGSL have no operator or function of the same results, so that printers define one.
+//! The operations for which C, CUDA and WGSL have no operator or function of the same results, so
+//! that printers define one.
 
 use crate::program::Operation;
 

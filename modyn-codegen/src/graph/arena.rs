@@ -8,8 +8,8 @@ use super::table::Table;
 
 /// Expressions over numbered inputs, with some of them as outputs.
 ///
-/// A node is a scalar or a pack of lanes. An operation acts on each lane. A scalar operand of an operation on packs is
-/// broadcast to all lanes.
+/// A node is a scalar or a pack of lanes. An operation acts on each lane. A scalar operand of an
+/// operation on packs is broadcast to all lanes.
 #[derive(Clone, Debug)]
 pub struct Graph {
     nodes: Vec<Node>,
@@ -130,8 +130,8 @@ impl Graph {
         (self.nodes.len() - 1) as Id
     }
 
-    /// Returns the widest operand of an operation, in place of an operation beyond the limit; `None` for other nodes, of which
-    /// there are few.
+    /// Returns the widest operand of an operation, in place of an operation beyond the limit;
+    /// `None` for other nodes, of which there are few.
     #[cold]
     fn beyond_limit(&self, node: Node) -> Option<Id> {
         assert!(self.nodes.len() < limit::UNLIMITED, "a graph has fewer than 2^32 nodes");
@@ -150,7 +150,8 @@ impl Graph {
         node.operands().map(|operand| self.width(operand)).max().unwrap_or(1)
     }
 
-    /// Returns the index of `node`, whose operands are nodes of this graph; creates it unless the graph has an equal node.
+    /// Returns the index of `node`, whose operands are nodes of this graph; creates it unless the
+    /// graph has an equal node.
     pub fn make(&mut self, node: Node) -> Id {
         if let Some(folded) = self.fold_lanes(node) {
             return folded;
@@ -176,7 +177,8 @@ impl Graph {
         }
     }
 
-    /// Returns an operation on constants, folded lane by lane, if some operands are packs of constants.
+    /// Returns an operation on constants, folded lane by lane, if some operands are packs of
+    /// constants.
     fn fold_lanes(&mut self, node: Node) -> Option<Id> {
         if !self.has_lanes
             || matches!(
@@ -222,7 +224,8 @@ impl Graph {
         }
     }
 
-    /// Returns the pack of these scalars, whose number is a power of two. All lanes of a pack, in their order, are that pack.
+    /// Returns the pack of these scalars, whose number is a power of two. All lanes of a pack, in
+    /// their order, are that pack.
     pub fn pack(&mut self, numbers: &[Id]) -> Id {
         if let &[first, ..] = numbers
             && let Node::ExtractLane(whole, _) = self.node(first)

@@ -3,8 +3,8 @@
 use super::{Graph, Id, Node};
 
 impl Graph {
-    /// Adds the outputs of `other`, with the nodes `inputs` as its inputs, and returns their nodes. Nodes that
-    /// this graph has already are shared. The outputs of this graph do not change.
+    /// Adds the outputs of `other`, with the nodes `inputs` as its inputs, and returns their nodes.
+    /// Nodes that this graph has already are shared. The outputs of this graph do not change.
     ///
     /// # Panics
     ///

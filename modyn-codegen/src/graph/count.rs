@@ -14,8 +14,8 @@ impl Graph {
         self.nodes().len() > operations && self.count().total() > operations
     }
 
-    /// Returns the operations that the outputs need. An operation on lanes counts once; packing and extracting lanes do not
-    /// count.
+    /// Returns the operations that the outputs need. An operation on lanes counts once; packing and
+    /// extracting lanes do not count.
     #[must_use]
     pub fn count(&self) -> OperationCount {
         let mut count = OperationCount::default();

@@ -25,8 +25,9 @@ impl Drop for Outer {
     }
 }
 
-/// Returns the result of `work`; `None` if the traces of `work` take more nodes than this, all together, or another graph does.
-/// An operation beyond the limit is one of its operands, so `work` comes to an end soon.
+/// Returns the result of `work`; `None` if the traces of `work` take more nodes than this, all
+/// together, or another graph does. An operation beyond the limit is one of its operands, so `work`
+/// comes to an end soon.
 pub fn within<T>(nodes: usize, work: impl FnOnce() -> T) -> Option<T> {
     let outer = Outer { left: LEFT.replace(nodes), is_exceeded: IS_EXCEEDED.replace(false) };
     let result = work();

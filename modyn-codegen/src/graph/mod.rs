@@ -1,8 +1,8 @@
 //! Expression graphs: the scalars that the compiler runs the equations on.
 //!
-//! A [`Graph`] is an arena of nodes addressed by index. Each operation is stored once (hash-consing); constants are
-//! folded and signs normalised when nodes are created. An [`Expr`] is an index into the graph that the current thread is
-//! [tracing](Graph::trace).
+//! A [`Graph`] is an arena of nodes addressed by index. Each operation is stored once
+//! (hash-consing); constants are folded and signs normalised when nodes are created. An [`Expr`] is
+//! an index into the graph that the current thread is [tracing](Graph::trace).
 
 mod arena;
 mod compose;

@@ -28,8 +28,8 @@ static NEXT: AtomicU32 = AtomicU32::new(1);
 
 /// A symbolic number: a node of the graph that is being traced.
 ///
-/// An expression belongs to the trace in which it was created. Expressions of another trace have no meaning;
-/// [`Graph::try_trace`] returns an error if one is used.
+/// An expression belongs to the trace in which it was created. Expressions of another trace have no
+/// meaning; [`Graph::try_trace`] returns an error if one is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Expr {
     id: Id,
@@ -53,13 +53,15 @@ impl fmt::Display for ForeignExpr {
 impl std::error::Error for ForeignExpr {}
 
 impl Graph {
-    /// Returns the graph of `equations`, which create their inputs with [`Expr::input`] and return their outputs.
+    /// Returns the graph of `equations`, which create their inputs with [`Expr::input`] and return
+    /// their outputs.
     ///
     /// A trace inside a trace starts a graph of its own; the outer trace continues afterwards.
     ///
     /// # Errors
     ///
-    /// If `equations` use or return an expression of another trace, which would refer to an unrelated node of this graph.
+    /// If `equations` use or return an expression of another trace, which would refer to an
+    /// unrelated node of this graph.
     pub fn try_trace(equations: impl FnOnce() -> Vec<Expr>) -> Result<Self, ForeignExpr> {
         let number = NEXT.fetch_add(1, Ordering::Relaxed);
         let outer = TRACED.replace(OpenGraph { number, ..OpenGraph::default() });
@@ -71,7 +73,8 @@ impl Graph {
         if foreign { Err(ForeignExpr) } else { Ok(graph) }
     }
 
-    /// Returns the graph of `equations` that use their own expressions only, as all equations of modyn do.
+    /// Returns the graph of `equations` that use their own expressions only, as all equations of
+    /// modyn do.
     ///
     /// # Panics
     ///
@@ -153,7 +156,8 @@ impl Mul for Expr {
     }
 }
 
-/// Division multiplies by the reciprocal, which the graph has once for all divisions by the same number.
+/// Division multiplies by the reciprocal, which the graph has once for all divisions by the same
+/// number.
 impl Div for Expr {
     type Output = Self;
     #[allow(clippy::suspicious_arithmetic_impl)]

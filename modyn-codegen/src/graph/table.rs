@@ -1,14 +1,16 @@
 //! The lookup of nodes in a graph: a hash table with open addressing.
 //!
-//! The compiler runs unoptimised in macros and build scripts. There the standard library's hash table takes several times
-//! as long as this one without generics, and dominated the time of tracing.
+//! The compiler runs unoptimised in macros and build scripts. There the standard library's hash
+//! table takes several times as long as this one without generics, and dominated the time of
+//! tracing.
 
 use super::node::{Id, Node};
 
 /// The nodes of a graph by their content. The graph stores the nodes themselves.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
-    /// A power of two of slots, at most half of them full: the upper half of a node's hash, then its index plus one.
+    /// A power of two of slots, at most half of them full: the upper half of a node's hash, then
+    /// its index plus one.
     places: Vec<u64>,
     full: usize,
 }
@@ -24,7 +26,8 @@ impl Table {
         self.search(node, hash(node), nodes).ok()
     }
 
-    /// Returns the index of `node`, if it is among `nodes`, all of which were inserted. Else inserts it as the next one.
+    /// Returns the index of `node`, if it is among `nodes`, all of which were inserted. Else
+    /// inserts it as the next one.
     pub fn find_or_insert(&mut self, node: Node, nodes: &[Node]) -> Option<Id> {
         if 2 * (self.full + 1) > self.places.len() {
             self.grow(nodes);
@@ -59,7 +62,8 @@ impl Table {
         }
     }
 
-    /// Makes room for as many nodes again, and for some at the beginning: most graphs have thousands.
+    /// Makes room for as many nodes again, and for some at the beginning: most graphs have
+    /// thousands.
     fn grow(&mut self, nodes: &[Node]) {
         self.places = vec![0; (4 * (self.full + 1)).next_power_of_two().max(1024)];
         let mask = self.places.len() - 1;

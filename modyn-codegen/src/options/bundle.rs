@@ -46,8 +46,8 @@ struct Defect {
 }
 
 impl Bundle {
-    /// Returns a bundle without functions. The name, in snake case, is that of the generated function; that of the
-    /// result's type follows from it.
+    /// Returns a bundle without functions. The name, in snake case, is that of the generated
+    /// function; that of the result's type follows from it.
     #[must_use]
     pub fn new(name: impl Into<String>) -> Self {
         Self { name: name.into(), members: Vec::new(), batch: false }
@@ -60,16 +60,17 @@ impl Bundle {
         self
     }
 
-    /// Adds a function of one link, such as `jacobian`. Its field of the result has the names of the function and the
-    /// link: `jacobian_hand`.
+    /// Adds a function of one link, such as `jacobian`. Its field of the result has the names of
+    /// the function and the link: `jacobian_hand`.
     #[must_use]
     pub fn of_link(mut self, function: Function, link: impl Into<String>) -> Self {
         self.members.push(Member::Table(function, Some(link.into())));
         self
     }
 
-    /// Adds a function of the user's own that [`Builder::function`](crate::Builder::function) compiles, or a derivative of it,
-    /// by name: `reach_cost`, `reach_cost_gradient`. Its field of the result has this name.
+    /// Adds a function of the user's own that [`Builder::function`](crate::Builder::function)
+    /// compiles, or a derivative of it, by name: `reach_cost`, `reach_cost_gradient`. Its field of
+    /// the result has this name.
     #[must_use]
     pub fn own_function(mut self, name: impl Into<String>) -> Self {
         self.members.push(Member::User(name.into()));
@@ -143,12 +144,13 @@ impl Bundle {
         Diagnostic::error(Code::Option, message).with_help(help)
     }
 
-    /// Returns the bundle of a robot with these functions of the user; `None` if these are not known because of errors.
+    /// Returns the bundle of a robot with these functions of the user; `None` if these are not
+    /// known because of errors.
     ///
     /// # Errors
     ///
-    /// If a link or a function of the user does not exist, the robot cannot have a function, or two functions have different
-    /// arguments of one name.
+    /// If a link or a function of the user does not exist, the robot cannot have a function, or two
+    /// functions have different arguments of one name.
     pub(crate) fn of(
         &self,
         model: &Model,
@@ -188,7 +190,8 @@ impl Member {
         }
     }
 
-    /// Returns the error and its remedy that no robot is needed to find, in a bundle for many states if `batch`.
+    /// Returns the error and its remedy that no robot is needed to find, in a bundle for many
+    /// states if `batch`.
     fn defect(&self, batch: bool) -> Option<(String, String)> {
         let Self::Table(function, link) = self else { return None };
         let (row, name) = (function.row(), function.name());
@@ -229,7 +232,8 @@ impl Member {
         found(message, "leave it out, or leave out `batch`")
     }
 
-    /// Returns the member of a robot's bundle for a function of the table, or the error and its remedy.
+    /// Returns the member of a robot's bundle for a function of the table, or the error and its
+    /// remedy.
     fn of_table(
         &self,
         function: Function,

@@ -1,4 +1,5 @@
-//! Names that users give to functions of generated code: those of bundles, and of functions of their own.
+//! Names that users give to functions of generated code: those of bundles, and of functions of
+//! their own.
 
 use crate::diagnostics::{Code, Diagnostic};
 use crate::names;
@@ -36,7 +37,8 @@ impl OwnNames {
     }
 }
 
-/// Returns the error of a name and its remedy, if generated code cannot have the name. `what` has the name.
+/// Returns the error of a name and its remedy, if generated code cannot have the name. `what` has
+/// the name.
 pub(super) fn name_defect(name: &str, what: &str) -> Option<(String, String)> {
     let snake = names::snake(name);
     if names::KEYWORDS.contains(&name) {

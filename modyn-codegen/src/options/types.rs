@@ -321,8 +321,8 @@ impl OptionValue for Package {
     }
 }
 
-/// `"name": type("link", [x, y, z], "link", [x, y, z], axis = [x, y, z])`; roll, pitch and yaw may follow each
-/// origin.
+/// `"name": type("link", [x, y, z], "link", [x, y, z], axis = [x, y, z])`; roll, pitch and yaw may
+/// follow each origin.
 impl OptionValue for Loop {
     fn read(value: &Value) -> Result<Self, OptionError> {
         let expected = "expected `\"name\": type(\"link\", [x, y, z], \"link\", [x, y, z])`, and perhaps \
@@ -373,7 +373,8 @@ impl OptionValue for Loop {
     }
 }
 
-/// `"name": type("link", [x, y, z], [roll, pitch, yaw])`; the last two are zero if they are left out.
+/// `"name": type("link", [x, y, z], [roll, pitch, yaw])`; the last two are zero if they are left
+/// out.
 impl OptionValue for Contact {
     fn read(value: &Value) -> Result<Self, OptionError> {
         let expected = "expected `\"name\": point(\"link\")` or `\"name\": surface(\"link\")`, and perhaps `[x, y, z]` \

@@ -9,7 +9,8 @@ use crate::plan::{
 use crate::trace::UserTraceError;
 use modyn_runtime::{UserArgument, UserArgumentKind};
 
-/// Names that arguments cannot have: local names of generated code, types and functions of C and CUDA, and their keywords.
+/// Names that arguments cannot have: local names of generated code, types and functions of C and
+/// CUDA, and their keywords.
 const RESERVED: &[&str] = &[
     "asm",
     "auto",

@@ -22,7 +22,8 @@ impl OptionError {
         Self { at, message: message.into(), is_form: false }
     }
 
-    /// Returns the error that a value has another form than `expected`, which is in the syntax of option values.
+    /// Returns the error that a value has another form than `expected`, which is in the syntax of
+    /// option values.
     pub(super) fn form(at: usize, expected: impl Into<String>) -> Self {
         Self { at, message: expected.into(), is_form: true }
     }
@@ -76,8 +77,8 @@ impl Value {
         }
     }
 
-    /// Returns the value as a keyword argument of the Python package: pairs are a dictionary, and a word with arguments is
-    /// a tuple that begins with the word.
+    /// Returns the value as a keyword argument of the Python package: pairs are a dictionary, and a
+    /// word with arguments is a tuple that begins with the word.
     #[must_use]
     pub fn in_python(&self) -> String {
         let all = |values: &mut dyn Iterator<Item = &Self>| -> String {

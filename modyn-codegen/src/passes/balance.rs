@@ -1,13 +1,14 @@
-//! Balances sums of several terms: terms are added in the order in which they are ready, and in pairs where the result is
-//! on the critical path.
+//! Balances sums of several terms: terms are added in the order in which they are ready, and in
+//! pairs where the result is on the critical path.
 //!
-//! The run time of straight-line code of a few hundred operations is its critical path. A sum of n terms needs n - 1
-//! additions in any order. Products are fused into additions, except one in each partial sum. Partial sums are therefore
-//! made only on critical paths.
+//! The run time of straight-line code of a few hundred operations is its critical path. A sum of n
+//! terms needs n - 1 additions in any order. Products are fused into additions, except one in each
+//! partial sum. Partial sums are therefore made only on critical paths.
 
 use crate::graph::{Graph, Id, Node};
 
-/// Cycles until a result can be used, on current processors. A difference of a cycle does not matter here.
+/// Cycles until a result can be used, on current processors. A difference of a cycle does not
+/// matter here.
 mod latency {
     pub const FUSED: u32 = 4;
     pub const SUM: u32 = 3;
@@ -18,7 +19,8 @@ mod latency {
     pub const OTHER: u32 = 20;
 }
 
-/// A sum is critical if the path through it is shorter than the critical path by at most this fraction (1/6).
+/// A sum is critical if the path through it is shorter than the critical path by at most this
+/// fraction (1/6).
 const CRITICAL_FRACTION: u32 = 6;
 
 /// Returns the graph with balanced sums.
@@ -104,7 +106,8 @@ pub fn ready_times(graph: &Graph, uses: &[u32]) -> Vec<u32> {
     ready_at
 }
 
-/// Returns the time at which `node` is ready, given its operands. A product that is used `once` is fused.
+/// Returns the time at which `node` is ready, given its operands. A product that is used `once` is
+/// fused.
 fn ready_time(graph: &Graph, node: Node, ready_at: &[u32], once: impl Fn(Id) -> bool) -> u32 {
     let at = |id: Id| ready_at[id as usize];
     let last = node.operands().map(at).max().unwrap_or(0);
@@ -154,7 +157,8 @@ fn tail_latency(graph: &Graph, live: &[bool], ready_at: &[u32]) -> Vec<u32> {
 struct Term {
     negative: bool,
     id: Id,
-    /// The time at which the term can be added; for a fused product, the time at which its factors are ready.
+    /// The time at which the term can be added; for a fused product, the time at which its factors
+    /// are ready.
     ready: u32,
 }
 

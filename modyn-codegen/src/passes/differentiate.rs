@@ -1,12 +1,13 @@
-//! Differentiation of graphs: Jacobian times vector (forward mode), and vector times Jacobian (reverse mode).
+//! Differentiation of graphs: Jacobian times vector (forward mode), and vector times Jacobian
+//! (reverse mode).
 //!
-//! Both modes use one table of partial derivatives. A selection, an absolute value or a maximum has the derivative of the
-//! branch that is taken. Graphs may have packs of lanes: a scalar operand of an operation on packs is in all lanes, so its
-//! gradient is a sum over lanes.
+//! Both modes use one table of partial derivatives. A selection, an absolute value or a maximum has
+//! the derivative of the branch that is taken. Graphs may have packs of lanes: a scalar operand of
+//! an operation on packs is in all lanes, so its gradient is a sum over lanes.
 //!
-//! Rotations about an axis are most of the operations of a robot. With x' = c x - s y and y' = s x + c y, the derivatives
-//! of x' and y' by the angle are -y' and x', which the graph has. The chain rule by way of the sine and the cosine would
-//! take two products for each of them.
+//! Rotations about an axis are most of the operations of a robot. With x' = c x - s y and y' = s
+//! x + c y, the derivatives of x' and y' by the angle are -y' and x', which the graph has. The
+//! chain rule by way of the sine and the cosine would take two products for each of them.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -53,7 +54,8 @@ impl Partial {
     }
 }
 
-/// Returns the factors of the product `id`, the sine or cosine of an angle first; `None` for any other node.
+/// Returns the factors of the product `id`, the sine or cosine of an angle first; `None` for any
+/// other node.
 fn trigonometric_product(graph: &Graph, id: Id) -> Option<(Id, Id)> {
     let Node::Mul(a, b) = graph.node(id) else { return None };
     let is_trigonometric = |id| matches!(graph.node(id), Node::Sin(_) | Node::Cos(_));
@@ -64,8 +66,9 @@ fn trigonometric_product(graph: &Graph, id: Id) -> Option<(Id, Id)> {
     }
 }
 
-/// Returns the partial derivatives of a component of a rotated vector with respect to the components before and to the
-/// angle. `None` for other nodes, and if the graph does not have the other component.
+/// Returns the partial derivatives of a component of a rotated vector with respect to the
+/// components before and to the angle. `None` for other nodes, and if the graph does not have the
+/// other component.
 fn rotation(graph: &mut Graph, id: Id) -> Option<Vec<(Id, Partial)>> {
     let (first, second, subtracts) = match graph.node(id) {
         Node::Add(a, b) => (a, b, false),
@@ -81,7 +84,8 @@ fn rotation(graph: &mut Graph, id: Id) -> Option<Vec<(Id, Partial)>> {
     };
     let nodes = graph.nodes().len();
     let (a, b) = (graph.make(Node::Mul(by_f, x)), graph.make(Node::Mul(by_g, y)));
-    // Of f x + g y and f x - g y, the derivative is b - a and -(a + b) if f is the cosine, else a - b and a + b.
+    // Of f x + g y and f x - g y, the derivative is b - a and -(a + b) if f is the cosine, else a -
+    // b and a + b.
     let of_cosine = matches!(graph.node(f), Node::Cos(_));
     let derivative = match (of_cosine, subtracts) {
         (_, true) => graph.make(Node::Add(a, b)),
@@ -101,7 +105,8 @@ fn rotation(graph: &mut Graph, id: Id) -> Option<Vec<(Id, Partial)>> {
     ])
 }
 
-/// Returns the operands of a node, or of its operands, with the partial derivatives with respect to them.
+/// Returns the operands of a node, or of its operands, with the partial derivatives with respect to
+/// them.
 pub(super) fn partials(graph: &mut Graph, id: Id) -> Vec<(Id, Partial)> {
     if let Some(rotation) = rotation(graph, id) {
         return rotation;
@@ -170,8 +175,9 @@ fn add(graph: &mut Graph, sum: &mut Option<Id>, change: Id) {
 
 /// Returns the graph of the changes of the outputs of `graph` under changes of the inputs `wrt`.
 ///
-/// The changes are further inputs, after the `inputs` inputs of `graph`. The graph has the partial derivatives of nodes
-/// that `wrt` reach, so inputs on which the outputs depend linearly give a linear graph.
+/// The changes are further inputs, after the `inputs` inputs of `graph`. The graph has the partial
+/// derivatives of nodes that `wrt` reach, so inputs on which the outputs depend linearly give a
+/// linear graph.
 #[must_use]
 pub fn jvp(graph: &Graph, inputs: usize, wrt: Range<usize>) -> Graph {
     let (live, nodes) = (graph.live(), graph.nodes().len());
@@ -223,7 +229,8 @@ pub fn jvp(graph: &Graph, inputs: usize, wrt: Range<usize>) -> Graph {
     result
 }
 
-/// Returns the change of the half of a pack that has this lane, and the lane there. `halves` are the halves with their changes.
+/// Returns the change of the half of a pack that has this lane, and the lane there. `halves` are
+/// the halves with their changes.
 fn half_of(graph: &Graph, halves: [(Id, Id); 2], lane: u8, width: u8) -> (Id, u8) {
     let (half, change) = halves[usize::from(lane / (width / 2))];
     // A scalar half is in all of its lanes.
@@ -235,7 +242,8 @@ fn half_of(graph: &Graph, halves: [(Id, Id); 2], lane: u8, width: u8) -> (Id, u8
 struct Gradient {
     /// The part with the lanes of the node.
     sum: Option<Id>,
-    /// The parts of a scalar in users on packs, by the number of their lanes. Each is to be summed over its lanes.
+    /// The parts of a scalar in users on packs, by the number of their lanes. Each is to be summed
+    /// over its lanes.
     over_lanes: BTreeMap<u8, Id>,
     /// The parts of single lanes of a pack.
     lanes: Vec<Option<Id>>,
@@ -270,7 +278,8 @@ impl Gradient {
     }
 }
 
-/// Returns the graph of the gradient of w^T f with respect to the inputs `wrt`; f are the outputs of `graph`, scalars.
+/// Returns the graph of the gradient of w^T f with respect to the inputs `wrt`; f are the outputs
+/// of `graph`, scalars.
 ///
 /// The weights w are further inputs, after the `inputs` inputs of `graph`.
 #[must_use]

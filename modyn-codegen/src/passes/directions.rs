@@ -1,8 +1,10 @@
-//! Forward mode along several directions at a time, one in each lane, in graphs whose equal limbs are lanes.
+//! Forward mode along several directions at a time, one in each lane, in graphs whose equal limbs
+//! are lanes.
 //!
-//! Direction k displaces limb k. A pack of the limbs' numbers then has a change in lane k along direction k, and none in the
-//! other lanes, so its changes along all directions are one pack. The change of a scalar is a sum of such packs, of each of
-//! which some lanes count: it has a part from each limb.
+//! Direction k displaces limb k. A pack of the limbs' numbers then has a change in lane k along
+//! direction k, and none in the other lanes, so its changes along all directions are one pack. The
+//! change of a scalar is a sum of such packs, of each of which some lanes count: it has a part from
+//! each limb.
 //!
 //! This holds as long as no limb depends on a number that another limb changes.
 
@@ -26,10 +28,11 @@ pub struct Displacement {
 enum Change {
     /// The change of a pack of limbs: lane k is the change of lane k along direction k.
     OfLimbs(Id),
-    /// The changes of a scalar: along direction k, the sum of lane k of all packs whose set of lanes has k.
+    /// The changes of a scalar: along direction k, the sum of lane k of all packs whose set of
+    /// lanes has k.
     OfScalar(Vec<Term>),
-    /// The change of a pack with lanes that other directions change. The pack is half of another one, whose scalars have
-    /// their changes; no other operation reads the change of this pack.
+    /// The change of a pack with lanes that other directions change. The pack is half of another
+    /// one, whose scalars have their changes; no other operation reads the change of this pack.
     Crossed,
 }
 
@@ -40,7 +43,8 @@ struct Term {
     lanes: u8,
 }
 
-/// Adds a term. Terms of one pack become one term, and so do terms with the same lanes of packs of one width.
+/// Adds a term. Terms of one pack become one term, and so do terms with the same lanes of packs of
+/// one width.
 fn add(graph: &mut Graph, terms: &mut Vec<Term>, mut term: Term) {
     loop {
         let add_up = |other: &Term| {
@@ -65,12 +69,14 @@ fn add(graph: &mut Graph, terms: &mut Vec<Term>, mut term: Term) {
 pub struct Directional {
     /// The graph of all changes.
     pub graph: Graph,
-    /// For each output of the differentiated graph: the outputs of `graph` whose sum is the change, each with the lanes that
-    /// count, a bit for each. An output has the change along direction k in its lane k.
+    /// For each output of the differentiated graph: the outputs of `graph` whose sum is the change,
+    /// each with the lanes that count, a bit for each. An output has the change along direction k
+    /// in its lane k.
     pub changes: Vec<Vec<(usize, u8)>>,
 }
 
-/// Returns the changes of the outputs of `graph` along directions. `graph` has the nodes of the displacements.
+/// Returns the changes of the outputs of `graph` along directions. `graph` has the nodes of the
+/// displacements.
 ///
 /// Returns `None` if a direction changes more than one limb.
 #[must_use]
@@ -159,7 +165,8 @@ fn pack_of_limbs(
     changed.then(|| Change::OfLimbs(result.pack(&lanes)))
 }
 
-/// Returns the change of an operation, if it has one; `None` if a scalar that limbs change takes part in one on limbs.
+/// Returns the change of an operation, if it has one; `None` if a scalar that limbs change takes
+/// part in one on limbs.
 fn operation(
     graph: &Graph,
     result: &mut Graph,

@@ -1,5 +1,6 @@
-//! Factors out: a b + a c becomes a (b + c) if the products have no other use. Where a sum of two products is known
-//! already, a (k u) + b (k v) becomes k (a u + b v): a vector that was scaled and is then rotated is the rotated vector, scaled.
+//! Factors out: a b + a c becomes a (b + c) if the products have no other use. Where a sum of two
+//! products is known already, a (k u) + b (k v) becomes k (a u + b v): a vector that was scaled and
+//! is then rotated is the rotated vector, scaled.
 
 use crate::graph::{Graph, Id, Node};
 
@@ -68,8 +69,8 @@ fn common_factor(graph: &Graph, uses: &[u32], node: Node) -> Option<(Id, Id, Id)
     }
 }
 
-/// Returns k and the node a u + b v, for a sum or difference of the products a (k u) and b (k v), if the graph has that
-/// node.
+/// Returns k and the node a u + b v, for a sum or difference of the products a (k u) and b (k v),
+/// if the graph has that node.
 fn multiple_of_known(graph: &Graph, node: Node) -> Option<(Id, Id)> {
     let (x, y, sum): (Id, Id, fn(Id, Id) -> Node) = match node {
         Node::Add(x, y) => (x, y, |x, y| Node::Add(x.min(y), x.max(y))),

@@ -5,19 +5,21 @@ use std::ops::Range;
 use super::{jvp, vjp};
 use crate::graph::{Graph, Node};
 
-/// Returns the graph of the derivatives of the outputs of `graph` with respect to the inputs `wrt`: a matrix with a row for
-/// each output, by columns.
+/// Returns the graph of the derivatives of the outputs of `graph` with respect to the inputs `wrt`:
+/// a matrix with a row for each output, by columns.
 ///
-/// Forward mode gives a column at a time, reverse mode a row at a time. The mode with fewer operations is taken.
+/// Forward mode gives a column at a time, reverse mode a row at a time. The mode with fewer
+/// operations is taken.
 #[must_use]
 pub fn jacobian(graph: &Graph, inputs: usize, wrt: Range<usize>) -> Graph {
     let size = (graph.outputs.len(), wrt.len());
     matrix(&jvp(graph, inputs, wrt.clone()), &vjp(graph, inputs, wrt), inputs, size)
 }
 
-/// Returns the graph of a matrix by columns. `times_vector` is the graph of its product with a vector, and
-/// `vector_times` that of the product of a vector and the matrix; the vector is further inputs, after the `inputs` inputs
-/// of the matrix. One of the two graphs gives the matrix at unit vectors: that with fewer operations.
+/// Returns the graph of a matrix by columns. `times_vector` is the graph of its product with a
+/// vector, and `vector_times` that of the product of a vector and the matrix; the vector is further
+/// inputs, after the `inputs` inputs of the matrix. One of the two graphs gives the matrix at unit
+/// vectors: that with fewer operations.
 #[must_use]
 pub fn matrix(
     times_vector: &Graph,
@@ -33,9 +35,10 @@ pub fn matrix(
     if operations(&by_rows) < operations(&by_columns) { by_rows } else { by_columns }
 }
 
-/// Returns the graph of the derivatives of `gradient` with respect to its first inputs, one for each output: a symmetric
-/// matrix by columns, since `gradient` must be the gradient of a function of these inputs. Only half of the matrix is
-/// computed. Returns `None` if it takes more than `max_operations`, as soon as some columns do.
+/// Returns the graph of the derivatives of `gradient` with respect to its first inputs, one for
+/// each output: a symmetric matrix by columns, since `gradient` must be the gradient of a function
+/// of these inputs. Only half of the matrix is computed. Returns `None` if it takes more than
+/// `max_operations`, as soon as some columns do.
 #[must_use]
 pub fn hessian(gradient: &Graph, inputs: usize, max_operations: usize) -> Option<Graph> {
     let size = gradient.outputs.len();
@@ -43,10 +46,11 @@ pub fn hessian(gradient: &Graph, inputs: usize, max_operations: usize) -> Option
     symmetric_matrix(jvp(gradient, inputs, 0..size), inputs, &alone, max_operations)
 }
 
-/// Returns the graph of a matrix by columns, the symmetric part of the matrix whose product with a vector is the graph
-/// `times_vector`; the vector is further inputs, after the `inputs` inputs of the matrix. Entries (i, j) and (j, i) are
-/// equal, unless i is in the group `groups[j]`: the lower half is computed, and the groups as a whole. Returns `None` if it
-/// takes more than `max_operations`, as soon as some columns do.
+/// Returns the graph of a matrix by columns, the symmetric part of the matrix whose product with a
+/// vector is the graph `times_vector`; the vector is further inputs, after the `inputs` inputs of
+/// the matrix. Entries (i, j) and (j, i) are equal, unless i is in the group `groups[j]`: the lower
+/// half is computed, and the groups as a whole. Returns `None` if it takes more than
+/// `max_operations`, as soon as some columns do.
 #[must_use]
 pub fn symmetric_matrix(
     mut times_vector: Graph,
@@ -64,7 +68,8 @@ pub fn symmetric_matrix(
         let unit = all.unit_vector(size, column);
         let ids = all.compose(&times_vector, &[&*given, &unit].concat());
         for (row, id) in (group.start..).zip(ids) {
-            // The entries above the diagonal, which earlier columns of the group have computed below it.
+            // The entries above the diagonal, which earlier columns of the group have computed
+            // below it.
             let id = if row < column {
                 let sum = all.make(Node::Add(matrix[row * size + column], id));
                 let half = all.constant(0.5);
@@ -84,7 +89,8 @@ pub fn symmetric_matrix(
     Some(all)
 }
 
-/// Returns the graph of the outputs of `linear` at each unit vector of its last `count` inputs, one after the other.
+/// Returns the graph of the outputs of `linear` at each unit vector of its last `count` inputs, one
+/// after the other.
 fn at_unit_vectors(linear: &Graph, inputs: usize, count: usize) -> Graph {
     let mut all = Graph::default();
     let given = all.inputs(0..inputs);

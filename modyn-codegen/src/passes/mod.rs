@@ -1,5 +1,7 @@
-//! The passes: rewrites of whole graphs, one file for each, in the order of this list. `differentiate` makes graphs of
-//! products with derivatives, `directions` those along several directions in lanes, `jacobian` graphs of whole matrices. `balance` is for functions that are not long, which the plan decides.
+//! The passes: rewrites of whole graphs, one file for each, in the order of this list.
+//! `differentiate` makes graphs of products with derivatives, `directions` those along several
+//! directions in lanes, `jacobian` graphs of whole matrices. `balance` is for functions that are
+//! not long, which the plan decides.
 
 pub(crate) mod balance;
 mod differentiate;

@@ -1,7 +1,8 @@
 //! Bundles: several functions in one, whose common work is done once.
 //!
-//! The graph of a bundle is the union of the graphs of its members, traced over the same inputs: the arguments of all
-//! members by name, each once, then the run-time parameters. Equal nodes of the graphs are one node of the union.
+//! The graph of a bundle is the union of the graphs of its members, traced over the same inputs:
+//! the arguments of all members by name, each once, then the run-time parameters. Equal nodes of
+//! the graphs are one node of the union.
 
 use std::collections::BTreeMap;
 
@@ -98,7 +99,8 @@ impl Member {
 }
 
 impl Bundle {
-    /// Returns the arguments of all members, each once: those of the table, then others of users' functions.
+    /// Returns the arguments of all members, each once: those of the table, then others of users'
+    /// functions.
     pub(super) fn arguments(&self) -> Vec<Argument> {
         let own = || self.members.iter().flat_map(|member| member.function.arguments());
         let of_a_member = |argument: &&Argument| own().any(|own| own.name == argument.name);
@@ -150,8 +152,8 @@ impl Bundle {
     }
 }
 
-/// The graphs of a bundle on scalars. A function of one link, or of a user, may have several graphs; the choice of the smallest union is
-/// made here.
+/// The graphs of a bundle on scalars. A function of one link, or of a user, may have several
+/// graphs; the choice of the smallest union is made here.
 pub(super) struct Graphs<'a> {
     bundle: &'a Bundle,
     /// The inputs of each argument: the first, and their number.
@@ -197,8 +199,8 @@ impl<'a> Graphs<'a> {
         all
     }
 
-    /// Returns a graph of each member, such that their union has few operations. The search starts with the first graphs of
-    /// all members and with the last, and changes one member at a time.
+    /// Returns a graph of each member, such that their union has few operations. The search starts
+    /// with the first graphs of all members and with the last, and changes one member at a time.
     fn cheapest(&self, candidates: Vec<Vec<Graph>>) -> Vec<Graph> {
         let operations = |choice: &[usize]| {
             let members: Vec<&Graph> =
@@ -231,8 +233,8 @@ impl<'a> Graphs<'a> {
         self.union(&self.members.iter().collect::<Vec<_>>())
     }
 
-    /// Returns the union of the graphs of all members before all passes. `packed` returns the packed graph of a member,
-    /// if it has one; `None` if no member has one.
+    /// Returns the union of the graphs of all members before all passes. `packed` returns the
+    /// packed graph of a member, if it has one; `None` if no member has one.
     pub(super) fn packed(&self, packed: impl Fn(Function) -> Option<Graph>) -> Option<Graph> {
         let packed: Vec<Option<Graph>> = self
             .bundle

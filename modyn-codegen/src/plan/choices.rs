@@ -35,7 +35,8 @@ pub struct Choices {
 }
 
 impl Choices {
-    /// Returns the choices for machine code: functions of one state in place of those of many, without shared routines and loops.
+    /// Returns the choices for machine code: functions of one state in place of those of many,
+    /// without shared routines and loops.
     #[must_use]
     pub fn of_machine_code(mut self) -> Self {
         for function in &mut self.functions {

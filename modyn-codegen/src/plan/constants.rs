@@ -13,8 +13,9 @@ use super::choices::Choices;
 pub struct Constants {
     /// The neutral coordinates: zero for every joint, the identity for quaternions.
     pub neutral: Vec<f64>,
-    /// For each link of the description the index of its parent: for a moving link, the moving link that its joint is on;
-    /// for a link that is fixed to a moving link, that link. `None` is the world.
+    /// For each link of the description the index of its parent: for a moving link, the moving link
+    /// that its joint is on; for a link that is fixed to a moving link, that link. `None` is the
+    /// world.
     pub link_parents: Vec<Option<usize>>,
     /// The inertial parameters of the moving links, ten for each link.
     pub inertial_parameters: Vec<f64>,
@@ -22,7 +23,8 @@ pub struct Constants {
     pub base_parameters: Option<BaseParameterTable>,
 }
 
-/// The base parameters of a robot: a minimal set of combinations of inertial parameters that determines all joint forces.
+/// The base parameters of a robot: a minimal set of combinations of inertial parameters that
+/// determines all joint forces.
 #[derive(Clone, Debug)]
 pub struct BaseParameterTable {
     /// The values.

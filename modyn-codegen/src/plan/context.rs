@@ -13,8 +13,9 @@ use super::partition::{self, ChosenPartition};
 use crate::program::Execution;
 use crate::trace::{LimbLimits, LimbPacking, Parameters, Tracer};
 
-/// The limits of merging limbs: the lanes of the longest vectors, and for limbs on different bodies those of a vector on most
-/// processors. The lanes of a joint that a shorter chain lacks do nothing.
+/// The limits of merging limbs: the lanes of the longest vectors, and for limbs on different bodies
+/// those of a vector on most processors. The lanes of a joint that a shorter chain lacks do
+/// nothing.
 pub const LIMB_LIMITS: LimbLimits = LimbLimits { packed: 8, joined: 4, missing: 2 };
 
 /// A robot in the forms that tracers read.
@@ -36,8 +37,8 @@ impl SymbolicRobot {
         self.parameters.inertias.is_empty() && self.parameters.payloads.is_empty()
     }
 
-    /// Returns the candidates for packing limbs. Limbs with run-time inertias are never equal; with gravity compensation, limbs
-    /// are not packed.
+    /// Returns the candidates for packing limbs. Limbs with run-time inertias are never equal; with
+    /// gravity compensation, limbs are not packed.
     fn limbs(&self, execution: Execution, share: bool) -> Vec<LimbPacking> {
         let joins = execution == Execution::Simd && !share;
         let has_candidates = self.is_described() && !self.mechanism.compensates_gravity();
@@ -54,7 +55,8 @@ pub struct PlanContext<'a> {
     pub(super) model: &'a Model,
     /// The robot on expressions.
     pub tracer: Tracer<'a>,
-    /// The robot on expressions, with all its links. `tracer` has links only if some are run-time parameters.
+    /// The robot on expressions, with all its links. `tracer` has links only if some are run-time
+    /// parameters.
     pub all_links: Tracer<'a>,
     /// The links, grouped by their programs.
     pub frames: &'a Frames,
@@ -85,7 +87,8 @@ pub struct PlanContext<'a> {
 }
 
 impl<'a> PlanContext<'a> {
-    /// Returns the inputs of tracing `robot` for a back end that runs programs in this way. `modules` is the user's partition.
+    /// Returns the inputs of tracing `robot` for a back end that runs programs in this way.
+    /// `modules` is the user's partition.
     pub(super) fn new(
         robot: &'a SymbolicRobot,
         (model, modules): (&'a Model, &ModuleTree),
@@ -99,7 +102,8 @@ impl<'a> PlanContext<'a> {
         let limbs = robot.limbs(execution, share);
         let SymbolicRobot { mechanism, frames, parameters } = robot;
         let all_links = Tracer::with_parameters(mechanism, parameters.clone());
-        // Few functions need links, of which there may be very many. But a link's inertia may be an argument.
+        // Few functions need links, of which there may be very many. But a link's inertia may be an
+        // argument.
         let tracer = match robot.is_described() {
             true => Tracer::with_parameters(frames.mechanism_without_links(), parameters.clone()),
             false => all_links.clone(),

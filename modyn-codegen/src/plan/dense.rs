@@ -1,11 +1,12 @@
 //! The choice of loops for the dense parts of functions.
 //!
-//! *Rows.* Nearly all states have independent constraint rows. Their equations are a third of those of rows of any rank, so
-//! straight-line code has these alone. The others are solved by loops, which a state without dependent rows does not run. Machine code
-//! has straight-line code for them, too.
+//! *Rows.* Nearly all states have independent constraint rows. Their equations are a third of those
+//! of rows of any rank, so straight-line code has these alone. The others are solved by loops,
+//! which a state without dependent rows does not run. Machine code has straight-line code for them,
+//! too.
 //!
-//! *Products.* Derivatives, and a part of Hessians, are the products of one matrix with many columns. The matrix and the columns have the
-//! robot's structure, the products have not.
+//! *Products.* Derivatives, and a part of Hessians, are the products of one matrix with many
+//! columns. The matrix and the columns have the robot's structure, the products have not.
 
 use modyn_runtime::quantities::Function;
 
@@ -19,18 +20,21 @@ use crate::passes::optimize;
 use crate::program::{Execution, Program, ROW_LANES};
 use crate::trace::{DenseGraph, RowForm};
 
-/// The least number of multiplications of products for which they are loops unless the user chooses short code. A quadruped on four feet has
-/// 32,000: loops have half of the code, and take no longer. The derivatives of a quadruped on a floating base have 6,000: with loops they
-/// take nine tenths of the time in a tight loop, seven tenths where code is not in the cache, and half of the text (`lab/benches/chains`).
-/// An arm with one contact has a thousand, the derivatives of an arm 700: straight-line code is as quick when called cold.
+/// The least number of multiplications of products for which they are loops unless the user chooses
+/// short code. A quadruped on four feet has 32,000: loops have half of the code, and take no
+/// longer. The derivatives of a quadruped on a floating base have 6,000: with loops they take nine
+/// tenths of the time in a tight loop, seven tenths where code is not in the cache, and half of the
+/// text (`lab/benches/chains`). An arm with one contact has a thousand, the derivatives of an arm
+/// 700: straight-line code is as quick when called cold.
 const MIN_PRODUCTS: usize = 2_500;
 
-/// The most operations, by their order, that machine code has for rows of any rank beside those of independent rows: they are not counted among
-/// the operations of a robot. It is reached by 48 rows.
+/// The most operations, by their order, that machine code has for rows of any rank beside those of
+/// independent rows: they are not counted among the operations of a robot. It is reached by 48
+/// rows.
 const MAX_ANY_RANK: usize = 125_000;
 
-/// Returns the programs of a function of constraints, or of its form for many states. `None` for other functions, and where the user has
-/// chosen straight-line code.
+/// Returns the programs of a function of constraints, or of its form for many states. `None` for
+/// other functions, and where the user has chosen straight-line code.
 pub(super) fn of_constraints(
     function: Function,
     context: &PlanContext<'_>,
@@ -41,9 +45,9 @@ pub(super) fn of_constraints(
     products.into_iter().chain([rows]).find_map(|trace| kernels(function, context, scalars, trace))
 }
 
-/// Returns the programs of another function with products, or of its form for many states, if loops take more operations out of the text
-/// than they add to a call: for short code, if the text is shorter. `straight` are the graphs of straight-line code: on scalars, and
-/// packed.
+/// Returns the programs of another function with products, or of its form for many states, if loops
+/// take more operations out of the text than they add to a call: for short code, if the text is
+/// shorter. `straight` are the graphs of straight-line code: on scalars, and packed.
 pub(super) fn by_products(
     function: Function,
     context: &PlanContext<'_>,
@@ -71,8 +75,8 @@ pub(super) fn by_products(
     is_taken.then_some(kernels)
 }
 
-/// Returns whether products may be loops: for many states in short code alone. A vector of states gains nothing from rows in lanes, and loops
-/// take more operations.
+/// Returns whether products may be loops: for many states in short code alone. A vector of states
+/// gains nothing from rows in lanes, and loops take more operations.
 fn may_have_products(function: Function, context: &PlanContext<'_>) -> bool {
     match context.code {
         CodeForm::Fast => false,
@@ -81,8 +85,8 @@ fn may_have_products(function: Function, context: &PlanContext<'_>) -> bool {
     }
 }
 
-/// Returns the programs of a function with the dense parts that `trace` sets apart. `None` if there are none, and where straight-line code
-/// is taken.
+/// Returns the programs of a function with the dense parts that `trace` sets apart. `None` if there
+/// are none, and where straight-line code is taken.
 fn kernels(
     function: Function,
     context: &PlanContext<'_>,

@@ -1,9 +1,10 @@
-//! Functions of arrays of plain numbers, and their derivatives of any order. Libraries call them that differentiate with
-//! respect to every entry of an array, such as JAX and PyTorch.
+//! Functions of arrays of plain numbers, and their derivatives of any order. Libraries call them
+//! that differentiate with respect to every entry of an array, such as JAX and PyTorch.
 //!
-//! A function of the table becomes one whose inputs are its arguments, then the run-time parameters if it depends on them. It
-//! scales quaternions to length 1 first, so its derivatives by all four entries are those of this value. A derivative is again
-//! such a function, with further inputs, so derivatives can follow one another.
+//! A function of the table becomes one whose inputs are its arguments, then the run-time parameters
+//! if it depends on them. It scales quaternions to length 1 first, so its derivatives by all four
+//! entries are those of this value. A derivative is again such a function, with further inputs, so
+//! derivatives can follow one another.
 
 use std::ops::Range;
 
@@ -17,7 +18,8 @@ use crate::graph::Graph;
 use crate::passes::{jvp, matrix, optimize, vjp};
 use crate::trace::{EntryForm, second_derivatives};
 
-/// The largest number of operations of second derivatives that are not made by differentiation of a graph.
+/// The largest number of operations of second derivatives that are not made by differentiation of a
+/// graph.
 const MAX_HESSIAN: usize = 400_000;
 
 /// A function of arrays of plain numbers.
@@ -27,15 +29,17 @@ pub struct EntryFunction {
     pub function: Function,
     /// The link of a function of one link, by its index among the links of the description.
     pub link: Option<usize>,
-    /// The arrays that the result consists of: for each the places of its numbers among those of the function's result, in
-    /// the order in which they are returned.
+    /// The arrays that the result consists of: for each the places of its numbers among those of
+    /// the function's result, in the order in which they are returned.
     pub results: Vec<Vec<usize>>,
-    /// Whether a function of a time step, or the contact problem of one, has a feedback: three more arguments, `gains` (nv, 2 nv), `q_ref` and `qd_ref`. The
-    /// forces are then `tau` + `gains` (x_ref - x), with the difference of coordinates in tangent space, then that of velocities.
+    /// Whether a function of a time step, or the contact problem of one, has a feedback: three more
+    /// arguments, `gains` (nv, 2 nv), `q_ref` and `qd_ref`. The forces are then `tau` + `gains`
+    /// (x_ref - x), with the difference of coordinates in tangent space, then that of velocities.
     pub feedback: bool,
-    /// Whether a function of a time step has a quadratic cost: a third array of the state, `cost`, and after the arguments of the step
-    /// and of its feedback `q_goal`, `qd_goal`, `state_weights` (2 nv) and `control_weights` (nv). The step adds the sum of
-    /// `state_weights` (x_goal - x)^2 over the state after the step and of `control_weights` forces^2.
+    /// Whether a function of a time step has a quadratic cost: a third array of the state, `cost`,
+    /// and after the arguments of the step and of its feedback `q_goal`, `qd_goal`, `state_weights`
+    /// (2 nv) and `control_weights` (nv). The step adds the sum of `state_weights` (x_goal - x)^2
+    /// over the state after the step and of `control_weights` forces^2.
     pub cost: bool,
     /// The derivatives, the innermost first.
     pub derivatives: Vec<Derivative>,
@@ -55,7 +59,8 @@ pub struct Derivative {
 pub enum DerivativeMode {
     /// The change of each result. Further inputs: the change of each variable.
     Forward,
-    /// The gradient of a weighted sum of the results by each variable. Further inputs: the weights of each result.
+    /// The gradient of a weighted sum of the results by each variable. Further inputs: the weights
+    /// of each result.
     Reverse,
     /// For each result and each variable the matrix of derivatives, by rows.
     Matrix,
@@ -74,7 +79,8 @@ impl Arrays {
         self.inputs.iter().sum()
     }
 
-    /// Returns the product of the derivatives and a change of the variables. `forward` is its graph for changes of all inputs.
+    /// Returns the product of the derivatives and a change of the variables. `forward` is its graph
+    /// for changes of all inputs.
     fn forward(&self, forward: &Graph, variables: &[usize]) -> Self {
         let (all, places) = (self.len(), ranges(&self.inputs));
         let changes: Vec<usize> = variables.iter().map(|&i| self.inputs[i]).collect();
@@ -103,8 +109,8 @@ impl Arrays {
         }
     }
 
-    /// Returns the matrices of derivatives by the variables. `columns` is the graph of one matrix by columns, with a row for each
-    /// output, and a column for each entry of the variables.
+    /// Returns the matrices of derivatives by the variables. `columns` is the graph of one matrix
+    /// by columns, with a row for each output, and a column for each entry of the variables.
     fn matrices(&self, mut columns: Graph, variables: &[usize]) -> Self {
         let rows: usize = self.outputs.iter().sum();
         let lengths: Vec<usize> = variables.iter().map(|&i| self.inputs[i]).collect();
@@ -138,7 +144,8 @@ impl Arrays {
         }
     }
 
-    /// Returns the derivative whose graph for all inputs is `whole`: a product, or a matrix by columns.
+    /// Returns the derivative whose graph for all inputs is `whole`: a product, or a matrix by
+    /// columns.
     fn derivative(&self, Derivative { mode, variables }: &Derivative, mut whole: Graph) -> Self {
         match mode {
             DerivativeMode::Forward => self.forward(&whole, variables),
@@ -166,7 +173,8 @@ fn ranges(lengths: &[usize]) -> Vec<Range<usize>> {
 }
 
 impl EntryFunction {
-    /// Returns the function without derivatives, and where it is profitable the same function on vectors.
+    /// Returns the function without derivatives, and where it is profitable the same function on
+    /// vectors.
     fn value(&self, context: &PlanContext<'_>) -> (Arrays, Option<Graph>) {
         let Self { function, link, results, feedback, cost, .. } = self;
         let row = function.row();
@@ -221,8 +229,8 @@ impl EntryFunction {
         (value, packed.as_ref().map(finished))
     }
 
-    /// Returns the innermost derivatives that have graphs of their own, which are shorter than those by differentiation, and the
-    /// number of these derivatives.
+    /// Returns the innermost derivatives that have graphs of their own, which are shorter than
+    /// those by differentiation, and the number of these derivatives.
     fn structured(&self, value: &Arrays, context: &PlanContext<'_>) -> Option<(Arrays, usize)> {
         let (tracer, layout) = (&context.tracer, &context.for_derivatives);
         let first = self.derivatives.first()?;
@@ -279,8 +287,8 @@ impl EntryFunction {
 }
 
 impl Planned {
-    /// Returns a function of arrays with its program, whose only argument is all arrays, one after the other, and so is the
-    /// result.
+    /// Returns a function of arrays with its program, whose only argument is all arrays, one after
+    /// the other, and so is the result.
     pub(super) fn entries(function: &EntryFunction, context: &PlanContext<'_>) -> Self {
         let (value, packed) = function.value(context);
         let (mut arrays, done) = function.structured(&value, context).unwrap_or((value, 0));

@@ -1,8 +1,9 @@
 //! Links on the same body share the code of their functions.
 //!
-//! The first links of a body have programs of their own, into which their poses on the body are folded as constants.
-//! All further links of the body share one program, with the pose on the body as an argument: a row of a table. Each
-//! further link therefore adds a row and a call, whatever the function computes.
+//! The first links of a body have programs of their own, into which their poses on the body are
+//! folded as constants. All further links of the body share one program, with the pose on the body
+//! as an argument: a row of a table. Each further link therefore adds a row and a call, whatever
+//! the function computes.
 
 use modyn_runtime::mechanism::{BodyFrame, Mechanism};
 use modyn_runtime::spatial::Pose;
@@ -17,8 +18,8 @@ pub(crate) const MAX_OWN_FUNCTIONS: usize = 8;
 /// The program that a link has for a function of one link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LinkProgram {
-    /// The index of the program: first those of links with a program of their own, then those of bodies whose further links
-    /// share one.
+    /// The index of the program: first those of links with a program of their own, then those of
+    /// bodies whose further links share one.
     pub program: usize,
     /// The row of the table of placements, for a program that links share.
     pub placement: Option<usize>,
@@ -35,7 +36,8 @@ pub struct Frames {
 }
 
 impl Frames {
-    /// The number of scalars of a placement: nine of a rotation by rows, then three of a translation.
+    /// The number of scalars of a placement: nine of a rotation by rows, then three of a
+    /// translation.
     pub const PLACEMENT: usize = 12;
 
     pub(super) fn new(mechanism: &Mechanism<f64>) -> Self {
@@ -113,20 +115,22 @@ impl Frames {
         Shape::pose().array(self.programs.len() - self.rows() + self.shared.len())
     }
 
-    /// Returns the graphs of `trace` on tracers with one link: first for links of their own, then for shared ones.
+    /// Returns the graphs of `trace` on tracers with one link: first for links of their own, then
+    /// for shared ones.
     pub(super) fn kernels(&self, trace: impl Fn(&Tracer<'_>) -> Graph) -> Vec<Graph> {
         let own = self.links_with_own_program().map(|link| LinkFrame::Known(self.frames[link]));
         let all = own.chain(self.shared.iter().copied().map(LinkFrame::On));
         all.map(|frame| trace(&Tracer::with_link(&self.bare, frame))).collect()
     }
 
-    /// Returns the graph of `trace` on a tracer with this link, by its index among the links of the description.
+    /// Returns the graph of `trace` on a tracer with this link, by its index among the links of the
+    /// description.
     pub(super) fn of_link(&self, link: usize, trace: impl Fn(&Tracer<'_>) -> Graph) -> Graph {
         trace(&Tracer::with_link(&self.bare, LinkFrame::Known(self.frames[link])))
     }
 
-    /// Returns two graphs: the poses of links with programs of their own and of bodies with a shared program; and the
-    /// pose of a link with a shared program, from the pose of its body.
+    /// Returns two graphs: the poses of links with programs of their own and of bodies with a
+    /// shared program; and the pose of a link with a shared program, from the pose of its body.
     pub(super) fn poses(&self) -> [Graph; 2] {
         let own = self.links_with_own_program().map(|link| self.frames[link]);
         let bodies = self.shared.iter().map(|&body| BodyFrame { body, pose: Pose::identity() });

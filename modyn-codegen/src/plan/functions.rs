@@ -38,7 +38,8 @@ pub enum Packing {
     ByModules,
     /// Equal limbs, each group on one body, with their contacts; no loops.
     Contacts,
-    /// Equal limbs whose parents are on one path to the root. Their composites are transformed together.
+    /// Equal limbs whose parents are on one path to the root. Their composites are transformed
+    /// together.
     OnRootPath,
     /// Second derivatives: as [`Derivatives`](Self::Derivatives), in languages with vectors.
     Columns,
@@ -59,7 +60,8 @@ impl Packing {
 /// The source of a function's graphs.
 #[derive(Clone, Copy)]
 pub enum GraphSource {
-    /// The evaluation of the table on expressions. A function of one link has a graph for each link; some links share one.
+    /// The evaluation of the table on expressions. A function of one link has a graph for each
+    /// link; some links share one.
     Evaluation,
     /// Equations that support merged limbs or column lanes, or passes over other graphs.
     Traced(fn(&Tracer<'_>, &PlanContext<'_>) -> Graph),
@@ -85,7 +87,8 @@ pub struct Lowering {
     pub rows: Option<TraceDense>,
     /// The graphs with products of matrices apart, and with independent constraint rows.
     pub products: Option<TraceDense>,
-    /// Other graphs of a function of one link, which share more with those of other functions of a bundle.
+    /// Other graphs of a function of one link, which share more with those of other functions of a
+    /// bundle.
     pub in_bundles: Option<fn(&Tracer<'_>) -> Graph>,
     /// The forms that C can call.
     pub c_form: CForm,
@@ -138,7 +141,8 @@ impl Lowering {
         Self { c_form: CForm::Source, ..self }
     }
 
-    /// Returns the way the compiler makes a function. The form for many states has the graphs of the form for one.
+    /// Returns the way the compiler makes a function. The form for many states has the graphs of
+    /// the form for one.
     #[must_use]
     pub const fn of(function: Function) -> Self {
         match function {
@@ -255,7 +259,8 @@ impl Lowering {
 }
 
 impl<'a> PlanContext<'a> {
-    /// Returns the graph of a function that is none of one link, on scalars or as `tracer` packs it.
+    /// Returns the graph of a function that is none of one link, on scalars or as `tracer` packs
+    /// it.
     pub(super) fn graph(&self, function: Function, tracer: &Tracer<'a>) -> Graph {
         match Lowering::of(function).source {
             GraphSource::Traced(trace) => trace(tracer, self),
@@ -270,7 +275,8 @@ impl<'a> PlanContext<'a> {
         }
     }
 
-    /// Returns the graph of a function's evaluation on expressions. A function of one link is that of the tracer's link.
+    /// Returns the graph of a function's evaluation on expressions. A function of one link is that
+    /// of the tracer's link.
     pub(super) fn evaluation(&self, function: Function, tracer: &Tracer<'_>) -> Graph {
         let Self { elimination, layout, for_derivatives, .. } = self;
         let solvers = Solvers { elimination, layout, for_derivatives };
@@ -278,13 +284,14 @@ impl<'a> PlanContext<'a> {
     }
 }
 
-/// Returns the names of the Rust functions that a function becomes, each with the number of its arguments without the robot's
-/// run-time parameters.
+/// Returns the names of the Rust functions that a function becomes, each with the number of its
+/// arguments without the robot's run-time parameters.
 pub(crate) fn signatures(function: Function) -> Vec<(String, usize)> {
     let row = function.row();
     let inputs = row.arguments.len() + usize::from(row.by_link);
     let Some(one) = row.batch_of else { return vec![(function.name().into(), inputs)] };
-    // Over slices for each coordinate, each result is an argument; over slices of states the results are one argument.
+    // Over slices for each coordinate, each result is an argument; over slices of states the
+    // results are one argument.
     let outputs = match (row.result)(&Sizes::default()) {
         Shape::Record(_, fields) => fields.len(),
         Shape::Scalar | Shape::Array(..) => 1,
@@ -293,8 +300,8 @@ pub(crate) fn signatures(function: Function) -> Vec<(String, usize)> {
     vec![(format!("{name}_batch"), inputs + outputs), (format!("{name}_each"), inputs + 1)]
 }
 
-/// Returns the message that there is no function named `name`. It suggests the closest name, or else lists all names that the
-/// macro and the command line accept.
+/// Returns the message that there is no function named `name`. It suggests the closest name, or
+/// else lists all names that the macro and the command line accept.
 #[must_use]
 pub fn unknown_function(name: &str) -> String {
     let all = Function::ALL.iter().map(|one| one.name());

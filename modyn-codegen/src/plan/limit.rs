@@ -1,5 +1,5 @@
-//! The limit of the operations of a robot's functions. Functions are counted one after the other, and the graph of one cannot
-//! grow far beyond the limit while it is traced.
+//! The limit of the operations of a robot's functions. Functions are counted one after the other,
+//! and the graph of one cannot grow far beyond the limit while it is traced.
 
 use modyn_runtime::quantities::Function;
 
@@ -13,14 +13,15 @@ pub const MAX_OPERATIONS: usize = 800_000;
 /// The largest number of nodes that are traced for one function, of all candidates together.
 const MAX_NODES: usize = 4 * MAX_OPERATIONS;
 
-/// The number of numbers of a result whose text is as long as that of an operation. Most of a long result are zeros.
+/// The number of numbers of a result whose text is as long as that of an operation. Most of a long
+/// result are zeros.
 const RESULTS: usize = 8;
 
 /// The number of operations whose text is as long as the row of a body in the tables of loops.
 const ROW: usize = 16;
 
-/// The largest number of moving links of a robot. The searches for equal limbs and for modules take quadratic time, and forward
-/// dynamics of a longer chain takes more than [`MAX_OPERATIONS`].
+/// The largest number of moving links of a robot. The searches for equal limbs and for modules take
+/// quadratic time, and forward dynamics of a longer chain takes more than [`MAX_OPERATIONS`].
 pub const MAX_LINKS: usize = 4000;
 
 /// The reason why a robot's functions are too long.
@@ -48,8 +49,8 @@ impl Budget {
         Self { left: MAX_OPERATIONS, planned: Vec::new() }
     }
 
-    /// Returns the result of `plan` for the function with this name, which takes at least `least` operations, and has the
-    /// operations that `operations` counts.
+    /// Returns the result of `plan` for the function with this name, which takes at least `least`
+    /// operations, and has the operations that `operations` counts.
     pub(super) fn spend<T>(
         &mut self,
         name: &'static str,
@@ -71,8 +72,9 @@ impl Budget {
 }
 
 impl PlanContext<'_> {
-    /// Returns a number of operations that a function takes at least, without tracing it: those of its results, of the
-    /// factors of the mass matrix if the function has a dense solution or result, and one for each ancestor of a link.
+    /// Returns a number of operations that a function takes at least, without tracing it: those of
+    /// its results, of the factors of the mass matrix if the function has a dense solution or
+    /// result, and one for each ancestor of a link.
     pub(super) fn least_operations(&self, function: Function) -> usize {
         let (row, sizes) = (function.row(), &self.sizes);
         let numbers = (row.result)(sizes).len();

@@ -4,8 +4,9 @@
 //! functions (the table) ─ trace ─▶ graphs ─ passes ─▶ packing: the cheapest ─ program ─▶ Plan ─▶ printers
 //! ```
 //!
-//! All decisions about profit are made here: the partition into modules ([`partition`]), the packing of limbs and
-//! columns, and the balancing of sums (`packing`). A back end receives a [`Plan`] and prints it.
+//! All decisions about profit are made here: the partition into modules ([`partition`]), the
+//! packing of limbs and columns, and the balancing of sums (`packing`). A back end receives a
+//! [`Plan`] and prints it.
 
 mod bundle;
 mod casadi;
@@ -65,7 +66,8 @@ use programs::ScalarGraphs;
 pub struct Plan {
     /// The choices of the user.
     pub choices: Choices,
-    /// The functions of one state, in the order of [`Function::ALL`]; then the bundles and the user's functions.
+    /// The functions of one state, in the order of [`Function::ALL`]; then the bundles and the
+    /// user's functions.
     pub functions: Vec<Planned>,
     /// The functions of many states, in this order.
     pub batches: Vec<Planned>,
@@ -77,8 +79,9 @@ pub struct Plan {
     pub sizes: Sizes,
     /// The run-time parameters.
     pub parameters: Parameters,
-    /// The entries of `qd` that would move no inertia if all run-time inertias were zero; and the program that computes
-    /// the inertia at each of them, from the scalar's precision and the parameters. `None` if there are no such entries.
+    /// The entries of `qd` that would move no inertia if all run-time inertias were zero; and the
+    /// program that computes the inertia at each of them, from the scalar's precision and the
+    /// parameters. `None` if there are no such entries.
     pub inertia_pivots: Option<(Vec<usize>, Program)>,
     /// The links, grouped by their programs.
     pub frames: Frames,
@@ -91,8 +94,9 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Returns the plan of `model`'s functions for a back end that runs them in this way; `modules` is the user's partition.
-    /// For [`Execution::Simd`] functions of many states have programs as well.
+    /// Returns the plan of `model`'s functions for a back end that runs them in this way; `modules`
+    /// is the user's partition. For [`Execution::Simd`] functions of many states have programs as
+    /// well.
     ///
     /// # Errors
     ///
@@ -106,7 +110,8 @@ impl Plan {
         Ok(Self::traced(model, modules, choices, execution, |_, _| Ok(()))?.0)
     }
 
-    /// Returns the plan of `model`'s functions for `CasADi`, with their derivatives: the selected ones that `CasADi` can have.
+    /// Returns the plan of `model`'s functions for `CasADi`, with their derivatives: the selected
+    /// ones that `CasADi` can have.
     ///
     /// # Errors
     ///
@@ -156,7 +161,8 @@ impl Plan {
         Ok(plan)
     }
 
-    /// Returns the plan of the chosen functions, and further programs from the same inputs of tracing.
+    /// Returns the plan of the chosen functions, and further programs from the same inputs of
+    /// tracing.
     fn traced<T>(
         model: &Model,
         modules: &ModuleTree,
@@ -257,7 +263,8 @@ impl Plan {
         planned.map(|planned| (planned.name, planned.operations_per_call())).collect()
     }
 
-    /// Returns the operations of one call on vectors of each function and bundle that has a program on vectors, by name.
+    /// Returns the operations of one call on vectors of each function and bundle that has a program
+    /// on vectors, by name.
     #[must_use]
     pub fn operations_in_lanes(&self) -> Vec<(&'static str, OperationCount)> {
         let in_lanes = |planned: &Planned| match &planned.kernels {
@@ -269,13 +276,14 @@ impl Plan {
         self.functions.iter().filter_map(in_lanes).collect()
     }
 
-    /// Returns the functions and bundles whose packed programs are invalid, by name: each has its program on scalars alone. There
-    /// are none unless modyn has a fault.
+    /// Returns the functions and bundles whose packed programs are invalid, by name: each has its
+    /// program on scalars alone. There are none unless modyn has a fault.
     pub fn faults(&self) -> impl Iterator<Item = (&'static str, &InvalidProgram)> {
         self.functions.iter().filter_map(|planned| Some((planned.name, planned.fault.as_ref()?)))
     }
 
-    /// Returns the functions that have loops in place of straight-line code, by name: which loops, and why. Machine code has none.
+    /// Returns the functions that have loops in place of straight-line code, by name: which loops,
+    /// and why. Machine code has none.
     #[must_use]
     pub fn loops(&self) -> Vec<(&'static str, String)> {
         if self.choices.machine_code {

@@ -1,4 +1,5 @@
-//! Packing within one state: which limbs or columns are packed into vectors, and when that is profitable.
+//! Packing within one state: which limbs or columns are packed into vectors, and when that is
+//! profitable.
 
 use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::quantities::Function;
@@ -10,22 +11,26 @@ use crate::graph::Graph;
 use crate::passes::{balance, optimize};
 use crate::trace::{LimbPacking, Tracer};
 
-/// The largest number of operations on scalars for which sums are balanced along the critical path. A longer function
-/// keeps all units of a processor busy without balancing.
+/// The largest number of operations on scalars for which sums are balanced along the critical path.
+/// A longer function keeps all units of a processor busy without balancing.
 const MAX_BALANCED: usize = 2000;
 
-/// The number of derivative columns that are computed at a time: the lanes of a vector on most processors.
+/// The number of derivative columns that are computed at a time: the lanes of a vector on most
+/// processors.
 pub const COLUMN_LANES: usize = 4;
 
-/// The largest number of operations on scalars for which derivatives are also compiled with columns in lanes. They add about
-/// half of the text, also for a humanoid's Hessians and its derivatives on its soles.
+/// The largest number of operations on scalars for which derivatives are also compiled with columns
+/// in lanes. They add about half of the text, also for a humanoid's Hessians and its derivatives on
+/// its soles.
 const MAX_COLUMNS: usize = 200_000;
 
-/// The number of operations of functions that are compiled for several instruction sets without packing. Shorter
-/// functions take no longer than the dispatch; longer functions cost more compile time than they gain.
+/// The number of operations of functions that are compiled for several instruction sets without
+/// packing. Shorter functions take no longer than the dispatch; longer functions cost more compile
+/// time than they gain.
 const DISPATCHED: std::ops::Range<usize> = 100..5000;
 
-/// A packed function is profitable if it needs fewer than this many fifths of the operations on scalars.
+/// A packed function is profitable if it needs fewer than this many fifths of the operations on
+/// scalars.
 const MAX_FIFTHS: usize = 4;
 
 /// Returns the optimized graph of a function of one state on scalars.
@@ -42,9 +47,10 @@ pub(super) fn balanced(graph: Graph) -> Graph {
     if graph.count().total() <= MAX_BALANCED { balance(&graph) } else { graph }
 }
 
-/// Returns the packed graph of a function; `None` if it is not profitable compared with `scalar`. A hot function that is
-/// not packed is compiled for vector instruction sets unchanged: products are fused into sums there, even if the program
-/// is compiled for processors without fused multiply-add.
+/// Returns the packed graph of a function; `None` if it is not profitable compared with `scalar`. A
+/// hot function that is not packed is compiled for vector instruction sets unchanged: products are
+/// fused into sums there, even if the program is compiled for processors without fused
+/// multiply-add.
 pub(super) fn packed(
     function: Function,
     context: &PlanContext<'_>,
@@ -53,7 +59,8 @@ pub(super) fn packed(
     packed_by(function, context, scalar, &|tracer| context.graph(function, tracer))
 }
 
-/// Returns the packed graph of a function, as [`packed`] does, for a function that `trace` traces in another way.
+/// Returns the packed graph of a function, as [`packed`] does, for a function that `trace` traces
+/// in another way.
 pub(super) fn packed_by<'a>(
     function: Function,
     context: &PlanContext<'a>,
@@ -71,8 +78,8 @@ pub(super) fn packed_by<'a>(
     profitable(by_limbs.chain(columns), function.row().hot, context, scalar)
 }
 
-/// Returns the packed graph of a bundle, as [`packed`] does: of each member its packed graph, if it has one, else its graph
-/// on scalars.
+/// Returns the packed graph of a bundle, as [`packed`] does: of each member its packed graph, if it
+/// has one, else its graph on scalars.
 pub(super) fn packed_bundle(
     bundle: &Bundle,
     graphs: &Graphs<'_>,
@@ -102,8 +109,8 @@ fn operations(graph: &Graph) -> usize {
     graph.count().total()
 }
 
-/// Returns the cheapest of several packed graphs after all passes, if it is profitable compared with `scalar`. The cheapest is
-/// found before the passes, which take longer than tracing.
+/// Returns the cheapest of several packed graphs after all passes, if it is profitable compared
+/// with `scalar`. The cheapest is found before the passes, which take longer than tracing.
 fn profitable(
     graphs: impl Iterator<Item = Graph>,
     hot: bool,

@@ -1,9 +1,9 @@
 //! The search for the modules of forward dynamics.
 //!
-//! The accelerations do not depend on the partition, but the cost does. Candidates are traced, their operations are
-//! counted, and the cheapest is taken. The uniform candidates are modules of one link, and one module for each chain.
-//! From the cheaper of the two the search varies one group of chains at a time. Chains with the same sequence of
-//! joint types (legs, arms) are cut alike.
+//! The accelerations do not depend on the partition, but the cost does. Candidates are traced,
+//! their operations are counted, and the cheapest is taken. The uniform candidates are modules of
+//! one link, and one module for each chain. From the cheaper of the two the search varies one group
+//! of chains at a time. Chains with the same sequence of joint types (legs, arms) are cut alike.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -23,20 +23,24 @@ pub struct ChosenPartition {
     pub modules: ModuleTree,
     /// The graph after all passes.
     pub graph: Graph,
-    /// The operations of the uniform candidates and of the chosen one, before the passes; the chosen one is first.
+    /// The operations of the uniform candidates and of the chosen one, before the passes; the
+    /// chosen one is first.
     pub candidates: Vec<(&'static str, usize)>,
 }
 
 /// The longest chain that is considered as one module.
 const MAX_MODULE: usize = 70;
 
-/// The largest number of operations that the search traces: a tenth of a second in a macro, which runs unoptimised.
+/// The largest number of operations that the search traces: a tenth of a second in a macro, which
+/// runs unoptimised.
 const MAX_TRACED: usize = 80_000;
 
-/// Returns the partition with a module for each chain, or with modules of one link if a chain is too long.
+/// Returns the partition with a module for each chain, or with modules of one link if a chain is
+/// too long.
 ///
-/// The pivot block of a long chain takes operations cubic in its length, and is never the cheapest. For the columns of
-/// derivatives, chains cost the same as links or less: the test `derivatives` of `modyn-tests` counts both.
+/// The pivot block of a long chain takes operations cubic in its length, and is never the cheapest.
+/// For the columns of derivatives, chains cost the same as links or less: the test `derivatives` of
+/// `modyn-tests` counts both.
 #[must_use]
 pub fn whole_chains(model: &Model) -> ModuleTree {
     let chains = ModuleTree::chains(model);
@@ -121,8 +125,8 @@ impl Search {
         }
     }
 
-    /// Returns the cuts to try, each of one group: first the uniform cuts of every group, then a module at the root
-    /// followed by single links, then two modules.
+    /// Returns the cuts to try, each of one group: first the uniform cuts of every group, then a
+    /// module at the root followed by single links, then two modules.
     fn alternatives(&self) -> Vec<(usize, Vec<usize>)> {
         let lengths: Vec<usize> = self.groups.iter().map(|chains| chains[0].len()).collect();
         let each = |cuts: &dyn Fn(usize) -> Vec<Vec<usize>>| {

@@ -23,13 +23,15 @@ pub struct Planned {
     pub c_form: CForm,
     /// The arguments, with their layouts.
     pub arguments: Vec<(Argument, Shape)>,
-    /// The number of run-time parameters, which are the last argument; zero if the function does not depend on them.
+    /// The number of run-time parameters, which are the last argument; zero if the function does
+    /// not depend on them.
     pub parameters: usize,
     /// The layout of the result.
     pub result: Shape,
     /// The programs.
     pub kernels: Kernels,
-    /// The violation of a rule by the packed program, which the programs on scalars replace. `None` unless modyn has a fault.
+    /// The violation of a rule by the packed program, which the programs on scalars replace. `None`
+    /// unless modyn has a fault.
     pub fault: Option<InvalidProgram>,
 }
 
@@ -39,17 +41,20 @@ pub enum Kernels {
     Straight {
         /// The program without packs.
         scalar: Program,
-        /// The same function on vectors, if that is profitable; the processor's features decide at run time.
+        /// The same function on vectors, if that is profitable; the processor's features decide at
+        /// run time.
         simd: Option<Program>,
     },
-    /// The programs of a function of one link, with the indices of [`LinkProgram`](super::LinkProgram). A program that links
-    /// share has the link's placement as a further argument.
+    /// The programs of a function of one link, with the indices of
+    /// [`LinkProgram`](super::LinkProgram). A program that links share has the link's placement as
+    /// a further argument.
     ByLink(Vec<Program>),
     /// The programs of the poses of all links, if some links share a program.
     Poses {
         /// The poses with the indices of [`LinkProgram`](super::LinkProgram).
         bodies: Program,
-        /// The pose of a link with a shared program, from the pose of its body and the link's placement.
+        /// The pose of a link with a shared program, from the pose of its body and the link's
+        /// placement.
         placed: Program,
         /// The number of links with a shared program.
         rows: usize,
@@ -62,8 +67,8 @@ impl Kernels {
         Self::Straight { scalar, simd: None }
     }
 
-    /// Returns straight-line code as two programs: without packs, and on vectors where that is profitable, else without packs.
-    /// Returns `None` for loops and functions of links.
+    /// Returns straight-line code as two programs: without packs, and on vectors where that is
+    /// profitable, else without packs. Returns `None` for loops and functions of links.
     #[must_use]
     pub fn straight(&self) -> Option<(&Program, &Program)> {
         match self {
@@ -80,15 +85,16 @@ impl Planned {
         matches!(self.kernels, Kernels::ByLink(_))
     }
 
-    /// Returns the lengths of the arrays of arguments, with that of the run-time parameters if there are some.
+    /// Returns the lengths of the arrays of arguments, with that of the run-time parameters if
+    /// there are some.
     #[must_use]
     pub fn lengths(&self) -> Vec<usize> {
         let lengths = self.arguments.iter().map(|(_, shape)| shape.len());
         lengths.chain((self.parameters > 0).then_some(self.parameters)).collect()
     }
 
-    /// Returns the result for these arguments, one after the other, by the evaluation of programs without packs: the
-    /// reference for back ends. `link` is that of a function of one link.
+    /// Returns the result for these arguments, one after the other, by the evaluation of programs
+    /// without packs: the reference for back ends. `link` is that of a function of one link.
     ///
     /// # Panics
     ///
@@ -121,7 +127,8 @@ impl Planned {
         }
     }
 
-    /// Returns the name of the function that calls this function, a time step, in a loop; `None` for other functions.
+    /// Returns the name of the function that calls this function, a time step, in a loop; `None`
+    /// for other functions.
     #[must_use]
     pub fn rollout(&self) -> Option<String> {
         match self.result {
@@ -134,7 +141,8 @@ impl Planned {
         }
     }
 
-    /// Returns the operations of one call on scalars; for a function of one link, those of the most expensive link.
+    /// Returns the operations of one call on scalars; for a function of one link, those of the most
+    /// expensive link.
     #[must_use]
     pub fn operations_per_call(&self) -> OperationCount {
         match &self.kernels {

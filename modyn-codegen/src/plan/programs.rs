@@ -21,8 +21,8 @@ use crate::passes::optimize;
 use crate::program::{Execution, InvalidProgram, Program};
 use crate::trace::Tracer;
 
-/// The scalar graphs of the selected functions that also have a selected batch form. Each graph is traced once, for
-/// the function and its batch form.
+/// The scalar graphs of the selected functions that also have a selected batch form. Each graph is
+/// traced once, for the function and its batch form.
 pub(super) struct ScalarGraphs {
     /// The functions with a selected batch form; their graphs are kept.
     batched: BTreeSet<Function>,
@@ -35,7 +35,8 @@ impl ScalarGraphs {
         Self { batched, kept: BTreeMap::new() }
     }
 
-    /// Returns the optimized and balanced graph of a function or of its batch form. The first call traces the graph.
+    /// Returns the optimized and balanced graph of a function or of its batch form. The first call
+    /// traces the graph.
     fn scalar(&mut self, function: Function, context: &PlanContext<'_>) -> Graph {
         let one = function.batched().unwrap_or(function);
         if let Some(graph) = self.kept.get(&one) {
@@ -170,7 +171,8 @@ impl Planned {
         (one, many)
     }
 
-    /// Returns the form for many states of a function that is none of the table; `graph` has `scalars` inputs.
+    /// Returns the form for many states of a function that is none of the table; `graph` has
+    /// `scalars` inputs.
     fn of_many_states(&self, graph: &Graph, scalars: usize) -> Self {
         Self {
             function: None,
@@ -243,9 +245,9 @@ impl PlanContext<'_> {
 }
 
 impl Kernels {
-    /// Returns the programs of a graph without packs and, if packing is profitable, of the same function packed: as routines for
-    /// equal limbs if they `share` one, else on vectors. If the packed program is invalid, returns the program without packs
-    /// alone, and the violation.
+    /// Returns the programs of a graph without packs and, if packing is profitable, of the same
+    /// function packed: as routines for equal limbs if they `share` one, else on vectors. If the
+    /// packed program is invalid, returns the program without packs alone, and the violation.
     #[must_use]
     pub fn lowered(
         graph: &Graph,

@@ -98,7 +98,8 @@ impl UserForm {
         (!graph.takes_more_than(MAX_USER_OPERATIONS)).then_some(graph)
     }
 
-    /// Returns whether a function of this number of results has the form if these derivatives are compiled.
+    /// Returns whether a function of this number of results has the form if these derivatives are
+    /// compiled.
     fn exists(self, derivatives: UserDerivatives, results: usize) -> bool {
         match self {
             Self::Value => true,
@@ -138,8 +139,8 @@ pub struct TracedForm {
     pub result: Shape,
     /// The graph, before all passes.
     pub graph: Graph,
-    /// Another graph of the same results, which shares more with the functions of the table in a bundle; `None` if it is too
-    /// long.
+    /// Another graph of the same results, which shares more with the functions of the table in a
+    /// bundle; `None` if it is too long.
     pub in_bundles: Option<Graph>,
 }
 
@@ -243,7 +244,8 @@ impl NamedFunction {
         })
     }
 
-    /// Returns whether the function's value depends on the inertia of links; `false` if the function cannot be traced.
+    /// Returns whether the function's value depends on the inertia of links; `false` if the
+    /// function cannot be traced.
     pub(crate) fn depends_on_inertia(&self, model: &Model) -> bool {
         let carries =
             |link: usize| model.frames().iter().position(|frame| frame.link == Some(link));
@@ -380,8 +382,8 @@ impl NamedFunction {
 /// The name of the weights of results.
 const WEIGHTS: &str = "cotangent";
 
-/// The fields of a form's result, with its documentation: the words about the derivatives, and about the sum that they are
-/// of.
+/// The fields of a form's result, with its documentation: the words about the derivatives, and
+/// about the sum that they are of.
 struct Results {
     fields: Vec<(&'static str, Shape, &'static str)>,
     docs: String,

@@ -1,8 +1,10 @@
-//! Recursions as loops over bodies: the short form of code, whose length does not depend on the number of bodies.
+//! Recursions as loops over bodies: the short form of code, whose length does not depend on the
+//! number of bodies.
 //!
-//! Each body has a record of numbers, and so has the world; all records are one array. A sweep runs the routine of a body's kind
-//! for each body, in order or in reverse. The routine reads the body's constants, its entries of the arguments, its own record,
-//! and in outward sweeps its parent's record. In inward sweeps it adds numbers to its parent's record.
+//! Each body has a record of numbers, and so has the world; all records are one array. A sweep runs
+//! the routine of a body's kind for each body, in order or in reverse. The routine reads the body's
+//! constants, its entries of the arguments, its own record, and in outward sweeps its parent's
+//! record. In inward sweeps it adds numbers to its parent's record.
 
 mod cut;
 mod order;
@@ -26,14 +28,15 @@ use slots::Slots;
 const RECORDS: usize = 0;
 const RESULT: usize = 1;
 
-/// The columns of the tables: the row of a body's record, that of its parent's record, the body's first entry of q, and its
-/// first entry of the other joint vectors.
+/// The columns of the tables: the row of a body's record, that of its parent's record, the body's
+/// first entry of q, and its first entry of the other joint vectors.
 const OWN: usize = 0;
 const PARENT: usize = 1;
 const Q: usize = 2;
 const V: usize = 3;
 
-/// The lengths of the arguments of a recursion: q, two vectors of length `nv`, and the run-time parameters.
+/// The lengths of the arguments of a recursion: q, two vectors of length `nv`, and the run-time
+/// parameters.
 #[derive(Clone, Copy, Debug)]
 pub struct RecursionSizes {
     /// The length of q.
@@ -45,7 +48,8 @@ pub struct RecursionSizes {
 }
 
 impl RecursionSizes {
-    /// Returns the index of the first number of a joint vector among the arguments, or that of the parameters.
+    /// Returns the index of the first number of a joint vector among the arguments, or that of the
+    /// parameters.
     fn start(self, argument: usize) -> usize {
         if argument == 0 { 0 } else { self.nq + (argument - 1) * self.nv }
     }
@@ -56,7 +60,8 @@ impl Program {
     ///
     /// # Panics
     ///
-    /// If the world computes something in a sweep, or the program is invalid, which no recursion of modyn is.
+    /// If the world computes something in a sweep, or the program is invalid, which no recursion of
+    /// modyn is.
     #[must_use]
     pub fn over_bodies(
         graphs: &BodyGraphs,
@@ -116,8 +121,8 @@ impl Program {
         recursion.finished().expect("a fault of modyn: please report it")
     }
 
-    /// Adds the routine of the numbers that the world sends in a sweep, and returns its call; `None` if it sends none. The record
-    /// begins with zeros.
+    /// Adds the routine of the numbers that the world sends in a sweep, and returns its call;
+    /// `None` if it sends none. The record begins with zeros.
     fn world(
         &mut self,
         graphs: &BodyGraphs,

@@ -30,8 +30,8 @@ impl Program {
         })
     }
 
-    /// Returns the operations of the program's own statements. An operation on lanes counts once; packs, unpacks and
-    /// equations of dependent rows do not count.
+    /// Returns the operations of the program's own statements. An operation on lanes counts once;
+    /// packs, unpacks and equations of dependent rows do not count.
     fn own_operations(&self) -> OperationCount {
         let mut count = OperationCount::default();
         for Statement { operation, .. } in &self.statements {

@@ -8,9 +8,9 @@
 //! results from arrays
 //! ```
 //!
-//! A loop runs at most once for each row of its table. It ends early where an entry of an array says so, as a solver's residual
-//! does. Arrays carry numbers from one iteration to the next. A routine is a program without loops, and knows nothing of
-//! arrays.
+//! A loop runs at most once for each row of its table. It ends early where an entry of an array
+//! says so, as a solver's residual does. Arrays carry numbers from one iteration to the next. A
+//! routine is a program without loops, and knows nothing of arrays.
 
 mod evaluate;
 mod text;
@@ -86,7 +86,8 @@ pub struct Loop {
     pub table: usize,
     /// Whether the last row is the first one.
     pub reversed: bool,
-    /// The loop ends before an iteration where this number is at least zero. A number that is NaN does not end it.
+    /// The loop ends before an iteration where this number is at least zero. A number that is NaN
+    /// does not end it.
     pub end: Option<Entry>,
     /// The steps of an iteration.
     pub steps: Vec<Step>,
@@ -123,10 +124,12 @@ pub struct Write {
     pub adds: bool,
 }
 
-/// A place in an array, which may differ from iteration to iteration. Arguments of the program have rows of length 1.
+/// A place in an array, which may differ from iteration to iteration. Arguments of the program have
+/// rows of length 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// The index in the array, or after the beginning of the row that `row` gives: within that row if rows are longer than 1.
+    /// The index in the array, or after the beginning of the row that `row` gives: within that row
+    /// if rows are longer than 1.
     pub index: usize,
     /// The column of rows.
     pub row: Option<Column>,
@@ -157,7 +160,8 @@ pub struct Row {
     pub places: Vec<usize>,
 }
 
-/// A program that steps call. Its arguments are the constants of the innermost loop's row, then the numbers that a call reads.
+/// A program that steps call. Its arguments are the constants of the innermost loop's row, then the
+/// numbers that a call reads.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Routine {
     /// The program.
@@ -242,7 +246,8 @@ impl Loops {
         OperationCount { additions, ..OperationCount::default() }
     }
 
-    /// Returns the arguments of the program that routines read: where a table gives their places, the first one.
+    /// Returns the arguments of the program that routines read: where a table gives their places,
+    /// the first one.
     #[must_use]
     pub fn arguments(&self) -> Vec<usize> {
         let mut arguments = Vec::new();
@@ -269,8 +274,8 @@ impl Call {
 }
 
 impl Program {
-    /// Returns the index of the statement and the first entry if the results of the program are consecutive entries of an array of
-    /// loops that has rows of length 1.
+    /// Returns the index of the statement and the first entry if the results of the program are
+    /// consecutive entries of an array of loops that has rows of length 1.
     #[must_use]
     pub fn results_in_array(&self) -> Option<(usize, Entry)> {
         let entry = |result: &Operand| {

@@ -1,4 +1,5 @@
-//! Lowering of a graph to statements: order, fused products, signs, and angles that are evaluated together.
+//! Lowering of a graph to statements: order, fused products, signs, and angles that are evaluated
+//! together.
 
 use std::collections::BTreeMap;
 
@@ -61,8 +62,8 @@ impl Program {
     }
 
     /// Returns the statements and results of a graph with loops, as a program that is not
-    /// [`finished`](Self::finished). The last outputs of the graph are the stored values, and the inputs
-    /// after the arguments are the results of the loops.
+    /// [`finished`](Self::finished). The last outputs of the graph are the stored values, and the
+    /// inputs after the arguments are the results of the loops.
     pub(super) fn with_loops(
         graph: &Graph,
         form: &LoopForm,
@@ -74,13 +75,14 @@ impl Program {
         Self::lowered_with(graph, arguments, execution, Some(apart))
     }
 
-    /// Returns the statements and results of a graph, as a program that is not [`finished`](Self::finished).
+    /// Returns the statements and results of a graph, as a program that is not
+    /// [`finished`](Self::finished).
     pub(super) fn lowered(graph: &Graph, arguments: usize, execution: Execution) -> Self {
         Self::lowered_with(graph, arguments, execution, None)
     }
 
-    /// Returns the statements and results of a graph, as [`lowered`](Self::lowered) does, with an operation
-    /// that the graph does not have.
+    /// Returns the statements and results of a graph, as [`lowered`](Self::lowered) does, with an
+    /// operation that the graph does not have.
     fn lowered_with(
         graph: &Graph,
         arguments: usize,
@@ -95,7 +97,8 @@ impl Program {
         Self { statements, results, ..Self::without_statements(execution, arguments) }
     }
 
-    /// Computes the last use of each value, cuts the statements into chunks, and checks the program.
+    /// Computes the last use of each value, cuts the statements into chunks, and checks the
+    /// program.
     pub(super) fn finished(mut self) -> Result<Self, InvalidProgram> {
         for (i, stored) in self.all_stored().copied().collect::<Vec<_>>().into_iter().enumerate() {
             match stored.value() {
@@ -126,8 +129,8 @@ enum Item {
     Apart,
 }
 
-/// An operation that a graph does not have, within its program. The last outputs of the graph are its
-/// operands, and the inputs after the arguments are its results.
+/// An operation that a graph does not have, within its program. The last outputs of the graph are
+/// its operands, and the inputs after the arguments are its results.
 struct Apart<'a> {
     form: ApartForm<'a>,
     /// The number of the program's results. The outputs after them are the operands.
@@ -173,8 +176,8 @@ struct Lowering<'a> {
     order: Vec<Item>,
     /// The operation that the graph does not have, if there is one.
     apart: Option<Apart<'a>>,
-    /// For each node, the statement that computes it. `None` for operands, and for products and packs that are part of the
-    /// operation that reads them.
+    /// For each node, the statement that computes it. `None` for operands, and for products and
+    /// packs that are part of the operation that reads them.
     statement_of: Vec<Option<usize>>,
 }
 
@@ -182,8 +185,8 @@ impl<'a> Lowering<'a> {
     fn new(graph: &'a Graph, apart: Option<Apart<'a>>) -> Self {
         let (live, uses) = (graph.live(), graph.uses());
         let nodes = graph.nodes();
-        // A product that is used once, in a sum, is fused into the sum. A pack that is used once, in a wider pack, is part of
-        // that pack.
+        // A product that is used once, in a sum, is fused into the sum. A pack that is used once,
+        // in a wider pack, is part of that pack.
         let mut fused = vec![false; nodes.len()];
         for (i, (node, _)) in nodes.iter().zip(&live).enumerate().filter(|(_, (_, live))| **live) {
             let width = graph.width(i as Id);
@@ -201,8 +204,9 @@ impl<'a> Lowering<'a> {
         lowering
     }
 
-    /// Orders the statements as their nodes. Sines and cosines of angles that are known from the start come first,
-    /// together: they share vector instructions, and no other operation waits for them one by one.
+    /// Orders the statements as their nodes. Sines and cosines of angles that are known from the
+    /// start come first, together: they share vector instructions, and no other operation waits for
+    /// them one by one.
     fn schedule(&mut self, fused: &[bool]) {
         let graph = self.graph;
         let early = early_angles(graph, &self.live);
@@ -432,7 +436,8 @@ impl<'a> Lowering<'a> {
     }
 }
 
-/// Returns the angles that are arguments, or arguments plus a constant, grouped by lanes; groups of one are omitted.
+/// Returns the angles that are arguments, or arguments plus a constant, grouped by lanes; groups of
+/// one are omitted.
 fn early_angles(graph: &Graph, live: &[bool]) -> Vec<Vec<Id>> {
     let mut angles: BTreeMap<u8, Vec<Id>> = BTreeMap::new();
     for (node, _) in graph.nodes().iter().zip(live).filter(|&(_, &live)| live) {

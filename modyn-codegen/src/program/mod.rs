@@ -4,18 +4,20 @@
 //! Graph ─ lower ─▶ statements in order ─ outline ─▶ chunks and scopes ─ validate ─▶ Program ─▶ printers
 //! ```
 //!
-//! All decisions are made here: the order of operations; which products are fused into sums; which signs are folded into
-//! operands; which angles share one evaluation of sine and cosine; where a long function is cut; and which values cross
-//! a cut. A printer chooses names, types, literals and calls only.
+//! All decisions are made here: the order of operations; which products are fused into sums; which
+//! signs are folded into operands; which angles share one evaluation of sine and cosine; where a
+//! long function is cut; and which values cross a cut. A printer chooses names, types, literals and
+//! calls only.
 //!
-//! An operand is a constant, an argument or a result of a statement. It has a sign, and scalars are broadcast to as
-//! many lanes as the operation has. A printer therefore needs no expression trees. Machine code can be made from a
-//! program directly: it is one basic block with known last uses ([`Statement::last_use`]).
+//! An operand is a constant, an argument or a result of a statement. It has a sign, and scalars are
+//! broadcast to as many lanes as the operation has. A printer therefore needs no expression trees.
+//! Machine code can be made from a program directly: it is one basic block with known last uses
+//! ([`Statement::last_use`]).
 //!
 //! A program has a text, which can be read again: [`Program`] implements `Display` and `FromStr`.
 //!
-//! Programs have one kind of loop ([`Loops`]): routines run over arrays, for each row of a table. Recursions over bodies and
-//! equal limbs that share code are such loops.
+//! Programs have one kind of loop ([`Loops`]): routines run over arrays, for each row of a table.
+//! Recursions over bodies and equal limbs that share code are such loops.
 
 mod around_loops;
 mod bodies;
@@ -84,7 +86,8 @@ pub struct Program {
     pub products: Option<Products>,
     /// The numbers that are stored and need no statement.
     pub first_stores: Vec<usize>,
-    /// The statements, cut into chunks. The last chunk calls the others in their order, and returns the results.
+    /// The statements, cut into chunks. The last chunk calls the others in their order, and returns
+    /// the results.
     pub chunks: Vec<Chunk>,
     /// The programs that loops call.
     pub routines: Vec<Routine>,
@@ -118,9 +121,11 @@ pub struct Statement {
     pub lanes: u8,
     /// For each result, whether it is read.
     pub used: Vec<bool>,
-    /// The last statement that reads one of the results; `usize::MAX` if a result is a result of the program.
+    /// The last statement that reads one of the results; `usize::MAX` if a result is a result of
+    /// the program.
     pub last_use: usize,
-    /// The indices of the numbers that are stored and that this statement computes: see [`Program::stored`].
+    /// The indices of the numbers that are stored and that this statement computes: see
+    /// [`Program::stored`].
     pub stores: Vec<usize>,
 }
 
@@ -292,8 +297,8 @@ impl Program {
         operands.filter_map(|operand| operand.value()).map(|value| value.statement)
     }
 
-    /// Returns the numbers that are stored as soon as they are computed: the entries of products that are in arrays, then with many
-    /// states the results.
+    /// Returns the numbers that are stored as soon as they are computed: the entries of products
+    /// that are in arrays, then with many states the results.
     pub fn all_stored(&self) -> impl Iterator<Item = &Operand> {
         let entries = self.products.iter().filter(|products| products.in_place.is_none());
         let results = if self.execution.has_many_states() { &*self.results } else { &[] };
@@ -313,14 +318,16 @@ impl Program {
         }
     }
 
-    /// Returns the result that the stored number with this index is; `None` for entries of products.
+    /// Returns the result that the stored number with this index is; `None` for entries of
+    /// products.
     #[must_use]
     pub fn stored_result(&self, index: usize) -> Option<usize> {
         let entries = self.products.iter().filter(|products| products.in_place.is_none());
         index.checked_sub(entries.map(|products| products.entries.len()).sum())
     }
 
-    /// Returns the numbers that are read after the statements: with one state the results, and the entries of products among them.
+    /// Returns the numbers that are read after the statements: with one state the results, and the
+    /// entries of products among them.
     pub(crate) fn read_last(&self) -> impl Iterator<Item = &Operand> {
         let results = if self.execution.has_many_states() { &[] } else { &*self.results };
         let entries = self.products.iter().filter(|products| products.in_place.is_some());

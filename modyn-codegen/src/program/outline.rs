@@ -1,8 +1,9 @@
 //! Cuts statements into chunks, which become functions, and chunks into scopes.
 //!
-//! Compilers take more than linear time for long functions, and rustc with debug information has crashed on thousands of
-//! `let`s in one scope. A chunk returns the values that later chunks need, and these read the values from its result.
-//! Chunks that copied values in order to pass them on would double the work of a long function.
+//! Compilers take more than linear time for long functions, and rustc with debug information has
+//! crashed on thousands of `let`s in one scope. A chunk returns the values that later chunks need,
+//! and these read the values from its result. Chunks that copied values in order to pass them on
+//! would double the work of a long function.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -26,13 +27,14 @@ const BATCH: Limits = Limits { whole: 500, chunk: 500 };
 /// For one state on scalars. Short chunks fit registers better, and take less compile time.
 const SCALAR: Limits = Limits { whole: 1500, chunk: 500 };
 
-/// For one state with vectors. A humanoid's forward dynamics (1,600 statements) as one function takes a fifth less time
-/// with 32 registers, the same time with 16 registers, and a tenth more compile time. Its derivatives would gain as much,
-/// but take rustc twice as long. Chunks of 800 are as fast as any longer chunks.
+/// For one state with vectors. A humanoid's forward dynamics (1,600 statements) as one function
+/// takes a fifth less time with 32 registers, the same time with 16 registers, and a tenth more
+/// compile time. Its derivatives would gain as much, but take rustc twice as long. Chunks of 800
+/// are as fast as any longer chunks.
 const PACKED: Limits = Limits { whole: 3000, chunk: 800 };
 
-/// In a thread of a graphics processor: values that cross a cut go through memory, and compilers take a function of
-/// 5,000 statements well.
+/// In a thread of a graphics processor: values that cross a cut go through memory, and compilers
+/// take a function of 5,000 statements well.
 const THREAD: Limits = Limits { whole: 5000, chunk: 2500 };
 
 /// Returns the statements of a program in chunks of about equal length.

@@ -1,8 +1,10 @@
-//! Where printers find the operands of statements: entries of arguments, and values that earlier chunks pass on.
+//! Where printers find the operands of statements: entries of arguments, and values that earlier
+//! chunks pass on.
 
 use super::{Program, Value};
 
-/// Returns the argument to which the scalar argument `number` belongs, and its index there, for arguments of these lengths.
+/// Returns the argument to which the scalar argument `number` belongs, and its index there, for
+/// arguments of these lengths.
 ///
 /// # Errors
 ///
@@ -22,8 +24,8 @@ pub fn argument_of(
 }
 
 impl Program {
-    /// Returns the chunk that computes a value, and the value's index among those that the chunk passes on; `None` if the
-    /// chunk keeps it.
+    /// Returns the chunk that computes a value, and the value's index among those that the chunk
+    /// passes on; `None` if the chunk keeps it.
     #[must_use]
     pub fn place_of(&self, value: Value) -> Option<(usize, usize)> {
         let ends_before = |chunk: &super::Chunk| chunk.statements.end <= value.statement;

@@ -11,8 +11,8 @@ use crate::trace::{ProductForm, Target};
 /// The lanes of a vector of rows.
 pub const ROW_LANES: usize = 4;
 
-/// The largest number of vectors of rows that are summed at a time. The sums of two matrices, their factors and a vector of A fit the 16
-/// registers of most processors.
+/// The largest number of vectors of rows that are summed at a time. The sums of two matrices, their
+/// factors and a vector of A fit the 16 registers of most processors.
 const MAX_VECTORS: usize = 5;
 
 /// Products A B of one matrix with several others, which are added to results.
@@ -28,8 +28,9 @@ pub struct Products {
     pub targets: Vec<Vec<Target>>,
     /// The columns with nonzeros.
     pub blocks: Vec<ProductBlock>,
-    /// The index of the first result of A where A is a matrix of results, and each B has the form of results to which its product is added:
-    /// it is computed in their place. Otherwise matrices are arrays, and statements store the entries that they compute.
+    /// The index of the first result of A where A is a matrix of results, and each B has the form
+    /// of results to which its product is added: it is computed in their place. Otherwise matrices
+    /// are arrays, and statements store the entries that they compute.
     pub in_place: Option<usize>,
 }
 
@@ -91,7 +92,8 @@ impl Products {
         [a].into_iter().chain(others).collect()
     }
 
-    /// Returns the array to which an entry belongs, and the entry's index there; `None` if there is no such entry.
+    /// Returns the array to which an entry belongs, and the entry's index there; `None` if there is
+    /// no such entry.
     #[must_use]
     pub fn place(&self, entry: usize) -> Option<(ProductMatrix, usize)> {
         let mut index = entry;
@@ -107,7 +109,8 @@ impl Products {
         })
     }
 
-    /// Returns the numbers of a program's results before the loops: each B in its place, or the numbers to which products are added.
+    /// Returns the numbers of a program's results before the loops: each B in its place, or the
+    /// numbers to which products are added.
     #[must_use]
     pub fn before(&self, results: &[Operand]) -> Vec<Operand> {
         let mut before = results.to_vec();
@@ -121,8 +124,9 @@ impl Products {
         before
     }
 
-    /// Returns the addends of products in place: the index of the result, and the number. The addends of the first list are added before the
-    /// sums with transposes, which complete symmetric matrices; those of the second list after these sums.
+    /// Returns the addends of products in place: the index of the result, and the number. The
+    /// addends of the first list are added before the sums with transposes, which complete
+    /// symmetric matrices; those of the second list after these sums.
     #[must_use]
     pub fn addends(&self, results: &[Operand]) -> [Vec<(usize, Operand)>; 2] {
         let (mut addends, n) = ([Vec::new(), Vec::new()], self.rows);
@@ -142,13 +146,15 @@ impl Products {
         addends
     }
 
-    /// Returns the index of the first result of each product in place to which its transpose is added.
+    /// Returns the index of the first result of each product in place to which its transpose is
+    /// added.
     pub fn transposed(&self) -> impl Iterator<Item = usize> {
         let targets = self.targets.iter().filter(|targets| targets.len() > 1);
         targets.filter(|_| self.in_place.is_some()).map(|targets| targets[0].first)
     }
 
-    /// Returns whether the numbers are zero to which a block's product is added: it is stored in their place.
+    /// Returns whether the numbers are zero to which a block's product is added: it is stored in
+    /// their place.
     #[must_use]
     pub fn replaces(&self, block: &ProductBlock, target: &Target, results: &[Operand]) -> bool {
         let is_only = self.targets.iter().flatten().filter(|other| other.first == target.first);
@@ -173,7 +179,8 @@ impl Products {
         self.rows * self.terms + matrix * self.terms * self.columns()
     }
 
-    /// Returns the index of the first result of A if all matrices have places among the results of one state.
+    /// Returns the index of the first result of A if all matrices have places among the results of
+    /// one state.
     fn place_of_a(&self, results: &[Operand], execution: Execution) -> Option<usize> {
         let n = self.rows;
         let is_square = n == self.terms && n == self.columns() && n > 1;
@@ -195,7 +202,8 @@ impl Products {
         place.filter(|_| apart && taken.last().is_some_and(|&last| last <= ends))
     }
 
-    /// Returns the multiplications of all sums. On vectors an operation on rows in lanes counts once.
+    /// Returns the multiplications of all sums. On vectors an operation on rows in lanes counts
+    /// once.
     pub(crate) fn multiplications(&self, execution: Execution) -> usize {
         let sums = self.blocks.iter().map(|block| {
             let terms: usize = block.terms.iter().map(Range::len).sum();
@@ -224,7 +232,8 @@ impl Products {
         OperationCount { additions, multiplications, ..OperationCount::default() }
     }
 
-    /// Returns the sums of products and results: this many for a transpose, and as many for a block as `of_block` returns.
+    /// Returns the sums of products and results: this many for a transpose, and as many for a block
+    /// as `of_block` returns.
     fn sums(
         &self,
         results: &[Operand],
@@ -239,7 +248,8 @@ impl Products {
         added.map(|(block, target)| of_block(block, target)).sum()
     }
 
-    /// Adds the products to the numbers of these results, in the order of the loops; `number` returns the number of an operand.
+    /// Adds the products to the numbers of these results, in the order of the loops; `number`
+    /// returns the number of an operand.
     pub(super) fn apply<S: Scalar>(
         &self,
         results: &[Operand],
@@ -314,7 +324,8 @@ impl Products {
             .then_some("the blocks of products are their matrices' nonzeros")
     }
 
-    /// Returns the columns with nonzeros. Consecutive columns with nearly the same nonzeros are one block.
+    /// Returns the columns with nonzeros. Consecutive columns with nearly the same nonzeros are one
+    /// block.
     fn blocks(&self) -> Vec<ProductBlock> {
         let (terms, matrices) = (self.terms, self.targets.len());
         let mut blocks: Vec<(Range<usize>, BTreeSet<usize>)> = Vec::new();
@@ -369,8 +380,9 @@ impl Target {
 }
 
 impl ProductBlock {
-    /// Returns the vectors of rows that are summed at a time, for matrices of `size` rows: the first row of the first vector, and the
-    /// number of vectors. The last ones may overlap those before them, or have rows outside of the block, whose sums are zero.
+    /// Returns the vectors of rows that are summed at a time, for matrices of `size` rows: the
+    /// first row of the first vector, and the number of vectors. The last ones may overlap those
+    /// before them, or have rows outside of the block, whose sums are zero.
     #[must_use]
     pub fn vectors(&self, size: usize) -> Vec<(usize, usize)> {
         let (mut row, mut left) = (self.rows.start, self.rows.len().div_ceil(ROW_LANES));

@@ -1,8 +1,9 @@
 //! Equal limbs by one routine, with a table of constants for each limb.
 //!
-//! A graph with packed limbs is split into stages: scalars, then limbs that need them, then scalars that need the limbs,
-//! and so on. Each stage becomes a routine over its inputs. In a limb's routine a value has one lane instead of all
-//! lanes, and a loop calls the routine once for each lane.
+//! A graph with packed limbs is split into stages: scalars, then limbs that need them, then scalars
+//! that need the limbs, and so on. Each stage becomes a routine over its inputs. In a limb's
+//! routine a value has one lane instead of all lanes, and a loop calls the routine once for each
+//! lane.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -39,7 +40,8 @@ impl Program {
         program.finished()
     }
 
-    /// Adds the routine and the table of a stage, and returns the loop that computes the stage's outputs, lane by lane.
+    /// Adds the routine and the table of a stage, and returns the loop that computes the stage's
+    /// outputs, lane by lane.
     fn stage(
         &mut self,
         graph: &Graph,
@@ -104,8 +106,8 @@ impl Program {
     }
 }
 
-/// Returns whether an operation has packs of several widths as operands. In a program on scalars their lanes could not be
-/// told from each other.
+/// Returns whether an operation has packs of several widths as operands. In a program on scalars
+/// their lanes could not be told from each other.
 fn mixes_widths(graph: &Graph) -> bool {
     let nodes = (0..).zip(graph.nodes()).zip(graph.live());
     nodes.filter(|&(_, live)| live).any(|((id, node), _)| match node {
@@ -205,7 +207,8 @@ fn stages(graph: &Graph) -> Vec<Stage> {
     stages
 }
 
-/// Returns, for each node, how often the path to it changes between scalars and lanes: even for scalars, odd for lanes.
+/// Returns, for each node, how often the path to it changes between scalars and lanes: even for
+/// scalars, odd for lanes.
 fn levels(graph: &Graph) -> Vec<usize> {
     let mut levels: Vec<usize> = Vec::with_capacity(graph.nodes().len());
     for (i, node) in graph.nodes().iter().enumerate() {
@@ -252,7 +255,8 @@ impl Stage {
         Self { width, calls, inputs: all, outputs, graph: made }
     }
 
-    /// Returns the inputs of the stage: constants, values of each lane, values that are the same for all lanes.
+    /// Returns the inputs of the stage: constants, values of each lane, values that are the same
+    /// for all lanes.
     fn kinds(&self) -> [Vec<Id>; 3] {
         [Input::Table, Input::Own, Input::Common].map(|kind: fn(Id) -> Input| {
             let ids = self.inputs.iter().map(|input| input.id());

@@ -7,16 +7,18 @@ use super::{Execution, Operand, Operation, Program};
 use crate::graph::{Expr, Graph};
 use crate::passes::optimize;
 
-/// The equations A x = b of constraint rows, for one or more right-hand sides b. The results are x = A^+ b for each of them, then A x - b
-/// for each, then the rank of A. They are any numbers where the last operand is not negative: then no operation counts them.
+/// The equations A x = b of constraint rows, for one or more right-hand sides b. The results are
+/// x = A^+ b for each of them, then A x - b for each, then the rank of A. They are any numbers
+/// where the last operand is not negative: then no operation counts them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RowEquations {
     /// For each constraint, the number of its rows.
     pub blocks: Vec<usize>,
     /// The number of right-hand sides.
     pub sides: usize,
-    /// The lower triangle of A by rows; the right-hand sides; for each constraint the scale of its thresholds; the tolerance and the
-    /// rounding; the number that is negative where the results count.
+    /// The lower triangle of A by rows; the right-hand sides; for each constraint the scale of its
+    /// thresholds; the tolerance and the rounding; the number that is negative where the results
+    /// count.
     pub operands: Vec<Operand>,
 }
 
@@ -54,7 +56,8 @@ impl RowEquations {
         &self.operands[..self.operands.len() - 1]
     }
 
-    /// Returns the lower triangle, the right-hand sides, the scales, and the tolerance with the rounding.
+    /// Returns the lower triangle, the right-hand sides, the scales, and the tolerance with the
+    /// rounding.
     #[must_use]
     pub fn parts(&self) -> [&[Operand]; 4] {
         parts(&self.blocks, self.sides, self.numbers())
@@ -91,7 +94,8 @@ impl RowEquations {
     }
 }
 
-/// Returns the parts of the numbers of equations: the lower triangle, the right-hand sides, the scales, the tolerance and the rounding.
+/// Returns the parts of the numbers of equations: the lower triangle, the right-hand sides, the
+/// scales, the tolerance and the rounding.
 fn parts<'a, T>(blocks: &[usize], sides: usize, numbers: &'a [T]) -> [&'a [T]; 4] {
     let rows: usize = blocks.iter().sum();
     let (triangle, rest) = numbers.split_at(rows * (rows + 1) / 2);

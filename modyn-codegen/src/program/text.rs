@@ -8,11 +8,13 @@
 //! results x2, -x1
 //! ```
 //!
-//! `a0` is an argument, `x0` the first result of statement 0, `x0.1` its second result. A vector of four lanes is defined as
-//! `x3<4>`. `equations 3 6, 1 (x4, ...)` are row equations: the numbers of rows of the constraints, the number of right-hand sides, then
-//! the operands. The tables and routines of loops come before the statements (`loops/text.rs`). Products of matrices come after the results:
-//! `products 2, x5, x6, ...` is a matrix A of two rows, with its entries by columns, and `of 0..2:12+1+4, x7, ...` a matrix B that it
-//! multiplies: the entries of A B are added to results, rows 0 and 1 of the first column to results 12 and 13, of the next one to 16 and 17.
+//! `a0` is an argument, `x0` the first result of statement 0, `x0.1` its second result. A vector of
+//! four lanes is defined as `x3<4>`. `equations 3 6, 1 (x4, ...)` are row equations: the numbers of
+//! rows of the constraints, the number of right-hand sides, then the operands. The tables and
+//! routines of loops come before the statements (`loops/text.rs`). Products of matrices come after
+//! the results: `products 2, x5, x6, ...` is a matrix A of two rows, with its entries by columns,
+//! and `of 0..2:12+1+4, x7, ...` a matrix B that it multiplies: the entries of A B are added to
+//! results, rows 0 and 1 of the first column to results 12 and 13, of the next one to 16 and 17.
 
 use std::fmt;
 use std::ops::Range;
@@ -238,7 +240,8 @@ impl<'a> Parser<'a> {
         program.finished().map_err(|invalid| self.error(format!("the rule is: {}", invalid.rule)))
     }
 
-    /// Returns the products of a program whose results were read; `None` if the next line is something else.
+    /// Returns the products of a program whose results were read; `None` if the next line is
+    /// something else.
     fn products(&mut self, program: &Program) -> Result<Option<Products>, ParseProgramError> {
         let Some(head) = self.next_after("products ") else { return Ok(None) };
         let parts = head.split_once(", ").and_then(|(rows, a)| Some((rows.parse().ok()?, a)));
@@ -270,7 +273,8 @@ impl<'a> Parser<'a> {
         Ok(Some(Products::new(&form, operands, &program.results, program.execution)))
     }
 
-    /// Returns the rest of the next line if that begins with `word`; otherwise the line is not read.
+    /// Returns the rest of the next line if that begins with `word`; otherwise the line is not
+    /// read.
     pub(super) fn next_after(&mut self, word: &str) -> Option<&'a str> {
         let rest = self.lines.clone().next()?.trim().strip_prefix(word)?;
         self.lines.next();
@@ -316,8 +320,8 @@ impl<'a> Parser<'a> {
             Operation::Loops(loops) => loops.results.len(),
             _ => 1,
         };
-        // All results of loops are there. A statement with one result has it, also if nothing reads it, as the constants within wider
-        // constants.
+        // All results of loops are there. A statement with one result has it, also if nothing reads
+        // it, as the constants within wider constants.
         let used = vec![results == 1 || matches!(operation, Operation::Loops(_)); results];
         Ok(Statement { operation, lanes, used, last_use: 0, stores: Vec::new() })
     }

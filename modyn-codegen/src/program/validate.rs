@@ -18,8 +18,8 @@ pub struct InvalidProgram {
 }
 
 impl Program {
-    /// Checks that operands are computed before they are read, that lanes fit, that chunks and scopes cover all statements,
-    /// and that every value that crosses a cut is declared there.
+    /// Checks that operands are computed before they are read, that lanes fit, that chunks and
+    /// scopes cover all statements, and that every value that crosses a cut is declared there.
     ///
     /// # Errors
     ///

@@ -9,7 +9,8 @@ use super::xml::limits::MAX_BYTES;
 use crate::description::FileStore;
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Position, Report};
 
-/// Returns the path and the text of the first of `places` that exists. Diagnostics name the file `wanted`.
+/// Returns the path and the text of the first of `places` that exists. Diagnostics name the file
+/// `wanted`.
 ///
 /// # Errors
 ///
@@ -21,7 +22,8 @@ pub fn read_first(
     read_first_of(&FileStore::default(), wanted, places)
 }
 
-/// Returns the path and the text of the first of `places` that exists in a store, as [`read_first`].
+/// Returns the path and the text of the first of `places` that exists in a store, as
+/// [`read_first`].
 fn read_first_of<'p>(
     files: &FileStore,
     wanted: impl Display,
@@ -51,8 +53,8 @@ fn read_first_of<'p>(
     Ok((place, read_text(wanted, file)?))
 }
 
-/// Returns the text of a file that the description names at offset `at`, and the start of the file in the report; `None`
-/// with an error in the report. Diagnostics name the file `shown`.
+/// Returns the text of a file that the description names at offset `at`, and the start of the file
+/// in the report; `None` with an error in the report. Diagnostics name the file `shown`.
 ///
 /// The robot depends on the file, whether it can be read or not.
 pub(crate) fn read_named(

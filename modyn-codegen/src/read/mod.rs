@@ -4,8 +4,9 @@
 //! text ─ xml ─▶ XML ─ urdf, xacro, mjcf, sdf ─▶ Description ─ assemble, check ─▶ Model
 //! ```
 //!
-//! Each format has a folder, which produces a description and does not know the model. One table has the formats: the macro, the
-//! builder, the command and the Python package find a text's format by [`Format::of`].
+//! Each format has a folder, which produces a description and does not know the model. One table
+//! has the formats: the macro, the builder, the command and the Python package find a text's format
+//! by [`Format::of`].
 
 pub mod file;
 mod mesh;
@@ -65,7 +66,8 @@ struct Row {
     root: &'static str,
     /// A text that tells a format from others with the same outermost element.
     mark: Option<&'static str>,
-    /// The extension of files. It decides if the text has no element, or several formats have its element.
+    /// The extension of files. It decides if the text has no element, or several formats have its
+    /// element.
     extension: &'static str,
     describe: Describe,
 }
@@ -73,8 +75,8 @@ struct Row {
 /// Makes a description of a text; `None` with errors in the report.
 type Describe = fn(&str, &ReadOptions, &mut Report<'_>) -> Option<Description>;
 
-/// The formats. The first row that fits a text is its format; a text that fits none is read as a URDF, whose reader reports
-/// what is wrong.
+/// The formats. The first row that fits a text is its format; a text that fits none is read as a
+/// URDF, whose reader reports what is wrong.
 const FORMATS: &[Row] = &[
     Row {
         format: Format::Xacro,
@@ -111,7 +113,8 @@ const FORMATS: &[Row] = &[
 ];
 
 impl Row {
-    /// Returns whether a text with this outermost element, in a file with this extension, is of the format.
+    /// Returns whether a text with this outermost element, in a file with this extension, is of the
+    /// format.
     fn fits(&self, text: &str, element: Option<&str>, extension: &str) -> bool {
         let named = extension.eq_ignore_ascii_case(self.extension);
         let marked = || self.mark.is_none_or(|mark| text.contains(mark));
@@ -120,14 +123,15 @@ impl Row {
 }
 
 impl Format {
-    /// Returns the format of a text, by its first element, or by the file's extension if it has no element. Unknown
-    /// formats are read as URDF, whose reader reports what is wrong.
+    /// Returns the format of a text, by its first element, or by the file's extension if it has no
+    /// element. Unknown formats are read as URDF, whose reader reports what is wrong.
     #[must_use]
     pub fn of(text: &str, file: &str) -> Self {
         Self::found(text, file).unwrap_or(Self::Urdf)
     }
 
-    /// Returns the format of a text, as [`Format::of`]; `None` if the text has no format of the table.
+    /// Returns the format of a text, as [`Format::of`]; `None` if the text has no format of the
+    /// table.
     #[must_use]
     pub fn found(text: &str, file: &str) -> Option<Self> {
         let element = xml::document::first_element(text);
@@ -191,8 +195,8 @@ impl Format {
     }
 }
 
-/// Reads a description of any supported format. Diagnostics name the file `file`. Other files that the description names
-/// are read if the options have its [`folder`](ReadOptions::folder).
+/// Reads a description of any supported format. Diagnostics name the file `file`. Other files that
+/// the description names are read if the options have its [`folder`](ReadOptions::folder).
 ///
 /// ```
 /// let text = r#"<robot name="pendulum"><link name="base"/>
@@ -218,8 +222,8 @@ pub fn read(text: &str, file: &str, options: &ReadOptions) -> Result<Reading, Di
     Format::of(text, file).read(text, file, options)
 }
 
-/// Returns the URDF of a xacro, and the warnings. Diagnostics name the file `file`; the files that it includes are read if
-/// the options have its [`folder`](ReadOptions::folder).
+/// Returns the URDF of a xacro, and the warnings. Diagnostics name the file `file`; the files that
+/// it includes are read if the options have its [`folder`](ReadOptions::folder).
 ///
 /// # Errors
 ///
@@ -248,17 +252,20 @@ pub fn read_urdf(text: &str, file: &str, options: &ReadOptions) -> Result<Readin
     Format::Urdf.read(text, file, options)
 }
 
-/// Reads a `MuJoCo` model (MJCF). Diagnostics name the file `file`. Included files, attached models and meshes are read if
-/// the options have the [`folder`](ReadOptions::folder).
+/// Reads a `MuJoCo` model (MJCF). Diagnostics name the file `file`. Included files, attached models
+/// and meshes are read if the options have the [`folder`](ReadOptions::folder).
 ///
-/// - Bodies become links of a tree whose root link is `world`. If a body has several joints, there are massless links
-///   between them. A body's frame is its link's frame. Coordinates are those of `docs/conventions.md`, not `MuJoCo`'s;
-///   `modyn::conventions::mujoco` converts them. Named sites are frames.
-/// - A body without `<inertial>` has the inertia of its geoms. A mesh is only read if its mass is needed.
+/// - Bodies become links of a tree whose root link is `world`. If a body has several joints, there
+///   are massless links between them. A body's frame is its link's frame. Coordinates are those of
+///   `docs/conventions.md`, not `MuJoCo`'s; `modyn::conventions::mujoco` converts them. Named sites
+///   are frames.
+/// - A body without `<inertial>` has the inertia of its geoms. A mesh is only read if its mass is
+///   needed.
 /// - Constraints of `<equality>` are exact: mimic joints and loops.
 /// - Gravity is that of `<option>`, unless the options set another one.
-/// - Contacts, sensors and visual elements are ignored. Controllers of actuators do not act, with a warning.
-///   Springs of joints and `gravcomp` act. Damping and friction act if the options say so, as in a URDF.
+/// - Contacts, sensors and visual elements are ignored. Controllers of actuators do not act, with a
+///   warning. Springs of joints and `gravcomp` act. Damping and friction act if the options say so,
+///   as in a URDF.
 ///
 /// # Errors
 ///

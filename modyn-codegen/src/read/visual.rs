@@ -1,4 +1,5 @@
-//! The shapes of links in XML, for pictures. A shape that cannot be read is left out with a note, and is never an error.
+//! The shapes of links in XML, for pictures. A shape that cannot be read is left out with a note,
+//! and is never an error.
 
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -13,8 +14,8 @@ pub fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
     list.iter().all(|x| x.abs() < MAX_NUMBER).then_some(list)
 }
 
-/// Returns the geometry of an element of this name, which is the same in URDF and SDF; `None` if it is no solid, or if a length
-/// is missing or not positive. `text` is the text of a length.
+/// Returns the geometry of an element of this name, which is the same in URDF and SDF; `None` if it
+/// is no solid, or if a length is missing or not positive. `text` is the text of a length.
 pub fn solid<'t>(element: &str, text: impl Fn(&str) -> Option<&'t str>) -> Option<Geometry> {
     let length = |name| text(name).and_then(numbers::<1>).map(|[length]| length);
     let three = |name| text(name).and_then(numbers::<3>);

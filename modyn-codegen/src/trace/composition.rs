@@ -51,7 +51,8 @@ impl Composition {
         self.graph.constant(value)
     }
 
-    /// Returns the product of two square matrices of `n` columns, by columns. Consecutive columns share the lanes of a pack.
+    /// Returns the product of two square matrices of `n` columns, by columns. Consecutive columns
+    /// share the lanes of a pack.
     pub(super) fn multiply_columns(
         &mut self,
         a: &[Id],
@@ -99,7 +100,8 @@ impl Composition {
         self.graph.make(Node::ExtractLane(pack, u8::try_from(lane).expect("few lanes")))
     }
 
-    /// Returns rows of the product of a matrix, given with its number of rows, and a matrix of `n` rows.
+    /// Returns rows of the product of a matrix, given with its number of rows, and a matrix of `n`
+    /// rows.
     pub(super) fn multiply_rows(
         &mut self,
         (a, height): (&[Id], usize),

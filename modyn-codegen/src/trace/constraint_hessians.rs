@@ -1,8 +1,9 @@
 //! The graph of the contracted Hessian of forward dynamics with loop constraints and contacts.
 //!
-//! The accelerations qdd and the wrenches l solve N(q, qd, tau, qdd, l) = 0: the equations of motion, and those of the
-//! constrained accelerations. N is linear in qdd and l. With the solution z = (a, b) of the adjoint equations for the weights,
-//! and Phi = z^T N at constant z, the gradient by x = (q, qd) is -Phi_x. With y = (qdd, l) and its derivatives Y, the Hessian is
+//! The accelerations qdd and the wrenches l solve N(q, qd, tau, qdd, l) = 0: the equations of
+//! motion, and those of the constrained accelerations. N is linear in qdd and l. With the solution
+//! z = (a, b) of the adjoint equations for the weights, and Phi = z^T N at constant z, the gradient
+//! by x = (q, qd) is -Phi_x. With y = (qdd, l) and its derivatives Y, the Hessian is
 //!
 //! ```text
 //! H_{q q}   = -(Phi_{q q} + Phi_{q y} Y_q + (Phi_{q y} Y_q)^T)    H_{q tau} = -Phi_{q y} Y_tau
@@ -12,9 +13,9 @@
 //!
 //! So neither the factorizations nor the selections of independent rows are differentiated.
 //!
-//! Where rows depend on others, l and b have the smallest norms. Then N_y Y = -N_x still holds, and N_y^T z = w for weights w of
-//! the accelerations alone: these two are all that the Hessian follows from, so it is exact. Weights of wrenches are not in the
-//! range of N_y^T then.
+//! Where rows depend on others, l and b have the smallest norms. Then N_y Y = -N_x still holds, and
+//! N_y^T z = w for weights w of the accelerations alone: these two are all that the Hessian follows
+//! from, so it is exact. Weights of wrenches are not in the range of N_y^T then.
 
 use std::ops::Range;
 
@@ -36,10 +37,11 @@ use crate::passes::optimize;
 const WRENCH: usize = 6;
 
 impl Tracer<'_> {
-    /// Returns the graph of the accelerations, a wrench for each constraint, the gradients of their weighted sum by `q` (in
-    /// tangent space), `qd` and `tau`, the blocks (q, q), (q, qd), (qd, qd) and (q, tau) of its Hessian, by columns, and the
-    /// rank. Inputs: `q`, `qd`, `tau`, the weights of the accelerations and of the wrenches, active contacts and settings. The mass
-    /// matrix is factorized with `layout`.
+    /// Returns the graph of the accelerations, a wrench for each constraint, the gradients of their
+    /// weighted sum by `q` (in tangent space), `qd` and `tau`, the blocks (q, q), (q, qd), (qd, qd)
+    /// and (q, tau) of its Hessian, by columns, and the rank. Inputs: `q`, `qd`, `tau`, the weights
+    /// of the accelerations and of the wrenches, active contacts and settings. The mass matrix is
+    /// factorized with `layout`.
     #[must_use]
     pub fn constrained_forward_dynamics_hessian(&self, layout: &UduLayout) -> Graph {
         let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
@@ -98,8 +100,9 @@ impl Tracer<'_> {
         all.with_outputs(&[qdd, wrenches, &gradients, a, &blocks, rank])
     }
 
-    /// Returns the graph of the accelerations and the wrenches that solve the adjoint equations. Inputs: `q`, active contacts,
-    /// settings, and the weights of the accelerations and of the wrenches.
+    /// Returns the graph of the accelerations and the wrenches that solve the adjoint equations.
+    /// Inputs: `q`, active contacts, settings, and the weights of the accelerations and of the
+    /// wrenches.
     fn constraint_adjoint(&self, layout: &UduLayout) -> Graph {
         let (nv, constraints) = (self.model.nv, self.model.constraints.len());
         let (contacts, settings) = (self.model.contacts(), settings_count(self.model));
@@ -119,7 +122,8 @@ impl Tracer<'_> {
         })
     }
 
-    /// Returns the arguments of Phi: `q`, `qd`, the accelerations and the wrenches, which vary, and a, b and the settings.
+    /// Returns the arguments of Phi: `q`, `qd`, the accelerations and the wrenches, which vary, and
+    /// a, b and the settings.
     fn phi_inputs(&self) -> Vec<TangentInput> {
         let (nv, count) = (self.model.nv, WRENCH * self.model.constraints.len());
         let input = |len, varies| TangentInput { len, is_coordinates: false, varies };
@@ -134,8 +138,9 @@ impl Tracer<'_> {
         ]
     }
 
-    /// Returns the graph of Phi = a^T (ID(q, qd, qdd) - J^T l) + b^T c. c is the relative acceleration of the constraints' frames
-    /// with their stabilization: (J qdd - gamma) without compliance, which has no effect on the derivatives by q and qd.
+    /// Returns the graph of Phi = a^T (ID(q, qd, qdd) - J^T l) + b^T c. c is the relative
+    /// acceleration of the constraints' frames with their stabilization: (J qdd - gamma) without
+    /// compliance, which has no effect on the derivatives by q and qd.
     fn phi(&self, layout: &UduLayout) -> Graph {
         let (nq, nv, constraints) = (self.model.nq, self.model.nv, self.model.constraints.len());
         let count = WRENCH * constraints;
@@ -190,8 +195,8 @@ fn residuals(
     results
 }
 
-/// Returns J v: for each constraint the velocity of its second frame relative to its first, or to the world, at the
-/// velocities v.
+/// Returns J v: for each constraint the velocity of its second frame relative to its first, or to
+/// the world, at the velocities v.
 fn relative_velocities(
     model: &Mechanism<Expr>,
     targets: &[ContactTarget<Expr>],

@@ -1,8 +1,9 @@
 //! The graphs of loop constraints and contacts.
 //!
-//! Settings have the order of `ConstraintSettings::from_numbers`, then of `ContactTarget::from_numbers` for each contact. A
-//! twist or a wrench is three angular, then three linear components. The set of active contacts is a number for each contact, 1 if
-//! it is active, else 0.
+//! Settings have the order of `ConstraintSettings::from_numbers`, then of
+//! `ContactTarget::from_numbers` for each contact. A twist or a wrench is three angular, then three
+//! linear components. The set of active contacts is a number for each contact, 1 if it is active,
+//! else 0.
 
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::constraints::{ColumnMap, RowSystem};
@@ -29,7 +30,8 @@ struct ApartRows<'a> {
 }
 
 impl DenseGraph {
-    /// Returns the graph that `trace` makes with its dependent rows apart, which has this number of inputs and of right-hand sides.
+    /// Returns the graph that `trace` makes with its dependent rows apart, which has this number of
+    /// inputs and of right-hand sides.
     fn new((first, sides): (usize, usize), trace: impl FnOnce(ApartRows<'_>) -> Graph) -> Self {
         let mut blocks = None;
         let graph = trace(ApartRows { first, sides, blocks: &mut blocks });
@@ -56,15 +58,16 @@ impl ApartRows<'_> {
 }
 
 impl Tracer<'_> {
-    /// Returns the graph of the accelerations, a wrench and a residual for each constraint, and the rank.
-    /// Inputs: `q`, `qd`, `tau`, active contacts and settings. The mass matrix is factorized with `layout`.
+    /// Returns the graph of the accelerations, a wrench and a residual for each constraint, and the
+    /// rank. Inputs: `q`, `qd`, `tau`, active contacts and settings. The mass matrix is factorized
+    /// with `layout`.
     #[must_use]
     pub fn constrained_forward_dynamics(&self, layout: &UduLayout) -> Graph {
         self.solution(layout, Unknowns::Accelerations, None)
     }
 
-    /// Returns the graph of [`constrained_forward_dynamics`](Self::constrained_forward_dynamics) for independent rows, with equations
-    /// for dependent ones, after this number of `inputs`.
+    /// Returns the graph of [`constrained_forward_dynamics`](Self::constrained_forward_dynamics)
+    /// for independent rows, with equations for dependent ones, after this number of `inputs`.
     #[must_use]
     pub fn constrained_forward_dynamics_around_rows(
         &self,
@@ -107,8 +110,9 @@ impl Tracer<'_> {
         (contacts, merged)
     }
 
-    /// Traces the equations of `unknowns`, with the contacts of merged limbs merged. Results are joint vectors, then six numbers
-    /// for each constraint, then the rank; then the operands of equations of dependent rows that are solved `apart`.
+    /// Traces the equations of `unknowns`, with the contacts of merged limbs merged. Results are
+    /// joint vectors, then six numbers for each constraint, then the rank; then the operands of
+    /// equations of dependent rows that are solved `apart`.
     fn solution(
         &self,
         layout: &UduLayout,
@@ -143,8 +147,8 @@ impl Tracer<'_> {
         })
     }
 
-    /// Returns the graph of the step, the change of the velocities and the rank. Inputs: `q`, `qd`, active
-    /// contacts and settings.
+    /// Returns the graph of the step, the change of the velocities and the rank. Inputs: `q`, `qd`,
+    /// active contacts and settings.
     #[must_use]
     pub fn project_constraints(&self, layout: &UduLayout) -> Graph {
         self.solution(layout, Unknowns::Steps, None)
@@ -152,23 +156,24 @@ impl Tracer<'_> {
 }
 
 impl Tracer<'_> {
-    /// Returns the graph of the velocities after an impact, an impulse for each constraint and the rank.
-    /// Inputs: `q`, `qd`, active contacts and settings.
+    /// Returns the graph of the velocities after an impact, an impulse for each constraint and the
+    /// rank. Inputs: `q`, `qd`, active contacts and settings.
     #[must_use]
     pub fn contact_impulse(&self, layout: &UduLayout) -> Graph {
         self.solution(layout, Unknowns::Velocities, None)
     }
 
-    /// Returns the graph of the accelerations, the wrenches, the derivatives of the accelerations with respect
-    /// to q, qd and tau, the derivatives of the wrenches, and the rank. Inputs: `q`, `qd`, `tau`, active
-    /// contacts and settings.
+    /// Returns the graph of the accelerations, the wrenches, the derivatives of the accelerations
+    /// with respect to q, qd and tau, the derivatives of the wrenches, and the rank. Inputs: `q`,
+    /// `qd`, `tau`, active contacts and settings.
     #[must_use]
     pub fn constrained_forward_dynamics_derivatives(&self, layout: &UduLayout) -> Graph {
         self.derivatives(layout, None)
     }
 
-    /// Returns the graph of [`constrained_forward_dynamics_derivatives`](Self::constrained_forward_dynamics_derivatives) for
-    /// independent rows, with equations for dependent ones, after this number of `inputs`.
+    /// Returns the graph of
+    /// [`constrained_forward_dynamics_derivatives`](Self::constrained_forward_dynamics_derivatives)
+    /// for independent rows, with equations for dependent ones, after this number of `inputs`.
     #[must_use]
     pub fn constrained_forward_dynamics_derivatives_around_rows(
         &self,
@@ -238,7 +243,8 @@ impl Tracer<'_> {
         })
     }
 
-    /// Returns the graph of the results that `solve` computes, with the operands that it returns after the rank.
+    /// Returns the graph of the results that `solve` computes, with the operands that it returns
+    /// after the rank.
     fn with_derivatives(
         &self,
         layout: &UduLayout,
@@ -285,8 +291,8 @@ impl Tracer<'_> {
         })
     }
 
-    /// Returns the graph of the inverse operational-space inertia and the inertia, by columns, and the rank.
-    /// Inputs: `q`, active contacts and settings.
+    /// Returns the graph of the inverse operational-space inertia and the inertia, by columns, and
+    /// the rank. Inputs: `q`, active contacts and settings.
     #[must_use]
     pub fn operational_inertia(&self, layout: &UduLayout) -> Graph {
         self.inertia(layout, None)
@@ -325,8 +331,9 @@ impl Tracer<'_> {
 }
 
 impl Tracer<'_> {
-    /// Returns the graph of the problem of a step on the ground: the velocities without contacts, the heights, the velocities of
-    /// the contacts before and after, J M^-1 J^T and M^-1 J^T by columns. Inputs: `q`, `qd`, `tau`, `dt` and settings.
+    /// Returns the graph of the problem of a step on the ground: the velocities without contacts,
+    /// the heights, the velocities of the contacts before and after, J M^-1 J^T and M^-1 J^T by
+    /// columns. Inputs: `q`, `qd`, `tau`, `dt` and settings.
     #[must_use]
     pub fn contact_problem(&self, layout: &UduLayout) -> Graph {
         let (nq, nv, count) = (self.model.nq, self.model.nv, self.model.contacts());
@@ -336,8 +343,9 @@ impl Tracer<'_> {
         })
     }
 
-    /// Returns the graph of the coordinates and the velocities after a step on the ground, the impulses of the contacts and the
-    /// residual. Inputs: `q`, `qd`, `tau`, `dt`, impulses and settings.
+    /// Returns the graph of the coordinates and the velocities after a step on the ground, the
+    /// impulses of the contacts and the residual. Inputs: `q`, `qd`, `tau`, `dt`, impulses and
+    /// settings.
     #[must_use]
     pub fn contact_step(&self, layout: &UduLayout) -> Graph {
         let (nq, nv, count) = (self.model.nq, self.model.nv, self.model.contacts());
@@ -368,8 +376,9 @@ impl Tracer<'_> {
         })
     }
 
-    /// Returns the parts of the problem of a step on the ground, with the limbs of the tracer packed. The inputs are `q`, `qd`, `tau`,
-    /// settings and the time step. `sizes` are the number of velocities and of contacts.
+    /// Returns the parts of the problem of a step on the ground, with the limbs of the tracer
+    /// packed. The inputs are `q`, `qd`, `tau`, settings and the time step. `sizes` are the number
+    /// of velocities and of contacts.
     fn problem(
         &self,
         layout: &UduLayout,
@@ -405,8 +414,8 @@ impl Tracer<'_> {
     }
 }
 
-/// Returns the parts of the problem of a step on the ground in the order of its fields. `sizes` are the number of velocities and
-/// of contacts of `tree`, and of the robot's contacts.
+/// Returns the parts of the problem of a step on the ground in the order of its fields. `sizes` are
+/// the number of velocities and of contacts of `tree`, and of the robot's contacts.
 fn contact_problem<T: Factorizable<Expr>>(
     tree: &T,
     layout: &T::Layout,
@@ -459,8 +468,9 @@ impl Unknowns {
         }
     }
 
-    /// Returns the joint vectors, then six numbers for each constraint, then the rank; `nv` and `count` are the length of qd
-    /// and the number of constraints. The rank comes before the operands of equations that are solved `apart`.
+    /// Returns the joint vectors, then six numbers for each constraint, then the rank; `nv` and
+    /// `count` are the length of qd and the number of constraints. The rank comes before the
+    /// operands of equations that are solved `apart`.
     fn solve<T: Factorizable<Expr>>(
         self,
         tree: &T,

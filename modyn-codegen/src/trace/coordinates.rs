@@ -1,4 +1,5 @@
-//! The graphs of the configuration space. Neutral coordinates are constants: [`coordinates::neutral`] on numbers.
+//! The graphs of the configuration space. Neutral coordinates are constants:
+//! [`coordinates::neutral`] on numbers.
 
 use modyn_runtime::Scalar;
 use modyn_runtime::equations::kinematics::coordinates;
@@ -17,7 +18,8 @@ impl Tracer<'_> {
         })
     }
 
-    /// Returns the graph of the derivatives of the moved coordinates by `q`, then by `v`, by columns. Inputs: `q` and `v`.
+    /// Returns the graph of the derivatives of the moved coordinates by `q`, then by `v`, by
+    /// columns. Inputs: `q` and `v`.
     #[must_use]
     pub fn integrate_derivatives(&self) -> Graph {
         self.trace(|model, [_, v]| {

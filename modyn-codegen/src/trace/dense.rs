@@ -1,16 +1,18 @@
-//! Graphs with dense parts: products of matrices, and equations of constraint rows that may be dependent.
+//! Graphs with dense parts: products of matrices, and equations of constraint rows that may be
+//! dependent.
 
 use std::ops::Range;
 
 use crate::graph::Graph;
 
-/// A graph with dense parts. After the results, its outputs are the operands of the products, then those of the equations; after the
-/// arguments, its inputs are the results of the equations.
+/// A graph with dense parts. After the results, its outputs are the operands of the products, then
+/// those of the equations; after the arguments, its inputs are the results of the equations.
 #[derive(Clone, Debug)]
 pub struct DenseGraph {
     /// The graph.
     pub graph: Graph,
-    /// The form of equations of constraint rows, some of which may be dependent. `None` if some are dependent in all states.
+    /// The form of equations of constraint rows, some of which may be dependent. `None` if some are
+    /// dependent in all states.
     pub rows: Option<RowForm>,
     /// The form of the products.
     pub products: Option<ProductForm>,
@@ -25,8 +27,8 @@ pub struct RowForm {
     pub sides: usize,
 }
 
-/// The form of products of one matrix A with several matrices B, which are added to results. Its operands are the entries of A, then those
-/// of each B, by columns.
+/// The form of products of one matrix A with several matrices B, which are added to results. Its
+/// operands are the entries of A, then those of each B, by columns.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProductForm {
     /// The number of rows of A.
@@ -59,7 +61,8 @@ impl Target {
         Self { rows: 0..n, first, by_row: 1, by_column: n }
     }
 
-    /// Returns the targets of consecutive rows. Of each row: the result in the first column, and the distance to that in the next one.
+    /// Returns the targets of consecutive rows. Of each row: the result in the first column, and
+    /// the distance to that in the next one.
     pub(super) fn of_rows(rows: impl Iterator<Item = (usize, usize)>) -> Vec<Self> {
         let mut targets: Vec<Self> = Vec::new();
         for (row, (first, by_column)) in rows.enumerate() {

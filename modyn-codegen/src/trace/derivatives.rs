@@ -12,7 +12,8 @@ use super::dense::{DenseGraph, ProductForm, Target};
 use crate::graph::{Expr, Graph};
 
 impl Tracer<'_> {
-    /// Returns the graph of the derivatives of the joint forces: by q, then by qd, by columns. Inputs: `q`, `qd`, `qdd`.
+    /// Returns the graph of the derivatives of the joint forces: by q, then by qd, by columns.
+    /// Inputs: `q`, `qd`, `qdd`.
     #[must_use]
     pub fn inverse_dynamics_derivatives(&self) -> Graph {
         self.trace_joints(0, |model, [q, qd, qdd]| {
@@ -24,8 +25,8 @@ impl Tracer<'_> {
         })
     }
 
-    /// Returns the graph of the accelerations and their derivatives by q, qd and tau, by columns. Inputs: `q`, `qd`,
-    /// `tau`. The mass matrix is factorized with `layout`.
+    /// Returns the graph of the accelerations and their derivatives by q, qd and tau, by columns.
+    /// Inputs: `q`, `qd`, `tau`. The mass matrix is factorized with `layout`.
     #[must_use]
     pub fn forward_dynamics_derivatives(&self, layout: &UduLayout) -> Graph {
         let Some(limbs) = self.limbs else {
@@ -49,8 +50,9 @@ impl Tracer<'_> {
         })
     }
 
-    /// Returns the graph of [`forward_dynamics_derivatives`](Self::forward_dynamics_derivatives) with the derivatives by q and qd as
-    /// products: those with the inverse of the mass matrix are added to the derivatives of free fall.
+    /// Returns the graph of [`forward_dynamics_derivatives`](Self::forward_dynamics_derivatives)
+    /// with the derivatives by q and qd as products: those with the inverse of the mass matrix are
+    /// added to the derivatives of free fall.
     #[must_use]
     pub fn forward_dynamics_derivatives_by_products(&self, layout: &UduLayout) -> DenseGraph {
         let n = self.model.nv;
@@ -96,8 +98,8 @@ fn derive(
     })
 }
 
-/// Returns the accelerations, the matrices that the inverse of the mass matrix multiplies in derivatives by `q` and `qd`, that
-/// inverse, and the derivatives of free fall by `q` and `qd`.
+/// Returns the accelerations, the matrices that the inverse of the mass matrix multiplies in
+/// derivatives by `q` and `qd`, that inverse, and the derivatives of free fall by `q` and `qd`.
 fn derive_factors(
     model: &MergedMechanism<Expr>,
     layout: &MergedUduLayout,

@@ -1,4 +1,5 @@
-//! The graphs of dynamics: forces, accelerations and the mass matrix, with limbs or columns in lanes.
+//! The graphs of dynamics: forces, accelerations and the mass matrix, with limbs or columns in
+//! lanes.
 
 use modyn_runtime::Scalar;
 use modyn_runtime::equations::Workspace;

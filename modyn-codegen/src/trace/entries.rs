@@ -1,9 +1,11 @@
-//! The graphs of functions of plain numbers, and of their derivatives by every entry of their inputs.
+//! The graphs of functions of plain numbers, and of their derivatives by every entry of their
+//! inputs.
 //!
-//! Other graphs of derivatives are in tangent space. A library that differentiates by plain numbers, as `CasADi` does, has
-//! four entries for a quaternion, whose length is 1 at a solution only. Here a function scales quaternions to length 1
-//! first. So it has a value at any length, and its derivatives by all four entries are those of this value: the derivative
-//! along the quaternion is zero.
+//! Other graphs of derivatives are in tangent space. A library that differentiates by plain
+//! numbers, as `CasADi` does, has four entries for a quaternion, whose length is 1 at a solution
+//! only. Here a function scales quaternions to length 1 first. So it has a value at any length, and
+//! its derivatives by all four entries are those of this value: the derivative along the quaternion
+//! is zero.
 
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::mechanism::coordinates::CoordinateSpace;
@@ -24,8 +26,8 @@ pub struct EntryDerivatives {
     pub forward: Graph,
     /// The gradient of a weighted sum of the outputs. Further inputs: the weights.
     pub adjoint: Graph,
-    /// The second derivatives of a weighted sum of the outputs, a symmetric matrix by columns. Further inputs: the weights.
-    /// `None` if they take too many operations.
+    /// The second derivatives of a weighted sum of the outputs, a symmetric matrix by columns.
+    /// Further inputs: the weights. `None` if they take too many operations.
     pub hessian: Option<Graph>,
 }
 
@@ -43,8 +45,8 @@ pub enum EntryForm {
 }
 
 impl EntryDerivatives {
-    /// Returns the graphs of a function of `inputs` numbers, by differentiation of its graph. The second derivatives have
-    /// at most `max_operations` operations, or are left out.
+    /// Returns the graphs of a function of `inputs` numbers, by differentiation of its graph. The
+    /// second derivatives have at most `max_operations` operations, or are left out.
     #[must_use]
     pub fn new(value: Graph, inputs: usize, max_operations: usize) -> Self {
         let jacobian = jacobian(&value, inputs, 0..inputs);
@@ -63,8 +65,9 @@ impl EntryDerivatives {
     }
 }
 
-/// Returns the graph of the Jacobian of a gradient by the function's inputs and then by the weights, by columns: the
-/// Hessian, then the transposed Jacobian. `columns` is the number of inputs, `rows` the number of results.
+/// Returns the graph of the Jacobian of a gradient by the function's inputs and then by the
+/// weights, by columns: the Hessian, then the transposed Jacobian. `columns` is the number of
+/// inputs, `rows` the number of results.
 #[must_use]
 pub fn second_derivatives(hessian: &Graph, jacobian: &Graph, columns: usize, rows: usize) -> Graph {
     let mut all = Graph::default();
@@ -81,8 +84,8 @@ pub fn second_derivatives(hessian: &Graph, jacobian: &Graph, columns: usize, row
 }
 
 impl Tracer<'_> {
-    /// Returns the graph of a function of `inputs` numbers with quaternions of length 1. `coordinates` are the first inputs
-    /// of the function's vectors of coordinates.
+    /// Returns the graph of a function of `inputs` numbers with quaternions of length 1.
+    /// `coordinates` are the first inputs of the function's vectors of coordinates.
     #[must_use]
     pub fn with_unit_quaternions(
         &self,
@@ -102,15 +105,17 @@ impl Tracer<'_> {
         all.with_outputs(&[&outputs])
     }
 
-    /// Returns the graph of a time step with the extras of a rollout. `step` and `difference` are the graphs of the step and of the
-    /// difference of coordinates.
+    /// Returns the graph of a time step with the extras of a rollout. `step` and `difference` are
+    /// the graphs of the step and of the difference of coordinates.
     ///
-    /// With a feedback, the forces are `controls` + `gains` (x_ref - x), where the difference of states has that of the coordinates
-    /// in tangent space, then that of the velocities. With a cost, the state has one number more, which grows by the sum of
-    /// `state_weights` (x_goal - x)^2 over the state after the step and of `control_weights` forces^2.
+    /// With a feedback, the forces are `controls` + `gains` (x_ref - x), where the difference of
+    /// states has that of the coordinates in tangent space, then that of the velocities. With a
+    /// cost, the state has one number more, which grows by the sum of `state_weights` (x_goal -
+    /// x)^2 over the state after the step and of `control_weights` forces^2.
     ///
-    /// Inputs: `q`, `qd`; of a cost `cost`; `controls`, `dt`, and as many `settings`; of a feedback `gains` (nv rows of 2 nv numbers), `q_ref`, `qd_ref`; of
-    /// a cost `q_goal`, `qd_goal`, `state_weights`, `control_weights`; the parameters.
+    /// Inputs: `q`, `qd`; of a cost `cost`; `controls`, `dt`, and as many `settings`; of a feedback
+    /// `gains` (nv rows of 2 nv numbers), `q_ref`, `qd_ref`; of a cost `q_goal`, `qd_goal`,
+    /// `state_weights`, `control_weights`; the parameters.
     #[must_use]
     pub fn with_extras(
         &self,
@@ -157,8 +162,8 @@ impl Tracer<'_> {
         self.with_unit_quaternions(&optimize(self.inverse_dynamics()), &[0], inputs.all)
     }
 
-    /// Returns inverse dynamics and its derivatives. The Jacobian has the derivatives in closed form. The second derivatives
-    /// have at most `max_operations` operations, or are left out.
+    /// Returns inverse dynamics and its derivatives. The Jacobian has the derivatives in closed
+    /// form. The second derivatives have at most `max_operations` operations, or are left out.
     #[must_use]
     pub fn inverse_dynamics_by_entries(&self, max_operations: usize) -> EntryDerivatives {
         let value = self.inverse_dynamics_of_entries();
@@ -166,8 +171,8 @@ impl Tracer<'_> {
         EntryDerivatives::with_jacobian(value, self.dynamics_inputs().all, jacobian, max_operations)
     }
 
-    /// Returns the derivatives of inverse dynamics in closed form, by columns: a column for each input. `value` is the graph of
-    /// inverse dynamics with quaternions of length 1.
+    /// Returns the derivatives of inverse dynamics in closed form, by columns: a column for each
+    /// input. `value` is the graph of inverse dynamics with quaternions of length 1.
     #[must_use]
     pub fn inverse_dynamics_jacobian_by_entries(&self, value: &Graph) -> Graph {
         let (nv, inputs) = (self.model.nv, self.dynamics_inputs());
@@ -186,8 +191,8 @@ impl Tracer<'_> {
         all.with_outputs(&[&dq, dqd, &mass, &by_parameters])
     }
 
-    /// Returns one graph of the derivatives of forward dynamics, as [`forward_dynamics_by_entries`] does; `None` if there are
-    /// second derivatives of more than `max_operations`.
+    /// Returns one graph of the derivatives of forward dynamics, as [`forward_dynamics_by_entries`]
+    /// does; `None` if there are second derivatives of more than `max_operations`.
     ///
     /// [`forward_dynamics_by_entries`]: Self::forward_dynamics_by_entries
     #[must_use]
@@ -215,14 +220,16 @@ impl Tracer<'_> {
         }
     }
 
-    /// Returns forward dynamics and its derivatives. `forward` is the graph of forward dynamics, and `layout` the
-    /// factorization of the mass matrix for the derivatives in closed form. The second derivatives have at most
-    /// `max_operations` operations, or are left out.
+    /// Returns forward dynamics and its derivatives. `forward` is the graph of forward dynamics,
+    /// and `layout` the factorization of the mass matrix for the derivatives in closed form. The
+    /// second derivatives have at most `max_operations` operations, or are left out.
     ///
-    /// With tau = ID(z, qdd), where z are `q`, `qd` and the parameters, the derivatives of the accelerations go through
-    /// inverse dynamics. mu is the product of the inverse mass matrix and the weights, and D the Jacobian of the
-    /// accelerations. The Hessian of the weighted accelerations then is -(A + C^T D + D^T C), where A and C are the second
-    /// derivatives of mu^T ID by z and z, and by qdd and z. Forward dynamics itself is differentiated by nothing but `tau`.
+    /// With tau = ID(z, qdd), where z are `q`, `qd` and the parameters, the derivatives of the
+    /// accelerations go through inverse dynamics. mu is the product of the inverse mass matrix and
+    /// the weights, and D the Jacobian of the accelerations. The Hessian of the weighted
+    /// accelerations then is -(A + C^T D + D^T C), where A and C are the second derivatives of mu^T
+    /// ID by z and z, and by qdd and z. Forward dynamics itself is differentiated by nothing but
+    /// `tau`.
     #[must_use]
     pub fn forward_dynamics_by_entries(
         &self,
@@ -293,8 +300,9 @@ impl Tracer<'_> {
         all.with_outputs(&[&inputs.with_accelerations(&gradients, &by_tau)])
     }
 
-    /// Returns the graph of the second derivatives of weighted accelerations. `closed` is the graph of the accelerations and
-    /// their derivatives. Returns `None` if it takes more than `max_operations`.
+    /// Returns the graph of the second derivatives of weighted accelerations. `closed` is the graph
+    /// of the accelerations and their derivatives. Returns `None` if it takes more than
+    /// `max_operations`.
     fn forward_hessian(
         &self,
         closed: &Graph,
@@ -318,8 +326,9 @@ impl Tracer<'_> {
         let mut change = jvp(&gradient, size + nv, 0..size);
         let changes = std::mem::take(&mut change.outputs);
         let motion = inputs.with_accelerations(&x, qdd);
-        // For each input of inverse dynamics but the accelerations, the change of the gradient by the inputs from there on,
-        // which is a column of A, and of the gradient by the accelerations, which is a column of C.
+        // For each input of inverse dynamics but the accelerations, the change of the gradient by
+        // the inputs from there on, which is a column of A, and of the gradient by the
+        // accelerations, which is a column of C.
         let (mut a, mut c) = (vec![Vec::new(); size], vec![Vec::new(); size]);
         for column in (0..size).filter(|column| !inputs.last.contains(column)) {
             let of_c = &changes[inputs.last.clone()];
@@ -356,11 +365,12 @@ impl Tracer<'_> {
         Some(all.with_outputs(&[&matrix]))
     }
 
-    /// Returns a matrix of derivatives by the entries of `q`, from the derivatives in tangent space at the coordinates `unit`
-    /// with quaternions of length 1; both by columns.
+    /// Returns a matrix of derivatives by the entries of `q`, from the derivatives in tangent space
+    /// at the coordinates `unit` with quaternions of length 1; both by columns.
     ///
-    /// The rates of coordinates are T v. For a quaternion n of length 1, T^T T is 1/4, for other coordinates 1. So a change of
-    /// the entries of a quaternion q = |q| n is 4 T^T dq / |q| in tangent space; the part along n has no effect.
+    /// The rates of coordinates are T v. For a quaternion n of length 1, T^T T is 1/4, for other
+    /// coordinates 1. So a change of the entries of a quaternion q = |q| n is 4 T^T dq / |q| in
+    /// tangent space; the part along n has no effect.
     fn by_entries(&self, all: &mut Composition, q: &[Id], unit: &[Id], dq: &[Id]) -> Vec<Id> {
         let (nq, nv) = (self.model.nq, self.model.nv);
         let rates = self.velocity_to_qdot();

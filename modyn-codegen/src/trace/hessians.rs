@@ -1,8 +1,10 @@
-//! The graphs of contracted Hessians: of w^T tau of inverse dynamics, and of w^T qdd of forward dynamics.
+//! The graphs of contracted Hessians: of w^T tau of inverse dynamics, and of w^T qdd of forward
+//! dynamics.
 //!
-//! The graph of a gradient, in reverse mode, is differentiated in forward mode along unit displacements. Hessians of forward
-//! dynamics go through inverse dynamics ID, as its gradients do. With the mass matrix M, mu = M^-1 w, the Hessian Phi of
-//! mu^T ID at constant mu, and B = Phi_{q qdd} M^-1:
+//! The graph of a gradient, in reverse mode, is differentiated in forward mode along unit
+//! displacements. Hessians of forward dynamics go through inverse dynamics ID, as its gradients do.
+//! With the mass matrix M, mu = M^-1 w, the Hessian Phi of mu^T ID at constant mu, and B = Phi_{q
+//! qdd} M^-1:
 //!
 //! ```text
 //! H_{q q}   = B ID_q + (B ID_q)^T - Phi_{q q}        H_{q tau} = -B
@@ -10,13 +12,16 @@
 //! H_{qd qd} = -Phi_{qd qd}
 //! ```
 //!
-//! All products with M^-1 = U^-T D^-1 U^-1 keep the zeros of U and D, which the branches of a robot have.
+//! All products with M^-1 = U^-T D^-1 U^-1 keep the zeros of U and D, which the branches of a robot
+//! have.
 //!
-//! With equal limbs in lanes, a displacement of a joint of each limb is a lane, too (`passes/directions.rs`), and so are the
-//! products (`limb_products.rs`). Without equal limbs, lanes are consecutive displacements and columns.
+//! With equal limbs in lanes, a displacement of a joint of each limb is a lane, too
+//! (`passes/directions.rs`), and so are the products (`limb_products.rs`). Without equal limbs,
+//! lanes are consecutive displacements and columns.
 //!
-//! The pose and the linear velocity of a floating base have no effect on the motion relative to free fall. So forward
-//! dynamics is differentiated with its bases in neutral poses without linear velocities, and the free fall is added.
+//! The pose and the linear velocity of a floating base have no effect on the motion relative to
+//! free fall. So forward dynamics is differentiated with its bases in neutral poses without linear
+//! velocities, and the free fall is added.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -57,8 +62,9 @@ struct Hessian {
 }
 
 impl Hessian {
-    /// Returns the Hessian of a function of q and `vectors` joint vectors, without any entries yet. `gradient` is the graph
-    /// that [`Tracer::gradient`] returns, and `point` are its inputs, q first.
+    /// Returns the Hessian of a function of q and `vectors` joint vectors, without any entries yet.
+    /// `gradient` is the graph that [`Tracer::gradient`] returns, and `point` are its inputs, q
+    /// first.
     fn new(tracer: &Tracer<'_>, gradient: Graph, vectors: usize, point: Vec<Id>) -> Self {
         let gradient = optimize(gradient);
         let changes = jvp(&gradient, point.len(), tracer.state(vectors));
@@ -66,8 +72,9 @@ impl Hessian {
         Self { gradient, changes, outputs, point, nv: tracer.model.nv, found: BTreeMap::new() }
     }
 
-    /// Computes the changes of some entries of the gradient along unit displacements of one joint of each limb, of which
-    /// each is a lane. Returns whether that is possible: each displacement changes its own limb and the trunk alone.
+    /// Computes the changes of some entries of the gradient along unit displacements of one joint
+    /// of each limb, of which each is a lane. Returns whether that is possible: each displacement
+    /// changes its own limb and the trunk alone.
     fn differentiate_limbs(
         &mut self,
         tracer: &Tracer<'_>,
@@ -128,7 +135,8 @@ impl Hessian {
         true
     }
 
-    /// Computes the changes of some entries of the gradient along unit displacements, each in a lane.
+    /// Computes the changes of some entries of the gradient along unit displacements, each in a
+    /// lane.
     fn differentiate(
         &mut self,
         tracer: &Tracer<'_>,
@@ -163,8 +171,8 @@ impl Hessian {
         }
     }
 
-    /// Returns the entry (a, b) of the Hessian. Displacements of one rotation or pose do not commute: the second derivative
-    /// along geodesics is the symmetric part.
+    /// Returns the entry (a, b) of the Hessian. Displacements of one rotation or pose do not
+    /// commute: the second derivative along geodesics is the symmetric part.
     fn entry(&self, all: &mut Composition, a: Entry, b: Entry) -> Id {
         match (self.found.get(&(a, b)), self.found.get(&(b, a))) {
             (Some(&x), Some(&y)) if a != b => {
@@ -214,7 +222,8 @@ pub(super) struct Motion {
     pub(super) qdd: Vec<Id>,
 }
 
-/// The gradients of a weighted sum of the accelerations, and the terms and factors of its Hessian, by columns.
+/// The gradients of a weighted sum of the accelerations, and the terms and factors of its Hessian,
+/// by columns.
 struct HessianFactors {
     /// The gradients by q (in tangent space) and qd.
     gradients: Vec<Id>,
@@ -252,7 +261,8 @@ pub(super) struct ForwardHessian {
 }
 
 impl Tracer<'_> {
-    /// Returns, for each entry of qd, the entries of the same rotation or pose; the entry alone for all other joints.
+    /// Returns, for each entry of qd, the entries of the same rotation or pose; the entry alone for
+    /// all other joints.
     pub(super) fn groups(&self) -> Vec<Range<usize>> {
         let mut groups: Vec<Range<usize>> = (0..self.model.nv).map(|v| v..v + 1).collect();
         for block in &self.model.coordinates {
@@ -262,8 +272,9 @@ impl Tracer<'_> {
         groups
     }
 
-    /// Returns the graph of the joint forces, of the weighted gradients by `q` (in tangent space), `qd` and `qdd`, and of the
-    /// Hessian's blocks (q, q), (q, qd), (qd, qd) and (q, qdd), by columns. Inputs: `q`, `qd`, `qdd` and the weights.
+    /// Returns the graph of the joint forces, of the weighted gradients by `q` (in tangent space),
+    /// `qd` and `qdd`, and of the Hessian's blocks (q, q), (q, qd), (qd, qd) and (q, qdd), by
+    /// columns. Inputs: `q`, `qd`, `qdd` and the weights.
     #[must_use]
     pub fn inverse_dynamics_hessian(&self) -> Graph {
         let WeightedInverseDynamics { mut all, tau, gradient, point, gradients } =
@@ -275,7 +286,8 @@ impl Tracer<'_> {
         all.with_outputs(&[&tau, &gradients, &blocks.concat()])
     }
 
-    /// Computes the second derivatives of inverse dynamics by the entries for which `varies` holds, and by all of qdd.
+    /// Computes the second derivatives of inverse dynamics by the entries for which `varies` holds,
+    /// and by all of qdd.
     fn second_derivatives(
         &self,
         all: &mut Composition,
@@ -315,8 +327,8 @@ impl Tracer<'_> {
         }
     }
 
-    /// Returns the entries of qd whose displacements share the lanes of one pack: those of equal limbs, else of consecutive joints
-    /// of a chain.
+    /// Returns the entries of qd whose displacements share the lanes of one pack: those of equal
+    /// limbs, else of consecutive joints of a chain.
     pub(super) fn column_groups(&self) -> Vec<Vec<Option<usize>>> {
         if let Some(limbs) = self.limbs {
             return limbs.velocities().map(|(lanes, _)| lanes.to_vec()).collect();
@@ -337,9 +349,10 @@ impl Tracer<'_> {
         groups
     }
 
-    /// Returns the graph of the accelerations, of their weighted gradients by `q` (in tangent space), `qd` and `tau`, and of
-    /// the Hessian's blocks (q, q), (q, qd), (qd, qd) and (q, tau), by columns. Inputs: `q`, `qd`, `tau` and the weights.
-    /// The mass matrix is factorized with `layout`.
+    /// Returns the graph of the accelerations, of their weighted gradients by `q` (in tangent
+    /// space), `qd` and `tau`, and of the Hessian's blocks (q, q), (q, qd), (qd, qd) and (q, tau),
+    /// by columns. Inputs: `q`, `qd`, `tau` and the weights. The mass matrix is factorized with
+    /// `layout`.
     #[must_use]
     pub fn forward_dynamics_hessian(&self, layout: &UduLayout) -> Graph {
         let (mut all, motion, weights) = self.weighted_motion(layout);
@@ -348,7 +361,8 @@ impl Tracer<'_> {
         all.with_outputs(&[&motion.qdd, &gradients, &by_tau, &blocks.concat(), &by_q_tau])
     }
 
-    /// Returns a graph with the inputs `q`, `qd`, `tau`, the weights and the parameters, its accelerations, and the weights.
+    /// Returns a graph with the inputs `q`, `qd`, `tau`, the weights and the parameters, its
+    /// accelerations, and the weights.
     fn weighted_motion(&self, layout: &UduLayout) -> (Composition, Motion, Vec<Id>) {
         let (nq, nv) = (self.model.nq, self.model.nv);
         let mut all = Composition::new();
@@ -406,7 +420,8 @@ impl Tracer<'_> {
         ForwardHessian { gradients, by_tau, blocks, by_q_tau, u, d, reduced }
     }
 
-    /// Computes the gradients of the accelerations' sum with these weights, and the terms and factors of its Hessian.
+    /// Computes the gradients of the accelerations' sum with these weights, and the terms and
+    /// factors of its Hessian.
     fn hessian_factors(
         &self,
         all: &mut Composition,
@@ -454,7 +469,8 @@ impl Tracer<'_> {
         HessianFactors { gradients, by_tau, phi, fall, u, d, w, b, by_state }
     }
 
-    /// Returns the graph of [`forward_dynamics_hessian`](Self::forward_dynamics_hessian) with the products with B apart.
+    /// Returns the graph of [`forward_dynamics_hessian`](Self::forward_dynamics_hessian) with the
+    /// products with B apart.
     #[must_use]
     pub fn forward_dynamics_hessian_by_products(&self, layout: &UduLayout) -> DenseGraph {
         let n = self.model.nv;
@@ -472,7 +488,8 @@ impl Tracer<'_> {
         DenseGraph { graph, rows: None, products: Some(form) }
     }
 
-    /// Returns the product of two square matrices, by columns; equal limbs, else consecutive columns, share the lanes of a pack.
+    /// Returns the product of two square matrices, by columns; equal limbs, else consecutive
+    /// columns, share the lanes of a pack.
     fn multiply(&self, all: &mut Composition, a: &[Id], b: &[Id]) -> Vec<Id> {
         if let Some(limbs) = self.limbs {
             return LimbMatrices::new(limbs, self.model.nv).multiply(all, a, b);
@@ -480,8 +497,8 @@ impl Tracer<'_> {
         all.multiply_columns(a, b, self.model.nv, self.columns)
     }
 
-    /// Computes rows of the derivatives of the accelerations by q (in tangent space), qd and tau: for each variable nv columns
-    /// of these rows.
+    /// Computes rows of the derivatives of the accelerations by q (in tangent space), qd and tau:
+    /// for each variable nv columns of these rows.
     pub(super) fn acceleration_rows(
         &self,
         all: &mut Composition,
@@ -538,7 +555,8 @@ impl Tracer<'_> {
         };
         let [zero, one] = [0.0, 1.0].map(|x| all.constant(x));
         for base in free_bases(self.model) {
-            // Three coordinates of the position, four of the quaternion; linear velocities come before angular ones.
+            // Three coordinates of the position, four of the quaternion; linear velocities come
+            // before angular ones.
             let (at, v) = (self.model.bodies[base].q, self.model.dofs_of(base)[0].v);
             neutral.q[at..at + 6].fill(zero);
             neutral.q[at + 6] = one;
@@ -549,8 +567,8 @@ impl Tracer<'_> {
         neutral
     }
 
-    /// Returns the graph of the accelerations of free fall: g - omega x v for each free base, zero for all other entries.
-    /// Inputs: `q`, `qd`.
+    /// Returns the graph of the accelerations of free fall: g - omega x v for each free base, zero
+    /// for all other entries. Inputs: `q`, `qd`.
     fn free_fall(&self) -> Graph {
         self.trace(|model, [q, qd]| {
             let mut qdd = self.vector();

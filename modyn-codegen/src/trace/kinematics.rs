@@ -1,7 +1,8 @@
-//! The graphs of kinematic quantities: of one link (`frame` is its index in the model's frames), and of all links.
+//! The graphs of kinematic quantities: of one link (`frame` is its index in the model's frames),
+//! and of all links.
 //!
-//! A pose is nine numbers of the rotation by rows, then three of the translation. A twist or a momentum is three
-//! angular, then three linear components. Columns follow each other.
+//! A pose is nine numbers of the rotation by rows, then three of the translation. A twist or a
+//! momentum is three angular, then three linear components. Columns follow each other.
 
 use modyn_runtime::equations::{Workspace, kinematics};
 use modyn_runtime::spatial::Pose;
@@ -25,7 +26,8 @@ pub(super) fn pose_input(next: &mut usize) -> Pose<Expr> {
 }
 
 impl Tracer<'_> {
-    /// Returns the graph of a link's pose in the world. Inputs: the pose of its body, and the link's pose on the body.
+    /// Returns the graph of a link's pose in the world. Inputs: the pose of its body, and the
+    /// link's pose on the body.
     #[must_use]
     pub fn placed_pose() -> Graph {
         Graph::trace(|| {
@@ -35,8 +37,8 @@ impl Tracer<'_> {
         })
     }
 
-    /// Returns the graph of the poses of all frames: each nine numbers of the rotation by rows, then three of the
-    /// translation. Inputs: `q`.
+    /// Returns the graph of the poses of all frames: each nine numbers of the rotation by rows,
+    /// then three of the translation. Inputs: `q`.
     #[must_use]
     pub fn link_poses(&self) -> Graph {
         self.trace(|model, [q]| {
@@ -57,8 +59,8 @@ impl Tracer<'_> {
         })
     }
 
-    /// Returns the graph of a link's acceleration in world axes by the accelerations of the bodies. Inputs: `q`, `qd`,
-    /// `qdd`.
+    /// Returns the graph of a link's acceleration in world axes by the accelerations of the bodies.
+    /// Inputs: `q`, `qd`, `qdd`.
     #[must_use]
     pub fn link_acceleration_from_world(&self, frame: usize) -> Graph {
         self.trace(|model, [q, qd, qdd]| {
@@ -68,7 +70,8 @@ impl Tracer<'_> {
         })
     }
 
-    /// Returns the graph of a link's bias acceleration in world axes by the accelerations of the bodies. Inputs: `q`, `qd`.
+    /// Returns the graph of a link's bias acceleration in world axes by the accelerations of the
+    /// bodies. Inputs: `q`, `qd`.
     #[must_use]
     pub fn bias_acceleration_from_world(&self, frame: usize) -> Graph {
         self.trace(|model, [q, qd]| {

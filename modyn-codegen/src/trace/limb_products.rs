@@ -1,8 +1,9 @@
 //! Products of matrices of a robot with equal limbs, whose lanes are the limbs.
 //!
-//! An entry belongs to two degrees of freedom of the robot with merged limbs. All entries of the same two, in the same relation
-//! of their limbs (the same limb, the next one, ...), are computed in the lanes of one pack. Products of zeros are left out, so
-//! the zeros between limbs cost nothing.
+//! An entry belongs to two degrees of freedom of the robot with merged limbs. All entries of the
+//! same two, in the same relation of their limbs (the same limb, the next one, ...), are computed
+//! in the lanes of one pack. Products of zeros are left out, so the zeros between limbs cost
+//! nothing.
 
 use std::collections::BTreeMap;
 
@@ -121,7 +122,8 @@ impl LimbMatrices {
         product
     }
 
-    /// Returns the sum of products of an entry of the trunk: those of a group of limbs are computed in lanes, then added.
+    /// Returns the sum of products of an entry of the trunk: those of a group of limbs are computed
+    /// in lanes, then added.
     fn sum_over_limbs(
         &self,
         all: &mut Composition,

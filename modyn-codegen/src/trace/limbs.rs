@@ -1,12 +1,15 @@
-//! Limb packing: equal limbs as one limb of lanes, such as legs on a trunk, arms on a torso, fingers on a palm.
+//! Limb packing: equal limbs as one limb of lanes, such as legs on a trunk, arms on a torso,
+//! fingers on a palm.
 //!
-//! Limbs are equal if they have the same joint types in the same tree; their numbers may differ. They are packed into one
-//! limb with a lane for each: a body of the merged limb represents one body of each limb, and its numbers have a lane for
-//! each. The same equations run on it. The forces of merged limbs on their parent are summed over the lanes
-//! ([`MergedMechanism`](modyn_runtime::mechanism::MergedMechanism)); the parent's motion is broadcast to them.
+//! Limbs are equal if they have the same joint types in the same tree; their numbers may differ.
+//! They are packed into one limb with a lane for each: a body of the merged limb represents one
+//! body of each limb, and its numbers have a lane for each. The same equations run on it. The
+//! forces of merged limbs on their parent are summed over the lanes
+//! ([`MergedMechanism`](modyn_runtime::mechanism::MergedMechanism)); the parent's motion is
+//! broadcast to them.
 //!
-//! Chains on different bodies can be merged, too (legs and arms). Each lane then has its own parent. Shorter chains are
-//! extended by joints that move nothing.
+//! Chains on different bodies can be merged, too (legs and arms). Each lane then has its own
+//! parent. Shorter chains are extended by joints that move nothing.
 
 mod contacts;
 pub(crate) mod groups;
@@ -28,8 +31,8 @@ use groups::{groups, join, longest};
 pub struct LimbPacking {
     /// The bodies of the merged robot.
     bodies: Vec<Merged>,
-    /// For each degree of freedom of the merged robot: the entry of the robot's joint vectors in each lane, and the group of
-    /// limbs that it belongs to.
+    /// For each degree of freedom of the merged robot: the entry of the robot's joint vectors in
+    /// each lane, and the group of limbs that it belongs to.
     velocities: Vec<(Lanes, Option<usize>)>,
     /// For each degree of freedom of the merged robot: the root body of the tree in each lane.
     roots: Vec<Lanes>,
@@ -59,7 +62,8 @@ impl LimbPacking {
         (!groups.is_empty()).then(|| Self::new(model, &groups))
     }
 
-    /// Returns the equal limbs, also of chains on different bodies; `None` if no such chains are equal.
+    /// Returns the equal limbs, also of chains on different bodies; `None` if no such chains are
+    /// equal.
     #[must_use]
     pub fn joined(model: &Mechanism<f64>, limits: &LimbLimits) -> Option<Self> {
         let equal = groups(model, limits);
@@ -67,15 +71,16 @@ impl LimbPacking {
         (joined.len() < equal.len()).then(|| Self::new(model, &joined))
     }
 
-    /// Returns the candidates, equal limbs on one body first; with `join`, chains on different bodies are merged, too.
+    /// Returns the candidates, equal limbs on one body first; with `join`, chains on different
+    /// bodies are merged, too.
     #[must_use]
     pub fn candidates(model: &Mechanism<f64>, limits: &LimbLimits, join: bool) -> Vec<Self> {
         let joined = join.then(|| Self::joined(model, limits)).flatten();
         Self::find(model, limits).into_iter().chain(joined).collect()
     }
 
-    /// Returns whether the parents of limbs are on one path to the root, so that the limbs' quantities can be transformed
-    /// together.
+    /// Returns whether the parents of limbs are on one path to the root, so that the limbs'
+    /// quantities can be transformed together.
     #[must_use]
     pub fn share_root_path(&self, model: &Mechanism<f64>) -> bool {
         let on_one_path = |of: &Lanes| {
@@ -131,8 +136,9 @@ impl LimbPacking {
         Self { bodies, velocities, roots, coordinates }
     }
 
-    /// Returns, for each degree of freedom of the merged robot, the entry of the robot's joint vectors in each lane, and the group of
-    /// limbs that it belongs to (`None` on the trunk, which has one lane).
+    /// Returns, for each degree of freedom of the merged robot, the entry of the robot's joint
+    /// vectors in each lane, and the group of limbs that it belongs to (`None` on the trunk, which
+    /// has one lane).
     pub(in crate::trace) fn velocities(
         &self,
     ) -> impl Iterator<Item = (&[Option<usize>], Option<usize>)> {

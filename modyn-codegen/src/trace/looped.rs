@@ -1,5 +1,5 @@
-//! The graphs of a recursion that runs in loops over the bodies: one for each kind of bodies, in which the numbers of a body
-//! are inputs.
+//! The graphs of a recursion that runs in loops over the bodies: one for each kind of bodies, in
+//! which the numbers of a body are inputs.
 
 use std::cell::RefCell;
 
@@ -29,9 +29,9 @@ pub struct BodyGraphs {
 
 /// Bodies with the same equations.
 pub struct BodyKind {
-    /// The equations. Inputs: the body's entries of the three joint vectors, the run-time parameters, the numbers received in
-    /// each sweep, the constants. Outputs: the body's own numbers in each sweep, the numbers sent in each sweep, the body's
-    /// entries of the result.
+    /// The equations. Inputs: the body's entries of the three joint vectors, the run-time
+    /// parameters, the numbers received in each sweep, the constants. Outputs: the body's own
+    /// numbers in each sweep, the numbers sent in each sweep, the body's entries of the result.
     pub graph: Graph,
     /// The number of entries of q, and of the other joint vectors and the result.
     pub entries: [usize; 2],
@@ -52,16 +52,17 @@ pub struct LoopedBody {
     pub row: usize,
     /// The parent; `None` for the world.
     pub parent: Option<usize>,
-    /// The index of the body's first entry of q, and that of its first entry of the other joint vectors.
+    /// The index of the body's first entry of q, and that of its first entry of the other joint
+    /// vectors.
     pub starts: [usize; 2],
 }
 
 impl Tracer<'_> {
-    /// Returns the graphs of `recursion`; `None` for robots that loops do not suit: those without joints, with mimic joints,
-    /// with run-time inertias or with gravity compensation.
+    /// Returns the graphs of `recursion`; `None` for robots that loops do not suit: those without
+    /// joints, with mimic joints, with run-time inertias or with gravity compensation.
     ///
-    /// The coordinates of mimic joints belong to several bodies, and the numbers of a body with a run-time inertia are not
-    /// constants.
+    /// The coordinates of mimic joints belong to several bodies, and the numbers of a body with a
+    /// run-time inertia are not constants.
     #[must_use]
     pub fn body_graphs(&self, recursion: &BodyRecursion<Expr>) -> Option<BodyGraphs> {
         let (model, parameters) = (self.model, &self.parameters);
@@ -74,7 +75,8 @@ impl Tracer<'_> {
         let mut members: Vec<Vec<usize>> = Vec::new();
         let mut bodies = Vec::with_capacity(model.bodies.len());
         for (i, body) in model.bodies.iter().enumerate() {
-            // The azimuth is that of roots and of branches. In a kind without it, its products are folded.
+            // The azimuth is that of roots and of branches. In a kind without it, its products are
+            // folded.
             let has_azimuth = body.placement.azimuth != AxisRotation::Quarters(0);
             let key = (body.elementary_joint, is_base(model, i), has_azimuth);
             let kind = keys.iter().position(|other| *other == key).unwrap_or_else(|| {
@@ -148,8 +150,8 @@ impl Tracer<'_> {
         BodyKind { graph, entries, own, sent, table }
     }
 
-    /// Returns the mechanism of one body and its parent. `column` returns the expression of a number, from its values in all
-    /// bodies of the kind.
+    /// Returns the mechanism of one body and its parent. `column` returns the expression of a
+    /// number, from its values in all bodies of the kind.
     fn two_bodies(&self, members: &[usize], column: &dyn Fn(&[f64]) -> Expr) -> Mechanism<Expr> {
         let model = self.model;
         let each: Vec<&Body<f64>> = members.iter().map(|&i| &model.bodies[i]).collect();
@@ -185,7 +187,8 @@ impl Tracer<'_> {
     }
 }
 
-/// Returns the graph with those columns alone that it reads; columns are its inputs from number `first` on.
+/// Returns the graph with those columns alone that it reads; columns are its inputs from number
+/// `first` on.
 fn without_unused(graph: &Graph, first: usize, columns: Vec<Vec<f64>>) -> (Graph, Vec<Vec<f64>>) {
     let live = graph.live();
     let is_read = |i: usize| graph.find(Node::input(i)).is_some_and(|id| live[id as usize]);

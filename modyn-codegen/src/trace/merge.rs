@@ -1,4 +1,5 @@
-//! Several bodies as one body, whose numbers stand for those of each: lanes of limbs, or columns of a table.
+//! Several bodies as one body, whose numbers stand for those of each: lanes of limbs, or columns of
+//! a table.
 
 use std::ops::Range;
 
@@ -38,7 +39,8 @@ pub(super) fn optional(
     has.then(|| merge(&dofs.iter().map(|dof| of(dof).unwrap_or(0.0)).collect::<Vec<f64>>()))
 }
 
-/// Returns bodies with the same elementary joint as one body, with these degrees of freedom and this entry of q.
+/// Returns bodies with the same elementary joint as one body, with these degrees of freedom and
+/// this entry of q.
 pub(super) fn merged_body(
     each: &[&Body<f64>],
     (dofs, q): (Range<usize>, usize),

@@ -1,5 +1,5 @@
-//! Tracing: the equations run on expressions, one graph for each quantity. The tracer is here; its graphs are in the files of
-//! this folder, by groups of quantities.
+//! Tracing: the equations run on expressions, one graph for each quantity. The tracer is here; its
+//! graphs are in the files of this folder, by groups of quantities.
 
 mod composition;
 mod constraint_hessians;
@@ -60,8 +60,8 @@ pub struct Tracer<'a> {
 pub enum LinkFrame {
     /// A link with a constant pose.
     Known(BodyFrame<f64>),
-    /// A link on this body (or on the world) whose pose there is twelve further inputs: nine numbers of the rotation by
-    /// rows, then three of the translation.
+    /// A link on this body (or on the world) whose pose there is twelve further inputs: nine
+    /// numbers of the rotation by rows, then three of the translation.
     On(Option<usize>),
 }
 
@@ -103,7 +103,8 @@ impl<'a> Tracer<'a> {
         Self { model: self.model, parameters, limbs: Some(limbs), columns: 1, link: None }
     }
 
-    /// Returns the tracer with the derivative columns of this number of consecutive joints in lanes.
+    /// Returns the tracer with the derivative columns of this number of consecutive joints in
+    /// lanes.
     #[must_use]
     pub fn column_lanes(&self, columns: usize) -> Self {
         Self { parameters: self.parameters.clone(), columns, ..Self::new(self.model) }
@@ -170,7 +171,8 @@ impl<'a> Tracer<'a> {
         vec![Expr::zero(); self.model.nv]
     }
 
-    /// Traces equations that support merged limbs. The outputs are `vectors` joint vectors, then matrices.
+    /// Traces equations that support merged limbs. The outputs are `vectors` joint vectors, then
+    /// matrices.
     fn trace_joints<const G: usize>(
         &self,
         vectors: usize,

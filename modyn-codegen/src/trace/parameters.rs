@@ -14,18 +14,19 @@ use crate::graph::{Expr, Graph};
 pub struct Parameters {
     /// Whether gravity is a parameter.
     pub gravity: bool,
-    /// The links whose own inertia is a parameter, as indices into [`Model::frames`], with their described inertia.
+    /// The links whose own inertia is a parameter, as indices into [`Model::frames`], with their
+    /// described inertia.
     pub inertias: Vec<(usize, Inertial)>,
     /// The links with a payload, as indices into [`Model::frames`].
     pub payloads: Vec<usize>,
-    /// The moving links that carry one of the `inertias`, with their inertia without these, about their origin, and the
-    /// compensated mass without these on their bodies.
+    /// The moving links that carry one of the `inertias`, with their inertia without these, about
+    /// their origin, and the compensated mass without these on their bodies.
     rest: Vec<(usize, RigidInertia<f64>, Option<CompensatedMass<f64>>)>,
 }
 
 impl Parameters {
-    /// Returns the parameters of a model: gravity, the links whose own inertia is a parameter, and the links with a payload,
-    /// as indices into its frames.
+    /// Returns the parameters of a model: gravity, the links whose own inertia is a parameter, and
+    /// the links with a payload, as indices into its frames.
     #[must_use]
     pub fn new(model: &Model, gravity: bool, inertias: &[usize], payloads: &[usize]) -> Self {
         let mut carrying: Vec<usize> =
@@ -54,8 +55,8 @@ impl Parameters {
         Self { gravity: self.gravity, ..Self::default() }
     }
 
-    /// Returns the number of scalars: three of gravity, then for each run-time inertia and each payload the mass, the centre
-    /// of mass and the inertia about it, in the order of [`Inertial`].
+    /// Returns the number of scalars: three of gravity, then for each run-time inertia and each
+    /// payload the mass, the centre of mass and the inertia about it, in the order of [`Inertial`].
     #[must_use]
     pub fn len(&self) -> usize {
         self.inertial(self.inertias.len() + self.payloads.len())
@@ -129,12 +130,13 @@ impl Parameters {
 }
 
 impl Tracer<'_> {
-    /// Returns the entries of qd that move no inertia if all run-time inertias are zero, with the graph of the inertia at
-    /// each of them. Inputs: the scalar's precision, then the parameters. Returns `None` if there is no such entry: any
-    /// inertias are then valid, since more inertia never makes a mass matrix singular.
+    /// Returns the entries of qd that move no inertia if all run-time inertias are zero, with the
+    /// graph of the inertia at each of them. Inputs: the scalar's precision, then the parameters.
+    /// Returns `None` if there is no such entry: any inertias are then valid, since more inertia
+    /// never makes a mass matrix singular.
     ///
-    /// An entry that moves no inertia with some run-time inertias moves none without them. No other entry has to be
-    /// checked.
+    /// An entry that moves no inertia with some run-time inertias moves none without them. No other
+    /// entry has to be checked.
     #[must_use]
     pub fn inertia_pivots(&self) -> Option<(Vec<usize>, Graph)> {
         let moves_inertia = |model: &Mechanism<f64>| {

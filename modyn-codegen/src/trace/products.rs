@@ -1,8 +1,10 @@
-//! The graphs of products with derivatives: vector times Jacobian (vjp), and Jacobian times vector (jvp).
+//! The graphs of products with derivatives: vector times Jacobian (vjp), and Jacobian times vector
+//! (jvp).
 //!
-//! Derivatives of forward dynamics go through inverse dynamics. With tau = ID(q, qd, qdd) and the mass matrix M, a change
-//! of the accelerations is M^-1 (d tau - d ID) at constant accelerations. The product with M^-1 is the derivative of
-//! forward dynamics with respect to tau, in which forward dynamics is linear, so it shares the factorization.
+//! Derivatives of forward dynamics go through inverse dynamics. With tau = ID(q, qd, qdd) and the
+//! mass matrix M, a change of the accelerations is M^-1 (d tau - d ID) at constant accelerations.
+//! The product with M^-1 is the derivative of forward dynamics with respect to tau, in which
+//! forward dynamics is linear, so it shares the factorization.
 
 use std::ops::Range;
 
@@ -11,7 +13,8 @@ use super::composition::Composition;
 use crate::graph::{Graph, Id};
 use crate::passes::{jvp, optimize, vjp};
 
-/// The inputs of forward and inverse dynamics: `q`, `qd`, then `tau` or the accelerations, then the run-time parameters.
+/// The inputs of forward and inverse dynamics: `q`, `qd`, then `tau` or the accelerations, then the
+/// run-time parameters.
 #[derive(Clone)]
 pub(super) struct DynamicsInputs {
     pub q: Range<usize>,
@@ -39,7 +42,8 @@ pub(super) struct ForwardDynamics<'a> {
 }
 
 impl<'a> ForwardDynamics<'a> {
-    /// Adds forward dynamics at `point` to a graph. `forward` and `inverse` are the graphs of forward and inverse dynamics.
+    /// Adds forward dynamics at `point` to a graph. `forward` and `inverse` are the graphs of
+    /// forward and inverse dynamics.
     pub fn new(
         all: &mut Composition,
         inputs: DynamicsInputs,
@@ -56,8 +60,9 @@ impl<'a> ForwardDynamics<'a> {
         all.add(&solve, &[&self.point, forces])
     }
 
-    /// Returns the change of the accelerations, M^-1 (d tau - d ID), under the change `dtau` of the joint forces and the
-    /// changes `dz` of the inputs `wrt` of inverse dynamics. The accelerations among these must have no change.
+    /// Returns the change of the accelerations, M^-1 (d tau - d ID), under the change `dtau` of the
+    /// joint forces and the changes `dz` of the inputs `wrt` of inverse dynamics. The accelerations
+    /// among these must have no change.
     pub fn change(
         &self,
         all: &mut Composition,
@@ -71,8 +76,8 @@ impl<'a> ForwardDynamics<'a> {
         self.solve(all, &unmet)
     }
 
-    /// Returns the gradients of weighted accelerations: by `tau`, mu = M^-1 w, and by the inputs `wrt` of inverse dynamics,
-    /// -d (mu^T ID).
+    /// Returns the gradients of weighted accelerations: by `tau`, mu = M^-1 w, and by the inputs
+    /// `wrt` of inverse dynamics, -d (mu^T ID).
     pub fn gradients(
         &self,
         all: &mut Composition,
@@ -125,8 +130,8 @@ impl Tracer<'_> {
         first..first + self.model.nv
     }
 
-    /// Returns the gradient with respect to displacements of `q`, in tangent space, from that with respect to the
-    /// coordinates.
+    /// Returns the gradient with respect to displacements of `q`, in tangent space, from that with
+    /// respect to the coordinates.
     pub(super) fn in_tangent_space(
         &self,
         all: &mut Composition,
@@ -139,8 +144,9 @@ impl Tracer<'_> {
         all.add(&rates, &[q, &rest, gradient])
     }
 
-    /// Returns the graph of the weighted gradients of a function of `q` and joint vectors, by `q` (in tangent space) and by
-    /// the `vectors` joint vectors. Inputs: `q`, the joint vectors and the weights.
+    /// Returns the graph of the weighted gradients of a function of `q` and joint vectors, by `q`
+    /// (in tangent space) and by the `vectors` joint vectors. Inputs: `q`, the joint vectors and
+    /// the weights.
     pub(super) fn gradient(&self, function: &Graph, vectors: usize) -> Graph {
         let (nq, nv) = (self.model.nq, self.model.nv);
         let mut all = Composition::new();
@@ -153,7 +159,8 @@ impl Tracer<'_> {
         all.with_outputs(&[&by_q, rest])
     }
 
-    /// Returns inverse dynamics with its weighted gradients. Inputs: `q`, `qd`, `qdd` and the weights.
+    /// Returns inverse dynamics with its weighted gradients. Inputs: `q`, `qd`, `qdd` and the
+    /// weights.
     pub(super) fn weighted_inverse_dynamics(&self) -> WeightedInverseDynamics {
         let (nq, nv) = (self.model.nq, self.model.nv);
         let inverse = optimize(self.inverse_dynamics());
@@ -167,16 +174,16 @@ impl Tracer<'_> {
         WeightedInverseDynamics { all, tau, gradient, point, gradients }
     }
 
-    /// Returns the graph of the joint forces, and of their weighted gradients by `q` (in tangent space), `qd` and `qdd`.
-    /// Inputs: `q`, `qd`, `qdd` and the weights.
+    /// Returns the graph of the joint forces, and of their weighted gradients by `q` (in tangent
+    /// space), `qd` and `qdd`. Inputs: `q`, `qd`, `qdd` and the weights.
     #[must_use]
     pub fn inverse_dynamics_vjp(&self) -> Graph {
         let WeightedInverseDynamics { all, tau, gradients, .. } = self.weighted_inverse_dynamics();
         all.with_outputs(&[&tau, &gradients])
     }
 
-    /// Returns the graph of the joint forces, and of their change. Inputs: `q`, `qd`, `qdd` and their changes, that of `q`
-    /// in tangent space.
+    /// Returns the graph of the joint forces, and of their change. Inputs: `q`, `qd`, `qdd` and
+    /// their changes, that of `q` in tangent space.
     #[must_use]
     pub fn inverse_dynamics_jvp(&self) -> Graph {
         let (nq, nv) = (self.model.nq, self.model.nv);
@@ -191,8 +198,9 @@ impl Tracer<'_> {
         all.with_outputs(&[&tau, &dtau])
     }
 
-    /// Returns the graph of the accelerations, and of their weighted gradients by `q` (in tangent space), `qd` and `tau`.
-    /// Inputs: `q`, `qd`, `tau` and the weights. `forward` is the graph of forward dynamics.
+    /// Returns the graph of the accelerations, and of their weighted gradients by `q` (in tangent
+    /// space), `qd` and `tau`. Inputs: `q`, `qd`, `tau` and the weights. `forward` is the graph of
+    /// forward dynamics.
     #[must_use]
     pub fn forward_dynamics_vjp(&self, forward: &Graph) -> Graph {
         let (nq, nv) = (self.model.nq, self.model.nv);
@@ -209,8 +217,8 @@ impl Tracer<'_> {
         all.with_outputs(&[&dynamics.qdd, &by_q, by_qd, &by_tau])
     }
 
-    /// Returns the graph of the accelerations, and of their change. Inputs: `q`, `qd`, `tau` and their changes, that of `q`
-    /// in tangent space. `forward` is the graph of forward dynamics.
+    /// Returns the graph of the accelerations, and of their change. Inputs: `q`, `qd`, `tau` and
+    /// their changes, that of `q` in tangent space. `forward` is the graph of forward dynamics.
     #[must_use]
     pub fn forward_dynamics_jvp(&self, forward: &Graph) -> Graph {
         let (nq, nv) = (self.model.nq, self.model.nv);

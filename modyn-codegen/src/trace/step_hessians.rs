@@ -1,16 +1,18 @@
 //! The graph of the contracted Hessian of a time step.
 //!
-//! A semi-implicit Euler step is qd' = qd + h qdd and q' = q (+) h qd'. Multiplied by the costate (l_q, l_qd), its Hessian is
-//! that of h (l_qd + h J^T l_q)^T qdd, with the derivative J of (+) by the displacement, and a correction for each rotation
-//! and each pose, whose displacements do not commute. For a group of coordinates, let E be the motion of the displacement
-//! x = h qd', and P the derivative of (+) by q. Displacements d of q and y of x displace q' by
+//! A semi-implicit Euler step is qd' = qd + h qdd and q' = q (+) h qd'. Multiplied by the costate
+//! (l_q, l_qd), its Hessian is that of h (l_qd + h J^T l_q)^T qdd, with the derivative J of (+) by
+//! the displacement, and a correction for each rotation and each pose, whose displacements do not
+//! commute. For a group of coordinates, let E be the motion of the displacement x = h qd', and P
+//! the derivative of (+) by q. Displacements d of q and y of x displace q' by
 //!
 //! ```text
 //! log(E^-1 exp(d) exp(x + y)) = P d + J y + 1/2 y^T (D J) y + 1/2 [P d, J y] + ...
 //! ```
 //!
-//! to second order (Baker, Campbell and Hausdorff). So with the symmetric part S of the derivative of J^T l_q by x, the matrix
-//! B of l_q^T [P d, J y], and the derivative W of qd' by q, qd and tau, the correction is
+//! to second order (Baker, Campbell and Hausdorff). So with the symmetric part S of the derivative
+//! of J^T l_q by x, the matrix B of l_q^T [P d, J y], and the derivative W of qd' by q, qd and tau,
+//! the correction is
 //!
 //! ```text
 //! h^2 W^T S W + h/2 (B W + (B W)^T)
@@ -52,10 +54,11 @@ struct Curvature {
 }
 
 impl Tracer<'_> {
-    /// Returns the graph of the coordinates and velocities after a semi-implicit Euler step, and of the gradients and the
-    /// Hessian of their sum with the costate as weights: gradients by the state and by tau, then second derivatives by state
-    /// and state, state and tau, tau and tau, by columns. A state has the entries of q (in tangent space), then those of qd.
-    /// Inputs: `q`, `qd`, `tau`, the time and the costate. The mass matrix is factorized with `layout`.
+    /// Returns the graph of the coordinates and velocities after a semi-implicit Euler step, and of
+    /// the gradients and the Hessian of their sum with the costate as weights: gradients by the
+    /// state and by tau, then second derivatives by state and state, state and tau, tau and tau, by
+    /// columns. A state has the entries of q (in tangent space), then those of qd. Inputs: `q`,
+    /// `qd`, `tau`, the time and the costate. The mass matrix is factorized with `layout`.
     #[must_use]
     pub fn step_semi_implicit_hessian(&self, layout: &UduLayout) -> Graph {
         let (nq, nv) = (self.model.nq, self.model.nv);
@@ -120,8 +123,9 @@ impl Tracer<'_> {
         all.with_outputs(&[&next_q, &next_qd, &gradients, &of_state, &of_tau, &tau_tau])
     }
 
-    /// Returns the graph of P^T w and J^T w, with the derivatives P and J of displaced coordinates by the coordinates before
-    /// and by the displacement. Inputs: `q`, the displacement and the weights w.
+    /// Returns the graph of P^T w and J^T w, with the derivatives P and J of displaced coordinates
+    /// by the coordinates before and by the displacement. Inputs: `q`, the displacement and the
+    /// weights w.
     fn transported(&self) -> Graph {
         let (nq, nv) = (self.model.nq, self.model.nv);
         let mut all = Composition::new();
@@ -190,8 +194,9 @@ impl Tracer<'_> {
     }
 }
 
-/// Adds the correction of a rotation or a pose to the blocks of a Hessian. `rates` has the group's rows of the derivatives of
-/// qd' by q, qd and tau. The entries of each of `groups` share the lanes of a pack.
+/// Adds the correction of a rotation or a pose to the blocks of a Hessian. `rates` has the group's
+/// rows of the derivatives of qd' by q, qd and tau. The entries of each of `groups` share the lanes
+/// of a pack.
 fn add_curvature(
     all: &mut Composition,
     (block, groups): (&Coordinates<f64>, &[Vec<usize>]),

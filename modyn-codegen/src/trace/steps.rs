@@ -1,7 +1,8 @@
 //! The graph of the derivatives of a semi-implicit Euler step, from those of forward dynamics.
 //!
-//! A step is qd' = qd + h qdd and q' = q (+) h qd'. With the derivatives P and J of (+) by q and by the displacement, and the change F of
-//! the accelerations by a variable, the changes by that variable are
+//! A step is qd' = qd + h qdd and q' = q (+) h qd'. With the derivatives P and J of (+) by q and by
+//! the displacement, and the change F of the accelerations by a variable, the changes by that
+//! variable are
 //!
 //! ```text
 //! of qd':  G = h F    (+ 1 by qd)
@@ -24,8 +25,8 @@ struct Effects<'a> {
 }
 
 impl Effects<'_> {
-    /// Returns the changes of q' and qd', by columns of both, from those of the accelerations and from the changes of q and qd with
-    /// constant accelerations.
+    /// Returns the changes of q' and qd', by columns of both, from those of the accelerations and
+    /// from the changes of q and qd with constant accelerations.
     fn columns(&self, all: &mut Composition, changes: &[Id], constant: [&[Id]; 2]) -> Vec<Id> {
         let n = changes.len().isqrt();
         let mut columns = vec![Vec::new(); n];
@@ -58,8 +59,9 @@ impl Effects<'_> {
 }
 
 impl Tracer<'_> {
-    /// Returns the graph of the coordinates and velocities after a semi-implicit Euler step, and of their derivatives by the state and
-    /// by `tau`, by columns. Inputs: `q`, `qd`, `tau` and the time. The mass matrix is factorized with `layout`.
+    /// Returns the graph of the coordinates and velocities after a semi-implicit Euler step, and of
+    /// their derivatives by the state and by `tau`, by columns. Inputs: `q`, `qd`, `tau` and the
+    /// time. The mass matrix is factorized with `layout`.
     #[must_use]
     pub fn step_semi_implicit_derivatives(&self, layout: &UduLayout) -> Graph {
         let (nq, nv) = (self.model.nq, self.model.nv);

@@ -20,8 +20,9 @@ pub struct TangentInput {
 
 /// A function, traced, from which the graphs of its derivatives are made.
 ///
-/// The inputs of all graphs are the arguments, further inputs of the graph, then the robot's run-time parameters. A
-/// *displacement* has the entries of all variables one after the other, those of coordinates in tangent space.
+/// The inputs of all graphs are the arguments, further inputs of the graph, then the robot's
+/// run-time parameters. A *displacement* has the entries of all variables one after the other,
+/// those of coordinates in tangent space.
 pub struct TangentGraphs<'a> {
     tracer: &'a Tracer<'a>,
     inputs: Vec<TangentInput>,
@@ -32,7 +33,8 @@ pub struct TangentGraphs<'a> {
 }
 
 impl<'a> TangentGraphs<'a> {
-    /// Returns the graphs of a function with this graph, whose inputs are the arguments and the run-time parameters.
+    /// Returns the graphs of a function with this graph, whose inputs are the arguments and the
+    /// run-time parameters.
     pub(super) fn new(tracer: &'a Tracer<'a>, inputs: Vec<TangentInput>, value: Graph) -> Self {
         let arguments = inputs.iter().map(|input| input.len).sum();
         Self { tracer, inputs, arguments, value }
@@ -57,8 +59,8 @@ impl<'a> TangentGraphs<'a> {
             .collect()
     }
 
-    /// Returns the entries of a displacement that belong to one rotation or pose, for each entry; the entry alone for all
-    /// other entries.
+    /// Returns the entries of a displacement that belong to one rotation or pose, for each entry;
+    /// the entry alone for all other entries.
     fn groups(&self) -> Vec<Range<usize>> {
         let mut groups: Vec<Range<usize>> = Vec::new();
         for (input, range) in self.variables() {
@@ -112,7 +114,8 @@ impl<'a> TangentGraphs<'a> {
         changes
     }
 
-    /// Returns the graph of the change of the results. Inputs: the arguments, the run-time parameters and a displacement.
+    /// Returns the graph of the change of the results. Inputs: the arguments, the run-time
+    /// parameters and a displacement.
     fn change(&self) -> Graph {
         let mut all = Composition::new();
         let [arguments, parameters] =
@@ -125,8 +128,8 @@ impl<'a> TangentGraphs<'a> {
         all.with_outputs(&[&change])
     }
 
-    /// Returns the graph of the gradient of the results' weighted sum, with the entries of a displacement. Inputs: the
-    /// arguments, the run-time parameters and the weights.
+    /// Returns the graph of the gradient of the results' weighted sum, with the entries of a
+    /// displacement. Inputs: the arguments, the run-time parameters and the weights.
     fn gradient(&self) -> Graph {
         let mut all = Composition::new();
         let [arguments, parameters, weights] =
@@ -160,8 +163,8 @@ impl<'a> TangentGraphs<'a> {
         all.with_outputs(&[&value, &change])
     }
 
-    /// Returns the graph of the results, and of the gradients of their weighted sum. Further inputs: the weights, unless
-    /// there is one result, which has the weight 1.
+    /// Returns the graph of the results, and of the gradients of their weighted sum. Further
+    /// inputs: the weights, unless there is one result, which has the weight 1.
     #[must_use]
     pub fn vjp(&self) -> Graph {
         let mut all = Composition::new();
@@ -180,7 +183,8 @@ impl<'a> TangentGraphs<'a> {
         [arguments, if results == 1 { vec![one] } else { weights }, parameters]
     }
 
-    /// Returns the graph of the results, and of their derivatives: for each variable a matrix by columns.
+    /// Returns the graph of the results, and of their derivatives: for each variable a matrix by
+    /// columns.
     #[must_use]
     pub fn jacobian(&self) -> Graph {
         let mut all = Composition::new();
@@ -194,13 +198,14 @@ impl<'a> TangentGraphs<'a> {
         all.with_outputs(&[&value, &jacobian])
     }
 
-    /// Returns the graphs of the gradient of the results' weighted sum and of its Hessian, by columns, both with the entries
-    /// of a displacement. Inputs: the arguments, the run-time parameters and the weights. Returns `None` if the Hessian
-    /// takes more than `max_operations`.
+    /// Returns the graphs of the gradient of the results' weighted sum and of its Hessian, by
+    /// columns, both with the entries of a displacement. Inputs: the arguments, the run-time
+    /// parameters and the weights. Returns `None` if the Hessian takes more than `max_operations`.
     pub(super) fn gradient_and_hessian(&self, max_operations: usize) -> Option<[Graph; 2]> {
         let size: usize = self.displacements().iter().sum();
         let gradient = optimize(self.gradient());
-        // The changes of the gradient along a displacement. Inputs: those of the gradient, and the displacement.
+        // The changes of the gradient along a displacement. Inputs: those of the gradient, and the
+        // displacement.
         let mut along = Composition::new();
         let [arguments, parameters, weights, displacement] =
             [self.arguments, self.parameters(), self.value.outputs.len(), size]
@@ -214,9 +219,10 @@ impl<'a> TangentGraphs<'a> {
         Some([gradient, hessian])
     }
 
-    /// Returns the graph of the results, of the gradients of their weighted sum, and of the blocks of its Hessian, by
-    /// columns: those of the first variable and itself, of the first and the second, and so on, then of the second and
-    /// itself. Inputs as of [`vjp`](Self::vjp). Returns `None` if it takes more than `max_operations`.
+    /// Returns the graph of the results, of the gradients of their weighted sum, and of the blocks
+    /// of its Hessian, by columns: those of the first variable and itself, of the first and the
+    /// second, and so on, then of the second and itself. Inputs as of [`vjp`](Self::vjp). Returns
+    /// `None` if it takes more than `max_operations`.
     #[must_use]
     pub fn hessian(&self, max_operations: usize) -> Option<Graph> {
         let displacements = self.displacements();

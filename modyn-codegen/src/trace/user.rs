@@ -21,13 +21,14 @@ pub enum UserTraceError {
 pub struct UserGraphs<'a> {
     /// After all passes.
     pub optimized: TangentGraphs<'a>,
-    /// As traced. Quantities of the robot have the operations that they have in the graphs of the table's functions, so a
-    /// union with these does them once; passes would have rewritten them.
+    /// As traced. Quantities of the robot have the operations that they have in the graphs of the
+    /// table's functions, so a union with these does them once; passes would have rewritten them.
     pub traced: TangentGraphs<'a>,
 }
 
 impl Tracer<'_> {
-    /// Traces a user's function of `model`. `evaluate` has the robot and the numbers of each argument.
+    /// Traces a user's function of `model`. `evaluate` has the robot and the numbers of each
+    /// argument.
     ///
     /// # Errors
     ///

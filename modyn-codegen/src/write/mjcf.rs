@@ -1,8 +1,8 @@
 //! A robot as an MJCF, which MuJoCo reads as well.
 //!
-//! A moving link is a body. A link without inertia whose only child has the next joint becomes a joint of the child's body, since
-//! MuJoCo refuses a body that moves without mass. A link that is fixed to another one is a body without joints if it has mass,
-//! else a site.
+//! A moving link is a body. A link without inertia whose only child has the next joint becomes a
+//! joint of the child's body, since MuJoCo refuses a body that moves without mass. A link that is
+//! fixed to another one is a body without joints if it has mass, else a site.
 
 use modyn_runtime::conventions::mujoco::to_qpos;
 use modyn_runtime::conventions::{
@@ -29,7 +29,8 @@ const WORLD: &str = "world";
 struct Writer<'m> {
     model: &'m Model,
     document: Document,
-    /// For each link, the links whose joints are joints of its body, from the root; the last one is the link itself.
+    /// For each link, the links whose joints are joints of its body, from the root; the last one is
+    /// the link itself.
     joints: Vec<Vec<usize>>,
     /// The names of bodies and sites.
     places: Names,
@@ -73,7 +74,8 @@ pub fn document(model: &Model) -> Document {
     document
 }
 
-/// Returns, for each link, the links whose joints are joints of its body; none for a link without a body.
+/// Returns, for each link, the links whose joints are joints of its body; none for a link without a
+/// body.
 fn bodies(model: &Model) -> Vec<Vec<usize>> {
     let (links, children) = (model.links(), model.children());
     let ends = model.loop_constraints().iter().flat_map(|constraint| &constraint.ends);
@@ -311,12 +313,14 @@ impl Writer<'_> {
         placed(body, &frame.pose).maybe(inertial(&frame.inertial))
     }
 
-    /// Returns the name of a body or a site: the link's, unless it is the reserved name of the world.
+    /// Returns the name of a body or a site: the link's, unless it is the reserved name of the
+    /// world.
     fn place_name<'n>(&'n self, name: &'n str) -> &'n str {
         if name == WORLD { &self.world_link } else { name }
     }
 
-    /// Returns `<worldbody>` with the sites of loops and contacts, and `<equality>` with mimic joints and loops.
+    /// Returns `<worldbody>` with the sites of loops and contacts, and `<equality>` with mimic
+    /// joints and loops.
     fn equality(&mut self, mut world: Element) -> (Element, Element) {
         let mut equality = Element::new("equality");
         let links = self.model.links();
@@ -369,7 +373,8 @@ impl Writer<'_> {
     /// Returns `<keyframe>`, with the coordinates in the order of the joints in the text.
     fn keyframes(&self) -> Element {
         let links = self.model.links();
-        // From the last to the first, the bodies that are still to come; a body is followed by those in it.
+        // From the last to the first, the bodies that are still to come; a body is followed by
+        // those in it.
         let inside = |body: Option<usize>| {
             let first =
                 move |&i: &usize| self.joints[i].first().is_some_and(|&f| links[f].parent == body);

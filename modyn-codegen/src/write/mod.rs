@@ -4,8 +4,9 @@
 //! Model ─ urdf, mjcf ─▶ elements (xml) ─▶ text, with notes about everything that the format has no words for
 //! ```
 //!
-//! A format is a file here. The text has the links, joints, inertias, loops and contacts that the reader understood, and
-//! nothing else: no shapes, sensors or actuators. Reading it again gives the same robot.
+//! A format is a file here. The text has the links, joints, inertias, loops and contacts that the
+//! reader understood, and nothing else: no shapes, sensors or actuators. Reading it again gives the
+//! same robot.
 
 mod mjcf;
 mod urdf;
@@ -64,8 +65,8 @@ impl Document {
 ///
 /// # Errors
 ///
-/// Returns an error for each part of the robot that the format has no words for, if the robot's dynamics would differ without
-/// it; and an error for a format that is not written.
+/// Returns an error for each part of the robot that the format has no words for, if the robot's
+/// dynamics would differ without it; and an error for a format that is not written.
 pub fn write(model: &Model, format: Format) -> Result<Written, Diagnostics> {
     let document = match format {
         Format::Urdf => urdf::document(model),

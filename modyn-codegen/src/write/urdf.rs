@@ -1,5 +1,5 @@
-//! A robot as a URDF, with modyn's extensions: `<loop_joint>`, `<contact_frame>`, `<axis2>`, the joint type `spherical`, and
-//! `armature`.
+//! A robot as a URDF, with modyn's extensions: `<loop_joint>`, `<contact_frame>`, `<axis2>`, the
+//! joint type `spherical`, and `armature`.
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{Inertial, Joint, JointDynamics, LoopConstraintEnd, Model};
@@ -204,12 +204,14 @@ fn origin(pose: &Pose<f64>) -> Option<Element> {
     (*pose != Pose::identity()).then(|| placed(Element::new("origin"), pose))
 }
 
-/// Returns roll, pitch and yaw of a rotation Rz(yaw) Ry(pitch) Rx(roll), precise also where roll and yaw have the same effect.
+/// Returns roll, pitch and yaw of a rotation Rz(yaw) Ry(pitch) Rx(roll), precise also where roll
+/// and yaw have the same effect.
 fn angles(rotation: &[[f64; 3]; 3]) -> [f64; 3] {
     let [[xx, xy, xz], [yx, yy, yz], [zx, _, _]] = *rotation;
     let yaw = if xx == 0.0 && yx == 0.0 { 0.0 } else { libm::atan2(yx, xx) };
     let (sin, cos) = (libm::sin(yaw), libm::cos(yaw));
-    // What is left after the yaw: an error of the yaw becomes one of the roll, with the same product.
+    // What is left after the yaw: an error of the yaw becomes one of the roll, with the same
+    // product.
     let pitch = libm::atan2(-zx, cos * xx + sin * yx);
     let roll = libm::atan2(sin * xz - cos * yz, cos * yy - sin * xy);
     [roll, pitch, yaw]

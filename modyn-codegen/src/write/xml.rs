@@ -46,7 +46,8 @@ impl Element {
         self.name == name
     }
 
-    /// Returns the element of this name, in this one at any depth, that has this value of the attribute `name`.
+    /// Returns the element of this name, in this one at any depth, that has this value of the
+    /// attribute `name`.
     pub fn find(&mut self, element: &str, name: &str) -> Option<&mut Element> {
         let mut open: Vec<&mut Element> = self.children.iter_mut().collect();
         while let Some(child) = open.pop() {

@@ -1,5 +1,5 @@
-//! Prints a program as C functions, one statement a line. Chunks become `static` functions (`name_chunk0` and so on) that
-//! write the values that later chunks read into an array.
+//! Prints a program as C functions, one statement a line. Chunks become `static` functions
+//! (`name_chunk0` and so on) that write the values that later chunks read into an array.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -223,13 +223,15 @@ fn stores(body: &Body<'_, C<'_>>, text: &mut String, numbers: &[usize]) {
     }
 }
 
-/// Returns the array into which an entry of a program's products is stored, and the index there; `None` for zeros, which fill the arrays.
+/// Returns the array into which an entry of a program's products is stored, and the index there;
+/// `None` for zeros, which fill the arrays.
 fn place(program: &Program, number: usize) -> Option<(String, usize)> {
     let (matrix, index) = program.products.as_ref()?.place(number)?;
     (!is_zero(program.stored(number))).then_some((matrix.name, index))
 }
 
-/// Returns the indices of the arguments, of these lengths, that the statements of a chunk or the `stored` operands read.
+/// Returns the indices of the arguments, of these lengths, that the statements of a chunk or the
+/// `stored` operands read.
 fn arguments_read(
     program: &Program,
     chunk: &Chunk,

@@ -128,7 +128,8 @@ impl LoopStatements<'_> {
         let _ = writeln!(text, "{indent}}}");
     }
 
-    /// Prints the statements of a call: its numbers are read, the routine is called, and the results are stored.
+    /// Prints the statements of a call: its numbers are read, the routine is called, and the
+    /// results are stored.
     fn call(&self, text: &mut String, call: &Call, depth: usize) {
         let (real, indent) = (self.printer.real(), "    ".repeat(depth + 1));
         let reads: Vec<String> = call.reads.iter().map(|read| self.read(read)).collect();
@@ -170,7 +171,8 @@ impl LoopStatements<'_> {
         self.place(entry.array, Place::fixed(entry.index))
     }
 
-    /// Returns the text of an entry of an array. Rows have an index of their own, so that compilers tell them from each other.
+    /// Returns the text of an entry of an array. Rows have an index of their own, so that compilers
+    /// tell them from each other.
     fn place(&self, array: usize, place: Place) -> String {
         let (name, Array { columns, .. }) = (self.array(array), self.shapes[array]);
         match place.row {

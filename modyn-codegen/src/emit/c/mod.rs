@@ -1,8 +1,9 @@
 //! C99: a source file and a header that need `<math.h>` only.
 //!
-//! They contain every function of one state, over arrays of fixed sizes. Structured arguments and results are flat
-//! arrays of their scalars. The code has no heap, no mutable `static` and no recursion. Without contraction
-//! (`-ffp-contract=off`) the results equal those of the scalar Rust functions, bit for bit.
+//! They contain every function of one state, over arrays of fixed sizes. Structured arguments and
+//! results are flat arrays of their scalars. The code has no heap, no mutable `static` and no
+//! recursion. Without contraction (`-ffp-contract=off`) the results equal those of the scalar Rust
+//! functions, bit for bit.
 
 mod function;
 mod loops;
@@ -327,8 +328,8 @@ impl Printer {
         }
     }
 
-    /// Prints a function's declarations. Returns for each form its head and the number of its arrays: the form for the
-    /// described parameters, and the one for run-time parameters.
+    /// Prints a function's declarations. Returns for each form its head and the number of its
+    /// arrays: the form for the described parameters, and the one for run-time parameters.
     fn declarations(&mut self, item: &Item<'_>) -> Vec<(String, usize)> {
         let Item { name, arguments, result, .. } = item;
         let by_link = matches!(item.programs, Programs::ByLink(_));

@@ -8,8 +8,8 @@ use super::{Array, Item, Printer};
 const MOVED: [&str; 3] = ["q", "qd", "impulses"];
 
 impl Printer {
-    /// Prints the function `name`, which moves a state by several time steps of the function `step`. `sizes` are the numbers of
-    /// coordinates and of velocities.
+    /// Prints the function `name`, which moves a state by several time steps of the function
+    /// `step`. `sizes` are the numbers of coordinates and of velocities.
     pub(super) fn rollout(&mut self, name: &str, step: &Item<'_>, [nq, nv]: [usize; 2]) {
         let (real, state) = (self.real(), nq + nv);
         let others = step.arguments.iter().filter(|array| array.name != "tau");

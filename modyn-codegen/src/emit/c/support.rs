@@ -1,4 +1,5 @@
-//! The support functions of generated C besides arithmetic: the runtime's operations, for one precision.
+//! The support functions of generated C besides arithmetic: the runtime's operations, for one
+//! precision.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -43,8 +44,8 @@ impl Qualifiers {
     pub const C: Self = Self { function: "static", rare_function: "MODYN_RARE static" };
 }
 
-/// Returns the text of these functions and of those that they call. In the templates, words in capitals depend on the
-/// precision and the language, and `R(..)` is a literal.
+/// Returns the text of these functions and of those that they call. In the templates, words in
+/// capitals depend on the precision and the language, and `R(..)` is a literal.
 pub(in crate::emit) fn text(
     used: &BTreeSet<Support>,
     float: FloatType,
@@ -119,7 +120,8 @@ fn bits_words() -> [(&'static str, String); 4] {
     ]
 }
 
-/// Returns the words of logarithm and arctangent, from the runtime's constants. Literals of bits end in `unsigned`.
+/// Returns the words of logarithm and arctangent, from the runtime's constants. Literals of bits
+/// end in `unsigned`.
 fn elementary_words<const L: usize, const A: usize>(
     numbers: &ElementaryNumbers<L, A>,
     unsigned: &str,

@@ -1,8 +1,8 @@
 //! C99 that `CasADi` loads by `casadi.external`: one source file that needs `<math.h>` only.
 //!
-//! A function has the signature of `CasADi`'s own generated C: pointers to the nonzeros of all inputs and results, of which
-//! each may be null, and arrays for work. Further functions describe it: names, sparsities, sizes. The programs are printed
-//! as in [C](super::c).
+//! A function has the signature of `CasADi`'s own generated C: pointers to the nonzeros of all
+//! inputs and results, of which each may be null, and arrays for work. Further functions describe
+//! it: names, sparsities, sizes. The programs are printed as in [C](super::c).
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

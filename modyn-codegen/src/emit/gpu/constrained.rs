@@ -1,7 +1,8 @@
-//! A time step with closed loops and contacts: constrained accelerations, then a semi-implicit Euler step.
+//! A time step with closed loops and contacts: constrained accelerations, then a semi-implicit
+//! Euler step.
 //!
-//! The user's function `contacts` proposes the active contacts. A contact that would pull is released, and the accelerations
-//! are computed again.
+//! The user's function `contacts` proposes the active contacts. A contact that would pull is
+//! released, and the accelerations are computed again.
 
 use modyn_runtime::{ConstraintSettings, ContactTarget};
 
@@ -22,7 +23,8 @@ pub(super) struct ConstrainedStep<'a> {
 /// The number of settings before those of contacts, and the number of settings of a contact.
 const SETTINGS: [usize; 2] = [ConstraintSettings::<f64>::COUNT, ContactTarget::<f64>::COUNT];
 
-/// The places of the ground's normal in the settings of a contact: the third column of a rotation by rows.
+/// The places of the ground's normal in the settings of a contact: the third column of a rotation
+/// by rows.
 const NORMAL: [usize; 3] = [2, 5, 8];
 
 /// Returns the number of settings of a robot with this number of contacts.
@@ -35,8 +37,9 @@ const WRENCH: usize = 6;
 const FORCE: usize = 3;
 
 impl ConstrainedStep<'_> {
-    /// Returns the lines that change `q` and `qd` by a step under the joint forces `forces`. The user's function `contacts`
-    /// has the arguments `user`; `parameters` are the further arguments of constrained forward dynamics.
+    /// Returns the lines that change `q` and `qd` by a step under the joint forces `forces`. The
+    /// user's function `contacts` has the arguments `user`; `parameters` are the further arguments
+    /// of constrained forward dynamics.
     pub fn lines(
         &self,
         dialect: &dyn Dialect,

@@ -1,4 +1,5 @@
-//! CUDA C++, for NVRTC or nvcc. Sine, cosine, arctangent and logarithm are those of generated C, for all arguments.
+//! CUDA C++, for NVRTC or nvcc. Sine, cosine, arctangent and logarithm are those of generated C,
+//! for all arguments.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -9,12 +10,14 @@ use crate::emit::FloatType;
 use crate::emit::c;
 use crate::emit::support::Support;
 
-/// The largest number of threads of a block. From it the compiler knows how many registers a thread may have. Without the
-/// number of blocks, at least 1, ptxas 12.9 gave 32 registers to a kernel with calls.
+/// The largest number of threads of a block. From it the compiler knows how many registers a thread
+/// may have. Without the number of blocks, at least 1, ptxas 12.9 gave 32 registers to a kernel
+/// with calls.
 const BLOCK: usize = 128;
 
-/// The words before the type of a support function. (Their tables stay `static const`: the indices are counters of loops
-/// that the compiler unrolls.) The reduction of large angles, inlined for each angle, would be two thirds of a kernel.
+/// The words before the type of a support function. (Their tables stay `static const`: the indices
+/// are counters of loops that the compiler unrolls.) The reduction of large angles, inlined for
+/// each angle, would be two thirds of a kernel.
 const QUALIFIERS: c::Qualifiers = c::Qualifiers {
     function: "static __device__",
     rare_function: "static __device__ __noinline__",

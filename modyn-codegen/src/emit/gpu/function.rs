@@ -1,5 +1,5 @@
-//! Prints a program as a kernel, one line for each statement. Chunks become functions that pass their values on through
-//! arrays.
+//! Prints a program as a kernel, one line for each statement. Chunks become functions that pass
+//! their values on through arrays.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;

@@ -1,13 +1,14 @@
 //! Prints kernels for graphics processors: one kernel for each function, one thread for each state.
 //!
-//! Arguments and results are structures of arrays: scalar `j` of state `i` of `n` states is number `j n + i` of its
-//! buffer, so that neighbouring threads read neighbouring numbers. Run-time parameters are shared by all states.
+//! Arguments and results are structures of arrays: scalar `j` of state `i` of `n` states is number
+//! `j n + i` of its buffer, so that neighbouring threads read neighbouring numbers. Run-time
+//! parameters are shared by all states.
 //!
-//! `function.rs` prints the statements, whose syntax both languages share. A [`Dialect`] has the other syntax: the
-//! kernel's head, and the functions that are not operators.
+//! `function.rs` prints the statements, whose syntax both languages share. A [`Dialect`] has the
+//! other syntax: the kernel's head, and the functions that are not operators.
 //!
-//! A [`rollout`] is another text of the same programs: functions on a thread's own arrays, and kernels that call a time
-//! step in a loop.
+//! A [`rollout`] is another text of the same programs: functions on a thread's own arrays, and
+//! kernels that call a time step in a loop.
 
 mod constrained;
 mod cuda;
@@ -69,9 +70,9 @@ impl Backend for Gpu {
     }
 }
 
-/// A kernel: a function for many states. Its buffers are the arguments in their order, then the result. In WGSL their
-/// bindings in group 0 are counted in this order, and after them comes a uniform `vec4<u32>` whose first component is
-/// the number of states.
+/// A kernel: a function for many states. Its buffers are the arguments in their order, then the
+/// result. In WGSL their bindings in group 0 are counted in this order, and after them comes a
+/// uniform `vec4<u32>` whose first component is the number of states.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct GpuKernel {
@@ -79,7 +80,8 @@ pub struct GpuKernel {
     pub name: String,
     /// The name of the function.
     pub function: &'static str,
-    /// The link of the function, as an index into the description's links; `None` for functions without a link.
+    /// The link of the function, as an index into the description's links; `None` for functions
+    /// without a link.
     pub link: Option<usize>,
     /// The arguments.
     pub arguments: Vec<GpuArgument>,
@@ -97,7 +99,8 @@ pub struct GpuArgument {
     pub name: String,
     /// The number of scalars.
     pub len: usize,
-    /// Whether all states share the numbers, as they share run-time parameters: these are stored once.
+    /// Whether all states share the numbers, as they share run-time parameters: these are stored
+    /// once.
     pub common: bool,
 }
 
@@ -106,8 +109,8 @@ struct Kernel<'a> {
     description: GpuKernel,
     docs: String,
     program: &'a Program,
-    /// The values of the program's arguments after those of the kernel: the placement of a link that shares a program
-    /// with other links.
+    /// The values of the program's arguments after those of the kernel: the placement of a link
+    /// that shares a program with other links.
     placement_numbers: Vec<f64>,
 }
 
@@ -143,15 +146,16 @@ trait Dialect {
     /// Returns scalar `j` of an argument of this thread's state.
     fn argument(&self, kernel: &GpuKernel, argument: &GpuArgument, j: usize) -> String;
 
-    /// Returns the statement that stores scalar `j` of the result of this thread's state, in a chunk (`inner`) or in the
-    /// kernel.
+    /// Returns the statement that stores scalar `j` of the result of this thread's state, in a
+    /// chunk (`inner`) or in the kernel.
     fn store(&self, kernel: &GpuKernel, j: usize, value: &str, inner: bool) -> String;
 
-    /// Returns entry `i` of the values that an earlier chunk passes on, in a chunk (`inner`) or in the kernel.
+    /// Returns entry `i` of the values that an earlier chunk passes on, in a chunk (`inner`) or in
+    /// the kernel.
     fn live_value(&self, chunk: usize, i: usize, inner: bool) -> String;
 
-    /// Returns the function of a chunk with this body: chunk `k` passes `values[k]` values on, and the function reads
-    /// the values of `live_in` and writes those of `own`.
+    /// Returns the function of a chunk with this body: chunk `k` passes `values[k]` values on, and
+    /// the function reads the values of `live_in` and writes those of `own`.
     fn chunk(
         &self,
         kernel: &GpuKernel,
@@ -170,8 +174,8 @@ trait Dialect {
     /// Returns the text before the functions of a rollout: definitions that all its kernels share.
     fn rollout_head(&self, rollout: &Rollout<'_>) -> String;
 
-    /// Returns the kernel of a rollout with this body, after the definitions of `n`, `state`, `starts`, `start` and
-    /// `steps`, and of `dt` as an array.
+    /// Returns the kernel of a rollout with this body, after the definitions of `n`, `state`,
+    /// `starts`, `start` and `steps`, and of `dt` as an array.
     fn rollout_kernel(&self, rollout: &Rollout<'_>, body: &str) -> String;
 
     /// Returns the name of a buffer of a rollout.
@@ -189,8 +193,8 @@ trait Dialect {
     /// Returns the first line of a loop that counts from zero to less than `end`.
     fn counting(&self, counter: &str, end: &str) -> String;
 
-    /// Returns the statement that makes the first `len` numbers of a buffer, whose states share them, an array of the
-    /// buffer's name; `None` if the buffer is one.
+    /// Returns the statement that makes the first `len` numbers of a buffer, whose states share
+    /// them, an array of the buffer's name; `None` if the buffer is one.
     fn shared_array(&self, buffer: RolloutBuffer, len: usize) -> Option<String>;
 
     /// Returns the condition under which the states of all steps are stored.
@@ -201,7 +205,8 @@ trait Dialect {
 }
 
 impl GpuKernel {
-    /// Returns the name without that of the robot, `prefix`: the function's, and for a function of a link the link's.
+    /// Returns the name without that of the robot, `prefix`: the function's, and for a function of
+    /// a link the link's.
     #[must_use]
     pub fn own_name(&self, prefix: &str) -> &str {
         let name = self.name.strip_prefix(prefix);
@@ -214,8 +219,8 @@ impl GpuKernel {
 enum Storage {
     /// In the buffers of a kernel, for all states.
     Buffers,
-    /// In arrays that a thread has for its own, which compilers keep in registers. Run-time parameters stay in their
-    /// buffer.
+    /// In arrays that a thread has for its own, which compilers keep in registers. Run-time
+    /// parameters stay in their buffer.
     Own,
 }
 

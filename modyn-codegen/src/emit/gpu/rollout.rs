@@ -1,7 +1,8 @@
-//! Prints rollouts: a thread integrates the motion of one state over many steps, and keeps the state in registers.
+//! Prints rollouts: a thread integrates the motion of one state over many steps, and keeps the
+//! state in registers.
 //!
-//! The programs become functions on a thread's own arrays ([`Storage::Own`]). A kernel for each time step among them
-//! calls it in a loop, together with the user's functions.
+//! The programs become functions on a thread's own arrays ([`Storage::Own`]). A kernel for each
+//! time step among them calls it in a loop, together with the user's functions.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -13,17 +14,19 @@ use crate::plan::{Function, Plan};
 
 /// The functions of the user in rollouts, as texts in the language of the kernels.
 ///
-/// The texts may call the device function of each function of the robot (`arm_link_pose_hand`), which takes and returns
-/// arrays, and define functions of their own. See the guide `docs/gpu.md` for the signatures.
+/// The texts may call the device function of each function of the robot (`arm_link_pose_hand`),
+/// which takes and returns arrays, and define functions of their own. See the guide `docs/gpu.md`
+/// for the signatures.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct RolloutOptions {
     /// The text of the function `cost`, whose sum over the steps is a result.
     pub cost: Option<String>,
-    /// The joint forces as a function of the state and of controls; without it the controls are the joint forces.
+    /// The joint forces as a function of the state and of controls; without it the controls are the
+    /// joint forces.
     pub forces: Option<RolloutForces>,
-    /// The text of the function `contacts`: the contacts that may be active in a step. With it, and with
-    /// `constrained_forward_dynamics` and `integrate` among the robot's functions, there is a kernel of steps that hold
-    /// these contacts.
+    /// The text of the function `contacts`: the contacts that may be active in a step. With it, and
+    /// with `constrained_forward_dynamics` and `integrate` among the robot's functions, there is a
+    /// kernel of steps that hold these contacts.
     pub contacts: Option<String>,
 }
 
@@ -44,7 +47,8 @@ pub enum RolloutBuffer {
     StartQ,
     /// The velocities of the initial states.
     StartQd,
-    /// The controls: control `j` of step `k` of rollout `i` of `n` is number `(k controls + j) n + i`.
+    /// The controls: control `j` of step `k` of rollout `i` of `n` is number
+    /// `(k controls + j) n + i`.
     Controls,
     /// The settings of closed loops and contacts, common to all rollouts.
     Settings,
@@ -56,8 +60,8 @@ pub enum RolloutBuffer {
     Out,
     /// The cost of each rollout.
     Costs,
-    /// The state after each step, if it is stored: scalar `j` of step `k` of rollout `i` of `n`, each with `s` scalars, is
-    /// number `(k s + j) n + i`.
+    /// The state after each step, if it is stored: scalar `j` of step `k` of rollout `i` of `n`,
+    /// each with `s` scalars, is number `(k s + j) n + i`.
     Trajectory,
 }
 
@@ -105,12 +109,13 @@ pub struct RolloutSource {
     pub controls: usize,
     /// The number of run-time parameters.
     pub parameters: usize,
-    /// The number of settings of closed loops and contacts, in the order of `ConstraintSettings`; zero without steps that
-    /// hold them.
+    /// The number of settings of closed loops and contacts, in the order of `ConstraintSettings`;
+    /// zero without steps that hold them.
     pub settings: usize,
-    /// The buffers of each kernel. In WGSL their bindings in group 0 are counted in this order, and after them comes a
-    /// uniform: the numbers of rollouts, steps and initial states, whether the trajectory is stored (`u32` each), and the
-    /// time step (`f32`). Rollout `i` starts from initial state `i` modulo their number.
+    /// The buffers of each kernel. In WGSL their bindings in group 0 are counted in this order, and
+    /// after them comes a uniform: the numbers of rollouts, steps and initial states, whether the
+    /// trajectory is stored (`u32` each), and the time step (`f32`). Rollout `i` starts from
+    /// initial state `i` modulo their number.
     pub buffers: Vec<RolloutBuffer>,
 }
 
@@ -120,8 +125,9 @@ pub struct RolloutSource {
 pub struct GpuRollout {
     /// The name of the entry point.
     pub name: String,
-    /// The name of the function of a time step; `constrained_forward_dynamics` for a semi-implicit Euler step that closes the
-    /// loops and holds contacts. `contact_step` starts from zero impulses, then from those of the step before.
+    /// The name of the function of a time step; `constrained_forward_dynamics` for a semi-implicit
+    /// Euler step that closes the loops and holds contacts. `contact_step` starts from zero
+    /// impulses, then from those of the step before.
     pub step: &'static str,
     /// The number of statements of a time step, without those of the user's functions.
     pub statements: usize,
@@ -224,7 +230,8 @@ enum Step<'a> {
     Free { step: &'a GpuKernel, rollout: String },
     /// By a semi-implicit Euler step with constrained accelerations.
     Constrained(ConstrainedStep<'a>),
-    /// By a step with contacts that slide and leave the ground, whose impulses the next step starts from.
+    /// By a step with contacts that slide and leave the ground, whose impulses the next step starts
+    /// from.
     Ground { step: &'a GpuKernel, contacts: usize, rollout: String },
 }
 
@@ -261,8 +268,8 @@ impl Step<'_> {
     }
 }
 
-/// Returns the step that closes the loops and holds contacts, if the robot has its functions, and the user proposes the active
-/// contacts where there are some.
+/// Returns the step that closes the loops and holds contacts, if the robot has its functions, and
+/// the user proposes the active contacts where there are some.
 fn constrained_step<'a>(
     kernels: &'a [Kernel<'_>],
     plan: &Plan,

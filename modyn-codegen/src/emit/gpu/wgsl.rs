@@ -1,9 +1,10 @@
-//! Prints WGSL, in single precision. The language allows a driver to flush subnormal numbers to zero, and to ignore
-//! infinities and NaN.
+//! Prints WGSL, in single precision. The language allows a driver to flush subnormal numbers to
+//! zero, and to ignore infinities and NaN.
 //!
-//! Sine and cosine are the polynomials of the runtime, since the language guarantees little about its own. The language
-//! lets a compiler reorder sums. Mesa's compiler does, which destroys a reduction by pi in parts. So only angles below
-//! [`LIMIT`] are reduced in floating point; there the loss is small. All others are reduced in integers.
+//! Sine and cosine are the polynomials of the runtime, since the language guarantees little about
+//! its own. The language lets a compiler reorder sums. Mesa's compiler does, which destroys a
+//! reduction by pi in parts. So only angles below [`LIMIT`] are reduced in floating point; there
+//! the loss is small. All others are reduced in integers.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -19,8 +20,8 @@ use crate::emit::support::Support;
 /// The threads of a workgroup.
 const WORKGROUP: usize = 64;
 
-/// The limit of angles that are reduced in floating point, rad. Their multiple of pi is at most 3. If a compiler adds
-/// the parts of pi to one number, the error grows by at most 2.7e-7.
+/// The limit of angles that are reduced in floating point, rad. Their multiple of pi is at most 3.
+/// If a compiler adds the parts of pi to one number, the error grows by at most 2.7e-7.
 const LIMIT: f64 = 8.0;
 
 /// The words of 1 / pi that the reduction of angles of single precision reads.
@@ -61,7 +62,8 @@ fn polynomial(variable: &str, coefficients: &[f64]) -> String {
     rest.iter().fold(literal(first), |sum, c| format!("fma({variable}, {sum}, {})", literal(c)))
 }
 
-/// Returns the coefficients of a series, the highest first, from numerators and denominators, the lowest first.
+/// Returns the coefficients of a series, the highest first, from numerators and denominators, the
+/// lowest first.
 fn series(terms: &[(f64, f64)]) -> Vec<f64> {
     terms.iter().rev().map(|(over, under)| over / under).collect()
 }

@@ -1,8 +1,8 @@
 //! MATLAB: a package with a file for each function, which GNU Octave runs as well.
 //!
-//! Arguments and results have a column for each state, so a call computes one state or many. Operations act on rows: entry
-//! `i` of an argument is `q(i, :)`. Matrices and lists of a result have the states as their last dimension. Results with
-//! several parts are structs.
+//! Arguments and results have a column for each state, so a call computes one state or many.
+//! Operations act on rows: entry `i` of an argument is `q(i, :)`. Matrices and lists of a result
+//! have the states as their last dimension. Results with several parts are structs.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -72,7 +72,8 @@ impl Backend for Matlab {
     }
 }
 
-/// Names of local variables besides those of values, and keywords of the language that are no keywords of Rust.
+/// Names of local variables besides those of values, and keywords of the language that are no
+/// keywords of Rust.
 const RESERVED: [&str; 15] = [
     "case",
     "catch",
@@ -261,8 +262,8 @@ impl Printer<'_> {
     }
 }
 
-/// Returns the value of a result with this layout, whose numbers are rows of `out` from row `first` on; `whole` if they are all
-/// rows.
+/// Returns the value of a result with this layout, whose numbers are rows of `out` from row `first`
+/// on; `whole` if they are all rows.
 fn value(shape: &Shape, first: usize, whole: bool) -> String {
     let rows = match whole {
         true => "out".into(),
@@ -295,7 +296,8 @@ struct Locals {
     used: BTreeSet<Helper>,
 }
 
-/// Functions of real numbers, which the language's own are not where their results would be complex or choose by rows.
+/// Functions of real numbers, which the language's own are not where their results would be complex
+/// or choose by rows.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Helper {
     Root,

@@ -1,10 +1,11 @@
-//! Functions of many states at a time: a kernel for the runtime's batches, and the public functions that run it.
+//! Functions of many states at a time: a kernel for the runtime's batches, and the public functions
+//! that run it.
 //!
-//! Each state has its own numbers and its own set of active contacts; all states share the settings of constraints and the
-//! run-time parameters, which a kernel holds.
+//! Each state has its own numbers and its own set of active contacts; all states share the settings
+//! of constraints and the run-time parameters, which a kernel holds.
 //!
-//! A kernel has a text of its own, which is inlined into the runtime's functions for each vector instruction set. The
-//! functions of one state are not affected.
+//! A kernel has a text of its own, which is inlined into the runtime's functions for each vector
+//! instruction set. The functions of one state are not affected.
 
 use std::fmt::Write as _;
 
@@ -81,8 +82,9 @@ impl Robot<'_> {
         );
     }
 
-    /// Prints the public functions: over slices for each coordinate, the same on all cores, and over slices of states. If
-    /// the quantity depends on run-time parameters, each has a form with parameters.
+    /// Prints the public functions: over slices for each coordinate, the same on all cores, and
+    /// over slices of states. If the quantity depends on run-time parameters, each has a form with
+    /// parameters.
     fn batch_functions(&self, text: &mut String, quantity: &Quantity<'_>) {
         let (robot, float) = (self.name, self.options.scalar.name());
         let (name, result) = (name(quantity), result_name(quantity));
@@ -278,8 +280,8 @@ fn count(quantity: &Quantity<'_>, form: BatchForm) -> usize {
     of_form.map(|p| p.shape.len()).sum()
 }
 
-/// Returns the names of a parameter's slices. The names of links, which fields of the robot's own results have, may end
-/// in digits, but have no two underscores in a row.
+/// Returns the names of a parameter's slices. The names of links, which fields of the robot's own
+/// results have, may end in digits, but have no two underscores in a row.
 fn numbered(parameter: &Parameter, quantity: &Quantity<'_>) -> Vec<String> {
     let separator = if quantity.fields.is_empty() { "" } else { "__" };
     (0..parameter.shape.len()).map(|i| format!("{}{separator}{i}", parameter.name)).collect()
@@ -299,7 +301,8 @@ fn slices_of_result(shape: &Shape) -> String {
     }
 }
 
-/// Returns the slices of all numbers of a value, which is a place. Elements of arrays of structures are named by `lets`.
+/// Returns the slices of all numbers of a value, which is a place. Elements of arrays of structures
+/// are named by `lets`.
 fn slices(value: &str, shape: &Shape, lets: &mut Vec<String>) -> Vec<String> {
     match shape {
         Shape::Struct { fields, .. } => {

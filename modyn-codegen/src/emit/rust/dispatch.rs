@@ -10,7 +10,8 @@ use crate::names::helper_type;
 use crate::program::Program;
 
 impl Robot<'_> {
-    /// Prints a private function that lets its scalar type choose between the program on `vectors` and that on `scalars`.
+    /// Prints a private function that lets its scalar type choose between the program on `vectors`
+    /// and that on `scalars`.
     pub(super) fn dispatched(
         &self,
         text: &mut String,

@@ -1,5 +1,5 @@
-//! The documentation of a generated type: a usage example, the options, and tables of joints, loops, modules and
-//! operations.
+//! The documentation of a generated type: a usage example, the options, and tables of joints,
+//! loops, modules and operations.
 
 use std::fmt::Write as _;
 use std::ops::Range;

@@ -38,7 +38,8 @@ pub(super) fn run_simd_f32<W: crate::scalar::SimdTask<f32>>(work: W) -> W::Outpu
 }
 ";
 
-/// Returns the items with `core` found through the module, since `::core` is no path to it in edition 2015.
+/// Returns the items with `core` found through the module, since `::core` is no path to it in
+/// edition 2015.
 pub fn in_any_edition(items: &str) -> String {
     let core = format!("self::{MODULE}::__core::");
     let lines = items.lines().map(|line| match line.trim_start().starts_with("//") {
@@ -48,7 +49,8 @@ pub fn in_any_edition(items: &str) -> String {
     lines.flat_map(|line| [line, "\n".into()]).collect()
 }
 
-/// Returns a line of Rust with `change` applied outside of strings. Strings must end on the line they start on.
+/// Returns a line of Rust with `change` applied outside of strings. Strings must end on the line
+/// they start on.
 fn map_outside_strings(line: &str, change: impl Fn(&str) -> String) -> String {
     let (mut changed, mut rest) = (String::with_capacity(line.len()), line);
     while let Some(start) = rest.find('"') {

@@ -1,7 +1,8 @@
 //! The description of a robot as a function of its type, for the option `embed_model`.
 //!
-//! The text is an expression that makes the model. The runtime's types print themselves (`Debug`) as Rust writes their
-//! values, with names that the function imports; texts and infinite limits are the exceptions.
+//! The text is an expression that makes the model. The runtime's types print themselves (`Debug`)
+//! as Rust writes their values, with names that the function imports; texts and infinite limits are
+//! the exceptions.
 
 use std::fmt::Write as _;
 

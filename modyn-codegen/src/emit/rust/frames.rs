@@ -1,4 +1,5 @@
-//! The functions of links: of single links, and of links that share a function and a table of placements.
+//! The functions of links: of single links, and of links that share a function and a table of
+//! placements.
 
 use std::fmt::Write as _;
 
@@ -50,7 +51,8 @@ impl Robot<'_> {
         }
     }
 
-    /// Prints the function of the poses of all links, from the functions for `bodies` and for links `placed` on them.
+    /// Prints the function of the poses of all links, from the functions for `bodies` and for links
+    /// `placed` on them.
     pub(super) fn poses_function(
         &self,
         text: &mut String,

@@ -1,7 +1,8 @@
 //! Prints a program as straight-line Rust functions.
 //!
-//! Scopes become blocks, `let (live, ...) = { ... };`. Chunks become functions (`name_chunk0` and so on) that return the
-//! values that later chunks read. The last chunk has the function's own name.
+//! Scopes become blocks, `let (live, ...) = { ... };`. Chunks become functions (`name_chunk0` and
+//! so on) that return the values that later chunks read. The last chunk has the function's own
+//! name.
 
 mod loops;
 pub(crate) mod operations;
@@ -24,7 +25,8 @@ use vectors::VectorType;
 
 pub(super) use operations::literal;
 
-/// Returns the number of vector types among the type parameters of a function for [`Execution::Simd`], before `V`.
+/// Returns the number of vector types among the type parameters of a function for
+/// [`Execution::Simd`], before `V`.
 pub(super) fn vector_types(program: &Program) -> usize {
     program.widths().len()
 }
@@ -32,9 +34,10 @@ pub(super) fn vector_types(program: &Program) -> usize {
 /// Returns the text of a private function `name` that computes `program`.
 ///
 /// - [`Execution::Scalar`]: generic over `T: Scalar`.
-/// - [`Execution::Batch`]: over `T: Lanes`. The function is always inlined into code that is compiled for the vector
-///   instructions; chunks are outlined by the lanes. It returns nothing, and stores each entry of the `result` into
-///   `outputs` as soon as it is computed: returned through the chunks, a matrix would be copied several times.
+/// - [`Execution::Batch`]: over `T: Lanes`. The function is always inlined into code that is
+///   compiled for the vector instructions; chunks are outlined by the lanes. It returns nothing,
+///   and stores each entry of the `result` into `outputs` as soon as it is computed: returned
+///   through the chunks, a matrix would be copied several times.
 /// - [`Execution::Simd`]: over vectors `V`, inlined in the same way.
 pub(super) fn function(
     name: &str,
@@ -83,7 +86,8 @@ impl Printer<'_> {
         text
     }
 
-    /// Prints the last chunk, which has the function's name, calls the other chunks, and returns the result.
+    /// Prints the last chunk, which has the function's name, calls the other chunks, and returns
+    /// the result.
     fn entry_chunk(&self, text: &mut String, chunk: &Chunk, others: &[Chunk]) {
         let execution = self.program.execution;
         let (bounds, returned) = match execution {
@@ -176,7 +180,8 @@ impl Printer<'_> {
         let _ = writeln!(text, "    {}\n{end}\n", self.list(&chunk.live_out));
     }
 
-    /// Returns the start of a chunk that lanes outline: a type that holds the arguments, and its function.
+    /// Returns the start of a chunk that lanes outline: a type that holds the arguments, and its
+    /// function.
     fn outlined_head(&self, name: &str, inputs: &[String], returned: &str) -> String {
         let in_field = |input: &String| input.replace('&', "&'a ").replace("'_", "'a");
         let mut fields: Vec<String> = inputs.iter().map(in_field).collect();
@@ -208,7 +213,8 @@ impl Printer<'_> {
         inputs
     }
 
-    /// Prints the start of a function's body: the functions of constants, and the names of the arguments.
+    /// Prints the start of a function's body: the functions of constants, and the names of the
+    /// arguments.
     fn prelude(&self, text: &mut String) {
         for VectorType { lanes, name, .. } in self.vectors() {
             let (lanes, kind) = match (self.program.execution, *lanes) {

@@ -16,8 +16,8 @@ pub fn indented(text: &str) -> String {
     out
 }
 
-/// Returns the number of brackets that a line closes at its start, and the number of brackets that it opens minus
-/// those that it closes.
+/// Returns the number of brackets that a line closes at its start, and the number of brackets that
+/// it opens minus those that it closes.
 fn brackets(line: &str) -> (usize, isize) {
     if line.starts_with("//") {
         return (0, 0);

@@ -1,7 +1,8 @@
-//! The functions of a robot whose code is in an object file: calls of the object's functions, in place of programs.
+//! The functions of a robot whose code is in an object file: calls of the object's functions, in
+//! place of programs.
 //!
-//! The generated text has unsafe code: the calls. Each passes pointers to as many numbers as the object's function reads
-//! or writes, on a processor that has the instructions.
+//! The generated text has unsafe code: the calls. Each passes pointers to as many numbers as the
+//! object's function reads or writes, on a processor that has the instructions.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -237,7 +238,8 @@ fn read_numbers(shape: &Shape, at: &str, depth: usize) -> String {
     }
 }
 
-/// Returns the condition under which the fields of all types of a layout are in its order; empty if it has arrays only.
+/// Returns the condition under which the fields of all types of a layout are in its order; empty if
+/// it has arrays only.
 fn layouts(shape: &Shape, float: &str) -> String {
     let mut conditions = BTreeSet::new();
     collect_layouts(shape, float, &mut conditions);

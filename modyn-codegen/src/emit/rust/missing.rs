@@ -1,4 +1,5 @@
-//! Functions that a robot does not have: calling one is a compile error that names the option `functions`.
+//! Functions that a robot does not have: calling one is a compile error that names the option
+//! `functions`.
 
 use std::fmt::Write as _;
 
@@ -6,8 +7,8 @@ use super::Robot;
 use crate::plan::{Function, signatures};
 
 impl Robot<'_> {
-    /// Prints the traits of `modyn::functions` that the robot implements; and for each function that the robot does not
-    /// have, a function of its name whose bound does not hold.
+    /// Prints the traits of `modyn::functions` that the robot implements; and for each function
+    /// that the robot does not have, a function of its name whose bound does not hold.
     pub(super) fn availability(&self, text: &mut String, generated: &[Function]) {
         let name = self.name;
         for function in generated {
@@ -28,8 +29,8 @@ impl Robot<'_> {
     }
 }
 
-/// Prints a function that cannot be called. Its bound has a lifetime parameter: otherwise rustc would reject the
-/// function instead of its calls.
+/// Prints a function that cannot be called. Its bound has a lifetime parameter: otherwise rustc
+/// would reject the function instead of its calls.
 fn missing(text: &mut String, function: Function, called: &str, arguments: usize) {
     let arguments = vec!["_: impl ::core::marker::Sized"; arguments].join(", ");
     let _ = writeln!(

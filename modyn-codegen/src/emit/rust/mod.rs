@@ -1,9 +1,9 @@
 //! Rust: the type of a robot, its functions and its other items.
 //!
-//! Public items are documented. Private functions are generic over the scalar. The type's own functions are concrete:
-//! type inference stays simple, and the code is compiled in the robot's crate. The text uses `core` and the crate
-//! `modyn` only. The same input gives the same text in every process: nothing depends on an address or on the order of a
-//! hash map.
+//! Public items are documented. Private functions are generic over the scalar. The type's own
+//! functions are concrete: type inference stays simple, and the code is compiled in the robot's
+//! crate. The text uses `core` and the crate `modyn` only. The same input gives the same text in
+//! every process: nothing depends on an address or on the order of a hash map.
 
 mod batch;
 mod c_functions;
@@ -138,7 +138,8 @@ struct Robot<'a> {
 }
 
 impl Robot<'_> {
-    /// Returns the types, and the beginning of the block of items with the type's own functions and constants.
+    /// Returns the types, and the beginning of the block of items with the type's own functions and
+    /// constants.
     fn beginning(&self, quantities: &[Quantity<'_>]) -> String {
         let per_call = |p: &Planned| (p.name, p.operations_per_call());
         let operations: Vec<_> = self.plan.functions.iter().map(per_call).collect();

@@ -29,7 +29,8 @@ impl Parameter {
         self.kind.map_or(BatchForm::Numbers, ArgumentKind::batch_form)
     }
 
-    /// Returns whether the parameter is the set of active contacts, for which public functions have a type.
+    /// Returns whether the parameter is the set of active contacts, for which public functions have
+    /// a type.
     pub(super) fn is_contacts(&self) -> bool {
         self.kind == Some(ArgumentKind::Contacts)
     }
@@ -39,9 +40,9 @@ impl Parameter {
         Self { name, shape, constants: Some(float), kind: None }
     }
 
-    /// Returns the name of entry `i` in the function. It differs from all temporaries: names of temporaries start with
-    /// letters and a digit (`x1`, `s1_0`), names of parameters have letters only (and are not `k`, a function of
-    /// constants).
+    /// Returns the name of entry `i` in the function. It differs from all temporaries: names of
+    /// temporaries start with letters and a digit (`x1`, `s1_0`), names of parameters have letters
+    /// only (and are not `k`, a function of constants).
     pub(super) fn entry(&self, i: usize) -> String {
         debug_assert!(self.name != "k" && !self.name.contains(|c: char| c.is_ascii_digit()));
         format!("{}_{i}", self.name)

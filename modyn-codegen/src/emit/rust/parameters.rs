@@ -50,7 +50,8 @@ impl Robot<'_> {
         own.into_iter().chain(payloads).collect()
     }
 
-    /// Prints the structure of the parameters, without its methods; nothing if there are no parameters.
+    /// Prints the structure of the parameters, without its methods; nothing if there are no
+    /// parameters.
     pub(super) fn parameters_type(&self, text: &mut String) {
         let count = self.plan.parameters.len();
         if count == 0 {

@@ -1,4 +1,5 @@
-//! The arguments and results of functions, as Rust types, values and patterns over a list of scalars.
+//! The arguments and results of functions, as Rust types, values and patterns over a list of
+//! scalars.
 
 /// A Rust type composed of scalars.
 #[derive(Clone, Debug)]

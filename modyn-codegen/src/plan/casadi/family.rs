@@ -88,7 +88,8 @@ impl Family {
         EntryDerivatives::new(graph, entries, max_operations)
     }
 
-    /// Returns the function and its first derivatives, and the function of second derivatives unless these were left out.
+    /// Returns the function and its first derivatives, and the function of second derivatives
+    /// unless these were left out.
     pub fn members(&self, derivatives: EntryDerivatives) -> ([Member; 4], Option<Member>) {
         let Self { inputs, results, .. } = self;
         let EntryDerivatives { value, jacobian, forward, adjoint, hessian } = derivatives;
@@ -112,7 +113,8 @@ impl Family {
         let given = [&inputs[..], &empty("out_", &outputs)].concat();
         let (gradient, seeds) = (renamed("adj_", inputs), renamed("adj_", &outputs));
         let of_adjoint = [&given[..], &seeds].concat();
-        // The second derivatives of all nonzeros of the gradient are a matrix, as the derivatives of the results are.
+        // The second derivatives of all nonzeros of the gradient are a matrix, as the derivatives
+        // of the results are.
         let second = hessian.map(|hessian| {
             let second = second_derivatives(&weights(&hessian), &jacobian, columns, kept.len());
             let (graph, outputs) = matrix_blocks(second, "jac_", &gradient, &of_adjoint);
@@ -147,8 +149,8 @@ fn empty(prefix: &str, matrices: &[CasadiMatrix]) -> Vec<CasadiMatrix> {
     matrices.iter().map(|matrix| matrix.empty(format!("{prefix}{}", matrix.name))).collect()
 }
 
-/// Returns the matrices that a function's result consists of, with their names. `CasADi` refuses a result with the name of
-/// an input: the fields of a state are those of the next state.
+/// Returns the matrices that a function's result consists of, with their names. `CasADi` refuses a
+/// result with the name of an input: the fields of a state are those of the next state.
 pub fn results(function: Function, sizes: &Sizes) -> Vec<(String, Shape)> {
     let row = function.row();
     match (row.result)(sizes) {

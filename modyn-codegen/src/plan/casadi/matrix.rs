@@ -55,8 +55,9 @@ impl CasadiMatrix {
         self.nonzeros.iter().enumerate().flat_map(column)
     }
 
-    /// Returns the pattern in compressed columns, as `CasADi` reads it: the number of rows and of columns; then the number of
-    /// nonzeros before each column and in all, and the row of each nonzero. For a matrix without zeros, 1 in place of these.
+    /// Returns the pattern in compressed columns, as `CasADi` reads it: the number of rows and of
+    /// columns; then the number of nonzeros before each column and in all, and the row of each
+    /// nonzero. For a matrix without zeros, 1 in place of these.
     #[must_use]
     pub fn compressed_columns(&self) -> Vec<usize> {
         let mut numbers = vec![self.rows, self.columns];

@@ -1,7 +1,9 @@
-//! The functions that `CasADi` loads: each function of a robot with its derivatives, over the nonzeros of sparse matrices.
+//! The functions that `CasADi` loads: each function of a robot with its derivatives, over the
+//! nonzeros of sparse matrices.
 //!
-//! `CasADi` finds derivatives by their names. For a function `f`, they are its Jacobian `jac_f`, products with it `fwd1_f` and
-//! `adj1_f`, and the Jacobian of the latter `jac_adj1_f`, which has the second derivatives of a weighted sum of the results.
+//! `CasADi` finds derivatives by their names. For a function `f`, they are its Jacobian `jac_f`,
+//! products with it `fwd1_f` and `adj1_f`, and the Jacobian of the latter `jac_adj1_f`, which has
+//! the second derivatives of a weighted sum of the results.
 
 mod family;
 mod matrix;
@@ -21,8 +23,9 @@ use crate::program::{Execution, Program};
 use crate::trace::{EntryDerivatives, Tracer};
 use family::{Family, Member};
 
-/// The largest number of operations of second derivatives. Longer code would take a C compiler minutes. The number depends
-/// on all zeros, so it is known from the graph alone; but no graph grows far beyond it.
+/// The largest number of operations of second derivatives. Longer code would take a C compiler
+/// minutes. The number depends on all zeros, so it is known from the graph alone; but no graph
+/// grows far beyond it.
 const MAX_OPERATIONS: usize = 250_000;
 
 /// A function that `CasADi` loads.

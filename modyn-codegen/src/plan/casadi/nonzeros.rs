@@ -9,8 +9,8 @@ pub(super) fn with_outputs(mut graph: Graph, outputs: impl Fn(&[Id]) -> Vec<Id>)
     graph
 }
 
-/// Returns the graph with weights for the results `kept` alone, of `all`: inputs after the first `inputs` inputs. The other
-/// weights are zero.
+/// Returns the graph with weights for the results `kept` alone, of `all`: inputs after the first
+/// `inputs` inputs. The other weights are zero.
 pub(super) fn weighted(graph: &Graph, inputs: usize, kept: &[usize], all: usize) -> Graph {
     let mut result = Graph::default();
     let zero = result.constant(0.0);
@@ -24,9 +24,9 @@ pub(super) fn weighted(graph: &Graph, inputs: usize, kept: &[usize], all: usize)
     result
 }
 
-/// Returns the nonzeros of the blocks of a matrix of derivatives, with the blocks: of each result by each input. The matrix
-/// has a row for each nonzero of the results and a column for each nonzero of the inputs. The rows and columns of a block
-/// are all entries.
+/// Returns the nonzeros of the blocks of a matrix of derivatives, with the blocks: of each result
+/// by each input. The matrix has a row for each nonzero of the results and a column for each
+/// nonzero of the inputs. The rows and columns of a block are all entries.
 pub(super) fn matrix_blocks(
     mut graph: Graph,
     prefix: &str,

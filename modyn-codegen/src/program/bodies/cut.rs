@@ -1,7 +1,9 @@
-//! The cut of a body's equations: one graph for each sweep, and the values that a body keeps from one sweep to a later one.
+//! The cut of a body's equations: one graph for each sweep, and the values that a body keeps from
+//! one sweep to a later one.
 //!
-//! A value is computed in the first sweep in which its operands are known, and kept in the body's record. Negations, and
-//! single operations on arguments and constants, are computed again where they are needed.
+//! A value is computed in the first sweep in which its operands are known, and kept in the body's
+//! record. Negations, and single operations on arguments and constants, are computed again where
+//! they are needed.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,7 +13,8 @@ use crate::graph::{Graph, Id, Node};
 use crate::program::{Execution, Program, argument_of};
 use crate::trace::{BodyGraphs, BodyKind};
 
-/// The program of a body in a sweep. Its arguments are the body's constants, then the numbers that it reads.
+/// The program of a body in a sweep. Its arguments are the body's constants, then the numbers that
+/// it reads.
 pub(super) struct BodyStep {
     pub program: Program,
     /// The number of constants.
@@ -53,7 +56,8 @@ pub(super) struct Kind {
     pub kept: BTreeMap<Id, (usize, usize)>,
 }
 
-/// The equations of one sweep. The inputs of the graph are the constants, then the numbers that it reads.
+/// The equations of one sweep. The inputs of the graph are the constants, then the numbers that it
+/// reads.
 struct Part {
     graph: Graph,
     constants: usize,
@@ -68,7 +72,8 @@ pub(super) enum Number {
     Vector(usize, usize),
     /// A run-time parameter.
     Parameter(usize),
-    /// A number that passes between a body and its parent in a sweep: the sweep, and the index among its numbers.
+    /// A number that passes between a body and its parent in a sweep: the sweep, and the index
+    /// among its numbers.
     Exchanged(usize, usize),
     /// A value that the body keeps.
     Kept(Id),
@@ -94,7 +99,8 @@ fn number_of(kind: &BodyKind, (sweeps, parameters): (Sweeps, usize), input: usiz
     }
 }
 
-/// Returns the numbers that some body reads when they pass between bodies: the sweep, and the index among its numbers.
+/// Returns the numbers that some body reads when they pass between bodies: the sweep, and the index
+/// among its numbers.
 pub(super) fn received(graphs: &BodyGraphs) -> BTreeSet<(usize, usize)> {
     let context = (graphs.sweeps, graphs.parameters);
     graphs.kinds.iter().flat_map(|kind| received_by(kind, context)).collect()
@@ -121,7 +127,8 @@ impl Kind {
         graphs.kinds.iter().map(|kind| Self::new(kind, context, &needed)).collect()
     }
 
-    /// Returns the equations of a kind, cut. `needed` are the numbers between bodies that some body reads.
+    /// Returns the equations of a kind, cut. `needed` are the numbers between bodies that some body
+    /// reads.
     fn new(
         kind: &BodyKind,
         (sweeps, parameters): (Sweeps, usize),
@@ -166,7 +173,8 @@ impl Kind {
         Self { parts, kept }
     }
 
-    /// Returns the program of a sweep in this direction, after `pass`; `slot` is the place of a number in the record.
+    /// Returns the program of a sweep in this direction, after `pass`; `slot` is the place of a
+    /// number in the record.
     pub fn step(
         &self,
         sweep: usize,

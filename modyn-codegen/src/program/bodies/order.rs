@@ -1,4 +1,5 @@
-//! The order of the bodies: each after its parent, and those of one kind together where the tree allows it.
+//! The order of the bodies: each after its parent, and those of one kind together where the tree
+//! allows it.
 
 use std::collections::BTreeSet;
 

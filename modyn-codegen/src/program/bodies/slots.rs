@@ -1,4 +1,5 @@
-//! The places of numbers in the records of bodies. Numbers that are needed in different sweeps share a place.
+//! The places of numbers in the records of bodies. Numbers that are needed in different sweeps
+//! share a place.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,7 +15,8 @@ pub(super) struct Slots {
     kept: BTreeMap<Id, usize>,
 }
 
-/// Returns the places for each kind, and the length of a record. `needed` are the numbers between bodies that some body reads.
+/// Returns the places for each kind, and the length of a record. `needed` are the numbers between
+/// bodies that some body reads.
 pub(super) fn slots(
     kinds: &[Kind],
     sweeps: Sweeps,

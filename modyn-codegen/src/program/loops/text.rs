@@ -15,8 +15,9 @@
 //! end 1[0], 1[1]
 //! ```
 //!
-//! A row of a table has its constants, then rows of arrays. `0[5+0.1]` is entry 5 of the row in column 1 of the outermost loop, in
-//! array 0; `a` is the arguments. An array `3x4` has three rows of length 4. A result is added to an entry behind `+`.
+//! A row of a table has its constants, then rows of arrays. `0[5+0.1]` is entry 5 of the row in
+//! column 1 of the outermost loop, in array 0; `a` is the arguments. An array `3x4` has three rows
+//! of length 4. A result is added to an entry behind `+`.
 
 use std::fmt;
 use std::str::FromStr;
@@ -27,7 +28,8 @@ use super::{
 use crate::program::Program;
 use crate::program::text::{ParseProgramError, Parser, items};
 
-/// The largest number of loops in each other in a text. Texts of strangers must not exhaust the stack.
+/// The largest number of loops in each other in a text. Texts of strangers must not exhaust the
+/// stack.
 const MAX_DEPTH: usize = 16;
 
 /// Returns the texts of a list, separated by commas.
@@ -232,7 +234,8 @@ impl<'a> Parser<'a> {
         Ok(Loops { arrays, stored, steps, results })
     }
 
-    /// Reads steps that `depth` loops surround, to the line `end`. Returns the rest of that line, too.
+    /// Reads steps that `depth` loops surround, to the line `end`. Returns the rest of that line,
+    /// too.
     fn steps(&mut self, depth: usize) -> Result<(Vec<Step>, &'a str), ParseProgramError> {
         let mut steps = Vec::new();
         loop {

@@ -4,7 +4,8 @@ use super::{Array, Call, Entry, Loop, Loops, Place, Read, Routine, Step, Table};
 use crate::program::Program;
 
 impl Loops {
-    /// Returns the rule that the loops break. The rules of operands are checked for all operations together.
+    /// Returns the rule that the loops break. The rules of operands are checked for all operations
+    /// together.
     pub(in crate::program) fn fault(&self, program: &Program) -> Option<&'static str> {
         let entries = self.stored.iter().map(|stored| &stored.entry).chain(&self.results);
         if !entries.into_iter().all(|entry| self.has(entry)) {

@@ -11,7 +11,8 @@ use crate::description::Mesh;
 use crate::diagnostics::Report;
 use crate::read::xml::document::within_limits;
 
-/// The largest number of nodes, and of vertices and triangles together: a node may be instanced by others any number of times.
+/// The largest number of nodes, and of vertices and triangles together: a node may be instanced by
+/// others any number of times.
 const MAX_NODES: usize = 100_000;
 const MAX_PARTS: usize = 20_000_000;
 

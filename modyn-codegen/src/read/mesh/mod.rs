@@ -94,7 +94,8 @@ pub fn scaled(mut mesh: Mesh, scale: [f64; 3]) -> Mesh {
     mesh
 }
 
-/// Returns the mesh of a file in MuJoCo's format: four counts, then vertices, normals, texture coordinates and faces.
+/// Returns the mesh of a file in MuJoCo's format: four counts, then vertices, normals, texture
+/// coordinates and faces.
 fn msh(bytes: &[u8]) -> Option<Mesh> {
     let (header, data) = bytes.split_first_chunk::<16>()?;
     let count =

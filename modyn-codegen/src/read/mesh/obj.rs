@@ -3,8 +3,8 @@
 use super::Purpose;
 use crate::description::Mesh;
 
-/// Returns the mesh; `None` if the file is not sound. Faces with more than three vertices become triangles. For a mass, as in
-/// `MuJoCo`, only the first object or group with faces counts.
+/// Returns the mesh; `None` if the file is not sound. Faces with more than three vertices become
+/// triangles. For a mass, as in `MuJoCo`, only the first object or group with faces counts.
 pub fn read(bytes: &[u8], purpose: Purpose) -> Option<Mesh> {
     // Names of materials may have any encoding.
     let text = String::from_utf8_lossy(bytes);
@@ -30,7 +30,8 @@ pub fn read(bytes: &[u8], purpose: Purpose) -> Option<Mesh> {
     Some(mesh)
 }
 
-/// Adds the triangles of a face; `None` if a vertex does not exist, or if finding them takes too long.
+/// Adds the triangles of a face; `None` if a vertex does not exist, or if finding them takes too
+/// long.
 pub fn triangulate(mesh: &mut Mesh, mut face: Vec<usize>, tests: &mut usize) -> Option<()> {
     if face.len() > MAX_CORNERS {
         return Some(());
@@ -63,9 +64,9 @@ const MAX_CORNERS: usize = 100;
 /// The largest number of tests whether a corner is in a triangle.
 const MAX_TESTS: usize = 1 << 28;
 
-/// Returns the triangles of a polygon: ears are cut off, in the order and in the single precision of MuJoCo's reader, since
-/// the inertia of a surface that is not closed depends on its triangles. `None` if a vertex does not exist, or after too many
-/// `tests`.
+/// Returns the triangles of a polygon: ears are cut off, in the order and in the single precision
+/// of MuJoCo's reader, since the inertia of a surface that is not closed depends on its triangles.
+/// `None` if a vertex does not exist, or after too many `tests`.
 fn ears(vertices: &[[f64; 3]], polygon: Vec<usize>, tests: &mut usize) -> Option<Vec<[usize; 3]>> {
     let points: Vec<[f32; 3]> =
         polygon.iter().map(|i| Some(vertices.get(*i)?.map(|x| x as f32))).collect::<Option<_>>()?;
@@ -102,7 +103,8 @@ fn ears(vertices: &[[f64; 3]], polygon: Vec<usize>, tests: &mut usize) -> Option
     Some(triangles)
 }
 
-/// Returns the two axes of the plane in which a polygon is seen: those of the largest area at its first corner.
+/// Returns the two axes of the plane in which a polygon is seen: those of the largest area at its
+/// first corner.
 fn projection(points: &[[f32; 3]]) -> [usize; 2] {
     let count = points.len();
     for k in 0..count {
@@ -121,7 +123,8 @@ fn projection(points: &[[f32; 3]]) -> [usize; 2] {
     [1, 2]
 }
 
-/// Returns whether a point is in a triangle: a ray from it crosses the edges an odd number of times.
+/// Returns whether a point is in a triangle: a ray from it crosses the edges an odd number of
+/// times.
 fn is_inside(triangle: [[f32; 2]; 3], [x, y]: [f32; 2]) -> bool {
     let crossed = (0..3).filter(|&i| {
         let ([xi, yi], [xj, yj]) = (triangle[i], triangle[(i + 2) % 3]);
@@ -130,7 +133,8 @@ fn is_inside(triangle: [[f32; 2]; 3], [x, y]: [f32; 2]) -> bool {
     crossed.count() % 2 == 1
 }
 
-/// Returns the index of the vertex of a corner such as `3/1/2`; negative numbers count from the last vertex.
+/// Returns the index of the vertex of a corner such as `3/1/2`; negative numbers count from the
+/// last vertex.
 fn vertex(corner: &str, count: usize) -> Option<usize> {
     let number: i64 = corner.split('/').next()?.parse().ok()?;
     if number < 0 {

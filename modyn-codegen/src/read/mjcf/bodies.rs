@@ -39,11 +39,14 @@ pub struct Bodies<'e, 'r, 'f> {
     pub sites: BTreeMap<String, (usize, Pose<f64>, usize)>,
     /// For each joint of the description, its coordinate in the pose in which the model is drawn.
     pub drawn: Vec<f64>,
-    /// For each free joint of the description, by its index, its coordinates in the pose in which the model is drawn.
+    /// For each free joint of the description, by its index, its coordinates in the pose in which
+    /// the model is drawn.
     pub free_poses: BTreeMap<usize, [f64; 7]>,
-    /// For joints of the description, by their index, the time constant, s, and the damping ratio of `springdamper`.
+    /// For joints of the description, by their index, the time constant, s, and the damping ratio
+    /// of `springdamper`.
     pub spring_dampers: Vec<(usize, [f64; 2])>,
-    /// The models and their names in the whole model: the main model first, then each that was attached.
+    /// The models and their names in the whole model: the main model first, then each that was
+    /// attached.
     pub attached: Vec<(usize, Rc<Naming>)>,
     /// The models in which the present element is.
     open: Vec<usize>,
@@ -74,8 +77,8 @@ struct Parent {
 }
 
 impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
-    /// Returns the bodies and sites of the first of these models, with all models that it attaches. Names that the file
-    /// lacks are generated.
+    /// Returns the bodies and sites of the first of these models, with all models that it attaches.
+    /// Names that the file lacks are generated.
     pub fn read(sources: &'e [Source], options: &ReadOptions, report: &'r mut Report<'f>) -> Self {
         let mut models: Vec<Model<'e>> =
             sources.iter().map(|source| Model::new(source, report)).collect();
@@ -383,7 +386,8 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
             above = child;
             frame = translation(anchor.map(|x| -x));
         }
-        // A body without joints, or whose frame is not at its last joint, is fixed to the last link.
+        // A body without joints, or whose frame is not at its last joint, is fixed to the last
+        // link.
         if parts.joints.is_empty() || self.description.links[above].name.text != name {
             let child = self.link(name.clone(), at, self.carriers[above]);
             let fixed = JointRecord { origin: frame, ..joints::fixed(format!("{name}_fixed"), at) };
@@ -496,7 +500,8 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
         parts: &Parts<'e>,
         moves: bool,
     ) -> Option<InertialRecord> {
-        // Bodies that are fixed to the world have no effect on the dynamics, except by the total mass.
+        // Bodies that are fixed to the world have no effect on the dynamics, except by the total
+        // mass.
         if !moves && self.models[0].settings.total_mass.is_none() {
             return None;
         }

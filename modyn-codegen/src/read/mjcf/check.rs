@@ -1,4 +1,5 @@
-//! Checks the elements and attributes of a model by the table, and reports those that are wrong or refused.
+//! Checks the elements and attributes of a model by the table, and reports those that are wrong or
+//! refused.
 
 use std::collections::BTreeSet;
 
@@ -7,8 +8,8 @@ use super::table::{self, Treatment, Values};
 use crate::description::MAX_NUMBER;
 use crate::diagnostics::{Code, Report, suggest};
 
-/// Reports all wrong and refused elements and attributes under `element`. The places of elements with errors, in themselves
-/// or in elements that are not read, are added to `unsound`.
+/// Reports all wrong and refused elements and attributes under `element`. The places of elements
+/// with errors, in themselves or in elements that are not read, are added to `unsound`.
 pub fn check(element: &Element, unsound: &mut BTreeSet<usize>, report: &mut Report<'_>) {
     for child in &element.children {
         let errors = report.errors();

@@ -25,7 +25,8 @@ struct Class<'e> {
 }
 
 impl<'e> Classes<'e> {
-    /// Returns the classes of the model whose root element is `root`; their errors are in the report.
+    /// Returns the classes of the model whose root element is `root`; their errors are in the
+    /// report.
     pub fn new(root: &'e Element, report: &mut Report<'_>) -> Self {
         let mut classes = Self { by_name: BTreeMap::new() };
         classes.by_name.insert(MAIN, Class { parent: None, elements: Vec::new() });
@@ -77,8 +78,9 @@ impl<'e> Classes<'e> {
         self.by_name.contains_key(name)
     }
 
-    /// Returns the elements whose attributes an element has, the nearest first: the element itself, those of its class or
-    /// else of the class `inherited` from the bodies around it, and those of the classes around that.
+    /// Returns the elements whose attributes an element has, the nearest first: the element itself,
+    /// those of its class or else of the class `inherited` from the bodies around it, and those of
+    /// the classes around that.
     pub fn chain(&self, element: &'e Element, inherited: Option<&str>) -> Vec<&'e Element> {
         let mut chain = vec![element];
         let mut next = Some(element.text("class").or(inherited).unwrap_or(MAIN));
@@ -91,7 +93,8 @@ impl<'e> Classes<'e> {
     }
 }
 
-/// Returns whether the attributes of the element `class` in a `<default>` are those of elements of this name.
+/// Returns whether the attributes of the element `class` in a `<default>` are those of elements of
+/// this name.
 fn is_default_of(class: &str, name: &str) -> bool {
     let both = |names: &[&str]| names.contains(&class) && names.contains(&name);
     class == name && name != "default"

@@ -79,8 +79,8 @@ pub struct Elements<'r, 'f> {
 }
 
 impl<'r, 'f> Elements<'r, 'f> {
-    /// Returns the root element of the main file, whose text starts at offset `start`, and the start and the folder of each
-    /// included file; `None` with an error in the report.
+    /// Returns the root element of the main file, whose text starts at offset `start`, and the
+    /// start and the folder of each included file; `None` with an error in the report.
     pub fn read(
         text: &str,
         start: usize,
@@ -167,7 +167,8 @@ impl<'r, 'f> Elements<'r, 'f> {
                 help,
             );
         };
-        // MuJoCo looks in the folder of the main file first, then beside the file that has the `<include>`.
+        // MuJoCo looks in the folder of the main file first, then beside the file that has the
+        // `<include>`.
         let beside = file.folder.unwrap_or(main);
         let place = [main.join(&path), beside.join(&path)];
         let place = place.iter().find(|place| self.store.is_file(place)).unwrap_or(&place[1]);
@@ -181,7 +182,8 @@ impl<'r, 'f> Elements<'r, 'f> {
         let (text, start) = read_named(self.store, &place, &shown, include.at, self.report)?;
         self.folders.push((start, place.parent().map(Path::to_owned).unwrap_or_default()));
         let file = File { folder: place.parent(), shown: &shown, store: self.store };
-        // The root of an included file has any name, and its children take the place of `<include>`.
+        // The root of an included file has any name, and its children take the place of
+        // `<include>`.
         let root = self.document(&text, start, &file, depth)?;
         Some(root.children)
     }

@@ -35,8 +35,8 @@ fn is_active(constraint: &Item) -> bool {
 }
 
 impl Names<'_> {
-    /// Returns the joints of a fixed tendon and their coefficients; `None` if there is no such tendon
-    /// or joint.
+    /// Returns the joints of a fixed tendon and their coefficients; `None` if there is no such
+    /// tendon or joint.
     fn fixed_tendon(&self, name: &str) -> Option<Vec<(usize, f64)>> {
         let tendon = self.tendons.get(name)?;
         if tendon.element().name != "fixed" {
@@ -122,8 +122,8 @@ impl<'e> Bodies<'e, '_, '_> {
         self.report.error(Code::NotRead, at, subject.as_ref(), message, help);
     }
 
-    /// Lets a joint follow another one: its displacement from the drawn pose is a constant plus the displacement of the
-    /// leader times a multiplier.
+    /// Lets a joint follow another one: its displacement from the drawn pose is a constant plus the
+    /// displacement of the leader times a multiplier.
     fn follow(&mut self, at: usize, follower: usize, leader: Option<(usize, f64)>, constant: f64) {
         let is_constrained = |joint: usize| {
             let joint = &self.description.joints[joint];
@@ -178,7 +178,8 @@ impl<'e> Bodies<'e, '_, '_> {
         let at = item.element().at;
         let coefficients = item.text("polycoef").and_then(list).unwrap_or_else(|| vec![0.0, 1.0]);
         let coefficient = |i: usize| coefficients.get(i).copied().unwrap_or(0.0);
-        // Of the displacements of joints from the drawn pose: their sum with these factors is a constant.
+        // Of the displacements of joints from the drawn pose: their sum with these factors is a
+        // constant.
         let mut factors: Vec<(usize, f64)> = Vec::new();
         for (attribute, scale) in [("tendon1", 1.0), ("tendon2", -coefficient(1))] {
             let Some(name) = item.element().text(attribute) else { continue };
@@ -275,8 +276,8 @@ impl<'e> Bodies<'e, '_, '_> {
         });
     }
 
-    /// Returns the body or the site that an attribute names; without the attribute, the world. `None` with an error in the
-    /// report, or if an attached part lacks it.
+    /// Returns the body or the site that an attribute names; without the attribute, the world.
+    /// `None` with an error in the report, or if an attached part lacks it.
     fn end(&mut self, item: &Item<'e>, attribute: &str) -> Option<End> {
         let is_site = attribute.starts_with("site");
         let own = item.element().attribute(attribute);

@@ -41,7 +41,8 @@ impl<'e> Bodies<'e, '_, '_> {
         }
     }
 
-    /// Reports tendons that exert forces. A constraint can hold the length of a tendon: its forces then do nothing.
+    /// Reports tendons that exert forces. A constraint can hold the length of a tendon: its forces
+    /// then do nothing.
     pub fn tendons(&mut self, severity: Severity) {
         let held = self.held_tendons();
         let flags = self.models[0].settings.flags;

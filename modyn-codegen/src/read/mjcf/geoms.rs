@@ -1,4 +1,5 @@
-//! The inertia of geoms as in `MuJoCo`, each a solid or a shell of uniform density, and their shapes.
+//! The inertia of geoms as in `MuJoCo`, each a solid or a shell of uniform density, and their
+//! shapes.
 
 use core::f64::consts::PI;
 
@@ -74,8 +75,8 @@ pub fn inertial<'e>(
     Ok(Inertial { mass, center_of_mass: [0.0; 3], inertia }.transformed(&place))
 }
 
-/// Returns the pose in its body of a geom that is no mesh itself, and its half lengths and radii in the order of `size`. A solid
-/// may be fitted to a mesh.
+/// Returns the pose in its body of a geom that is no mesh itself, and its half lengths and radii in
+/// the order of `size`. A solid may be fitted to a mesh.
 fn placed(
     geom: &Item,
     model: &Model,
@@ -102,7 +103,8 @@ fn placed(
             [radius, radius, half]
         }
     } else if kind == "hfield" {
-        // The mass of a height field is that of the box with its half lengths and its mean height, about the geom's origin.
+        // The mass of a height field is that of the box with its half lengths and its mean height,
+        // about the geom's origin.
         let field = geom.text("hfield").and_then(|name| {
             let assets = model.source.root.in_sections("asset");
             let mut fields = assets.filter(|asset| asset.name == "hfield");
@@ -183,15 +185,17 @@ fn sizes(geom: &Item) -> [f64; 3] {
     [size(0), size(1), size(2)]
 }
 
-/// Returns the pose between two points, with the z axis along their line, and half their distance; `None` if they coincide.
+/// Returns the pose between two points, with the z axis along their line, and half their distance;
+/// `None` if they coincide.
 pub fn between([x1, y1, z1, x2, y2, z2]: [f64; 6]) -> Option<(Pose<f64>, f64)> {
     let (axis, length) = normalized([x1 - x2, y1 - y2, z1 - z2])?;
     let translation = [(x1 + x2) / 2.0, (y1 + y2) / 2.0, (z1 + z2) / 2.0];
     Some((Pose { rotation: to_z_axis(axis), translation }, length / 2.0))
 }
 
-/// Returns the centre, in the principal frame of a mesh, and the sizes of a shape that is fitted to the mesh: to its bounding
-/// box (the lowest and the highest corner), or else to the box with the mesh's inertia.
+/// Returns the centre, in the principal frame of a mesh, and the sizes of a shape that is fitted to
+/// the mesh: to its bounding box (the lowest and the highest corner), or else to the box with the
+/// mesh's inertia.
 fn fitted(kind: &str, mesh: &Principal, bounds: Option<[[f64; 3]; 2]>) -> ([f64; 3], [f64; 3]) {
     let Some([low, high]) = bounds else {
         let [x, y, z] = mesh.half_lengths;
@@ -233,7 +237,8 @@ fn uniform(measure: f64, [xx, yy, zz]: [f64; 3]) -> Moments {
     Moments { measure, moments: [yy + zz, xx + zz, xx + yy] }
 }
 
-/// Returns volume and squares of a cylinder of this radius and half length with a hemisphere on each end.
+/// Returns volume and squares of a cylinder of this radius and half length with a hemisphere on
+/// each end.
 fn capsule(radius: f64, half: f64) -> (f64, [f64; 3]) {
     let square = radius * radius;
     let (cylinder, ball) = (2.0 * PI * square * half, 4.0 / 3.0 * PI * square * radius);
@@ -264,7 +269,8 @@ fn shell(kind: &str, [x, y, z]: [f64; 3]) -> Moments {
             uniform(area, [across, across, along])
         }
         "ellipsoid" => {
-            // The area by Thomsen's formula, and the moments of the space between two solids, both as in MuJoCo.
+            // The area by Thomsen's formula, and the moments of the space between two solids, both
+            // as in MuJoCo.
             const P: f64 = 1.6075;
             const THICKNESS: f64 = 1e-6;
             let power = |product: f64| libm::pow(product, P);

@@ -9,7 +9,8 @@ use super::models::Model;
 use super::settings::Settings;
 use crate::diagnostics::{Code, Report, Subject};
 
-/// Returns the inertia of an `<inertial>` in the body's frame; `None` with an error in the report, or without a sound mass.
+/// Returns the inertia of an `<inertial>` in the body's frame; `None` with an error in the report,
+/// or without a sound mass.
 pub fn explicit(
     item: &Item,
     name: &str,

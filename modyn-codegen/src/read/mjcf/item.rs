@@ -7,7 +7,8 @@ use modyn_runtime::spatial::Pose;
 use super::check;
 use super::element::Element;
 
-/// The names of a copy of a model's part: models are attached with a prefix, and replicas have a suffix.
+/// The names of a copy of a model's part: models are attached with a prefix, and replicas have a
+/// suffix.
 #[derive(Default)]
 pub struct Naming {
     pub prefix: String,

@@ -19,7 +19,8 @@ pub fn is_free(joint: &Item) -> bool {
     joint.element().name == "freejoint" || joint.text("type") == Some("free")
 }
 
-/// Reports a free joint whose body is not one of the world or has other joints, and a frame that MuJoCo moves.
+/// Reports a free joint whose body is not one of the world or has other joints, and a frame that
+/// MuJoCo moves.
 pub fn check_free(
     joint: &Item,
     name: &str,
@@ -50,8 +51,8 @@ pub fn check_free(
     }
 }
 
-/// Returns a joint without its links and origin, and its coordinate in the pose in which the model is drawn. `pose` is that
-/// of the body.
+/// Returns a joint without its links and origin, and its coordinate in the pose in which the model
+/// is drawn. `pose` is that of the body.
 pub fn joint(
     item: &Item,
     name: &str,
@@ -141,13 +142,14 @@ pub fn joint(
     (JointRecord { kind, axis, limits, dynamics, spring, sound, ..record }, reference)
 }
 
-/// Returns the time constant, s, and the damping ratio from which stiffness and damping of a joint follow; `None` if they are
-/// given as such.
+/// Returns the time constant, s, and the damping ratio from which stiffness and damping of a joint
+/// follow; `None` if they are given as such.
 pub fn spring_damper(item: &Item) -> Option<[f64; 2]> {
     item.numbers("springdamper").filter(|numbers| *numbers != [0.0; 2])
 }
 
-/// Returns the coordinates of the spring of a joint at rest; `pose` is that of the body, in which the model is drawn.
+/// Returns the coordinates of the spring of a joint at rest; `pose` is that of the body, in which
+/// the model is drawn.
 fn spring_reference(item: &Item, kind: &str, angle: f64, pose: &Pose<f64>) -> Vec<f64> {
     match kind {
         "ball" => vec![0.0, 0.0, 0.0, 1.0],
@@ -178,7 +180,8 @@ pub fn is_limited(item: &Item, limited: &str, range: &str, model: &Model) -> boo
     }
 }
 
-/// Returns the largest force of a joint, N m or N, which is the bound of a symmetric `actuatorfrcrange`.
+/// Returns the largest force of a joint, N m or N, which is the bound of a symmetric
+/// `actuatorfrcrange`.
 fn effort(item: &Item, model: &Model, subject: &Subject, report: &mut Report<'_>) -> Option<f64> {
     let [lower, upper] = item.numbers("actuatorfrcrange")?;
     if !is_limited(item, "actuatorfrclimited", "actuatorfrcrange", model)

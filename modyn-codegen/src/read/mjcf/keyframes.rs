@@ -11,14 +11,17 @@ use super::item::Item;
 use crate::description::{KeyframeRecord, Kind, Located};
 use crate::diagnostics::Code;
 
-/// The largest number of coordinates of all keyframes together. Each keyframe has the coordinates of all joints.
+/// The largest number of coordinates of all keyframes together. Each keyframe has the coordinates
+/// of all joints.
 const MAX_COORDINATES: usize = 1_000_000;
 
 impl<'e> Bodies<'e, '_, '_> {
-    /// Adds the keyframes of the main model, while the joints are those of the text: before constraints fix some.
+    /// Adds the keyframes of the main model, while the joints are those of the text: before
+    /// constraints fix some.
     pub fn keyframes(&mut self) {
         let items = self.of_section("keyframe");
-        // Those of the main model come first; a model that attaches a part of itself has them again.
+        // Those of the main model come first; a model that attaches a part of itself has them
+        // again.
         let own = self.models[0].source.root.in_sections("keyframe").count();
         let (mut taken, mut moving) = (BTreeSet::new(), Vec::new());
         let coordinates: usize =
@@ -72,8 +75,8 @@ impl<'e> Bodies<'e, '_, '_> {
         );
     }
 
-    /// Returns the coordinates of a keyframe by joint; `None` with a diagnostic in the report. Those that it lacks are those
-    /// in which the model is drawn.
+    /// Returns the coordinates of a keyframe by joint; `None` with a diagnostic in the report.
+    /// Those that it lacks are those in which the model is drawn.
     fn coordinates(&mut self, item: &Item<'e>, name: &str) -> Option<Vec<(usize, Vec<f64>)>> {
         let written = item.text("qpos").and_then(list);
         let mut rest = written.as_deref();

@@ -4,8 +4,8 @@
 //! files ─ models, element ─▶ elements ─ check by table ─▶ bodies, joints, geoms, meshes ─▶ links and joints
 //! ```
 //!
-//! `table` has all elements and attributes: which are read, which have no effect on the equations of motion, and which are
-//! refused.
+//! `table` has all elements and attributes: which are read, which have no effect on the equations
+//! of motion, and which are refused.
 
 mod actuators;
 mod bodies;

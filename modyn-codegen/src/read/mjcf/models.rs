@@ -25,7 +25,8 @@ pub struct Source {
 }
 
 impl Source {
-    /// Returns the folder of the included file that has the element at this place; `None` for the main file.
+    /// Returns the folder of the included file that has the element at this place; `None` for the
+    /// main file.
     pub fn include_folder(&self, at: usize) -> Option<&Path> {
         let before = self.folders.partition_point(|(start, _)| *start <= at);
         self.folders[..before].last().map(|(_, folder)| folder.as_path())
@@ -35,8 +36,8 @@ impl Source {
 /// The largest number of models.
 const MAX_MODELS: usize = 1000;
 
-/// Returns the model of the text, whose file has the name `shown`, and all models that it can attach, in any order; `None`
-/// with an error in the report.
+/// Returns the model of the text, whose file has the name `shown`, and all models that it can
+/// attach, in any order; `None` with an error in the report.
 pub fn read(
     text: &str,
     options: &ReadOptions,
@@ -104,7 +105,8 @@ fn source(
     Source { root, folder, store, models: BTreeMap::new(), folders }
 }
 
-/// Returns the name, the file relative to the folder, and the place of each model that a model can attach.
+/// Returns the name, the file relative to the folder, and the place of each model that a model can
+/// attach.
 fn assets(source: &Source, report: &mut Report<'_>) -> Vec<(Option<String>, PathBuf, usize)> {
     let compiler = |name| source.root.named("compiler").filter_map(|one| one.text(name)).last();
     let folder = path_of(compiler("assetdir").unwrap_or(""));

@@ -9,8 +9,8 @@ use crate::description::normalized;
 use crate::diagnostics::{Code, Report};
 
 impl Item<'_> {
-    /// Returns the pose of an element by `pos` and the attributes of rotations, in the frame of its body; its errors are in
-    /// the report.
+    /// Returns the pose of an element by `pos` and the attributes of rotations, in the frame of its
+    /// body; its errors are in the report.
     pub fn pose(&self, settings: &Settings, report: &mut Report<'_>) -> Pose<f64> {
         let translation = self.numbers("pos").unwrap_or([0.0; 3]);
         let rotation = self.rotation(settings).unwrap_or_else(|(message, help)| {
@@ -20,7 +20,8 @@ impl Item<'_> {
         self.frame.compose(&Pose { rotation, translation })
     }
 
-    /// Returns the rotation of the element; the nearest of `axisangle`, `euler`, `xyaxes` and `zaxis` precedes `quat`.
+    /// Returns the rotation of the element; the nearest of `axisangle`, `euler`, `xyaxes` and
+    /// `zaxis` precedes `quat`.
     fn rotation(&self, settings: &Settings) -> Result<[[f64; 3]; 3], (&'static str, &'static str)> {
         let is_form = |name: &str| ["axisangle", "euler", "xyaxes", "zaxis"].contains(&name);
         let form = self.chain.iter().find_map(|element| {
@@ -74,8 +75,8 @@ pub fn from_quaternion([w, x, y, z]: [f64; 4]) -> Option<[[f64; 3]; 3]> {
     Some(rotation_from_quaternion([x, y, z, w].map(|x| x / length)))
 }
 
-/// Returns the rotation by an angle, rad, about an axis of unit length. The sine is libm's, so that every host computes the
-/// same numbers.
+/// Returns the rotation by an angle, rad, about an axis of unit length. The sine is libm's, so that
+/// every host computes the same numbers.
 pub fn about([x, y, z]: [f64; 3], angle: f64) -> [[f64; 3]; 3] {
     let (sin, cos) = libm::sincos(0.5 * angle);
     rotation_from_quaternion([x * sin, y * sin, z * sin, cos])

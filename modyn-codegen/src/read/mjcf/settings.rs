@@ -11,14 +11,16 @@ pub struct Settings<'e> {
     /// The axes of Euler angles.
     pub euler: [u8; 3],
     pub autolimits: bool,
-    /// Whether geoms replace an `<inertial>`, or never have an inertia; `None`: they have one without an `<inertial>`.
+    /// Whether geoms replace an `<inertial>`, or never have an inertia; `None`: they have one
+    /// without an `<inertial>`.
     pub inertia_from_geom: Option<bool>,
     /// The lowest and highest group of geoms that have a mass.
     pub inertia_groups: [f64; 2],
     pub bound_mass: f64,
     pub bound_inertia: f64,
     pub balance_inertia: bool,
-    /// The mass of the model, to which all masses and inertias are scaled; `None` if it is not positive.
+    /// The mass of the model, to which all masses and inertias are scaled; `None` if it is not
+    /// positive.
     pub total_mass: Option<f64>,
     /// Whether a geom that is fitted to a mesh has its bounding box.
     pub fit_box: bool,
@@ -58,7 +60,8 @@ impl Flags {
 }
 
 impl<'e> Settings<'e> {
-    /// Returns the settings of the model whose root element is `root`; their errors are in the report.
+    /// Returns the settings of the model whose root element is `root`; their errors are in the
+    /// report.
     pub fn new(root: &'e Element, report: &mut Report<'_>) -> Self {
         let last = |section: &'e str, name: &str| {
             root.named(section).filter_map(|section| section.attribute(name)).last()

@@ -8,15 +8,16 @@ use crate::assemble::assemble;
 use crate::description::{KeyframeRecord, Located, Mimic, ReadOptions};
 use crate::diagnostics::{Code, Report, Severity};
 
-/// The largest number of joints with `springdamper`: each takes one evaluation of the forward dynamics.
+/// The largest number of joints with `springdamper`: each takes one evaluation of the forward
+/// dynamics.
 const MAX_SPRING_DAMPERS: usize = 1_000;
 
 /// The least positive number by which MuJoCo divides.
 const LEAST: f64 = 1e-15;
 
 impl Bodies<'_, '_, '_> {
-    /// Sets stiffness and damping of the joints with `springdamper`, by the inertia that opposes each in the pose in which
-    /// the model is drawn. Constraints of `<equality>` do not count.
+    /// Sets stiffness and damping of the joints with `springdamper`, by the inertia that opposes
+    /// each in the pose in which the model is drawn. Constraints of `<equality>` do not count.
     pub fn spring_dampers(&mut self) {
         if self.spring_dampers.is_empty() || self.report.errors() > 0 {
             return;
@@ -81,7 +82,8 @@ impl Bodies<'_, '_, '_> {
         self.report.error(Code::NotRead, at, None, message, help);
     }
 
-    /// Returns the model without gravity, springs and constraints, whose keyframe is the pose in which it is drawn.
+    /// Returns the model without gravity, springs and constraints, whose keyframe is the pose in
+    /// which it is drawn.
     fn free_model(&self) -> Option<Model> {
         let mut description = self.description.clone();
         description.compensated.clear();

@@ -1,5 +1,5 @@
-//! The elements and attributes of MJCF: which are read, which have no effect on the equations of motion, and which are
-//! refused because they have one and are not read.
+//! The elements and attributes of MJCF: which are read, which have no effect on the equations of
+//! motion, and which are refused because they have one and are not read.
 //!
 //! An element or attribute that is not in the table is an error, as in `MuJoCo`.
 

@@ -1,4 +1,5 @@
-//! From a world to links and joints: the models that can move are one mechanism, and each joint gets its frame in its parent link.
+//! From a world to links and joints: the models that can move are one mechanism, and each joint
+//! gets its frame in its parent link.
 
 use std::collections::HashSet;
 
@@ -17,7 +18,8 @@ use crate::description::{
 };
 use crate::diagnostics::{Code, Place, Report, Severity, Subject, Suggestions};
 
-/// Returns the description of the models of a world that can move; `None` with errors in the report.
+/// Returns the description of the models of a world that can move; `None` with errors in the
+/// report.
 pub fn describe(
     mut world: World,
     at: usize,
@@ -60,7 +62,8 @@ pub fn describe(
     Some(build.description)
 }
 
-/// Returns the scopes of the world's models that can move, at least one; `None` with an error in the report.
+/// Returns the scopes of the world's models that can move, at least one; `None` with an error in
+/// the report.
 fn moving(world: &World, at: usize, report: &mut Report<'_>) -> Option<Vec<usize>> {
     let models = (1..world.scopes.len()).filter(|&scope| world.scopes[scope].outer == WORLD);
     let (still, moving): (Vec<_>, Vec<_>) =
@@ -249,8 +252,8 @@ impl Build<'_, '_, '_> {
         }
     }
 
-    /// Returns the joints of a spanning tree, in order. The other joints close loops: those that say so, and those between links
-    /// that joints before them connect.
+    /// Returns the joints of a spanning tree, in order. The other joints close loops: those that
+    /// say so, and those between links that joints before them connect.
     fn tree<'w>(&mut self, edges: Vec<Edge<'w>>) -> Vec<Edge<'w>> {
         // For each frame, a frame of the same connected part; a part's last frame leads to itself.
         let mut next: Vec<usize> = (0..self.world.frames.len()).collect();
@@ -285,8 +288,8 @@ impl Build<'_, '_, '_> {
         tree
     }
 
-    /// Returns for each joint whether its child is closer to the root than its parent. Such a joint is exchanged: about the
-    /// opposite axis, its coordinate means the same.
+    /// Returns for each joint whether its child is closer to the root than its parent. Such a joint
+    /// is exchanged: about the opposite axis, its coordinate means the same.
     fn reversed(&self, edges: &[Edge]) -> Vec<bool> {
         let mut joints: FxHashMap<usize, Vec<usize>> = FxHashMap::default();
         let mut children = HashSet::new();
@@ -321,7 +324,8 @@ impl Build<'_, '_, '_> {
         reversed
     }
 
-    /// Returns the frame of a joint's parent link, or of the world; `None` with an error in the report.
+    /// Returns the frame of a joint's parent link, or of the world; `None` with an error in the
+    /// report.
     fn parent(&mut self, joint: &Joint, scope: usize, subject: &Subject) -> Option<usize> {
         let world = self.world;
         let name = joint.parent.as_ref()?;
@@ -455,8 +459,8 @@ impl Build<'_, '_, '_> {
         }
     }
 
-    /// Adds a joint. The frame of the link that it moves is the joint's, so a child link elsewhere needs a link between
-    /// them, which has the joint's frame and name.
+    /// Adds a joint. The frame of the link that it moves is the joint's, so a child link elsewhere
+    /// needs a link between them, which has the joint's frame and name.
     fn place(
         &mut self,
         joint: &Joint,
@@ -634,7 +638,8 @@ impl Build<'_, '_, '_> {
         welded
     }
 
-    /// Compensates the weight of links without gravity; without any weight, gravity is zero. Warns of moving links without inertia.
+    /// Compensates the weight of links without gravity; without any weight, gravity is zero. Warns
+    /// of moving links without inertia.
     fn weights(&mut self) {
         let world = self.world;
         let own = world.links.iter().filter(|link| self.inside[world.frames[link.frame].scope]);
@@ -671,8 +676,8 @@ impl Build<'_, '_, '_> {
 const DEFAULT_INERTIA: Inertial =
     Inertial { mass: 1.0, center_of_mass: [0.0; 3], inertia: [1.0, 0.0, 0.0, 1.0, 0.0, 1.0] };
 
-/// The largest rounding error that counts as zero: of an entry of a rotation, and as a part of the lengths of which a translation is a
-/// difference.
+/// The largest rounding error that counts as zero: of an entry of a rotation, and as a part of the
+/// lengths of which a translation is a difference.
 const NOTHING: f64 = 1e-12;
 
 /// Returns whether a pose is the identity but for rounding errors.

@@ -149,7 +149,8 @@ impl Resolver<'_, '_, '_> {
         self.report.error(Code::FrameCycle, at, None, message, help);
     }
 
-    /// Returns the frame that a frame is attached to; `None` for links, the world, and names that do not exist.
+    /// Returns the frame that a frame is attached to; `None` for links, the world, and names that
+    /// do not exist.
     fn attached_to(&mut self, frame: usize) -> Option<usize> {
         let world = self.world;
         let own = &world.frames[frame];

@@ -179,7 +179,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         places.find(|place| self.options.files.exists(place))
     }
 
-    /// Returns the file of the model in a folder: by `model.config` its newest version that is read, else `model.sdf`.
+    /// Returns the file of the model in a folder: by `model.config` its newest version that is
+    /// read, else `model.sdf`.
     fn file_in(&mut self, folder: &Path) -> PathBuf {
         let default = folder.join("model.sdf");
         let config = folder.join("model.config");

@@ -59,7 +59,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         Some(InertialRecord { inertial, at, mass_at, sound })
     }
 
-    /// Returns the inertia of the solids in a link's `<collision>`s together, as `auto="true"` asks for.
+    /// Returns the inertia of the solids in a link's `<collision>`s together, as `auto="true"` asks
+    /// for.
     fn automatic(
         &mut self,
         link: Node<'a, '_>,

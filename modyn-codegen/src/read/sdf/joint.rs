@@ -103,7 +103,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         Some(kind)
     }
 
-    /// Returns the armature by Drake's extensions `rotor_inertia` and `gear_ratio`; zero without them.
+    /// Returns the armature by Drake's extensions `rotor_inertia` and `gear_ratio`; zero without
+    /// them.
     fn armature(&mut self, joint: Node<'a, '_>, subject: Option<&Subject>) -> f64 {
         let rotor = self.number(joint, "drake.rotor_inertia", subject).unwrap_or(0.0);
         let gear = self.number(joint, "drake.gear_ratio", subject).unwrap_or(1.0);
@@ -160,7 +161,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
             let axis = self.xml.numbers::<3>(text, subject)?;
             direction = self.xml.unit(axis, text.at, subject)?;
         }
-        // Before SDF 1.7, an axis was in the joint's frame or in the model's; before 1.5, always in the model's.
+        // Before SDF 1.7, an axis was in the joint's frame or in the model's; before 1.5, always in
+        // the model's.
         let of_model = self.flag(node, "use_parent_model_frame", subject) == Some(true);
         if self.version < 105 || self.version < 107 && of_model {
             expressed_in = Some(Located { text: "__model__".into(), at });
@@ -201,7 +203,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         (JointDynamics { damping, friction, ..JointDynamics::default() }, spring, at)
     }
 
-    /// Returns the limits of an axis. An infinite limit is none, and so is a negative one of effort or velocity.
+    /// Returns the limits of an axis. An infinite limit is none, and so is a negative one of effort
+    /// or velocity.
     fn limits(&mut self, axis: Node<'a, '_>, subject: Option<&Subject>) -> Limits {
         let none = Limits { lower: None, upper: None, velocity: None, effort: None };
         let Some(node) = self.xml.single(axis, "limit", subject) else { return none };

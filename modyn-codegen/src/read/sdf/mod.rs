@@ -4,8 +4,8 @@
 //! XML ─ model, joint, inertial, include ─▶ World ─ frames ─▶ poses, and the link of each frame ─ build ─▶ Description
 //! ```
 //!
-//! A pose may be relative to any frame of its model, also to one that comes later in the text, so all elements are read
-//! before any pose is known.
+//! A pose may be relative to any frame of its model, also to one that comes later in the text, so
+//! all elements are read before any pose is known.
 
 mod build;
 mod files;

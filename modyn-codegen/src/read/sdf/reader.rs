@@ -102,7 +102,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         text.map(trimmed)
     }
 
-    /// Returns the pose of the `<pose>` in an element, and the name of its frame. The default is the identity.
+    /// Returns the pose of the `<pose>` in an element, and the name of its frame. The default is
+    /// the identity.
     pub fn pose(
         &mut self,
         node: Node<'a, '_>,

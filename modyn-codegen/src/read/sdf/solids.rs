@@ -6,12 +6,13 @@ use modyn_runtime::model::Inertial;
 
 use crate::description::MAX_NUMBER;
 
-/// Returns the inertia of a solid of SDF in its geometry's frame. The sizes are the edges of a box, the radii of an
-/// ellipsoid or a sphere, or the radius, the radius and the length along z. Returns `None` if the mass is not a positive
-/// number.
+/// Returns the inertia of a solid of SDF in its geometry's frame. The sizes are the edges of a box,
+/// the radii of an ellipsoid or a sphere, or the radius, the radius and the length along z. Returns
+/// `None` if the mass is not a positive number.
 pub fn solid(shape: &str, [x, y, z]: [f64; 3], density: f64) -> Option<Inertial> {
     let mut center = 0.0;
-    // The volume, and the second moments about the centre of mass divided by the volume: the means of x^2, y^2, z^2.
+    // The volume, and the second moments about the centre of mass divided by the volume: the means
+    // of x^2, y^2, z^2.
     let (volume, squares) = match shape {
         "box" => (x * y * z, [x * x / 12.0, y * y / 12.0, z * z / 12.0]),
         "cylinder" => (PI * x * x * z, [x * x / 4.0, x * x / 4.0, z * z / 12.0]),
@@ -30,7 +31,8 @@ pub fn solid(shape: &str, [x, y, z]: [f64; 3], density: f64) -> Option<Inertial>
     fits.then_some(Inertial { mass, center_of_mass: [0.0, 0.0, center], inertia })
 }
 
-/// Returns volume and moments of a cylinder of this radius and length with a hemisphere on each end.
+/// Returns volume and moments of a cylinder of this radius and length with a hemisphere on each
+/// end.
 fn capsule(radius: f64, length: f64) -> (f64, [f64; 3]) {
     let (square, half) = (radius * radius, 0.5 * length);
     let (cylinder, ball) = (PI * square * length, 4.0 / 3.0 * PI * square * radius);

@@ -65,7 +65,8 @@ impl World {
         }
     }
 
-    /// Returns the frame that a name means in a scope: a sibling, or a part of a nested model, as in `model::link`.
+    /// Returns the frame that a name means in a scope: a sibling, or a part of a nested model, as
+    /// in `model::link`.
     pub fn find(&self, scope: usize, name: &str) -> Option<usize> {
         let own = &self.scopes[scope];
         match (name, scope) {
@@ -83,7 +84,8 @@ impl World {
         })
     }
 
-    /// Returns the frames whose poses, from last to first, lead from a scope's frame to a frame inside the scope.
+    /// Returns the frames whose poses, from last to first, lead from a scope's frame to a frame
+    /// inside the scope.
     pub fn path(&self, scope: usize, frame: usize) -> Vec<usize> {
         let mut path = Vec::new();
         let mut at = frame;

@@ -47,9 +47,9 @@ pub fn robot<'a, 't>(document: &'a Document<'t>, report: &mut Report<'_>) -> Opt
     None
 }
 
-/// Returns the place of xacro syntax that has to be expanded: a xacro element beside or inside links and joints, or
-/// `${...}` or `$(...)` in a value that is read. Comments, ignored elements, and an unused declaration of the namespace
-/// are accepted.
+/// Returns the place of xacro syntax that has to be expanded: a xacro element beside or inside
+/// links and joints, or `${...}` or `$(...)` in a value that is read. Comments, ignored elements,
+/// and an unused declaration of the namespace are accepted.
 fn xacro(root: Node) -> Option<usize> {
     for part in root.children().filter(Node::is_element) {
         if is_xacro(part) {

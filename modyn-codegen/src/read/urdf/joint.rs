@@ -180,8 +180,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let names =
             ["lower", "upper", "velocity", "effort", "acceleration", "deceleration", "jerk"];
         self.xml.warn_of_unknown_attributes(node, &names, subject);
-        // URDF's default for a missing bound is 0. A missing limit of velocity or effort is an error for some readers
-        // and no limit for others; here it is no limit.
+        // URDF's default for a missing bound is 0. A missing limit of velocity or effort is an
+        // error for some readers and no limit for others; here it is no limit.
         let (mut lower, mut upper) = (None, None);
         if matches!(joint_type, JointType::Revolute | JointType::Prismatic) {
             let mut bound = |name| match attribute(node, name) {
@@ -216,7 +216,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         Some(Limits { lower, upper, velocity, effort })
     }
 
-    /// Returns a velocity or effort limit; `None` if it is missing or negative. Negative limits are recorded.
+    /// Returns a velocity or effort limit; `None` if it is missing or negative. Negative limits are
+    /// recorded.
     fn nonnegative_limit(
         &mut self,
         node: Node<'a, '_>,

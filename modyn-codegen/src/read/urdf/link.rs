@@ -92,8 +92,9 @@ fn is_weightless(inertial: Node) -> bool {
         && has("inertia").flat_map(|part| part.attributes()).all(|own| is_zero(own.value()))
 }
 
-/// Returns whether a number in an `<inertial>` has white space with which urdfdom does not read it: anything after a single
-/// number, and other white space than spaces between several. XML replaces a new line by a space, so this is the text itself.
+/// Returns whether a number in an `<inertial>` has white space with which urdfdom does not read it:
+/// anything after a single number, and other white space than spaces between several. XML replaces
+/// a new line by a space, so this is the text itself.
 fn has_white_space(inertial: Node) -> bool {
     let text = inertial.document().input_text();
     let is_white = |c: char| c.is_ascii_whitespace();

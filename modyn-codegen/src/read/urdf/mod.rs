@@ -4,9 +4,10 @@
 //! for pictures alone. Collisions and sensors are ignored. Extensions of other programs are read
 //! where they have a meaning here, else named by a warning.
 //!
-//! urdf-rs (0.10) is not used for reading. It skips words in a list that are not numbers, and accepts NaN and infinities.
-//! It has no places, cannot tell a missing value from a default, and rejects a file for an error in a `<visual>`. The
-//! tests use it as an independent reader of well-formed files.
+//! urdf-rs (0.10) is not used for reading. It skips words in a list that are not numbers, and
+//! accepts NaN and infinities. It has no places, cannot tell a missing value from a default, and
+//! rejects a file for an error in a `<visual>`. The tests use it as an independent reader of
+//! well-formed files.
 
 mod contacts;
 mod document;

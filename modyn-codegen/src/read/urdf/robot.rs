@@ -78,7 +78,8 @@ pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Desc
 const WORLD: &str = "world";
 
 impl<'a> Reader<'a, '_, '_, '_> {
-    /// Adds the link `world` if joints name it as their parent and it is not described, as Drake does.
+    /// Adds the link `world` if joints name it as their parent and it is not described, as Drake
+    /// does.
     fn add_world(&mut self, description: &mut Description) {
         if description.link_names().any(|name| name == WORLD) {
             return;
@@ -94,7 +95,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         description.links.insert(0, LinkRecord::new(name, None));
     }
 
-    /// Warns, once for each kind, of elements whose meaning probably differs from what the author expects.
+    /// Warns, once for each kind, of elements whose meaning probably differs from what the author
+    /// expects.
     fn warn_of_unread_values(&mut self, description: &Description) {
         let (message, help) = (
             "a limit of effort or velocity is negative, and is ignored",

@@ -1,4 +1,5 @@
-//! Evaluates expressions as Python does, within limits: no code is run but the operators and functions of the language.
+//! Evaluates expressions as Python does, within limits: no code is run but the operators and
+//! functions of the language.
 
 use std::rc::Rc;
 

@@ -1,7 +1,8 @@
 //! Expands the elements of xacro: properties, macros, conditions, includes and blocks.
 //!
-//! The order is that of the reference: elements are expanded in the order of the text, a macro sees the properties of its
-//! caller, and the block of a caller is expanded once where it is written and once where it is inserted.
+//! The order is that of the reference: elements are expanded in the order of the text, a macro sees
+//! the properties of its caller, and the block of a caller is expanded once where it is written and
+//! once where it is inserted.
 
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
@@ -69,7 +70,8 @@ pub struct Expander<'e, 'r> {
     pub scopes: Scopes,
     /// The values of `xacro:arg`.
     pub arguments: BTreeMap<Rc<str>, Rc<str>>,
-    /// The files that are being read, the innermost last: the path from the folder of the description.
+    /// The files that are being read, the innermost last: the path from the folder of the
+    /// description.
     pub files: Vec<PathBuf>,
     /// The calls that the text comes from; the first is the file itself.
     pub calls: Vec<ExpansionCall>,
@@ -317,7 +319,8 @@ impl<'e, 'r> Expander<'e, 'r> {
         }
     }
 
-    /// Expands an element under its evaluated name, which can be that of a macro, or of an element of xacro.
+    /// Expands an element under its evaluated name, which can be that of a macro, or of an element
+    /// of xacro.
     fn again(
         &mut self,
         renamed: Element,
@@ -506,7 +509,8 @@ impl<'e, 'r> Expander<'e, 'r> {
         let root = self.tree(&document, start, own)?;
         self.declare(&root);
         self.files.push(path);
-        // The attributes of the outermost element are dropped, `xacro:attribute` beside its children too.
+        // The attributes of the outermost element are dropped, `xacro:attribute` beside its
+        // children too.
         let children = &mut *output.children;
         let mut output = Output { attributes: &mut Vec::new(), children };
         self.children(&root, inner, own, &mut output)?;
@@ -715,7 +719,8 @@ impl<'e, 'r> Expander<'e, 'r> {
         Ok(())
     }
 
-    /// Returns the value of a property, which is evaluated now if it was not yet; `None` if there is none.
+    /// Returns the value of a property, which is evaluated now if it was not yet; `None` if there
+    /// is none.
     pub fn lookup(&mut self, scope: ScopeId, name: &str) -> Result<Option<Value>, Fault> {
         let Some(holder) = self.scopes.holder(scope, name) else { return Ok(None) };
         let text = match self.scopes.property(holder, name) {
@@ -779,7 +784,8 @@ fn argument(value: Value) -> Property {
     })
 }
 
-/// Returns the value of a text that is a number, a truth value or a text in quotes; else the text itself.
+/// Returns the value of a text that is a number, a truth value or a text in quotes; else the text
+/// itself.
 fn literal(text: &str) -> Value {
     use super::functions::{literal_float, literal_int};
     let quoted = text.strip_prefix('\'').and_then(|rest| rest.strip_suffix('\''));

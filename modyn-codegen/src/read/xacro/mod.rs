@@ -1,12 +1,14 @@
-//! Expands a xacro to a URDF, which is then read as any other. Every element and attribute of the URDF keeps the file, the
-//! line and the macro calls that it comes from, so that errors name what the user wrote.
+//! Expands a xacro to a URDF, which is then read as any other. Every element and attribute of the
+//! URDF keeps the file, the line and the macro calls that it comes from, so that errors name what
+//! the user wrote.
 //!
 //! ```text
 //! text ─ tree ─▶ Element ─ expand (text ─ parse ─ evaluate) ─▶ Element ─ write ─▶ URDF and its origins
 //! ```
 //!
-//! The language is that of `xacro` 2. Expressions are evaluated by [`evaluate`] alone: no code runs but the operators and
-//! functions of the language. Work, depth and files are bounded. The environment is not read, so that every build is the same.
+//! The language is that of `xacro` 2. Expressions are evaluated by [`evaluate`] alone: no code runs
+//! but the operators and functions of the language. Work, depth and files are bounded. The
+//! environment is not read, so that every build is the same.
 
 mod evaluate;
 mod expand;
@@ -32,7 +34,8 @@ pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> O
     urdf::describe(&urdf, options, report)
 }
 
-/// Returns the URDF; `None` with an error in the report. From then on, the report's offsets are those of the URDF.
+/// Returns the URDF; `None` with an error in the report. From then on, the report's offsets are
+/// those of the URDF.
 pub fn expand(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> Option<String> {
     let document = xml::document::parse(text, 0, "robot", report)?;
     let mut expander = Expander::new(PathBuf::new(), options, report);

@@ -45,7 +45,8 @@ struct Scope {
     namespaces: BTreeMap<Rc<str>, ScopeId>,
 }
 
-/// All scopes. Properties are found in the scope of the caller, macros in that of their definition or its callers.
+/// All scopes. Properties are found in the scope of the caller, macros in that of their definition
+/// or its callers.
 pub struct Scopes(Vec<Scope>);
 
 impl Scopes {
@@ -109,8 +110,8 @@ impl Scopes {
         }
     }
 
-    /// Returns the scope of properties with `scope="parent"`; `None` in the scope of the file. From a macro that is the
-    /// scope of the caller, past namespaces.
+    /// Returns the scope of properties with `scope="parent"`; `None` in the scope of the file. From
+    /// a macro that is the scope of the caller, past namespaces.
     pub fn parent(&self, scope: ScopeId) -> Option<ScopeId> {
         let parent = self.0[scope.0].parent?;
         if self.0[scope.0].is_namespace {
@@ -123,7 +124,8 @@ impl Scopes {
         self.0[scope.0].macros.insert(name, Rc::new(defined));
     }
 
-    /// Returns a macro by its name, which may begin with namespaces (`hand.finger`), and the scope that its call is in.
+    /// Returns a macro by its name, which may begin with namespaces (`hand.finger`), and the scope
+    /// that its call is in.
     pub fn find_macro(&self, scope: ScopeId, name: &str) -> Option<(ScopeId, Rc<Macro>)> {
         let own = |scope: ScopeId, name: &str| {
             self.around(scope).find_map(|scope| self.0[scope.0].macros.get(name).cloned())

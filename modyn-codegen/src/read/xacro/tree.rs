@@ -4,7 +4,8 @@ use std::rc::Rc;
 
 use roxmltree::Document;
 
-/// A call of a macro or an include, by its number; 0 for text of the main file that no call produced.
+/// A call of a macro or an include, by its number; 0 for text of the main file that no call
+/// produced.
 pub type Call = usize;
 
 /// A place: the byte offset in the report's files, and the call that led there.
@@ -16,7 +17,8 @@ pub struct Place {
 }
 
 impl Place {
-    /// Returns the place in text that this call expands. Text that was expanded before, such as a block, keeps its call.
+    /// Returns the place in text that this call expands. Text that was expanded before, such as a
+    /// block, keeps its call.
     pub fn expanded_by(self, call: Call) -> Self {
         Self { call: self.call.or(Some(call)), ..self }
     }

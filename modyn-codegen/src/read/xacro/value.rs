@@ -12,8 +12,8 @@ pub use set::Set;
 /// The largest depth of lists, tuples and dictionaries in each other.
 const MAX_DEPTH: usize = 100;
 
-/// The largest amount of work: elements, attributes, operations, values that are printed or compared
-/// in tens, and characters in hundreds.
+/// The largest amount of work: elements, attributes, operations, values that are printed or
+/// compared in tens, and characters in hundreds.
 pub const MAX_WORK: usize = 1_000_000;
 
 /// The weight of the values that no expansion may print or compare.
@@ -374,7 +374,8 @@ fn quoted(text: &str) -> String {
     out
 }
 
-/// Returns the shortest text that reads back as this number, in the form of Python: an exponent from 1e16 on and below 1e-4.
+/// Returns the shortest text that reads back as this number, in the form of Python: an exponent
+/// from 1e16 on and below 1e-4.
 pub fn float(value: f64) -> String {
     if value.is_nan() {
         return "nan".into();

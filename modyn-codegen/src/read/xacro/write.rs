@@ -6,7 +6,8 @@ use std::rc::Rc;
 use super::tree::{Element, Node, Place};
 use crate::diagnostics::Expansion;
 
-/// Returns the text of an element, and the origins of its bytes. The outermost element declares these namespaces.
+/// Returns the text of an element, and the origins of its bytes. The outermost element declares
+/// these namespaces.
 pub fn write(root: &Element, namespaces: &BTreeMap<Rc<str>, Rc<str>>) -> (String, Expansion) {
     let mut writer = Writer { text: String::new(), expansion: Expansion::default() };
     writer.element(root, Some(namespaces));

@@ -1,7 +1,9 @@
-//! Reads the YAML of `xacro.load_yaml`: mappings, lists and scalars as robot files have them, and JSON.
+//! Reads the YAML of `xacro.load_yaml`: mappings, lists and scalars as robot files have them, and
+//! JSON.
 //!
-//! Texts of several lines, anchors in brackets and several documents are refused with their line. Scalars have the types of YAML 1.1,
-//! as Python's reader gives them. `!degrees`, `!radians` and the units of length are numbers or expressions.
+//! Texts of several lines, anchors in brackets and several documents are refused with their line.
+//! Scalars have the types of YAML 1.1, as Python's reader gives them. `!degrees`, `!radians` and
+//! the units of length are numbers or expressions.
 
 use std::collections::BTreeMap;
 use std::rc::Rc;

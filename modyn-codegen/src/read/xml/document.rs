@@ -7,7 +7,8 @@ use roxmltree::{Document, Error};
 use super::limits::{self, Tags};
 use crate::diagnostics::{Code, Diagnostic, Position, Report};
 
-/// Returns the tidied text of the file that starts at offset `start`; `None` if it is longer than any description.
+/// Returns the tidied text of the file that starts at offset `start`; `None` if it is longer than
+/// any description.
 pub fn within_limits(text: &str, start: usize, report: &mut Report<'_>) -> Option<String> {
     if !limits::is_short(text.len(), start, report) {
         return None;
@@ -48,8 +49,9 @@ fn parts(text: &str) -> impl Iterator<Item = (Part, Range<usize>)> {
     })
 }
 
-/// Replaces text that XML forbids but robot files contain by spaces, so that offsets do not change: comments (with
-/// lines of dashes), and text before the XML declaration. Counts attributes and namespaces in tags.
+/// Replaces text that XML forbids but robot files contain by spaces, so that offsets do not change:
+/// comments (with lines of dashes), and text before the XML declaration. Counts attributes and
+/// namespaces in tags.
 pub fn blank_comments(text: &str) -> (String, Tags<'_>) {
     let mut bytes = text.as_bytes().to_vec();
     let mut blank = |range: Range<usize>| {
@@ -92,8 +94,8 @@ fn end_of_tag(text: &str, start: usize) -> Option<usize> {
     None
 }
 
-/// Returns the parsed XML of the file that starts at offset `start`; `None` with an error in the report. The outermost
-/// element has the name `root` in its format.
+/// Returns the parsed XML of the file that starts at offset `start`; `None` with an error in the
+/// report. The outermost element has the name `root` in its format.
 pub fn parse<'t>(
     text: &'t str,
     start: usize,

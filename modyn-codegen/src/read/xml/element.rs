@@ -1,4 +1,5 @@
-//! Reads elements and attributes strictly: missing, repeated or misspelt ones are reported with their place.
+//! Reads elements and attributes strictly: missing, repeated or misspelt ones are reported with
+//! their place.
 
 use roxmltree::Node;
 
@@ -42,7 +43,8 @@ impl<'a> Elements<'a, '_, '_, '_> {
         Some(Attribute { text, at: self.start + at })
     }
 
-    /// Returns the text in an element, with the place of its first word; it is empty if there is none.
+    /// Returns the text in an element, with the place of its first word; it is empty if there is
+    /// none.
     pub fn content(&self, node: Node<'a, '_>) -> Attribute<'a> {
         let text = node.children().find(Node::is_text);
         let words = text.and_then(|text| text.text()).unwrap_or_default();
@@ -97,7 +99,8 @@ impl<'a> Elements<'a, '_, '_, '_> {
         self.numbers::<1>(self.optional(node, name)?, subject).map(|[value]| value)
     }
 
-    /// Returns the direction of an axis, with a warning if its length is not one; `None` if it is zero.
+    /// Returns the direction of an axis, with a warning if its length is not one; `None` if it is
+    /// zero.
     pub fn unit(
         &mut self,
         axis: [f64; 3],
@@ -148,7 +151,8 @@ impl<'a> Elements<'a, '_, '_, '_> {
         first
     }
 
-    /// Returns the required child element of this name; none and several are errors. The help shows the example.
+    /// Returns the required child element of this name; none and several are errors. The help shows
+    /// the example.
     pub fn required<'t>(
         &mut self,
         node: Node<'a, 't>,
@@ -166,7 +170,8 @@ impl<'a> Elements<'a, '_, '_, '_> {
         found
     }
 
-    /// Warns of attributes that are not read: the value of a misspelt attribute would silently be its default.
+    /// Warns of attributes that are not read: the value of a misspelt attribute would silently be
+    /// its default.
     pub fn warn_of_unknown_attributes(
         &mut self,
         node: Node<'a, '_>,
@@ -185,7 +190,8 @@ impl<'a> Elements<'a, '_, '_, '_> {
         }
     }
 
-    /// Warns of attributes whose names are similar to one of these. (Other attributes are extensions.)
+    /// Warns of attributes whose names are similar to one of these. (Other attributes are
+    /// extensions.)
     pub fn warn_of_misspelt_attributes(
         &mut self,
         node: Node<'a, '_>,
@@ -208,8 +214,8 @@ impl<'a> Elements<'a, '_, '_, '_> {
         }
     }
 
-    /// Warns of elements whose names are similar to that of an optional element, which would silently be missing. (Other
-    /// elements are extensions.)
+    /// Warns of elements whose names are similar to that of an optional element, which would
+    /// silently be missing. (Other elements are extensions.)
     pub fn warn_of_misspelt_elements(
         &mut self,
         node: Node<'a, '_>,

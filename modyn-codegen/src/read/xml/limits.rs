@@ -1,4 +1,5 @@
-//! Limits on documents: no description reaches them, and parsing beyond them would take more than linear time or memory.
+//! Limits on documents: no description reaches them, and parsing beyond them would take more than
+//! linear time or memory.
 
 use std::collections::HashSet;
 use std::ops::Range;
@@ -11,10 +12,12 @@ pub const MAX_BYTES: usize = 1 << 30;
 /// The largest number of attributes of an element; each is compared with the others.
 pub const MAX_ATTRIBUTES: usize = 256;
 
-/// The largest number of namespaces of a document; each element that declares one copies all of them.
+/// The largest number of namespaces of a document; each element that declares one copies all of
+/// them.
 pub const MAX_NAMESPACES: usize = 256;
 
-/// Returns whether the file that starts at offset `start` may be read; otherwise an error is in the report.
+/// Returns whether the file that starts at offset `start` may be read; otherwise an error is in the
+/// report.
 pub fn is_short(bytes: usize, start: usize, report: &mut Report<'_>) -> bool {
     let short = bytes <= MAX_BYTES;
     if !short {
@@ -58,8 +61,8 @@ impl<'t> Tags<'t> {
         self.excess = excess.map(|(_, most, of)| (tag.start, format!("more than {most} {of}")));
     }
 
-    /// Returns whether the document, a file that starts at offset `start`, may be parsed; otherwise an error is in the
-    /// report.
+    /// Returns whether the document, a file that starts at offset `start`, may be parsed; otherwise
+    /// an error is in the report.
     pub fn within_limits(self, start: usize, report: &mut Report<'_>) -> bool {
         let Some((at, message)) = self.excess else { return true };
         report.error(Code::Excessive, start + at, None, message, HELP);

@@ -1,7 +1,8 @@
 //! Reads numbers strictly.
 //!
-//! `f64::from_str` accepts `nan` and `inf`, and turns `1e400` into infinity. urdf-rs skips words in a list that are not
-//! numbers. Here a list must have exactly the required number of entries, all finite.
+//! `f64::from_str` accepts `nan` and `inf`, and turns `1e400` into infinity. urdf-rs skips words in
+//! a list that are not numbers. Here a list must have exactly the required number of entries, all
+//! finite.
 
 use crate::diagnostics::Code;
 
@@ -39,7 +40,8 @@ pub fn numbers<const N: usize>(text: &str) -> Result<[f64; N], BadNumbers> {
     Err(BadNumbers { code: Code::NumberCount, message, help })
 }
 
-/// Returns one decimal number: an optional sign, digits with an optional point, an optional exponent.
+/// Returns one decimal number: an optional sign, digits with an optional point, an optional
+/// exponent.
 fn number(word: &str) -> Result<f64, BadNumbers> {
     let name = word.trim_start_matches(['+', '-']).to_ascii_lowercase();
     let infinite = |message| BadNumbers {

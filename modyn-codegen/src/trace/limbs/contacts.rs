@@ -13,7 +13,8 @@ use crate::graph::Expr;
 pub(in crate::trace) struct ContactPacking(Vec<Lanes>);
 
 impl LimbPacking {
-    /// Returns whether each group of limbs is on one body, and no constraint is a loop: then the contacts can be merged.
+    /// Returns whether each group of limbs is on one body, and no constraint is a loop: then the
+    /// contacts can be merged.
     #[must_use]
     pub fn merges_contacts(&self, model: &Mechanism<f64>) -> bool {
         let on_one_body = |of: &Lanes| {
@@ -25,8 +26,8 @@ impl LimbPacking {
             && model.constraints.iter().all(|constraint| constraint.contact)
     }
 
-    /// Returns the contacts of the merged robot. Contacts of one kind on equal bodies are merged, in their order on each
-    /// body; a limb may have fewer.
+    /// Returns the contacts of the merged robot. Contacts of one kind on equal bodies are merged,
+    /// in their order on each body; a limb may have fewer.
     pub(in crate::trace) fn contacts(&self, model: &Mechanism<f64>) -> ContactPacking {
         let contacts = || model.constraints.iter().enumerate();
         let on = |body: Option<usize>, rows: usize| -> Vec<usize> {
@@ -58,7 +59,8 @@ impl ContactPacking {
         self.0.len()
     }
 
-    /// Returns `merged`, the robot with merged limbs, with its contacts; `limbs` are the merged limbs of `model`.
+    /// Returns `merged`, the robot with merged limbs, with its contacts; `limbs` are the merged
+    /// limbs of `model`.
     pub(in crate::trace) fn add_to(
         &self,
         merged: MergedMechanism<Expr>,
@@ -78,15 +80,16 @@ impl ContactPacking {
         merged.with_contacts(contacts, places)
     }
 
-    /// Returns the numbers of the merged contacts, `count` numbers each, from those of the robot's contacts. They are zero
-    /// for a limb without the contact.
+    /// Returns the numbers of the merged contacts, `count` numbers each, from those of the robot's
+    /// contacts. They are zero for a limb without the contact.
     pub(in crate::trace) fn numbers(&self, numbers: &[Expr], count: usize) -> Vec<Expr> {
         let number = |c: &Option<usize>, k| c.map_or(constant(0.0), |c| numbers[c * count + k]);
         let merged = self.0.iter();
         merged.flat_map(|of| (0..count).map(|k| pack(of.iter().map(|c| number(c, k))))).collect()
     }
 
-    /// Returns the numbers of the robot's contacts, `count` numbers each, from those of the merged contacts.
+    /// Returns the numbers of the robot's contacts, `count` numbers each, from those of the merged
+    /// contacts.
     pub(in crate::trace) fn unpack(&self, packs: &[Expr], count: usize) -> Vec<Expr> {
         let robots = self.0.iter().flatten().flatten().count();
         let mut numbers = vec![constant(0.0); robots * count];
@@ -102,7 +105,8 @@ impl ContactPacking {
     }
 }
 
-/// Returns a merged contact from its contact in each lane. A limb without the contact has the place of another limb's.
+/// Returns a merged contact from its contact in each lane. A limb without the contact has the place
+/// of another limb's.
 fn packed(of: &Lanes, limbs: &LimbPacking, model: &Mechanism<f64>) -> ConstrainedFrames<Expr> {
     let present = of.iter().flatten().next().expect("a contact in some lane");
     let first = &model.constraints[*present];

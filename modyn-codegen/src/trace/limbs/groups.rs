@@ -12,7 +12,8 @@ pub struct LimbLimits {
     pub packed: usize,
     /// The largest number of limbs on different bodies that are merged.
     pub joined: usize,
-    /// The largest number of joints by which a chain may be shorter than a chain that it is merged with.
+    /// The largest number of joints by which a chain may be shorter than a chain that it is merged
+    /// with.
     pub missing: usize,
 }
 
@@ -106,7 +107,8 @@ fn find_among(
     }
 }
 
-/// Returns the joint types of a limb, and for each body the index of its parent in the limb (0 for the first body).
+/// Returns the joint types of a limb, and for each body the index of its parent in the limb (0 for
+/// the first body).
 fn shape(model: &Mechanism<f64>, limb: &Range<usize>) -> Vec<(ElementaryJoint, usize)> {
     let of = |i: usize| {
         let parent = model.bodies[i].parent.and_then(|parent| parent.checked_sub(limb.start));

@@ -1,4 +1,5 @@
-//! The robot with merged limbs: bodies, degrees of freedom and modules, whose numbers have a lane for each limb.
+//! The robot with merged limbs: bodies, degrees of freedom and modules, whose numbers have a lane
+//! for each limb.
 
 use modyn_runtime::equations::ModulePartition;
 use modyn_runtime::equations::factorization::ModuleBlock;
@@ -69,8 +70,8 @@ impl LimbPacking {
         MergedMechanism::new(merged, roots)
     }
 
-    /// Returns a partition of the robot as a partition of the merged robot. The longest limb's modules are taken. Modules
-    /// must not extend from the trunk into limbs.
+    /// Returns a partition of the robot as a partition of the merged robot. The longest limb's
+    /// modules are taken. Modules must not extend from the trunk into limbs.
     #[must_use]
     pub fn partition(&self, of: &ModulePartition) -> ModulePartition {
         let mut blocks: Vec<ModuleBlock> = of

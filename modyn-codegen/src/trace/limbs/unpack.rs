@@ -30,7 +30,8 @@ impl LimbPacking {
         unpacked
     }
 
-    /// Returns the robot's matrix by columns, from a matrix of the merged robot. Entries between different limbs are zero.
+    /// Returns the robot's matrix by columns, from a matrix of the merged robot. Entries between
+    /// different limbs are zero.
     pub(in crate::trace) fn unpack_matrix(&self, columns: &[Expr], nv: usize) -> Vec<Expr> {
         let n = self.velocities.len();
         let mut unpacked = vec![constant(0.0); nv * nv];
@@ -54,7 +55,8 @@ impl LimbPacking {
         unpacked
     }
 
-    /// Returns the robot's matrix by columns, from a matrix of the merged robot and the entries `cross_limb` between limbs.
+    /// Returns the robot's matrix by columns, from a matrix of the merged robot and the entries
+    /// `cross_limb` between limbs.
     pub(in crate::trace) fn unpack_coupled(
         &self,
         columns: &[Expr],

@@ -1,7 +1,7 @@
 //! Loops over tables: the functions of routines, the tables, and the statements that run them.
 //!
-//! Entries at places that a table gives are found with `get`: an index from a table can be out of bounds as far as rustc knows,
-//! and a test that panics would remain in the code.
+//! Entries at places that a table gives are found with `get`: an index from a table can be out of
+//! bounds as far as rustc knows, and a test that panics would remain in the code.
 
 use std::fmt::Write as _;
 
@@ -146,7 +146,8 @@ impl Printer<'_> {
         *text += "    }\n";
     }
 
-    /// Prints the statements of a call: its numbers are read, the routine is called, and the results are stored.
+    /// Prints the statements of a call: its numbers are read, the routine is called, and the
+    /// results are stored.
     fn call(&self, text: &mut String, loops: &Loops, call: &Call, depth: usize) {
         let mut windows = Windows::default();
         let reads: Vec<String> =

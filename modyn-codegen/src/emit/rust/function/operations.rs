@@ -159,8 +159,9 @@ fn constant(value: f64, lanes: u8) -> String {
 
 /// Returns a constant in double precision.
 fn number(value: f64) -> String {
-    // Numbers of descriptions are below 1e60 (`read/xml/numbers.rs`), but folding multiplies them along a chain of any
-    // length. An overflow is printed as the infinity that it would be at run time.
+    // Numbers of descriptions are below 1e60 (`read/xml/numbers.rs`), but folding multiplies them
+    // along a chain of any length. An overflow is printed as the infinity that it would be at run
+    // time.
     literal(value, FloatType::F64)
 }
 

@@ -10,8 +10,9 @@ use crate::program::{Execution, Operand, ProductBlock, Products, ROW_LANES};
 use crate::trace::Target;
 
 impl Printer<'_> {
-    /// Prints the end of a function: the products, and its result, which is `value` before. Entries of `result` are read and assigned to,
-    /// and never borrowed: rustc would copy a borrowed result to its place.
+    /// Prints the end of a function: the products, and its result, which is `value` before. Entries
+    /// of `result` are read and assigned to, and never borrowed: rustc would copy a borrowed result
+    /// to its place.
     pub(super) fn products(&self, text: &mut String, value: &str, products: &Products) {
         let execution = self.program.execution;
         let is_one = !execution.has_many_states();
@@ -228,7 +229,8 @@ impl Shape {
         self.place(first).trim_end_matches("[0]").into()
     }
 
-    /// Returns the names and the indices on the path from a value to its scalar `i`: every second one is an index.
+    /// Returns the names and the indices on the path from a value to its scalar `i`: every second
+    /// one is an index.
     fn steps(&self, i: usize) -> Vec<String> {
         self.place(i).split(['[', ']']).map(Into::into).collect()
     }
@@ -252,8 +254,8 @@ impl Shape {
         ranges
     }
 
-    /// Returns the path from a value to the scalar of a target in `row`, one of `rows` in one array, and `column`, which are variables; a
-    /// product has this many columns.
+    /// Returns the path from a value to the scalar of a target in `row`, one of `rows` in one
+    /// array, and `column`, which are variables; a product has this many columns.
     fn place_in_loops(&self, target: &Target, rows: &Range<usize>, columns: usize) -> String {
         let first = self.steps(target.result(rows.start, 0));
         let mut path = first.clone();

@@ -1,4 +1,5 @@
-//! The solution of equations of constraint rows by the runtime's loops, where some rows may be dependent.
+//! The solution of equations of constraint rows by the runtime's loops, where some rows may be
+//! dependent.
 
 use super::Printer;
 use crate::program::{Execution, Operand, RowEquations};

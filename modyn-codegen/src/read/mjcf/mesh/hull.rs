@@ -133,8 +133,8 @@ fn assign(points: &[[f64; 3]], facets: &mut [Facet], first: usize, point: usize,
     }
 }
 
-/// Removes the facets that a point above facet `at` sees. Returns them, and the edges around them in order, each with the
-/// facet beyond it.
+/// Removes the facets that a point above facet `at` sees. Returns them, and the edges around them
+/// in order, each with the facet beyond it.
 fn visible_from(
     point: [f64; 3],
     facets: &mut [Facet],
@@ -143,7 +143,8 @@ fn visible_from(
 ) -> (Vec<usize>, Vec<(usize, usize, usize)>) {
     facets[at].is_removed = true;
     let (mut visible, mut horizon) = (vec![at], Vec::new());
-    // A walk around the facets in depth-first order, so that the edges follow each other: the facet, and its edges to cross.
+    // A walk around the facets in depth-first order, so that the edges follow each other: the
+    // facet, and its edges to cross.
     let mut path = vec![(at, 0, 3)];
     while let Some((facet, edge, left)) = path.pop() {
         if left == 0 {
@@ -167,7 +168,8 @@ fn visible_from(
     (visible, horizon)
 }
 
-/// Returns four points that are not in one plane, such that the first three are counterclockwise from outside.
+/// Returns four points that are not in one plane, such that the first three are counterclockwise
+/// from outside.
 fn simplex(points: &[[f64; 3]], tolerance: f64) -> Option<[usize; 4]> {
     let farthest = |distance: &dyn Fn([f64; 3]) -> f64| {
         let distances = points.iter().map(|point| distance(*point)).enumerate();

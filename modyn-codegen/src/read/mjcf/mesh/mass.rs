@@ -91,7 +91,8 @@ impl MassProperties {
         Principal { axes, half_lengths: moments.map(half) }
     }
 
-    /// Returns the lowest and the highest coordinates of the vertices along the principal axes, from the centre of mass.
+    /// Returns the lowest and the highest coordinates of the vertices along the principal axes,
+    /// from the centre of mass.
     pub fn bounds(&self, principal: &Principal) -> [[f64; 3]; 2] {
         // MuJoCo's box contains the centre of mass.
         let bounds = [[0.0_f64; 3], [0.0_f64; 3]];
@@ -136,8 +137,8 @@ fn weighted(points: impl Iterator<Item = (f64, [f64; 3])>) -> Option<(f64, [f64;
     (sum.abs() > MIN_MEASURE).then(|| (sum, moments.map(|moment| moment / sum)))
 }
 
-/// Returns the eigenvalues of a symmetric matrix, the largest first, and the eigenvectors as columns of a rotation: Jacobi's
-/// method.
+/// Returns the eigenvalues of a symmetric matrix, the largest first, and the eigenvectors as
+/// columns of a rotation: Jacobi's method.
 pub fn principal_axes(mut matrix: [[f64; 3]; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
     let mut axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     for _ in 0..20 {

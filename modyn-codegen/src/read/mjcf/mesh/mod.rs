@@ -1,4 +1,5 @@
-//! Meshes: their mass properties, from which geoms get their inertia, and their surfaces for pictures.
+//! Meshes: their mass properties, from which geoms get their inertia, and their surfaces for
+//! pictures.
 
 mod hull;
 mod mass;
