@@ -1,13 +1,16 @@
-//! Batches: many states at a time in the lanes of vector instructions, on the best that the processor has.
+//! Batches: many states at a time in the lanes of vector instructions, on the best that the
+//! processor has.
 //!
-//! Generated robots have batch functions (`forward_dynamics_batch`, ...), which call this module. States are a
-//! structure of arrays: for each coordinate a slice with its values, one for each state. The members of a set, which are
-//! active or not in each state, are slices of `bool` (flags).
+//! Generated robots have batch functions (`forward_dynamics_batch`, ...), which call this module.
+//! States are a structure of arrays: for each coordinate a slice with its values, one for each
+//! state. The members of a set, which are active or not in each state, are slices of `bool`
+//! (flags).
 //!
-//! Unsafe code: [`Inputs`] and [`Outputs`] read and write without bounds checks. Only `Blocks` creates them, from
-//! slices that hold all states of its range. Their `at` is in that range, and `at + LANES` does not exceed its
-//! end. The index of the slice is checked at compile time; an index that is a variable is checked when it is used. Threads share
-//! `Columns`, but each has a range of its own, so that no two threads write to one place.
+//! Unsafe code: [`Inputs`] and [`Outputs`] read and write without bounds checks. Only `Blocks`
+//! creates them, from slices that hold all states of its range. Their `at` is in that range, and
+//! `at + LANES` does not exceed its end. The index of the slice is checked at compile time; an
+//! index that is a variable is checked when it is used. Threads share `Columns`, but each has a
+//! range of its own, so that no two threads write to one place.
 #![allow(unsafe_code)]
 
 use core::fmt;
@@ -153,7 +156,8 @@ impl<F: Float, K: Kernel<F, I, O, B>, const I: usize, const O: usize, const B: u
     }
 }
 
-/// Computes `outputs` from `inputs` and `flags`. All slices must hold `states` entries, which [`states`] checks.
+/// Computes `outputs` from `inputs` and `flags`. All slices must hold `states` entries, which
+/// [`states`] checks.
 fn compute<F: Float, K: Kernel<F, I, O, B>, const I: usize, const O: usize, const B: usize>(
     kernel: &K,
     (inputs, flags): ([&[F]; I], [&[bool]; B]),
@@ -218,7 +222,8 @@ impl<F: Float, const I: usize, const O: usize, const B: usize> Tile<F, I, O, B> 
     }
 }
 
-/// An argument of a batch function: its name, its number of entries for each state, and their names.
+/// An argument of a batch function: its name, its number of entries for each state, and their
+/// names.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug)]
 pub struct Argument {
@@ -227,7 +232,8 @@ pub struct Argument {
     pub coordinates: &'static [&'static str],
 }
 
-/// Returns the number of states. Errors if a slice holds another number of states than the first slice.
+/// Returns the number of states. Errors if a slice holds another number of states than the first
+/// slice.
 fn states<F>(
     arguments: &'static [Argument],
     (inputs, flags): (&[&[F]], &[&[bool]]),
@@ -266,8 +272,8 @@ pub fn run_flagged<F: Float, const I: usize, const O: usize, const B: usize>(
     Ok(())
 }
 
-/// Computes all states on all cores. A task has some microseconds of work, so that the cost of scheduling is
-/// negligible.
+/// Computes all states on all cores. A task has some microseconds of work, so that the cost of
+/// scheduling is negligible.
 #[cfg(feature = "rayon")]
 #[doc(hidden)]
 pub fn run_parallel<F: Float, const I: usize, const O: usize>(
@@ -306,8 +312,9 @@ pub fn run_parallel_flagged<F: Float, const I: usize, const O: usize, const B: u
     Ok(())
 }
 
-/// Computes all states, each stored contiguously. `inputs` are the arguments with all their entries, state by
-/// state. A result has its entries in `parts`. The last of `arguments` describes the results.
+/// Computes all states, each stored contiguously. `inputs` are the arguments with all their
+/// entries, state by state. A result has its entries in `parts`. The last of `arguments` describes
+/// the results.
 #[doc(hidden)]
 pub fn run_each<F: Float, R, const A: usize, const I: usize, const O: usize, const P: usize>(
     kernel: &impl Kernel<F, I, O>,
@@ -319,8 +326,8 @@ pub fn run_each<F: Float, R, const A: usize, const I: usize, const O: usize, con
     each(kernel, arguments, (inputs, None, |_| []), results, parts)
 }
 
-/// Computes all states of a function with flags: those of a state are `flags` of its entry of `sets`, which are the last
-/// of the inputs.
+/// Computes all states of a function with flags: those of a state are `flags` of its entry of
+/// `sets`, which are the last of the inputs.
 #[doc(hidden)]
 pub fn run_each_flagged<
     F: Float,
@@ -342,7 +349,8 @@ pub fn run_each_flagged<
     each(kernel, arguments, (inputs, Some(sets.len()), of_state), results, parts)
 }
 
-/// Computes all states, each stored contiguously; `flags` returns the flags of a state, `sets` is their number.
+/// Computes all states, each stored contiguously; `flags` returns the flags of a state, `sets` is
+/// their number.
 fn each<
     F: Float,
     R,
@@ -380,7 +388,8 @@ fn each<
         for (state, result) in results[at..at + count].iter_mut().enumerate() {
             let mut columns = tile.outputs.iter();
             for part in parts(result) {
-                // The columns are the second operand of `zip`, which takes a column for each entry only.
+                // The columns are the second operand of `zip`, which takes a column for each entry
+                // only.
                 for (x, column) in part.iter_mut().zip(&mut columns) {
                     *x = column[state];
                 }
@@ -391,8 +400,9 @@ fn each<
     Ok(())
 }
 
-/// Returns the number of states. Errors if an argument holds another number of states than the first argument. An
-/// argument without entries fits any number. `sets` is the number of sets of flags, the argument after `inputs`.
+/// Returns the number of states. Errors if an argument holds another number of states than the
+/// first argument. An argument without entries fits any number. `sets` is the number of sets of
+/// flags, the argument after `inputs`.
 fn states_each<F, const A: usize>(
     arguments: &'static [Argument],
     inputs: [&[F]; A],
@@ -439,8 +449,8 @@ fn transpose<F: Float>(states: &[F], columns: &mut [[F; MAX_LANES]]) {
 pub struct BatchError {
     /// The name of the argument.
     pub argument: &'static str,
-    /// The index of the slice in the argument, and the name of its coordinate (empty if it has none); `None` if
-    /// states are stored contiguously.
+    /// The index of the slice in the argument, and the name of its coordinate (empty if it has
+    /// none); `None` if states are stored contiguously.
     pub coordinate: Option<(usize, &'static str)>,
     /// The number of states in the argument.
     pub states: usize,

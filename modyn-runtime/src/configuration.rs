@@ -44,8 +44,8 @@ impl<S: fmt::Debug + fmt::Display, Name: fmt::Debug + fmt::Display> core::error:
 {
 }
 
-/// Checks that each of the `quaternions` (the name of its joint, and its index in `q`) has length 1. The tolerance is
-/// half of the scalar's digits: 1.5e-8 in `f64`, 3.5e-4 in `f32`.
+/// Checks that each of the `quaternions` (the name of its joint, and its index in `q`) has
+/// length 1. The tolerance is half of the scalar's digits: 1.5e-8 in `f64`, 3.5e-4 in `f32`.
 ///
 /// # Errors
 ///

@@ -1,18 +1,19 @@
-//! The arguments of constrained dynamics: stabilization, ranks, and the targets and the set of active contacts.
+//! The arguments of constrained dynamics: stabilization, ranks, and the targets and the set of
+//! active contacts.
 
 use crate::spatial::{Pose, Twist, Vector3};
 
-/// The stabilization of constraints, the limits below which rows count as dependent, and the targets of
-/// contacts.
+/// The stabilization of constraints, the limits below which rows count as dependent, and the
+/// targets of contacts.
 ///
-/// A constraint whose frames are displaced by phi obeys phi'' = -2 alpha phi' - beta^2 phi (Baumgarte 1972).
-/// alpha = beta gives the fastest return without oscillation; the displacement halves in 1.7 / beta. With zeros
-/// the displacement by an integrator's errors remains.
+/// A constraint whose frames are displaced by phi obeys phi'' = -2 alpha phi' - beta^2 phi
+/// (Baumgarte 1972). alpha = beta gives the fastest return without oscillation; the displacement
+/// halves in 1.7 / beta. With zeros the displacement by an integrator's errors remains.
 ///
-/// The mobility of a row is an inverse inertia, 1/kg. A row depends on others if the mobility that they leave
-/// to it is at most a threshold. The threshold is `tolerance` times the mobility of the constraint's relative
-/// motion, plus `rounding` times the row's own mobility. Rotations are multiplied by the constraint's
-/// characteristic length.
+/// The mobility of a row is an inverse inertia, 1/kg. A row depends on others if the mobility that
+/// they leave to it is at most a threshold. The threshold is `tolerance` times the mobility of the
+/// constraint's relative motion, plus `rounding` times the row's own mobility. Rotations are
+/// multiplied by the constraint's characteristic length.
 ///
 /// ```
 /// use modyn_runtime::ConstraintSettings;
@@ -24,11 +25,11 @@ use crate::spatial::{Pose, Twist, Vector3};
 pub struct ConstraintSettings<T, C = [ContactTarget<T>; 0]> {
     /// The damping of the displacements of loop constraints, 1/s.
     pub alpha: T,
-    /// The stiffness of the displacements of loop constraints, 1/s; for steps on the ground also the rate at which a joint
-    /// beyond a stop returns.
+    /// The stiffness of the displacements of loop constraints, 1/s; for steps on the ground also
+    /// the rate at which a joint beyond a stop returns.
     pub beta: T,
-    /// The mobility of a dependent row relative to its constraint's mobility in all six directions: the squared
-    /// angular error of the mechanism's axes, rad^2.
+    /// The mobility of a dependent row relative to its constraint's mobility in all six directions:
+    /// the squared angular error of the mechanism's axes, rad^2.
     pub tolerance: T,
     /// The part of a row's own mobility that rounding may leave.
     pub rounding: T,
@@ -36,16 +37,18 @@ pub struct ConstraintSettings<T, C = [ContactTarget<T>; 0]> {
     pub contacts: C,
 }
 
-/// The frame in the world that a contact holds its link's frame to, and the properties of the contact.
+/// The frame in the world that a contact holds its link's frame to, and the properties of the
+/// contact.
 ///
-/// The displacement of the contact's frame from the target has a normal and a tangential part. The normal part
-/// is the height of the frame's origin above the xy plane of `pose` and, for a surface, the tilt between the
-/// two z axes. The tangential part is the displacement within the plane and, for a surface, the rotation about
-/// the normal. The tangential part is multiplied by `tangential`; relative velocities count in all directions.
+/// The displacement of the contact's frame from the target has a normal and a tangential part. The
+/// normal part is the height of the frame's origin above the xy plane of `pose` and, for a surface,
+/// the tilt between the two z axes. The tangential part is the displacement within the plane and,
+/// for a surface, the rotation about the normal. The tangential part is multiplied by `tangential`;
+/// relative velocities count in all directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactTarget<T> {
-    /// The pose of the target in the world: its xy plane is the ground under the contact, its z axis the
-    /// normal.
+    /// The pose of the target in the world: its xy plane is the ground under the contact, its z
+    /// axis the normal.
     pub pose: Pose<T>,
     /// The velocity of the ground at the contact in world axes, rad/s and m/s.
     pub velocity: Twist<T>,
@@ -53,18 +56,20 @@ pub struct ContactTarget<T> {
     pub tangential: T,
     /// The damping of the displacement, 1/s.
     pub alpha: T,
-    /// The stiffness of the displacement, 1/s. In steps on the ground a rigid contact leaves the ground at `beta`
-    /// times its depth.
+    /// The stiffness of the displacement, 1/s. In steps on the ground a rigid contact leaves the
+    /// ground at `beta` times its depth.
     pub beta: T,
-    /// The relative acceleration that the contact allows per force, 1/kg; per moment the value is divided by
-    /// the squared characteristic length. A rigid contact has 0. Redundant contacts with compliance share the
-    /// load by it. In steps on the ground it acts along the normal: h'' = -2 alpha h' - `beta`^2 h + compliance f
-    /// in the ground, with the height h and the force f. The contact carries f at the depth compliance f / `beta`^2.
+    /// The relative acceleration that the contact allows per force, 1/kg; per moment the value is
+    /// divided by the squared characteristic length. A rigid contact has 0. Redundant contacts with
+    /// compliance share the load by it. In steps on the ground it acts along the normal: h'' = -2
+    /// alpha h' - `beta`^2 h + compliance f in the ground, with the height h and the force f. The
+    /// contact carries f at the depth compliance f / `beta`^2.
     pub compliance: T,
-    /// The coefficient of restitution along the normal: the speed after an impact divided by the speed before.
+    /// The coefficient of restitution along the normal: the speed after an impact divided by the
+    /// speed before.
     pub restitution: T,
-    /// The weight of the contact in the distribution of the load by inverse dynamics, relative to the other
-    /// contacts' weights.
+    /// The weight of the contact in the distribution of the load by inverse dynamics, relative to
+    /// the other contacts' weights.
     pub weight: T,
     /// The coefficient of Coulomb friction, for steps on the ground.
     pub friction: T,
@@ -80,7 +85,8 @@ impl<T: Copy, C> ConstraintSettings<T, C> {
         Self { alpha, beta, tolerance, rounding, contacts }
     }
 
-    /// Returns alpha, beta, tolerance and rounding. In an array of all settings, the numbers of the targets follow them.
+    /// Returns alpha, beta, tolerance and rounding. In an array of all settings, the numbers of the
+    /// targets follow them.
     #[must_use]
     pub fn numbers(&self) -> [T; 4] {
         [self.alpha, self.beta, self.tolerance, self.rounding]
@@ -91,8 +97,9 @@ impl<T: Copy> ContactTarget<T> {
     /// The number of numbers of a target.
     pub const COUNT: usize = 25;
 
-    /// Returns the target from its numbers: the rotation by rows, the translation, the velocity (angular, then linear),
-    /// tangential, alpha, beta, compliance, restitution, weight and friction.
+    /// Returns the target from its numbers: the rotation by rows, the translation, the velocity
+    /// (angular, then linear), tangential, alpha, beta, compliance, restitution, weight and
+    /// friction.
     ///
     /// ```
     /// use modyn_runtime::ContactTarget;
@@ -136,8 +143,8 @@ impl<T: Copy> ContactTarget<T> {
 macro_rules! settings {
     ($float:ty, $tolerance:literal, $rounding:literal, $in_words:literal) => {
         impl ContactTarget<$float> {
-            /// The plane z = 0 of the world, at rest and rigid; alpha = beta = 20/s, no restitution, weight 1, friction
-            /// 0.8.
+            /// The plane z = 0 of the world, at rest and rigid; alpha = beta = 20/s, no
+            /// restitution, weight 1, friction 0.8.
             pub const GROUND: Self = Self {
                 pose: Pose {
                     rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
@@ -153,7 +160,8 @@ macro_rules! settings {
                 friction: 0.8,
             };
 
-            /// A contact at rest at its present place: [`GROUND`](Self::GROUND) without stabilization.
+            /// A contact at rest at its present place: [`GROUND`](Self::GROUND) without
+            /// stabilization.
             pub const EXACT: Self = Self { alpha: 0.0, beta: 0.0, ..Self::GROUND };
         }
 
@@ -203,8 +211,8 @@ settings!(
     "alpha = beta = 20/s, axes that are off by 1e-4 rad, a hundred times the precision, and the ground at z = 0."
 );
 
-/// A set of active contacts of a robot. Each generated robot with contacts has a type with a member for each
-/// contact; a robot without contacts has `()`.
+/// A set of active contacts of a robot. Each generated robot with contacts has a type with a member
+/// for each contact; a robot without contacts has `()`.
 pub trait ContactSet: Copy {
     /// No contact is active.
     const NONE: Self;

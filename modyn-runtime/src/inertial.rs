@@ -54,10 +54,11 @@ pub enum InertialDefect<S = f64> {
     NegativeMass(S),
     /// The rotational inertia is not zero, but the mass is.
     InertiaWithoutMass,
-    /// The rotational inertia is not positive semidefinite. The principal moments in ascending order, kg m^2.
+    /// The rotational inertia is not positive semidefinite. The principal moments in ascending
+    /// order, kg m^2.
     NotPositiveSemidefinite([S; 3]),
-    /// The largest principal moment exceeds the sum of the other two. The principal moments in ascending order,
-    /// kg m^2.
+    /// The largest principal moment exceeds the sum of the other two. The principal moments in
+    /// ascending order, kg m^2.
     TriangleInequality([S; 3]),
 }
 
@@ -87,17 +88,19 @@ impl<S: fmt::Debug + fmt::Display + fmt::LowerExp> core::error::Error for Inerti
 /// The relative tolerance of the physical bounds, since numbers in descriptions are rounded.
 const TRIANGLE_TOLERANCE: f64 = 1e-6;
 
-/// The tolerance of the physical bounds in units of the scalar's precision, relative to the mass times the squared
-/// distance of the centre of mass. Tools compute the inertia about the centre of mass as a difference of two numbers
-/// that are at least as large, and a point mass keeps their rounding. An inertia this small has no effect on a robot.
+/// The tolerance of the physical bounds in units of the scalar's precision, relative to the mass
+/// times the squared distance of the centre of mass. Tools compute the inertia about the centre of
+/// mass as a difference of two numbers that are at least as large, and a point mass keeps their
+/// rounding. An inertia this small has no effect on a robot.
 const ROUNDING: f64 = 8.0;
 
 impl<S: Scalar> Inertial<S> {
     /// Returns the reason why no rigid body has this inertia; `None` if it is physical.
     ///
-    /// The bounds are those of Traversaro et al. 2016, "Identification of fully physical consistent inertial
-    /// parameters". The tolerance is 1e-6 of the largest principal moment plus 8 units of the scalar's precision
-    /// (2e-15 for `f64`) of m c^2, for the rounding of a centre of mass at distance c from the link's origin.
+    /// The bounds are those of Traversaro et al. 2016, "Identification of fully physical consistent
+    /// inertial parameters". The tolerance is 1e-6 of the largest principal moment plus 8 units of
+    /// the scalar's precision (2e-15 for `f64`) of m c^2, for the rounding of a centre of mass at
+    /// distance c from the link's origin.
     #[must_use]
     pub fn defect(&self) -> Option<InertialDefect<S>>
     where
@@ -131,7 +134,8 @@ impl<S: Scalar> Inertial<S> {
         }
     }
 
-    /// Returns the principal moments of inertia about the centre of mass, kg m^2, in ascending order.
+    /// Returns the principal moments of inertia about the centre of mass, kg m^2, in ascending
+    /// order.
     #[must_use]
     pub fn principal_moments(&self) -> [S; 3]
     where
@@ -156,9 +160,10 @@ impl<S: Scalar> Inertial<S> {
         }
     }
 
-    /// Returns the inertial parameters, in which the dynamics are linear: `[m, m cx, m cy, m cz, Ixx, Ixy, Ixz,
-    /// Iyy, Iyz, Izz]`, in kg, kg m and kg m^2. First moment and rotational inertia are about the link's origin
-    /// (not the centre of mass), in the link's axes.
+    /// Returns the inertial parameters, in which the dynamics are linear:
+    /// `[m, m cx, m cy, m cz, Ixx, Ixy, Ixz, Iyy, Iyz, Izz]`, in kg, kg m and kg m^2. First moment
+    /// and rotational inertia are about the link's origin (not the centre of mass), in the link's
+    /// axes.
     #[must_use]
     pub fn parameters(&self) -> [S; PARAMETERS_PER_LINK] {
         let m = self.mass;

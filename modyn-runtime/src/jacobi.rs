@@ -2,12 +2,12 @@
 
 use crate::Scalar;
 
-/// The number of sweeps over all off-diagonal entries. Convergence is eventually quadratic: 6 to 10 sweeps
-/// diagonalize matrices of the sizes of robots' modules to machine precision.
+/// The number of sweeps over all off-diagonal entries. Convergence is eventually quadratic: 6 to 10
+/// sweeps diagonalize matrices of the sizes of robots' modules to machine precision.
 const SWEEPS: usize = 10;
 
-/// Diagonalizes the symmetric matrix `a` (n x n) by cyclic Jacobi rotations (Golub and Van Loan, sect. 8.5). Its
-/// diagonal then holds the eigenvalues.
+/// Diagonalizes the symmetric matrix `a` (n x n) by cyclic Jacobi rotations (Golub and Van Loan,
+/// sect. 8.5). Its diagonal then holds the eigenvalues.
 ///
 /// Neither the steps nor their number depend on the values, and no access can panic.
 pub fn diagonalize<S: Scalar>(a: &mut [S], n: usize) {
@@ -29,8 +29,8 @@ fn rotate<S: Scalar>(a: &mut [S], n: usize, p: usize, q: usize) {
         }
     };
     let (pp, qq, pq) = (at(a, p, p), at(a, q, q), at(a, p, q));
-    // t is the tangent of the angle, the smaller root of t^2 + t (qq - pp) / pq - 1 = 0, in a form that never
-    // divides by zero.
+    // t is the tangent of the angle, the smaller root of t^2 + t (qq - pp) / pq - 1 = 0, in a form
+    // that never divides by zero.
     let (difference, twice) = (qq - pp, pq + pq);
     let root = (difference * difference + twice * twice).sqrt();
     let size = (difference.abs() + root).max(S::from_f64(f64::from(f32::MIN_POSITIVE)));
@@ -52,11 +52,12 @@ fn rotate<S: Scalar>(a: &mut [S], n: usize, p: usize, q: usize) {
     set(a, q, p, S::zero());
 }
 
-/// Returns the condition number (2-norm) of the symmetric positive definite matrix `a` (n x n): its largest divided
-/// by its smallest eigenvalue. `a` is overwritten.
+/// Returns the condition number (2-norm) of the symmetric positive definite matrix `a` (n x n): its
+/// largest divided by its smallest eigenvalue. `a` is overwritten.
 ///
-/// The result is infinite if the smallest eigenvalue is zero or, by rounding, negative: the condition number then
-/// exceeds what the scalar can represent. It is 1 for a matrix without entries.
+/// The result is infinite if the smallest eigenvalue is zero or, by rounding, negative: the
+/// condition number then exceeds what the scalar can represent. It is 1 for a matrix without
+/// entries.
 pub fn condition_number<S: Scalar>(a: &mut [S], n: usize) -> S {
     if n == 0 {
         return S::one();

@@ -1,9 +1,11 @@
 //! The runtime of modyn's generated code, and the equations of motion.
 //!
-//! Without features, this crate has the types and functions that generated code uses, on `core` alone (and `libm` for
-//! square roots): [`Scalar`], [`Pose`], the [`Robot`] trait with its [`functions`], and [`conventions`]. Features add:
+//! Without features, this crate has the types and functions that generated code uses, on `core`
+//! alone (and `libm` for square roots): [`Scalar`], [`Pose`], the [`Robot`] trait with its
+//! [`functions`], and [`conventions`]. Features add:
 //!
-//! - `alloc`: the [`model`], the [`equations`], and the [`Interpreter`] for models that are known at run time only
+//! - `alloc`: the [`model`], the [`equations`], and the [`Interpreter`] for models that are known
+//!   at run time only
 //! - `nalgebra`: the most used functions over nalgebra's types
 //! - `num-dual`: the numbers of num-dual as scalars, for exact derivatives
 //! - `rayon`: batches on all cores

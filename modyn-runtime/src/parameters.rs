@@ -90,8 +90,8 @@ pub fn with_inertial<S: Scalar + PartialOrd, const N: usize>(
     Ok(changed)
 }
 
-/// Checks that each of the `joints` moves inertia: its entry of `pivots` must not be zero. `pivots` receives the
-/// scalar's precision.
+/// Checks that each of the `joints` moves inertia: its entry of `pivots` must not be zero. `pivots`
+/// receives the scalar's precision.
 ///
 /// # Errors
 ///

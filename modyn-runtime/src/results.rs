@@ -24,10 +24,11 @@ pub struct ForwardDynamicsDerivatives<V, M> {
     pub dtau: M,
 }
 
-/// The derivatives of the coordinates after a displacement: square matrices by columns, in tangent space.
+/// The derivatives of the coordinates after a displacement: square matrices by columns, in tangent
+/// space.
 ///
-/// Displacements of rotations and poses are in the link's own axes. A displacement of `q` is in the axes before
-/// the displacement, a displacement of the result in the axes after it.
+/// Displacements of rotations and poses are in the link's own axes. A displacement of `q` is in the
+/// axes before the displacement, a displacement of the result in the axes after it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IntegrateDerivatives<M> {
     /// The derivative with respect to the coordinates before the displacement.
@@ -36,7 +37,8 @@ pub struct IntegrateDerivatives<M> {
     pub dv: M,
 }
 
-/// The derivatives of the displacement between coordinates: square matrices by columns, in tangent space.
+/// The derivatives of the displacement between coordinates: square matrices by columns, in tangent
+/// space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DifferenceDerivatives<M> {
     /// The derivative with respect to the first coordinates.
@@ -45,10 +47,11 @@ pub struct DifferenceDerivatives<M> {
     pub dto: M,
 }
 
-/// The momentum of the moving links about their centre of mass, its time derivative (the rate), and the derivatives of both, in
-/// world axes. A matrix has a column for each entry of qd.
+/// The momentum of the moving links about their centre of mass, its time derivative (the rate), and
+/// the derivatives of both, in world axes. A matrix has a column for each entry of qd.
 ///
-/// The derivatives of the momentum with respect to qd, and of the rate with respect to qdd, are the centroidal momentum matrix.
+/// The derivatives of the momentum with respect to qd, and of the rate with respect to qdd, are the
+/// centroidal momentum matrix.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CentroidalMomentumDerivatives<H, M> {
     /// The momentum, kg m^2/s and kg m/s.
@@ -100,8 +103,8 @@ pub struct ForwardDynamicsVjp<V> {
 
 /// The joint forces tau of inverse dynamics, and the gradients and the Hessian of cotangent^T tau.
 ///
-/// Matrices are square, by columns: `dq_dqd[j][i]` is the second derivative with respect to entry i of q and entry j of qd.
-/// The block of qd and qdd and the block of qdd and qdd are zero.
+/// Matrices are square, by columns: `dq_dqd[j][i]` is the second derivative with respect to entry i
+/// of q and entry j of qd. The block of qd and qdd and the block of qdd and qdd are zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InverseDynamicsHessian<V, M> {
     /// The joint forces, N m or N.
@@ -124,8 +127,8 @@ pub struct InverseDynamicsHessian<V, M> {
 
 /// The accelerations qdd of forward dynamics, and the gradients and the Hessian of cotangent^T qdd.
 ///
-/// Matrices are square, by columns: `dq_dqd[j][i]` is the second derivative with respect to entry i of q and entry j of qd.
-/// The block of qd and tau and the block of tau and tau are zero.
+/// Matrices are square, by columns: `dq_dqd[j][i]` is the second derivative with respect to entry i
+/// of q and entry j of qd. The block of qd and tau and the block of tau and tau are zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForwardDynamicsHessian<V, M> {
     /// The joint accelerations, rad/s^2 or m/s^2.
@@ -151,7 +154,8 @@ pub struct ForwardDynamicsHessian<V, M> {
 pub struct GeneralizedForces<V, M> {
     /// The generalized forces J^T f, N m or N.
     pub tau: V,
-    /// The derivative of the generalized forces with respect to q, in tangent space: a square matrix by columns.
+    /// The derivative of the generalized forces with respect to q, in tangent space: a square
+    /// matrix by columns.
     pub dq: M,
 }
 
@@ -188,10 +192,12 @@ pub struct StepDerivatives<Q, V, A, B> {
     pub b: B,
 }
 
-/// The state after a time step, and the gradients and the Hessian of costate^T state, in tangent space.
+/// The state after a time step, and the gradients and the Hessian of costate^T state, in tangent
+/// space.
 ///
-/// The entries of a state are those of q, in tangent space, then those of qd. Matrices are arrays of columns:
-/// `dx_dtau[j][i]` is the second derivative with respect to entry i of the state and entry j of tau.
+/// The entries of a state are those of q, in tangent space, then those of qd. Matrices are arrays
+/// of columns: `dx_dtau[j][i]` is the second derivative with respect to entry i of the state and
+/// entry j of tau.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepHessian<Q, V, Dx, Dtau, DxDx, DxDtau, DtauDtau> {
     /// The coordinates after the step.
@@ -202,32 +208,34 @@ pub struct StepHessian<Q, V, Dx, Dtau, DxDx, DxDtau, DtauDtau> {
     pub dx: Dx,
     /// The gradient with respect to tau: nv entries.
     pub dtau: Dtau,
-    /// The second derivatives with respect to the state before the step: 2 nv columns of 2 nv entries, symmetric.
+    /// The second derivatives with respect to the state before the step: 2 nv columns of 2 nv
+    /// entries, symmetric.
     pub dx_dx: DxDx,
-    /// The second derivatives with respect to the state before the step (rows) and tau (columns): nv columns of 2 nv
-    /// entries.
+    /// The second derivatives with respect to the state before the step (rows) and tau (columns):
+    /// nv columns of 2 nv entries.
     pub dx_dtau: DxDtau,
-    /// The second derivatives with respect to tau: nv columns of nv entries, symmetric; zero without spherical and floating
-    /// joints.
+    /// The second derivatives with respect to tau: nv columns of nv entries, symmetric; zero
+    /// without spherical and floating joints.
     pub dtau_dtau: DtauDtau,
 }
 
 /// The accelerations of a robot under its constraints, and the constraint wrenches.
 ///
-/// Wrenches and residuals are arrays with an entry for each constraint. Loop constraints come first, at the
-/// second frame's origin in the first frame's axes. Contacts follow, at the frame's origin in world axes.
+/// Wrenches and residuals are arrays with an entry for each constraint. Loop constraints come
+/// first, at the second frame's origin in the first frame's axes. Contacts follow, at the frame's
+/// origin in world axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstrainedForwardDynamics<V, W, R, T> {
     /// The joint accelerations, rad/s^2 or m/s^2.
     pub qdd: V,
-    /// The wrench on each constraint's second link, N m and N; the opposite wrench acts on the first link. A
-    /// contact's wrench acts on its link and is zero if the contact is not active. If rows are redundant, the
-    /// wrenches minimize the sum of force^2 + (moment / l)^2 over all constraints, with the characteristic
-    /// length l of each.
+    /// The wrench on each constraint's second link, N m and N; the opposite wrench acts on the
+    /// first link. A contact's wrench acts on its link and is zero if the contact is not active. If
+    /// rows are redundant, the wrenches minimize the sum of force^2 + (moment / l)^2 over all
+    /// constraints, with the characteristic length l of each.
     pub wrenches: W,
-    /// The unmet part of each constraint's relative acceleration, rad/s^2 and m/s^2. It is within rounding of
-    /// zero unless rows contradict each other. Then it minimizes the sum of linear^2 + (l angular)^2. The
-    /// acceleration that a contact's compliance allows is not a part of it.
+    /// The unmet part of each constraint's relative acceleration, rad/s^2 and m/s^2. It is within
+    /// rounding of zero unless rows contradict each other. Then it minimizes the sum of linear^2 +
+    /// (l angular)^2. The acceleration that a contact's compliance allows is not a part of it.
     pub residuals: R,
     /// The number of independent constraint rows, an integer.
     pub rank: T,
@@ -238,31 +246,34 @@ pub struct ConstrainedForwardDynamics<V, W, R, T> {
 pub struct ContactImpulse<V, W, T> {
     /// The velocities after the impact, rad/s or m/s.
     pub qd: V,
-    /// The impulse on each constraint's second link, N m s and N s, in the axes and at the point of the
-    /// constraint's wrench.
+    /// The impulse on each constraint's second link, N m s and N s, in the axes and at the point of
+    /// the constraint's wrench.
     pub impulses: W,
     /// The number of independent constraint rows, an integer.
     pub rank: T,
 }
 
-/// The problem of a step on the ground in the space of the contacts' points: the motion without contacts, and the effects of
-/// impulses.
+/// The problem of a step on the ground in the space of the contacts' points: the motion without
+/// contacts, and the effects of impulses.
 ///
-/// A contact has three rows: the x and y axes of its target, in the plane of the ground, then the normal.
+/// A contact has three rows: the x and y axes of its target, in the plane of the ground, then the
+/// normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactProblem<V, H, B, F, A, Y> {
     /// The velocities after the step without contacts, rad/s or m/s.
     pub qd: V,
     /// The height of each contact's origin above the plane of its target before the step, m.
     pub heights: H,
-    /// The velocity of each contact's origin relative to its target before the step, in the directions of its rows, m/s.
+    /// The velocity of each contact's origin relative to its target before the step, in the
+    /// directions of its rows, m/s.
     pub before: B,
     /// The same after the step without contacts, m/s.
     pub free: F,
-    /// J M^-1 J^T with the mass matrix M and the Jacobian J of the rows, an array of columns: the change of the rows' velocities
-    /// by a unit impulse along each row, 1/kg.
+    /// J M^-1 J^T with the mass matrix M and the Jacobian J of the rows, an array of columns: the
+    /// change of the rows' velocities by a unit impulse along each row, 1/kg.
     pub mobility: A,
-    /// M^-1 J^T, an array of columns: the change of the velocities `qd` by a unit impulse along each row.
+    /// M^-1 J^T, an array of columns: the change of the velocities `qd` by a unit impulse along
+    /// each row.
     pub responses: Y,
 }
 
@@ -273,8 +284,8 @@ pub struct ContactStep<Q, V, P, T> {
     pub q: Q,
     /// The velocities after the step, rad/s or m/s.
     pub qd: V,
-    /// The impulse of each contact along the x and y axes of its target, then along the normal, N s. The next step starts from
-    /// these.
+    /// The impulse of each contact along the x and y axes of its target, then along the normal, N
+    /// s. The next step starts from these.
     pub impulses: P,
     /// The largest velocity of a contact that contradicts the laws of contacts, m/s.
     pub residual: T,
@@ -301,21 +312,22 @@ pub struct StepSolution<Q, V, P, T> {
 /// The joint forces of accelerations, and the wrenches of the contacts that carry the floating bases.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstrainedInverseDynamics<V, W, T> {
-    /// The joint forces, N m or N. The joint forces of a floating base are the wrench on it that no contact can
-    /// carry: zero within rounding if the contacts suffice.
+    /// The joint forces, N m or N. The joint forces of a floating base are the wrench on it that no
+    /// contact can carry: zero within rounding if the contacts suffice.
     pub tau: V,
-    /// The wrench on each contact's link at its frame's origin in world axes, N m and N. The wrenches of loop
-    /// constraints, which come first, are zero.
+    /// The wrench on each contact's link at its frame's origin in world axes, N m and N. The
+    /// wrenches of loop constraints, which come first, are zero.
     pub wrenches: W,
     /// The number of independent directions in which the contacts carry the bases, an integer.
     pub rank: T,
 }
 
-/// The operational-space inertia of the constraints and its inverse: square matrices, arrays of columns, with a
-/// row for each constraint row.
+/// The operational-space inertia of the constraints and its inverse: square matrices, arrays of
+/// columns, with a row for each constraint row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OperationalInertia<R, T> {
-    /// J M^-1 J^T with the mass matrix M, and the compliance of contacts, 1/kg (rotations 1/(kg m^2)).
+    /// J M^-1 J^T with the mass matrix M, and the compliance of contacts, 1/kg (rotations 1/(kg
+    /// m^2)).
     pub inverse: R,
     /// The pseudo-inverse of `inverse`, kg (rotations kg m^2).
     pub inertia: R,
@@ -325,14 +337,14 @@ pub struct OperationalInertia<R, T> {
 
 /// The accelerations and the wrenches of a robot with contacts, and their derivatives.
 ///
-/// Matrices are arrays of columns. The derivative of a constraint's wrench is an array of columns, one for each
-/// entry of the differentiation variable.
+/// Matrices are arrays of columns. The derivative of a constraint's wrench is an array of columns,
+/// one for each entry of the differentiation variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstrainedForwardDynamicsDerivatives<V, W, M, D, T> {
     /// The accelerations, rad/s^2 or m/s^2.
     pub qdd: V,
-    /// The wrench on each constraint's link, N m and N, in the axes of [`ConstrainedForwardDynamics::wrenches`]. Its
-    /// derivatives are those of its components.
+    /// The wrench on each constraint's link, N m and N, in the axes of
+    /// [`ConstrainedForwardDynamics::wrenches`]. Its derivatives are those of its components.
     pub wrenches: W,
     /// d qdd / d q, in tangent space.
     pub dq: M,
@@ -350,17 +362,17 @@ pub struct ConstrainedForwardDynamicsDerivatives<V, W, M, D, T> {
     pub rank: T,
 }
 
-/// The accelerations and the wrenches of a robot with closed loops or contacts, and the derivatives of their weighted sum: first
-/// derivatives, then the blocks of the Hessian.
+/// The accelerations and the wrenches of a robot with closed loops or contacts, and the derivatives
+/// of their weighted sum: first derivatives, then the blocks of the Hessian.
 ///
-/// Matrices are arrays of columns. The block of two variables has a row for each entry of the first and a column for each
-/// entry of the second.
+/// Matrices are arrays of columns. The block of two variables has a row for each entry of the first
+/// and a column for each entry of the second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstrainedForwardDynamicsHessian<V, W, M, T> {
     /// The accelerations, rad/s^2 or m/s^2.
     pub qdd: V,
-    /// The wrench on each loop constraint's second link, in the first frame's axes, and on each contact's link, in world axes, N m
-    /// and N.
+    /// The wrench on each loop constraint's second link, in the first frame's axes, and on each
+    /// contact's link, in world axes, N m and N.
     pub wrenches: W,
     /// The gradient with respect to q, in tangent space.
     pub dq: V,
@@ -380,7 +392,8 @@ pub struct ConstrainedForwardDynamicsHessian<V, W, M, T> {
     pub rank: T,
 }
 
-/// A step that satisfies the constraints, and the change of the velocities that keeps them satisfied.
+/// A step that satisfies the constraints, and the change of the velocities that keeps them
+/// satisfied.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstraintProjection<V, T> {
     /// The displacement, in tangent space, from coordinates that nearly satisfy the constraints.
@@ -393,9 +406,9 @@ pub struct ConstraintProjection<V, T> {
 
 /// The violation of the constraints: arrays with an entry for each constraint.
 ///
-/// The entry of a loop constraint is the motion of its second frame relative to its first, in the first frame's
-/// axes. The entry of a contact, active or not, is the motion of its frame relative to its target, in world
-/// axes. Components along free directions are zero.
+/// The entry of a loop constraint is the motion of its second frame relative to its first, in the
+/// first frame's axes. The entry of a contact, active or not, is the motion of its frame relative
+/// to its target, in world axes. Components along free directions are zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstraintResidual<D> {
     /// The displacements, m; a rotation is its axis times the sine of its angle.

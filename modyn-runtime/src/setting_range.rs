@@ -25,7 +25,8 @@ pub struct SettingError {
     pub name: &'static str,
     /// Where the setting is.
     pub place: SettingPlace,
-    /// The value. For a rotation whose columns are not orthonormal, the first entry of R^T R that is wrong, or the determinant.
+    /// The value. For a rotation whose columns are not orthonormal, the first entry of R^T R that
+    /// is wrong, or the determinant.
     pub value: f64,
     /// The values that are allowed.
     pub range: SettingRange,
@@ -77,7 +78,8 @@ pub enum SettingRange {
 /// How far an entry of R^T R may be from that of a rotation: files often have three digits.
 const ORTHONORMAL: f64 = 1e-3;
 
-/// The largest number of sweeps, and of Newton steps. More never help, and the step would seem to hang.
+/// The largest number of sweeps, and of Newton steps. More never help, and the step would seem to
+/// hang.
 pub(crate) const MAX_ITERATIONS: usize = 10_000;
 
 /// The names and the ranges of [`ConstraintSettings::numbers`].
@@ -167,7 +169,8 @@ fn check_rotation(matrix: &[f64], place: SettingPlace) -> Result<(), SettingErro
     if determinant > 0.0 { Ok(()) } else { Err(wrong(determinant)) }
 }
 
-/// Checks the numbers of settings: [`ConstraintSettings::numbers`], then [`ContactTarget::numbers`] for each contact.
+/// Checks the numbers of settings: [`ConstraintSettings::numbers`], then [`ContactTarget::numbers`]
+/// for each contact.
 ///
 /// # Errors
 ///
@@ -224,8 +227,9 @@ fn check_numbers<T: Copy + Into<f64>>(
 }
 
 impl<T: Copy + Into<f64>, C: AsRef<[ContactTarget<T>]>> ConstraintSettings<T, C> {
-    /// Checks that all settings are finite and within their ranges: friction, compliance, `alpha`, `beta`, `tolerance`, `rounding` and
-    /// `tangential` are not negative, the weight is above zero, the restitution is at most 1, and rotations are rotations.
+    /// Checks that all settings are finite and within their ranges: friction, compliance, `alpha`,
+    /// `beta`, `tolerance`, `rounding` and `tangential` are not negative, the weight is above zero,
+    /// the restitution is at most 1, and rotations are rotations.
     ///
     /// Functions do not check their settings, since some are called in real time: NaN gives NaN.
     ///

@@ -1,5 +1,6 @@
-//! Sine and cosine as lists of operations, for back ends that make machine code: recorded by running the functions of
-//! `trig` on a scalar that notes each operation. So the polynomials exist once.
+//! Sine and cosine as lists of operations, for back ends that make machine code: recorded by
+//! running the functions of `trig` on a scalar that notes each operation. So the polynomials exist
+//! once.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 use std::cell::RefCell;
@@ -39,14 +40,16 @@ pub struct Steps {
 }
 
 impl Steps {
-    /// Returns the reduction of an angle whose absolute value is below [`limit`]. Its results are the angle in [-pi/2, pi/2]
-    /// that differs by a multiple of pi, and a number with the multiple's lowest bit.
+    /// Returns the reduction of an angle whose absolute value is below [`limit`]. Its results are
+    /// the angle in [-pi/2, pi/2] that differs by a multiple of pi, and a number with the
+    /// multiple's lowest bit.
     #[must_use]
     pub fn reduction<F: Float>() -> Self {
         record(|[angle, _]| F::reduce_small(angle))
     }
 
-    /// Returns the polynomials of sine and cosine. The inputs are the results of [`reduction`](Self::reduction).
+    /// Returns the polynomials of sine and cosine. The inputs are the results of
+    /// [`reduction`](Self::reduction).
     #[must_use]
     pub fn polynomials<F: Float>() -> Self {
         record(|[angle, turns]| F::polynomials(angle, turns))
@@ -59,7 +62,8 @@ pub fn limit<F: Float>() -> F {
     F::LIMIT
 }
 
-/// Returns the results of [`Steps::reduction`] for an angle of any size; NaN if the angle is not finite.
+/// Returns the results of [`Steps::reduction`] for an angle of any size; NaN if the angle is not
+/// finite.
 #[must_use]
 pub fn reduce_far<F: Float>(angle: F) -> [F; 2] {
     let (reduced, turns) = angle.reduce_large();

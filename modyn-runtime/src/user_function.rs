@@ -1,4 +1,5 @@
-//! Functions that users write once over [`Scalar`]: the interpreter runs them on numbers, and the compiler traces them.
+//! Functions that users write once over [`Scalar`]: the interpreter runs them on numbers, and the
+//! compiler traces them.
 
 use alloc::boxed::Box;
 use alloc::string::String;
@@ -8,11 +9,12 @@ use core::error::Error;
 use crate::interpreter::Interpreter;
 use crate::scalar::Scalar;
 
-/// A function of a robot's state that a user writes, such as a cost or a constraint of an optimal control problem.
+/// A function of a robot's state that a user writes, such as a cost or a constraint of an optimal
+/// control problem.
 ///
-/// It is written once, over any [`Scalar`], with the quantities of an [`Interpreter`]. Called on numbers, it returns its
-/// value. `modyn_codegen::Builder::function` compiles it in a build script, with its derivatives. `N` is the number of
-/// arguments.
+/// It is written once, over any [`Scalar`], with the quantities of an [`Interpreter`]. Called on
+/// numbers, it returns its value. `modyn_codegen::Builder::function` compiles it in a build script,
+/// with its derivatives. `N` is the number of arguments.
 ///
 /// ```
 /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
@@ -51,7 +53,8 @@ use crate::scalar::Scalar;
 /// # Ok::<(), UserError>(())
 /// ```
 pub trait UserFunction<const N: usize> {
-    /// Returns the text that documents the generated function. The text says what the function returns, with units and frames.
+    /// Returns the text that documents the generated function. The text says what the function
+    /// returns, with units and frames.
     fn docs(&self) -> String;
 
     /// Returns the arguments in their order.
@@ -62,14 +65,16 @@ pub trait UserFunction<const N: usize> {
         UserDerivatives::Second
     }
 
-    /// Returns the value at these arguments, whose lengths are those that [`arguments`](Self::arguments) has. The number of
-    /// results must not depend on `S`.
+    /// Returns the value at these arguments, whose lengths are those that
+    /// [`arguments`](Self::arguments) has. The number of results must not depend on `S`.
     ///
-    /// The function must not branch on values. It may branch on the model, such as on the number of joints.
+    /// The function must not branch on values. It may branch on the model, such as on the number of
+    /// joints.
     ///
     /// # Errors
     ///
-    /// Errors of the function's own, such as a link that the robot does not have. They become errors of the compilation.
+    /// Errors of the function's own, such as a link that the robot does not have. They become
+    /// errors of the compilation.
     fn evaluate<S: Scalar>(
         &self,
         robot: &mut Interpreter<S>,
@@ -150,8 +155,8 @@ impl UserArgument {
         Self::new(name, UserArgumentKind::Numbers(count))
     }
 
-    /// Returns the argument as a variable: derivatives are with respect to it. Those with respect to coordinates are in
-    /// tangent space.
+    /// Returns the argument as a variable: derivatives are with respect to it. Those with respect
+    /// to coordinates are in tangent space.
     #[must_use]
     pub const fn variable(self) -> Self {
         Self { varies: true, ..self }

@@ -1,9 +1,9 @@
 //! Drake: conversions for the quaternion floating joint.
 //!
-//! Drake's `q` is the quaternion w, x, y, z, then the position. `v` is the angular velocity, then the linear
-//! velocity of the body's origin, both in the axes of the joint's frame F (for a floating base: the world).
-//! `vdot` is the time derivative of `v`, so it contains the classical acceleration. `tau` is the moment, then
-//! the force, in the axes of F.
+//! Drake's `q` is the quaternion w, x, y, z, then the position. `v` is the angular velocity, then
+//! the linear velocity of the body's origin, both in the axes of the joint's frame F (for a
+//! floating base: the world). `vdot` is the time derivative of `v`, so it contains the classical
+//! acceleration. `tau` is the moment, then the force, in the axes of F.
 //!
 //! Source: Drake's
 //! [`QuaternionFloatingJoint`](https://github.com/RobotLocomotion/drake/blob/master/multibody/tree/quaternion_floating_joint.h):
@@ -35,7 +35,8 @@ pub fn from_q<T: Scalar>([qw, qx, qy, qz, x, y, z]: [T; 7]) -> [T; 7] {
     [x, y, z, qx, qy, qz, qw]
 }
 
-/// Returns Drake's `v` of a quaternion floating joint, from modyn's coordinates `q` and velocities `qd`.
+/// Returns Drake's `v` of a quaternion floating joint, from modyn's coordinates `q` and velocities
+/// `qd`.
 #[must_use]
 pub fn to_v<T: Scalar>(q: [T; 7], qd: [T; 6]) -> [T; 6] {
     let [linear, angular] = halves(qd).map(|part| joint_rotation(q).rotate(part));
@@ -58,8 +59,8 @@ pub fn to_vdot<T: Scalar>(q: [T; 7], qd: [T; 6], qdd: [T; 6]) -> [T; 6] {
     to_v(q, concatenate(rate + omega.cross(v), angular))
 }
 
-/// Returns modyn's accelerations of a floating joint, from modyn's coordinates and velocities and Drake's
-/// `vdot`.
+/// Returns modyn's accelerations of a floating joint, from modyn's coordinates and velocities and
+/// Drake's `vdot`.
 #[must_use]
 pub fn from_vdot<T: Scalar>(q: [T; 7], qd: [T; 6], vdot: [T; 6]) -> [T; 6] {
     let ([v, omega], [linear, angular]) = (halves(qd), halves(from_v(q, vdot)));

@@ -1,19 +1,21 @@
 //! Conversions of states to and from other libraries.
 //!
-//! All quantities are in SI units and radians. Angles and displacements of revolute and prismatic joints,
-//! and the torques and forces along them, are the same in all libraries. Joints with rotations differ, above
-//! all the floating joint. modyn's floating joint has
+//! All quantities are in SI units and radians. Angles and displacements of revolute and prismatic
+//! joints, and the torques and forces along them, are the same in all libraries. Joints with
+//! rotations differ, above all the floating joint. modyn's floating joint has
 //!
-//! - coordinates `[x, y, z, qx, qy, qz, qw]`: the position of the link's origin in the joint's frame (for a
-//!   floating base: the world), and the unit quaternion that rotates the link's axes into the joint's axes,
-//! - velocities `[vx, vy, vz, wx, wy, wz]`: the linear velocity of the link's origin, then the angular
-//!   velocity, both in the link's own axes,
+//! - coordinates `[x, y, z, qx, qy, qz, qw]`: the position of the link's origin in the joint's
+//!   frame (for a floating base: the world), and the unit quaternion that rotates the link's axes
+//!   into the joint's axes,
+//! - velocities `[vx, vy, vz, wx, wy, wz]`: the linear velocity of the link's origin, then the
+//!   angular velocity, both in the link's own axes,
 //! - accelerations: the time derivatives of these velocities,
 //! - forces `[fx, fy, fz, mx, my, mz]`: their scalar product with the velocities is the power.
 //!
-//! There is a module for each library. Its functions are named after the library's own vectors: `to_...`
-//! returns the library's vector, `from_...` returns modyn's. All functions are generic over
-//! [`Scalar`](crate::Scalar), so that they can be differentiated. Quaternions must have length 1.
+//! There is a module for each library. Its functions are named after the library's own vectors:
+//! `to_...` returns the library's vector, `from_...` returns modyn's. All functions are generic
+//! over [`Scalar`](crate::Scalar), so that they can be differentiated. Quaternions must have
+//! length 1.
 //!
 //! ```
 //! use modyn_runtime::conventions::mujoco;

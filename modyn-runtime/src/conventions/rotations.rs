@@ -38,7 +38,8 @@ pub fn rotation_from_quaternion<T: Scalar>(quaternion: [T; 4]) -> [[T; 3]; 3] {
 
 /// Returns the unit quaternion `[x, y, z, w]`, w >= 0, of a rotation matrix by rows.
 ///
-/// It is accurate to rounding for every rotation, since it divides by the largest of the four components.
+/// It is accurate to rounding for every rotation, since it divides by the largest of the four
+/// components.
 ///
 /// ```
 /// use modyn_runtime::conventions::quaternion_from_rotation;

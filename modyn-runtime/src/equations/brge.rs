@@ -17,8 +17,8 @@ pub use super::factorization::{
 };
 
 /// Fills `factors` with the U D U^T factorization of the mass matrix at `q`: D, the factors of its
-/// blocks, and U, stored as `layout` says. Limbs of `tree` may be merged; their parents must be on one path to the
-/// root.
+/// blocks, and U, stored as `layout` says. Limbs of `tree` may be merged; their parents must be on
+/// one path to the root.
 pub fn factorize<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     layout: &UduLayout,

@@ -1,11 +1,12 @@
 //! The equations of motion, each written once, generic over [`Scalar`](crate::Scalar).
 //!
-//! Run on `f64`, the equations are the interpreter. Run on the compiler's expressions, they are traced and
-//! compiled. Their structure depends on the model (joint types, tree, modules), never on values. Slices
-//! must have the model's sizes: the [`Interpreter`](crate::Interpreter) checks them, and the compiler
-//! provides them.
+//! Run on `f64`, the equations are the interpreter. Run on the compiler's expressions, they are
+//! traced and compiled. Their structure depends on the model (joint types, tree, modules), never on
+//! values. Slices must have the model's sizes: the [`Interpreter`](crate::Interpreter) checks them,
+//! and the compiler provides them.
 //!
-//! The public items of a folder's files are the folder's: a quantity in a file is exported without another line.
+//! The public items of a folder's files are the folder's: a quantity in a file is exported without
+//! another line.
 //!
 //! | file | quantity | source |
 //! |---|---|---|
@@ -41,8 +42,8 @@
 //! | `paper/denoc` | the DeNOC matrices, dense, link by link | (1)-(5), A.1, A.2 |
 //! | `paper/decomposition` | composite and articulated modules, EBUTMs, U, D and their inverses, dense | (1)-(57) |
 //!
-//! Numbers in brackets, A.1, A.2 and Table 6 are those of Shah, Saha and Dutt, "A new perspective towards
-//! decomposition of the generalized inertia matrix of multibody systems".
+//! Numbers in brackets, A.1, A.2 and Table 6 are those of Shah, Saha and Dutt, "A new perspective
+//! towards decomposition of the generalized inertia matrix of multibody systems".
 
 pub mod brge;
 pub mod constraints;

@@ -1,8 +1,9 @@
-//! Finds joints without inertia: the pivots of the articulated-body elimination (Featherstone 1987).
+//! Finds joints without inertia: the pivots of the articulated-body elimination (Featherstone
+//! 1987).
 //!
-//! A pivot is the inertia at a joint while the joints of its descendants are free. The pivots are computed at
-//! one configuration in general position. A pivot that is zero there is zero in nearly every configuration.
-//! The mass matrix is then singular, and forward dynamics divides by zero.
+//! A pivot is the inertia at a joint while the joints of its descendants are free. The pivots are
+//! computed at one configuration in general position. A pivot that is zero there is zero in nearly
+//! every configuration. The mass matrix is then singular, and forward dynamics divides by zero.
 //!
 //! The check runs when inertias change at run time. The compiler checks descriptions by itself.
 //!
@@ -16,11 +17,11 @@ use crate::mechanism::coordinates::CoordinateSpace;
 use crate::mechanism::{Dof, Mechanism};
 use crate::spatial::ArticulatedInertia;
 
-/// A pivot counts as zero below this many units of the scalar's precision, relative to the inertia about the
-/// same axis with the child joints locked.
+/// A pivot counts as zero below this many units of the scalar's precision, relative to the inertia
+/// about the same axis with the child joints locked.
 const CANCELLED: f64 = 256.0;
-/// A pivot counts as zero below this many units of the scalar's precision, relative to the inertia about all
-/// axes together: a rotation of the axes leaves that much rounding.
+/// A pivot counts as zero below this many units of the scalar's precision, relative to the inertia
+/// about all axes together: a rotation of the axes leaves that much rounding.
 const ROTATED: f64 = 32.0;
 
 /// The memory of [`pivots`].
@@ -29,7 +30,8 @@ pub struct PivotWorkspace<S> {
     /// Coordinates in general position.
     q: Vec<S>,
     motions: Vec<JointTransform<S>>,
-    /// For each body, the inertia of its descendants: with their joints free, and with their joints locked.
+    /// For each body, the inertia of its descendants: with their joints free, and with their joints
+    /// locked.
     free: Vec<ArticulatedInertia<S>>,
     locked: Vec<ArticulatedInertia<S>>,
     /// For each entry of qd, the inertia that its mimic joints add.
@@ -55,8 +57,8 @@ fn zero_inertia<S: Scalar>() -> ArticulatedInertia<S> {
     ArticulatedInertia::from_fn(|_, _| S::zero())
 }
 
-/// Returns coordinates in general position, the same on every host. Angles and displacements are between
-/// 0.3 and 6.3; rotations have large angles and oblique axes.
+/// Returns coordinates in general position, the same on every host. Angles and displacements are
+/// between 0.3 and 6.3; rotations have large angles and oblique axes.
 fn configuration<S: Scalar>(model: &Mechanism<S>) -> Vec<S> {
     let spread = |entry: usize| {
         #[allow(clippy::cast_precision_loss)] // Precise up to 2^52 entries.
@@ -85,11 +87,11 @@ fn configuration<S: Scalar>(model: &Mechanism<S>) -> Vec<S> {
     q.into_iter().map(S::from_f64).collect()
 }
 
-/// Computes the pivot of each entry of qd into `pivots`: the inertia at this joint while the joints of its
-/// descendants are free, kg or kg m^2.
+/// Computes the pivot of each entry of qd into `pivots`: the inertia at this joint while the joints
+/// of its descendants are free, kg or kg m^2.
 ///
-/// A pivot within the rounding of a scalar of precision `epsilon` is exactly zero, or NaN. `epsilon` is the
-/// distance from 1 to the next number.
+/// A pivot within the rounding of a scalar of precision `epsilon` is exactly zero, or NaN.
+/// `epsilon` is the distance from 1 to the next number.
 pub fn pivots<S: Scalar>(
     model: &Mechanism<S>,
     epsilon: S,
@@ -118,7 +120,8 @@ pub fn pivots<S: Scalar>(
     workspace.followers = followers;
 }
 
-/// Eliminates the joints from the leaves to the root, and passes the pivot of each degree of freedom to `give`.
+/// Eliminates the joints from the leaves to the root, and passes the pivot of each degree of
+/// freedom to `give`.
 fn sweep<S: Scalar>(
     model: &Mechanism<S>,
     epsilon: S,

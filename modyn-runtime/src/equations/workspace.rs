@@ -10,8 +10,8 @@ use crate::spatial::{
     VelocityMoments, Wrench,
 };
 
-/// The memory of the recursions: an entry for each body or degree of freedom, and pivot blocks, whose size is
-/// quadratic in the length of a module.
+/// The memory of the recursions: an entry for each body or degree of freedom, and pivot blocks,
+/// whose size is quadratic in the length of a module.
 #[derive(Clone, Debug)]
 pub struct Workspace<S> {
     pub(super) motions: Vec<JointTransform<S>>,
@@ -29,25 +29,29 @@ pub struct Workspace<S> {
     pub(super) composite: Vec<RigidInertia<S>>,
     /// The velocity moments of the composites relative to their bodies' frames.
     pub(super) velocities: Vec<VelocityMoments<S>>,
-    /// Twice the velocity of each body's origin relative to its parent's origin, in the parent's axes.
+    /// Twice the velocity of each body's origin relative to its parent's origin, in the parent's
+    /// axes.
     pub(super) relative_velocities: Vec<Vector3<S>>,
-    /// For each degree of freedom, the change of the accelerations of its body and the body's descendants.
+    /// For each degree of freedom, the change of the accelerations of its body and the body's
+    /// descendants.
     pub(super) perturbations: Vec<AccelerationPerturbation<S>>,
-    /// For each body, the articulated inertia of its eliminated child modules; `None` without child modules.
+    /// For each body, the articulated inertia of its eliminated child modules; `None` without child
+    /// modules.
     pub(super) articulated: Vec<Option<ArticulatedInertia<S>>>,
     /// For each body, the inertia that soft constraints add to it; `None` if there is none.
     pub(super) added_inertia: Vec<Option<ArticulatedInertia<S>>>,
-    /// For each degree of freedom, the inertia that soft constraints of the joint add to it; `None` if there is none.
+    /// For each degree of freedom, the inertia that soft constraints of the joint add to it; `None`
+    /// if there is none.
     pub(super) added_armature: Vec<Option<S>>,
-    /// For each component and degree of freedom: the wrench at its module's first body (Psi), reduced by the
-    /// pivot's factor V (`columns`), and divided by the pivot (`scaled_psi`).
+    /// For each component and degree of freedom: the wrench at its module's first body (Psi),
+    /// reduced by the pivot's factor V (`columns`), and divided by the pivot (`scaled_psi`).
     pub(super) columns: [Vec<S>; 6],
     pub(super) scaled_psi: [Vec<S>; 6],
     /// For each degree of freedom, the reciprocal of its scalar pivot within the block.
     pub(super) reciprocals: Vec<S>,
     pub(super) torques: Vec<S>,
-    /// For each degree of freedom, the joint force that springs, gravity compensation and the velocity of armature need; `None`
-    /// without these.
+    /// For each degree of freedom, the joint force that springs, gravity compensation and the
+    /// velocity of armature need; `None` without these.
     pub(super) passive: Vec<Option<S>>,
     /// Each module's pivot block, then its unit triangular factor.
     pub(super) pivots: Vec<S>,

@@ -1,9 +1,11 @@
-//! Logarithm and arctangent on `core` alone, each precision in its own arithmetic: series on a short interval.
+//! Logarithm and arctangent on `core` alone, each precision in its own arithmetic: series on a
+//! short interval.
 
 #![allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap, clippy::cast_precision_loss)]
 #![allow(clippy::cast_sign_loss, clippy::excessive_precision)]
 
-/// The constants of logarithm and arctangent in one precision. The runtime, generated C and WGSL use the same constants.
+/// The constants of logarithm and arctangent in one precision. The runtime, generated C and WGSL
+/// use the same constants.
 ///
 /// A coefficient is a numerator and a denominator, since their quotient depends on the precision.
 #[derive(Clone, Copy, Debug)]
@@ -12,7 +14,8 @@ pub struct ElementaryNumbers<const L: usize, const A: usize> {
     pub logarithm: [(f64, f64); L],
     /// The coefficients of (atan t - t) / t^3 in powers of t^2; the lowest comes first.
     pub arctangent: [(f64, f64); A],
-    /// The logarithm of 2 as a sum of two parts. Products of the first part with an exponent are exact.
+    /// The logarithm of 2 as a sum of two parts. Products of the first part with an exponent are
+    /// exact.
     pub ln_2: (f64, f64),
     /// The power of two that scales subnormal numbers.
     pub two_up: f64,
@@ -26,9 +29,11 @@ pub struct ElementaryNumbers<const L: usize, const A: usize> {
     pub tan_15: f64,
     /// The number of this precision that is nearest to pi, and the difference of pi from it.
     pub pi: (f64, f64),
-    /// The number of this precision that is nearest to pi / 2, and the difference of pi / 2 from it.
+    /// The number of this precision that is nearest to pi / 2, and the difference of pi / 2 from
+    /// it.
     pub half_pi: (f64, f64),
-    /// The number of this precision that is nearest to pi / 6, and the difference of pi / 6 from it.
+    /// The number of this precision that is nearest to pi / 6, and the difference of pi / 6 from
+    /// it.
     pub sixth_pi: (f64, f64),
 }
 
@@ -68,8 +73,9 @@ macro_rules! elementary {
 
         /// Returns the natural logarithm, to 2 units in the last place.
         ///
-        /// x = m 2^k with m between the square roots of 1/2 and 2. With f = m - 1 and s = f / (2 + f),
-        /// ln m = 2 artanh s = f - f^2 / 2 + s (f^2 / 2 + R), where R is the series after its first term.
+        /// x = m 2^k with m between the square roots of 1/2 and 2. With f = m - 1 and s = f / (2 +
+        /// f), ln m = 2 artanh s = f - f^2 / 2 + s (f^2 / 2 + R), where R is the series after its
+        /// first term.
         pub(super) fn $ln(x: $float) -> $float {
             const LN_2: $float = $numbers.ln_2.0 as $float;
             const LN_2_REST: $float = $numbers.ln_2.1 as $float;
@@ -109,11 +115,11 @@ macro_rules! elementary {
             s * (half + rest) + k * LN_2_REST - half + f + k * LN_2
         }
 
-        /// Returns the angle from the x axis to (x, y), to 3 units in the last place. Zeros and infinities are treated
-        /// as in IEEE 754.
+        /// Returns the angle from the x axis to (x, y), to 3 units in the last place. Zeros and
+        /// infinities are treated as in IEEE 754.
         ///
-        /// The smaller coordinate divided by the larger is a tangent t of at most 1. Above tan 15 deg,
-        /// atan t = 30 deg + atan((t sqrt 3 - 1) / (t + sqrt 3)).
+        /// The smaller coordinate divided by the larger is a tangent t of at most 1. Above tan 15
+        /// deg, atan t = 30 deg + atan((t sqrt 3 - 1) / (t + sqrt 3)).
         pub(super) fn $atan2(y: $float, x: $float) -> $float {
             const PI: $float = $numbers.pi.0 as $float;
             const PI_REST: $float = $numbers.pi.1 as $float;

@@ -1,4 +1,5 @@
-//! `f64` and `f32` as scalars: operations of one number, and packed work on the vectors of the processor.
+//! `f64` and `f32` as scalars: operations of one number, and packed work on the vectors of the
+//! processor.
 
 mod elementary;
 mod native;

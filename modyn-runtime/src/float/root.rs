@@ -1,5 +1,5 @@
-//! Correctly rounded square roots by integer arithmetic, for processors without an instruction, or where stable
-//! `core` has no function.
+//! Correctly rounded square roots by integer arithmetic, for processors without an instruction, or
+//! where stable `core` has no function.
 
 #![allow(clippy::cast_possible_truncation)]
 
@@ -16,7 +16,8 @@ macro_rules! square_root {
             if x < 0.0 {
                 return <$float>::NAN;
             }
-            // x = m 2^(e - BIAS - MANTISSA), with m of full length; subnormal numbers are shifted up.
+            // x = m 2^(e - BIAS - MANTISSA), with m of full length; subnormal numbers are shifted
+            // up.
             let (field, fraction) = (x.to_bits() >> MANTISSA, x.to_bits() & ((1 << MANTISSA) - 1));
             let up = if field == 0 {
                 fraction.leading_zeros() - (<$bits>::BITS - 1 - MANTISSA)
@@ -25,8 +26,8 @@ macro_rules! square_root {
             };
             let m = if field == 0 { fraction << up } else { fraction | 1 << MANTISSA };
             let e = field.max(1) as i32 - BIAS as i32 - up as i32;
-            // An even exponent, and twice the mantissa's length: the root has one bit more than is kept. No root
-            // lies halfway between two numbers, so this bit decides the rounding.
+            // An even exponent, and twice the mantissa's length: the root has one bit more than is
+            // kept. No root lies halfway between two numbers, so this bit decides the rounding.
             let odd = e & 1;
             let root = ((m as $wide) << (MANTISSA + 2 + odd as u32)).isqrt() as $bits;
             let rounded = (root + 1) >> 1;

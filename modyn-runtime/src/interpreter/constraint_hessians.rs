@@ -1,4 +1,5 @@
-//! The contracted Hessian of forward dynamics with loop constraints and contacts: its first derivatives on numbers with a derivative.
+//! The contracted Hessian of forward dynamics with loop constraints and contacts: its first
+//! derivatives on numbers with a derivative.
 
 use alloc::{vec, vec::Vec};
 
@@ -25,23 +26,26 @@ pub struct ConstrainedHessianOutputs<'a, S> {
     pub wrenches: &'a mut [Wrench<S>],
     /// The gradients with respect to q (in the tangent space), qd and tau: nv entries each.
     pub gradients: [&'a mut [S]; 3],
-    /// The second derivatives with respect to q and q, q and qd, qd and qd, q and tau: nv x nv matrices by columns. The
-    /// second of the two variables has the columns.
+    /// The second derivatives with respect to q and q, q and qd, qd and qd, q and tau: nv x nv
+    /// matrices by columns. The second of the two variables has the columns.
     pub hessian: [&'a mut [S]; 4],
 }
 
 impl<S: Scalar> Interpreter<S> {
     /// Computes the accelerations qdd and the wrenches of
-    /// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics), and the gradients and the Hessian of their sum
-    /// with weights, with respect to q (in the tangent space), qd and tau. Returns the number of independent constraint rows,
-    /// an integer. The weights are `cotangent` for the accelerations, and `wrench_cotangent` for the components of the
-    /// wrenches: in the first frame's axes for loop constraints, in world axes for contacts. The blocks of qd and tau, and of
-    /// tau and tau, are zero.
+    /// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics), and the gradients and
+    /// the Hessian of their sum with weights, with respect to q (in the tangent space), qd and tau.
+    /// Returns the number of independent constraint rows, an integer. The weights are `cotangent`
+    /// for the accelerations, and `wrench_cotangent` for the components of the wrenches: in the
+    /// first frame's axes for loop constraints, in world axes for contacts. The blocks of qd and
+    /// tau, and of tau and tau, are zero.
     ///
-    /// The rank is assumed constant, and rows not to contradict each other at this state and near it to first order. Rows may
-    /// depend on others, as those of a hinge of a planar loop or of four feet on one body, where `wrench_cotangent` is zero:
-    /// the accelerations do not depend on how such rows share the load. Weights of wrenches need independent rows, or compliance.
-    /// Takes more than 2 nv times as long as the first derivatives, and allocates memory at each call.
+    /// The rank is assumed constant, and rows not to contradict each other at this state and near
+    /// it to first order. Rows may depend on others, as those of a hinge of a planar loop or of
+    /// four feet on one body, where `wrench_cotangent` is zero: the accelerations do not depend on
+    /// how such rows share the load. Weights of wrenches need independent rows, or compliance.
+    /// Takes more than 2 nv times as long as the first derivatives, and allocates memory at each
+    /// call.
     ///
     /// # Errors
     ///
@@ -71,7 +75,8 @@ impl<S: Scalar> Interpreter<S> {
         Ok(self.solve_hessian((q, qd, tau), weights, settings, outputs))
     }
 
-    /// Computes the Hessian with the set of active contacts that was stored last. Lengths are not checked.
+    /// Computes the Hessian with the set of active contacts that was stored last. Lengths are not
+    /// checked.
     pub(crate) fn solve_hessian(
         &mut self,
         (q, qd, tau): (&[S], &[S], &[S]),

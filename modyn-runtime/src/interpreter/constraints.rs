@@ -38,17 +38,18 @@ pub struct ContactStepOutputs<'a, S> {
 
 /// Functions of closed loops and contacts: see
 /// [`Model::loop_constraints`](crate::model::Model::loop_constraints) and
-/// [`Model::contacts`](crate::model::Model::contacts). Slices with an entry for each constraint have the loop
-/// constraints first, then the contacts; they are empty for a tree.
+/// [`Model::contacts`](crate::model::Model::contacts). Slices with an entry for each constraint
+/// have the loop constraints first, then the contacts; they are empty for a tree.
 impl<S: Scalar> Interpreter<S> {
-    /// Computes the joint accelerations `qdd` (rad/s^2 or m/s^2) under the joint forces `tau`, with the loops
-    /// closed and the `active` contacts held. Returns the number of independent constraint rows, an integer.
+    /// Computes the joint accelerations `qdd` (rad/s^2 or m/s^2) under the joint forces `tau`, with
+    /// the loops closed and the `active` contacts held. Returns the number of independent
+    /// constraint rows, an integer.
     ///
-    /// `wrenches` receives the wrench on each constraint's second link (N m, N), and `residuals` the residual
-    /// of its acceleration (rad/s^2, m/s^2). Those of loop constraints are at the second frame's origin, in the
-    /// first frame's axes; those of contacts at the frame's origin, in world axes: see
-    /// [`ConstrainedForwardDynamics`](crate::ConstrainedForwardDynamics). The first call allocates memory.
-    /// Source: Featherstone 2008, chapter 8.
+    /// `wrenches` receives the wrench on each constraint's second link (N m, N), and `residuals`
+    /// the residual of its acceleration (rad/s^2, m/s^2). Those of loop constraints are at the
+    /// second frame's origin, in the first frame's axes; those of contacts at the frame's origin,
+    /// in world axes: see [`ConstrainedForwardDynamics`](crate::ConstrainedForwardDynamics). The
+    /// first call allocates memory. Source: Featherstone 2008, chapter 8.
     ///
     /// # Errors
     ///
@@ -71,14 +72,16 @@ impl<S: Scalar> Interpreter<S> {
         Ok(self.solve_constrained((q, qd, tau), settings, (qdd, wrenches, residuals)))
     }
 
-    /// Computes the smallest step `dq` (rad or m, in tangent space) that closes the loops at `q` and moves the
-    /// `active` contacts to their targets to first order, and the smallest change `dqd` of the velocities that
-    /// keeps them there. Returns the number of independent constraint rows, an integer.
+    /// Computes the smallest step `dq` (rad or m, in tangent space) that closes the loops at `q`
+    /// and moves the `active` contacts to their targets to first order, and the smallest change
+    /// `dqd` of the velocities that keeps them there. Returns the number of independent constraint
+    /// rows, an integer.
     ///
-    /// Steps are smallest in the metric of the mass matrix. The settings `alpha` and `beta` have no effect. The
-    /// first call of this function or of [`constrained_forward_dynamics`](Self::constrained_forward_dynamics)
-    /// allocates memory. To assemble a robot from nearby coordinates, repeat it with
-    /// [`integrate`](Self::integrate) a few times.
+    /// Steps are smallest in the metric of the mass matrix. The settings `alpha` and `beta` have no
+    /// effect. The first call of this function or of
+    /// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics) allocates memory. To
+    /// assemble a robot from nearby coordinates, repeat it with [`integrate`](Self::integrate) a
+    /// few times.
     ///
     /// # Errors
     ///
@@ -122,12 +125,12 @@ impl<S: Scalar> Interpreter<S> {
         Constraints { mechanism, layout, active, workspaces: (workspace, memory) }
     }
 
-    /// Computes the displacement (m) and the velocity (rad/s, m/s) of each loop constraint's second frame
-    /// relative to its first, in the first frame's axes, and of each contact's frame, active or not, relative
-    /// to its target, in world axes.
+    /// Computes the displacement (m) and the velocity (rad/s, m/s) of each loop constraint's second
+    /// frame relative to its first, in the first frame's axes, and of each contact's frame, active
+    /// or not, relative to its target, in world axes.
     ///
-    /// Components along free directions are zero. A rotation is its axis times the sine of its angle. The first
-    /// call of a function of constraints allocates memory.
+    /// Components along free directions are zero. A rotation is its axis times the sine of its
+    /// angle. The first call of a function of constraints allocates memory.
     ///
     /// # Errors
     ///
@@ -155,14 +158,15 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Computes the velocities `after` an impact (rad/s or m/s) that closes the loops and stops the active
-    /// contacts relative to their targets at the same instant. Returns the number of independent constraint
-    /// rows, an integer.
+    /// Computes the velocities `after` an impact (rad/s or m/s) that closes the loops and stops the
+    /// active contacts relative to their targets at the same instant. Returns the number of
+    /// independent constraint rows, an integer.
     ///
-    /// `impulses` receives the impulse on each constraint's second link (N m s, N s), in the axes and at the
-    /// point of its wrench in [`constrained_forward_dynamics`](Self::constrained_forward_dynamics). Along its
-    /// normal, a contact leaves with `restitution` times the speed before the impact. The settings `alpha` and
-    /// `beta` have no effect.
+    /// `impulses` receives the impulse on each constraint's second link (N m s, N s), in the axes
+    /// and at the point of its wrench in
+    /// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics). Along its normal, a
+    /// contact leaves with `restitution` times the speed before the impact. The settings `alpha`
+    /// and `beta` have no effect.
     ///
     /// # Errors
     ///
@@ -183,9 +187,10 @@ impl<S: Scalar> Interpreter<S> {
         Ok(self.solve_impulse((q, qd), settings, (after, impulses)))
     }
 
-    /// Computes the problem of a step of the time `dt` (s) on the ground under the joint forces `tau`, in the space of the
-    /// contacts' points: see [`ContactProblem`](crate::ContactProblem). Of the targets, `pose` and the linear `velocity` count.
-    /// Closed loops are not closed. Matrices are by columns. Allocates memory at each call.
+    /// Computes the problem of a step of the time `dt` (s) on the ground under the joint forces
+    /// `tau`, in the space of the contacts' points: see [`ContactProblem`](crate::ContactProblem).
+    /// Of the targets, `pose` and the linear `velocity` count. Closed loops are not closed.
+    /// Matrices are by columns. Allocates memory at each call.
     ///
     /// # Errors
     ///
@@ -214,8 +219,9 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Computes a step of the time `dt` (s) on the ground under the joint forces `tau`, in a fixed number of sweeps over the contacts,
-    /// which start from `impulses`: see [`contact_step`](crate::Robot::contact_step). Allocates memory at each call.
+    /// Computes a step of the time `dt` (s) on the ground under the joint forces `tau`, in a fixed
+    /// number of sweeps over the contacts, which start from `impulses`: see
+    /// [`contact_step`](crate::Robot::contact_step). Allocates memory at each call.
     ///
     /// # Errors
     ///
@@ -251,14 +257,15 @@ impl<S: Scalar> Interpreter<S> {
         self.integrate(q, &moved, outputs.q)
     }
 
-    /// Computes the joint forces `tau` (N m or N) of the accelerations `qdd`, and the wrenches of the active
-    /// contacts that carry the floating bases. Returns the number of independent directions in which the
-    /// contacts carry the bases, an integer.
+    /// Computes the joint forces `tau` (N m or N) of the accelerations `qdd`, and the wrenches of
+    /// the active contacts that carry the floating bases. Returns the number of independent
+    /// directions in which the contacts carry the bases, an integer.
     ///
-    /// `wrenches` receives the wrench on each contact's link (N m, N), at the frame's origin in world axes; the
-    /// entries of loop constraints are zero. The wrenches have the smallest sum of (force^2 + (moment / l)^2) /
-    /// weight over the contacts, with the characteristic length l of each. The entries of `tau` of a floating
-    /// base are the wrench on it that no contact can carry.
+    /// `wrenches` receives the wrench on each contact's link (N m, N), at the frame's origin in
+    /// world axes; the entries of loop constraints are zero. The wrenches have the smallest sum of
+    /// (force^2 + (moment / l)^2) / weight over the contacts, with the characteristic length l of
+    /// each. The entries of `tau` of a floating base are the wrench on it that no contact can
+    /// carry.
     ///
     /// # Errors
     ///
@@ -280,10 +287,10 @@ impl<S: Scalar> Interpreter<S> {
         Ok(self.solve_torques((q, qd, qdd), settings, (tau, wrenches)))
     }
 
-    /// Computes the Jacobian of each constraint into `columns`: a column for each entry of qd, constraint by
-    /// constraint. The product with qd is, for a loop constraint, the constrained part of the twist of its
-    /// second frame relative to its first, in the first frame's axes; for a contact, active or not, the
-    /// constrained part of its frame's twist in world axes.
+    /// Computes the Jacobian of each constraint into `columns`: a column for each entry of qd,
+    /// constraint by constraint. The product with qd is, for a loop constraint, the constrained
+    /// part of the twist of its second frame relative to its first, in the first frame's axes; for
+    /// a contact, active or not, the constrained part of its frame's twist in world axes.
     ///
     /// # Errors
     ///
@@ -319,14 +326,15 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Computes the inverse operational-space inertia J M^-1 J^T of the constraint rows (1/kg; the Delassus
-    /// matrix), with the compliance of contacts, and its pseudo-inverse (kg). Returns the number of independent
-    /// rows, an integer.
+    /// Computes the inverse operational-space inertia J M^-1 J^T of the constraint rows (1/kg; the
+    /// Delassus matrix), with the compliance of contacts, and its pseudo-inverse (kg). Returns the
+    /// number of independent rows, an integer.
     ///
     /// Both matrices are by columns, with a row for each constraint row
-    /// ([`Model::constraint_rows`](crate::model::Model::constraint_rows)). Each constraint has its constrained
-    /// rotations, then its constrained displacements: in the first frame's axes for a loop constraint, in world
-    /// axes for a contact. The rows and columns of inactive contacts are zero.
+    /// ([`Model::constraint_rows`](crate::model::Model::constraint_rows)). Each constraint has its
+    /// constrained rotations, then its constrained displacements: in the first frame's axes for a
+    /// loop constraint, in world axes for a contact. The rows and columns of inactive contacts are
+    /// zero.
     ///
     /// # Errors
     ///
@@ -347,12 +355,14 @@ impl<S: Scalar> Interpreter<S> {
     }
 
     /// Computes the accelerations and the wrenches of
-    /// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics), and their derivatives with respect
-    /// to q (in tangent space), qd and tau. Returns the number of independent constraint rows, an integer.
+    /// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics), and their derivatives
+    /// with respect to q (in tangent space), qd and tau. Returns the number of independent
+    /// constraint rows, an integer.
     ///
-    /// Matrices are nv x nv, by columns. Derivatives of wrenches have a wrench for each entry of the variable,
-    /// constraint by constraint, in the axes of the wrenches. The rank is assumed constant; redundant rows get the
-    /// derivatives of smallest norm. The first call allocates memory.
+    /// Matrices are nv x nv, by columns. Derivatives of wrenches have a wrench for each entry of
+    /// the variable, constraint by constraint, in the axes of the wrenches. The rank is assumed
+    /// constant; redundant rows get the derivatives of smallest norm. The first call allocates
+    /// memory.
     ///
     /// # Errors
     ///
@@ -381,7 +391,8 @@ impl<S: Scalar> Interpreter<S> {
     }
 }
 
-/// The functions of constraints with the set of active contacts that was stored last. Lengths are not checked.
+/// The functions of constraints with the set of active contacts that was stored last. Lengths are
+/// not checked.
 impl<S: Scalar> Interpreter<S> {
     /// Stores the set of active contacts: for each contact 1 or 0.
     pub(crate) fn activate(&mut self, active: &[S]) {

@@ -8,11 +8,11 @@ use crate::equations::kinematics::coordinates;
 use crate::{ConfigurationError, Scalar, configuration};
 
 impl<S: Scalar> Interpreter<S> {
-    /// Computes the coordinates after unit time at the constant velocities `v` from `q`: q (+) v, nq entries. For
-    /// a time step dt use `v` = qd dt.
+    /// Computes the coordinates after unit time at the constant velocities `v` from `q`: q (+) v,
+    /// nq entries. For a time step dt use `v` = qd dt.
     ///
-    /// Coordinates of revolute and prismatic joints are added. Rotations and poses follow the exponential map in
-    /// their own axes, which are the axes of qd; quaternions keep length 1.
+    /// Coordinates of revolute and prismatic joints are added. Rotations and poses follow the
+    /// exponential map in their own axes, which are the axes of qd; quaternions keep length 1.
     ///
     /// ```
     /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
@@ -39,8 +39,9 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Computes the velocities `v` that lead from `from` to `to` in unit time, nv entries: the inverse of
-    /// [`integrate`](Self::integrate). Rotations are the shortest ones; joint angles are not wrapped.
+    /// Computes the velocities `v` that lead from `from` to `to` in unit time, nv entries: the
+    /// inverse of [`integrate`](Self::integrate). Rotations are the shortest ones; joint angles are
+    /// not wrapped.
     ///
     /// # Errors
     ///
@@ -54,11 +55,11 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Computes the derivatives of [`integrate`](Self::integrate) with respect to `q` and `v`, nv x nv matrices by
-    /// columns.
+    /// Computes the derivatives of [`integrate`](Self::integrate) with respect to `q` and `v`, nv x
+    /// nv matrices by columns.
     ///
-    /// Both are in the tangent space: displacements of `q` are in the axes at `q`, and those of the moved
-    /// coordinates in the axes there. Nothing depends on `q` but its length.
+    /// Both are in the tangent space: displacements of `q` are in the axes at `q`, and those of the
+    /// moved coordinates in the axes there. Nothing depends on `q` but its length.
     ///
     /// # Errors
     ///
@@ -79,8 +80,9 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Computes the derivatives of [`difference`](Self::difference) with respect to `from` and `to`, nv x nv
-    /// matrices by columns, in the tangent space: displacements are in the axes at `from` and at `to`.
+    /// Computes the derivatives of [`difference`](Self::difference) with respect to `from` and
+    /// `to`, nv x nv matrices by columns, in the tangent space: displacements are in the axes at
+    /// `from` and at `to`.
     ///
     /// # Errors
     ///
@@ -117,13 +119,14 @@ impl<S: Scalar> Interpreter<S> {
 
     /// Checks that the quaternions of spherical and floating joints in `q` have length 1.
     ///
-    /// The tolerance is half of the scalar's digits: 1.5e-8 in `f64`, 3.5e-4 in `f32`. No other function checks
-    /// quaternions. With a quaternion of length 1.1, accelerations are wrong by a part in a thousand or more.
+    /// The tolerance is half of the scalar's digits: 1.5e-8 in `f64`, 3.5e-4 in `f32`. No other
+    /// function checks quaternions. With a quaternion of length 1.1, accelerations are wrong by a
+    /// part in a thousand or more.
     ///
     /// # Errors
     ///
-    /// If `q` does not have the model's length. Otherwise names the first joint whose quaternion does not have
-    /// length 1.
+    /// If `q` does not have the model's length. Otherwise names the first joint whose quaternion
+    /// does not have length 1.
     pub fn check_configuration(&self, q: &[S]) -> Result<(), ConfigurationError<S, String>>
     where
         S: PartialOrd,
@@ -170,8 +173,9 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Computes random coordinates, uniformly distributed within the joint limits. Without limits, angles are
-    /// within -pi..pi, displacements within -1 m..1 m, and rotations uniformly distributed over SO(3).
+    /// Computes random coordinates, uniformly distributed within the joint limits. Without limits,
+    /// angles are within -pi..pi, displacements within -1 m..1 m, and rotations uniformly
+    /// distributed over SO(3).
     ///
     /// `uniform` returns independent numbers, uniformly distributed in 0..1. It is called nv times.
     ///

@@ -10,11 +10,13 @@ use crate::equations::dynamics::Forces;
 use crate::model::ModuleTree;
 
 impl<S: Scalar> Interpreter<S> {
-    /// Computes the derivatives d tau / d q and d tau / d qd of inverse dynamics, nv x nv matrices by columns.
+    /// Computes the derivatives d tau / d q and d tau / d qd of inverse dynamics, nv x nv matrices
+    /// by columns.
     ///
-    /// The derivative with respect to q is in the tangent space: for spherical and floating joints, with respect
-    /// to displacements in the link's own axes. d tau / d qdd is the [`mass_matrix`](Self::mass_matrix). The
-    /// derivative of Coulomb friction is taken as 0, also at its jump.
+    /// The derivative with respect to q is in the tangent space: for spherical and floating joints,
+    /// with respect to displacements in the link's own axes. d tau / d qdd is the
+    /// [`mass_matrix`](Self::mass_matrix). The derivative of Coulomb friction is taken as 0, also
+    /// at its jump.
     ///
     /// # Errors
     ///
@@ -39,9 +41,9 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Computes the Coriolis matrix C, nv x nv, by columns. C qd are the Coriolis and centrifugal forces, and dM/dt - 2 C
-    /// is skew with the [`mass_matrix`](Self::mass_matrix) M. Gravity, damping and friction are not included. The first call
-    /// allocates memory.
+    /// Computes the Coriolis matrix C, nv x nv, by columns. C qd are the Coriolis and centrifugal
+    /// forces, and dM/dt - 2 C is skew with the [`mass_matrix`](Self::mass_matrix) M. Gravity,
+    /// damping and friction are not included. The first call allocates memory.
     ///
     /// # Errors
     ///
@@ -60,11 +62,12 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Computes the generalized forces `tau` = J^T f of external wrenches f (N m or N), one for each link of the
-    /// description, and their derivatives with respect to q (in the tangent space), an nv x nv matrix by columns.
+    /// Computes the generalized forces `tau` = J^T f of external wrenches f (N m or N), one for
+    /// each link of the description, and their derivatives with respect to q (in the tangent
+    /// space), an nv x nv matrix by columns.
     ///
-    /// The wrenches are constant while q changes: those in link axes rotate with their links, those in world axes do
-    /// not. Both act at the links' origins, which move.
+    /// The wrenches are constant while q changes: those in link axes rotate with their links, those
+    /// in world axes do not. Both act at the links' origins, which move.
     ///
     /// # Errors
     ///
@@ -89,9 +92,9 @@ impl<S: Scalar> Interpreter<S> {
     /// Computes the derivatives d tau / d q and d tau / d qd of
     /// [`inverse_dynamics_external`](Self::inverse_dynamics_external), nv x nv matrices by columns.
     ///
-    /// The wrenches are constant while q changes: those in link axes rotate with their links, those in world axes do
-    /// not. Both act at the links' origins, which move. The first call
-    /// allocates memory.
+    /// The wrenches are constant while q changes: those in link axes rotate with their links, those
+    /// in world axes do not. Both act at the links' origins, which move. The first call allocates
+    /// memory.
     ///
     /// # Errors
     ///
@@ -117,11 +120,11 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Computes the joint accelerations under the joint forces `tau`, and their derivatives with respect to q (in
-    /// the tangent space), qd and tau, nv x nv matrices by columns.
+    /// Computes the joint accelerations under the joint forces `tau`, and their derivatives with
+    /// respect to q (in the tangent space), qd and tau, nv x nv matrices by columns.
     ///
-    /// The derivative with respect to tau is the inverse of the mass matrix, exactly symmetric. The first call
-    /// allocates memory.
+    /// The derivative with respect to tau is the inverse of the mass matrix, exactly symmetric. The
+    /// first call allocates memory.
     ///
     /// ```
     /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
@@ -160,12 +163,13 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Computes the joint accelerations under the joint forces `tau` and external wrenches, and their derivatives with
-    /// respect to q (in the tangent space), qd and tau, nv x nv matrices by columns.
+    /// Computes the joint accelerations under the joint forces `tau` and external wrenches, and
+    /// their derivatives with respect to q (in the tangent space), qd and tau, nv x nv matrices by
+    /// columns.
     ///
-    /// The wrenches are constant while q changes: those in link axes rotate with their links, those in world axes do
-    /// not. Both act at the links' origins, which move. The first call
-    /// allocates memory.
+    /// The wrenches are constant while q changes: those in link axes rotate with their links, those
+    /// in world axes do not. Both act at the links' origins, which move. The first call allocates
+    /// memory.
     ///
     /// # Errors
     ///

@@ -10,8 +10,8 @@ use crate::equations::dynamics::{
 };
 
 impl<S: Scalar> Interpreter<S> {
-    /// Computes the joint accelerations `qdd` (rad/s^2 or m/s^2) under the joint forces `tau`, by the inter- and
-    /// intra-modular recursion (60) of the paper.
+    /// Computes the joint accelerations `qdd` (rad/s^2 or m/s^2) under the joint forces `tau`, by
+    /// the inter- and intra-modular recursion (60) of the paper.
     ///
     /// ```
     /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
@@ -38,8 +38,8 @@ impl<S: Scalar> Interpreter<S> {
         self.accelerate((q, qd, tau), None, qdd)
     }
 
-    /// Computes the joint accelerations `qdd` under the joint forces `tau` and external wrenches `forces`: one
-    /// wrench for each link of the description, fixed links included, in the order of
+    /// Computes the joint accelerations `qdd` under the joint forces `tau` and external wrenches
+    /// `forces`: one wrench for each link of the description, fixed links included, in the order of
     /// [`Model::frames`](crate::model::Model::frames).
     ///
     /// # Errors
@@ -80,8 +80,8 @@ impl<S: Scalar> Interpreter<S> {
         })
     }
 
-    /// Computes the joint forces `tau` (N m or N) of the accelerations `qdd`, by the recursive Newton-Euler
-    /// algorithm (Featherstone 2008, chapter 5).
+    /// Computes the joint forces `tau` (N m or N) of the accelerations `qdd`, by the recursive
+    /// Newton-Euler algorithm (Featherstone 2008, chapter 5).
     ///
     /// ```
     /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
@@ -108,8 +108,8 @@ impl<S: Scalar> Interpreter<S> {
         self.required_torques((q, qd, Some(qdd)), None, tau)
     }
 
-    /// Computes the joint forces `tau` of the accelerations `qdd` under external wrenches `forces`: one wrench for
-    /// each link of the description, fixed links included, in the order of
+    /// Computes the joint forces `tau` of the accelerations `qdd` under external wrenches `forces`:
+    /// one wrench for each link of the description, fixed links included, in the order of
     /// [`Model::frames`](crate::model::Model::frames).
     ///
     /// # Errors
@@ -164,8 +164,8 @@ impl<S: Scalar> Interpreter<S> {
         self.required_torques((q, qd, None), None, tau)
     }
 
-    /// Computes the joint forces that balance gravity and springs at zero velocity: the gradient of the
-    /// [`potential_energy`](Self::potential_energy).
+    /// Computes the joint forces that balance gravity and springs at zero velocity: the gradient of
+    /// the [`potential_energy`](Self::potential_energy).
     ///
     /// ```
     /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
@@ -237,8 +237,8 @@ impl<S: Scalar> Interpreter<S> {
         Ok(kinetic_energy(&self.mechanism, q, qd, &mut self.workspace))
     }
 
-    /// Returns the potential energy of the moving links under gravity and of the springs, J; zero for mass at the world's origin
-    /// and springs at rest.
+    /// Returns the potential energy of the moving links under gravity and of the springs, J; zero
+    /// for mass at the world's origin and springs at rest.
     ///
     /// ```
     /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));

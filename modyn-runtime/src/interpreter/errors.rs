@@ -56,7 +56,8 @@ impl fmt::Display for ModuleMismatch {
 
 impl core::error::Error for ModuleMismatch {}
 
-/// An error of a function for one link, or of the [evaluation](crate::Interpreter::evaluate) of any function.
+/// An error of a function for one link, or of the [evaluation](crate::Interpreter::evaluate) of any
+/// function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum FrameError {

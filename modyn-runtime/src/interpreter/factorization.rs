@@ -11,8 +11,8 @@ use crate::mechanism::BodyStructure;
 use crate::model::ModuleTree;
 
 impl<S: Scalar> Interpreter<S> {
-    /// Returns the factorization M = U D U^T of the mass matrix by modules at `q`, (35)-(49) of the paper.
-    /// Allocates the result; [`UduFactorization::update`] uses the memory of an earlier one.
+    /// Returns the factorization M = U D U^T of the mass matrix by modules at `q`, (35)-(49) of the
+    /// paper. Allocates the result; [`UduFactorization::update`] uses the memory of an earlier one.
     ///
     /// ```
     /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
@@ -51,8 +51,9 @@ impl<S: Scalar> Interpreter<S> {
 
 /// The factorization M = U D U^T of the mass matrix by modules. Matrices are returned by columns.
 ///
-/// [`update`](Self::update) and [`solve_in_place`](Self::solve_in_place) do not allocate. Methods that return a
-/// vector or matrix allocate it; [`condition_number`](Self::condition_number) allocates a copy of its block.
+/// [`update`](Self::update) and [`solve_in_place`](Self::solve_in_place) do not allocate. Methods
+/// that return a vector or matrix allocate it; [`condition_number`](Self::condition_number)
+/// allocates a copy of its block.
 #[derive(Clone, Debug)]
 pub struct UduFactorization<S = f64> {
     modules: ModuleTree,
@@ -70,8 +71,9 @@ impl<S: Scalar> UduFactorization<S> {
     ///
     /// # Errors
     ///
-    /// If the factorization belongs to a model with other joints or to other modules, or if `q` does not have
-    /// the model's length. (Models that differ in their numbers only may share a factorization.)
+    /// If the factorization belongs to a model with other joints or to other modules, or if `q`
+    /// does not have the model's length. (Models that differ in their numbers only may share a
+    /// factorization.)
     pub fn update(&mut self, interpreter: &Interpreter<S>, q: &[S]) -> Result<(), UpdateError> {
         let structure = interpreter.mechanism.structure();
         if self.modules != interpreter.modules || !structure.eq(self.structure.iter().copied()) {
@@ -124,7 +126,8 @@ impl<S: Scalar> UduFactorization<S> {
         self.matrix(|columns| brge::inverse(&self.layout, &self.factors, columns))
     }
 
-    /// Returns the solution x of M x = `rhs`, with the mass matrix M, by the three steps of equation 60 of the paper.
+    /// Returns the solution x of M x = `rhs`, with the mass matrix M, by the three steps of
+    /// equation 60 of the paper.
     ///
     /// # Errors
     ///
@@ -153,15 +156,16 @@ impl<S: Scalar> UduFactorization<S> {
         brge::log_determinant(&self.layout, &self.factors)
     }
 
-    /// Returns module `module`'s pivot block I_hat, (46), by columns; `None` if there is no such module.
+    /// Returns module `module`'s pivot block I_hat, (46), by columns; `None` if there is no such
+    /// module.
     #[must_use]
     pub fn pivot_block(&self, module: usize) -> Option<Vec<S>> {
         let exists = module < self.layout.blocks().len();
         exists.then(|| self.factors[self.layout.d(module)].to_vec())
     }
 
-    /// Returns the condition number (2-norm) of module `module`'s pivot block, by a fixed number of Jacobi
-    /// sweeps; `None` if there is no such module.
+    /// Returns the condition number (2-norm) of module `module`'s pivot block, by a fixed number of
+    /// Jacobi sweeps; `None` if there is no such module.
     #[must_use]
     pub fn condition_number(&self, module: usize) -> Option<S> {
         let exists = module < self.layout.blocks().len();

@@ -1,5 +1,6 @@
-//! Contracted Hessians: the first derivatives on numbers with a derivative, once along each displacement of q and qd.
-//! Generated functions differentiate graphs instead, and need far fewer operations.
+//! Contracted Hessians: the first derivatives on numbers with a derivative, once along each
+//! displacement of q and qd. Generated functions differentiate graphs instead, and need far fewer
+//! operations.
 
 use alloc::{vec, vec::Vec};
 
@@ -16,21 +17,24 @@ use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
 use crate::scalar::Tangent;
 
-/// The results of [`Interpreter::inverse_dynamics_hessian`] and [`Interpreter::forward_dynamics_hessian`]. The third
-/// variable is qdd of inverse dynamics, tau of forward dynamics.
+/// The results of [`Interpreter::inverse_dynamics_hessian`] and
+/// [`Interpreter::forward_dynamics_hessian`]. The third variable is qdd of inverse dynamics, tau of
+/// forward dynamics.
 #[derive(Debug)]
 pub struct HessianOutputs<'a, S> {
-    /// The joint forces tau of inverse dynamics, or the accelerations qdd of forward dynamics: nv entries.
+    /// The joint forces tau of inverse dynamics, or the accelerations qdd of forward dynamics: nv
+    /// entries.
     pub value: &'a mut [S],
-    /// The gradients with respect to q (in the tangent space), qd and the third variable: nv entries each.
+    /// The gradients with respect to q (in the tangent space), qd and the third variable: nv
+    /// entries each.
     pub gradients: [&'a mut [S]; 3],
-    /// The second derivatives with respect to q and q, q and qd, qd and qd, q and the third variable: nv x nv matrices by
-    /// columns. The second of the two variables has the columns.
+    /// The second derivatives with respect to q and q, q and qd, qd and qd, q and the third
+    /// variable: nv x nv matrices by columns. The second of the two variables has the columns.
     pub hessian: [&'a mut [S]; 4],
 }
 
-/// The results of [`Interpreter::step_semi_implicit_hessian`]. A state has the nv entries of q (in the tangent space), then
-/// those of qd. Matrices are stored by columns.
+/// The results of [`Interpreter::step_semi_implicit_hessian`]. A state has the nv entries of q (in
+/// the tangent space), then those of qd. Matrices are stored by columns.
 #[derive(Debug)]
 pub struct StepHessianOutputs<'a, S> {
     /// The coordinates after the step.
@@ -41,9 +45,11 @@ pub struct StepHessianOutputs<'a, S> {
     pub dx: &'a mut [S],
     /// The gradient with respect to tau: nv entries.
     pub dtau: &'a mut [S],
-    /// The second derivatives with respect to the state before the step: 2 nv columns of 2 nv entries.
+    /// The second derivatives with respect to the state before the step: 2 nv columns of 2 nv
+    /// entries.
     pub dx_dx: &'a mut [S],
-    /// The second derivatives with respect to the state before the step and tau: nv columns of 2 nv entries.
+    /// The second derivatives with respect to the state before the step and tau: nv columns of 2 nv
+    /// entries.
     pub dx_dtau: &'a mut [S],
     /// The second derivatives with respect to tau: nv columns of nv entries.
     pub dtau_dtau: &'a mut [S],
@@ -52,8 +58,8 @@ pub struct StepHessianOutputs<'a, S> {
 /// The gradients of a weighted sum with respect to q, qd and the third variable.
 pub(super) type Gradients<S> = [Vec<Tangent<S>>; 3];
 
-/// Adds to the gradients those of the sum of a function's results with these weights; `matrices` are the derivatives of the
-/// function with respect to each variable, by columns.
+/// Adds to the gradients those of the sum of a function's results with these weights; `matrices`
+/// are the derivatives of the function with respect to each variable, by columns.
 pub(super) fn add_weighted<S: Scalar>(
     matrices: &[Vec<Tangent<S>>; 3],
     weights: &[S],
@@ -73,11 +79,13 @@ pub(super) fn matrices<S: Scalar>(n: usize) -> [Vec<Tangent<S>>; 3] {
 }
 
 impl<S: Scalar> Interpreter<S> {
-    /// Computes the joint forces tau of the accelerations `qdd`, and the gradients and the Hessian of `cotangent`^T tau
-    /// with respect to q (in the tangent space), qd and qdd. The blocks of qd and qdd, and of qdd and qdd, are zero.
+    /// Computes the joint forces tau of the accelerations `qdd`, and the gradients and the Hessian
+    /// of `cotangent`^T tau with respect to q (in the tangent space), qd and qdd. The blocks of qd
+    /// and qdd, and of qdd and qdd, are zero.
     ///
-    /// The second derivatives with respect to q are those along [`integrate`](Self::integrate), and symmetric. Takes more
-    /// than 2 nv times as long as the first derivatives, and allocates memory at each call.
+    /// The second derivatives with respect to q are those along [`integrate`](Self::integrate), and
+    /// symmetric. Takes more than 2 nv times as long as the first derivatives, and allocates memory
+    /// at each call.
     ///
     /// # Errors
     ///
@@ -104,11 +112,13 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Computes the accelerations qdd under the joint forces `tau`, and the gradients and the Hessian of `cotangent`^T qdd
-    /// with respect to q (in the tangent space), qd and tau. The blocks of qd and tau, and of tau and tau, are zero.
+    /// Computes the accelerations qdd under the joint forces `tau`, and the gradients and the
+    /// Hessian of `cotangent`^T qdd with respect to q (in the tangent space), qd and tau. The
+    /// blocks of qd and tau, and of tau and tau, are zero.
     ///
-    /// The second derivatives with respect to q are those along [`integrate`](Self::integrate), and symmetric. Takes more
-    /// than 2 nv times as long as the first derivatives, and allocates memory at each call.
+    /// The second derivatives with respect to q are those along [`integrate`](Self::integrate), and
+    /// symmetric. Takes more than 2 nv times as long as the first derivatives, and allocates memory
+    /// at each call.
     ///
     /// # Errors
     ///
@@ -136,13 +146,14 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Computes the state after the time `dt` (s) by the semi-implicit Euler method, and the gradients and the Hessian of
-    /// `costate`^T state with respect to the state before the step and tau. The 2 nv entries of the costate are those of q,
-    /// then those of qd.
+    /// Computes the state after the time `dt` (s) by the semi-implicit Euler method, and the
+    /// gradients and the Hessian of `costate`^T state with respect to the state before the step and
+    /// tau. The 2 nv entries of the costate are those of q, then those of qd.
     ///
-    /// The Hessian is that of displacements along [`integrate`](Self::integrate) before the step and along
-    /// [`difference`](Self::difference) after it, both in the tangent space, and symmetric. Takes more than 3 nv times as long
-    /// as the first derivatives, and allocates memory at each call.
+    /// The Hessian is that of displacements along [`integrate`](Self::integrate) before the step
+    /// and along [`difference`](Self::difference) after it, both in the tangent space, and
+    /// symmetric. Takes more than 3 nv times as long as the first derivatives, and allocates memory
+    /// at each call.
     ///
     /// # Errors
     ///
@@ -197,7 +208,8 @@ impl<S: Scalar> Interpreter<S> {
                 *gradient = sum.x;
             }
         }
-        // Displacements do not commute, neither before the step nor after it: the Hessian is the symmetric part.
+        // Displacements do not commute, neither before the step nor after it: the Hessian is the
+        // symmetric part.
         let half = S::from_f64(0.5);
         let entry = |i: usize, j: usize| half * (changes[j * 3 * n + i] + changes[i * 3 * n + j]);
         for j in 0..n {
@@ -216,7 +228,8 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Differentiates gradients along each displacement of q and qd. `derive` adds the gradients to zeros.
+    /// Differentiates gradients along each displacement of q and qd. `derive` adds the gradients to
+    /// zeros.
     pub(super) fn differentiate(
         &self,
         (q, qd, last): (&[S], &[S], &[S]),
@@ -256,8 +269,8 @@ impl<S: Scalar> Interpreter<S> {
                 dqd_dqd[j * n + i] = by_qd[i].dx;
             }
         }
-        // Displacements of one rotation or pose do not commute: the second derivative along a displacement is the
-        // symmetric part.
+        // Displacements of one rotation or pose do not commute: the second derivative along a
+        // displacement is the symmetric part.
         let half = S::from_f64(0.5);
         for j in 0..n {
             for i in 0..j {

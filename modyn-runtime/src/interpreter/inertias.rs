@@ -75,17 +75,19 @@ enum InertialKind {
 /// A body's inertia, its base inertia, and its compensated mass.
 type Described<S> = (RigidInertia<S>, RigidInertia<S>, Option<CompensatedMass<S>>);
 
-/// The present inertias. The bodies' inertias are always summed from the described parts, so that rounding does not
-/// accumulate from change to change.
+/// The present inertias. The bodies' inertias are always summed from the described parts, so that
+/// rounding does not accumulate from change to change.
 #[derive(Clone, Debug)]
 pub(super) struct Inertias<S> {
-    /// For each body of the mechanism in the description, its inertia, its base inertia, and its compensated mass.
+    /// For each body of the mechanism in the description, its inertia, its base inertia, and its
+    /// compensated mass.
     described: Vec<Described<S>>,
     /// The static inertia in the description.
     static_inertia: RigidInertia<S>,
     /// For each body, its inertia without the own inertias of its links.
     rest: Vec<RigidInertia<S>>,
-    /// For each link of the description: its own inertia in the description, its present own inertia, its payload.
+    /// For each link of the description: its own inertia in the description, its present own
+    /// inertia, its payload.
     links: Vec<[Inertial<S>; 3]>,
     /// For each body, whether the inertia of one of its links has changed.
     changed: Vec<bool>,
@@ -193,8 +195,9 @@ fn link_of(model: &Model, v: usize) -> Option<usize> {
 }
 
 impl<S: Scalar + PartialOrd> Interpreter<S> {
-    /// Returns the ten inertial parameters of moving link `link` with the present inertias and payloads, as
-    /// [`Model::inertial_parameters`] does with those of the description; `None` if there is no such link.
+    /// Returns the ten inertial parameters of moving link `link` with the present inertias and
+    /// payloads, as [`Model::inertial_parameters`] does with those of the description; `None` if
+    /// there is no such link.
     #[must_use]
     pub fn inertial_parameters(&self, link: usize) -> Option<[S; PARAMETERS_PER_LINK]> {
         let mut parameters = self.model.inertial_parameters(link)?.map(S::from_f64);
@@ -213,17 +216,18 @@ impl<S: Scalar + PartialOrd> Interpreter<S> {
         Some(parameters)
     }
 
-    /// Replaces the own inertia of link `frame` of the description (an index into [`Model::frames`]). `inertial` is in
-    /// the link's frame.
+    /// Replaces the own inertia of link `frame` of the description (an index into
+    /// [`Model::frames`]). `inertial` is in the link's frame.
     ///
-    /// Links that are fixed to the link keep their inertia, and the link keeps its [payload](Self::set_payload). All
-    /// inertias are summed from the description: after any number of changes, the robot is the same as after the
-    /// last change of each link alone. A call takes time linear in the number of links; the first call allocates.
+    /// Links that are fixed to the link keep their inertia, and the link keeps its
+    /// [payload](Self::set_payload). All inertias are summed from the description: after any number
+    /// of changes, the robot is the same as after the last change of each link alone. A call takes
+    /// time linear in the number of links; the first call allocates.
     ///
     /// # Errors
     ///
-    /// If there is no such link, if no rigid body has this inertia, or if a joint that moves inertia in the
-    /// description would move none. After an error nothing has changed.
+    /// If there is no such link, if no rigid body has this inertia, or if a joint that moves
+    /// inertia in the description would move none. After an error nothing has changed.
     pub fn set_inertial(
         &mut self,
         frame: usize,
@@ -232,8 +236,9 @@ impl<S: Scalar + PartialOrd> Interpreter<S> {
         self.set_inertial_of_kind(frame, InertialKind::Own, inertial)
     }
 
-    /// Sets the payload of link `frame` of the description (an index into [`Model::frames`]): an inertia in the link's
-    /// frame that is added to the link's own. [`Inertial::default`] removes the payload.
+    /// Sets the payload of link `frame` of the description (an index into [`Model::frames`]): an
+    /// inertia in the link's frame that is added to the link's own. [`Inertial::default`] removes
+    /// the payload.
     ///
     /// ```
     /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));

@@ -6,10 +6,11 @@ use crate::Scalar;
 use crate::equations::kinematics::{self, Axes};
 use crate::spatial::{Pose, Twist};
 
-/// Functions of one link. `frame` is the link's index in [`Model::frames`](crate::model::Model::frames), which
-/// [`Model::frame_index`](crate::model::Model::frame_index) finds by name; fixed links have one, too. Motion is
-/// that of the link's origin; a link that is fixed to the world does not move. A call takes time linear in the
-/// depth of the link, apart from zero columns.
+/// Functions of one link. `frame` is the link's index in
+/// [`Model::frames`](crate::model::Model::frames), which
+/// [`Model::frame_index`](crate::model::Model::frame_index) finds by name; fixed links have one,
+/// too. Motion is that of the link's origin; a link that is fixed to the world does not move. A
+/// call takes time linear in the depth of the link, apart from zero columns.
 impl<S: Scalar> Interpreter<S> {
     fn check_frame(&self, frame: usize) -> Result<(), FrameError> {
         let count = self.mechanism.frames.len();
@@ -45,7 +46,8 @@ impl<S: Scalar> Interpreter<S> {
         Ok(kinematics::link_pose(&self.mechanism, frame, q))
     }
 
-    /// Returns the velocity of a link relative to the world, at the link's origin in world axes, rad/s and m/s.
+    /// Returns the velocity of a link relative to the world, at the link's origin in world axes,
+    /// rad/s and m/s.
     ///
     /// ```
     /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
@@ -71,8 +73,8 @@ impl<S: Scalar> Interpreter<S> {
         self.velocity(q, qd, frame, Axes::World)
     }
 
-    /// Returns the velocity of a link relative to the world, at the link's origin in the link's own axes, rad/s
-    /// and m/s.
+    /// Returns the velocity of a link relative to the world, at the link's origin in the link's own
+    /// axes, rad/s and m/s.
     ///
     /// # Errors
     ///
@@ -98,8 +100,8 @@ impl<S: Scalar> Interpreter<S> {
         Ok(kinematics::link_velocity(mechanism, frame, (q, qd), axes, workspace))
     }
 
-    /// Returns the angular acceleration of a link, rad/s^2, and the classical acceleration of its origin, m/s^2,
-    /// in world axes. Gravity is not included.
+    /// Returns the angular acceleration of a link, rad/s^2, and the classical acceleration of its
+    /// origin, m/s^2, in world axes. Gravity is not included.
     ///
     /// # Errors
     ///
@@ -114,8 +116,8 @@ impl<S: Scalar> Interpreter<S> {
         self.acceleration((q, qd, qdd), frame, Axes::World)
     }
 
-    /// Returns the angular acceleration of a link and the classical acceleration of its origin, in the link's own
-    /// axes. Gravity is not included.
+    /// Returns the angular acceleration of a link and the classical acceleration of its origin, in
+    /// the link's own axes. Gravity is not included.
     ///
     /// # Errors
     ///
@@ -142,8 +144,8 @@ impl<S: Scalar> Interpreter<S> {
         Ok(kinematics::link_acceleration(mechanism, frame, (q, qd, qdd), axes, workspace))
     }
 
-    /// Computes the Jacobian J of a link into `columns` (nv), at the link's origin in world axes (Pinocchio's
-    /// `LOCAL_WORLD_ALIGNED`). J qd is the link's [velocity](Self::link_velocity).
+    /// Computes the Jacobian J of a link into `columns` (nv), at the link's origin in world axes
+    /// (Pinocchio's `LOCAL_WORLD_ALIGNED`). J qd is the link's [velocity](Self::link_velocity).
     ///
     /// ```
     /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
@@ -170,8 +172,8 @@ impl<S: Scalar> Interpreter<S> {
         self.jacobian_in(q, frame, Axes::World, columns)
     }
 
-    /// Computes the Jacobian J of a link into `columns` (nv), at the link's origin in the link's own axes
-    /// (Pinocchio's `LOCAL`). J qd is the link's [velocity](Self::local_link_velocity).
+    /// Computes the Jacobian J of a link into `columns` (nv), at the link's origin in the link's
+    /// own axes (Pinocchio's `LOCAL`). J qd is the link's [velocity](Self::local_link_velocity).
     ///
     /// # Errors
     ///
@@ -200,8 +202,9 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Computes the time derivative dJ/dt of a link's [`jacobian`](Self::jacobian) J, in world axes, a column for each
-    /// entry of qd: dJ/dt qd is [`bias_acceleration`](Self::bias_acceleration).
+    /// Computes the time derivative dJ/dt of a link's [`jacobian`](Self::jacobian) J, in world
+    /// axes, a column for each entry of qd: dJ/dt qd is
+    /// [`bias_acceleration`](Self::bias_acceleration).
     ///
     /// # Errors
     ///
@@ -216,8 +219,9 @@ impl<S: Scalar> Interpreter<S> {
         self.jacobian_time_derivative_in((q, qd), frame, Axes::World, columns)
     }
 
-    /// Computes the time derivative dJ/dt of a link's [`local_jacobian`](Self::local_jacobian) J, in the link's own axes,
-    /// a column for each entry of qd: dJ/dt qd is [`local_bias_acceleration`](Self::local_bias_acceleration).
+    /// Computes the time derivative dJ/dt of a link's [`local_jacobian`](Self::local_jacobian) J,
+    /// in the link's own axes, a column for each entry of qd: dJ/dt qd is
+    /// [`local_bias_acceleration`](Self::local_bias_acceleration).
     ///
     /// # Errors
     ///
@@ -262,11 +266,11 @@ impl<S: Scalar> Interpreter<S> {
         self.bias_acceleration_in(q, qd, frame, Axes::World)
     }
 
-    /// Returns the bias acceleration dJ/dt qd of a link in its own axes: the time derivative of the components of
-    /// [`local_link_velocity`](Self::local_link_velocity) at constant qd.
+    /// Returns the bias acceleration dJ/dt qd of a link in its own axes: the time derivative of the
+    /// components of [`local_link_velocity`](Self::local_link_velocity) at constant qd.
     ///
-    /// Its linear part is the classical acceleration in these axes minus the cross product of the angular and the
-    /// linear velocity.
+    /// Its linear part is the classical acceleration in these axes minus the cross product of the
+    /// angular and the linear velocity.
     ///
     /// # Errors
     ///
@@ -295,8 +299,8 @@ impl<S: Scalar> Interpreter<S> {
 
 /// Functions of all links at once.
 impl<S: Scalar> Interpreter<S> {
-    /// Computes the poses in the world of all links of the description, fixed links included, in the order of
-    /// [`Model::frames`](crate::model::Model::frames).
+    /// Computes the poses in the world of all links of the description, fixed links included, in
+    /// the order of [`Model::frames`](crate::model::Model::frames).
     ///
     /// ```
     /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));

@@ -43,19 +43,20 @@ pub use steps::StepOutputs;
 
 /// The dynamics of a model that is known at run time only.
 ///
-/// Joint vectors have the order of [`Model::links`]; matrices are stored by columns. Units are SI units and
-/// radians. Quaternions in `q` must have length 1; only [`check_configuration`](Self::check_configuration)
-/// checks them.
+/// Joint vectors have the order of [`Model::links`]; matrices are stored by columns. Units are SI
+/// units and radians. Quaternions in `q` must have length 1; only
+/// [`check_configuration`](Self::check_configuration) checks them.
 ///
-/// Methods take time and memory linear in the number of links, apart from dense results and steps of the implicit midpoint
-/// rule, which solve dense equations. Nothing recurses on the
-/// call stack. Memory is allocated once, with three exceptions: [`brge`](Self::brge), [`denoc`](Self::denoc) and
-/// [`decomposition`](Self::decomposition) return new objects;
-/// [`forward_dynamics_derivatives`](Self::forward_dynamics_derivatives), [`set_inertial`](Self::set_inertial) and
-/// [`set_payload`](Self::set_payload) allocate at their first call; and so does the first call of
+/// Methods take time and memory linear in the number of links, apart from dense results and steps
+/// of the implicit midpoint rule, which solve dense equations. Nothing recurses on the call stack.
+/// Memory is allocated once, with three exceptions: [`brge`](Self::brge), [`denoc`](Self::denoc)
+/// and [`decomposition`](Self::decomposition) return new objects;
+/// [`forward_dynamics_derivatives`](Self::forward_dynamics_derivatives),
+/// [`set_inertial`](Self::set_inertial) and [`set_payload`](Self::set_payload) allocate at their
+/// first call; and so does the first call of
 /// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics) or
-/// [`project_constraints`](Self::project_constraints), and the first step of each kind. Products with derivatives and
-/// Hessians allocate matrices at each call.
+/// [`project_constraints`](Self::project_constraints), and the first step of each kind. Products
+/// with derivatives and Hessians allocate matrices at each call.
 ///
 /// ```
 /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
@@ -84,8 +85,8 @@ pub struct Interpreter<S = f64> {
     inertias: Option<Inertias<S>>,
     /// The layout of `modules`.
     layout: UduLayout,
-    /// The layout for derivatives and constraints: with modules of one link unless chosen otherwise. Created when it is first
-    /// needed.
+    /// The layout for derivatives and constraints: with modules of one link unless chosen
+    /// otherwise. Created when it is first needed.
     links: Option<UduLayout>,
     /// Created when constrained dynamics is first computed.
     constraints: Option<ConstraintWorkspace<S>>,
@@ -104,9 +105,11 @@ pub struct Interpreter<S = f64> {
 }
 
 impl<S: Scalar> Interpreter<S> {
-    /// Returns the interpreter of `model`. The modules of [`brge`](Self::brge) are its maximal serial chains.
+    /// Returns the interpreter of `model`. The modules of [`brge`](Self::brge) are its maximal
+    /// serial chains.
     ///
-    /// Forward dynamics eliminates link by link, so that a long chain does not need a large dense pivot block.
+    /// Forward dynamics eliminates link by link, so that a long chain does not need a large dense
+    /// pivot block.
     #[must_use]
     pub fn new(model: Model) -> Self {
         let modules = ModuleTree::chains(&model);
@@ -132,7 +135,8 @@ impl<S: Scalar> Interpreter<S> {
         Self { without_inertia, ..Self::from_mechanism(model, modules, mechanism.cast()) }
     }
 
-    /// Returns the interpreter of `model`, whose mechanism may have other inertias and another gravity.
+    /// Returns the interpreter of `model`, whose mechanism may have other inertias and another
+    /// gravity.
     #[doc(hidden)]
     #[must_use]
     pub fn with_mechanism(model: Model, mechanism: Mechanism<S>) -> Self {
@@ -169,19 +173,20 @@ impl<S: Scalar> Interpreter<S> {
         }
     }
 
-    /// Returns a joint that moves no inertia because its link has none, as an index into [`Model::links`]; `None` if all
-    /// joints move inertia.
+    /// Returns a joint that moves no inertia because its link has none, as an index into
+    /// [`Model::links`]; `None` if all joints move inertia.
     ///
-    /// A robot with such a joint has kinematics alone: poses, velocities, Jacobians and the other functions that
-    /// [need no inertia](crate::quantities::Row::needs_inertia). [`evaluate`](Self::evaluate) refuses the others; the methods
-    /// for them return zero, infinite or NaN results. [`set_inertial`](Self::set_inertial) gives a link inertia.
+    /// A robot with such a joint has kinematics alone: poses, velocities, Jacobians and the other
+    /// functions that [need no inertia](crate::quantities::Row::needs_inertia).
+    /// [`evaluate`](Self::evaluate) refuses the others; the methods for them return zero, infinite
+    /// or NaN results. [`set_inertial`](Self::set_inertial) gives a link inertia.
     #[must_use]
     pub fn joint_without_inertia(&self) -> Option<usize> {
         self.without_inertia
     }
 
-    /// Returns the interpreter with this solver of forward dynamics, the layout of [`brge`](Self::brge), and the layout for
-    /// derivatives and constraints.
+    /// Returns the interpreter with this solver of forward dynamics, the layout of
+    /// [`brge`](Self::brge), and the layout for derivatives and constraints.
     #[doc(hidden)]
     #[must_use]
     pub fn with_solvers(
@@ -217,8 +222,8 @@ impl<S: Scalar> Interpreter<S> {
         Ok(self)
     }
 
-    /// Returns the model that the interpreter was created for. [`set_gravity`](Self::set_gravity) and
-    /// [`set_inertial`](Self::set_inertial) do not change it.
+    /// Returns the model that the interpreter was created for. [`set_gravity`](Self::set_gravity)
+    /// and [`set_inertial`](Self::set_inertial) do not change it.
     #[must_use]
     pub fn model(&self) -> &Model {
         &self.model

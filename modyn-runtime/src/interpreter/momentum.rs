@@ -33,8 +33,8 @@ impl<S: Scalar> Interpreter<S> {
         Ok(center_of_mass(&self.mechanism, q, &mut self.workspace).0)
     }
 
-    /// Computes the Jacobian of the centre of mass into `columns` (nv), world axes. Its product with qd is the
-    /// velocity of the centre of mass.
+    /// Computes the Jacobian of the centre of mass into `columns` (nv), world axes. Its product
+    /// with qd is the velocity of the centre of mass.
     ///
     /// # Errors
     ///
@@ -50,8 +50,9 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Computes the centroidal momentum matrix A into `columns` (nv), world axes: A qd is the momentum about the
-    /// centre of mass (Orin, Goswami and Lee 2013). Rotors have energy, but no momentum: their axes are not described.
+    /// Computes the centroidal momentum matrix A into `columns` (nv), world axes: A qd is the
+    /// momentum about the centre of mass (Orin, Goswami and Lee 2013). Rotors have energy, but no
+    /// momentum: their axes are not described.
     ///
     /// # Errors
     ///
@@ -67,8 +68,9 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Computes the centroidal composite inertia I into `columns`, world axes: I t is the momentum about the centre of mass of
-    /// all moving links as one rigid body with the twist t at the centre of mass (Orin, Goswami and Lee 2013; Pinocchio's `Ig`).
+    /// Computes the centroidal composite inertia I into `columns`, world axes: I t is the momentum
+    /// about the centre of mass of all moving links as one rigid body with the twist t at the
+    /// centre of mass (Orin, Goswami and Lee 2013; Pinocchio's `Ig`).
     ///
     /// # Errors
     ///
@@ -83,8 +85,8 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Returns the momentum about the centre of mass in world axes, kg m^2/s and kg m/s. Rotors have energy, but no
-    /// momentum: their axes are not described.
+    /// Returns the momentum about the centre of mass in world axes, kg m^2/s and kg m/s. Rotors
+    /// have energy, but no momentum: their axes are not described.
     ///
     /// # Errors
     ///
@@ -95,8 +97,10 @@ impl<S: Scalar> Interpreter<S> {
         Ok(centroidal_momentum(&self.mechanism, (q, qd), &mut self.workspace))
     }
 
-    /// Returns the time derivative A qdd + A' qd of [`centroidal_momentum`](Self::centroidal_momentum) in world axes, N m and
-    /// N: the wrench about the centre of mass of gravity and of all forces from outside. At qdd = 0 it is the bias A' qd.
+    /// Returns the time derivative A qdd + A' qd of
+    /// [`centroidal_momentum`](Self::centroidal_momentum) in world axes, N m and N: the wrench
+    /// about the centre of mass of gravity and of all forces from outside. At qdd = 0 it is the
+    /// bias A' qd.
     ///
     /// # Errors
     ///
@@ -111,9 +115,9 @@ impl<S: Scalar> Interpreter<S> {
         Ok(centroidal_momentum_rate(&self.mechanism, (q, qd, qdd), &mut self.workspace))
     }
 
-    /// Computes [`centroidal_momentum`](Self::centroidal_momentum), its time derivative, and the derivatives of both, nv columns
-    /// each. The derivatives of the momentum by qd and of the rate by qdd are the
-    /// [`centroidal_momentum_matrix`](Self::centroidal_momentum_matrix).
+    /// Computes [`centroidal_momentum`](Self::centroidal_momentum), its time derivative, and the
+    /// derivatives of both, nv columns each. The derivatives of the momentum by qd and of the rate
+    /// by qdd are the [`centroidal_momentum_matrix`](Self::centroidal_momentum_matrix).
     ///
     /// # Errors
     ///

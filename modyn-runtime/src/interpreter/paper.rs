@@ -6,7 +6,8 @@ use crate::Scalar;
 use crate::equations::paper::{DeNoc, Decomposition, denoc};
 
 impl<S: Scalar> Interpreter<S> {
-    /// Returns the dense DeNOC matrices at `q`, (1)-(5) of the paper, with the inertias of the model.
+    /// Returns the dense DeNOC matrices at `q`, (1)-(5) of the paper, with the inertias of the
+    /// model.
     ///
     /// # Errors
     ///
@@ -16,8 +17,8 @@ impl<S: Scalar> Interpreter<S> {
         Ok(denoc(&self.mechanism, q, &mut self.workspace))
     }
 
-    /// Returns the paper's dense matrices of the block decomposition at `q`, (1)-(57), by the modules of
-    /// [`brge`](Self::brge), with the inertias of the model.
+    /// Returns the paper's dense matrices of the block decomposition at `q`, (1)-(57), by the
+    /// modules of [`brge`](Self::brge), with the inertias of the model.
     ///
     /// # Errors
     ///

@@ -1,4 +1,5 @@
-//! Products with the derivatives of inverse and forward dynamics, by the matrices. Generated functions need no matrices.
+//! Products with the derivatives of inverse and forward dynamics, by the matrices. Generated
+//! functions need no matrices.
 
 use alloc::{vec, vec::Vec};
 
@@ -7,8 +8,9 @@ use super::{ForwardDerivatives, Interpreter};
 use crate::Scalar;
 
 impl<S: Scalar> Interpreter<S> {
-    /// Computes the joint forces tau of the accelerations `qdd`, and the gradients of `cotangent`^T tau with respect
-    /// to q (in the tangent space), qd and qdd, nv entries each. Allocates memory for the matrices.
+    /// Computes the joint forces tau of the accelerations `qdd`, and the gradients of `cotangent`^T
+    /// tau with respect to q (in the tangent space), qd and qdd, nv entries each. Allocates memory
+    /// for the matrices.
     ///
     /// # Errors
     ///
@@ -28,8 +30,8 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Computes the joint forces tau of the accelerations `qdd`, and their change under changes of q (in the tangent
-    /// space), qd and qdd. Allocates memory for the matrices.
+    /// Computes the joint forces tau of the accelerations `qdd`, and their change under changes of
+    /// q (in the tangent space), qd and qdd. Allocates memory for the matrices.
     ///
     /// # Errors
     ///
@@ -47,8 +49,9 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Computes the accelerations qdd under the joint forces `tau`, and the gradients of `cotangent`^T qdd with
-    /// respect to q (in the tangent space), qd and tau, nv entries each. Allocates memory for the matrices.
+    /// Computes the accelerations qdd under the joint forces `tau`, and the gradients of
+    /// `cotangent`^T qdd with respect to q (in the tangent space), qd and tau, nv entries each.
+    /// Allocates memory for the matrices.
     ///
     /// # Errors
     ///
@@ -68,8 +71,8 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Computes the accelerations qdd under the joint forces `tau`, and their change under changes of q (in the
-    /// tangent space), qd and tau. Allocates memory for the matrices.
+    /// Computes the accelerations qdd under the joint forces `tau`, and their change under changes
+    /// of q (in the tangent space), qd and tau. Allocates memory for the matrices.
     ///
     /// # Errors
     ///

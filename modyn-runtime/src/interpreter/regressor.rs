@@ -7,13 +7,14 @@ use crate::equations::identification::regressor;
 use crate::model::PARAMETERS_PER_LINK;
 
 impl<S: Scalar> Interpreter<S> {
-    /// Computes the regressor Y into `columns`: nv rows, 10 columns for each moving link, by columns. tau = Y pi,
-    /// gravity included; pi is the concatenation of all moving links'
+    /// Computes the regressor Y into `columns`: nv rows, 10 columns for each moving link, by
+    /// columns. tau = Y pi, gravity included; pi is the concatenation of all moving links'
     /// [parameters](crate::model::Model::inertial_parameters).
     ///
-    /// Y pi excludes the forces of rotors, damping and friction. The columns do not depend on the model's inertias.
-    /// Not all columns are independent: see [`BaseParameters`](crate::equations::identification::BaseParameters).
-    /// Source: Atkeson, An and Hollerbach 1986.
+    /// Y pi excludes the forces of rotors, damping and friction. The columns do not depend on the
+    /// model's inertias. Not all columns are independent: see
+    /// [`BaseParameters`](crate::equations::identification::BaseParameters). Source: Atkeson, An
+    /// and Hollerbach 1986.
     ///
     /// ```
     /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));

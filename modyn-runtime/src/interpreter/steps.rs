@@ -20,9 +20,9 @@ type Method<S> = fn(
 );
 
 impl<S: Scalar> Interpreter<S> {
-    /// Computes the coordinates and velocities after the time `dt` (s) under the joint forces `tau`, by the
-    /// semi-implicit Euler method: `next_qd` = qd + dt qdd, and `next_q` is `q` moved by dt `next_qd`. The first
-    /// call allocates memory.
+    /// Computes the coordinates and velocities after the time `dt` (s) under the joint forces
+    /// `tau`, by the semi-implicit Euler method: `next_qd` = qd + dt qdd, and `next_q` is `q` moved
+    /// by dt `next_qd`. The first call allocates memory.
     ///
     /// # Errors
     ///
@@ -37,8 +37,9 @@ impl<S: Scalar> Interpreter<S> {
         self.step_by(steps::step_semi_implicit, (q, qd, tau, dt), (next_q, next_qd))
     }
 
-    /// Computes the state of [`step_semi_implicit`](Self::step_semi_implicit), and its derivatives A with respect
-    /// to the state before and B with respect to `tau`. The first call allocates memory.
+    /// Computes the state of [`step_semi_implicit`](Self::step_semi_implicit), and its derivatives
+    /// A with respect to the state before and B with respect to `tau`. The first call allocates
+    /// memory.
     ///
     /// # Errors
     ///
@@ -59,9 +60,9 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Computes the coordinates and velocities after the time `dt` (s) under the joint forces `tau`, by a
-    /// Runge-Kutta method of fourth order. Rotations and poses follow exponential maps, so quaternions keep
-    /// length 1. The first call allocates memory.
+    /// Computes the coordinates and velocities after the time `dt` (s) under the joint forces
+    /// `tau`, by a Runge-Kutta method of fourth order. Rotations and poses follow exponential maps,
+    /// so quaternions keep length 1. The first call allocates memory.
     ///
     /// # Errors
     ///
@@ -76,9 +77,9 @@ impl<S: Scalar> Interpreter<S> {
         self.step_by(steps::step_rk4, (q, qd, tau, dt), (next_q, next_qd))
     }
 
-    /// Computes the state of [`step_rk4`](Self::step_rk4), and its derivatives A with respect to the state before and B with
-    /// respect to `tau`, through the four evaluations of forward dynamics. Takes time of order nv^3. The first call allocates
-    /// memory.
+    /// Computes the state of [`step_rk4`](Self::step_rk4), and its derivatives A with respect to
+    /// the state before and B with respect to `tau`, through the four evaluations of forward
+    /// dynamics. Takes time of order nv^3. The first call allocates memory.
     ///
     /// # Errors
     ///
@@ -99,9 +100,10 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Computes the coordinates and velocities after the time `dt` (s) under the joint forces `tau`, by the implicit
-    /// midpoint rule: its equations are solved by three iterations of simplified Newton. Rotations and poses follow
-    /// exponential maps, so quaternions keep length 1. Takes time of order nv^3. The first call allocates memory.
+    /// Computes the coordinates and velocities after the time `dt` (s) under the joint forces
+    /// `tau`, by the implicit midpoint rule: its equations are solved by three iterations of
+    /// simplified Newton. Rotations and poses follow exponential maps, so quaternions keep
+    /// length 1. Takes time of order nv^3. The first call allocates memory.
     ///
     /// # Errors
     ///
@@ -121,8 +123,9 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Computes the state of [`step_implicit_midpoint`](Self::step_implicit_midpoint), and the derivatives of the implicit
-    /// midpoint rule: A with respect to the state before and B with respect to `tau`. The first call allocates memory.
+    /// Computes the state of [`step_implicit_midpoint`](Self::step_implicit_midpoint), and the
+    /// derivatives of the implicit midpoint rule: A with respect to the state before and B with
+    /// respect to `tau`. The first call allocates memory.
     ///
     /// # Errors
     ///

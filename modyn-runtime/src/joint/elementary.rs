@@ -1,7 +1,7 @@
 //! The elementary joints: the joint types of the equations.
 
-/// An elementary joint: the motion that it allows, in its child frame. All other joint types are composed of
-/// elementary joints.
+/// An elementary joint: the motion that it allows, in its child frame. All other joint types are
+/// composed of elementary joints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ElementaryJoint {
     /// Rotation about z.
@@ -25,15 +25,17 @@ impl ElementaryJoint {
         }
     }
 
-    /// Returns whether the joint moves along or about an axis, z. The axis is the same in the parent frame and in
-    /// the child frame, so that its degree of freedom may be described in either frame.
+    /// Returns whether the joint moves along or about an axis, z. The axis is the same in the
+    /// parent frame and in the child frame, so that its degree of freedom may be described in
+    /// either frame.
     #[must_use]
     pub fn has_axis(self) -> bool {
         matches!(self, Self::Revolute | Self::Prismatic)
     }
 
-    /// Returns the components of the twist (angular x, y, z, linear x, y, z) that the degrees of freedom move, one
-    /// for each: the nonzero entries of the paper's joint-motion propagation vectors p.
+    /// Returns the components of the twist (angular x, y, z, linear x, y, z) that the degrees of
+    /// freedom move, one for each: the nonzero entries of the paper's joint-motion propagation
+    /// vectors p.
     #[must_use]
     pub fn components(self) -> &'static [usize] {
         match self {

@@ -1,5 +1,5 @@
-//! Floating joints: any motion. The coordinates are a position in the parent frame and a unit quaternion. The
-//! velocities are in the child frame, linear before angular.
+//! Floating joints: any motion. The coordinates are a position in the parent frame and a unit
+//! quaternion. The velocities are in the child frame, linear before angular.
 
 use super::{ParentMotion, spherical};
 use crate::Scalar;
@@ -14,8 +14,8 @@ pub(super) fn accelerate<S: Scalar>(
 ) -> Field<S> {
     let parent = Field::rotating(from_parent.omega, from_parent.alpha);
     let field = spherical::accelerate(from_parent, &rates[3..], accelerations.map(|own| &own[3..]));
-    // The rates are in axes that rotate with field.omega. They are relative to axes that rotate with
-    // from_parent.omega.
+    // The rates are in axes that rotate with field.omega. They are relative to axes that rotate
+    // with from_parent.omega.
     let velocity = Vector3([rates[0], rates[1], rates[2]]);
     let mut a = from_parent.a + parent.relative_acceleration(displacement);
     a += (from_parent.omega + field.omega).cross(velocity);

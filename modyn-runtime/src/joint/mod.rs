@@ -1,7 +1,7 @@
 //! Joints: the contribution of each joint type to the equations, one file for each type.
 //!
-//! In the equations every joint axis is the z axis of its link's frame (`mechanism` rotates the frames). A
-//! joint type is therefore described by its effect on spatial quantities about z.
+//! In the equations every joint axis is the z axis of its link's frame (`mechanism` rotates the
+//! frames). A joint type is therefore described by its effect on spatial quantities about z.
 
 #[cfg(feature = "alloc")]
 mod elementary;
@@ -40,20 +40,21 @@ pub enum JointType {
     Continuous,
     /// Translation along the axis; the coordinate is the displacement in m.
     Prismatic,
-    /// Rotation about the axis, then about the second axis, which rotates with the first. The coordinates are
-    /// the two angles in rad, the velocities their rates.
+    /// Rotation about the axis, then about the second axis, which rotates with the first. The
+    /// coordinates are the two angles in rad, the velocities their rates.
     Universal,
     /// Translation along x and y of the plane normal to the axis, then rotation about the axis. The
-    /// coordinates are x, y (m) and the angle (rad), the velocities their rates. x and y are the joint
-    /// frame's axes, rotated by the smallest rotation from z to the axis.
+    /// coordinates are x, y (m) and the angle (rad), the velocities their rates. x and y are the
+    /// joint frame's axes, rotated by the smallest rotation from z to the axis.
     Planar,
-    /// Any rotation. The coordinates are a unit quaternion x, y, z, w, which rotates vectors from the link's
-    /// frame into the joint's frame. The velocity is the angular velocity in the link's own axes (rad/s).
+    /// Any rotation. The coordinates are a unit quaternion x, y, z, w, which rotates vectors from
+    /// the link's frame into the joint's frame. The velocity is the angular velocity in the link's
+    /// own axes (rad/s).
     Spherical,
-    /// Any motion. The coordinates are the position x, y, z in the joint's frame (m) and a unit quaternion
-    /// x, y, z, w. The velocities are the linear velocity of the link's origin (m/s), then the angular
-    /// velocity (rad/s), both in the link's own axes. The accelerations are the time derivatives of these six
-    /// components: the spatial acceleration, not the classical one.
+    /// Any motion. The coordinates are the position x, y, z in the joint's frame (m) and a unit
+    /// quaternion x, y, z, w. The velocities are the linear velocity of the link's origin (m/s),
+    /// then the angular velocity (rad/s), both in the link's own axes. The accelerations are the
+    /// time derivatives of these six components: the spatial acceleration, not the classical one.
     Floating,
 }
 

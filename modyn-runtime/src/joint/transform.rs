@@ -1,7 +1,9 @@
-//! The transform of a joint at given coordinates: the one place where the equations depend on joint types.
+//! The transform of a joint at given coordinates: the one place where the equations depend on joint
+//! types.
 //!
-//! The equations have four elementary joints. A universal joint is two revolute joints with a massless body
-//! between them, a planar joint two prismatic joints and a revolute joint (`mechanism::elementary`).
+//! The equations have four elementary joints. A universal joint is two revolute joints with a
+//! massless body between them, a planar joint two prismatic joints and a revolute joint
+//! (`mechanism::elementary`).
 
 use super::parent_motion::ParentMotion;
 use super::{ElementaryJoint, JointOffset, floating, prismatic, revolute, rotated, spherical};
@@ -46,8 +48,8 @@ impl<S: Scalar> JointTransform<S> {
         }
     }
 
-    /// Returns the displacement of the child's origin in the parent's axes; `None` for joints that only
-    /// rotate.
+    /// Returns the displacement of the child's origin in the parent's axes; `None` for joints that
+    /// only rotate.
     #[must_use]
     pub fn displacement(&self) -> Option<Vector3<S>> {
         match self {
@@ -57,8 +59,8 @@ impl<S: Scalar> JointTransform<S> {
         }
     }
 
-    /// Returns the motion of the child frame, from the motion of the parent frame and the joint's rates and
-    /// accelerations (`None` for zero).
+    /// Returns the motion of the child frame, from the motion of the parent frame and the joint's
+    /// rates and accelerations (`None` for zero).
     #[must_use]
     pub fn accelerate(
         &self,
@@ -126,8 +128,8 @@ impl<S: Scalar> JointTransform<S> {
         }
     }
 
-    /// Returns the twist of the child if it moved rigidly with the parent (twist propagation). It transforms
-    /// perturbations of accelerations, too.
+    /// Returns the twist of the child if it moved rigidly with the parent (twist propagation). It
+    /// transforms perturbations of accelerations, too.
     #[must_use]
     pub fn twist_to_child(&self, t: Twist<S>) -> Twist<S> {
         match self {
@@ -166,8 +168,8 @@ impl<S: Scalar> JointTransform<S> {
         }
     }
 
-    /// Returns the velocity moments of the child's points relative to the parent frame, in the parent frame.
-    /// `velocities` are relative to the child frame; `body` is the points' inertia.
+    /// Returns the velocity moments of the child's points relative to the parent frame, in the
+    /// parent frame. `velocities` are relative to the child frame; `body` is the points' inertia.
     #[must_use]
     pub fn velocities_to_parent(
         &self,
@@ -202,8 +204,8 @@ impl<S: Scalar> JointTransform<S> {
         }
     }
 
-    /// Returns the velocity of the child's origin relative to the parent frame, in the parent's axes; `None`
-    /// for joints that only rotate.
+    /// Returns the velocity of the child's origin relative to the parent frame, in the parent's
+    /// axes; `None` for joints that only rotate.
     #[must_use]
     pub fn origin_velocity(&self, rates: &[S]) -> Option<Vector3<S>> {
         match self {

@@ -1,9 +1,10 @@
 //! AVX-512 (F and VL): 8 `f64` or 16 `f32`, with fused multiply-add.
 //!
-//! Unsafe code: these instructions may only run on a processor that has them, which the compiler cannot check.
-//! The processor has them wherever values of these types exist. The types cannot be named outside of `lanes`.
-//! Inside, only the two functions that `work!` defines here use them, which `dispatch` calls for
-//! `SimdLevel::Avx512` only. (Generic functions receive the types from these two functions.)
+//! Unsafe code: these instructions may only run on a processor that has them, which the compiler
+//! cannot check. The processor has them wherever values of these types exist. The types cannot be
+//! named outside of `lanes`. Inside, only the two functions that `work!` defines here use them,
+//! which `dispatch` calls for `SimdLevel::Avx512` only. (Generic functions receive the types from
+//! these two functions.)
 #![allow(unsafe_code)]
 
 use core::arch::x86_64::*;

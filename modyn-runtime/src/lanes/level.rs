@@ -23,8 +23,8 @@ pub enum SimdLevel {
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
 static FORCED: AtomicU8 = AtomicU8::new(0);
 
-/// Returns the vector instructions that batches use. With `std` they are the best that the processor has; without
-/// `std`, the best that the target guarantees.
+/// Returns the vector instructions that batches use. With `std` they are the best that the
+/// processor has; without `std`, the best that the target guarantees.
 #[inline]
 #[must_use]
 pub fn level() -> SimdLevel {
@@ -37,8 +37,8 @@ pub fn level() -> SimdLevel {
     best_level()
 }
 
-/// Makes batches use `level`, or the best level for `None`. Returns false if the processor lacks the level, or if the
-/// program is compiled for another one. For tests and benchmarks.
+/// Makes batches use `level`, or the best level for `None`. Returns false if the processor lacks
+/// the level, or if the program is compiled for another one. For tests and benchmarks.
 #[doc(hidden)]
 pub fn force_level(level: Option<SimdLevel>) -> bool {
     #[cfg(all(feature = "std", target_arch = "x86_64"))]

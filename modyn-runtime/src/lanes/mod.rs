@@ -1,10 +1,11 @@
 //! SIMD vectors as scalars: several values in one register, usually a state in each lane.
 //!
-//! Each instruction set has a file with its vector types, and one function that is compiled for it. The vector
-//! types cannot be named from outside. Generic code receives them as the type parameter of [`BatchTask::run`], which
-//! is called only where the processor has the instructions, so that single operations need no check. All generic
-//! code is inlined into that one function: code that is not inlined would be compiled without the instruction set,
-//! and be slow. (A function that enables the instruction set itself, as in `fused`, costs only the call.)
+//! Each instruction set has a file with its vector types, and one function that is compiled for it.
+//! The vector types cannot be named from outside. Generic code receives them as the type parameter
+//! of [`BatchTask::run`], which is called only where the processor has the instructions, so that
+//! single operations need no check. All generic code is inlined into that one function: code that
+//! is not inlined would be compiled without the instruction set, and be slow. (A function that
+//! enables the instruction set itself, as in `fused`, costs only the call.)
 
 #[cfg(target_arch = "x86_64")]
 #[allow(dead_code)] // Unused in programs compiled for a higher level.
@@ -73,8 +74,8 @@ pub trait Lanes: Decide {
         unsafe { self.store(to.as_mut_ptr()) }
     }
 
-    /// Runs part of the work in a function of its own, compiled for the same instructions. rustc takes more than
-    /// linear time for long functions.
+    /// Runs part of the work in a function of its own, compiled for the same instructions. rustc
+    /// takes more than linear time for long functions.
     fn outlined<P: Chunk>(part: P) -> P::Output;
 
     /// Returns the vector of the numbers from `from` on.
@@ -117,15 +118,17 @@ pub(crate) const MAX_LANES: usize = 16;
 
 macro_rules! dispatch {
     ($($float:ident by $run_simd:ident)*) => {$(
-        /// Runs `work` on the best vectors for values of one state, or on scalars. SSE2 is not used: it would cost
-        /// rustc as much as the other levels, and two lanes gain little. Programs compiled for AVX2 never use scalars.
+        /// Runs `work` on the best vectors for values of one state, or on scalars. SSE2 is not
+        /// used: it would cost rustc as much as the other levels, and two lanes gain little.
+        /// Programs compiled for AVX2 never use scalars.
         #[inline]
         #[allow(unsafe_code)] // Calls functions for instructions that were detected.
         pub(crate) fn $run_simd<W: SimdTask<$float>>(work: W) -> W::Output {
             // Few lanes do not profit from longer vectors.
             #[cfg(target_arch = "x86_64")]
             if cfg!(all(target_feature = "avx2", target_feature = "fma")) || level() >= SimdLevel::Avx2 {
-                // SAFETY: the program is compiled for AVX2 and FMA, or `level` has detected them; AVX-512 includes both.
+                // SAFETY: the program is compiled for AVX2 and FMA, or `level` has detected them;
+                // AVX-512 includes both.
                 return unsafe { avx2::$run_simd(work) };
             }
             // On aarch64 all code has fused multiply-add, so single values gain nothing.

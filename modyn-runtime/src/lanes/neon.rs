@@ -1,7 +1,7 @@
 //! NEON, aarch64's baseline: 2 `f64` or 4 `f32`, with fused multiply-add.
 //!
-//! Unsafe code: `load` and `store` use pointers, which is sound by their callers' contract. The instructions
-//! exist wherever `level` returns `SimdLevel::Neon`, since the target has them.
+//! Unsafe code: `load` and `store` use pointers, which is sound by their callers' contract. The
+//! instructions exist wherever `level` returns `SimdLevel::Neon`, since the target has them.
 #![allow(unsafe_code, unused_unsafe)]
 
 use core::arch::aarch64::*;

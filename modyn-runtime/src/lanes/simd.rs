@@ -23,8 +23,8 @@ macro_rules! one {
 
 one!(f64 f32);
 
-/// Implements packs in the first lanes of vectors; the remaining lanes repeat them. The lanes are written out
-/// instead of looped over, since rustc would have to unroll a loop at each use.
+/// Implements packs in the first lanes of vectors; the remaining lanes repeat them. The lanes are
+/// written out instead of looped over, since rustc would have to unroll a loop at each use.
 macro_rules! pack {
     ($($vector:ty: $lanes:literal of $one:ty, [$($unpacked:literal)*] in [$($lane:literal)*];)*) => {$(
         impl crate::scalar::Pack<$one, $lanes> for $vector {
@@ -53,8 +53,8 @@ macro_rules! pack {
     )*};
 }
 
-/// Defines the vector types of an instruction set, and the function that runs work on them, compiled with
-/// `$features`.
+/// Defines the vector types of an instruction set, and the function that runs work on them,
+/// compiled with `$features`.
 macro_rules! backend {
     ($(
         $float:ident by $function:ident on $set:ident $($features:literal)?:

@@ -1,7 +1,8 @@
-//! SSE2, x86-64's baseline: 2 `f64` or 4 `f32`. Products are rounded before they are added, as in scalars.
+//! SSE2, x86-64's baseline: 2 `f64` or 4 `f32`. Products are rounded before they are added, as in
+//! scalars.
 //!
-//! Unsafe code: `load` and `store` use pointers, which is sound by their callers' contract. Every x86-64 processor
-//! has the instructions.
+//! Unsafe code: `load` and `store` use pointers, which is sound by their callers' contract. Every
+//! x86-64 processor has the instructions.
 #![allow(unsafe_code, unused_unsafe)]
 
 use core::arch::x86_64::*;

@@ -1,4 +1,5 @@
-//! Every operation in every lane is compared with the scalar's: bit by bit where products are not fused.
+//! Every operation in every lane is compared with the scalar's: bit by bit where products are not
+//! fused.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::vec::Vec;
@@ -42,7 +43,8 @@ fn operations<S: Scalar>([a, b, c]: [S; 3]) -> [S; 20] {
     ]
 }
 
-/// The index of the first operation with a product in a sum. Earlier ones equal the scalar's on all levels.
+/// The index of the first operation with a product in a sum. Earlier ones equal the scalar's on all
+/// levels.
 const PRODUCT: usize = 13;
 
 /// The indices of the sines: of one angle, and of several.

@@ -1,11 +1,13 @@
 //! A vector type of an instruction set, written once as a macro over the names of the instructions.
 //!
-//! Unsafe code: the macros expand in the files of the instruction sets, whose headers justify it. `numbers` stores
-//! to an array of the vector's own size; callers of `load` and `store` guarantee the room.
+//! Unsafe code: the macros expand in the files of the instruction sets, whose headers justify it.
+//! `numbers` stores to an array of the vector's own size; callers of `load` and `store` guarantee
+//! the room.
 
 /// Defines a vector of `$lanes` numbers in `$register`, whose instructions need `$features`.
 ///
-/// Operations with an instruction of their own are given by its name, others as expressions over registers.
+/// Operations with an instruction of their own are given by its name, others as expressions over
+/// registers.
 macro_rules! vector {
     (
         $name:ident: [$float:ident; $lanes:literal] in $register:ident $(, $features:literal)?;
@@ -73,7 +75,8 @@ macro_rules! vector {
                 all
             }
 
-            /// Returns sine and cosine, corrected in lanes beyond the limit of the fast argument reduction.
+            /// Returns sine and cosine, corrected in lanes beyond the limit of the fast argument
+            /// reduction.
             #[inline(always)]
             fn correct_large_angles(self, (sin, cos): (Self, Self)) -> (Self, Self) {
                 let (mut sines, mut cosines) = (sin.numbers(), cos.numbers());

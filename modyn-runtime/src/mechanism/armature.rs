@@ -1,8 +1,9 @@
 //! The velocity-dependent forces of the armature of floating joints.
 //!
-//! The armature a of a floating joint is inertia in all directions: its kinetic energy is a/2 (v^2 + omega^2) with the
-//! velocities v and omega, in the link's own axes, which rotate. Its force on the origin is therefore a times the classical
-//! acceleration, which is the rate of v plus omega x v. The moments have no such part, since omega x omega = 0.
+//! The armature a of a floating joint is inertia in all directions: its kinetic energy is a/2
+//! (v^2 + omega^2) with the velocities v and omega, in the link's own axes, which rotate. Its force
+//! on the origin is therefore a times the classical acceleration, which is the rate of v plus omega
+//! x v. The moments have no such part, since omega x omega = 0.
 
 use super::Mechanism;
 use crate::Scalar;
@@ -19,7 +20,8 @@ struct Moving<S> {
 }
 
 impl<S: Scalar> Mechanism<S> {
-    /// Returns the joint of body `i` and its motion at the rates `qd`, if it is a floating joint with armature.
+    /// Returns the joint of body `i` and its motion at the rates `qd`, if it is a floating joint
+    /// with armature.
     fn moving_armature(&self, i: usize, qd: &[S]) -> Option<Moving<S>> {
         let body = &self.bodies[i];
         if body.elementary_joint != ElementaryJoint::Floating {
@@ -31,16 +33,17 @@ impl<S: Scalar> Mechanism<S> {
         Some(Moving { armature, first: body.dofs.start, linear, angular })
     }
 
-    /// Returns the forces a (omega x v) of the armature of body `i`'s joint at the rates `qd`, along its linear degrees of
-    /// freedom; `None` if it is no floating joint with armature.
+    /// Returns the forces a (omega x v) of the armature of body `i`'s joint at the rates `qd`,
+    /// along its linear degrees of freedom; `None` if it is no floating joint with armature.
     #[must_use]
     pub(crate) fn armature_forces(&self, i: usize, qd: &[S]) -> Option<Vector3<S>> {
         let Moving { armature, linear, angular, .. } = self.moving_armature(i, qd)?;
         Some(angular.cross(linear).scale(armature))
     }
 
-    /// Calls `add` for the derivatives of the [`armature_forces`](Self::armature_forces) with respect to the rates, with their
-    /// degrees of freedom: that of the force, and that of the rate.
+    /// Calls `add` for the derivatives of the [`armature_forces`](Self::armature_forces) with
+    /// respect to the rates, with their degrees of freedom: that of the force, and that of the
+    /// rate.
     pub(crate) fn armature_derivatives(&self, qd: &[S], mut add: impl FnMut(usize, usize, S)) {
         for i in 0..self.bodies.len() {
             let Some(moving) = self.moving_armature(i, qd) else { continue };
@@ -55,8 +58,9 @@ impl<S: Scalar> Mechanism<S> {
         }
     }
 
-    /// Calls `add` for the part of the Coriolis matrix that belongs to the [`armature_forces`](Self::armature_forces), with the
-    /// degrees of freedom of row and column. It is skew.
+    /// Calls `add` for the part of the Coriolis matrix that belongs to the
+    /// [`armature_forces`](Self::armature_forces), with the degrees of freedom of row and column.
+    /// It is skew.
     pub(crate) fn armature_coriolis(&self, qd: &[S], mut add: impl FnMut(usize, usize, S)) {
         self.armature_derivatives(qd, |row, column, entry| {
             if self.dofs[column].component >= 3 {

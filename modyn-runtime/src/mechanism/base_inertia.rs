@@ -1,12 +1,14 @@
-//! Base inertias: the part of a body's inertia that has no effect on its joint is moved to the parent.
+//! Base inertias: the part of a body's inertia that has no effect on its joint is moved to the
+//! parent.
 
 use super::Body;
 use crate::Scalar;
 use crate::joint::ElementaryJoint;
 use crate::spatial::{RigidInertia, Symmetric3, Vector3};
 
-/// Recomputes the base inertias from the bodies' inertias, leaves first: inertia without effect on a joint force is
-/// moved towards the root. Returns the static inertia, which is moved to the world, about the world's origin.
+/// Recomputes the base inertias from the bodies' inertias, leaves first: inertia without effect on
+/// a joint force is moved towards the root. Returns the static inertia, which is moved to the
+/// world, about the world's origin.
 pub(super) fn move_to_parents<S: Scalar>(bodies: &mut [Body<S>]) -> RigidInertia<S> {
     let mut static_inertia = RigidInertia::zero();
     for body in &mut *bodies {

@@ -11,14 +11,16 @@ use crate::spatial::{
     VelocityMoments, Wrench,
 };
 
-/// A moving link in its Denavit-Hartenberg frame, or a massless body inside a universal or planar joint.
+/// A moving link in its Denavit-Hartenberg frame, or a massless body inside a universal or planar
+/// joint.
 #[derive(Clone, Debug)]
 pub struct Body<S> {
     /// The parent body; `None` for the world.
     pub parent: Option<usize>,
     /// The joint towards the parent. Its axis is z.
     pub elementary_joint: ElementaryJoint,
-    /// The index in q of the joint's first coordinate; for a mimic joint, of its leader's coordinate.
+    /// The index in q of the joint's first coordinate; for a mimic joint, of its leader's
+    /// coordinate.
     pub q: usize,
     /// The multiplier and the offset of a mimic joint's coordinate.
     pub mimic: Option<(S, S)>,
@@ -105,8 +107,8 @@ impl<S: Scalar> Body<S> {
         self.placement.rigid_to_parent(&motion.rigid_to_parent(i))
     }
 
-    /// Returns velocity moments relative to the parent frame, in the parent frame. `velocities` are relative to
-    /// this body's frame, of points of inertia `i`.
+    /// Returns velocity moments relative to the parent frame, in the parent frame. `velocities` are
+    /// relative to this body's frame, of points of inertia `i`.
     #[must_use]
     pub fn velocities_to_parent(
         &self,
@@ -142,8 +144,8 @@ impl<S: Scalar> Body<S> {
     }
 }
 
-/// The place of a body in the tree and in the joint vectors. The size and layout of results depend on these
-/// only, not on the body's numbers.
+/// The place of a body in the tree and in the joint vectors. The size and layout of results depend
+/// on these only, not on the body's numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BodyStructure {
     parent: Option<usize>,
@@ -175,9 +177,9 @@ pub fn rigid_inertia<S: Scalar>(inertial: &Inertial<S>) -> RigidInertia<S> {
     RigidInertia::new(inertial.mass, Vector3(inertial.center_of_mass), &inertia)
 }
 
-/// Returns the inertia of moving link `link` of `model` without the own inertias of the `removed` links, about its
-/// origin in its own axes. `removed` are indices of [`Model::frames`]: links that are fixed to `link`, or `link`
-/// itself. A difference within rounding is zero.
+/// Returns the inertia of moving link `link` of `model` without the own inertias of the `removed`
+/// links, about its origin in its own axes. `removed` are indices of [`Model::frames`]: links that
+/// are fixed to `link`, or `link` itself. A difference within rounding is zero.
 #[must_use]
 pub fn inertia_without(
     model: &Model,

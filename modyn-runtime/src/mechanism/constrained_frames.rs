@@ -8,11 +8,13 @@ use crate::Scalar;
 use crate::model::{Contact, ContactKind, LoopConstraint, LoopConstraintEnd, LoopConstraintKind};
 use crate::spatial::{Pose, Vector3};
 
-/// A loop constraint between two frames of bodies, or a contact between the world and a frame of a body.
+/// A loop constraint between two frames of bodies, or a contact between the world and a frame of a
+/// body.
 #[derive(Clone, Debug)]
 pub struct ConstrainedFrames<S> {
-    /// The first frame and the second. The relative twist is expressed in the first frame's axes, or for a
-    /// contact in the axes of the first body on the kinematic path from the world to the second frame.
+    /// The first frame and the second. The relative twist is expressed in the first frame's axes,
+    /// or for a contact in the axes of the first body on the kinematic path from the world to the
+    /// second frame.
     pub ends: [BodyFrame<S>; 2],
     /// Whether this is a contact: then the first frame is the world.
     pub contact: bool,
@@ -20,8 +22,9 @@ pub struct ConstrainedFrames<S> {
     pub hinge: Option<Vector3<S>>,
     /// The constrained directions, one for each row of the constraint Jacobian.
     pub rows: Vec<ConstraintRow<S>>,
-    /// The free directions. Together with `rows` they are an orthonormal basis of rotations and displacements.
-    /// A contact of a robot with a floating base has none: the origin of its frame moves in all directions.
+    /// The free directions. Together with `rows` they are an orthonormal basis of rotations and
+    /// displacements. A contact of a robot with a floating base has none: the origin of its frame
+    /// moves in all directions.
     pub free: Vec<ConstraintRow<S>>,
     /// The characteristic length between rotations and displacements, m.
     pub length: S,
@@ -68,7 +71,8 @@ fn rows([angular, linear]: [Vec<[f64; 3]>; 2]) -> Vec<ConstraintRow<f64>> {
     angular.into_iter().map(row(true)).chain(linear.into_iter().map(row(false))).collect()
 }
 
-/// Returns `constraint`, of characteristic length `length`, on the bodies that carry the description's `frames`.
+/// Returns `constraint`, of characteristic length `length`, on the bodies that carry the
+/// description's `frames`.
 pub(super) fn constrained(
     frames: &[BodyFrame<f64>],
     constraint: &LoopConstraint,
@@ -84,8 +88,8 @@ pub(super) fn constrained(
     ConstrainedFrames { ends, contact: false, hinge, rows, free, length }
 }
 
-/// Returns `contact`, of characteristic length `length`, on the body that carries its link; `floats` is whether
-/// the base of that body floats.
+/// Returns `contact`, of characteristic length `length`, on the body that carries its link;
+/// `floats` is whether the base of that body floats.
 pub(super) fn touching(
     frames: &[BodyFrame<f64>],
     contact: &Contact,

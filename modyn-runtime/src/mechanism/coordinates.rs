@@ -19,7 +19,8 @@ pub enum CoordinateSpace<S> {
     },
     /// A unit quaternion x, y, z, w. Its velocity is the angular velocity in the rotated axes.
     Rotation,
-    /// A position and a unit quaternion. The velocities are linear, then angular, in the rotated axes.
+    /// A position and a unit quaternion. The velocities are linear, then angular, in the rotated
+    /// axes.
     Pose,
 }
 

@@ -19,7 +19,8 @@ pub(super) struct Frames {
     longest: f64,
     /// The length at or below which a component of the translation is zero, m.
     negligible: Vec<f64>,
-    /// The pose Rz(azimuth) Trans(translation) Rx(tilt) Rz(zero) in the parent's frame, with the joint at 0.
+    /// The pose Rz(azimuth) Trans(translation) Rx(tilt) Rz(zero) in the parent's frame, with the
+    /// joint at 0.
     pub(super) azimuth: Vec<Direction>,
     pub(super) translation: Vec<Vector3<f64>>,
     pub(super) tilt: Vec<Direction>,
@@ -64,9 +65,10 @@ impl Frames {
         frames
     }
 
-    /// Rotates each frame about its own z axis. A prismatic joint's frame is rotated by the rotation after its
-    /// tilt, a revolute joint's towards its main child, a leaf's towards its centre of mass. Joints without an
-    /// axis keep the link's frame, since their velocities are in its axes.
+    /// Rotates each frame about its own z axis. A prismatic joint's frame is rotated by the
+    /// rotation after its tilt, a revolute joint's towards its main child, a leaf's towards its
+    /// centre of mass. Joints without an axis keep the link's frame, since their velocities are in
+    /// its axes.
     pub(super) fn rotate(&mut self, elementary: &[ElementaryBody<'_>]) {
         for (i, own) in elementary.iter().enumerate() {
             let by = match self.children[i].first() {
@@ -94,7 +96,8 @@ impl Frames {
                 let azimuth = combine(self.azimuth[child], inverse(by));
                 let (cos, sin) = self.tilt[child];
                 if sin == 0.0 {
-                    // Rz(a) Rx(0 or pi) = Rx(0 or pi) Rz(a or -a): it merges with the child's offset.
+                    // Rz(a) Rx(0 or pi) = Rx(0 or pi) Rz(a or -a): it merges with the child's
+                    // offset.
                     let sense = if cos > 0.0 { azimuth } else { inverse(azimuth) };
                     self.offset[child] = combine(sense, self.offset[child]);
                     self.translation[child] =
@@ -106,12 +109,13 @@ impl Frames {
         }
     }
 
-    /// Shifts each revolute joint's frame along its axis to the point where a component of the translation
-    /// from its parent vanishes.
+    /// Shifts each revolute joint's frame along its axis to the point where a component of the
+    /// translation from its parent vanishes.
     ///
-    /// The next joint's shift makes up for that of its parent, divided by the cosine of the tilt: along a chain of many small
-    /// tilts the shifts would grow like a power, and digits would be lost. A frame that would be shifted farther than
-    /// twice the length of the longest path from the root stays in its place.
+    /// The next joint's shift makes up for that of its parent, divided by the cosine of the tilt:
+    /// along a chain of many small tilts the shifts would grow like a power, and digits would be
+    /// lost. A frame that would be shifted farther than twice the length of the longest path from
+    /// the root stays in its place.
     pub(super) fn shift(&mut self) {
         for i in 0..self.children.len() {
             if self.elementary_joint[i] != ElementaryJoint::Revolute {
@@ -142,7 +146,8 @@ impl Frames {
     }
 }
 
-/// Returns azimuth, tilt and offset of `rotation` = Rz(azimuth) Rx(tilt) Rz(zero). Parallel axes have azimuth zero.
+/// Returns azimuth, tilt and offset of `rotation` = Rz(azimuth) Rx(tilt) Rz(zero). Parallel axes
+/// have azimuth zero.
 fn split(rotation: &Matrix3<f64>) -> [Direction; 3] {
     let r = rotation.0.map(|row| row.map(snap));
     // The third column is (sin a sin t, -cos a sin t, cos t).
@@ -168,9 +173,10 @@ fn longest_path(elementary: &[ElementaryBody<'_>]) -> f64 {
     lengths.into_iter().fold(0.0, f64::max)
 }
 
-/// Returns, for each body, the length at or below which a component of its joint's translation is zero, m. An offset changes an
-/// entry of the mass matrix by its ratio to the lengths that move with the joint: the lengths of the joint's descendants, and
-/// the body's radius of gyration. So the joints of a small hand on a large arm keep smaller offsets than the joints of the arm.
+/// Returns, for each body, the length at or below which a component of its joint's translation is
+/// zero, m. An offset changes an entry of the mass matrix by its ratio to the lengths that move
+/// with the joint: the lengths of the joint's descendants, and the body's radius of gyration. So
+/// the joints of a small hand on a large arm keep smaller offsets than the joints of the arm.
 fn negligible_offsets(
     elementary: &[ElementaryBody<'_>],
     children: &[Vec<usize>],

@@ -12,8 +12,8 @@ use crate::spatial::{Matrix3, Pose, Vector3};
 pub(super) struct ElementaryBody<'a> {
     pub(super) parent: Option<usize>,
     pub(super) elementary_joint: ElementaryJoint,
-    /// The axes, as columns, of the frame whose z is the joint's axis, in the joint's frame. Identity for joints
-    /// without an axis.
+    /// The axes, as columns, of the frame whose z is the joint's axis, in the joint's frame.
+    /// Identity for joints without an axis.
     pub(super) frame: Matrix3<f64>,
     /// The pose of the joint's frame in the parent's at coordinate zero.
     pub(super) origin: Pose<f64>,
@@ -25,8 +25,8 @@ pub(super) struct ElementaryBody<'a> {
     pub(super) spring: Option<JointSpring<f64>>,
 }
 
-/// Returns the bodies of a model, and the body of each link. Universal and planar joints are expanded into several
-/// elementary joints.
+/// Returns the bodies of a model, and the body of each link. Universal and planar joints are
+/// expanded into several elementary joints.
 pub(super) fn expand_composite_joints(model: &Model) -> (Vec<ElementaryBody<'_>>, Vec<usize>) {
     let mut elementary: Vec<ElementaryBody<'_>> = Vec::with_capacity(model.links().len());
     let mut bodies: Vec<usize> = Vec::with_capacity(model.links().len());
@@ -101,7 +101,8 @@ fn elementary_spring(spring: &Spring, k: usize, joint: ElementaryJoint) -> Joint
     JointSpring { stiffness: spring.stiffness, reference }
 }
 
-/// Returns a right-handed frame (as columns) whose z axis is `axis`; it is exact for a coordinate axis.
+/// Returns a right-handed frame (as columns) whose z axis is `axis`; it is exact for a coordinate
+/// axis.
 fn frame_along(axis: [f64; 3]) -> Matrix3<f64> {
     let unit = |v: Vector3<f64>| v.scale(1.0 / libm::sqrt(v.dot(v)));
     let z = unit(Vector3(axis.map(snap)));

@@ -4,7 +4,8 @@ use super::{Dof, Mechanism};
 use crate::Scalar;
 
 impl<S: Scalar> Mechanism<S> {
-    /// Returns the force of damping and friction at `dof`, at the rates `qd`; `None` if neither acts.
+    /// Returns the force of damping and friction at `dof`, at the rates `qd`; `None` if neither
+    /// acts.
     #[must_use]
     pub fn dissipation(&self, dof: &Dof<S>, qd: &[S]) -> Option<S> {
         let rate = dof.rate(qd);
@@ -22,8 +23,8 @@ impl<S: Scalar> Mechanism<S> {
         }
     }
 
-    /// Returns the derivative of [`dissipation`](Self::dissipation) with respect to the degree of freedom's rate.
-    /// The derivative of Coulomb friction is 0, also at its jump.
+    /// Returns the derivative of [`dissipation`](Self::dissipation) with respect to the degree of
+    /// freedom's rate. The derivative of Coulomb friction is 0, also at its jump.
     #[must_use]
     pub fn dissipation_slope(&self, dof: &Dof<S>, qd: &[S]) -> Option<S> {
         let smooth = dof.friction.zip(self.smooth).map(|(friction, w)| {

@@ -7,12 +7,13 @@ use super::tree::{BodyTree, LimbRoot, TreeAccess};
 use super::{ConstrainedFrames, Mechanism};
 use crate::LaneScalar;
 
-/// A mechanism whose numbers may be packs of lanes. Equal limbs (legs, arms, fingers) are merged into one limb
-/// with a lane for each, or several columns of derivatives are computed at a time.
+/// A mechanism whose numbers may be packs of lanes. Equal limbs (legs, arms, fingers) are merged
+/// into one limb with a lane for each, or several columns of derivatives are computed at a time.
 ///
-/// Values of a merged limb differ from lane to lane. Values of the bodies that carry limbs are the same in all
-/// lanes. Limbs' forces are therefore summed over the lanes where they reach the parent, and the parent's motion
-/// is broadcast to the limbs. Equations that do so are generic over [`BodyTree`]:
+/// Values of a merged limb differ from lane to lane. Values of the bodies that carry limbs are the
+/// same in all lanes. Limbs' forces are therefore summed over the lanes where they reach the
+/// parent, and the parent's motion is broadcast to the limbs. Equations that do so are generic over
+/// [`BodyTree`]:
 ///
 /// ```
 /// use modyn_runtime::LaneScalar;
@@ -24,7 +25,8 @@ use crate::LaneScalar;
 /// }
 /// ```
 ///
-/// All other equations take a [`Mechanism`]. Calling them with a merged mechanism is a compile error:
+/// All other equations take a [`Mechanism`]. Calling them with a merged mechanism is a compile
+/// error:
 ///
 /// ```compile_fail,E0308
 /// use modyn_runtime::LaneScalar;
@@ -56,11 +58,11 @@ pub struct MergedMechanism<S> {
 }
 
 impl<S: LaneScalar> MergedMechanism<S> {
-    /// Returns `mechanism` with limbs merged. For each body, `roots` has the limbs whose representative it is the
-    /// first body of.
+    /// Returns `mechanism` with limbs merged. For each body, `roots` has the limbs whose
+    /// representative it is the first body of.
     ///
-    /// Links, frames, coordinates and constraints of the description have no meaning for merged limbs and are left
-    /// empty.
+    /// Links, frames, coordinates and constraints of the description have no meaning for merged
+    /// limbs and are left empty.
     #[must_use]
     pub fn new(mut mechanism: Mechanism<S>, roots: Vec<Option<LimbRoot>>) -> Self {
         mechanism.links.clear();
@@ -70,8 +72,8 @@ impl<S: LaneScalar> MergedMechanism<S> {
         Self { mechanism, roots, column_lanes: 1, contact_lanes: Vec::new() }
     }
 
-    /// Returns `mechanism` with its limbs unmerged. Derivatives are computed `column_lanes` columns at a time;
-    /// these columns belong to consecutive joints.
+    /// Returns `mechanism` with its limbs unmerged. Derivatives are computed `column_lanes` columns
+    /// at a time; these columns belong to consecutive joints.
     #[must_use]
     pub fn with_column_lanes(mut mechanism: Mechanism<S>, column_lanes: usize) -> Self {
         let constraints = core::mem::take(&mut mechanism.constraints);
@@ -80,10 +82,12 @@ impl<S: LaneScalar> MergedMechanism<S> {
         Self { column_lanes, ..merged }
     }
 
-    /// Returns the mechanism with contacts. Contacts on the bodies of a merged limb are merged as the bodies are. For
-    /// each contact of the robot, `lanes` has its index in `contacts` and its lane.
+    /// Returns the mechanism with contacts. Contacts on the bodies of a merged limb are merged as
+    /// the bodies are. For each contact of the robot, `lanes` has its index in `contacts` and its
+    /// lane.
     ///
-    /// The limbs that carry contacts must have one parent: a contact's kinematic path is that of the representative.
+    /// The limbs that carry contacts must have one parent: a contact's kinematic path is that of
+    /// the representative.
     #[must_use]
     pub fn with_contacts(
         mut self,

@@ -1,26 +1,31 @@
-//! The mechanism: the model rewritten for computation, by exact rewrites from [`Model`] to [`Mechanism`].
+//! The mechanism: the model rewritten for computation, by exact rewrites from [`Model`] to
+//! [`Mechanism`].
 //!
-//! 0. **Composite joints** (`elementary`). Universal and planar joints are expanded into revolute and prismatic
-//!    joints with massless bodies between them.
-//! 1. **z axes** (`dh_frames`). Frames are rotated so that the axis of every revolute or prismatic joint is z.
-//! 2. **Rotated frames.** A rotation between two frames is Rz Rx Rz. The last factor is added to the child's
-//!    joint angle. The first factor is added to the parent's joint angle, for one child of each link: the child
-//!    with the largest subtree. The remaining rotation is about x.
-//! 3. **Shifted origins.** A revolute joint's frame may be anywhere along its axis. It is shifted to where one
-//!    component of the translation from its parent vanishes. (2 and 3 generalize Denavit and Hartenberg to
-//!    trees.)
-//! 4. **Base inertia** (`base_inertia`). Mass on a revolute axis has one motion with the parent and the child. The child's
-//!    mass, first moment along z and second moment along z may therefore be moved to the parent. After a
-//!    prismatic joint this holds for the whole second moment, after a spherical joint for the mass. The child
-//!    keeps the parameters that its joint's force depends on (Gautier and Khalil 1990, "Direct calculation of
-//!    minimum set of inertial parameters of serial robots").
-//! 5. **Snapping** (`snapping`). Constant rotations within 1e-11 rad of a multiple of a quarter turn become exact.
-//!    Components of axes below 1e-11 become 0, and so do translations below 1e-11 of the lengths that they move, and moments of
-//!    base inertias that are rounding errors beside the others.
+//! 0. **Composite joints** (`elementary`). Universal and planar joints are expanded into revolute
+//!    and prismatic joints with massless bodies between them.
+//! 1. **z axes** (`dh_frames`). Frames are rotated so that the axis of every revolute or prismatic
+//!    joint is z.
+//! 2. **Rotated frames.** A rotation between two frames is Rz Rx Rz. The last factor is added to
+//!    the child's joint angle. The first factor is added to the parent's joint angle, for one child
+//!    of each link: the child with the largest subtree. The remaining rotation is about x.
+//! 3. **Shifted origins.** A revolute joint's frame may be anywhere along its axis. It is shifted
+//!    to where one component of the translation from its parent vanishes. (2 and 3 generalize
+//!    Denavit and Hartenberg to trees.)
+//! 4. **Base inertia** (`base_inertia`). Mass on a revolute axis has one motion with the parent and
+//!    the child. The child's mass, first moment along z and second moment along z may therefore be
+//!    moved to the parent. After a prismatic joint this holds for the whole second moment, after a
+//!    spherical joint for the mass. The child keeps the parameters that its joint's force depends
+//!    on (Gautier and Khalil 1990, "Direct calculation of minimum set of inertial parameters of
+//!    serial robots").
+//! 5. **Snapping** (`snapping`). Constant rotations within 1e-11 rad of a multiple of a quarter
+//!    turn become exact. Components of axes below 1e-11 become 0, and so do translations below
+//!    1e-11 of the lengths that they move, and moments of base inertias that are rounding errors
+//!    beside the others.
 //!
-//! The rewrites leave the joint coordinates, and so every joint-space quantity, unchanged. The fourth changes the
-//! inertias of single links. On a fixed base it also drops mass that cannot move, with its constant part of the
-//! potential energy. [`Body::inertia`] therefore keeps the inertia of the description.
+//! The rewrites leave the joint coordinates, and so every joint-space quantity, unchanged. The
+//! fourth changes the inertias of single links. On a fixed base it also drops mass that cannot
+//! move, with its constant part of the potential energy. [`Body::inertia`] therefore keeps the
+//! inertia of the description.
 
 mod armature;
 mod base_inertia;
@@ -68,13 +73,16 @@ pub use {
 pub struct Mechanism<S> {
     /// The acceleration of free fall in world axes.
     pub gravity: Vector3<S>,
-    /// For each link of the description, the part of its own weight that is compensated; empty if none is.
+    /// For each link of the description, the part of its own weight that is compensated; empty if
+    /// none is.
     pub gravity_compensation: Vec<S>,
     /// The bodies: one for each moving link in the model's order, and more for composite joints.
     pub bodies: Vec<Body<S>>,
-    /// The degrees of freedom in the order of their bodies. Without mimic joints this is the order of qd.
+    /// The degrees of freedom in the order of their bodies. Without mimic joints this is the order
+    /// of qd.
     pub dofs: Vec<Dof<S>>,
-    /// The part of the inertia that no joint moves, about the world's origin. Base inertias leave it out.
+    /// The part of the inertia that no joint moves, about the world's origin. Base inertias leave
+    /// it out.
     pub static_inertia: RigidInertia<S>,
     /// For each moving link of the model, its body: the last body of its joint.
     pub links: Vec<usize>,
@@ -142,7 +150,8 @@ impl<S: Scalar> Mechanism<S> {
         rates
     }
 
-    /// Returns `t` plus the motion of body `i`'s joint, given the joint rates (or accelerations) `x`: t + P qd.
+    /// Returns `t` plus the motion of body `i`'s joint, given the joint rates (or accelerations)
+    /// `x`: t + P qd.
     #[must_use]
     pub fn add_rates(&self, i: usize, t: Twist<S>, x: &[S]) -> Twist<S> {
         let mut components = t.components();
@@ -158,14 +167,16 @@ impl<S: Scalar> Mechanism<S> {
         self.constraints.iter().filter(|constraint| constraint.contact).count()
     }
 
-    /// Returns whether the robot has mimic joints. Degrees of freedom then share entries of the joint vectors.
+    /// Returns whether the robot has mimic joints. Degrees of freedom then share entries of the
+    /// joint vectors.
     #[must_use]
     pub fn has_mimics(&self) -> bool {
         self.dofs.len() != self.nv
     }
 
-    /// Adds `inertia` to the body that carries link `frame` of the description (an index). `inertia` is about the
-    /// link's origin, in the link's axes. Has no effect on a link that is fixed to the world.
+    /// Adds `inertia` to the body that carries link `frame` of the description (an index).
+    /// `inertia` is about the link's origin, in the link's axes. Has no effect on a link that is
+    /// fixed to the world.
     pub fn add_inertia(&mut self, frame: usize, inertia: &RigidInertia<S>) {
         let BodyFrame { body: Some(body), pose } = self.frames[frame] else { return };
         let (body, inertia) = (&mut self.bodies[body], inertia.placed(&pose));
@@ -173,8 +184,8 @@ impl<S: Scalar> Mechanism<S> {
         body.base_inertia = body.base_inertia + inertia;
     }
 
-    /// Adds the part of `inertia` whose weight is compensated to the body that carries link `frame` of the description (an
-    /// index). `inertia` is the link's own, about its origin, in its axes.
+    /// Adds the part of `inertia` whose weight is compensated to the body that carries link `frame`
+    /// of the description (an index). `inertia` is the link's own, about its origin, in its axes.
     pub fn compensate(&mut self, frame: usize, inertia: &RigidInertia<S>) {
         let Some(&factor) = self.gravity_compensation.get(frame) else { return };
         let BodyFrame { body: Some(body), pose } = self.frames[frame] else { return };
@@ -282,7 +293,8 @@ fn bodies(elementary: &[ElementaryBody<'_>], frames: &Frames) -> Vec<Body<f64>> 
     elementary.iter().enumerate().map(body).collect()
 }
 
-/// Returns the degrees of freedom of all bodies, with the damping and friction that `friction` selects.
+/// Returns the degrees of freedom of all bodies, with the damping and friction that `friction`
+/// selects.
 fn dofs(elementary: &[ElementaryBody<'_>], friction: Friction) -> Vec<Dof<f64>> {
     let acting = |x: f64, acts: bool| (acts && x != 0.0).then_some(x);
     let dry = matches!(friction, Friction::Coulomb | Friction::Smooth(_));

@@ -1,12 +1,14 @@
-//! Snapping: constant angles close to a multiple of a quarter turn, and numbers close to zero, become exact.
+//! Snapping: constant angles close to a multiple of a quarter turn, and numbers close to zero,
+//! become exact.
 
 use crate::spatial::{AxisRotation, RigidInertia, Symmetric3, Vector3};
 
-/// Sines, cosines and components of axes below this become 0, and so do offsets below this fraction of the lengths that they move.
+/// Sines, cosines and components of axes below this become 0, and so do offsets below this fraction
+/// of the lengths that they move.
 pub(super) const SNAP: f64 = 1e-11;
 
-/// A first or second moment below this fraction of the largest one of the body is a rounding error, and becomes 0. So does an
-/// offset below this fraction of the longest path from the root.
+/// A first or second moment below this fraction of the largest one of the body is a rounding error,
+/// and becomes 0. So does an offset below this fraction of the longest path from the root.
 pub(super) const ROUNDING: f64 = 1e-14;
 
 /// The cosine and sine of a constant angle.
@@ -15,7 +17,8 @@ pub(super) type Direction = (f64, f64);
 /// The angle zero.
 pub(super) const ZERO_ANGLE: Direction = (1.0, 0.0);
 
-/// Returns the direction of a vector in the x, y plane; the angle zero if its length in this plane is at most `negligible`.
+/// Returns the direction of a vector in the x, y plane; the angle zero if its length in this plane
+/// is at most `negligible`.
 pub(super) fn direction_of(v: Vector3<f64>, negligible: f64) -> Direction {
     let [x, y, _] = v.0;
     let length = libm::hypot(x, y);
@@ -41,7 +44,8 @@ pub(super) fn without(negligible: f64, x: f64) -> f64 {
     if x.abs() <= negligible { 0.0 } else { x }
 }
 
-/// Returns a direction scaled to length 1, exactly along a coordinate axis if it is nearly parallel to one.
+/// Returns a direction scaled to length 1, exactly along a coordinate axis if it is nearly parallel
+/// to one.
 pub(super) fn snapped((cos, sin): Direction) -> Direction {
     match (snap(cos), snap(sin)) {
         (cos, 0.0) => (1.0_f64.copysign(cos), 0.0),

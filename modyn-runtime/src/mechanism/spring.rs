@@ -4,7 +4,8 @@ use super::{Mechanism, Rates};
 use crate::Scalar;
 use crate::spatial::{Matrix3, Quaternion, Vector3, inverse_rotation_jacobian};
 
-/// The spring of a body's joint. Its force is proportional to the joint's displacement from a reference.
+/// The spring of a body's joint. Its force is proportional to the joint's displacement from a
+/// reference.
 #[derive(Clone, Copy, Debug)]
 pub struct JointSpring<S> {
     /// The stiffness, N m/rad or N/m.
@@ -46,8 +47,9 @@ impl<S> JointSpring<S> {
 }
 
 impl<S: Scalar> JointSpring<S> {
-    /// Returns the displacement of a joint from the reference, along each degree of freedom. `own` begins with the joint's
-    /// coordinates, or with those of the leader of which it is a multiple with an offset.
+    /// Returns the displacement of a joint from the reference, along each degree of freedom. `own`
+    /// begins with the joint's coordinates, or with those of the leader of which it is a multiple
+    /// with an offset.
     fn displacement(&self, own: &[S], mimic: Option<(S, S)>) -> Rates<S> {
         let quaternion = |from: usize| Quaternion::from_components(entries(own, from));
         let rotation = |from: usize, reference: [S; 4]| {
@@ -75,8 +77,8 @@ impl<S: Scalar> JointSpring<S> {
 }
 
 impl<S: Scalar> Mechanism<S> {
-    /// Returns the joint forces that hold the spring of body `i`'s joint at the coordinates `q`, one for each degree of
-    /// freedom of the body; `None` without a spring.
+    /// Returns the joint forces that hold the spring of body `i`'s joint at the coordinates `q`,
+    /// one for each degree of freedom of the body; `None` without a spring.
     #[must_use]
     pub fn spring_forces(&self, i: usize, q: &[S]) -> Option<Rates<S>> {
         let body = &self.bodies[i];
@@ -85,7 +87,8 @@ impl<S: Scalar> Mechanism<S> {
         Some(Rates { numbers: numbers.map(|x| spring.stiffness * x), count })
     }
 
-    /// Returns the potential energy of all springs at the coordinates `q`, J; `None` without springs.
+    /// Returns the potential energy of all springs at the coordinates `q`, J; `None` without
+    /// springs.
     #[must_use]
     pub fn spring_energy(&self, q: &[S]) -> Option<S> {
         let energies = self.bodies.iter().filter_map(|body| {
@@ -97,8 +100,9 @@ impl<S: Scalar> Mechanism<S> {
         energies.reduce(|sum, energy| sum + energy)
     }
 
-    /// Calls `add` for the derivatives of the [`spring_forces`](Self::spring_forces) with respect to the coordinates, in
-    /// tangent space, with their degrees of freedom: that of the force, and that of the displacement.
+    /// Calls `add` for the derivatives of the [`spring_forces`](Self::spring_forces) with respect
+    /// to the coordinates, in tangent space, with their degrees of freedom: that of the force, and
+    /// that of the displacement.
     pub(crate) fn spring_derivatives(&self, q: &[S], mut add: impl FnMut(usize, usize, S)) {
         for body in &self.bodies {
             let Some(spring) = &body.spring else { continue };
@@ -118,7 +122,8 @@ impl<S: Scalar> Mechanism<S> {
                     add_block(0, 0, inverse_rotation_jacobian(vector(0)));
                 }
                 SpringReference::Pose(..) => {
-                    // A rotation of the axes about s changes the components d of the displacement by d x s.
+                    // A rotation of the axes about s changes the components d of the displacement
+                    // by d x s.
                     add_block(0, 3, Matrix3::cross(vector(0)));
                     add_block(3, 3, inverse_rotation_jacobian(vector(3)));
                     (0..3).for_each(|i| add(first + i, first + i, stiffness));

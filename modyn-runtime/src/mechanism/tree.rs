@@ -13,28 +13,30 @@ use crate::spatial::{ArticulatedInertia, RigidInertia, Vector3, Wrench};
 pub struct LimbRoot {
     /// The number of limbs, at least two; each has a lane.
     pub limbs: usize,
-    /// The parent body of each limb (`None` for the world); limbs with the same parent are adjacent. Empty if all
-    /// limbs have the parent of the representative.
+    /// The parent body of each limb (`None` for the world); limbs with the same parent are
+    /// adjacent. Empty if all limbs have the parent of the representative.
     pub parents: Vec<Option<usize>>,
 }
 
 /// A tree of bodies that a recursion can run over: a [`Mechanism`], or a
-/// [`MergedMechanism`](super::MergedMechanism) with merged limbs. The trait cannot be implemented for other
-/// types.
+/// [`MergedMechanism`](super::MergedMechanism) with merged limbs. The trait cannot be implemented
+/// for other types.
 pub trait BodyTree<S: Scalar>: TreeAccess<S> {}
 
-/// The contents of a [`BodyTree`], and the lane operations between limbs and the bodies that carry them.
+/// The contents of a [`BodyTree`], and the lane operations between limbs and the bodies that carry
+/// them.
 pub trait TreeAccess<S: Scalar> {
     /// Returns the bodies and their degrees of freedom.
     fn mechanism(&self) -> &Mechanism<S>;
 
-    /// Returns the limbs whose representative `_body` is the first body of; `None` if it is no such body.
+    /// Returns the limbs whose representative `_body` is the first body of; `None` if it is no such
+    /// body.
     fn limb_root(&self, _body: usize) -> Option<&LimbRoot> {
         None
     }
 
-    /// Returns for each constraint of the robot its index among the constraints of [`mechanism`](Self::mechanism),
-    /// and its lane.
+    /// Returns for each constraint of the robot its index among the constraints of
+    /// [`mechanism`](Self::mechanism), and its lane.
     fn constraint_lanes(&self) -> Vec<(usize, usize)> {
         (0..self.mechanism().constraints.len()).map(|constraint| (constraint, 0)).collect()
     }
@@ -65,8 +67,8 @@ pub trait TreeAccess<S: Scalar> {
         parents.filter(|parents| !parents.is_empty())
     }
 
-    /// Returns values of the parent of `body`'s joint; `None` is the world. If limbs have different parents, each
-    /// lane has the value of its limb's parent.
+    /// Returns values of the parent of `body`'s joint; `None` is the world. If limbs have different
+    /// parents, each lane has the value of its limb's parent.
     fn broadcast_from_parents<const N: usize>(
         &self,
         body: usize,
@@ -79,7 +81,8 @@ pub trait TreeAccess<S: Scalar> {
         core::array::from_fn(|n| self.pack(&each.iter().map(|x| x[n]).collect::<Vec<_>>()))
     }
 
-    /// Returns a pack with the lanes of the limbs whose parent is `parent`, and zeros in the other lanes.
+    /// Returns a pack with the lanes of the limbs whose parent is `parent`, and zeros in the other
+    /// lanes.
     fn only_on(&self, parents: &[Option<usize>], parent: usize, x: S) -> S {
         let on = |(limb, on): (usize, &Option<usize>)| {
             if *on == Some(parent) { self.extract_lane(x, limb) } else { S::zero() }
@@ -87,8 +90,8 @@ pub trait TreeAccess<S: Scalar> {
         self.pack(&parents.iter().enumerate().map(on).collect::<Vec<_>>())
     }
 
-    /// Passes the sum over limbs to each parent of `body`. `add` receives the parent and the result of `at_parent`,
-    /// which applies the sum to each of its numbers.
+    /// Passes the sum over limbs to each parent of `body`. `add` receives the parent and the result
+    /// of `at_parent`, which applies the sum to each of its numbers.
     fn to_parents<X>(
         &self,
         body: usize,
@@ -191,8 +194,8 @@ impl<S: Scalar> TreeAccess<S> for Mechanism<S> {
     }
 }
 
-/// Values that are transformed from a body towards the root. If limbs have different parents, each lane is added
-/// where its own limb meets the path.
+/// Values that are transformed from a body towards the root. If limbs have different parents, each
+/// lane is added where its own limb meets the path.
 pub(crate) struct RootwardAccumulator<'a, S, T, const N: usize> {
     tree: &'a T,
     /// The values of such limbs at their parents, to be added on the path.

@@ -6,7 +6,8 @@ use super::{Friction, Inertial, Limits, Model, ModelError, ModelErrorKind};
 use crate::joint::JointType;
 use crate::spatial::Pose;
 
-/// Returns all defects of `model` without its loop constraints: of the whole, then of links, then of frames.
+/// Returns all defects of `model` without its loop constraints: of the whole, then of links, then
+/// of frames.
 pub(super) fn check(model: &Model) -> Vec<ModelError> {
     let mut errors = check_model(model);
     let mut report = |name: &str, kind| errors.push(ModelError { name: name.into(), kind });
@@ -16,7 +17,8 @@ pub(super) fn check(model: &Model) -> Vec<ModelError> {
     let leads = resolves_to_coordinates(model);
     let mut joints = BTreeMap::new();
     let mut names = BTreeMap::new();
-    // The links from the root to the previous link: a depth-first successor is the child of one of them.
+    // The links from the root to the previous link: a depth-first successor is the child of one of
+    // them.
     let mut path: Vec<usize> = Vec::new();
     for (i, link) in model.links.iter().enumerate() {
         if names.insert(&link.name, i).is_some() {
@@ -242,8 +244,8 @@ pub(super) fn check_keyframes(model: &Model) -> Vec<ModelError> {
     errors
 }
 
-/// Returns, for each link, whether its joint has a coordinate of its own, or its chain of leaders ends at such a
-/// joint. Every mimic joint is visited once.
+/// Returns, for each link, whether its joint has a coordinate of its own, or its chain of leaders
+/// ends at such a joint. Every mimic joint is visited once.
 fn resolves_to_coordinates(model: &Model) -> Vec<bool> {
     let single = |i: usize| model.links.get(i).is_some_and(|link| link.joint.joint_type.nq() == 1);
     let mut resolves: Vec<Option<bool>> = alloc::vec![None; model.links.len()];
@@ -297,7 +299,8 @@ mod tests {
     use super::*;
     use crate::model::{DEFAULT_GRAVITY, Frame, Joint, Link, Mimic};
 
-    /// Returns a model of parallel links whose joints follow these leaders; the last joint is spherical.
+    /// Returns a model of parallel links whose joints follow these leaders; the last joint is
+    /// spherical.
     fn model(leaders: &[Option<usize>]) -> Result<Model, Vec<ModelError>> {
         let link = |(i, leader): (usize, &Option<usize>)| {
             let last = i + 1 == leaders.len();
@@ -339,7 +342,8 @@ mod tests {
         }
     }
 
-    /// Limits and the links' own inertias become numbers of the generated text, where NaN is no literal.
+    /// Limits and the links' own inertias become numbers of the generated text, where NaN is no
+    /// literal.
     #[test]
     fn stated_values_must_be_finite() {
         let good = model(&[None, None]).expect("good");
@@ -372,7 +376,8 @@ mod tests {
             assert!(errors.iter().all(|error| error.kind == ModelErrorKind::Mimic));
             errors.into_iter().map(|error| error.name).collect()
         };
-        // A cycle, and a joint that leads into it; itself; a missing leader; a leader with several coordinates.
+        // A cycle, and a joint that leads into it; itself; a missing leader; a leader with several
+        // coordinates.
         assert_eq!(bad(&[Some(1), Some(2), Some(1), None, None]), ["0", "1", "2"]);
         assert_eq!(bad(&[Some(0), None, None]), ["0"]);
         assert_eq!(bad(&[Some(9), Some(0), None]), ["0", "1"]);

@@ -6,9 +6,10 @@ use super::{LoopConstraintEnd, Model};
 
 /// A frame of a link that can touch the world.
 ///
-/// A contact is a constraint between the world and a link, as a [`LoopConstraint`](super::LoopConstraint) is
-/// one between two links. The set of active contacts and the target of each
-/// ([`ContactTarget`](crate::ContactTarget)) are arguments of the functions of constraints.
+/// A contact is a constraint between the world and a link, as a
+/// [`LoopConstraint`](super::LoopConstraint) is one between two links. The set of active contacts
+/// and the target of each ([`ContactTarget`](crate::ContactTarget)) are arguments of the functions
+/// of constraints.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Contact {
@@ -16,7 +17,8 @@ pub struct Contact {
     pub name: String,
     /// The motions that the contact stops.
     pub kind: ContactKind,
-    /// The frame, on a link that moves. The z axis of a surface's frame is its normal, away from the world.
+    /// The frame, on a link that moves. The z axis of a surface's frame is its normal, away from
+    /// the world.
     pub end: LoopConstraintEnd,
 }
 
@@ -61,10 +63,11 @@ impl ContactKind {
 }
 
 impl Model {
-    /// Returns the characteristic length of a contact, m. It is a sum over the links from
-    /// the contact's frame up to the root, each with its share of the length of a
-    /// [loop](Self::characteristic_length); 1 m if all of these are zero. The length does not depend on the coordinates, nor on inertias
-    /// that are set at run time: redundant contacts share their load as in the description.
+    /// Returns the characteristic length of a contact, m. It is a sum over the links from the
+    /// contact's frame up to the root, each with its share of the length of a
+    /// [loop](Self::characteristic_length); 1 m if all of these are zero. The length does not
+    /// depend on the coordinates, nor on inertias that are set at run time: redundant contacts
+    /// share their load as in the description.
     ///
     /// # Panics
     ///

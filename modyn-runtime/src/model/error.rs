@@ -21,7 +21,8 @@ pub enum ModelErrorKind {
     NoJoint,
     /// Another link (or joint) has the same name.
     DuplicateName,
-    /// The parent (or the link that a frame is fixed to) does not exist, or does not come before the child.
+    /// The parent (or the link that a frame is fixed to) does not exist, or does not come before
+    /// the child.
     Parent,
     /// The links are not in depth-first order.
     Order,
@@ -33,13 +34,13 @@ pub enum ModelErrorKind {
     SecondAxis,
     /// The rotation matrix is not orthonormal and right-handed.
     Rotation,
-    /// A mimic joint or its leader has several coordinates, the leader does not exist, or mimic joints form a
-    /// cycle.
+    /// A mimic joint or its leader has several coordinates, the leader does not exist, or mimic
+    /// joints form a cycle.
     Mimic,
     /// Armature, damping or friction is negative.
     JointDynamics,
-    /// A spring has a negative stiffness, or a reference that is no coordinates of its joint; or its joint does not exist
-    /// or has another spring.
+    /// A spring has a negative stiffness, or a reference that is no coordinates of its joint; or
+    /// its joint does not exist or has another spring.
     Spring,
     /// There is not one factor of gravity compensation for each frame.
     GravityCompensation,

@@ -13,13 +13,14 @@ pub struct Joint {
     pub name: String,
     /// The motion that the joint allows.
     pub joint_type: JointType,
-    /// The axis, a unit vector in the joint's frame, which is also the link's; without meaning for spherical and
-    /// floating joints.
+    /// The axis, a unit vector in the joint's frame, which is also the link's; without meaning for
+    /// spherical and floating joints.
     pub axis: [f64; 3],
-    /// The second axis of a universal joint, a unit vector in the frame after the first rotation; without
-    /// meaning for other types.
+    /// The second axis of a universal joint, a unit vector in the frame after the first rotation;
+    /// without meaning for other types.
     pub second_axis: [f64; 3],
-    /// The pose of the joint's frame at coordinate zero, in the frame of the parent link (or of the world).
+    /// The pose of the joint's frame at coordinate zero, in the frame of the parent link (or of the
+    /// world).
     pub origin: Pose<f64>,
     /// The limits; `None` if the description has none.
     pub limits: Option<Limits>,
@@ -30,7 +31,8 @@ pub struct Joint {
 }
 
 impl Joint {
-    /// Returns a joint along `axis`, with a coordinate of its own, without limits, armature or friction.
+    /// Returns a joint along `axis`, with a coordinate of its own, without limits, armature or
+    /// friction.
     #[must_use]
     pub fn new(
         name: impl Into<String>,
@@ -51,7 +53,8 @@ impl Joint {
     }
 }
 
-/// The relation of a mimic joint to its leader: q = multiplier q(leader) + offset. Both have one coordinate.
+/// The relation of a mimic joint to its leader: q = multiplier q(leader) + offset. Both have one
+/// coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Mimic {
@@ -67,7 +70,8 @@ pub struct Mimic {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct JointDynamics {
-    /// The armature: the rotor's inertia times the squared gear ratio, kg m^2, or kg for a prismatic joint.
+    /// The armature: the rotor's inertia times the squared gear ratio, kg m^2, or kg for a
+    /// prismatic joint.
     pub armature: f64,
     /// Viscous damping, N m s/rad or N s/m.
     pub damping: f64,
@@ -99,9 +103,10 @@ pub enum Friction {
     None,
     /// Viscous damping.
     Viscous,
-    /// Viscous damping and Coulomb friction. The sign of friction jumps at rest, where friction is zero.
+    /// Viscous damping and Coulomb friction. The sign of friction jumps at rest, where friction is
+    /// zero.
     Coulomb,
-    /// Viscous damping, and Coulomb friction times v / sqrt(v^2 + w^2) with this transition velocity w, without
-    /// a jump. rad/s or m/s, positive.
+    /// Viscous damping, and Coulomb friction times v / sqrt(v^2 + w^2) with this transition
+    /// velocity w, without a jump. rad/s or m/s, positive.
     Smooth(f64),
 }

@@ -30,7 +30,8 @@ pub struct Keyframe {
 }
 
 impl Model {
-    /// Returns the coordinates of the keyframe named `name`, nq; `None` if there is no such keyframe.
+    /// Returns the coordinates of the keyframe named `name`, nq; `None` if there is no such
+    /// keyframe.
     #[must_use]
     pub fn keyframe(&self, name: &str) -> Option<&[f64]> {
         self.keyframes().iter().find(|key| key.name == name).map(|key| key.q.as_slice())

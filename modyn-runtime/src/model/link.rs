@@ -34,8 +34,8 @@ pub struct Frame {
     pub inertial: Inertial,
 }
 
-/// Returns the length of the longest path between joints of a robot's links, m. The distance of a root's joint from the world's
-/// origin does not count.
+/// Returns the length of the longest path between joints of a robot's links, m. The distance of a
+/// root's joint from the world's origin does not count.
 #[must_use]
 pub fn longest_path(links: &[Link]) -> f64 {
     let mut lengths: Vec<f64> = Vec::with_capacity(links.len());

@@ -9,10 +9,10 @@ use crate::spatial::Pose;
 
 /// A joint that closes a loop: a constraint between two frames.
 ///
-/// The joints of a model form a tree. A loop is cut at one of its joints, which becomes a loop constraint.
-/// [`constrained_forward_dynamics`](crate::Interpreter::constrained_forward_dynamics) and
-/// [`project_constraints`](crate::Interpreter::project_constraints) satisfy it. All other functions ignore it:
-/// they compute quantities of the tree.
+/// The joints of a model form a tree. A loop is cut at one of its joints, which becomes a loop
+/// constraint. [`constrained_forward_dynamics`](crate::Interpreter::constrained_forward_dynamics)
+/// and [`project_constraints`](crate::Interpreter::project_constraints) satisfy it. All other
+/// functions ignore it: they compute quantities of the tree.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LoopConstraint {
@@ -34,7 +34,8 @@ pub struct LoopConstraintEnd {
     pub pose: Pose<f64>,
 }
 
-/// The relative motion that a [`LoopConstraint`] allows: that of the joint at which the loop was cut.
+/// The relative motion that a [`LoopConstraint`] allows: that of the joint at which the loop was
+/// cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum LoopConstraintKind {
@@ -42,10 +43,11 @@ pub enum LoopConstraintKind {
     Point,
     /// The frames coincide: a weld (`fixed`).
     Rigid,
-    /// The origins and an axis coincide: a hinge (`revolute`). The axis is a unit vector in both frames.
+    /// The origins and an axis coincide: a hinge (`revolute`). The axis is a unit vector in both
+    /// frames.
     Revolute([f64; 3]),
-    /// The frames coincide but for a translation along an axis, a unit vector in the first frame: a slider
-    /// (`prismatic`).
+    /// The frames coincide but for a translation along an axis, a unit vector in the first frame: a
+    /// slider (`prismatic`).
     Prismatic([f64; 3]),
 }
 
@@ -53,8 +55,8 @@ pub enum LoopConstraintKind {
 type Directions = [Vec<[f64; 3]>; 2];
 
 impl LoopConstraintKind {
-    /// Returns the constraint of a joint type (`spherical`, `fixed`, `revolute`, `continuous`, `prismatic`); the
-    /// last three use `axis`. Returns `None` for other types.
+    /// Returns the constraint of a joint type (`spherical`, `fixed`, `revolute`, `continuous`,
+    /// `prismatic`); the last three use `axis`. Returns `None` for other types.
     #[must_use]
     pub fn of_joint(joint_type: &str, axis: [f64; 3]) -> Option<Self> {
         Some(match joint_type {
@@ -96,8 +98,8 @@ impl LoopConstraintKind {
         }
     }
 
-    /// Returns the constrained and the free directions, unit vectors in the first frame; rotations come before
-    /// displacements in each.
+    /// Returns the constrained and the free directions, unit vectors in the first frame; rotations
+    /// come before displacements in each.
     pub(crate) fn directions(self) -> (Directions, Directions) {
         let across = |axis| {
             let plane = planar::plane(axis);
@@ -114,14 +116,15 @@ impl LoopConstraintKind {
 }
 
 impl Model {
-    /// Returns the characteristic length of the loop constraint with index `constraint`, m: the factor that makes
-    /// a rotation comparable to a displacement.
+    /// Returns the characteristic length of the loop constraint with index `constraint`, m: the
+    /// factor that makes a rotation comparable to a displacement.
     ///
-    /// It is a sum over the links that move one of the two frames relative to the other. Each adds the distance
-    /// from its joint to the next joint (or the frame) of the loop, and its radius of gyration about its joint,
-    /// sqrt(|c|^2 + (Ixx + Iyy + Izz) / 2m) with the centre of mass c. The link that carries both sides of the
-    /// loop adds the distance between their first joints. If all of these are zero, the length is 1 m. It does
-    /// not depend on the coordinates, nor on inertias that are set at run time.
+    /// It is a sum over the links that move one of the two frames relative to the other. Each adds
+    /// the distance from its joint to the next joint (or the frame) of the loop, and its radius of
+    /// gyration about its joint, sqrt(|c|^2 + (Ixx + Iyy + Izz) / 2m) with the centre of mass c.
+    /// The link that carries both sides of the loop adds the distance between their first joints.
+    /// If all of these are zero, the length is 1 m. It does not depend on the coordinates, nor on
+    /// inertias that are set at run time.
     ///
     /// # Panics
     /// If there is no loop constraint with this index.
@@ -145,8 +148,9 @@ impl Model {
         if length > 0.0 { length } else { 1.0 }
     }
 
-    /// The share of link `i`, with the next joint or frame at `point` on it, in the characteristic length of a
-    /// constraint, m: the distance of the point from the link's joint, and the link's radius of gyration.
+    /// The share of link `i`, with the next joint or frame at `point` on it, in the characteristic
+    /// length of a constraint, m: the distance of the point from the link's joint, and the link's
+    /// radius of gyration.
     pub(super) fn length_of_link(&self, i: usize, point: [f64; 3]) -> f64 {
         distance(point, [0.0; 3]) + radius_of_gyration(&self.links[i].inertial)
     }

@@ -1,9 +1,10 @@
-//! The description of a robot: links, joints, inertias, the tree of links and its kinematic modules.
+//! The description of a robot: links, joints, inertias, the tree of links and its kinematic
+//! modules.
 //!
-//! A [`Model`] is validated when it is created, so the equations never see an invalid tree. Moving link `i`
-//! and joint `i` belong together, as in the paper: every moving link has exactly one joint, towards its parent.
-//! A link that is fixed to another link is a [`Frame`]. Its inertia is merged into the moving link that carries
-//! it.
+//! A [`Model`] is validated when it is created, so the equations never see an invalid tree. Moving
+//! link `i` and joint `i` belong together, as in the paper: every moving link has exactly one
+//! joint, towards its parent. A link that is fixed to another link is a [`Frame`]. Its inertia is
+//! merged into the moving link that carries it.
 
 mod check;
 mod contact;
@@ -36,8 +37,8 @@ pub const DEFAULT_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
 /// A validated robot.
 ///
-/// Links are in depth-first order, parents before children. The order of the links is the order of all joint
-/// vectors. Units are SI units and radians.
+/// Links are in depth-first order, parents before children. The order of the links is the order of
+/// all joint vectors. Units are SI units and radians.
 ///
 /// ```
 /// use modyn_runtime::joint::JointType;
@@ -69,7 +70,8 @@ pub struct Model {
     joint_indices: Vec<JointIndices>,
 }
 
-/// The place of a joint in the joint vectors, and the mimic relation to the joint that has this place.
+/// The place of a joint in the joint vectors, and the mimic relation to the joint that has this
+/// place.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct JointIndices {
     q: Range<usize>,
@@ -83,15 +85,16 @@ struct JointIndices {
 impl Model {
     /// Returns the model of these links and frames, after checking them.
     ///
-    /// `gravity` is the acceleration of free fall in world axes, m/s^2. `frames` are the links of the description
-    /// in its own order, which is the order of [`link_poses`](crate::Interpreter::link_poses).
+    /// `gravity` is the acceleration of free fall in world axes, m/s^2. `frames` are the links of
+    /// the description in its own order, which is the order of
+    /// [`link_poses`](crate::Interpreter::link_poses).
     ///
     /// # Errors
     ///
-    /// Returns every defect found: a repeated name, a parent that does not come before its child, links out of
-    /// depth-first order, an axis that is not of unit length, an invalid rotation, a number that is not finite, a
-    /// robot without a joint. Inertias only have to be finite here; [`Inertial::defect`] checks whether they are
-    /// physical.
+    /// Returns every defect found: a repeated name, a parent that does not come before its child,
+    /// links out of depth-first order, an axis that is not of unit length, an invalid rotation, a
+    /// number that is not finite, a robot without a joint. Inertias only have to be finite here;
+    /// [`Inertial::defect`] checks whether they are physical.
     pub fn new(
         name: impl Into<String>,
         gravity: [f64; 3],
@@ -147,8 +150,8 @@ impl Model {
         joint_indices
     }
 
-    /// Returns, for each link, the mimic relation to a joint with a coordinate of its own. Every mimic joint is
-    /// visited once, so that chains of mimic joints take linear time.
+    /// Returns, for each link, the mimic relation to a joint with a coordinate of its own. Every
+    /// mimic joint is visited once, so that chains of mimic joints take linear time.
     fn resolved_mimics(&self) -> Vec<Option<Mimic>> {
         let mut resolved: Vec<Option<Mimic>> = alloc::vec![None; self.links.len()];
         let mut waiting = Vec::new();
@@ -199,17 +202,19 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// Returns every defect found: a link that does not exist or has another spring, a stiffness that is negative, a
-    /// reference that is no coordinates of the joint, a number that is not finite.
+    /// Returns every defect found: a link that does not exist or has another spring, a stiffness
+    /// that is negative, a reference that is no coordinates of the joint, a number that is not
+    /// finite.
     pub fn with_springs(mut self, springs: Vec<Spring>) -> Result<Self, Vec<ModelError>> {
         self.springs = springs;
         let errors = check::check_springs(&self);
         if errors.is_empty() { Ok(self) } else { Err(errors) }
     }
 
-    /// Returns the model with gravity compensation: for each frame, an upward force at the centre of mass of the link's own
-    /// inertia, of this part of its weight. With 1 the link's weight has no effect. The force moves with gravity, and with
-    /// inertias that change at run time; payloads are not compensated. No factors are no compensation.
+    /// Returns the model with gravity compensation: for each frame, an upward force at the centre
+    /// of mass of the link's own inertia, of this part of its weight. With 1 the link's weight has
+    /// no effect. The force moves with gravity, and with inertias that change at run time; payloads
+    /// are not compensated. No factors are no compensation.
     ///
     /// # Errors
     ///
@@ -224,9 +229,9 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// Returns every defect found: a repeated name, a link that does not exist, two links that do not move
-    /// relative to each other, an axis that is not of unit length, an invalid rotation, a number that is not
-    /// finite.
+    /// Returns every defect found: a repeated name, a link that does not exist, two links that do
+    /// not move relative to each other, an axis that is not of unit length, an invalid rotation, a
+    /// number that is not finite.
     pub fn with_loop_constraints(
         mut self,
         loop_constraints: Vec<LoopConstraint>,
@@ -240,8 +245,8 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// All defects of the contacts: a name used twice, a link that does not exist or does not move, a matrix
-    /// that is not a rotation, a number that is not finite.
+    /// All defects of the contacts: a name used twice, a link that does not exist or does not move,
+    /// a matrix that is not a rotation, a number that is not finite.
     pub fn with_contacts(mut self, contacts: Vec<Contact>) -> Result<Self, Vec<ModelError>> {
         self.contacts = contacts;
         let errors = check::check_contacts(&self);
@@ -252,8 +257,8 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// All defects of the keyframes: a name used twice, a number of coordinates that is not nq, a number that is not
-    /// finite, a quaternion that is not of unit length.
+    /// All defects of the keyframes: a name used twice, a number of coordinates that is not nq, a
+    /// number that is not finite, a quaternion that is not of unit length.
     pub fn with_keyframes(mut self, keyframes: Vec<Keyframe>) -> Result<Self, Vec<ModelError>> {
         self.keyframes = keyframes;
         let errors = check::check_keyframes(&self);
@@ -302,7 +307,8 @@ impl Model {
         self.springs.iter().find(|spring| spring.link == link)
     }
 
-    /// Returns for each frame the part of its own weight that is compensated; empty without compensation.
+    /// Returns for each frame the part of its own weight that is compensated; empty without
+    /// compensation.
     #[must_use]
     pub fn gravity_compensation(&self) -> &[f64] {
         &self.gravity_compensation
@@ -339,15 +345,16 @@ impl Model {
         loops.chain(self.contacts.iter().map(|contact| contact.kind.rows())).sum()
     }
 
-    /// Returns the index in [`frames`](Self::frames) of the link named `name`; `None` if there is no such link.
+    /// Returns the index in [`frames`](Self::frames) of the link named `name`; `None` if there is
+    /// no such link.
     #[must_use]
     pub fn frame_index(&self, name: &str) -> Option<usize> {
         self.frames.iter().position(|frame| frame.name == name)
     }
 
-    /// Returns the ten inertial parameters of moving link `link`, in which joint forces are linear (see
-    /// [`Inertial::parameters`]); `None` if there is no such link. The parameters of all moving links,
-    /// concatenated, are pi in tau = Y pi.
+    /// Returns the ten inertial parameters of moving link `link`, in which joint forces are linear
+    /// (see [`Inertial::parameters`]); `None` if there is no such link. The parameters of all
+    /// moving links, concatenated, are pi in tau = Y pi.
     #[must_use]
     pub fn inertial_parameters(&self, link: usize) -> Option<[f64; PARAMETERS_PER_LINK]> {
         self.links.get(link).map(|link| link.inertial.parameters())
@@ -365,32 +372,35 @@ impl Model {
         self.joint_indices.iter().map(|place| place.v.end).max().unwrap_or(0)
     }
 
-    /// Returns the entries of q of moving link `link`'s joint; for a mimic joint those of its leader. The range is
-    /// empty if there is no such link.
+    /// Returns the entries of q of moving link `link`'s joint; for a mimic joint those of its
+    /// leader. The range is empty if there is no such link.
     #[must_use]
     pub fn q_range(&self, link: usize) -> Range<usize> {
         self.joint_indices.get(link).map_or(0..0, |place| place.q.clone())
     }
 
-    /// Returns the entries of qd and tau of moving link `link`'s joint; for a mimic joint those of its leader. The
-    /// range is empty if there is no such link.
+    /// Returns the entries of qd and tau of moving link `link`'s joint; for a mimic joint those of
+    /// its leader. The range is empty if there is no such link.
     #[must_use]
     pub fn v_range(&self, link: usize) -> Range<usize> {
         self.joint_indices.get(link).map_or(0..0, |place| place.v.clone())
     }
 
-    /// Returns the mimic relation of moving link `link`'s joint to a joint with a coordinate of its own; chains
-    /// of mimic joints are resolved. Returns `None` if the joint has its own coordinate or does not exist.
+    /// Returns the mimic relation of moving link `link`'s joint to a joint with a coordinate of its
+    /// own; chains of mimic joints are resolved. Returns `None` if the joint has its own coordinate
+    /// or does not exist.
     #[must_use]
     pub fn mimic(&self, link: usize) -> Option<Mimic> {
         self.joint_indices.get(link).and_then(|place| place.mimic)
     }
 
-    /// Returns the lowest and the highest coordinate of moving link `link`'s joint, rad or m: within the limits of the
-    /// joint and of all joints that mimic it. For a mimic joint the coordinate is its leader's.
+    /// Returns the lowest and the highest coordinate of moving link `link`'s joint, rad or m:
+    /// within the limits of the joint and of all joints that mimic it. For a mimic joint the
+    /// coordinate is its leader's.
     ///
-    /// The range is infinite without limits, for a joint with several coordinates, and if there is no such link. The limits
-    /// of a mimic joint are ignored if they contradict those before: if they would leave less than 1e-9 of the largest bound.
+    /// The range is infinite without limits, for a joint with several coordinates, and if there is
+    /// no such link. The limits of a mimic joint are ignored if they contradict those before: if
+    /// they would leave less than 1e-9 of the largest bound.
     #[must_use]
     pub fn coordinate_range(&self, link: usize) -> [f64; 2] {
         let leader = self.mimic(link).map_or(link, |mimic| mimic.leader);
@@ -425,7 +435,8 @@ impl Model {
         followers.fold(limit(leader).unwrap_or(f64::INFINITY), f64::min)
     }
 
-    /// Returns the position limits of moving link `link`'s joint by itself, infinite without a limit.
+    /// Returns the position limits of moving link `link`'s joint by itself, infinite without a
+    /// limit.
     fn position_limits(&self, link: usize) -> [f64; 2] {
         let joint = self.links.get(link).map(|link| &link.joint);
         let limits = joint.filter(|joint| joint.joint_type.nq() == 1);
@@ -442,7 +453,8 @@ impl Model {
         self.joint_indices.iter().any(|place| place.mimic.is_some())
     }
 
-    /// Returns the quaternions in q: the joint's name and the entry of q of the quaternion's x, for each.
+    /// Returns the quaternions in q: the joint's name and the entry of q of the quaternion's x, for
+    /// each.
     pub fn quaternions(&self) -> impl Iterator<Item = (&str, usize)> + '_ {
         self.links.iter().zip(&self.joint_indices).filter_map(|(link, place)| {
             let first = match link.joint.joint_type {
@@ -454,8 +466,8 @@ impl Model {
         })
     }
 
-    /// Returns the name of each entry of q: the joint's name, and the component for joints with several
-    /// coordinates (`hip.qw`).
+    /// Returns the name of each entry of q: the joint's name, and the component for joints with
+    /// several coordinates (`hip.qw`).
     #[must_use]
     pub fn coordinate_names(&self) -> Vec<String> {
         self.entry_names(JointType::coordinates)

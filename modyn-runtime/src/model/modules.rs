@@ -1,7 +1,7 @@
 //! The kinematic module tree of the paper (Sect. 2).
 //!
-//! A kinematic module is a serial chain of links that starts at the last link of its parent module. In
-//! depth-first order its links are consecutive.
+//! A kinematic module is a serial chain of links that starts at the last link of its parent module.
+//! In depth-first order its links are consecutive.
 
 use alloc::{collections::BTreeMap, string::String, vec::Vec};
 use core::{fmt, ops::Range};
@@ -130,8 +130,8 @@ impl ModuleTree {
         Self::from_starts(model, (0..model.links().len()).collect())
     }
 
-    /// Returns the modules of a list of link names. Each module lists its links from the parent to the tip; modules
-    /// may be in any order.
+    /// Returns the modules of a list of link names. Each module lists its links from the parent to
+    /// the tip; modules may be in any order.
     ///
     /// # Errors
     ///

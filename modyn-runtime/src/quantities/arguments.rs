@@ -17,8 +17,8 @@ pub struct Argument {
 pub enum ArgumentKind {
     /// Coordinates, in which the quaternions have length 1.
     Coordinates,
-    /// A number for each degree of freedom: velocities, accelerations, joint forces, and changes of these or of
-    /// coordinates.
+    /// A number for each degree of freedom: velocities, accelerations, joint forces, and changes of
+    /// these or of coordinates.
     Velocities,
     /// A number for each degree of freedom of the coordinates, then one for each velocity.
     State,

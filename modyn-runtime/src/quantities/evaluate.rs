@@ -170,13 +170,14 @@ macro_rules! declare_evaluation {
 table::quantities!(declare_evaluation);
 
 impl<S: Scalar> Interpreter<S> {
-    /// Computes any function of the table from numbers: `arguments` has a slice for each argument of its
-    /// [row](Function::row), and `result` receives the numbers in the order of the row's result. `link` is the link of a function
-    /// of one link, as an index into the links of the description; other functions ignore it. A function of many states is
-    /// computed for one.
+    /// Computes any function of the table from numbers: `arguments` has a slice for each argument
+    /// of its [row](Function::row), and `result` receives the numbers in the order of the row's
+    /// result. `link` is the link of a function of one link, as an index into the links of the
+    /// description; other functions ignore it. A function of many states is computed for one.
     ///
-    /// A set of active contacts is a number for each contact, 1 or 0. The settings of constraints are
-    /// [`ConstraintSettings::numbers`], then [`ContactTarget::numbers`] for each contact. Allocates memory at each call.
+    /// A set of active contacts is a number for each contact, 1 or 0. The settings of constraints
+    /// are [`ConstraintSettings::numbers`], then [`ContactTarget::numbers`] for each contact.
+    /// Allocates memory at each call.
     ///
     /// ```
     /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
@@ -193,8 +194,9 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// # Errors
     ///
-    /// If there are not as many arguments as in the row, if a slice does not have the length of its argument, if there is no
-    /// such link, or if the function needs inertia and a joint [moves none](Self::joint_without_inertia).
+    /// If there are not as many arguments as in the row, if a slice does not have the length of its
+    /// argument, if there is no such link, or if the function needs inertia and a joint
+    /// [moves none](Self::joint_without_inertia).
     pub fn evaluate(
         &mut self,
         function: Function,

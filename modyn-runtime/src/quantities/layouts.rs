@@ -1,6 +1,7 @@
 //! The layouts of results, each with its type in the trait of robots.
 //!
-//! A row is `name (type) |sizes| layout;`. Layouts may call each other by name, and the helpers of `shape.rs`.
+//! A row is `name (type) |sizes| layout;`. Layouts may call each other by name, and the helpers of
+//! `shape.rs`.
 
 /// Passes the layouts to `$layouts`.
 macro_rules! layouts {

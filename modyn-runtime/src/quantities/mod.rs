@@ -1,8 +1,10 @@
-//! The table of quantities: all functions of a robot, each with its arguments, its result and its evaluation.
+//! The table of quantities: all functions of a robot, each with its arguments, its result and its
+//! evaluation.
 //!
-//! A row has everything that is true of a function wherever it is computed. From it follow the trait
-//! [`Robot`](crate::Robot) with its [`functions`](crate::functions), the functions that the compiler traces, and those of every
-//! language. [`Interpreter::evaluate`](crate::Interpreter::evaluate) computes any of them from numbers.
+//! A row has everything that is true of a function wherever it is computed. From it follow the
+//! trait [`Robot`](crate::Robot) with its [`functions`](crate::functions), the functions that the
+//! compiler traces, and those of every language.
+//! [`Interpreter::evaluate`](crate::Interpreter::evaluate) computes any of them from numbers.
 
 #[cfg(feature = "alloc")]
 mod arguments;

@@ -1,4 +1,5 @@
-//! The layout of arguments and results: a sequence of scalars and its grouping, independent of any language.
+//! The layout of arguments and results: a sequence of scalars and its grouping, independent of any
+//! language.
 
 use alloc::{boxed::Box, format, string::String, vec, vec::Vec};
 
@@ -39,19 +40,20 @@ pub enum Record {
     Factorization,
     /// The set of active contacts: a number for each contact, 1 if it is active, else 0.
     Contacts,
-    /// The results of a function with several results, or its settings, by name. The type is generic over the different
-    /// types of its fields.
+    /// The results of a function with several results, or its settings, by name. The type is
+    /// generic over the different types of its fields.
     Several(&'static str),
-    /// The results of a function with several results, by name. The type is generic over the type of each field.
+    /// The results of a function with several results, by name. The type is generic over the type
+    /// of each field.
     Each(&'static str),
-    /// The results of a bundle, by the end of the type's name. The type belongs to the robot, and is generic over the
-    /// scalar.
+    /// The results of a bundle, by the end of the type's name. The type belongs to the robot, and
+    /// is generic over the scalar.
     Own(&'static str),
 }
 
 impl Record {
-    /// Returns the name of the type of results with these fields; `None` for groups that are one array of numbers where a
-    /// language has no types for them.
+    /// Returns the name of the type of results with these fields; `None` for groups that are one
+    /// array of numbers where a language has no types for them.
     #[must_use]
     pub fn result_type(self) -> Option<&'static str> {
         match self {

@@ -20,13 +20,15 @@ pub trait Factorization<T: Scalar> {
     fn u_inverse(&self) -> Self::M;
     /// Returns D^-1, (54).
     fn d_inverse(&self) -> Self::M;
-    /// Returns the solution x of M x = `rhs`, with the mass matrix M, by the three steps of equation 60 of the paper.
+    /// Returns the solution x of M x = `rhs`, with the mass matrix M, by the three steps of
+    /// equation 60 of the paper.
     fn solve(&self, rhs: &Self::V) -> Self::V;
     /// Returns the inverse of the mass matrix, (50).
     fn inverse(&self) -> Self::M;
     /// Returns the natural logarithm of the mass matrix's determinant.
     fn log_determinant(&self) -> T;
-    /// Returns the condition number (2-norm) of module `module`'s pivot block; `None` if there is no such module.
+    /// Returns the condition number (2-norm) of module `module`'s pivot block; `None` if there is
+    /// no such module.
     fn condition_number(&self, module: usize) -> Option<T>;
 }
 

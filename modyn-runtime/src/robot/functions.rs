@@ -17,8 +17,8 @@ macro_rules! declare_functions {
     };
 }
 
-/// Declares a function of the trait, which requires the trait of robots that have it. A row with two names is two
-/// functions, one with run-time parameters and one with the default parameters.
+/// Declares a function of the trait, which requires the trait of robots that have it. A row with
+/// two names is two functions, one with run-time parameters and one with the default parameters.
 macro_rules! declare_function {
     (
         $docs:literal $function:ident $name:ident / $with:ident

@@ -38,14 +38,15 @@ pub(crate) type Settings<R, T> = ConstraintSettings<T, <R as Robot>::PerContact<
 
 /// A generated robot, over any scalar.
 ///
-/// The generated type has the same functions as inherent methods on `f64` or `f32`. The trait is for code that is
-/// written for any robot. Vectors have the order of [`COORDINATE_NAMES`](Self::COORDINATE_NAMES) and
-/// [`VELOCITY_NAMES`](Self::VELOCITY_NAMES), matrices are arrays of columns, units are SI units and radians.
-/// Quaternions in coordinates must have length 1; only [`check_configuration`](Self::check_configuration) checks
-/// them. With a quaternion of length 1.1, accelerations are wrong by a part in a thousand or more.
+/// The generated type has the same functions as inherent methods on `f64` or `f32`. The trait is
+/// for code that is written for any robot. Vectors have the order of
+/// [`COORDINATE_NAMES`](Self::COORDINATE_NAMES) and [`VELOCITY_NAMES`](Self::VELOCITY_NAMES),
+/// matrices are arrays of columns, units are SI units and radians. Quaternions in coordinates must
+/// have length 1; only [`check_configuration`](Self::check_configuration) checks them. With a
+/// quaternion of length 1.1, accelerations are wrong by a part in a thousand or more.
 ///
-/// A robot has the functions that its option `functions` selects. Code for any robot requires a trait of
-/// [`functions`](crate::functions) for each function that it calls.
+/// A robot has the functions that its option `functions` selects. Code for any robot requires a
+/// trait of [`functions`](crate::functions) for each function that it calls.
 ///
 /// ```
 /// use modyn_runtime::{Array as _, Robot, functions};
@@ -72,7 +73,8 @@ pub trait Robot {
     const NV: usize;
     /// The names of the moving joints, depth first, including mimic joints.
     const JOINT_NAMES: &'static [&'static str];
-    /// The names of all links of the description, in its order: the order of [`link_poses`](Self::link_poses).
+    /// The names of all links of the description, in its order: the order of
+    /// [`link_poses`](Self::link_poses).
     const LINK_NAMES: &'static [&'static str];
     /// The name of each entry of the coordinate vector.
     const COORDINATE_NAMES: &'static [&'static str];
@@ -82,16 +84,17 @@ pub trait Robot {
     const LOOP_CONSTRAINT_NAMES: &'static [&'static str] = &[];
     /// The names of the contacts, in the order of the option.
     const CONTACT_NAMES: &'static [&'static str] = &[];
-    /// The quaternions in the coordinate vector: each joint's name, and the index of the quaternion's x.
+    /// The quaternions in the coordinate vector: each joint's name, and the index of the
+    /// quaternion's x.
     const QUATERNIONS: &'static [(&'static str, usize)] = &[];
     /// The joint limits of the description.
     const LIMITS: JointLimits<'static>;
     /// The kinematic modules, parents before children.
     const MODULES: &'static [KinematicModule];
 
-    /// The parameters that can change at run time, in the scalar of the computation: gravity, and the inertias and
-    /// payloads that the robot was compiled with as parameters. With dual numbers, results have derivatives with
-    /// respect to them.
+    /// The parameters that can change at run time, in the scalar of the computation: gravity, and
+    /// the inertias and payloads that the robot was compiled with as parameters. With dual numbers,
+    /// results have derivatives with respect to them.
     type Params<T: Scalar>: Clone + Default;
     /// The type that names a link of the description.
     type Link: Copy;
@@ -103,8 +106,8 @@ pub trait Robot {
     type M<T: Scalar>: Array<Self::V<T>>;
     /// The type of arrays with an entry for each entry of the velocity vector.
     type PerVelocity<X: Copy>: Array<X>;
-    /// The type of arrays with an entry for each entry of a state in tangent space: 2 nv entries, those of the
-    /// coordinates first.
+    /// The type of arrays with an entry for each entry of a state in tangent space: 2 nv entries,
+    /// those of the coordinates first.
     type PerState<X: Copy>: Array<X>;
     /// The type of arrays with an entry for each link of the description, in the order of
     /// [`LINK_NAMES`](Self::LINK_NAMES).
@@ -114,14 +117,16 @@ pub trait Robot {
     /// The type of arrays with an entry for each contact, in the order of
     /// [`CONTACT_NAMES`](Self::CONTACT_NAMES).
     type PerContact<X: Copy>: Array<X>;
-    /// The type of arrays with an entry for each constraint: for each joint that closes a loop, in the order of
-    /// [`LOOP_CONSTRAINT_NAMES`](Self::LOOP_CONSTRAINT_NAMES), then for each contact.
+    /// The type of arrays with an entry for each constraint: for each joint that closes a loop, in
+    /// the order of [`LOOP_CONSTRAINT_NAMES`](Self::LOOP_CONSTRAINT_NAMES), then for each contact.
     type PerConstraint<X: Copy>: Array<X>;
     /// The type of arrays with an entry for each constraint row, all contacts active.
     type PerConstraintRow<X: Copy>: Array<X>;
-    /// The type of arrays with an entry for each row of the points of contacts: three for each contact.
+    /// The type of arrays with an entry for each row of the points of contacts: three for each
+    /// contact.
     type PerContactRow<X: Copy>: Array<X>;
-    /// The type of arrays with an entry for each row of the points of contacts, then for each entry of the velocity vector.
+    /// The type of arrays with an entry for each row of the points of contacts, then for each entry
+    /// of the velocity vector.
     type PerGroundRow<X: Copy>: Array<X>;
     /// The type of the regressor: an array of columns.
     type Regressor<T: Scalar>: Array<Self::V<T>>;

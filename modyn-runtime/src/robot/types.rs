@@ -1,4 +1,5 @@
-//! The types of the arguments and results of a robot's functions, by the kinds and layouts of the table.
+//! The types of the arguments and results of a robot's functions, by the kinds and layouts of the
+//! table.
 
 use crate::quantities::{layouts, table};
 

@@ -26,7 +26,8 @@ macro_rules! scalar {
 
             #[inline]
             fn atan2(self, x: Self) -> Self {
-                // num-dual's atan2 divides by x. Dividing the smaller by the larger argument is finite everywhere.
+                // num-dual's atan2 divides by x. Dividing the smaller by the larger argument is
+                // finite everywhere.
                 let steep = Scalar::abs(self).re() > Scalar::abs(x).re();
                 let mut angle =
                     if steep { -DualNum::atan(&(x / self)) } else { DualNum::atan(&(self / x)) };
@@ -111,8 +112,8 @@ mod tests {
         );
     }
 
-    /// Compares the first three derivatives of every function with differences of the previous derivative, and the
-    /// types for several variables with those for one.
+    /// Compares the first three derivatives of every function with differences of the previous
+    /// derivative, and the types for several variables with those for one.
     #[test]
     fn derivatives_are_those_of_the_functions() {
         for t in [-2.9, -1.3, -0.4, 0.3, 0.8, 1.2, 2.6] {

@@ -4,8 +4,8 @@ use core::ops::Range;
 
 use super::Scalar;
 
-/// A scalar that may be a pack of lanes: one for each of several equal limbs, or for each of several columns of a
-/// matrix.
+/// A scalar that may be a pack of lanes: one for each of several equal limbs, or for each of
+/// several columns of a matrix.
 ///
 /// The compiler's expressions implement it. `f64` does not, so a mechanism with merged limbs
 /// ([`MergedMechanism`](crate::mechanism::MergedMechanism)) cannot be computed on `f64`.

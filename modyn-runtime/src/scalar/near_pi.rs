@@ -2,7 +2,8 @@
 //!
 //! Generated with mpmath by `lab/sine/table.py`.
 
-/// Angles that are exact in `f64`, within the range of the fast argument reduction, and their sines rounded to double precision.
+/// Angles that are exact in `f64`, within the range of the fast argument reduction, and their sines
+/// rounded to double precision.
 #[rustfmt::skip]
 #[allow(clippy::unreadable_literal, clippy::approx_constant)]
 pub(crate) const F64: [(f64, f64); 40] = [
@@ -48,7 +49,8 @@ pub(crate) const F64: [(f64, f64); 40] = [
     (262143.91579349313, -1.0951800525846926e-11),
 ];
 
-/// Angles that are exact in `f32`, within the range of the fast argument reduction, and their sines rounded to double precision.
+/// Angles that are exact in `f32`, within the range of the fast argument reduction, and their sines
+/// rounded to double precision.
 #[rustfmt::skip]
 #[allow(clippy::unreadable_literal, clippy::approx_constant)]
 pub(crate) const F32: [(f64, f64); 40] = [
@@ -94,7 +96,8 @@ pub(crate) const F32: [(f64, f64); 40] = [
     (4093.4951171875, 0.00011044000036521082),
 ];
 
-/// Angles that are exact in `f64`, beyond the range of the fast argument reduction, and their sines rounded to double precision.
+/// Angles that are exact in `f64`, beyond the range of the fast argument reduction, and their sines
+/// rounded to double precision.
 #[rustfmt::skip]
 #[allow(clippy::unreadable_literal, clippy::approx_constant)]
 pub(crate) const FAR_F64: [(f64, f64); 24] = [
@@ -124,7 +127,8 @@ pub(crate) const FAR_F64: [(f64, f64); 24] = [
     (6.20836253806771e+307, 1.293143752605224e-17),
 ];
 
-/// Angles that are exact in `f32`, beyond the range of the fast argument reduction, and their sines rounded to double precision.
+/// Angles that are exact in `f32`, beyond the range of the fast argument reduction, and their sines
+/// rounded to double precision.
 #[rustfmt::skip]
 #[allow(clippy::unreadable_literal, clippy::approx_constant)]
 pub(crate) const FAR_F32: [(f64, f64); 24] = [

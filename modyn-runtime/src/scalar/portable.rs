@@ -4,11 +4,11 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::Scalar;
 
-/// An `f64` whose operations give the same bits on every host. Products are never fused into sums; sines, cosines,
-/// arctangents and logarithms are libm's.
+/// An `f64` whose operations give the same bits on every host. Products are never fused into sums;
+/// sines, cosines, arctangents and logarithms are libm's.
 ///
-/// The sine of an `f64` uses fused products if the target has them, so its last bits depend on the host. Numbers
-/// that become part of generated text are therefore computed with this type.
+/// The sine of an `f64` uses fused products if the target has them, so its last bits depend on the
+/// host. Numbers that become part of generated text are therefore computed with this type.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct Portable(pub f64);
 
@@ -71,7 +71,8 @@ impl Scalar for Portable {
 mod tests {
     use super::*;
 
-    /// Compares the bits of sines and cosines with those computed on an x86-64 host without fused products.
+    /// Compares the bits of sines and cosines with those computed on an x86-64 host without fused
+    /// products.
     #[test]
     fn numbers_are_the_same_on_every_host() {
         let mut hash = 0xcbf2_9ce4_8422_2325_u64;

@@ -1,17 +1,19 @@
-//! The traits of numbers: [`Scalar`], and packs of several values of one state, such as the angles of equal limbs.
+//! The traits of numbers: [`Scalar`], and packs of several values of one state, such as the angles
+//! of equal limbs.
 //!
-//! The compiler prints a function once over [`SimdBackend`]. Scalars with vector instructions run it on these
-//! ([`Scalar::run_simd`]); other scalars compute the limbs one after the other. A scalar runs tasks on packs, and packs
-//! are scalars: the traits define each other, so they are one file.
+//! The compiler prints a function once over [`SimdBackend`]. Scalars with vector instructions run
+//! it on these ([`Scalar::run_simd`]); other scalars compute the limbs one after the other. A
+//! scalar runs tasks on packs, and packs are scalars: the traits define each other, so they are one
+//! file.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A real number, with the operations that the equations need.
 ///
-/// It is implemented for `f64` and `f32`, for vectors of them, and, with feature `num-dual`, for the numbers of
-/// num-dual. The compiler implements it for its expressions, so that one text of an equation is both interpreted
-/// and compiled. There is no comparison: an equation must not branch on a value, only
-/// [select](Scalar::select_nonnegative) between two.
+/// It is implemented for `f64` and `f32`, for vectors of them, and, with feature `num-dual`, for
+/// the numbers of num-dual. The compiler implements it for its expressions, so that one text of an
+/// equation is both interpreted and compiled. There is no comparison: an equation must not branch
+/// on a value, only [select](Scalar::select_nonnegative) between two.
 pub trait Scalar:
     Copy
     + Add<Output = Self>
@@ -46,7 +48,8 @@ pub trait Scalar:
         Self::one() / self
     }
 
-    /// Returns self * factor + term: rounded once if the target has an instruction for it, else twice.
+    /// Returns self * factor + term: rounded once if the target has an instruction for it, else
+    /// twice.
     #[inline]
     #[must_use]
     fn mul_add(self, factor: Self, term: Self) -> Self {
@@ -57,8 +60,8 @@ pub trait Scalar:
     #[must_use]
     fn sin_cos(self) -> (Self, Self);
 
-    /// Returns sine and cosine of several angles. They may share vector instructions; the values are those of
-    /// [`sin_cos`](Self::sin_cos).
+    /// Returns sine and cosine of several angles. They may share vector instructions; the values
+    /// are those of [`sin_cos`](Self::sin_cos).
     #[inline]
     #[must_use]
     fn sin_cos_all<const N: usize>(angles: [Self; N]) -> [(Self, Self); N] {
@@ -89,16 +92,16 @@ pub trait Scalar:
     #[must_use]
     fn select_nonnegative(self, then: Self, otherwise: Self) -> Self;
 
-    /// Returns whether the number is the constant zero of an expression: then it is zero for all inputs. Numbers are not
-    /// expressions, and not even their zeros are constants.
+    /// Returns whether the number is the constant zero of an expression: then it is zero for all
+    /// inputs. Numbers are not expressions, and not even their zeros are constants.
     #[doc(hidden)]
     #[inline]
     fn is_constant_zero(self) -> bool {
         false
     }
 
-    /// Returns true only if the number, or each number in lanes, is known not to be negative: then a loop leaves out work that has
-    /// no effect. Nothing is known of expressions.
+    /// Returns true only if the number, or each number in lanes, is known not to be negative: then
+    /// a loop leaves out work that has no effect. Nothing is known of expressions.
     #[doc(hidden)]
     #[inline]
     fn is_known_nonnegative(self) -> bool {
@@ -137,7 +140,8 @@ pub(crate) fn at_most<S: Scalar>(x: S, most: S) -> S {
     (x - most).select_nonnegative(most, x)
 }
 
-/// Returns the larger of two numbers that are not negative; unlike [`Scalar::max`], NaN if one is NaN.
+/// Returns the larger of two numbers that are not negative; unlike [`Scalar::max`], NaN if one is
+/// NaN.
 #[inline(always)]
 pub(crate) fn larger<S: Scalar>(a: S, b: S) -> S {
     let sum = a + b;
@@ -163,8 +167,8 @@ pub trait SimdBackend: 'static {
     /// Returns a single value as a scalar.
     fn number(one: Self::One) -> Self::Number;
 
-    /// Runs part of the work in a function of its own, compiled for the same instructions. rustc takes more than
-    /// linear time for long functions.
+    /// Runs part of the work in a function of its own, compiled for the same instructions. rustc
+    /// takes more than linear time for long functions.
     fn outlined<P: Chunk>(part: P) -> P::Output;
 }
 
@@ -187,14 +191,14 @@ pub trait Pack<One, const LANES: usize>: Scalar {
     fn unpack(self) -> [One; LANES];
 }
 
-/// Work on packed values, such as those of equal limbs, or on scalars. `vectorized` and everything that it calls must be
-/// `#[inline(always)]`.
+/// Work on packed values, such as those of equal limbs, or on scalars. `vectorized` and everything
+/// that it calls must be `#[inline(always)]`.
 pub trait SimdTask<F> {
     /// The type of the result.
     type Output;
 
-    /// Whether some values are packed. Otherwise all are single, and vector types are used for their fused
-    /// multiply-add only.
+    /// Whether some values are packed. Otherwise all are single, and vector types are used for
+    /// their fused multiply-add only.
     const HAS_PACKS: bool;
 
     /// Does the work on vectors.

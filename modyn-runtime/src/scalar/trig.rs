@@ -1,11 +1,12 @@
 //! Sine and cosine without a branch for common angles, and without a system library.
 //!
-//! The angle is reduced modulo pi to [-pi/2, pi/2] by Cody and Waite's method. pi is the sum of several parts.
-//! All but the last are so short that their products with the multiple are exact. Sines close to multiples of pi
-//! therefore keep their digits, with fused products or without. Sine and cosine of the reduced angle are
-//! polynomials (near-minimax, Taylor-like coefficients). An odd multiple flips both signs by a bit operation.
-//! Angles beyond a limit, NaN and infinities are reduced with integers: the only branch on a value here. That
-//! reduction takes a fixed number of steps for any angle. `f32` is never converted to `f64`.
+//! The angle is reduced modulo pi to [-pi/2, pi/2] by Cody and Waite's method. pi is the sum of
+//! several parts. All but the last are so short that their products with the multiple are exact.
+//! Sines close to multiples of pi therefore keep their digits, with fused products or without. Sine
+//! and cosine of the reduced angle are polynomials (near-minimax, Taylor-like coefficients). An odd
+//! multiple flips both signs by a bit operation. Angles beyond a limit, NaN and infinities are
+//! reduced with integers: the only branch on a value here. That reduction takes a fixed number of
+//! steps for any angle. `f32` is never converted to `f64`.
 
 #![allow(clippy::excessive_precision, clippy::unreadable_literal, clippy::cast_possible_truncation)]
 #![allow(clippy::cast_possible_wrap, clippy::cast_precision_loss, clippy::cast_sign_loss)]
@@ -24,14 +25,15 @@ pub(crate) trait Precision: FlipSign + PartialOrd {
     /// The exclusive bound of angles for the fast reduction, rad.
     const LIMIT: Self;
 
-    /// Returns, for x below the limit, the angle in [-pi/2, pi/2] that differs from x by a multiple of pi, and a
-    /// number whose lowest bit is the multiple's lowest bit.
+    /// Returns, for x below the limit, the angle in [-pi/2, pi/2] that differs from x by a multiple
+    /// of pi, and a number whose lowest bit is the multiple's lowest bit.
     fn reduce_small<S: FlipSign>(x: S) -> (S, S);
 
     /// Returns sine and cosine of any other x; NaN if x is not finite.
     fn reduce_large(self) -> (Self, Self);
 
-    /// Returns sin and cos of an angle in [-pi/2, pi/2]; the lowest bit of `turns` flips both signs.
+    /// Returns sin and cos of an angle in [-pi/2, pi/2]; the lowest bit of `turns` flips both
+    /// signs.
     fn polynomials<S: FlipSign>(r: S, turns: S) -> (S, S);
 
     /// Returns sin and cos of an angle below the limit.
@@ -51,8 +53,9 @@ pub(crate) trait Precision: FlipSign + PartialOrd {
     }
 }
 
-/// Returns sin and cos of `x` in rad. Absolute error: at most 3e-16 in double precision, 1.5e-7 in single precision.
-/// Relative error of the sine: at most 3.5e-16 and 2e-7; the cosine has no such bound close to its zeros.
+/// Returns sin and cos of `x` in rad. Absolute error: at most 3e-16 in double precision, 1.5e-7 in
+/// single precision. Relative error of the sine: at most 3.5e-16 and 2e-7; the cosine has no such
+/// bound close to its zeros.
 #[inline]
 pub(crate) fn sin_cos<F: Precision>(x: F) -> (F, F) {
     // `<` is false for NaN.
@@ -101,8 +104,8 @@ fn polynomial<S: Scalar, const N: usize>(z: S, coefficients: [S; N]) -> S {
     sum
 }
 
-/// Returns sin and cos of r, from the coefficients of (sin r / r - 1) / z and of (cos r - 1 + z / 2) / z^2 in
-/// z = r^2; the lowest bit of `turns` flips both signs.
+/// Returns sin and cos of r, from the coefficients of (sin r / r - 1) / z and of (cos r - 1 +
+/// z / 2) / z^2 in z = r^2; the lowest bit of `turns` flips both signs.
 #[inline(always)]
 fn sine_and_cosine<S: FlipSign, const M: usize, const N: usize>(
     r: S,
@@ -116,14 +119,17 @@ fn sine_and_cosine<S: FlipSign, const M: usize, const N: usize>(
     (sin.flip_sign(turns), cos.flip_sign(turns))
 }
 
-/// The constants of sine and cosine in one precision. The runtime, generated C and WGSL use the same constants.
+/// The constants of sine and cosine in one precision. The runtime, generated C and WGSL use the
+/// same constants.
 #[derive(Clone, Copy, Debug)]
 pub struct SinCosNumbers<const P: usize, const M: usize, const N: usize> {
     /// The exclusive bound of angles for the fast reduction, rad.
     pub limit: f64,
-    /// A number whose addition rounds to the nearest integer; the lowest bit of the sum is then that of the integer.
+    /// A number whose addition rounds to the nearest integer; the lowest bit of the sum is then
+    /// that of the integer.
     pub round: f64,
-    /// -pi as a sum of parts. All parts but the last are so short that their products with the multiple are exact.
+    /// -pi as a sum of parts. All parts but the last are so short that their products with the
+    /// multiple are exact.
     pub minus_pi: [f64; P],
     /// The coefficients of (sin r / r - 1) / r^2 in powers of r^2; the highest comes first.
     pub sine: [f64; M],
@@ -131,8 +137,8 @@ pub struct SinCosNumbers<const P: usize, const M: usize, const N: usize> {
     pub cosine: [f64; N],
 }
 
-/// The constants of sine and cosine in double precision. The multiple of pi has at most 17 bits; the first two parts
-/// of pi have 36 bits.
+/// The constants of sine and cosine in double precision. The multiple of pi has at most 17 bits;
+/// the first two parts of pi have 36 bits.
 pub const SIN_COS_F64: SinCosNumbers<3, 8, 7> = SinCosNumbers {
     limit: 262_144.0,
     round: 6755399441055744.0,
@@ -158,8 +164,8 @@ pub const SIN_COS_F64: SinCosNumbers<3, 8, 7> = SinCosNumbers {
     ],
 };
 
-/// The constants of sine and cosine in single precision. The multiple of pi has at most 11 bits; the first three
-/// parts of pi have 13 bits.
+/// The constants of sine and cosine in single precision. The multiple of pi has at most 11 bits;
+/// the first three parts of pi have 13 bits.
 pub const SIN_COS_F32: SinCosNumbers<4, 4, 4> = SinCosNumbers {
     limit: 4096.0,
     round: 12582912.0,
@@ -197,7 +203,8 @@ impl Precision for f64 {
     #[inline(always)]
     fn reduce_small<S: FlipSign>(x: S) -> (S, S) {
         let k = S::from_f64;
-        // Adding 1.5 * 2^52 rounds to the nearest integer; its lowest bit is then the lowest bit of the sum.
+        // Adding 1.5 * 2^52 rounds to the nearest integer; its lowest bit is then the lowest bit of
+        // the sum.
         let round = k(SIN_COS_F64.round);
         let shifted = x.mul_add(k(core::f64::consts::FRAC_1_PI), round);
         let n = shifted - round;
@@ -286,8 +293,8 @@ impl Precision for f32 {
     }
 }
 
-/// A reduced angle: the angle is `odd` times pi (plus even multiples), plus or minus `angle` 2^-(62 + zeros), which
-/// is at most pi/2.
+/// A reduced angle: the angle is `odd` times pi (plus even multiples), plus or minus `angle`
+/// 2^-(62 + zeros), which is at most pi/2.
 struct Reduced {
     odd: bool,
     negative: bool,
@@ -322,9 +329,9 @@ pub const FRAC_1_PI_BITS: [u64; 20] = [
 /// The bits of pi: pi 2^62. The runtime, generated C and WGSL use the same bits.
 pub const PI_BITS: u64 = 0xc90fdaa22168c235;
 
-/// Reduces m 2^e (m below 2^53, -62 < e < 972) modulo pi, as in Payne and Hanek 1983, "Radian reduction for
-/// trigonometric functions". In m 2^e / pi, the bits of 1 / pi that contribute even integers are omitted, and so
-/// are bits that are too small to matter.
+/// Reduces m 2^e (m below 2^53, -62 < e < 972) modulo pi, as in Payne and Hanek 1983, "Radian
+/// reduction for trigonometric functions". In m 2^e / pi, the bits of 1 / pi that contribute even
+/// integers are omitted, and so are bits that are too small to matter.
 fn reduce(m: u64, e: i32) -> Reduced {
     // From the bit of 1 / pi that m 2^e scales to 1: 192 bits.
     let start = (e + 63) as u32;
@@ -369,7 +376,8 @@ mod tests {
         })
     }
 
-    /// Returns numbers of all sizes from `limit` on, and some that are very close to multiples of pi/2.
+    /// Returns numbers of all sizes from `limit` on, and some that are very close to multiples of
+    /// pi/2.
     fn reduce_large(limit: f64, largest: f64) -> impl Iterator<Item = f64> {
         let steps = 200_000;
         let factor = libm::exp(libm::log(largest / limit) / f64::from(steps));
@@ -408,8 +416,8 @@ mod tests {
         assert!(worst <= 1.5e-7, "{worst:e}");
     }
 
-    /// The sine's relative error of the fast reduction: close to every multiple of pi, against libm, and close to
-    /// selected ones, against mpmath.
+    /// The sine's relative error of the fast reduction: close to every multiple of pi, against
+    /// libm, and close to selected ones, against mpmath.
     #[test]
     fn sines_near_multiples_of_pi_keep_their_digits() {
         let mut worst: f64 = 0.0;
@@ -479,8 +487,8 @@ mod tests {
         assert!((found - expected).abs() <= 1e-15, "{found:e} {expected:e}");
     }
 
-    /// The sine's relative error at the far angles that are nearest to multiples of pi, against mpmath. All digits of
-    /// the reduced angle come from the last of the 192 bits of 1 / pi there.
+    /// The sine's relative error at the far angles that are nearest to multiples of pi, against
+    /// mpmath. All digits of the reduced angle come from the last of the 192 bits of 1 / pi there.
     #[test]
     fn far_angles_nearest_to_multiples_of_pi_keep_their_digits() {
         for (x, expected) in near_pi::FAR_F64 {

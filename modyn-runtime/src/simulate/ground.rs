@@ -25,26 +25,30 @@ pub struct GroundStep<R: Robot, T: Scalar = f64> {
     pub modes: R::PerContact<ContactMode>,
     /// The impulses, from which the solver of the next step starts.
     pub impulses: GroundImpulses<R, T>,
-    /// The velocities that are wrong with these impulses, m/s and rad/s. They are below the tolerance of [`Ground`], unless the
-    /// solver reached its limits or no impulse can satisfy the laws of contacts.
+    /// The velocities that are wrong with these impulses, m/s and rad/s. They are below the
+    /// tolerance of [`Ground`], unless the solver reached its limits or no impulse can satisfy the
+    /// laws of contacts.
     pub residual: Residual<T>,
     /// The sweeps and Newton steps that the solver took.
     pub effort: Effort,
 }
 
 impl<R: Robot, T: Decide> State<R, T> {
-    /// Returns the state after the time `dt` (s) under the joint forces `tau`, with all contacts of the robot as points
-    /// that the ground can push but not pull, with Coulomb friction, and with stops at the limits of the joints.
+    /// Returns the state after the time `dt` (s) under the joint forces `tau`, with all contacts of
+    /// the robot as points that the ground can push but not pull, with Coulomb friction, and with
+    /// stops at the limits of the joints.
     ///
-    /// The method is semi-implicit Euler with impulses (Stewart and Trinkle 1996, "An implicit time-stepping scheme for
-    /// rigid body dynamics with inelastic collisions and Coulomb friction"): the impulses of contacts and joint stops satisfy
-    /// their laws with the velocities after the step, which then move the coordinates. The laws are solved by
-    /// [`solve`](crate::solve), to the tolerance of `ground`. The step does not allocate, and the solver has a largest number of
-    /// iterations; contacts and stops that do not act cost little. [`GroundStep::step_on_ground`] starts the solver with the
-    /// impulses of the last step, which is faster.
+    /// The method is semi-implicit Euler with impulses (Stewart and Trinkle 1996, "An implicit
+    /// time-stepping scheme for rigid body dynamics with inelastic collisions and Coulomb
+    /// friction"): the impulses of contacts and joint stops satisfy their laws with the velocities
+    /// after the step, which then move the coordinates. The laws are solved by
+    /// [`solve`](crate::solve), to the tolerance of `ground`. The step does not allocate, and the
+    /// solver has a largest number of iterations; contacts and stops that do not act cost little.
+    /// [`GroundStep::step_on_ground`] starts the solver with the impulses of the last step, which
+    /// is faster.
     ///
-    /// The origin of a contact's frame touches the ground, for surfaces too: a sole has a point at each corner. Closed loops are
-    /// not closed.
+    /// The origin of a contact's frame touches the ground, for surfaces too: a sole has a point at
+    /// each corner. Closed loops are not closed.
     ///
     /// ```
     /// use modyn_runtime::simulate::{Ground, State};
@@ -152,7 +156,8 @@ impl<R: Robot, T: Decide> State<R, T> {
 }
 
 impl<R: Robot, T: Decide> GroundStep<R, T> {
-    /// Returns the step after this one: [`State::step_on_ground`], with the impulses of this step as the first guess.
+    /// Returns the step after this one: [`State::step_on_ground`], with the impulses of this step
+    /// as the first guess.
     #[must_use]
     pub fn step_on_ground(
         &self,
@@ -204,10 +209,12 @@ impl<R: Robot + functions::Brge, T: Decide> StepMemory<T> for Arrays<'_, R, T> {
     }
 }
 
-/// Returns the entries of the velocities with the index of their coordinates, without the angular velocities of quaternions.
+/// Returns the entries of the velocities with the index of their coordinates, without the angular
+/// velocities of quaternions.
 ///
-/// The entry is the rate of the coordinate, except for the linear velocities of a planar or floating joint, which are in
-/// the axes of the moved link. Such joints have no limits: their coordinates have infinite limits.
+/// The entry is the rate of the coordinate, except for the linear velocities of a planar or
+/// floating joint, which are in the axes of the moved link. Such joints have no limits: their
+/// coordinates have infinite limits.
 fn coordinates<R: Robot>() -> impl Iterator<Item = (usize, usize)> {
     let mut quaternions = R::QUATERNIONS.iter();
     let mut next = quaternions.next();
@@ -235,7 +242,8 @@ pub fn limit_effort<R: Robot, T: Scalar>(tau: &R::V<T>) -> R::V<T> {
 
 /// A ground of springs and dampers, whose force is a function of a point's place and velocity.
 ///
-/// It needs small steps: the damper alone has the time constant mass / `damping` with the mass that the point moves.
+/// It needs small steps: the damper alone has the time constant mass / `damping` with the mass that
+/// the point moves.
 ///
 /// ```
 /// use modyn_runtime::simulate::SpringGround;
@@ -263,9 +271,9 @@ pub struct SpringGround<T = f64> {
 }
 
 impl<T: Scalar> SpringGround<T> {
-    /// Returns the force on a point at `position` (m) with `velocity` (m/s), N; all in world axes. The ground does not
-    /// pull. Friction is friction times the normal force times v / sqrt(|v|^2 + slip^2) with the velocity v within the
-    /// plane.
+    /// Returns the force on a point at `position` (m) with `velocity` (m/s), N; all in world axes.
+    /// The ground does not pull. Friction is friction times the normal force times v / sqrt(|v|^2 +
+    /// slip^2) with the velocity v within the plane.
     #[must_use]
     pub fn force(&self, position: [T; 3], velocity: Vector3<T>) -> Vector3<T> {
         let Pose { rotation, translation } = self.plane;

@@ -7,8 +7,8 @@ use crate::solve::Decide;
 use crate::spatial::{Matrix3, Pose, Vector3};
 use crate::{Array, Robot, functions};
 
-/// Ground whose height is given on a grid in the xy plane of the world, and interpolated bilinearly. Beyond the grid the ground goes
-/// on level at the height of the border.
+/// Ground whose height is given on a grid in the xy plane of the world, and interpolated
+/// bilinearly. Beyond the grid the ground goes on level at the height of the border.
 ///
 /// ```
 /// use modyn_runtime::simulate::HeightField;
@@ -48,12 +48,13 @@ struct Cell<T> {
 }
 
 impl<'a, T: Decide + Into<f64>> HeightField<'a, T> {
-    /// Returns the field of these heights (m): rows of `columns` heights along x, whose first is at `origin`, with these distances of
-    /// neighbours along x and y (m).
+    /// Returns the field of these heights (m): rows of `columns` heights along x, whose first is at
+    /// `origin`, with these distances of neighbours along x and y (m).
     ///
     /// # Errors
     ///
-    /// If there are not two full rows of at least two heights, if a number is not finite, or if a distance is not above zero.
+    /// If there are not two full rows of at least two heights, if a number is not finite, or if a
+    /// distance is not above zero.
     #[allow(clippy::cast_precision_loss)]
     pub fn new(
         origin: [T; 2],
@@ -78,8 +79,9 @@ impl<'a, T: Decide + Into<f64>> HeightField<'a, T> {
         Ok(Self { origin, spacing, counts: [columns, rows], heights })
     }
 
-    /// Returns the plane that touches the ground below a point at this x and y (m): its z axis is the normal of the ground, its origin
-    /// is on the ground, and its x axis is above the x axis of the world.
+    /// Returns the plane that touches the ground below a point at this x and y (m): its z axis is
+    /// the normal of the ground, its origin is on the ground, and its x axis is above the x axis of
+    /// the world.
     #[must_use]
     pub fn plane(&self, point: [T; 2]) -> Pose<T> {
         let [x, y] = [0, 1].map(|axis| self.cell(axis, point[axis]));
@@ -118,7 +120,8 @@ impl<'a, T: Decide + Into<f64>> HeightField<'a, T> {
         Cell { first, part: bounded, slope }
     }
 
-    /// Returns `settings` with the plane below each contact of a robot at the coordinates `q` as its target.
+    /// Returns `settings` with the plane below each contact of a robot at the coordinates `q` as
+    /// its target.
     #[must_use]
     pub fn under<R>(&self, q: &R::Q<T>, settings: &Settings<R, T>) -> Settings<R, T>
     where

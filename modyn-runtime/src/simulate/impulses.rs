@@ -1,8 +1,9 @@
 //! Impulses of a step on the ground: contacts with Coulomb friction, and joint stops.
 //!
-//! [`contact_problem`](crate::Robot::contact_problem) gives the motion of a step without contacts and the effects of unit impulses.
-//! [`solve`](crate::solve) has the laws of the ground and of stops, and finds the impulses. This module chooses the rows of a step.
-//! Stops take part only if a joint would pass one, or if one acted in the last step.
+//! [`contact_problem`](crate::Robot::contact_problem) gives the motion of a step without contacts
+//! and the effects of unit impulses. [`solve`](crate::solve) has the laws of the ground and of
+//! stops, and finds the impulses. This module chooses the rows of a step. Stops take part only if a
+//! joint would pass one, or if one acted in the last step.
 
 use crate::ContactTarget;
 use crate::scalar::{epsilon, larger};
@@ -19,15 +20,18 @@ const MAX_ROUNDS: usize = 4;
 
 /// The options of steps on the ground.
 ///
-/// The ground under each contact is the target of the contact in [`ConstraintSettings`](crate::ConstraintSettings): the xy plane of
-/// its pose, its velocity, `alpha`, `beta`, `restitution`, `compliance` and `friction`.
+/// The ground under each contact is the target of the contact in
+/// [`ConstraintSettings`](crate::ConstraintSettings): the xy plane of its pose, its velocity,
+/// `alpha`, `beta`, `restitution`, `compliance` and `friction`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ground<T = f64> {
-    /// Whether joints stop at the limits of the description. A joint beyond a limit returns at the rate `beta` of the settings.
+    /// Whether joints stop at the limits of the description. A joint beyond a limit returns at the
+    /// rate `beta` of the settings.
     pub joint_limits: bool,
     /// The largest wrong velocity at which the solver ends, m/s and rad/s; above zero.
     pub tolerance: T,
-    /// The largest number of sweeps over the contacts, at most 10,000. With stops there is at most one.
+    /// The largest number of sweeps over the contacts, at most 10,000. With stops there is at most
+    /// one.
     pub sweeps: usize,
     /// The largest number of Newton steps after the sweeps, at most 10,000.
     pub newton_steps: usize,
@@ -49,7 +53,8 @@ impl<T: Copy + Into<f64>> Ground<T> {
 }
 
 impl<T: Decide> Default for Ground<T> {
-    /// Returns joint limits, a tolerance of 1e-9 (8e-6 in `f32`), at most 8 sweeps and at most 40 Newton steps.
+    /// Returns joint limits, a tolerance of 1e-9 (8e-6 in `f32`), at most 8 sweeps and at most 40
+    /// Newton steps.
     fn default() -> Self {
         let tolerance = T::from_f64(1e-9).max(T::from_f64(64.0) * epsilon());
         Self { joint_limits: true, tolerance, sweeps: 8, newton_steps: 40 }
@@ -66,7 +71,8 @@ pub struct FreeMotion<'a, T, C, V> {
     pub qd: &'a [T],
     /// The height of each contact, m.
     pub heights: &'a [T],
-    /// The velocity of each contact relative to its target before the step, in the directions of its rows, m/s.
+    /// The velocity of each contact relative to its target before the step, in the directions of
+    /// its rows, m/s.
     pub before: &'a C,
     /// The same after the step without impulses, m/s.
     pub free: &'a C,
@@ -79,14 +85,15 @@ pub struct FreeMotion<'a, T, C, V> {
 /// The impulses of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impulses<C, V> {
-    /// For each contact the impulses along its three rows, N s: the x and y axes of its target, then the normal.
+    /// For each contact the impulses along its three rows, N s: the x and y axes of its target,
+    /// then the normal.
     pub contacts: C,
     /// For each velocity the impulse of its stop, N m s or N s.
     pub stops: V,
 }
 
-/// The memory of a step, and the inverse of the mass matrix, which stops need: arrays for generated robots, vectors for a robot that
-/// is known at run time.
+/// The memory of a step, and the inverse of the mass matrix, which stops need: arrays for generated
+/// robots, vectors for a robot that is known at run time.
 pub trait StepMemory<T> {
     /// A number for each row of the contacts.
     type ContactRow: Row<T>;
@@ -113,11 +120,12 @@ pub trait StepMemory<T> {
     fn inverse(&self) -> Self::Inverse;
 }
 
-/// Finds the impulses of a step from those of the last step, which are zero at first, and the velocities after it. Returns what is
-/// wrong with them, and the work.
+/// Finds the impulses of a step from those of the last step, which are zero at first, and the
+/// velocities after it. Returns what is wrong with them, and the work.
 ///
-/// `contacts` has a contact for each target, whose friction this sets. `stops` has a stop with its range for each velocity; none at
-/// all if joints have no stops. `order` is memory with an entry for each velocity.
+/// `contacts` has a contact for each target, whose friction this sets. `stops` has a stop with its
+/// range for each velocity; none at all if joints have no stops. `order` is memory with an entry
+/// for each velocity.
 #[inline(always)]
 pub fn solve_step<T: Decide, M: StepMemory<T>>(
     memory: &M,
@@ -172,7 +180,8 @@ pub fn solve_step<T: Decide, M: StepMemory<T>>(
     )
 }
 
-/// Returns the velocities of the contacts without impulses, less the least speed along the normal. Sets the friction of the contacts.
+/// Returns the velocities of the contacts without impulses, less the least speed along the normal.
+/// Sets the friction of the contacts.
 #[inline(always)]
 fn velocities_of_contacts<T: Decide, M: StepMemory<T>>(
     memory: &M,
@@ -191,7 +200,8 @@ fn velocities_of_contacts<T: Decide, M: StepMemory<T>>(
     b
 }
 
-/// [`solve_step`] with the stops that acted in the last step and, in rounds, those that joints would pass.
+/// [`solve_step`] with the stops that acted in the last step and, in rounds, those that joints
+/// would pass.
 #[inline(never)]
 fn stop_joints<T: Decide, M: StepMemory<T>>(
     memory: &M,

@@ -18,13 +18,15 @@
 //! }
 //! ```
 //!
-//! Nothing here allocates. The caller computes the accelerations in a function of the state, and can add external
-//! forces and payloads there.
+//! Nothing here allocates. The caller computes the accelerations in a function of the state, and
+//! can add external forces and payloads there.
 //!
-//! [`rollout::rollout`] moves many motions over many time steps, with the accelerations of a batch function.
+//! [`rollout::rollout`] moves many motions over many time steps, with the accelerations of a batch
+//! function.
 //!
-//! [`State::step_on_ground`] is a step with unilateral contacts, friction and joint stops. [`SpringGround`] is the simple
-//! alternative: a force for each point, for [`State::semi_implicit_euler`].
+//! [`State::step_on_ground`] is a step with unilateral contacts, friction and joint stops.
+//! [`SpringGround`] is the simple alternative: a force for each point, for
+//! [`State::semi_implicit_euler`].
 
 #[cfg(feature = "alloc")]
 pub mod by_numbers;
@@ -92,11 +94,11 @@ impl<R: Robot, T: Scalar> State<R, T> {
         Self { q, qd: R::V::<T>::from_fn(|_| T::zero()) }
     }
 
-    /// Returns the state after the time `dt` (s), by the semi-implicit Euler method of first order: the new
-    /// velocities move the robot. `accelerations` (rad/s^2, m/s^2) is evaluated once.
+    /// Returns the state after the time `dt` (s), by the semi-implicit Euler method of first order:
+    /// the new velocities move the robot. `accelerations` (rad/s^2, m/s^2) is evaluated once.
     ///
-    /// The energy error of an undamped oscillation of angular frequency w stays bounded if w `dt` is below 2.
-    /// With a stiffer spring the motion diverges, as with any explicit method.
+    /// The energy error of an undamped oscillation of angular frequency w stays bounded if w `dt`
+    /// is below 2. With a stiffer spring the motion diverges, as with any explicit method.
     ///
     /// ```
     /// use modyn_runtime::simulate::State;
@@ -117,10 +119,11 @@ impl<R: Robot, T: Scalar> State<R, T> {
         Self { q: R::integrate(&self.q, &add_scaled(&zero, dt, &qd)), qd }
     }
 
-    /// Returns the state after the time `dt` (s), by the classical Runge-Kutta method of fourth order.
+    /// Returns the state after the time `dt` (s), by the classical Runge-Kutta method of fourth
+    /// order.
     ///
-    /// `accelerations` (rad/s^2, m/s^2) is evaluated four times. Quaternions are integrated as four numbers and
-    /// scaled to length 1 at the end of the step, which keeps the order.
+    /// `accelerations` (rad/s^2, m/s^2) is evaluated four times. Quaternions are integrated as four
+    /// numbers and scaled to length 1 at the end of the step, which keeps the order.
     ///
     /// ```
     /// use modyn_runtime::simulate::State;
@@ -157,8 +160,8 @@ impl<R: Robot, T: Scalar> State<R, T> {
         Self { q: R::normalize(&q), qd }
     }
 
-    /// Returns the joint forces that make the robot follow `reference`: inverse dynamics of the reference's
-    /// acceleration plus the feedback of the errors (computed torque control).
+    /// Returns the joint forces that make the robot follow `reference`: inverse dynamics of the
+    /// reference's acceleration plus the feedback of the errors (computed torque control).
     ///
     /// ```
     /// use modyn_runtime::simulate::{Gains, Reference, State};

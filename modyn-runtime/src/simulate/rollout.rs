@@ -3,7 +3,8 @@
 use super::State;
 use crate::{Array, Robot, functions};
 
-/// The motions that advance together: several vectors of any instruction set, small enough for the first cache.
+/// The motions that advance together: several vectors of any instruction set, small enough for the
+/// first cache.
 const BLOCK: usize = 64;
 
 /// The place of a time step in a rollout.
@@ -17,11 +18,12 @@ pub struct Instant {
 
 /// Moves each of `motions` by `steps` time steps of `dt` (s), by the semi-implicit Euler method.
 ///
-/// - `forces` returns the joint forces of a time step in the state before it: the controls of a plan, a feedback.
-/// - `accelerations` computes those of several states from their coordinates, velocities and joint forces, such as
-///   `forward_dynamics_each` of a generated robot, which has a state in each lane.
-/// - `visit` gets the joint forces of each step and the state after it, for costs and trajectories. The steps of a motion come in their
-///   order; motions advance in blocks.
+/// - `forces` returns the joint forces of a time step in the state before it: the controls of a
+///   plan, a feedback.
+/// - `accelerations` computes those of several states from their coordinates, velocities and joint
+///   forces, such as `forward_dynamics_each` of a generated robot, which has a state in each lane.
+/// - `visit` gets the joint forces of each step and the state after it, for costs and trajectories.
+///   The steps of a motion come in their order; motions advance in blocks.
 ///
 /// Each thread can have a part of the motions: with rayon, `motions.par_chunks_mut(1024)`.
 ///

@@ -1,7 +1,8 @@
 //! One contact with Coulomb friction.
 //!
-//! The velocity of the contact is u = B p + c, with its impulse p, its 3 x 3 mobility B and the velocity c by all other impulses.
-//! The third direction is the normal n. With b = B_tn, S = B_tt - b b^T / B_nn and s = c_t - b c_n / B_nn the solution is
+//! The velocity of the contact is u = B p + c, with its impulse p, its 3 x 3 mobility B and the
+//! velocity c by all other impulses. The third direction is the normal n. With b = B_tn, S = B_tt -
+//! b b^T / B_nn and s = c_t - b c_n / B_nn the solution is
 //!
 //! ```text
 //! open    p = 0                                            if c_n >= 0
@@ -9,13 +10,15 @@
 //! slip    (S + k) p_t = -s,  p_n as before, with the slip k > 0 at which |p_t| = mu p_n: then u_t = -k p_t
 //! ```
 //!
-//! A slip exists whenever c_n < 0: mu p_n - |p_t| is negative at k = 0, and positive for large k. mu p_n / |p_t| - 1 is nearly
-//! linear in k, as in trust regions, so Newton's method on k takes few steps. The slip of the last visit is the first guess.
+//! A slip exists whenever c_n < 0: mu p_n - |p_t| is negative at k = 0, and positive for large k.
+//! mu p_n / |p_t| - 1 is nearly linear in k, as in trust regions, so Newton's method on k takes few
+//! steps. The slip of the last visit is the first guess.
 //!
 //! These functions have no closures: those would not be compiled for the instructions of lanes.
 //!
-//! A direction in which the robot cannot move, such as that out of the plane of a planar robot, makes S singular. So each visit
-//! adds a small multiple of the change of p_t to u_t, which is zero at the solution.
+//! A direction in which the robot cannot move, such as that out of the plane of a planar robot,
+//! makes S singular. So each visit adds a small multiple of the change of p_t to u_t, which is zero
+//! at the solution.
 
 use super::decide::Decide;
 use crate::Scalar;
@@ -46,7 +49,8 @@ pub(super) enum Law<S> {
     Slip(Slip<S>),
 }
 
-/// The friction of a contact that slips: a_t (p_t - mu (p_n - u_n / a_n) e) = 0, with e the direction of p_t - u_t / a_t.
+/// The friction of a contact that slips: a_t (p_t - mu (p_n - u_n / a_n) e) = 0, with e the
+/// direction of p_t - u_t / a_t.
 pub(super) struct Slip<S> {
     /// e.
     pub direction: [S; 2],
@@ -54,7 +58,8 @@ pub(super) struct Slip<S> {
     pub pressed: S,
     /// The largest friction: mu times this.
     pub limit: S,
-    /// The derivative of the two equations with respect to u_t, by rows; with respect to p_t it is a_t times one minus this.
+    /// The derivative of the two equations with respect to u_t, by rows; with respect to p_t it is
+    /// a_t times one minus this.
     pub turn: [[S; 2]; 2],
     /// The derivative with respect to u_n; with respect to p_n it is -a_n times this.
     pub push: [S; 2],
@@ -128,7 +133,8 @@ impl<S: Scalar> Contact<S> {
         [self.scale[0], self.block[5]]
     }
 
-    /// Returns the impulse that solves the equations of this contact, whose impulse is `p` and whose velocity is `u`.
+    /// Returns the impulse that solves the equations of this contact, whose impulse is `p` and
+    /// whose velocity is `u`.
     #[inline(always)]
     pub(super) fn solve(&mut self, p: [S; 3], u: [S; 3]) -> [S; 3] {
         let [xx, xy, xz, yy, yz, zz] = self.block;
@@ -189,7 +195,8 @@ impl<S: Scalar> Contact<S> {
         [[px, py], [dx, dy]]
     }
 
-    /// Returns the impulse of a contact that slips, and stores its slip. `s` and `alone` are s and -c_n / B_nn.
+    /// Returns the impulse of a contact that slips, and stores its slip. `s` and `alone` are s and
+    /// -c_n / B_nn.
     #[inline(always)]
     fn slide(&mut self, [sx, sy]: [S; 2], alone: S) -> [S; 3] {
         let [_, _, xz, _, yz, zz] = self.block;
@@ -229,8 +236,8 @@ impl<S: Scalar> Contact<S> {
         [limit * ex, limit * ey, pn]
     }
 
-    /// Returns the velocity of the contact with impulse `p` and velocity `u` that contradicts the laws of contacts, m/s: zero at a
-    /// solution, NaN if a number is NaN.
+    /// Returns the velocity of the contact with impulse `p` and velocity `u` that contradicts the
+    /// laws of contacts, m/s: zero at a solution, NaN if a number is NaN.
     #[inline(always)]
     pub(super) fn residual(&self, p: [S; 3], u: [S; 3]) -> S {
         let [mean, per_mean] = self.scale;

@@ -1,14 +1,15 @@
 //! Derivatives of the impulses that solve the equations.
 //!
-//! The impulses p satisfy r(p, u) = 0 with u = A p + b, where r are the equations of `newton`. A change of A, b and the friction mu
-//! changes them by dp:
+//! The impulses p satisfy r(p, u) = 0 with u = A p + b, where r are the equations of `newton`. A
+//! change of A, b and the friction mu changes them by dp:
 //!
 //! ```text
 //! J dp = -(r_u (dA p + db) + r_mu dmu),  J = r_p + r_u A
 //! ```
 //!
-//! Where a contact changes from one law to another, p has a derivative on each side. The one of the law that holds with the numbers
-//! of p is taken. The proximal term of `newton` stays in J, so redundant rows share a change.
+//! Where a contact changes from one law to another, p has a derivative on each side. The one of the
+//! law that holds with the numbers of p is taken. The proximal term of `newton` stays in J, so
+//! redundant rows share a change.
 
 use super::contact::Law;
 use super::decide::Decide;
@@ -16,9 +17,10 @@ use super::ground::{GroundEquations, Row};
 use super::newton::{Steps, least_eps};
 
 impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
-    /// Replaces the changes dA p + db of the velocities along several directions by the changes of the impulses `p`, which solve the
-    /// equations. `changes` has a row for each row of the equations, and `friction`, the changes of the friction, one for each
-    /// contact: with an entry for each direction. `matrix` is memory with as many rows as `a`.
+    /// Replaces the changes dA p + db of the velocities along several directions by the changes of
+    /// the impulses `p`, which solve the equations. `changes` has a row for each row of the
+    /// equations, and `friction`, the changes of the friction, one for each contact: with an entry
+    /// for each direction. `matrix` is memory with as many rows as `a`.
     pub fn change(&mut self, p: &R, (changes, friction): (&mut [S], &[S]), matrix: &mut [R]) {
         let rows = self.rows();
         let directions = changes.len() / rows.max(1);
@@ -44,9 +46,10 @@ impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
         steps.substitute(changes, rows, directions);
     }
 
-    /// Returns the gradient of the sum of the impulses `p`, which solve the equations, times `weights`: with respect to b, and in
-    /// `friction` with respect to the friction of each contact. That with respect to A is the gradient by b times p^T. `matrix` is
-    /// memory with as many rows as `a`.
+    /// Returns the gradient of the sum of the impulses `p`, which solve the equations, times
+    /// `weights`: with respect to b, and in `friction` with respect to the friction of each
+    /// contact. That with respect to A is the gradient by b times p^T. `matrix` is memory with as
+    /// many rows as `a`.
     #[must_use]
     pub fn gradient(&mut self, p: &R, weights: &R, friction: &mut [S], matrix: &mut [R]) -> R {
         let (mut steps, u) = self.linear(p, matrix);

@@ -27,7 +27,8 @@ impl<S: Scalar> Stop<S> {
         Self { range, mobility: S::zero() }
     }
 
-    /// Returns the impulse that solves the equation of this stop, whose impulse is `p` and whose velocity is `u`.
+    /// Returns the impulse that solves the equation of this stop, whose impulse is `p` and whose
+    /// velocity is `u`.
     #[inline(always)]
     pub(super) fn solve(&self, p: S, u: S) -> S {
         let per_unit = self.mobility.recip();
@@ -59,8 +60,8 @@ impl<S: Decide> Stop<S> {
     }
 }
 
-/// The velocities that are wrong with the impulses of a step: zero if the impulses satisfy the laws of contacts and stops, NaN if a
-/// number of the step is NaN.
+/// The velocities that are wrong with the impulses of a step: zero if the impulses satisfy the laws
+/// of contacts and stops, NaN if a number of the step is NaN.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Residual<T = f64> {
     /// The largest wrong velocity of a contact, m/s.
@@ -89,16 +90,18 @@ pub struct Effort {
     pub newton: usize,
 }
 
-/// The equations u = A p + b of impulses p and velocities u: three rows for each contact (two directions in the plane, then the
-/// normal), then one for each stop.
+/// The equations u = A p + b of impulses p and velocities u: three rows for each contact (two
+/// directions in the plane, then the normal), then one for each stop.
 ///
-/// A contact does not pull, and does not approach the ground: p_n >= 0, u_n >= 0, p_n u_n = 0. Its friction is at most
-/// `friction` times p_n, and has this length against the velocity if it slips. A stop pushes its velocity into its range.
+/// A contact does not pull, and does not approach the ground: p_n >= 0, u_n >= 0, p_n u_n = 0. Its
+/// friction is at most `friction` times p_n, and has this length against the velocity if it slips.
+/// A stop pushes its velocity into its range.
 #[derive(Debug)]
 pub struct GroundEquations<'a, S, R> {
     /// The symmetric matrix A by rows, which may have further entries.
     pub a: &'a [R],
-    /// The velocities without impulses. The least speed of a contact along its normal is subtracted.
+    /// The velocities without impulses. The least speed of a contact along its normal is
+    /// subtracted.
     pub b: &'a R,
     /// The contacts.
     pub contacts: &'a mut [Contact<S>],
@@ -142,7 +145,8 @@ impl<S: Scalar, R: Row<S>> GroundEquations<'_, S, R> {
         }
     }
 
-    /// Sweeps this many times over all contacts from the impulses `p` on. Returns the largest velocity that is wrong at contacts.
+    /// Sweeps this many times over all contacts from the impulses `p` on. Returns the largest
+    /// velocity that is wrong at contacts.
     #[cfg(feature = "alloc")]
     pub(crate) fn sweep_times(&mut self, p: &mut [S], times: usize) -> S {
         self.prepare();
@@ -154,8 +158,8 @@ impl<S: Scalar, R: Row<S>> GroundEquations<'_, S, R> {
         self.finish(p, u).contacts
     }
 
-    /// Returns what is wrong with the impulses `p`, whose velocities are `u`. If this is NaN, the impulses become NaN: a motion must not
-    /// go on without them.
+    /// Returns what is wrong with the impulses `p`, whose velocities are `u`. If this is NaN, the
+    /// impulses become NaN: a motion must not go on without them.
     #[inline(always)]
     pub(super) fn finish(&self, p: &mut [S], u: &[S]) -> Residual<S> {
         let residual = self.residual(p, u);
@@ -190,11 +194,12 @@ impl<S: Scalar, R: Row<S>> GroundEquations<'_, S, R> {
 }
 
 impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
-    /// Solves the equations from the impulses `p` on, in sweeps and, where these do not suffice, by Newton steps. `matrix` returns
-    /// memory with as many rows as `a`. Returns what is still wrong, m/s and rad/s, and the work.
+    /// Solves the equations from the impulses `p` on, in sweeps and, where these do not suffice, by
+    /// Newton steps. `matrix` returns memory with as many rows as `a`. Returns what is still wrong,
+    /// m/s and rad/s, and the work.
     ///
-    /// There are at most `most.sweeps` sweeps, with stops at most one, since stops are coupled strongly. Neither method allocates.
-    /// The scalar must be a single number.
+    /// There are at most `most.sweeps` sweeps, with stops at most one, since stops are coupled
+    /// strongly. Neither method allocates. The scalar must be a single number.
     #[inline(always)]
     pub fn solve<M: AsMut<[R]>>(
         &mut self,
@@ -214,8 +219,8 @@ impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
         (self.finish(p.as_mut(), u.as_ref()), Effort { sweeps, newton })
     }
 
-    /// Sweeps from the impulses `p` on, in lanes: without stops and without Newton steps. Returns the velocities that are wrong at
-    /// contacts in each lane.
+    /// Sweeps from the impulses `p` on, in lanes: without stops and without Newton steps. Returns
+    /// the velocities that are wrong at contacts in each lane.
     #[cfg(feature = "alloc")]
     #[inline(always)]
     pub(crate) fn sweep_lanes(&mut self, p: &mut R, (most, tolerance): (usize, S)) -> S {

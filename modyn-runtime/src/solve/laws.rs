@@ -5,10 +5,11 @@ use crate::Scalar;
 use crate::constraint_settings::ContactTarget;
 use crate::scalar::positive;
 
-/// Returns the range of the velocity after a step of `dt` seconds of a joint at the coordinate `at` within `limits`, rad or m;
-/// limits may be infinite.
+/// Returns the range of the velocity after a step of `dt` seconds of a joint at the coordinate `at`
+/// within `limits`, rad or m; limits may be infinite.
 ///
-/// A joint within its limits may reach them. A joint beyond a limit returns at `beta` (1/s) times its distance.
+/// A joint within its limits may reach them. A joint beyond a limit returns at `beta` (1/s) times
+/// its distance.
 #[inline(always)]
 #[must_use]
 pub fn velocity_range<T: Scalar>(at: T, limits: [f64; 2], beta: T, dt: T) -> [T; 2] {
@@ -24,13 +25,14 @@ const UNREACHED: f64 = 1e6;
 
 /// Returns the least speed of a contact along its normal after a step, m/s, without an impulse.
 ///
-/// `height` is the height above the ground before the step, m. `before` is the speed along the normal, and `free` the
-/// speed after the step without impulses, m/s; the step takes `dt` seconds. A contact that would pass the ground leaves it with
-/// `restitution` times its speed, unless that is below 0.01 m/s.
+/// `height` is the height above the ground before the step, m. `before` is the speed along the
+/// normal, and `free` the speed after the step without impulses, m/s; the step takes `dt` seconds.
+/// A contact that would pass the ground leaves it with `restitution` times its speed, unless that
+/// is below 0.01 m/s.
 ///
-/// A rigid contact above the ground may reach it. A rigid contact in the ground leaves it at `beta` times its depth. A contact with
-/// `compliance` is free above the ground, and accelerates by -2 alpha v - beta^2 h at least in the ground; the impulse's own effect is
-/// in [`soften`].
+/// A rigid contact above the ground may reach it. A rigid contact in the ground leaves it at `beta`
+/// times its depth. A contact with `compliance` is free above the ground, and accelerates by -2
+/// alpha v - beta^2 h at least in the ground; the impulse's own effect is in [`soften`].
 #[inline(always)]
 pub(crate) fn least_speed<T: Scalar>(
     [height, before, free, dt]: [T; 4],
@@ -51,8 +53,9 @@ pub(crate) fn least_speed<T: Scalar>(
     (least - free).select_nonnegative(bounced, least)
 }
 
-/// Returns the velocity of a contact after the step without impulses, m/s, less the least speed along its normal. `motion` are the height
-/// and the speed along the normal before the step, and the time step.
+/// Returns the velocity of a contact after the step without impulses, m/s, less the least speed
+/// along its normal. `motion` are the height and the speed along the normal before the step, and
+/// the time step.
 #[inline(always)]
 pub(crate) fn relative_velocity<T: Scalar>(
     [x, y, z]: [T; 3],
@@ -70,12 +73,14 @@ pub(crate) fn normal_law<T: Scalar>(target: &ContactTarget<T>) -> [T; 4] {
 }
 
 impl<T: Scalar> ContactTarget<T> {
-    /// Returns this target with a compliant contact that moves as MuJoCo's with `solref` = (`time_constant`, `damping_ratio`), in s and
-    /// without unit, and with `solimp` whose impedance is `impedance` at all depths.
+    /// Returns this target with a compliant contact that moves as MuJoCo's with `solref` =
+    /// (`time_constant`, `damping_ratio`), in s and without unit, and with `solimp` whose impedance
+    /// is `impedance` at all depths.
     ///
-    /// `mobility` is the inverse of the mass that the contact moves along its normal, 1/kg: MuJoCo takes `body_invweight0`, an entry
-    /// of the diagonal of [`contact_problem`](crate::Robot::contact_problem)'s `mobility` serves as well. Friction stays rigid, as
-    /// with a large `impratio`.
+    /// `mobility` is the inverse of the mass that the contact moves along its normal, 1/kg: MuJoCo
+    /// takes `body_invweight0`, an entry of the diagonal of
+    /// [`contact_problem`](crate::Robot::contact_problem)'s `mobility` serves as well. Friction
+    /// stays rigid, as with a large `impratio`.
     ///
     /// ```
     /// use modyn_runtime::ContactTarget;
@@ -121,7 +126,8 @@ pub(crate) fn soften<T: Scalar, R: Row<T>>(targets: &[ContactTarget<T>], matrix:
     }
 }
 
-/// Returns the speed per depth at which a step of `dt` seconds resolves a violation: `beta`, at most 1 / `dt`.
+/// Returns the speed per depth at which a step of `dt` seconds resolves a violation: `beta`, at
+/// most 1 / `dt`.
 #[inline(always)]
 fn return_rate<T: Scalar>(beta: T, dt: T) -> T {
     let per_step = dt.recip();

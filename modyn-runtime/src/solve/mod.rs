@@ -1,8 +1,9 @@
 //! Solvers of dense problems, as loops over rows.
 //!
-//! Equations of the robot's structure become straight-line code. A problem that couples all contacts is dense: it is solved by
-//! these loops, for generated robots, for the interpreter and for machine code alike. The memory of a solver consists of rows
-//! that the caller has: arrays for generated robots, vectors for a robot that is known at run time.
+//! Equations of the robot's structure become straight-line code. A problem that couples all
+//! contacts is dense: it is solved by these loops, for generated robots, for the interpreter and
+//! for machine code alike. The memory of a solver consists of rows that the caller has: arrays for
+//! generated robots, vectors for a robot that is known at run time.
 //!
 //! | file | content |
 //! |---|---|

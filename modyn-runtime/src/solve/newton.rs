@@ -1,7 +1,8 @@
 //! Damped Newton steps on the equations of all contacts and joint stops.
 //!
-//! The equations are the natural map of Alart and Curnier 1991, "A mixed formulation for frictional contact problems prone to
-//! Newton like solution methods": with the mobilities a_n and a_t of a contact,
+//! The equations are the natural map of Alart and Curnier 1991, "A mixed formulation for frictional
+//! contact problems prone to Newton like solution methods": with the mobilities a_n and a_t of a
+//! contact,
 //!
 //! ```text
 //! open    p = 0                      if a_n p_n <= u_n
@@ -10,9 +11,9 @@
 //! slip    p_t = mu (p_n - u_n / a_n) e  else, with e the direction of p_t - u_t / a_t
 //! ```
 //!
-//! and for a stop u = its limit, or p = 0. A proximal term eps a (p - p_last) on active rows keeps the matrix regular where rows
-//! are redundant. It vanishes at the solution. A step that raises the sum of the squared residuals much is taken back: then a few
-//! sweeps lead on, and eps grows.
+//! and for a stop u = its limit, or p = 0. A proximal term eps a (p - p_last) on active rows keeps
+//! the matrix regular where rows are redundant. It vanishes at the solution. A step that raises the
+//! sum of the squared residuals much is taken back: then a few sweeps lead on, and eps grows.
 
 use super::contact::Law;
 use super::decide::Decide;
@@ -20,8 +21,8 @@ use super::ground::{GroundEquations, Row};
 use super::laws::add_scaled;
 use crate::scalar::{epsilon, larger};
 
-/// The factor by which a step may raise the merit. The merit rises before it falls where contacts are redundant: with a small factor the
-/// steps that lead to the solution are taken back.
+/// The factor by which a step may raise the merit. The merit rises before it falls where contacts
+/// are redundant: with a small factor the steps that lead to the solution are taken back.
 const ACCEPTED: f64 = 1e6;
 /// The first proximal term.
 const START: f64 = 0.01;
@@ -67,8 +68,9 @@ pub(super) struct Steps<'a, S, R> {
 }
 
 impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
-    /// Takes at most `most` steps from the impulses `p`, whose velocities are `u`, until no residual is above `tolerance`. Leaves the
-    /// best impulses and their velocities. Returns the number of steps. The scalar must be a single number.
+    /// Takes at most `most` steps from the impulses `p`, whose velocities are `u`, until no
+    /// residual is above `tolerance`. Leaves the best impulses and their velocities. Returns the
+    /// number of steps. The scalar must be a single number.
     #[inline(never)]
     pub(super) fn newton(
         &mut self,
@@ -207,7 +209,8 @@ impl<S: Decide, R: Row<S>> Steps<'_, S, R> {
         !active[row].all_at_most(S::zero())
     }
 
-    /// Sets the impulses of the rows that are not active to zero. Their effect on the others becomes a part of the right-hand sides.
+    /// Sets the impulses of the rows that are not active to zero. Their effect on the others
+    /// becomes a part of the right-hand sides.
     #[inline(always)]
     fn clear(&mut self, p: &mut [S], rows: usize) {
         let Self { matrix, right, active, .. } = self;
@@ -223,8 +226,8 @@ impl<S: Decide, R: Row<S>> Steps<'_, S, R> {
         }
     }
 
-    /// Replaces the matrix of the active rows by its triangular factors, by Gaussian elimination without exchanges; the diagonal by
-    /// its reciprocals.
+    /// Replaces the matrix of the active rows by its triangular factors, by Gaussian elimination
+    /// without exchanges; the diagonal by its reciprocals.
     #[inline(always)]
     pub(super) fn factorize(&mut self, rows: usize) {
         let (matrix, active) = (&mut *self.matrix, self.active.as_ref());
@@ -248,8 +251,8 @@ impl<S: Decide, R: Row<S>> Steps<'_, S, R> {
         }
     }
 
-    /// Replaces right-hand sides, `count` of them in each row, by their solutions, by the factors of `factorize`. Rows that are not
-    /// active become zero.
+    /// Replaces right-hand sides, `count` of them in each row, by their solutions, by the factors
+    /// of `factorize`. Rows that are not active become zero.
     #[inline(always)]
     pub(super) fn substitute(&self, right: &mut [S], rows: usize, count: usize) {
         let (matrix, active) = (&*self.matrix, self.active.as_ref());

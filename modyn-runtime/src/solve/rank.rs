@@ -1,15 +1,17 @@
-//! The pseudo-inverse of a matrix of constraint rows by a rank-revealing factorization, without a branch on a value.
+//! The pseudo-inverse of a matrix of constraint rows by a rank-revealing factorization, without a
+//! branch on a value.
 //!
-//! The symmetric matrix A is factorized as P Delta P^T. In each step the row with the largest remaining diagonal, of all rows of all
-//! constraints, becomes the pivot: it exchanges its place with the next row. Diagonals are compared relative to the scales of
-//! their constraints. A row that is small after some rows, such as the row along a stretched leg, is therefore a pivot only if no
-//! later row makes it redundant, and the pivots do not depend on the order of the constraints. Selections between numbers exchange
-//! the two rows, so that no index depends on a value.
-//! The pivot's column divided by its diagonal becomes a column of P, and its outer product is subtracted
-//! from the matrix. A pivot at or below its threshold leaves a column of zeros: its row depends on
-//! earlier rows. In the order of the pivots P is lower triangular with a diagonal of ones. The columns
-//! of P are well conditioned for any Delta. With the Gram matrix G = P^T P the pseudo-inverse is
-//! (Courrieu 2005, "Fast computation of Moore-Penrose inverse matrices")
+//! The symmetric matrix A is factorized as P Delta P^T. In each step the row with the largest
+//! remaining diagonal, of all rows of all constraints, becomes the pivot: it exchanges its place
+//! with the next row. Diagonals are compared relative to the scales of their constraints. A row
+//! that is small after some rows, such as the row along a stretched leg, is therefore a pivot only
+//! if no later row makes it redundant, and the pivots do not depend on the order of the
+//! constraints. Selections between numbers exchange the two rows, so that no index depends on a
+//! value. The pivot's column divided by its diagonal becomes a column of P, and its outer product
+//! is subtracted from the matrix. A pivot at or below its threshold leaves a column of zeros: its
+//! row depends on earlier rows. In the order of the pivots P is lower triangular with a diagonal of
+//! ones. The columns of P are well conditioned for any Delta. With the Gram matrix G = P^T P the
+//! pseudo-inverse is (Courrieu 2005, "Fast computation of Moore-Penrose inverse matrices")
 //!
 //! ```text
 //! A^+ = P G^-1 Delta^-1 G^-1 P^T
@@ -19,7 +21,8 @@
 //! multipliers have the smallest norm. The residuals of contradictory rows have the smallest sum of
 //! squares.
 //!
-//! The memory is lists of the caller: arrays of generated code ([`RowEquations`]), or vectors of a robot that is known at run time.
+//! The memory is lists of the caller: arrays of generated code ([`RowEquations`]), or vectors of a
+//! robot that is known at run time.
 
 use crate::scalar::{Chunk, Scalar};
 
@@ -49,7 +52,8 @@ impl<S: Scalar> Exchange<S> {
         [vector[a], vector[b]] = self.apply([vector[a], vector[b]]);
     }
 
-    /// Exchanges the rows and the columns of a symmetric matrix of `count` rows, of which the lower triangle is stored.
+    /// Exchanges the rows and the columns of a symmetric matrix of `count` rows, of which the lower
+    /// triangle is stored.
     #[inline(always)]
     pub(crate) fn in_matrix(&self, matrix: &mut [S], count: usize) {
         let [a, b] = self.rows;
@@ -71,14 +75,15 @@ pub(crate) struct Counts {
     pub exchanges: usize,
 }
 
-/// The factorization P Delta P^T of a symmetric matrix of constraint rows. Unless they are triangles, lists have an entry for each
-/// row.
+/// The factorization P Delta P^T of a symmetric matrix of constraint rows. Unless they are
+/// triangles, lists have an entry for each row.
 #[derive(Debug)]
 pub(crate) struct RankFactorization<'a, S> {
     /// For each constraint the number of its rows, and an upper bound of the number of its pivots.
     pub blocks: &'a [(usize, usize)],
-    /// The lower triangle of A, reduced by each step's outer product; then P below the diagonal, whose column of a pivot is
-    /// that of the pivot's row. Row k has k + 1 entries, from `row_start(k)` on.
+    /// The lower triangle of A, reduced by each step's outer product; then P below the diagonal,
+    /// whose column of a pivot is that of the pivot's row. Row k has k + 1 entries, from
+    /// `row_start(k)` on.
     pub matrix: &'a mut [S],
     /// For each row, the remaining diagonal at or below which the row is dependent.
     pub thresholds: &'a mut [S],
@@ -123,8 +128,8 @@ impl<S: Scalar> RankFactorization<'_, S> {
         self.thresholds.len()
     }
 
-    /// Sets the thresholds: `tolerance` times the entry of `scales` for the row's constraint, plus `rounding` times the row's
-    /// diagonal in A.
+    /// Sets the thresholds: `tolerance` times the entry of `scales` for the row's constraint, plus
+    /// `rounding` times the row's diagonal in A.
     #[inline(always)]
     pub(crate) fn set_thresholds(&mut self, scales: &[S], tolerance: S, rounding: S) {
         let mut first = 0;
@@ -157,8 +162,9 @@ impl<S: Scalar> RankFactorization<'_, S> {
         self.factorize_gram();
     }
 
-    /// Performs one step: the row with the largest margin over its threshold, relative to its constraint's scale, of the moving rows
-    /// from `k` to `end`, becomes the pivot in the place of row `k`.
+    /// Performs one step: the row with the largest margin over its threshold, relative to its
+    /// constraint's scale, of the moving rows from `k` to `end`, becomes the pivot in the place of
+    /// row `k`.
     #[inline(always)]
     fn eliminate_largest(&mut self, k: usize, end: usize) {
         let (rows, pivot) = (self.rows(), self.moving[k]);
@@ -197,7 +203,8 @@ impl<S: Scalar> RankFactorization<'_, S> {
         }
     }
 
-    /// Factorizes G as L D L^T. The reciprocal of a dependent pivot is zero, so that solutions do not have it.
+    /// Factorizes G as L D L^T. The reciprocal of a dependent pivot is zero, so that solutions do
+    /// not have it.
     #[inline(always)]
     fn factorize_gram(&mut self) {
         let (rows, pivots) = (self.rows(), &self.pivots[..self.counts.pivots]);
@@ -235,8 +242,8 @@ impl<S: Scalar> RankFactorization<'_, S> {
         independent.iter().fold(S::zero(), |sum, &one| sum + one)
     }
 
-    /// Replaces the right-hand sides b by the multipliers A^+ b, and fills in the residuals A A^+ b - b.
-    /// Where the rows do not contradict each other, the residuals are zero within rounding.
+    /// Replaces the right-hand sides b by the multipliers A^+ b, and fills in the residuals A A^+
+    /// b - b. Where the rows do not contradict each other, the residuals are zero within rounding.
     #[inline(always)]
     pub(crate) fn solve(&mut self, right_hand_sides: &mut [S], residuals: &mut [S]) {
         let Counts { pivots, exchanges } = *self.counts;
@@ -288,8 +295,8 @@ impl<S: Scalar> RankFactorization<'_, S> {
         }
     }
 
-    /// Sets `product` to P times `reduced`. The first term of a sum is not added to zero, which would change the sign of a negative
-    /// zero: a graph has no such sum.
+    /// Sets `product` to P times `reduced`. The first term of a sum is not added to zero, which
+    /// would change the sign of a negative zero: a graph has no such sum.
     #[inline(always)]
     fn set_expanded(&self, product: &mut [S]) {
         product.fill(S::zero());
@@ -322,8 +329,8 @@ pub(crate) fn dot<S: Scalar>(a: &[S], b: &[S]) -> S {
     a.iter().zip(b).map(|(&a, &b)| a * b).reduce(|sum, x| sum + x).unwrap_or(S::zero())
 }
 
-/// The equations A x = b of `N` constraint rows, for each of `B` right-hand sides b. A is symmetric, has no negative eigenvalue, and `T`
-/// entries in its lower triangle.
+/// The equations A x = b of `N` constraint rows, for each of `B` right-hand sides b. A is
+/// symmetric, has no negative eigenvalue, and `T` entries in its lower triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct RowEquations<S, const N: usize, const T: usize, const C: usize, const B: usize> {
     /// For each of the `C` constraints, the number of its rows.
@@ -334,8 +341,8 @@ pub struct RowEquations<S, const N: usize, const T: usize, const C: usize, const
     pub sides: [[S; N]; B],
     /// For each constraint, the scale of its thresholds.
     pub scales: [S; C],
-    /// A row is dependent where its remaining diagonal is at most the first of these times its constraint's scale, plus the second
-    /// times its diagonal in A.
+    /// A row is dependent where its remaining diagonal is at most the first of these times its
+    /// constraint's scale, plus the second times its diagonal in A.
     pub tolerances: [S; 2],
 }
 

@@ -1,8 +1,10 @@
-//! Sweeps over contacts and joint stops: each is solved exactly, with the impulses of the others held.
+//! Sweeps over contacts and joint stops: each is solved exactly, with the impulses of the others
+//! held.
 //!
-//! The method is that of Jourdan, Alart and Jean 1998, "A Gauss-Seidel like algorithm to solve frictional contact problems". Feet
-//! of different legs are coupled weakly, through the trunk: then three sweeps are typical. The points of one sole are coupled
-//! strongly, and sweeps converge slowly.
+//! The method is that of Jourdan, Alart and Jean 1998, "A Gauss-Seidel like algorithm to solve
+//! frictional contact problems". Feet of different legs are coupled weakly, through the trunk: then
+//! three sweeps are typical. The points of one sole are coupled strongly, and sweeps converge
+//! slowly.
 
 use super::decide::Decide;
 use super::ground::{GroundEquations, Row};
@@ -10,8 +12,8 @@ use crate::Scalar;
 use crate::scalar::larger;
 
 impl<S: Decide, R: Row<S>> GroundEquations<'_, S, R> {
-    /// Sweeps until a sweep changes velocities by less than `tolerance`, until it makes little progress, or `most` times. Returns the
-    /// number of sweeps and the change of the last one.
+    /// Sweeps until a sweep changes velocities by less than `tolerance`, until it makes little
+    /// progress, or `most` times. Returns the number of sweeps and the change of the last one.
     #[inline(always)]
     pub(super) fn sweep(
         &mut self,

@@ -1,5 +1,5 @@
-//! The laws of contacts and stops hold for the impulses of mechanisms that are hard to solve. The checks are the laws themselves,
-//! and share no code with the solver.
+//! The laws of contacts and stops hold for the impulses of mechanisms that are hard to solve. The
+//! checks are the laws themselves, and share no code with the solver.
 
 use alloc::{vec, vec::Vec};
 use core::array::from_fn;
@@ -48,7 +48,8 @@ impl Bodies {
         }
     }
 
-    /// Adds a contact at `arm` from the centre of body `upper`, which lies on body `lower` or, without one, on the world.
+    /// Adds a contact at `arm` from the centre of body `upper`, which lies on body `lower` or,
+    /// without one, on the world.
     fn contact(
         &mut self,
         (upper, arm): (usize, [f64; 3]),
@@ -84,7 +85,8 @@ impl Bodies {
         self.rows.iter().map(|row| scaled.iter().map(|other| dot(row, other)).collect()).collect()
     }
 
-    /// Returns the impulses, after a check of the laws of contacts within the residual, and the residual.
+    /// Returns the impulses, after a check of the laws of contacts within the residual, and the
+    /// residual.
     fn try_solve(&self) -> (Vec<f64>, f64) {
         let b: Vec<f64> = self.rows.iter().map(|row| dot(row, &self.velocities)).collect();
         let (p, residual) = solve(&self.matrix(), &b, &self.friction, &[]);
@@ -192,7 +194,8 @@ fn a_wedge() {
     }
 }
 
-/// A pile of spheres whose masses are in the ratio 1 to 10,000, the heavy one on top or below, hit from above.
+/// A pile of spheres whose masses are in the ratio 1 to 10,000, the heavy one on top or below, hit
+/// from above.
 #[test]
 fn stacks_of_unequal_masses() {
     for masses in [[1.0, 1.0, 1.0], [1.0, 100.0, 1e4], [1e4, 100.0, 1.0], [1.0, 1e4, 1.0]] {
@@ -209,8 +212,8 @@ fn stacks_of_unequal_masses() {
     }
 }
 
-/// Two narrow soles of four corners each, on one body that hits the ground with them, without a first guess: 24 rows of rank 6. Of
-/// a hundred impacts at most two are left with a residual.
+/// Two narrow soles of four corners each, on one body that hits the ground with them, without a
+/// first guess: 24 rows of rank 6. Of a hundred impacts at most two are left with a residual.
 #[test]
 fn two_soles() {
     let mut random = Random(11);
@@ -232,7 +235,8 @@ fn two_soles() {
     assert!(missed.len() <= 2 && missed.iter().all(|&residual| residual < 0.05), "{missed:?}");
 }
 
-/// A planar robot cannot move out of its plane, and a cart cannot move along the normal: nothing becomes infinite.
+/// A planar robot cannot move out of its plane, and a cart cannot move along the normal: nothing
+/// becomes infinite.
 #[test]
 fn directions_without_motion() {
     let planar = vec![vec![1.0, 0.0, 0.2], vec![0.0, 0.0, 0.0], vec![0.2, 0.0, 0.7]];
@@ -289,9 +293,9 @@ fn modes() {
     assert_eq!(mode(0.0, [0.0, 0.0, 1.0]), ContactMode::Slip);
 }
 
-/// Two narrow soles on light feet, which turn about the joints of their ankles beneath a heavy body: their points move by far unlike
-/// masses, and are redundant. Of 200 impacts without a first guess at most 4 are
-/// left with a residual.
+/// Two narrow soles on light feet, which turn about the joints of their ankles beneath a heavy
+/// body: their points move by far unlike masses, and are redundant. Of 200 impacts without a first
+/// guess at most 4 are left with a residual.
 #[test]
 fn soles_on_light_feet() {
     let mut random = Random(23);

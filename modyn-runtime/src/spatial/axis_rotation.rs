@@ -13,7 +13,8 @@ pub enum Axis {
 }
 
 impl Axis {
-    /// Returns the indices of the rotated plane (first axis towards second), and of the axis itself.
+    /// Returns the indices of the rotated plane (first axis towards second), and of the axis
+    /// itself.
     fn indices(self) -> (usize, usize, usize) {
         match self {
             Self::X => (1, 2, 0),
@@ -22,10 +23,11 @@ impl Axis {
     }
 }
 
-/// A rotation R about a coordinate axis: it maps components in the rotated frame to components in the original
-/// frame.
+/// A rotation R about a coordinate axis: it maps components in the rotated frame to components in
+/// the original frame.
 ///
-/// Quarter turns only exchange and negate components. They are a variant of their own: exact, without products.
+/// Quarter turns only exchange and negate components. They are a variant of their own: exact,
+/// without products.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AxisRotation<S> {
     /// This many quarter turns, 0 to 3.
@@ -91,8 +93,8 @@ impl<S: Scalar> AxisRotation<S> {
 
     /// Returns R M R^T.
     ///
-    /// With k = s (m_ii - m_jj) + c (m_ij + m_ji), the entries in the rotated plane are m_ii - s k, c k - m_ji,
-    /// c k - m_ij, m_jj + s k: four products instead of eight.
+    /// With k = s (m_ii - m_jj) + c (m_ij + m_ji), the entries in the rotated plane are m_ii - s k,
+    /// c k - m_ji, c k - m_ij, m_jj + s k: four products instead of eight.
     #[must_use]
     pub fn matrix(self, about: Axis, m: &Matrix3<S>) -> Matrix3<S> {
         let (i, j, k) = about.indices();

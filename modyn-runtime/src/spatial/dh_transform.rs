@@ -9,8 +9,8 @@ use crate::Scalar;
 /// The constant pose of a joint's frame in the frame of the parent link:
 /// Rz(azimuth) Trans(translation) Rx(tilt).
 ///
-/// Two rotations reach any direction of the joint's axis; the third angle is the joint's own offset. Each
-/// costs four products for a vector, a full rotation matrix nine.
+/// Two rotations reach any direction of the joint's axis; the third angle is the joint's own
+/// offset. Each costs four products for a vector, a full rotation matrix nine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DhTransform<S> {
     /// The rotation about the parent's z axis.
@@ -56,8 +56,8 @@ impl<S: Scalar> DhTransform<S> {
         self.azimuth.vector(Axis::Z, self.tilt.vector(Axis::X, point) + self.translation)
     }
 
-    /// Returns the twist at the joint's frame, from a twist of the parent: the matrix A of the paper's twist
-    /// propagation. It transforms perturbations of accelerations, too.
+    /// Returns the twist at the joint's frame, from a twist of the parent: the matrix A of the
+    /// paper's twist propagation. It transforms perturbations of accelerations, too.
     #[must_use]
     pub fn twist_to_child(&self, t: Twist<S>) -> Twist<S> {
         let to_axes = |v| self.azimuth.inverse().vector(Axis::Z, v);

@@ -3,8 +3,8 @@
 use super::{Matrix3, RigidInertia, Vector3, Wrench};
 use crate::Scalar;
 
-/// The angular velocity and acceleration of a body, and the acceleration of its points: a + E r at r, with
-/// E = alpha x + omega x omega x. All are classical, in the body's axes, about its origin.
+/// The angular velocity and acceleration of a body, and the acceleration of its points: a + E r at
+/// r, with E = alpha x + omega x omega x. All are classical, in the body's axes, about its origin.
 #[derive(Clone, Copy, Debug)]
 pub struct Field<S> {
     /// The angular velocity, rad/s.
@@ -57,8 +57,8 @@ impl<S: Scalar> Field<S> {
         self.gradient.column(2).scale(z)
     }
 
-    /// Returns the wrench that gives a rigid body this motion: F = m a + E c, and N = c x a plus the axial vector
-    /// of E S - (E S)^T.
+    /// Returns the wrench that gives a rigid body this motion: F = m a + E c, and N = c x a plus
+    /// the axial vector of E S - (E S)^T.
     #[must_use]
     pub fn wrench(&self, body: &RigidInertia<S>) -> Wrench<S> {
         let e = &self.gradient.0;

@@ -7,9 +7,9 @@ use crate::Scalar;
 
 /// The inertia of a rigid (or composite) body about its frame's origin.
 ///
-/// It consists of mass, first and second moment of mass: `m`, `integral r dm`, `integral r r^T dm`. Transforms
-/// to another frame are cheaper than with the rotational inertia `trace(S) 1 - S`, the I of (2). The part
-/// without effect on a joint axis is a component of its own.
+/// It consists of mass, first and second moment of mass: `m`, `integral r dm`, `integral r r^T dm`.
+/// Transforms to another frame are cheaper than with the rotational inertia `trace(S) 1 - S`, the I
+/// of (2). The part without effect on a joint axis is a component of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigidInertia<S> {
     /// The mass, kg.
@@ -21,7 +21,8 @@ pub struct RigidInertia<S> {
 }
 
 impl<S: Scalar> RigidInertia<S> {
-    /// Returns the inertia of this mass, centre of mass, and rotational inertia about the centre of mass.
+    /// Returns the inertia of this mass, centre of mass, and rotational inertia about the centre of
+    /// mass.
     #[must_use]
     pub fn new(mass: S, center: Vector3<S>, inertia: &Symmetric3<S>) -> Self {
         let Symmetric3 { xx, xy, xz, yy, yz, zz } = *inertia;
@@ -55,7 +56,8 @@ impl<S: Scalar> RigidInertia<S> {
         }
     }
 
-    /// Returns the inertia about the origin of a parallel frame, in which this frame's origin is at `p`.
+    /// Returns the inertia about the origin of a parallel frame, in which this frame's origin is at
+    /// `p`.
     #[must_use]
     pub fn shifted(&self, p: Vector3<S>) -> Self {
         let c = self.first_moment;
@@ -81,7 +83,8 @@ impl<S: Scalar> RigidInertia<S> {
         self.rotated(&Matrix3(pose.rotation)).shifted(Vector3(pose.translation))
     }
 
-    /// Returns the inertia in new axes; the columns of `rotation` are the present axes in the new ones.
+    /// Returns the inertia in new axes; the columns of `rotation` are the present axes in the new
+    /// ones.
     #[must_use]
     pub fn rotated(&self, rotation: &Matrix3<S>) -> Self {
         let second_moment = rotation.congruence(&self.second_moment.full()).0;
@@ -102,7 +105,8 @@ impl<S: Scalar> RigidInertia<S> {
         }
     }
 
-    /// Returns the wrench of a unit acceleration in component `j` (angular x, y, z, linear x, y, z).
+    /// Returns the wrench of a unit acceleration in component `j` (angular x, y, z, linear x, y,
+    /// z).
     #[must_use]
     pub fn column(&self, j: usize) -> Wrench<S> {
         if j < 3 {
@@ -156,7 +160,8 @@ pub struct ArticulatedInertia<S> {
 }
 
 impl<S: Scalar> ArticulatedInertia<S> {
-    /// Returns the wrench of a unit acceleration in component `j` (angular x, y, z, linear x, y, z).
+    /// Returns the wrench of a unit acceleration in component `j` (angular x, y, z, linear x, y,
+    /// z).
     #[must_use]
     pub fn column(&self, j: usize) -> Wrench<S> {
         if j < 3 {
@@ -212,7 +217,8 @@ impl<S: Scalar> ArticulatedInertia<S> {
         }
     }
 
-    /// Returns the inertia in new axes; the columns of `rotation` are the present axes in the new ones.
+    /// Returns the inertia in new axes; the columns of `rotation` are the present axes in the new
+    /// ones.
     #[must_use]
     pub fn rotated(&self, rotation: &Matrix3<S>) -> Self {
         let rotated = |m: &Symmetric3<S>| {
@@ -226,7 +232,8 @@ impl<S: Scalar> ArticulatedInertia<S> {
         }
     }
 
-    /// Returns the inertia about the origin of a parallel frame, in which this frame's origin is at `p`.
+    /// Returns the inertia about the origin of a parallel frame, in which this frame's origin is at
+    /// `p`.
     #[must_use]
     pub fn shifted(&self, p: Vector3<S>) -> Self {
         // With P = p x: H' = H + P M and A' = A + P H'^T + H P^T.

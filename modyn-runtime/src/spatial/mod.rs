@@ -1,7 +1,7 @@
 //! Spatial vectors, inertias and transforms, with named components.
 //!
-//! Quantities are about the origin of a link's frame and in that frame's axes, as in the paper: the twist is
-//! t = [omega; o_dot], and the mass matrix (2) of a link is about the link's origin.
+//! Quantities are about the origin of a link's frame and in that frame's axes, as in the paper: the
+//! twist is t = [omega; o_dot], and the mass matrix (2) of a link is about the link's origin.
 
 mod pose;
 

@@ -3,17 +3,18 @@
 use super::Vector3;
 use crate::Scalar;
 
-/// A change of the accelerations of all points after a joint. At the point p with velocity v, the change is
-/// gradient × p + coriolis × 2 v + uniform.
+/// A change of the accelerations of all points after a joint. At the point p with velocity v, the
+/// change is gradient × p + coriolis × 2 v + uniform.
 ///
-/// The change is in the axes of the joint's body, about the body's origin; v is relative to fixed axes. The
-/// displacement of the points themselves is left out.
+/// The change is in the axes of the joint's body, about the body's origin; v is relative to fixed
+/// axes. The displacement of the points themselves is left out.
 #[derive(Clone, Copy, Debug)]
 pub struct AccelerationPerturbation<S> {
     /// The factor of the position p.
     pub gradient: Vector3<S>,
-    /// gradient - 2 omega × coriolis, with the body's angular velocity omega. It replaces the gradient where v is
-    /// relative to the body, since 2 omega × (coriolis × p) then is a separate term.
+    /// gradient - 2 omega × coriolis, with the body's angular velocity omega. It replaces the
+    /// gradient where v is relative to the body, since 2 omega × (coriolis × p) then is a separate
+    /// term.
     pub relative: Vector3<S>,
     /// Half the factor of the velocity v: the Coriolis term.
     pub coriolis: Vector3<S>,

@@ -1,9 +1,9 @@
 //! Quaternions, and the exponential maps of SO(3) and SE(3) with their inverses and Jacobians.
 //!
-//! A rotation vector w is the axis times the angle t in rad. The maps need sin(t/2) / (t/2) and similar
-//! functions: closed forms for large t, series for small t. The closed forms are accurate enough for the values
-//! at every t. But dual numbers take their derivatives from the same code, and the derivatives of a quotient
-//! lose more digits the closer it is to 0 / 0.
+//! A rotation vector w is the axis times the angle t in rad. The maps need sin(t/2) / (t/2) and
+//! similar functions: closed forms for large t, series for small t. The closed forms are accurate
+//! enough for the values at every t. But dual numbers take their derivatives from the same code,
+//! and the derivatives of a quotient lose more digits the closer it is to 0 / 0.
 
 use super::{Matrix3, Vector3};
 use crate::Scalar;
@@ -11,8 +11,8 @@ use crate::Scalar;
 /// The squared length below which a quaternion counts as zero, in any precision.
 const MIN_SQUARE: f64 = 1e-30;
 
-/// The squared angle below which series are used. The series have accurate third derivatives in double
-/// precision below it; above it the closed forms lose little.
+/// The squared angle below which series are used. The series have accurate third derivatives in
+/// double precision below it; above it the closed forms lose little.
 const SERIES_LIMIT: f64 = 1.0 / 16.0;
 
 /// The squared tangent of half an angle below which series are used.
@@ -55,8 +55,8 @@ const ARCTANGENT: [f64; 9] = [
     1.0 / 17.0,
 ];
 
-/// A quaternion. With length 1 it is a rotation of a frame: it maps components in the rotated frame to
-/// components in the reference frame.
+/// A quaternion. With length 1 it is a rotation of a frame: it maps components in the rotated frame
+/// to components in the reference frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quaternion<S> {
     /// x, y, z.
@@ -92,7 +92,8 @@ impl<S: Scalar> Quaternion<S> {
         Self { vector: w.scale(S::from_f64(0.5) * sinc), scalar: cos }
     }
 
-    /// Returns the rotation vector, rad, of length at most pi. The quaternion may have any length but 0.
+    /// Returns the rotation vector, rad, of length at most pi. The quaternion may have any length
+    /// but 0.
     #[must_use]
     pub fn log(self) -> Vector3<S> {
         let square = self.vector.dot(self.vector);
@@ -180,8 +181,8 @@ impl<S: Scalar> Quaternion<S> {
     }
 }
 
-/// Returns the translation after unit time at the constant twist (`w`, `v`) in the moving axes, in the axes at
-/// the start: V(w) v.
+/// Returns the translation after unit time at the constant twist (`w`, `v`) in the moving axes, in
+/// the axes at the start: V(w) v.
 #[must_use]
 pub fn screw_translation<S: Scalar>(w: Vector3<S>, v: Vector3<S>) -> Vector3<S> {
     let Angle { sinc, cos, lag } = Angle::of(w);
@@ -200,8 +201,8 @@ pub fn screw_velocity<S: Scalar>(w: Vector3<S>, translation: Vector3<S>) -> Vect
     translation - across.scale(S::from_f64(0.5)) + w.cross(across).scale(lag / sinc)
 }
 
-/// Returns the Jacobian of the exponential map of SO(3): its product with a change of the rotation vector `w` is
-/// the change of the rotation, in the rotated axes.
+/// Returns the Jacobian of the exponential map of SO(3): its product with a change of the rotation
+/// vector `w` is the change of the rotation, in the rotated axes.
 #[must_use]
 pub fn rotation_jacobian<S: Scalar>(w: Vector3<S>) -> Matrix3<S> {
     Matrix3::from_columns(|k| screw_translation(-w, Vector3::unit(k)))
@@ -250,7 +251,8 @@ impl<S: Scalar> Angle<S> {
         let (square, near) = (w.dot(w), S::from_f64(SERIES_LIMIT));
         let [sinc, lag] = [series(&SINC, square), series(&SINC_MINUS_COS, square)];
         let series = [sinc, sinc - square * lag, lag];
-        // Keeps the closed form away from 0 / 0, whose derivative would be NaN although its value is not selected.
+        // Keeps the closed form away from 0 / 0, whose derivative would be NaN although its value
+        // is not selected.
         let far = square.max(near);
         let half = S::from_f64(0.5) * far.sqrt();
         let (sin, cos) = half.sin_cos();

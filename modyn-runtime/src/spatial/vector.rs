@@ -4,8 +4,8 @@ use core::ops::{Add, AddAssign, Index, IndexMut, Neg, Sub};
 
 use crate::Scalar;
 
-/// A vector with a direction, such as a velocity or a force. (Positions are arrays: [`Pose`](super::Pose),
-/// [`Inertial`](crate::Inertial), the centre of mass.)
+/// A vector with a direction, such as a velocity or a force. (Positions are arrays:
+/// [`Pose`](super::Pose), [`Inertial`](crate::Inertial), the centre of mass.)
 ///
 /// ```
 /// use modyn_runtime::Vector3;

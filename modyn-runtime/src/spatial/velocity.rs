@@ -3,9 +3,9 @@
 use super::{Axis, AxisRotation, Matrix3, RigidInertia, Vector3};
 use crate::Scalar;
 
-/// Twice the first and second moments of velocity, `2 integral x' dm` and `2 integral x' x^T dm`, of points at
-/// x about a frame's origin, in the frame's axes. The Coriolis forces on a composite depend on these 12
-/// numbers.
+/// Twice the first and second moments of velocity, `2 integral x' dm` and `2 integral x' x^T dm`,
+/// of points at x about a frame's origin, in the frame's axes. The Coriolis forces on a composite
+/// depend on these 12 numbers.
 ///
 /// The velocities x' are relative to the frame or to fixed axes, by choice of the caller;
 /// [`with_angular_velocity`](Self::with_angular_velocity) converts from the former to the latter.
@@ -31,7 +31,8 @@ impl<S: Scalar> VelocityMoments<S> {
         Self { first, second: Matrix3(self.second.0.map(|row| row.map(&mut f))) }
     }
 
-    /// Returns the moments after adding (`twice_omega` / 2) x x to the velocities of points with inertia `body`.
+    /// Returns the moments after adding (`twice_omega` / 2) x x to the velocities of points with
+    /// inertia `body`.
     #[must_use]
     pub fn with_angular_velocity(&self, twice_omega: Vector3<S>, body: &RigidInertia<S>) -> Self {
         let s = body.second_moment.full();
@@ -42,7 +43,8 @@ impl<S: Scalar> VelocityMoments<S> {
         }
     }
 
-    /// Returns the moments after adding `twice` / 2 to the velocities of points with inertia `body`.
+    /// Returns the moments after adding `twice` / 2 to the velocities of points with inertia
+    /// `body`.
     #[must_use]
     pub fn with_linear_velocity(&self, twice: Vector3<S>, body: &RigidInertia<S>) -> Self {
         Self {
@@ -51,7 +53,8 @@ impl<S: Scalar> VelocityMoments<S> {
         }
     }
 
-    /// Returns the moments about the origin of a parallel frame, in which this frame's origin is at `p`.
+    /// Returns the moments about the origin of a parallel frame, in which this frame's origin is at
+    /// `p`.
     #[must_use]
     pub fn shifted(&self, p: Vector3<S>) -> Self {
         Self { first: self.first, second: self.second + Matrix3::outer(self.first, p) }
@@ -66,13 +69,15 @@ impl<S: Scalar> VelocityMoments<S> {
         }
     }
 
-    /// Returns the moments in new axes; the columns of `rotation` are the present axes in the new ones.
+    /// Returns the moments in new axes; the columns of `rotation` are the present axes in the new
+    /// ones.
     #[must_use]
     pub fn rotated(&self, rotation: &Matrix3<S>) -> Self {
         Self { first: rotation.mul_vector(self.first), second: rotation.congruence(&self.second) }
     }
 
-    /// Returns the matrix that maps g to `2 integral x x (g x x') dm`: trace(D) 1 - D of the second moment D.
+    /// Returns the matrix that maps g to `2 integral x x (g x x') dm`: trace(D) 1 - D of the second
+    /// moment D.
     #[must_use]
     pub fn rotational(&self) -> Matrix3<S> {
         let [[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]] = self.second.0;

@@ -16,13 +16,14 @@ use crate::spatial::{Twist, Wrench};
 /// I a + J^T b = x,  -J a + E b = y
 /// ```
 ///
-/// where E is the compliance of the contacts, x is a weight for each joint acceleration, and y one for each component of
-/// each constraint's wrench, in the axes of that function. With K, L and A of the [derivatives](super::ConstrainedDerivatives),
-/// a = K x - L y and b = L^T x + A^+ y. The derivative of x^T qdd + y^T lambda is that of -a^T (I qdd + h - tau - J^T lambda)
+/// where E is the compliance of the contacts, x is a weight for each joint acceleration, and y one
+/// for each component of each constraint's wrench, in the axes of that function. With K, L and A of
+/// the [derivatives](super::ConstrainedDerivatives), a = K x - L y and b = L^T x + A^+ y. The
+/// derivative of x^T qdd + y^T lambda is that of -a^T (I qdd + h - tau - J^T lambda)
 /// - b^T (J qdd - gamma) at constant a, b, qdd and lambda.
 ///
-/// Where rows depend on others, b has the smallest norm, and y counts along the rows' range alone. The wrenches b are zero for
-/// inactive contacts.
+/// Where rows depend on others, b has the smallest norm, and y counts along the rows' range alone.
+/// The wrenches b are zero for inactive contacts.
 pub fn constraint_adjoint<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
     model: &Mechanism<S>,
     layout: &UduLayout,

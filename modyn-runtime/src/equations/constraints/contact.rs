@@ -1,8 +1,9 @@
 //! The motion of a contact's frame relative to its target.
 //!
-//! All quantities are in the axes of the contact's root: the first body on the kinematic path from the world to
-//! the frame. In these axes most columns of a floating base are constants. The rows do not depend on the choice
-//! of axes: they are three orthogonal displacements and, for a surface, three orthogonal rotations.
+//! All quantities are in the axes of the contact's root: the first body on the kinematic path from
+//! the world to the frame. In these axes most columns of a floating base are constants. The rows do
+//! not depend on the choice of axes: they are three orthogonal displacements and, for a surface,
+//! three orthogonal rotations.
 
 use super::relative_motion::RelativeMotion;
 use crate::Scalar;
@@ -29,7 +30,8 @@ pub(super) struct ContactFrame<S> {
 }
 
 impl<S: Scalar> ContactFrame<S> {
-    /// Returns the frame `end` at `q`, and writes its Jacobian to `columns`, a column for each entry of qd.
+    /// Returns the frame `end` at `q`, and writes its Jacobian to `columns`, a column for each
+    /// entry of qd.
     pub(super) fn new(
         model: &Mechanism<S>,
         end: BodyFrame<S>,
@@ -95,7 +97,8 @@ impl<S: Scalar> ContactFrame<S> {
         self.root_axes.mul_vector(v)
     }
 
-    /// Returns the rotation from the root's axes to the axes that are the columns of `axes` in the world.
+    /// Returns the rotation from the root's axes to the axes that are the columns of `axes` in the
+    /// world.
     pub(super) fn root_to(&self, axes: &Matrix3<S>) -> Matrix3<S> {
         axes.transposed().times(&self.root_axes)
     }
@@ -127,9 +130,9 @@ impl<S: Scalar> ContactFrame<S> {
         Twist { angular, linear }
     }
 
-    /// Returns the motion relative to the target, in the root's axes. The bias acceleration expects the bodies'
-    /// accelerations under gravity at zero joint accelerations, with the origin of a floating base in free
-    /// fall.
+    /// Returns the motion relative to the target, in the root's axes. The bias acceleration expects
+    /// the bodies' accelerations under gravity at zero joint accelerations, with the origin of a
+    /// floating base in free fall.
     pub(super) fn motion(
         &self,
         model: &Mechanism<S>,

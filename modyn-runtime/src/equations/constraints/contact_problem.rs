@@ -14,14 +14,16 @@ use crate::equations::factorization::limb_coupling::{Factorizable, LimbAccess};
 use crate::equations::factorization::{solve_lower_factor, solve_lower_within};
 use crate::spatial::{Matrix3, Vector3};
 
-/// The results of [`contact_problem`]. A contact has three rows: two directions in the plane of its target, then the normal.
+/// The results of [`contact_problem`]. A contact has three rows: two directions in the plane of its
+/// target, then the normal.
 #[derive(Debug)]
 pub struct ContactProblemOutputs<'a, S> {
     /// The velocities after the step without contacts.
     pub qd: &'a mut [S],
     /// The height of each contact's origin above the plane.
     pub heights: &'a mut [S],
-    /// The velocity of each contact's origin relative to the plane before the step, in the directions of its rows.
+    /// The velocity of each contact's origin relative to the plane before the step, in the
+    /// directions of its rows.
     pub before: &'a mut [Vector3<S>],
     /// The same after the step without contacts.
     pub free: &'a mut [Vector3<S>],
@@ -39,15 +41,17 @@ impl<S> ContactProblemOutputs<'_, S> {
     }
 }
 
-/// Computes what a step of the time `dt` under the joint forces `tau` needs to find the impulses of its contacts: the motion
-/// without them, and the effects of unit impulses on the velocities and on each other. Closed loops are not closed.
+/// Computes what a step of the time `dt` under the joint forces `tau` needs to find the impulses of
+/// its contacts: the motion without them, and the effects of unit impulses on the velocities and on
+/// each other. Closed loops are not closed.
 ///
-/// A contact is the origin of its frame on the xy plane of its target, with z as the normal. Its rows are along the columns of
-/// the target's rotation.
+/// A contact is the origin of its frame on the xy plane of its target, with z as the normal. Its
+/// rows are along the columns of the target's rotation.
 ///
-/// Limbs of `tree` may be merged, each group on one body, and their contacts with them. A merged contact then stands for a
-/// contact of each limb, in the settings and in `heights`, `before` and `free`. `mobility` and `responses` have the rows of the
-/// robot's contacts; a response has the entries of the merged velocities.
+/// Limbs of `tree` may be merged, each group on one body, and their contacts with them. A merged
+/// contact then stands for a contact of each limb, in the settings and in `heights`, `before` and
+/// `free`. `mobility` and `responses` have the rows of the robot's contacts; a response has the
+/// entries of the merged velocities.
 ///
 /// ```text
 /// qd' = qd + dt M^-1 (tau - h),  u' = J qd' - u_target,  u = u' + J M^-1 J^T p
@@ -117,7 +121,8 @@ pub fn contact_problem<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>
     responses(tree, layout, memory, &rows, outputs.responses);
 }
 
-/// Returns the robot's constrained rows that are displacements of contacts, which are after `loops` constraints.
+/// Returns the robot's constrained rows that are displacements of contacts, which are after `loops`
+/// constraints.
 fn point_rows<S: Scalar>(memory: &ConstraintWorkspace<S>, loops: usize) -> Vec<usize> {
     let owner = |row: usize| {
         let (row, lane) = memory.lanes.place(row);
@@ -129,9 +134,11 @@ fn point_rows<S: Scalar>(memory: &ConstraintWorkspace<S>, loops: usize) -> Vec<u
     of_contacts.flat_map(|rows| rows[rows.len() - 3..].to_vec()).collect()
 }
 
-/// Computes M^-1 J^T of these rows of the robot: for each row, an entry for each velocity of `tree`. Expects W^-1 J^T.
+/// Computes M^-1 J^T of these rows of the robot: for each row, an entry for each velocity of
+/// `tree`. Expects W^-1 J^T.
 ///
-/// Where limbs are merged, the entries of the trunk are computed in the lanes of the row's limbs. Then they move all limbs.
+/// Where limbs are merged, the entries of the trunk are computed in the lanes of the row's limbs.
+/// Then they move all limbs.
 fn responses<S: Scalar, T: Factorizable<S>>(
     tree: &T,
     limbs: &T::Layout,

@@ -1,5 +1,5 @@
-//! The memory of the derivatives of forward dynamics with constraints, and the sums that loop constraints and contacts add
-//! their parts to: F and c of `derivatives`.
+//! The memory of the derivatives of forward dynamics with constraints, and the sums that loop
+//! constraints and contacts add their parts to: F and c of `derivatives`.
 
 use alloc::{vec, vec::Vec};
 
@@ -20,7 +20,8 @@ pub(super) struct DerivativeWorkspace<S> {
     pub(super) inverse: Vec<S>,
     /// The paths of a constraint's two frames; contacts have the second.
     pub(super) paths: [Path<S>; 2],
-    /// The accelerations of the bodies of a loop, relative to the closest common ancestor of its frames.
+    /// The accelerations of the bodies of a loop, relative to the closest common ancestor of its
+    /// frames.
     pub(super) fields: Vec<Field<S>>,
     /// The Jacobian of a contact.
     pub(super) columns: Vec<Twist<S>>,
@@ -63,7 +64,8 @@ impl<S: Scalar> Stabilization<S> {
     }
 }
 
-/// Adds the change of J^T lambda of a degree of freedom by a coordinate to F, of which it is subtracted.
+/// Adds the change of J^T lambda of a degree of freedom by a coordinate to F, of which it is
+/// subtracted.
 pub(super) fn add_force<S: Scalar>(
     model: &Mechanism<S>,
     change: S,
@@ -86,8 +88,9 @@ pub(super) fn clear_rows<S: Scalar>(
     }
 }
 
-/// Adds `changes`, the derivatives of a constraint's acceleration by a joint's coordinate and by its rate, to the
-/// constraint's rows of c, which begin at `row`. `in_axes` returns a row in the axes of the derivatives.
+/// Adds `changes`, the derivatives of a constraint's acceleration by a joint's coordinate and by
+/// its rate, to the constraint's rows of c, which begin at `row`. `in_axes` returns a row in the
+/// axes of the derivatives.
 pub(super) fn add_to_rows<S: Scalar>(
     model: &Mechanism<S>,
     (constraint, row): (&ConstrainedFrames<S>, usize),

@@ -1,23 +1,26 @@
 //! Derivatives of forward dynamics with loop constraints and contacts.
 //!
-//! F is the derivative of inverse dynamics minus J^T lambda, at constant accelerations and wrenches. c is the derivative
-//! of the constrained accelerations, stabilization included, at constant joint accelerations. The derivatives of
-//! M qdd = tau - h + J^T lambda and J qdd = gamma are
+//! F is the derivative of inverse dynamics minus J^T lambda, at constant accelerations and
+//! wrenches. c is the derivative of the constrained accelerations, stabilization included, at
+//! constant joint accelerations. The derivatives of M qdd = tau - h + J^T lambda and J qdd = gamma
+//! are
 //!
 //! ```text
 //! Z = J M^-1,  L^T = A^+ Z,  K = M^-1 - Z^T L^T,  A = J M^-1 J^T
 //! d qdd = -K F - L c,  d lambda = L^T F - A^+ c,  d qdd / d tau = K,  d lambda / d tau = -L^T
 //! ```
 //!
-//! Only A^+ is computed as a matrix: d lambda = A^+ (Z F - c) and d qdd = -M^-1 (F - J^T d lambda), column by column. For
-//! the derivatives with respect to tau, F is minus the identity and c is zero. With M = W Delta W^T and the rows Y of
-//! J W^-T, Z F is Y Delta^-1 W^-1 F, and d qdd is -W^-T Delta^-1 (W^-1 F - Y^T d lambda).
+//! Only A^+ is computed as a matrix: d lambda = A^+ (Z F - c) and d qdd = -M^-1 (F - J^T d lambda),
+//! column by column. For the derivatives with respect to tau, F is minus the identity and c is
+//! zero. With M = W Delta W^T and the rows Y of J W^-T, Z F is Y Delta^-1 W^-1 F, and d qdd is
+//! -W^-T Delta^-1 (W^-1 F - Y^T d lambda).
 //!
-//! (Featherstone 2008, ch. 8; Carpentier, Budhiraja and Mansard 2021, "Proximal and sparse resolution of constrained
-//! dynamic equations".)
+//! (Featherstone 2008, ch. 8; Carpentier, Budhiraja and Mansard 2021, "Proximal and sparse
+//! resolution of constrained dynamic equations".)
 //!
-//! Inverse dynamics has a derivative in closed form. So have the accelerations of contacts and loop constraints (`path`,
-//! `loop_derivatives`), since a displacement along a degree of freedom moves all bodies that it carries rigidly.
+//! Inverse dynamics has a derivative in closed form. So have the accelerations of contacts and loop
+//! constraints (`path`, `loop_derivatives`), since a displacement along a degree of freedom moves
+//! all bodies that it carries rigidly.
 
 use alloc::{vec, vec::Vec};
 
@@ -38,8 +41,9 @@ use crate::equations::factorization::{solve_lower_factor, solve_upper_factor};
 use crate::mechanism::{ConstrainedFrames, Mechanism};
 use crate::spatial::{Matrix3, Pose, Twist, Vector3, Wrench};
 
-/// The results: accelerations, wrenches and their derivatives. Matrices are nv x nv, by columns. Derivatives of
-/// wrenches have a wrench for each entry of the differentiation variable, constraint by constraint.
+/// The results: accelerations, wrenches and their derivatives. Matrices are nv x nv, by columns.
+/// Derivatives of wrenches have a wrench for each entry of the differentiation variable, constraint
+/// by constraint.
 #[derive(Debug)]
 pub struct ConstrainedDerivatives<'a, S> {
     /// The joint accelerations.
@@ -61,8 +65,8 @@ pub struct ConstrainedDerivatives<'a, S> {
 }
 
 impl<'a, S> ConstrainedDerivatives<'a, S> {
-    /// Returns results that are written to these vectors: the accelerations and wrenches, and the derivatives of both with
-    /// respect to q, qd and tau.
+    /// Returns results that are written to these vectors: the accelerations and wrenches, and the
+    /// derivatives of both with respect to q, qd and tau.
     #[must_use]
     pub fn new(
         (qdd, wrenches): (&'a mut [S], &'a mut [Wrench<S>]),
@@ -83,11 +87,12 @@ impl<'a, S> ConstrainedDerivatives<'a, S> {
 }
 
 /// Computes the accelerations and the wrenches of
-/// [`constrained_forward_dynamics`](super::constrained_forward_dynamics), and their derivatives with respect to
-/// q (in tangent space), qd and tau. Returns the number of independent rows.
+/// [`constrained_forward_dynamics`](super::constrained_forward_dynamics), and their derivatives
+/// with respect to q (in tangent space), qd and tau. Returns the number of independent rows.
 ///
-/// Wrenches and their derivatives are in the axes of [`constrained_forward_dynamics`](super::constrained_forward_dynamics):
-/// a derivative is that of the components. The rank is assumed constant; redundant rows get the derivatives of smallest
+/// Wrenches and their derivatives are in the axes of
+/// [`constrained_forward_dynamics`](super::constrained_forward_dynamics): a derivative is that of
+/// the components. The rank is assumed constant; redundant rows get the derivatives of smallest
 /// norm.
 ///
 /// The columns of the derivatives are computed several at a time where the scalars have lanes.
@@ -122,8 +127,8 @@ pub fn constrained_forward_dynamics_derivatives<
     rank
 }
 
-/// Computes the accelerations and the wrenches, and the equations of the columns of their derivatives: F, c and A^+. Returns the
-/// memory that has them, and the number of independent rows.
+/// Computes the accelerations and the wrenches, and the equations of the columns of their
+/// derivatives: F, c and A^+. Returns the memory that has them, and the number of independent rows.
 fn equations_of_columns<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
     tree: &T,
     layout: &T::Layout,
@@ -169,7 +174,8 @@ fn equations_of_columns<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S
 /// The linear map from columns of -F and -c to columns of the derivatives.
 #[derive(Clone, Debug)]
 pub struct ColumnMap<S> {
-    /// For each entry of a column of -F, then of -c: its part of the accelerations, then of each constraint's wrench.
+    /// For each entry of a column of -F, then of -c: its part of the accelerations, then of each
+    /// constraint's wrench.
     pub map: Vec<S>,
     /// The columns of -F with those of -c below them, with respect to q and qd.
     pub columns: [Vec<S>; 2],
@@ -178,8 +184,8 @@ pub struct ColumnMap<S> {
 }
 
 impl<S: Scalar> ColumnMap<S> {
-    /// Computes the results of [`constrained_forward_dynamics_derivatives`] except the derivatives with respect to q and qd: these
-    /// are the products of the map with the columns.
+    /// Computes the results of [`constrained_forward_dynamics_derivatives`] except the derivatives
+    /// with respect to q and qd: these are the products of the map with the columns.
     pub fn new<T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
         tree: &T,
         layout: &T::Layout,
@@ -249,8 +255,8 @@ impl<S: Scalar, T: Factorizable<S>> Columns<'_, S, T> {
         }
     }
 
-    /// Computes d qdd and the wrenches of d lambda from the entries of F and c, a row and a column each; and d lambda by columns, unless
-    /// its list is empty.
+    /// Computes d qdd and the wrenches of d lambda from the entries of F and c, a row and a column
+    /// each; and d lambda by columns, unless its list is empty.
     fn solve(
         &self,
         (f, c): (impl Fn(usize, usize) -> S, impl Fn(usize, usize) -> S),
@@ -347,8 +353,8 @@ fn of_contact<S: Scalar>(
     }
 }
 
-/// Returns the derivative of the displacement from the target for a unit displacement along `twist`, in the
-/// root's axes.
+/// Returns the derivative of the displacement from the target for a unit displacement along
+/// `twist`, in the root's axes.
 fn displaced<S: Scalar>(
     frame: &ContactFrame<S>,
     target: &ContactTarget<S>,

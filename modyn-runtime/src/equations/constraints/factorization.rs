@@ -47,8 +47,8 @@ pub struct RowSystem<S> {
     pub sides: Vec<S>,
     /// For each constraint, the scale of its thresholds.
     pub scales: Vec<S>,
-    /// A row is dependent where its remaining diagonal is at most the first of these times its constraint's scale, plus the second
-    /// times its diagonal in A.
+    /// A row is dependent where its remaining diagonal is at most the first of these times its
+    /// constraint's scale, plus the second times its diagonal in A.
     pub tolerances: [S; 2],
 }
 
@@ -161,9 +161,9 @@ impl<S: Scalar> Factorization<S> {
         (0..self.thresholds.len()).fold(S::zero(), |sum, k| sum + self.entry(k, k))
     }
 
-    /// Factorizes A. A row is dependent where its remaining diagonal is at most the sum of two terms:
-    /// `tolerance` times the entry of `scales` for its constraint, and `rounding` times the row's
-    /// diagonal in A.
+    /// Factorizes A. A row is dependent where its remaining diagonal is at most the sum of two
+    /// terms: `tolerance` times the entry of `scales` for its constraint, and `rounding` times the
+    /// row's diagonal in A.
     pub(super) fn factorize(&mut self, scales: &[S], tolerance: S, rounding: S) {
         self.by_rank().set_thresholds(scales, tolerance, rounding);
         match &mut self.apart {
@@ -178,8 +178,8 @@ impl<S: Scalar> Factorization<S> {
         }
     }
 
-    /// Replaces the right-hand sides b by the multipliers A^+ b, and fills in the residuals A A^+ b - b.
-    /// Where the rows do not contradict each other, the residuals are zero within rounding.
+    /// Replaces the right-hand sides b by the multipliers A^+ b, and fills in the residuals A A^+
+    /// b - b. Where the rows do not contradict each other, the residuals are zero within rounding.
     pub(super) fn solve(&mut self, right_hand_sides: &mut [S], residuals: &mut [S]) {
         let Some(apart) = &mut self.apart else {
             return self.by_rank().solve(right_hand_sides, residuals);
@@ -201,8 +201,9 @@ impl<S: Scalar> Factorization<S> {
         }
     }
 
-    /// Makes the solutions where rows may be dependent these numbers, in place of a rank-revealing factorization. They are the
-    /// results of [`RowSystem::solve`], of which there is an odd number.
+    /// Makes the solutions where rows may be dependent these numbers, in place of a rank-revealing
+    /// factorization. They are the results of [`RowSystem::solve`], of which there is an odd
+    /// number.
     pub(super) fn set_apart(&mut self, given: Vec<S>) {
         let system = RowSystem {
             blocks: self.blocks.iter().map(|&(rows, _)| rows).collect(),
@@ -214,8 +215,9 @@ impl<S: Scalar> Factorization<S> {
         self.apart = Some(Apart { given, system, full: FullRank::new(&[], &[]) });
     }
 
-    /// Returns the equations whose solution is computed elsewhere, and a number that is not negative only if that solution does not
-    /// count. `None` if some rows are dependent in all states.
+    /// Returns the equations whose solution is computed elsewhere, and a number that is not
+    /// negative only if that solution does not count. `None` if some rows are dependent in all
+    /// states.
     pub(super) fn system_apart(&mut self) -> Option<(RowSystem<S>, S)> {
         let Apart { system, full, .. } = self.apart.take()?;
         let mut diagonal = (0..self.thresholds.len()).map(|k| self.matrix[place(k, k)]);
@@ -224,7 +226,8 @@ impl<S: Scalar> Factorization<S> {
         (!is_dependent).then(|| (system, full.margin()))
     }
 
-    /// Computes A^+ by columns: H^T Delta^-1 H with H = G^-1 P^T, `tree.column_lanes()` columns at a time.
+    /// Computes A^+ by columns: H^T Delta^-1 H with H = G^-1 P^T, `tree.column_lanes()` columns at
+    /// a time.
     pub(super) fn inverse<T: BodyTree<S>>(&mut self, tree: &T, columns: &mut [S]) {
         if let Some(apart) = &mut self.apart {
             apart.full.inverse(columns);

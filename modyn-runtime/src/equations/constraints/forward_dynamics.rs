@@ -10,18 +10,19 @@ use crate::equations::dynamics::bias_in_free_fall;
 use crate::equations::factorization::limb_coupling::{Factorizable, LimbAccess};
 use crate::spatial::{Twist, Wrench};
 
-/// Computes the joint accelerations `qdd` under the joint forces `tau`, with all constraints satisfied. Returns
-/// the number of independent rows.
+/// Computes the joint accelerations `qdd` under the joint forces `tau`, with all constraints
+/// satisfied. Returns the number of independent rows.
 ///
-/// `wrenches` receives, for each constraint, the wrench on its second link. `residuals` receives the part of
-/// the required relative acceleration that contradictory rows leave unmet. Both are at the second frame's
-/// origin, in the first frame's axes for loop constraints and in world axes for contacts.
+/// `wrenches` receives, for each constraint, the wrench on its second link. `residuals` receives
+/// the part of the required relative acceleration that contradictory rows leave unmet. Both are at
+/// the second frame's origin, in the first frame's axes for loop constraints and in world axes for
+/// contacts.
 ///
 /// The acceleration of a floating base's origin is computed relative to free fall, as in
 /// [`forward_dynamics`](crate::equations::dynamics::forward_dynamics).
 ///
-/// Limbs of `tree` may be merged, each group on one body, and their contacts with them. A merged contact then stands for
-/// a contact of each limb, in the settings and in the results.
+/// Limbs of `tree` may be merged, each group on one body, and their contacts with them. A merged
+/// contact then stands for a contact of each limb, in the settings and in the results.
 ///
 /// Featherstone 2008, "Rigid Body Dynamics Algorithms", chapter 8.
 pub fn constrained_forward_dynamics<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(

@@ -1,9 +1,11 @@
 //! The factorization of J M^-1 J^T where all rows are independent.
 //!
-//! L D L^T in the order of the rows, without exchanges. A row that is zero, such as that of an inactive contact, is left out.
-//! Whether the pivoted factorization would find a dependent row is known from this one. The remaining diagonal of row i is least
-//! if all other rows are eliminated before it: then it is 1 / (A^-1)_ii. So in any order of the rows all are independent where each
-//! of these numbers is above its row's threshold. These numbers do not depend on the order of the rows either.
+//! L D L^T in the order of the rows, without exchanges. A row that is zero, such as that of an
+//! inactive contact, is left out. Whether the pivoted factorization would find a dependent row is
+//! known from this one. The remaining diagonal of row i is least if all other rows are eliminated
+//! before it: then it is 1 / (A^-1)_ii. So in any order of the rows all are independent where each
+//! of these numbers is above its row's threshold. These numbers do not depend on the order of the
+//! rows either.
 
 use alloc::{vec, vec::Vec};
 
@@ -38,7 +40,8 @@ impl<S: Scalar> FullRank<S> {
             excess = excess.max(thresholds[k] - diagonal);
             present[k] = is_zero.select_nonnegative(S::zero(), S::one());
             reciprocals[k] = is_zero.select_nonnegative(S::zero(), diagonal.recip());
-            // From the last row on, so that the column's entries of earlier rows are not yet divided.
+            // From the last row on, so that the column's entries of earlier rows are not yet
+            // divided.
             for i in (k + 1..rows).rev() {
                 let scaled = factor[place(i, k)] * reciprocals[k];
                 for j in k + 1..=i {
@@ -87,7 +90,8 @@ impl<S: Scalar> FullRank<S> {
         self.present.iter().fold(S::zero(), |sum, &one| sum + one)
     }
 
-    /// Replaces a right-hand side b by the solution x, and fills in the residual A x - b, which only zero rows have.
+    /// Replaces a right-hand side b by the solution x, and fills in the residual A x - b, which
+    /// only zero rows have.
     pub(super) fn solve(&self, x: &mut [S], residual: &mut [S]) {
         let Self { factor, reciprocals, present, .. } = self;
         for ((residual, &present), &b) in residual.iter_mut().zip(present).zip(&*x) {
@@ -105,7 +109,8 @@ impl<S: Scalar> FullRank<S> {
     }
 }
 
-/// Returns the inverse of a triangle whose diagonal is one, of which the entries below are stored by rows.
+/// Returns the inverse of a triangle whose diagonal is one, of which the entries below are stored
+/// by rows.
 fn inverse_of_triangle<S: Scalar>(triangle: &[S], rows: usize) -> Vec<S> {
     let mut inverse = triangle.to_vec();
     for j in 0..rows {

@@ -9,14 +9,15 @@ use crate::equations::brge;
 use crate::equations::factorization::limb_coupling::{Factorizable, LimbAccess};
 use crate::spatial::{Matrix3, Wrench};
 
-/// Computes the velocities `after` an impact that satisfies the constraints at once, and the impulse on each
-/// constraint's second link, in the axes and at the point of its [wrench](super::constrained_forward_dynamics).
-/// Returns the number of independent rows.
+/// Computes the velocities `after` an impact that satisfies the constraints at once, and the
+/// impulse on each constraint's second link, in the axes and at the point of its
+/// [wrench](super::constrained_forward_dynamics). Returns the number of independent rows.
 ///
-/// Along the normal of its target, a contact's frame leaves with `restitution` times its speed before the
-/// impact. In all other directions its velocity is that of the target.
+/// Along the normal of its target, a contact's frame leaves with `restitution` times its speed
+/// before the impact. In all other directions its velocity is that of the target.
 ///
-/// Limbs of `tree` may be merged, as in [`constrained_forward_dynamics`](super::constrained_forward_dynamics).
+/// Limbs of `tree` may be merged, as in
+/// [`constrained_forward_dynamics`](super::constrained_forward_dynamics).
 ///
 /// ```text
 /// M (qd+ - qd) = J^T lambda,  J qd+ = -e n n^T J qd

@@ -23,13 +23,13 @@ fn is_rotation<S>(model: &Mechanism<S>, v: usize) -> bool {
     model.dofs.iter().any(|dof| dof.v == v && dof.component < 3)
 }
 
-/// Computes the joint forces `tau` of the accelerations `qdd`, and the wrenches of the active contacts that
-/// carry the floating bases. Returns the number of independent directions in which the contacts carry the
-/// bases.
+/// Computes the joint forces `tau` of the accelerations `qdd`, and the wrenches of the active
+/// contacts that carry the floating bases. Returns the number of independent directions in which
+/// the contacts carry the bases.
 ///
-/// The wrenches have the smallest sum of (force^2 + (moment / l)^2) / weight over the contacts. The entries of
-/// `tau` of a floating base are the wrench on it that no contact can carry: zero within rounding if the
-/// contacts suffice. The wrenches of loop constraints are zero.
+/// The wrenches have the smallest sum of (force^2 + (moment / l)^2) / weight over the contacts. The
+/// entries of `tau` of a floating base are the wrench on it that no contact can carry: zero within
+/// rounding if the contacts suffice. The wrenches of loop constraints are zero.
 ///
 /// ```text
 /// tau + J^T lambda = M qdd + h,  lambda = W J_b (J_b^T W J_b)^+ (M qdd + h)_b
@@ -55,7 +55,8 @@ pub fn constrained_inverse_dynamics<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
             .checked_sub(loops)
             .map_or(S::zero(), |contact| active[contact] * contacts[contact].weight);
     }
-    // Moments are divided by the mean characteristic length of the contacts, so all rows are forces.
+    // Moments are divided by the mean characteristic length of the contacts, so all rows are
+    // forces.
     let lengths = model.constraints[loops..].iter().map(|contact| contact.length);
     let count = S::from_f64(contacts.len() as f64);
     let length =

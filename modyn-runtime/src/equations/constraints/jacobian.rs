@@ -11,9 +11,10 @@ use crate::equations::kinematics::kinematic_path::{self, OriginMotion};
 use crate::mechanism::{ConstrainedFrames, Mechanism};
 use crate::spatial::{Twist, Vector3};
 
-/// Computes the Jacobian of each constraint: a column for each entry of qd. The product with qd is, for a loop
-/// constraint, the constrained part of the twist of its second frame relative to its first, in the first
-/// frame's axes; for a contact, the constrained part of its frame's twist in world axes.
+/// Computes the Jacobian of each constraint: a column for each entry of qd. The product with qd is,
+/// for a loop constraint, the constrained part of the twist of its second frame relative to its
+/// first, in the first frame's axes; for a contact, the constrained part of its frame's twist in
+/// world axes.
 pub fn constraint_jacobian<S: Scalar>(
     model: &Mechanism<S>,
     q: &[S],
@@ -38,8 +39,8 @@ pub fn constraint_jacobian<S: Scalar>(
     }
 }
 
-/// Computes the bias acceleration of each constraint: the time derivative of its Jacobian times qd, in the same
-/// axes.
+/// Computes the bias acceleration of each constraint: the time derivative of its Jacobian times qd,
+/// in the same axes.
 pub fn constraint_bias_acceleration<S: Scalar>(
     model: &Mechanism<S>,
     (q, qd): (&[S], &[S]),
@@ -60,7 +61,8 @@ pub fn constraint_bias_acceleration<S: Scalar>(
     }
 }
 
-/// Returns the classical acceleration of a contact's frame at zero joint accelerations, in world axes.
+/// Returns the classical acceleration of a contact's frame at zero joint accelerations, in world
+/// axes.
 fn of_contact<S: Scalar>(
     model: &Mechanism<S>,
     constraint: &ConstrainedFrames<S>,

@@ -1,8 +1,8 @@
 //! The rows of the robot's constraints among the rows of merged contacts.
 //!
-//! Where equal limbs are merged into one limb of lanes, so are their contacts: a row of a merged contact has a lane for
-//! each limb. The factorization couples all contacts. Its rows are those of the robot, in the robot's order. Without
-//! merged limbs both are the same rows.
+//! Where equal limbs are merged into one limb of lanes, so are their contacts: a row of a merged
+//! contact has a lane for each limb. The factorization couples all contacts. Its rows are those of
+//! the robot, in the robot's order. Without merged limbs both are the same rows.
 
 use alloc::{vec, vec::Vec};
 use core::ops::Range;
@@ -15,15 +15,16 @@ use crate::mechanism::BodyTree;
 pub(super) struct RowLanes {
     /// For each row of the robot, the row of the mechanism and the lane.
     rows: Vec<(usize, usize)>,
-    /// For each row of the mechanism, the robot's row in each lane; `None` for a limb without this contact.
+    /// For each row of the mechanism, the robot's row in each lane; `None` for a limb without this
+    /// contact.
     lanes: Vec<Vec<Option<usize>>>,
     /// For each constraint of the robot, the constraint of the mechanism and the lane.
     constraints: Vec<(usize, usize)>,
 }
 
 impl RowLanes {
-    /// Returns the places of the rows of `tree`. For each constraint of the mechanism, `limbs` has the number of merged
-    /// limbs that carry it; 1 on the trunk.
+    /// Returns the places of the rows of `tree`. For each constraint of the mechanism, `limbs` has
+    /// the number of merged limbs that carry it; 1 on the trunk.
     pub(super) fn new<S: Scalar, T: BodyTree<S>>(
         tree: &T,
         limbs: impl Iterator<Item = usize>,
@@ -68,7 +69,8 @@ impl RowLanes {
         }
     }
 
-    /// Sets the numbers of the mechanism's rows from those of the robot's rows; zero for a limb without the contact.
+    /// Sets the numbers of the mechanism's rows from those of the robot's rows; zero for a limb
+    /// without the contact.
     pub(super) fn pack<S: Scalar, T: BodyTree<S>>(&self, tree: &T, rows: &[S], packs: &mut [S]) {
         let number = |row: &Option<usize>| row.map_or(S::zero(), |row| rows[row]);
         for (pack, lanes) in packs.iter_mut().zip(&self.lanes) {
@@ -77,7 +79,8 @@ impl RowLanes {
     }
 }
 
-/// Returns the pack of a number for each of these indices; the number itself, without memory, for one index.
+/// Returns the pack of a number for each of these indices; the number itself, without memory, for
+/// one index.
 pub(super) fn packed<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     indices: Range<usize>,

@@ -1,23 +1,24 @@
 //! The part of a loop constraint in the derivatives of forward dynamics.
 //!
-//! All vectors are in the axes of the closest common ancestor of the two frames, and motions are relative to it: a
-//! displacement of the ancestor does not change the relative motion. P is the second frame's origin. The first body has
-//! the angular velocity W and angular acceleration A, and its material point at P the velocity v_1 and the acceleration
-//! b_1; the second body's frame has V, B, v_2 and b_2. The components of the relative motion in the first frame's axes are
-//! those of
+//! All vectors are in the axes of the closest common ancestor of the two frames, and motions are
+//! relative to it: a displacement of the ancestor does not change the relative motion. P is the
+//! second frame's origin. The first body has the angular velocity W and angular acceleration A, and
+//! its material point at P the velocity v_1 and the acceleration b_1; the second body's frame has
+//! V, B, v_2 and b_2. The components of the relative motion in the first frame's axes are those of
 //!
 //! ```text
 //! velocity:     V - W,            y = v_2 - v_1
 //! acceleration: B - A - W x V,    b_2 - b_1 - 2 W x y
 //! ```
 //!
-//! A displacement along a joint of the second path moves P by v_k, so v_1 and b_1 change by W x v_k and E v_k, with the
-//! field E = A x + W x W x of the first body. A joint of the first path moves the material points away from P, so that the
-//! same terms are subtracted from the changes of v_1 and b_1; and it rotates the first frame's axes by w_k, which adds
-//! -w_k x to the change of each component.
+//! A displacement along a joint of the second path moves P by v_k, so v_1 and b_1 change by W x v_k
+//! and E v_k, with the field E = A x + W x W x of the first body. A joint of the first path moves
+//! the material points away from P, so that the same terms are subtracted from the changes of v_1
+//! and b_1; and it rotates the first frame's axes by w_k, which adds -w_k x to the change of each
+//! component.
 //!
-//! The wrench (m, f) of the constraint acts on the second body at P, and its opposite on the first body. It is constant in
-//! the first frame's axes, so it rotates with the joints of the first path.
+//! The wrench (m, f) of the constraint acts on the second body at P, and its opposite on the first
+//! body. It is constant in the first frame's axes, so it rotates with the joints of the first path.
 
 use super::derivative_terms::{
     DerivativeWorkspace, Stabilization, add_force, add_to_rows, clear_rows,
@@ -29,8 +30,8 @@ use crate::equations::Workspace;
 use crate::mechanism::{ConstrainedFrames, ConstraintRow, Mechanism};
 use crate::spatial::{Matrix3, Pose, Twist, Vector3, Wrench};
 
-/// Adds a loop constraint's part to F, and sets the constraint's rows of c, which begin at `row`. The state is q, qd and
-/// qdd.
+/// Adds a loop constraint's part to F, and sets the constraint's rows of c, which begin at `row`.
+/// The state is q, qd and qdd.
 pub(super) fn of_loop<S: Scalar>(
     model: &Mechanism<S>,
     (constraint, rates, row): (&ConstrainedFrames<S>, Stabilization<S>, usize),
@@ -88,7 +89,8 @@ pub(super) fn of_loop<S: Scalar>(
     }
 }
 
-/// The relative motion of the two frames of a loop constraint, in the axes of their closest common ancestor.
+/// The relative motion of the two frames of a loop constraint, in the axes of their closest common
+/// ancestor.
 struct Relative<'a, S> {
     /// The paths of the two bodies' material points at the second frame's origin.
     paths: [&'a Path<S>; 2],
@@ -98,8 +100,8 @@ struct Relative<'a, S> {
     hinge: Option<Vector3<S>>,
 }
 
-/// Derivatives by a coordinate (of the acceleration, the velocity and the displacement) and by a rate (of the acceleration
-/// and the velocity).
+/// Derivatives by a coordinate (of the acceleration, the velocity and the displacement) and by a
+/// rate (of the acceleration and the velocity).
 type Changes<S> = ([Twist<S>; 3], [Twist<S>; 2]);
 
 impl<S: Scalar> Relative<'_, S> {
@@ -151,8 +153,9 @@ impl<S: Scalar> Relative<'_, S> {
         )
     }
 
-    /// Returns the derivatives of the velocity and the acceleration of the material point of a path by a joint's coordinate,
-    /// less the changes of the first body's motion along the displacement of that point.
+    /// Returns the derivatives of the velocity and the acceleration of the material point of a path
+    /// by a joint's coordinate, less the changes of the first body's motion along the displacement
+    /// of that point.
     fn relative_to_first(&self, path: &Path<S>, joint: &PathJoint<S>) -> [Twist<S>; 2] {
         let (first, moved) = (self.paths[0].last(), joint.twist.linear);
         let [velocity, acceleration] = path.by_coordinate(joint);
@@ -163,8 +166,8 @@ impl<S: Scalar> Relative<'_, S> {
         ]
     }
 
-    /// Returns a displacement of the second frame relative to the first with the rotation replaced by the change of the
-    /// rotation error.
+    /// Returns a displacement of the second frame relative to the first with the rotation replaced
+    /// by the change of the rotation error.
     fn displaced(&self, displacement: Twist<S>) -> Twist<S> {
         let [first, second] = &self.axes;
         let change = |a: Vector3<S>, b: Vector3<S>| a.cross(displacement.angular.cross(b));
@@ -178,8 +181,8 @@ impl<S: Scalar> Relative<'_, S> {
         Twist { angular, ..displacement }
     }
 
-    /// Calls `add` with the change of each joint force of the constraint's wrench for each coordinate: the change, the
-    /// degree of freedom of the force and that of the coordinate.
+    /// Calls `add` with the change of each joint force of the constraint's wrench for each
+    /// coordinate: the change, the degree of freedom of the force and that of the coordinate.
     fn forces_under(
         &self,
         wrench: Wrench<S>,
@@ -207,7 +210,8 @@ impl<S: Scalar> Relative<'_, S> {
     }
 }
 
-/// Returns the change of an acceleration in axes that rotate with `omega`, given the changes in axes that do not.
+/// Returns the change of an acceleration in axes that rotate with `omega`, given the changes in
+/// axes that do not.
 fn less_transport<S: Scalar>(
     acceleration: Twist<S>,
     omega: Vector3<S>,

@@ -22,10 +22,10 @@
 //! | `projection` | steps of coordinates and velocities that satisfy the constraints |
 //! | `residual` | displacements and velocities that violate the constraints |
 //!
-//! A constraint consists of rows J qd = 0. Each row is a component of the second frame's twist relative
-//! to the first frame, in the first frame's axes. The time derivative of a row is J qdd + dJ/dt qd. With
-//! multipliers lambda (Featherstone 2008, "Rigid Body Dynamics Algorithms", 8.2) and the stabilization
-//! of Baumgarte (1972), which drives phi and J qd to zero, the equations are
+//! A constraint consists of rows J qd = 0. Each row is a component of the second frame's twist
+//! relative to the first frame, in the first frame's axes. The time derivative of a row is J qdd +
+//! dJ/dt qd. With multipliers lambda (Featherstone 2008, "Rigid Body Dynamics Algorithms", 8.2) and
+//! the stabilization of Baumgarte (1972), which drives phi and J qd to zero, the equations are
 //!
 //! ```text
 //! M qdd = tau - h + J^T lambda
@@ -34,16 +34,17 @@
 //!
 //! With the accelerations qdd_0 of the tree without constraints, lambda = (J M^-1 J^T)^+ (gamma - J
 //! qdd_0) and qdd = qdd_0 + M^-1 J^T lambda. The factors M = U D U^T by modules, D = V Delta V^T
-//! ([`brge`](super::brge)), are applied in halves: with W = U V, only W^-1 J^T, W^-1 (tau - h) and one
-//! product with W^-T are computed.
+//! ([`brge`](super::brge)), are applied in halves: with W = U V, only W^-1 J^T, W^-1 (tau - h) and
+//! one product with W^-T are computed.
 //!
-//! A contact is a constraint between the world and a link. The rows of an inactive contact are zero.
-//! They count as dependent rows, and their multipliers are zero. No branch depends on a value.
+//! A contact is a constraint between the world and a link. The rows of an inactive contact are
+//! zero. They count as dependent rows, and their multipliers are zero. No branch depends on a
+//! value.
 //!
 //! Rotation rows are multiplied by the constraint's characteristic length l
 //! ([`Model::characteristic_length`](crate::model::Model::characteristic_length)). Where rows are
-//! redundant, the multipliers minimize the sum of force^2 + (moment / l)^2 over all constraints. Where
-//! rows contradict each other, the accelerations minimize the sum of the squared residuals,
+//! redundant, the multipliers minimize the sum of force^2 + (moment / l)^2 over all constraints.
+//! Where rows contradict each other, the accelerations minimize the sum of the squared residuals,
 //! linear^2 + (l angular)^2. Neither sum depends on the orientation of the mechanism.
 
 mod adjoint;
@@ -93,7 +94,8 @@ use lanes::RowLanes;
 /// For each contact whether it is active (1 or 0), and the settings of all constraints.
 pub type Settings<'a, S, C> = (&'a [S], &'a ConstraintSettings<S, C>);
 
-/// The entries of qd in which the rows of a constraint, multiplied by W^-1, are not zero by structure.
+/// The entries of qd in which the rows of a constraint, multiplied by W^-1, are not zero by
+/// structure.
 #[derive(Clone, Debug)]
 struct Support {
     /// The modules of these entries, ascending.
@@ -119,7 +121,8 @@ pub struct ConstraintWorkspace<S> {
     supports: Vec<Support>,
     /// For each contact, its frame at the present coordinates.
     frames: Vec<ContactFrame<S>>,
-    /// J and W^-1 J^T: the constrained rows of all constraints, then the free rows. A row has nv entries.
+    /// J and W^-1 J^T: the constrained rows of all constraints, then the free rows. A row has nv
+    /// entries.
     jacobian: Vec<S>,
     reduced: Vec<S>,
     /// W^-1 times a joint force.
@@ -136,9 +139,11 @@ pub struct ConstraintWorkspace<S> {
     factorization: Factorization<S>,
     /// For each constraint of the robot, its mobility.
     scales: Vec<S>,
-    /// For each constrained row of the robot, its multiplier, and the part of the right-hand side that is not met.
+    /// For each constrained row of the robot, its multiplier, and the part of the right-hand side
+    /// that is not met.
     solution: [Vec<S>; 2],
-    /// Two right-hand sides, an entry for each constrained row; `solve` replaces them by multipliers.
+    /// Two right-hand sides, an entry for each constrained row; `solve` replaces them by
+    /// multipliers.
     right_hand_sides: [Vec<S>; 2],
     /// For each constrained row, the part of the right-hand side that is not met.
     residuals: Vec<S>,
@@ -199,20 +204,22 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         }
     }
 
-    /// Makes the multipliers where rows may be dependent these numbers, which are computed elsewhere. They are the results of
-    /// [`RowSystem::solve`] for the system that [`system_apart`](Self::system_apart) returns.
+    /// Makes the multipliers where rows may be dependent these numbers, which are computed
+    /// elsewhere. They are the results of [`RowSystem::solve`] for the system that
+    /// [`system_apart`](Self::system_apart) returns.
     pub fn set_apart(&mut self, given: Vec<S>) {
         self.factorization.set_apart(given);
     }
 
-    /// Returns the equations of the multipliers that were [set apart](Self::set_apart), and a number that is not negative only if these
-    /// do not count, since all rows are independent. `None` if some rows are dependent in all states.
+    /// Returns the equations of the multipliers that were [set apart](Self::set_apart), and a
+    /// number that is not negative only if these do not count, since all rows are independent.
+    /// `None` if some rows are dependent in all states.
     pub fn system_apart(&mut self) -> Option<(RowSystem<S>, S)> {
         self.factorization.system_apart()
     }
 
-    /// Factorizes J M^-1 J^T of the current rows, lets `complete` change the right-hand sides, and sets those
-    /// of inactive contacts to zero.
+    /// Factorizes J M^-1 J^T of the current rows, lets `complete` change the right-hand sides, and
+    /// sets those of inactive contacts to zero.
     fn factorize<T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
         &mut self,
         tree: &T,
@@ -263,8 +270,8 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         if constraint.rows[row - first].angular { constraint.length } else { S::one() }
     }
 
-    /// Expresses the Jacobian's rows of contacts in other axes: those of world axes, rotated to the axes that are the columns of
-    /// the contact's matrix.
+    /// Expresses the Jacobian's rows of contacts in other axes: those of world axes, rotated to the
+    /// axes that are the columns of the contact's matrix.
     fn rotate_contact_rows(&mut self, model: &Mechanism<S>, axes: impl Fn(usize) -> Matrix3<S>) {
         let n = model.nv.max(1);
         let (mut next, mut frames) = (0, self.frames.iter().enumerate());
@@ -305,7 +312,8 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         solve_upper_factor(limbs, &self.factors, &mut self.force);
     }
 
-    /// Sets `fall` to the acceleration of floating bases in free fall. Expects the bases' angular velocities.
+    /// Sets `fall` to the acceleration of floating bases in free fall. Expects the bases' angular
+    /// velocities.
     fn set_fall(&mut self, model: &Mechanism<S>, qd: &[S], workspace: &Workspace<S>) {
         self.fall.fill(S::zero());
         for i in (0..model.bodies.len()).filter(|&i| is_base(model, i)) {
@@ -315,8 +323,9 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         }
     }
 
-    /// Subtracts J M^-1 f of the joint force f, and for loop constraints the accelerations by free fall, from
-    /// the first right-hand side. Expects W^-1 J^T. (The accelerations of contacts are relative to free fall.)
+    /// Subtracts J M^-1 f of the joint force f, and for loop constraints the accelerations by free
+    /// fall, from the first right-hand side. Expects W^-1 J^T. (The accelerations of contacts are
+    /// relative to free fall.)
     fn subtract_accelerations<L: FactorLayout<S>>(&mut self, model: &Mechanism<S>, limbs: &L) {
         let Self { right_hand_sides: [b, _], jacobian, reduced, supports, owner, .. } = self;
         let reciprocals = &self.factors[limbs.layout().reciprocals()];
@@ -331,8 +340,8 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         }
     }
 
-    /// Computes the joints' response M^-1 (f + J^T lambda) to the joint force f and the multipliers lambda of
-    /// right-hand side `side`.
+    /// Computes the joints' response M^-1 (f + J^T lambda) to the joint force f and the multipliers
+    /// lambda of right-hand side `side`.
     fn respond<L: FactorLayout<S>>(&self, limbs: &L, side: usize, response: &mut [S]) {
         response.copy_from_slice(&self.force);
         let (layout, n) = (limbs.layout(), response.len().max(1));
@@ -363,9 +372,9 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         }
     }
 
-    /// Calls `each` for each constraint with its index and the sum of its rows' directions times these
-    /// components, which has one entry for each constrained row. The sum is in the first frame's axes for a
-    /// loop constraint, in world axes for a contact.
+    /// Calls `each` for each constraint with its index and the sum of its rows' directions times
+    /// these components, which has one entry for each constrained row. The sum is in the first
+    /// frame's axes for a loop constraint, in world axes for a contact.
     fn by_constraint(
         &self,
         model: &Mechanism<S>,
@@ -421,8 +430,9 @@ impl Support {
     }
 }
 
-/// Returns for each entry of qd whether it moves the two frames of a constraint relative to each other. The
-/// rank of the constraint's rows is at most the number of these entries, without compliance.
+/// Returns for each entry of qd whether it moves the two frames of a constraint relative to each
+/// other. The rank of the constraint's rows is at most the number of these entries, without
+/// compliance.
 fn moving_entries<S>(model: &Mechanism<S>, constraint: &ConstrainedFrames<S>) -> Vec<bool> {
     let ancestor = relative_motion::common_ancestor(model, constraint);
     let mut moving = vec![false; model.nv];

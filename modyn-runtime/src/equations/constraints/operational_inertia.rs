@@ -9,14 +9,14 @@ use crate::equations::brge;
 use crate::equations::factorization::limb_coupling::{Factorizable, LimbAccess};
 use crate::spatial::{Matrix3, Pose};
 
-/// Computes the inverse operational-space inertia J M^-1 J^T of the constraint rows (the Delassus matrix), with
-/// the compliance of contacts, and its pseudo-inverse, the operational-space inertia (Khatib 1987). Both are
-/// arrays of columns. Returns the number of independent rows.
+/// Computes the inverse operational-space inertia J M^-1 J^T of the constraint rows (the Delassus
+/// matrix), with the compliance of contacts, and its pseudo-inverse, the operational-space inertia
+/// (Khatib 1987). Both are arrays of columns. Returns the number of independent rows.
 ///
-/// Each constraint has its constrained rotations, then its constrained displacements: in the first frame's axes
-/// for a loop constraint, in world axes for a contact. The rows and columns of inactive contacts are zero.
-/// Where rows are redundant, the pseudo-inverse is that of the rows in units of length: rotations are
-/// multiplied by the characteristic length.
+/// Each constraint has its constrained rotations, then its constrained displacements: in the first
+/// frame's axes for a loop constraint, in world axes for a contact. The rows and columns of
+/// inactive contacts are zero. Where rows are redundant, the pseudo-inverse is that of the rows in
+/// units of length: rotations are multiplied by the characteristic length.
 ///
 /// The columns of the pseudo-inverse are computed several at a time where the scalars have lanes.
 pub fn operational_inertia<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(

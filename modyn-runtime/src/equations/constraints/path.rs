@@ -1,18 +1,21 @@
-//! The joints and the bodies that move a point, and the derivatives of its velocity and acceleration.
+//! The joints and the bodies that move a point, and the derivatives of its velocity and
+//! acceleration.
 //!
-//! A displacement along a degree of freedom moves all bodies that it carries rigidly. Degree of freedom k gives the point
-//! the velocity S_k = (w_k, v_k). The parent of its body has the angular velocity W and the acceleration field
-//! E = A x + W x W x. The point moves relative to that parent with the velocity (w, v) and the acceleration (a, b), angular
-//! and linear. Then its acceleration has the derivatives
+//! A displacement along a degree of freedom moves all bodies that it carries rigidly. Degree of
+//! freedom k gives the point the velocity S_k = (w_k, v_k). The parent of its body has the angular
+//! velocity W and the acceleration field E = A x + W x W x. The point moves relative to that parent
+//! with the velocity (w, v) and the acceleration (a, b), angular and linear. Then its acceleration
+//! has the derivatives
 //!
 //! ```text
 //! by q_k:  angular W x (w_k x w) + w_k x a,  linear E v_k + 2 W x (w_k x v) + w_k x b
 //! by qd_k: angular V x w_k + w_k x w,        linear V x v_k + w_k x u + W x v_k + w_k x v
 //! ```
 //!
-//! where V is the angular velocity of the body of k, and u the velocity of the point relative to that body. The joint forces
-//! of a wrench at the point that is constant in the root's axes change for two reasons: the axes of descendant joints rotate
-//! with q_k, and the point of the wrench moves relative to ancestor joints.
+//! where V is the angular velocity of the body of k, and u the velocity of the point relative to
+//! that body. The joint forces of a wrench at the point that is constant in the root's axes change
+//! for two reasons: the axes of descendant joints rotate with q_k, and the point of the wrench
+//! moves relative to ancestor joints.
 
 use alloc::vec::Vec;
 
@@ -62,8 +65,9 @@ impl<S: Scalar> PathBody<S> {
     }
 }
 
-/// Computes the accelerations of the bodies between a frame and its ancestor, relative to this ancestor, in each body's
-/// axes; and the axes of the bodies in the ancestor's. The workspace's path becomes that of these bodies.
+/// Computes the accelerations of the bodies between a frame and its ancestor, relative to this
+/// ancestor, in each body's axes; and the axes of the bodies in the ancestor's. The workspace's
+/// path becomes that of these bodies.
 pub(super) fn relative_fields<S: Scalar>(
     model: &Mechanism<S>,
     (end, ancestor): (BodyFrame<S>, Option<usize>),
@@ -92,12 +96,12 @@ impl<S: Scalar> Path<S> {
         Self { joints: Vec::new(), bodies: Vec::new() }
     }
 
-    /// Computes the motion of the bodies of the workspace's path at the velocities `qd`, for the point `origin` of the
-    /// last body.
+    /// Computes the motion of the bodies of the workspace's path at the velocities `qd`, for the
+    /// point `origin` of the last body.
     ///
-    /// Expects the joint transforms, the axes of the bodies in those of the path's root, and the bodies' accelerations
-    /// `fields`. `root` is the motion of the root, and its axes as columns; `None` if the root has the axes of the first
-    /// body.
+    /// Expects the joint transforms, the axes of the bodies in those of the path's root, and the
+    /// bodies' accelerations `fields`. `root` is the motion of the root, and its axes as columns;
+    /// `None` if the root has the axes of the first body.
     pub(super) fn fill(
         &mut self,
         model: &Mechanism<S>,
@@ -142,8 +146,8 @@ impl<S: Scalar> Path<S> {
         &self.bodies[self.bodies.len() - 1]
     }
 
-    /// Returns the derivatives of the velocity and of the acceleration of the last body's material point with respect to
-    /// a joint's coordinate. The material point moves with that coordinate.
+    /// Returns the derivatives of the velocity and of the acceleration of the last body's material
+    /// point with respect to a joint's coordinate. The material point moves with that coordinate.
     pub(super) fn by_coordinate(&self, joint: &PathJoint<S>) -> [Twist<S>; 2] {
         let (front, last) = (&self.bodies[joint.body - 1], self.last());
         let Twist { angular, linear } = joint.twist;
@@ -166,7 +170,8 @@ impl<S: Scalar> Path<S> {
         [first, second]
     }
 
-    /// Returns the derivative of the acceleration of the last body's material point with respect to a joint's velocity.
+    /// Returns the derivative of the acceleration of the last body's material point with respect to
+    /// a joint's velocity.
     pub(super) fn by_rate(&self, joint: &PathJoint<S>) -> Twist<S> {
         let (front, own) = (&self.bodies[joint.body - 1], &self.bodies[joint.body]);
         let last = self.last();
@@ -178,9 +183,9 @@ impl<S: Scalar> Path<S> {
         }
     }
 
-    /// Calls `add` with the change of each joint force of a wrench on the last body at the point, for each coordinate:
-    /// the change, the degree of freedom of the force and that of the coordinate. The wrench is constant in the root's
-    /// axes.
+    /// Calls `add` with the change of each joint force of a wrench on the last body at the point,
+    /// for each coordinate: the change, the degree of freedom of the force and that of the
+    /// coordinate. The wrench is constant in the root's axes.
     pub(super) fn forces_under(
         &self,
         wrench: Wrench<S>,
@@ -189,7 +194,8 @@ impl<S: Scalar> Path<S> {
         for a in &self.joints {
             let [rotated, moved] = a.moments_under(wrench);
             for b in &self.joints {
-                // The joint force at `a` changes with a displacement along `b`, and at `b` with one along `a`.
+                // The joint force at `a` changes with a displacement along `b`, and at `b` with one
+                // along `a`.
                 if b.body <= a.body {
                     add(b.twist.angular.dot(rotated), a, b);
                 }
@@ -202,9 +208,9 @@ impl<S: Scalar> Path<S> {
 }
 
 impl<S: Scalar> PathJoint<S> {
-    /// Returns v x f + w x m and v x f, with the joint's twist (w, v) and the moment m and the force f of `wrench`. The
-    /// first is the change of the joint force for a rotation of the joint's axis, the second for a displacement of the
-    /// point along the joint.
+    /// Returns v x f + w x m and v x f, with the joint's twist (w, v) and the moment m and the
+    /// force f of `wrench`. The first is the change of the joint force for a rotation of the
+    /// joint's axis, the second for a displacement of the point along the joint.
     pub(super) fn moments_under(&self, wrench: Wrench<S>) -> [Vector3<S>; 2] {
         let Twist { angular, linear } = self.twist;
         let moved = linear.cross(wrench.force);

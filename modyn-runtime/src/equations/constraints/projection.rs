@@ -8,13 +8,15 @@ use crate::equations::Workspace;
 use crate::equations::brge;
 use crate::equations::factorization::limb_coupling::{Factorizable, LimbAccess};
 
-/// Computes the step `dq` of the coordinates and the step `dqd` of the velocities that satisfy the constraints.
-/// Returns the number of independent rows.
+/// Computes the step `dq` of the coordinates and the step `dqd` of the velocities that satisfy the
+/// constraints. Returns the number of independent rows.
 ///
-/// `dq` satisfies the constraints to first order. Both steps are -M^-1 J^T (J M^-1 J^T)^+ times the violation
-/// (displacements for `dq`, velocities for `dqd`): the smallest steps in the metric of the mass matrix.
+/// `dq` satisfies the constraints to first order. Both steps are -M^-1 J^T (J M^-1 J^T)^+ times the
+/// violation (displacements for `dq`, velocities for `dqd`): the smallest steps in the metric of
+/// the mass matrix.
 ///
-/// Limbs of `tree` may be merged, as in [`constrained_forward_dynamics`](super::constrained_forward_dynamics).
+/// Limbs of `tree` may be merged, as in
+/// [`constrained_forward_dynamics`](super::constrained_forward_dynamics).
 pub fn project_constraints<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
     tree: &T,
     layout: &T::Layout,

@@ -34,8 +34,8 @@ pub(super) fn path<S>(
     kinematic_path::towards_world(model, end.body).take_while(move |&i| Some(i) != ancestor)
 }
 
-/// Returns a frame as seen from the body `ancestor`. For each body on the path, `visit` is called with
-/// the frame as seen from that body.
+/// Returns a frame as seen from the body `ancestor`. For each body on the path, `visit` is called
+/// with the frame as seen from that body.
 pub(super) fn relative_to_ancestor<S: Scalar>(
     model: &Mechanism<S>,
     end: BodyFrame<S>,
@@ -49,8 +49,8 @@ pub(super) fn relative_to_ancestor<S: Scalar>(
     })
 }
 
-/// Returns the relative pose of a loop constraint's two frames, and fills `columns` with the Jacobian of each frame relative to
-/// the common ancestor, in the frame's axes.
+/// Returns the relative pose of a loop constraint's two frames, and fills `columns` with the
+/// Jacobian of each frame relative to the common ancestor, in the frame's axes.
 pub(super) fn relative_columns<S: Scalar>(
     model: &Mechanism<S>,
     constraint: &ConstrainedFrames<S>,
@@ -94,9 +94,9 @@ impl<S: Scalar> RelativePose<S> {
         }
     }
 
-    /// Returns the twist of the second frame relative to the first, at the second frame's origin in the
-    /// first frame's axes. The arguments are the twists of both frames, each at its own origin and in
-    /// its own axes.
+    /// Returns the twist of the second frame relative to the first, at the second frame's origin in
+    /// the first frame's axes. The arguments are the twists of both frames, each at its own origin
+    /// and in its own axes.
     pub(super) fn twist(&self, first: Twist<S>, second: Twist<S>) -> Twist<S> {
         let second = self.rotated(second);
         Twist {
@@ -105,8 +105,8 @@ impl<S: Scalar> RelativePose<S> {
         }
     }
 
-    /// Returns the rotation error. For a hinge it is the cross product of the axis directions of both
-    /// frames. Otherwise it is the axis of the relative rotation times the sine of its angle.
+    /// Returns the rotation error. For a hinge it is the cross product of the axis directions of
+    /// both frames. Otherwise it is the axis of the relative rotation times the sine of its angle.
     fn rotation_error(&self, hinge: Option<Vector3<S>>) -> Vector3<S> {
         if let Some(hinge) = hinge {
             return hinge.cross(self.rotation.mul_vector(hinge));
@@ -116,7 +116,8 @@ impl<S: Scalar> RelativePose<S> {
     }
 }
 
-/// The displacement of the second frame relative to the first, its velocity and its bias acceleration.
+/// The displacement of the second frame relative to the first, its velocity and its bias
+/// acceleration.
 pub(super) struct RelativeMotion<S> {
     /// The rotation error (angular) and the position of the second frame's origin (linear).
     pub(super) displacement: Twist<S>,
@@ -144,8 +145,8 @@ impl<S: Scalar> RelativeMotion<S> {
                 .at(&end.pose)
         });
         let velocity = pose.twist(first.velocity, second.velocity);
-        // The second frame's components are in axes that rotate relative to the first frame, and the
-        // first frame's velocity at the second frame's origin changes as that origin moves.
+        // The second frame's components are in axes that rotate relative to the first frame, and
+        // the first frame's velocity at the second frame's origin changes as that origin moves.
         let (omega, second_velocity) = (first.velocity.angular, pose.rotated(second.velocity));
         let transport = Twist {
             angular: velocity.angular.cross(second_velocity.angular),

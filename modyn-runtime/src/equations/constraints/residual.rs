@@ -9,12 +9,13 @@ use crate::equations::Workspace;
 use crate::mechanism::Mechanism;
 use crate::spatial::Twist;
 
-/// Computes the displacement and the velocity of each loop constraint's second frame relative to its first, in
-/// the first frame's axes, and of each contact's frame relative to its target, in world axes. Components along
-/// free directions are zero.
+/// Computes the displacement and the velocity of each loop constraint's second frame relative to
+/// its first, in the first frame's axes, and of each contact's frame relative to its target, in
+/// world axes. Components along free directions are zero.
 ///
-/// A rotation is given as its axis times the sine of its angle. For a hinge it is the cross product of the axis
-/// directions of both frames; for a surface on a plane, the cross product of the two normals.
+/// A rotation is given as its axis times the sine of its angle. For a hinge it is the cross product
+/// of the axis directions of both frames; for a surface on a plane, the cross product of the two
+/// normals.
 pub fn constraint_residual<S: Scalar>(
     model: &Mechanism<S>,
     (q, qd): (&[S], &[S]),

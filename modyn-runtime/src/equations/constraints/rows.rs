@@ -2,14 +2,15 @@
 //!
 //! A row is one component of a constraint's relative twist. A rotation row is multiplied by the
 //! constraint's characteristic length l, so that all rows are velocities in m/s and all multipliers
-//! are forces in N. The mobility of a constraint is the trace of G M^-1 G^T. G has a row for each of
-//! the six directions of the relative twist, constrained or free, in the same units. The mobility
-//! therefore depends neither on the axes nor on which directions are constrained. It is the scale that
-//! decides whether a row is independent. (The mobility of a contact on a floating robot is that of the
-//! constrained rows: the origin of its frame moves in all directions.)
+//! are forces in N. The mobility of a constraint is the trace of G M^-1 G^T. G has a row for each
+//! of the six directions of the relative twist, constrained or free, in the same units. The
+//! mobility therefore depends neither on the axes nor on which directions are constrained. It is
+//! the scale that decides whether a row is independent. (The mobility of a contact on a floating
+//! robot is that of the constrained rows: the origin of its frame moves in all directions.)
 //!
-//! With M = W Delta W^T, the rows of J W^-T are stored. They have the zeros of J: the columns of joints
-//! that do not carry the constraint. So J M^-1 J^T needs products over common ancestors only.
+//! With M = W Delta W^T, the rows of J W^-T are stored. They have the zeros of J: the columns of
+//! joints that do not carry the constraint. So J M^-1 J^T needs products over common ancestors
+//! only.
 
 use super::ConstraintWorkspace;
 use super::contact::ContactFrame;
@@ -37,8 +38,8 @@ impl<S: Scalar> ConstraintRow<S> {
 }
 
 impl<S: Scalar> ConstrainedFrames<S> {
-    /// Returns the sum of the rows' directions times `components`, one component for each row. Further
-    /// components belong to other constraints and are not taken.
+    /// Returns the sum of the rows' directions times `components`, one component for each row.
+    /// Further components belong to other constraints and are not taken.
     pub(super) fn along_rows(&self, components: impl Iterator<Item = S>) -> Twist<S> {
         let mut sum = Twist::zero();
         // `zip` asks the rows first, so that no component is taken without a row.
@@ -60,9 +61,9 @@ impl<S: Scalar> ConstrainedFrames<S> {
     }
 }
 
-/// Computes the Jacobian rows of all constraints, constrained and free, and two right-hand sides. `target`
-/// returns both right-hand sides of a constrained row; its arguments are the constraint's index, the function
-/// that returns the row's component of a twist, and the relative motion.
+/// Computes the Jacobian rows of all constraints, constrained and free, and two right-hand sides.
+/// `target` returns both right-hand sides of a constrained row; its arguments are the constraint's
+/// index, the function that returns the row's component of a twist, and the relative motion.
 pub(super) fn constraint_rows<S: Scalar>(
     model: &Mechanism<S>,
     (q, qd): (&[S], &[S]),
@@ -112,11 +113,12 @@ pub(super) fn constraint_rows<S: Scalar>(
     }
 }
 
-/// Computes W^-1 J^T of all rows, the matrix J M^-1 J^T of the robot's constrained rows, in which the rows of inactive
-/// contacts are zero, and the mobility of each constraint. Expects the rows and the factors of the mass matrix.
+/// Computes W^-1 J^T of all rows, the matrix J M^-1 J^T of the robot's constrained rows, in which
+/// the rows of inactive contacts are zero, and the mobility of each constraint. Expects the rows
+/// and the factors of the mass matrix.
 ///
-/// Where limbs are merged, the rows of one limb are multiplied in lanes, and so are those of two limbs of one merged limb,
-/// which have the trunk's entries in common.
+/// Where limbs are merged, the rows of one limb are multiplied in lanes, and so are those of two
+/// limbs of one merged limb, which have the trunk's entries in common.
 pub(super) fn mobilities<S: Scalar, T: Factorizable<S>>(
     tree: &T,
     limbs: &T::Layout,
@@ -160,7 +162,8 @@ pub(super) fn mobilities<S: Scalar, T: Factorizable<S>>(
         contact(i).map_or(reduced[i * n + k], |contact| reduced[i * n + k] * active[contact])
     };
     let trunk = |i, j| common(i, j).filter(|&k| limbs.limb_of_dof(k).is_none());
-    // The entries of the rows of each limb and of the limb `shift` lanes after it, in the lanes of the first.
+    // The entries of the rows of each limb and of the limb `shift` lanes after it, in the lanes of
+    // the first.
     let shifted = |i: usize, j: usize, (count, shift): (usize, usize)| {
         let shift =
             |x: S| packed(tree, 0..count, |lane| tree.extract_lane(x, (lane + shift) % count));

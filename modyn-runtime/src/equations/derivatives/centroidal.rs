@@ -1,9 +1,10 @@
 //! Derivatives of the centroidal momentum and of its rate.
 //!
-//! A degree of freedom displaces the composite of its body and the body's descendants. The momentum of the composite, and the
-//! wrench that its accelerations need, move with it. In addition the motion of the ancestors is another one at the displaced
-//! points. The momenta of all other bodies stay as they are. So each derivative is one wrench on one composite, about the centre
-//! of mass, which moves as well.
+//! A degree of freedom displaces the composite of its body and the body's descendants. The momentum
+//! of the composite, and the wrench that its accelerations need, move with it. In addition the
+//! motion of the ancestors is another one at the displaced points. The momenta of all other bodies
+//! stay as they are. So each derivative is one wrench on one composite, about the centre of mass,
+//! which moves as well.
 
 use super::composite::{accumulate_composites, accumulate_wrenches};
 use super::perturbation::{perturbations_by_coordinates, perturbations_by_rates};
@@ -15,8 +16,8 @@ use crate::equations::kinematics::{kinematic_path, total_mass};
 use crate::mechanism::{Dof, Mechanism};
 use crate::spatial::{Field, Momentum, Twist, Vector3, Wrench};
 
-/// The results of [`centroidal_momentum_derivatives`], in world axes about the centre of mass. Columns are of the entries of
-/// qd; those of coordinates are in tangent space.
+/// The results of [`centroidal_momentum_derivatives`], in world axes about the centre of mass.
+/// Columns are of the entries of qd; those of coordinates are in tangent space.
 #[derive(Debug)]
 pub struct CentroidalOutputs<'a, S> {
     /// The momentum, kg m^2/s and kg m/s.
@@ -31,7 +32,8 @@ pub struct CentroidalOutputs<'a, S> {
     pub rate_dqd: &'a mut [Momentum<S>],
 }
 
-/// Computes the momentum of the moving links about their centre of mass, its time derivative, and the derivatives of both.
+/// Computes the momentum of the moving links about their centre of mass, its time derivative, and
+/// the derivatives of both.
 ///
 /// The derivatives of the momentum by qd and of its rate by qdd are the
 /// [`centroidal_momentum_matrix`](crate::equations::dynamics::centroidal_momentum_matrix).
@@ -43,7 +45,8 @@ pub fn centroidal_momentum_derivatives<S: Scalar>(
 ) {
     let CentroidalOutputs { momentum, rate, momentum_dq, rate_dq, rate_dqd } = outputs;
     workspace.move_to(model, q);
-    // Gravity is an upward acceleration of the world. It has no moment about the centre of mass, and a constant force.
+    // Gravity is an upward acceleration of the world. It has no moment about the centre of mass,
+    // and a constant force.
     link_wrenches(model, qd, Accelerations::Given(qdd), workspace);
     accumulate_composites(model, qd, workspace);
     accumulate_wrenches(model, |_| None, workspace);
@@ -98,7 +101,8 @@ pub fn centroidal_momentum_derivatives<S: Scalar>(
     });
 }
 
-/// Computes `columns` from the column of each degree of freedom: its body, its number and its component.
+/// Computes `columns` from the column of each degree of freedom: its body, its number and its
+/// component.
 fn columns<S: Scalar>(
     model: &Mechanism<S>,
     columns: &mut [Momentum<S>],
@@ -112,8 +116,9 @@ fn columns<S: Scalar>(
     }
 }
 
-/// Computes the axes of each body in the world, and the centre of mass as each body sees it (`points`). Returns the centre of
-/// mass in world axes. Expects composite inertias; `share` is the reciprocal of the mass.
+/// Computes the axes of each body in the world, and the centre of mass as each body sees it
+/// (`points`). Returns the centre of mass in world axes. Expects composite inertias; `share` is the
+/// reciprocal of the mass.
 fn see_center<S: Scalar>(
     model: &Mechanism<S>,
     share: S,
@@ -145,7 +150,8 @@ fn about_center<S: Scalar>(i: usize, workspace: &Workspace<S>, wrench: Wrench<S>
     }
 }
 
-/// Returns the sum of `rest` and the wrenches of the composites on the world, at the world's origin.
+/// Returns the sum of `rest` and the wrenches of the composites on the world, at the world's
+/// origin.
 fn total<S: Scalar>(model: &Mechanism<S>, rest: Wrench<S>, workspace: &Workspace<S>) -> Wrench<S> {
     let mut sum = rest;
     for (i, body) in model.bodies.iter().enumerate().filter(|(_, body)| body.parent.is_none()) {

@@ -30,12 +30,12 @@ fn parent_angular_velocity<S: Scalar, T: BodyTree<S>>(
     Vector3(tree.broadcast_from_parents(body, |parent| parent.map_or_else(Vector3::zero, of).0))
 }
 
-/// Computes composite inertias, the velocity moments of the composites relative to their bodies, and
-/// twice the velocity of each body's origin relative to its parent (`relative_velocities`). Expects angular
-/// velocities.
+/// Computes composite inertias, the velocity moments of the composites relative to their bodies,
+/// and twice the velocity of each body's origin relative to its parent (`relative_velocities`).
+/// Expects angular velocities.
 ///
-/// A rigid body does not move relative to its own frame. Velocity moments therefore arise at the joints
-/// of its descendants only.
+/// A rigid body does not move relative to its own frame. Velocity moments therefore arise at the
+/// joints of its descendants only.
 pub(super) fn accumulate_composites<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     qd: &[S],
@@ -78,8 +78,8 @@ pub(super) fn accumulate_composites<S: Scalar, T: BodyTree<S>>(
     }
 }
 
-/// Sums the bodies' wrenches to the wrenches of composites. `given` returns the force along a degree of
-/// freedom if that force is given.
+/// Sums the bodies' wrenches to the wrenches of composites. `given` returns the force along a
+/// degree of freedom if that force is given.
 pub(super) fn accumulate_wrenches<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     given: impl Fn(usize) -> Option<S>,

@@ -8,13 +8,15 @@ use crate::equations::Workspace;
 use crate::mechanism::Mechanism;
 use crate::spatial::Vector3;
 
-/// Computes the Coriolis matrix C(q, qd), nv x nv, by columns. C qd are the Coriolis and centrifugal forces, and dM/dt - 2 C
-/// is skew with the mass matrix M. Gravity, damping and friction are not included.
+/// Computes the Coriolis matrix C(q, qd), nv x nv, by columns. C qd are the Coriolis and
+/// centrifugal forces, and dM/dt - 2 C is skew with the mass matrix M. Gravity, damping and
+/// friction are not included.
 ///
-/// C is the matrix of Christoffel's symbols in the velocities of the joints. The forces C qd are quadratic in qd, so half of
-/// their derivative with respect to qd is the part of C that is symmetric in the two velocities. The rest is half of M
-/// times the Lie brackets of the joints' velocities. They are zero for joints with an axis; for spherical and floating joints
-/// they are cross products (Marsden and Ratiu 1999, "Introduction to Mechanics and Symmetry").
+/// C is the matrix of Christoffel's symbols in the velocities of the joints. The forces C qd are
+/// quadratic in qd, so half of their derivative with respect to qd is the part of C that is
+/// symmetric in the two velocities. The rest is half of M times the Lie brackets of the joints'
+/// velocities. They are zero for joints with an axis; for spherical and floating joints they are
+/// cross products (Marsden and Ratiu 1999, "Introduction to Mechanics and Symmetry").
 pub fn coriolis_matrix<S: Scalar>(
     model: &Mechanism<S>,
     (q, qd): (&[S], &[S]),
@@ -41,8 +43,9 @@ pub fn coriolis_matrix<S: Scalar>(
     });
 }
 
-/// Adds the mass matrix times the Lie brackets of the velocity of body `i`'s joint and the joint's unit velocities. Rotors
-/// are left out: they have Coriolis forces at floating joints alone, where their part is that of `armature_coriolis`.
+/// Adds the mass matrix times the Lie brackets of the velocity of body `i`'s joint and the joint's
+/// unit velocities. Rotors are left out: they have Coriolis forces at floating joints alone, where
+/// their part is that of `armature_coriolis`.
 fn add_brackets<S: Scalar>(
     model: &Mechanism<S>,
     i: usize,

@@ -1,9 +1,11 @@
 //! Derivatives under external wrenches.
 //!
-//! External wrenches f add the generalized forces J^T f to the joint forces. The derivatives of inverse and forward dynamics
-//! follow from those of J^T f by the chain rule. A displacement of one degree of freedom displaces the wrenches on its body
-//! and on the body's descendants, which changes the forces on the joints of the ancestors. Wrenches in world axes do not
-//! rotate with their links: relative to the links they rotate back, which changes the forces on all joints between.
+//! External wrenches f add the generalized forces J^T f to the joint forces. The derivatives of
+//! inverse and forward dynamics follow from those of J^T f by the chain rule. A displacement of one
+//! degree of freedom displaces the wrenches on its body and on the body's descendants, which
+//! changes the forces on the joints of the ancestors. Wrenches in world axes do not rotate with
+//! their links: relative to the links they rotate back, which changes the forces on all joints
+//! between.
 
 use alloc::vec::Vec;
 use core::mem;
@@ -18,8 +20,9 @@ use crate::equations::factorization::UduLayout;
 use crate::mechanism::Mechanism;
 use crate::spatial::{Matrix3, Vector3, Wrench};
 
-/// Computes the derivatives of inverse dynamics under external wrenches with respect to q and qd: nv x nv matrices, stored
-/// by columns. The wrenches are constant in the axes in which they are given.
+/// Computes the derivatives of inverse dynamics under external wrenches with respect to q and qd:
+/// nv x nv matrices, stored by columns. The wrenches are constant in the axes in which they are
+/// given.
 pub fn inverse_dynamics_external_derivatives<S: Scalar>(
     model: &Mechanism<S>,
     (q, qd, qdd): (&[S], &[S], &[S]),
@@ -35,8 +38,9 @@ pub fn inverse_dynamics_external_derivatives<S: Scalar>(
     workspace.external = memory;
 }
 
-/// Computes the joint accelerations under the joint forces `tau` and external wrenches, and their derivatives with respect
-/// to q, qd and tau. The wrenches are constant in the axes in which they are given.
+/// Computes the joint accelerations under the joint forces `tau` and external wrenches, and their
+/// derivatives with respect to q, qd and tau. The wrenches are constant in the axes in which they
+/// are given.
 pub fn forward_dynamics_external_derivatives<S: Scalar>(
     model: &Mechanism<S>,
     layout: &UduLayout,
@@ -65,8 +69,8 @@ pub fn forward_dynamics_external_derivatives<S: Scalar>(
     workspace.external = memory;
 }
 
-/// Returns the results of [`generalized_forces`], the derivatives after the forces. The memory is that of
-/// `workspace.external`.
+/// Returns the results of [`generalized_forces`], the derivatives after the forces. The memory is
+/// that of `workspace.external`.
 fn in_memory<S: Scalar>(
     model: &Mechanism<S>,
     motion: (&[S], Forces<'_, S>),
@@ -79,8 +83,9 @@ fn in_memory<S: Scalar>(
     memory
 }
 
-/// Computes the generalized forces J^T f of external wrenches f (N m or N), and their derivatives with respect to q, an
-/// nv x nv matrix by columns. The wrenches are constant in the axes in which they are given.
+/// Computes the generalized forces J^T f of external wrenches f (N m or N), and their derivatives
+/// with respect to q, an nv x nv matrix by columns. The wrenches are constant in the axes in which
+/// they are given.
 pub fn generalized_forces<S: Scalar>(
     model: &Mechanism<S>,
     (q, forces): (&[S], Forces<'_, S>),
@@ -126,8 +131,8 @@ pub fn generalized_forces<S: Scalar>(
     }
 }
 
-/// Computes the external wrench of each composite (`wrenches`), and the sums of x f^T over the forces f at the points x of
-/// the composite (`force_moments`), both relative to the body's frame.
+/// Computes the external wrench of each composite (`wrenches`), and the sums of x f^T over the
+/// forces f at the points x of the composite (`force_moments`), both relative to the body's frame.
 fn accumulate_composites<S: Scalar>(
     model: &Mechanism<S>,
     forces: Forces<'_, S>,
@@ -161,8 +166,8 @@ fn accumulate_composites<S: Scalar>(
     }
 }
 
-/// Returns the change of a composite's external wrench, in the body's frame, by a rotation of the body about `axis` under
-/// forces and moments that do not rotate.
+/// Returns the change of a composite's external wrench, in the body's frame, by a rotation of the
+/// body about `axis` under forces and moments that do not rotate.
 fn rotated_back<S: Scalar>(workspace: &Workspace<S>, body: usize, axis: Vector3<S>) -> Wrench<S> {
     let Wrench { moment, force } = workspace.wrenches[body];
     // (axis x x) x f = (x f^T - (x . f)) axis, minus the rotation of the wrench with the body.

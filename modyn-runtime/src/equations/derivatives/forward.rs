@@ -23,19 +23,20 @@ pub struct ForwardDerivatives<'a, S> {
     pub dqdd_dq: &'a mut [S],
     /// The derivatives of the accelerations with respect to qd.
     pub dqdd_dqd: &'a mut [S],
-    /// The derivatives of the accelerations with respect to tau: the inverse of the mass matrix, exactly
-    /// symmetric.
+    /// The derivatives of the accelerations with respect to tau: the inverse of the mass matrix,
+    /// exactly symmetric.
     pub dqdd_dtau: &'a mut [S],
 }
 
-/// Computes the joint accelerations under the joint forces `tau`, and their derivatives with respect to
-/// q, qd and tau.
+/// Computes the joint accelerations under the joint forces `tau`, and their derivatives with
+/// respect to q, qd and tau.
 ///
-/// The derivatives are those of inverse dynamics at these accelerations, multiplied by -M^-1 (Carpentier
-/// and Mansard 2018). Products with M^-1 use the factors of the mass matrix.
+/// The derivatives are those of inverse dynamics at these accelerations, multiplied by -M^-1
+/// (Carpentier and Mansard 2018). Products with M^-1 use the factors of the mass matrix.
 ///
-/// d tau / d qd does not depend on the accelerations. The velocity-dependent forces are quadratic in qd,
-/// so they are half of (d tau / d qd) qd by Euler's theorem. No pass without accelerations is needed.
+/// d tau / d qd does not depend on the accelerations. The velocity-dependent forces are quadratic
+/// in qd, so they are half of (d tau / d qd) qd by Euler's theorem. No pass without accelerations
+/// is needed.
 ///
 /// The accelerations of a floating base's origin are relative to free fall, whose derivatives are
 /// known. The position and the linear velocity of the base then have no other effect.
@@ -60,9 +61,10 @@ pub fn forward_dynamics_derivatives<S: Scalar, T: Factorizable<S>>(
     add_free_fall(tree, qd, workspace, (qdd, dqdd_dq, dqdd_dqd));
 }
 
-/// Computes the accelerations and the inverse of the mass matrix as [`forward_dynamics_derivatives`] does, and instead of the
-/// derivatives by q and qd the matrices that M^-1 multiplies: minus the derivatives of inverse dynamics. A floating base's
-/// accelerations are relative to free fall, which [`add_free_fall`] adds.
+/// Computes the accelerations and the inverse of the mass matrix as
+/// [`forward_dynamics_derivatives`] does, and instead of the derivatives by q and qd the matrices
+/// that M^-1 multiplies: minus the derivatives of inverse dynamics. A floating base's accelerations
+/// are relative to free fall, which [`add_free_fall`] adds.
 pub fn forward_dynamics_factors<S: Scalar, T: Factorizable<S>>(
     tree: &T,
     limbs: &T::Layout,
@@ -103,7 +105,8 @@ pub fn forward_dynamics_factors<S: Scalar, T: Factorizable<S>>(
     (workspace.matrix, workspace.factors) = (matrix, factors);
 }
 
-/// Replaces `x` by the product of a matrix, stored by columns, and `x`. Computes `lanes` rows at a time.
+/// Replaces `x` by the product of a matrix, stored by columns, and `x`. Computes `lanes` rows at a
+/// time.
 fn multiply<S: Scalar, T: BodyTree<S>>(tree: &T, columns: &[S], lanes: usize, x: &mut [S]) {
     let n = x.len();
     let factors = x.to_vec();
@@ -117,8 +120,8 @@ fn multiply<S: Scalar, T: BodyTree<S>>(tree: &T, columns: &[S], lanes: usize, x:
     }
 }
 
-/// Subtracts velocity-dependent forces, gravity, springs and dissipation from `tau`; a floating base is in free
-/// fall. `dtau_dqd` excludes dissipation.
+/// Subtracts velocity-dependent forces, gravity, springs and dissipation from `tau`; a floating
+/// base is in free fall. `dtau_dqd` excludes dissipation.
 fn subtract_forces<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     limbs: &impl FactorLayout<S>,

@@ -10,7 +10,8 @@ use crate::equations::dynamics::newton_euler::{Accelerations, link_wrenches};
 use crate::mechanism::{BodyTree, Mechanism};
 
 /// Computes the derivatives d tau / d q and d tau / d qd of
-/// [`inverse_dynamics`](crate::equations::dynamics::inverse_dynamics): nv x nv matrices, stored by columns.
+/// [`inverse_dynamics`](crate::equations::dynamics::inverse_dynamics): nv x nv matrices, stored by
+/// columns.
 ///
 /// d tau / d qdd is the [`mass_matrix`](crate::equations::dynamics::mass_matrix). The derivative of
 /// Coulomb friction is taken as zero, also at its jump.
@@ -55,7 +56,8 @@ fn differentiate<S: Scalar, T: BodyTree<S>>(
     add_passive(model, q, workspace, dtau_dq);
 }
 
-/// Adds the derivatives of the forces of springs and gravity compensation to d tau / d q. Expects the joint transforms at q.
+/// Adds the derivatives of the forces of springs and gravity compensation to d tau / d q. Expects
+/// the joint transforms at q.
 pub(super) fn add_passive<S: Scalar>(
     model: &Mechanism<S>,
     q: &[S],
@@ -70,7 +72,8 @@ pub(super) fn add_passive<S: Scalar>(
     });
 }
 
-/// Adds the derivatives of damping, friction and the velocity-dependent forces of armature to d tau / d qd.
+/// Adds the derivatives of damping, friction and the velocity-dependent forces of armature to d
+/// tau / d qd.
 pub(super) fn add_dissipation<S: Scalar>(model: &Mechanism<S>, qd: &[S], dtau_dqd: &mut [S]) {
     for dof in &model.dofs {
         if let Some(slope) = model.dissipation_slope(dof, qd) {

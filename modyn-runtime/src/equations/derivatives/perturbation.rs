@@ -1,4 +1,5 @@
-//! Perturbations: the changes of the points' accelerations by a degree of freedom's coordinate or rate.
+//! Perturbations: the changes of the points' accelerations by a degree of freedom's coordinate or
+//! rate.
 
 use crate::Scalar;
 use crate::equations::Workspace;
@@ -58,8 +59,8 @@ pub(super) fn perturbations_by_rates<S: Scalar, T: BodyTree<S>>(
     }
 }
 
-/// The motion of a joint's parent frame, in the child frame's axes, at the point that coincides with the
-/// child frame's origin.
+/// The motion of a joint's parent frame, in the child frame's axes, at the point that coincides
+/// with the child frame's origin.
 struct AncestorMotion<S> {
     omega: Vector3<S>,
     /// E of [`Field`].
@@ -83,7 +84,8 @@ impl<S: Scalar> AncestorMotion<S> {
         let (motion, field) = (&workspace.motions[i], &workspace.fields[i]);
         let zero = Vector3::zero();
         match model.bodies[i].elementary_joint {
-            // A revolute or prismatic axis is fixed in parent and child, so the child's motion will do.
+            // A revolute or prismatic axis is fixed in parent and child, so the child's motion will
+            // do.
             ElementaryJoint::Revolute | ElementaryJoint::Prismatic => Self {
                 omega: field.omega,
                 gradient: field.gradient,

@@ -23,11 +23,11 @@ pub(super) enum Variable {
 /// Computes the derivatives of the joint forces, by columns, from `workspace.perturbations`.
 ///
 /// The mass matrix needs the same sweep and is written to `mass_matrix` if that is given. Expects
-/// composite inertias and angular velocities; derivatives with respect to coordinates also expect the
-/// composites' wrenches.
+/// composite inertias and angular velocities; derivatives with respect to coordinates also expect
+/// the composites' wrenches.
 ///
-/// A column is transformed from its body towards the root. Columns of consecutive joints can share the
-/// lanes of one pack; a column enters the pack at its own joint
+/// A column is transformed from its body towards the root. Columns of consecutive joints can share
+/// the lanes of one pack; a column enters the pack at its own joint
 /// ([`MergedMechanism::with_column_lanes`](crate::mechanism::MergedMechanism::with_column_lanes)).
 pub(super) fn project<S: Scalar, T: BodyTree<S>>(
     tree: &T,
@@ -134,8 +134,8 @@ struct Entries<'a, S> {
 }
 
 impl<S: Scalar> Entries<'_, S> {
-    /// Adds a column's entries for its own body's degrees of freedom. Returns the column's state at that
-    /// body.
+    /// Adds a column's entries for its own body's degrees of freedom. Returns the column's state at
+    /// that body.
     fn add_own_entries(
         &mut self,
         by: Variable,
@@ -177,8 +177,8 @@ impl<S: Scalar> Entries<'_, S> {
         *sum = *sum + row.scale(column.scale(entry));
     }
 
-    /// Adds `entry` to both triangles of the mass matrix. If a mimic joint maps both degrees of freedom
-    /// to one entry of qd, the entry counts twice.
+    /// Adds `entry` to both triangles of the mass matrix. If a mimic joint maps both degrees of
+    /// freedom to one entry of qd, the entry counts twice.
     fn add_masses(&mut self, row: usize, column: usize, entry: S) {
         self.add_mass(row, column, entry);
         self.add_mass(column, row, entry);
@@ -213,8 +213,9 @@ impl<'a, S: Scalar> Composite<'a, S> {
         Self { inertia, velocities, twice_omega: omega + omega, rotational }
     }
 
-    /// Returns the wrench that changes the composite's accelerations by `perturbation`: with x' relative
-    /// to the body's frame, relative x x + coriolis x 2 x' + 2 omega x (coriolis x x) + uniform.
+    /// Returns the wrench that changes the composite's accelerations by `perturbation`: with x'
+    /// relative to the body's frame, relative x x + coriolis x 2 x' + 2 omega x (coriolis x x) +
+    /// uniform.
     pub(super) fn required_wrench(&self, perturbation: &AccelerationPerturbation<S>) -> Wrench<S> {
         let AccelerationPerturbation { relative, coriolis, uniform, .. } = *perturbation;
         let RigidInertia { mass, first_moment, second_moment } = *self.inertia;
@@ -248,8 +249,8 @@ impl<'a, S: Scalar> Composite<'a, S> {
 /// The dual of a perturbation: the power of its terms at a unit displacement of a descendant.
 #[derive(Clone, Copy, Debug)]
 struct DualColumn<S> {
-    /// The dual of the gradient (moment) and of the uniform term (force): the composite's wrench under
-    /// the displacement taken as an acceleration.
+    /// The dual of the gradient (moment) and of the uniform term (force): the composite's wrench
+    /// under the displacement taken as an acceleration.
     wrench: Wrench<S>,
     coriolis: Vector3<S>,
 }
@@ -267,7 +268,8 @@ impl<S: Scalar> DualColumn<S> {
 struct SweepState<S> {
     /// The wrench that gives the composite its perturbed accelerations.
     wrench: Wrench<S>,
-    /// The power of ancestors' perturbations at a unit displacement of the column's degree of freedom.
+    /// The power of ancestors' perturbations at a unit displacement of the column's degree of
+    /// freedom.
     dual: DualColumn<S>,
 }
 

@@ -1,8 +1,9 @@
 //! Centroidal momentum: the momentum of the moving links about their centre of mass, in world axes
 //! (Orin, Goswami and Lee 2013, "Centroidal dynamics of a humanoid robot").
 //!
-//! The momentum of rotors is not included. The armature I of a joint adds I qd^2 / 2 to the kinetic energy, but the description
-//! has no axis for the rotor. The momentum that the dynamics conserve without external forces is that of the links.
+//! The momentum of rotors is not included. The armature I of a joint adds I qd^2 / 2 to the kinetic
+//! energy, but the description has no axis for the rotor. The momentum that the dynamics conserve
+//! without external forces is that of the links.
 //!
 //! Base inertias suffice for the momentum. Together with the static inertia they give the centre of
 //! mass.
@@ -47,8 +48,9 @@ pub fn centroidal_momentum_matrix<S: Scalar>(
     }
 }
 
-/// Computes the centroidal composite inertia I into `columns`: I t is the momentum about the centre of mass, in world axes, of
-/// all moving links as one rigid body with the twist t at the centre of mass (Orin, Goswami and Lee 2013, equation 22).
+/// Computes the centroidal composite inertia I into `columns`: I t is the momentum about the centre
+/// of mass, in world axes, of all moving links as one rigid body with the twist t at the centre of
+/// mass (Orin, Goswami and Lee 2013, equation 22).
 pub fn centroidal_composite_inertia<S: Scalar>(
     model: &Mechanism<S>,
     q: &[S],
@@ -66,8 +68,9 @@ pub fn centroidal_composite_inertia<S: Scalar>(
     }
 }
 
-/// Computes composite inertias in the frame of each body's degrees of freedom: before the joint if the
-/// joint has an axis, after it otherwise. Returns the inertia of all moving links about the world's origin.
+/// Computes composite inertias in the frame of each body's degrees of freedom: before the joint if
+/// the joint has an axis, after it otherwise. Returns the inertia of all moving links about the
+/// world's origin.
 fn accumulate_composites<S: Scalar>(
     model: &Mechanism<S>,
     workspace: &mut Workspace<S>,
@@ -90,8 +93,8 @@ fn accumulate_composites<S: Scalar>(
     total
 }
 
-/// Returns the momentum h of the moving links about their centre of mass, in world axes, kg m^2/s and
-/// kg m/s.
+/// Returns the momentum h of the moving links about their centre of mass, in world axes, kg m^2/s
+/// and kg m/s.
 pub fn centroidal_momentum<S: Scalar>(
     model: &Mechanism<S>,
     (q, qd): (&[S], &[S]),
@@ -109,10 +112,11 @@ pub fn centroidal_momentum<S: Scalar>(
     about_center(model, workspace)
 }
 
-/// Returns the time derivative A qdd + A' qd of the momentum of the moving links about their centre of mass, in world axes,
-/// N m and N: the wrench of gravity and of all forces from outside.
+/// Returns the time derivative A qdd + A' qd of the momentum of the moving links about their centre
+/// of mass, in world axes, N m and N: the wrench of gravity and of all forces from outside.
 ///
-/// The Newton-Euler equations without gravity, from the world to the links. At qdd = 0 it is the bias A' qd.
+/// The Newton-Euler equations without gravity, from the world to the links. At qdd = 0 it is the
+/// bias A' qd.
 pub fn centroidal_momentum_rate<S: Scalar>(
     model: &Mechanism<S>,
     (q, qd, qdd): (&[S], &[S], &[S]),
@@ -128,11 +132,13 @@ pub fn centroidal_momentum_rate<S: Scalar>(
         workspace.fields[i] = field;
         workspace.wrenches[i] = field.wrench(&body.base_inertia);
     }
-    // The velocity of the centre of mass is along the linear momentum, so its part in the derivative is zero.
+    // The velocity of the centre of mass is along the linear momentum, so its part in the
+    // derivative is zero.
     about_center(model, workspace)
 }
 
-/// Returns the sum of the bodies' `workspace.wrenches`, or momenta, about the centre of mass in world axes.
+/// Returns the sum of the bodies' `workspace.wrenches`, or momenta, about the centre of mass in
+/// world axes.
 fn about_center<S: Scalar>(model: &Mechanism<S>, workspace: &mut Workspace<S>) -> Momentum<S> {
     let mut total = Wrench::zero();
     for (i, body) in model.bodies.iter().enumerate().rev() {

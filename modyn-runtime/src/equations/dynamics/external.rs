@@ -25,7 +25,8 @@ impl<S: Scalar> Forces<'_, S> {
         }
     }
 
-    /// Subtracts the external wrenches from `workspace.wrenches`. Expects the joint transforms at q.
+    /// Subtracts the external wrenches from `workspace.wrenches`. Expects the joint transforms at
+    /// q.
     pub(in crate::equations) fn subtract(self, model: &Mechanism<S>, workspace: &mut Workspace<S>) {
         self.for_each(model, workspace, |workspace, body, point, Wrench { moment, force }| {
             let wrench = &mut workspace.wrenches[body];
@@ -33,8 +34,9 @@ impl<S: Scalar> Forces<'_, S> {
         });
     }
 
-    /// Calls `each` for each wrench on a body, with the body, the wrench in the axes of the body and the point at which
-    /// the wrench acts, in the frame of the body. Expects the joint transforms at q.
+    /// Calls `each` for each wrench on a body, with the body, the wrench in the axes of the body
+    /// and the point at which the wrench acts, in the frame of the body. Expects the joint
+    /// transforms at q.
     pub(in crate::equations) fn for_each(
         self,
         model: &Mechanism<S>,

@@ -1,13 +1,14 @@
 //! Forward dynamics by inter- and intra-modular recursion, equation (60) and Table 6 of the paper.
 //!
-//! A Newton-Euler pass computes the wrenches at the current velocities under gravity, with zero joint
-//! accelerations (a floating base is in free fall). The recursion then solves for the deviation from
-//! that motion, so it contains no velocities. Every partition into modules gives the same accelerations.
-//! Modules of one link give Table 6 itself, which is Featherstone's articulated-body algorithm. One
-//! module for a serial chain gives composite inertias and a dense elimination.
+//! A Newton-Euler pass computes the wrenches at the current velocities under gravity, with zero
+//! joint accelerations (a floating base is in free fall). The recursion then solves for the
+//! deviation from that motion, so it contains no velocities. Every partition into modules gives the
+//! same accelerations. Modules of one link give Table 6 itself, which is Featherstone's
+//! articulated-body algorithm. One module for a serial chain gives composite inertias and a dense
+//! elimination.
 //!
-//! Mimic joints couple links across the tree. Robots with mimic joints are solved with the factors of
-//! their mass matrix.
+//! Mimic joints couple links across the tree. Robots with mimic joints are solved with the factors
+//! of their mass matrix.
 
 use super::newton_euler::{Accelerations, free_fall, is_base, link_wrenches};
 use super::{Forces, inverse_dynamics, mass_matrix};
@@ -56,8 +57,8 @@ impl Elimination {
     }
 }
 
-/// Computes the joint accelerations qdd = I(q)^-1 (tau - h(q, qd) + J^T f) under the joint forces `tau`
-/// and the external forces f.
+/// Computes the joint accelerations qdd = I(q)^-1 (tau - h(q, qd) + J^T f) under the joint forces
+/// `tau` and the external forces f.
 pub fn forward_dynamics<S: Scalar>(
     model: &Mechanism<S>,
     elimination: &Elimination,
@@ -91,8 +92,8 @@ pub fn forward_dynamics<S: Scalar>(
     }
 }
 
-/// Computes the joint accelerations by recursion over the modules, without external forces. Limbs of
-/// `tree` may be merged. The robot must not have mimic joints.
+/// Computes the joint accelerations by recursion over the modules, without external forces. Limbs
+/// of `tree` may be merged. The robot must not have mimic joints.
 pub fn recursive_forward_dynamics<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     partition: &ModulePartition,
@@ -121,7 +122,8 @@ fn recursion<S: Scalar, T: BodyTree<S>>(
     }
 }
 
-/// Solves for the accelerations, those of floating bases relative to free fall. Expects the wrenches at zero joint accelerations.
+/// Solves for the accelerations, those of floating bases relative to free fall. Expects the
+/// wrenches at zero joint accelerations.
 pub(in crate::equations) fn against_fall<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     partition: &ModulePartition,
@@ -138,7 +140,8 @@ pub(in crate::equations) fn against_fall<S: Scalar, T: BodyTree<S>>(
     }
 }
 
-/// Adds the acceleration of free fall to those of floating base `i`, which are relative to it until then.
+/// Adds the acceleration of free fall to those of floating base `i`, which are relative to it until
+/// then.
 pub(super) fn add_free_fall<S: Scalar>(
     model: &Mechanism<S>,
     i: usize,
@@ -152,8 +155,8 @@ pub(super) fn add_free_fall<S: Scalar>(
     }
 }
 
-/// Eliminates the joints of a module, steps (i) and (ii) of (60): computes phi_hat = U^-1 phi and phi_tilde =
-/// D^-1 phi_hat, and adds the module's inertia and wrench to its parent.
+/// Eliminates the joints of a module, steps (i) and (ii) of (60): computes phi_hat = U^-1 phi and
+/// phi_tilde = D^-1 phi_hat, and adds the module's inertia and wrench to its parent.
 pub(super) fn eliminate_module<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     block: &ModuleBlock,
@@ -249,9 +252,9 @@ pub(super) fn accelerate<S: Scalar, T: BodyTree<S>>(
     }
 }
 
-/// Returns the wrench that the module's first joint transmits to its parent: the wrench at zero joint
-/// accelerations plus the reaction to the module's accelerations. Its components along the motion
-/// subspace are the joint's own force.
+/// Returns the wrench that the module's first joint transmits to its parent: the wrench at zero
+/// joint accelerations plus the reaction to the module's accelerations. Its components along the
+/// motion subspace are the joint's own force.
 fn remaining_wrench<S: Scalar>(
     model: &Mechanism<S>,
     block: &ModuleBlock,

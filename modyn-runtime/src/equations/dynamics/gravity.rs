@@ -1,4 +1,5 @@
-//! Gravity torques and potential energy, from composite masses and first moments, springs and gravity compensation.
+//! Gravity torques and potential energy, from composite masses and first moments, springs and
+//! gravity compensation.
 
 use crate::Scalar;
 use crate::equations::Workspace;
@@ -6,8 +7,8 @@ use crate::equations::kinematics::first_moment::{accumulate_masses, first_moment
 use crate::mechanism::{Body, BodyTree, Mechanism};
 use crate::spatial::{Vector3, Wrench};
 
-/// Computes the joint forces that balance gravity and springs: the bias forces at zero velocity, without friction, and
-/// the gradient of the [`potential_energy`].
+/// Computes the joint forces that balance gravity and springs: the bias forces at zero velocity,
+/// without friction, and the gradient of the [`potential_energy`].
 pub fn gravity_torques<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     q: &[S],
@@ -16,7 +17,8 @@ pub fn gravity_torques<S: Scalar, T: BodyTree<S>>(
 ) {
     let model = tree.mechanism();
     workspace.move_with_forces(tree, q, None);
-    // Towards the leaves: the world's acceleration in each link's axes. Towards the root: first moments.
+    // Towards the leaves: the world's acceleration in each link's axes. Towards the root: first
+    // moments.
     for (i, body) in model.bodies.iter().enumerate() {
         let of = |p: Option<usize>| p.map_or(-model.gravity, |p| workspace.twists[p].linear);
         let a = Vector3(tree.broadcast_from_parents(i, |p| of(p).0));
@@ -36,11 +38,11 @@ pub fn gravity_torques<S: Scalar, T: BodyTree<S>>(
     }
 }
 
-/// Returns the potential energy of the moving links under gravity and of the springs, J; zero for mass at the world's
-/// origin and springs at their references.
+/// Returns the potential energy of the moving links under gravity and of the springs, J; zero for
+/// mass at the world's origin and springs at their references.
 ///
-/// It is computed from the description's inertias. Base inertias would add a constant: they move mass
-/// onto the first joint's axis.
+/// It is computed from the description's inertias. Base inertias would add a constant: they move
+/// mass onto the first joint's axis.
 pub fn potential_energy<S: Scalar>(
     model: &Mechanism<S>,
     q: &[S],

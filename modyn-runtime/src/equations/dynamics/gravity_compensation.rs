@@ -1,8 +1,8 @@
 //! The joint forces of gravity compensation, and their derivatives.
 //!
-//! Compensated masses are pushed up by their weight. The joint forces that hold them are minus the gravity torques of these
-//! masses, so they are the gradient of a potential energy. Its second derivatives by displacements of different joints are
-//! symmetric.
+//! Compensated masses are pushed up by their weight. The joint forces that hold them are minus the
+//! gravity torques of these masses, so they are the gradient of a potential energy. Its second
+//! derivatives by displacements of different joints are symmetric.
 
 use crate::Scalar;
 use crate::equations::Workspace;
@@ -10,8 +10,8 @@ use crate::equations::kinematics::first_moment::accumulate_masses;
 use crate::mechanism::{BodyTree, Mechanism};
 use crate::spatial::{RigidInertia, Vector3, Wrench};
 
-/// Computes gravity in the axes of each body (the linear part of `twists`), and the compensated composites (`composite`).
-/// Expects the joint transforms at q.
+/// Computes gravity in the axes of each body (the linear part of `twists`), and the compensated
+/// composites (`composite`). Expects the joint transforms at q.
 fn accumulate<S: Scalar, T: BodyTree<S>>(tree: &T, workspace: &mut Workspace<S>) {
     let model = tree.mechanism();
     for (i, body) in model.bodies.iter().enumerate() {
@@ -23,8 +23,8 @@ fn accumulate<S: Scalar, T: BodyTree<S>>(tree: &T, workspace: &mut Workspace<S>)
     accumulate_masses(tree, workspace, |body| body.compensated_inertia());
 }
 
-/// Calls `add` for the joint force that each degree of freedom needs against the compensation. Expects the joint transforms at
-/// q.
+/// Calls `add` for the joint force that each degree of freedom needs against the compensation.
+/// Expects the joint transforms at q.
 pub(in crate::equations) fn compensation_forces<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     workspace: &mut Workspace<S>,
@@ -42,8 +42,8 @@ pub(in crate::equations) fn compensation_forces<S: Scalar, T: BodyTree<S>>(
     }
 }
 
-/// Adds the derivatives of the [`compensation_forces`] to those of the joint forces with respect to the coordinates, an nv x nv
-/// matrix by columns. Expects the joint transforms at q.
+/// Adds the derivatives of the [`compensation_forces`] to those of the joint forces with respect to
+/// the coordinates, an nv x nv matrix by columns. Expects the joint transforms at q.
 pub(in crate::equations) fn add_compensation_derivatives<S: Scalar>(
     model: &Mechanism<S>,
     workspace: &mut Workspace<S>,
@@ -60,8 +60,8 @@ pub(in crate::equations) fn add_compensation_derivatives<S: Scalar>(
     };
     for (d, dof) in model.dofs.iter().enumerate() {
         let (composite, g) = (workspace.composite[dof.body], workspace.twists[dof.body].linear);
-        // The change of the composite's weight by the displacement, in the axes before it and about the origin before it;
-        // then in the axes of the body, about its origin.
+        // The change of the composite's weight by the displacement, in the axes before it and about
+        // the origin before it; then in the axes of the body, about its origin.
         let (mut change, own) = if let Some(k) = dof.component.checked_sub(3) {
             let moment = Vector3::unit(k).scale(composite.mass).cross(g);
             (Wrench { moment, force: Vector3::zero() }, Wrench::zero())

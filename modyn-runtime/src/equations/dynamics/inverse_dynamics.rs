@@ -8,8 +8,9 @@ use crate::mechanism::{BodyTree, Mechanism};
 
 /// Computes the joint forces tau = I(q) qdd + h(q, qd) - J^T f, f being the external forces.
 ///
-/// Gravity, rotor armature, springs, damping and friction are included. Without `qdd` the result is the bias
-/// forces h(q, qd). The method is the recursive Newton-Euler algorithm (Featherstone 2008, chapter 5).
+/// Gravity, rotor armature, springs, damping and friction are included. Without `qdd` the result is
+/// the bias forces h(q, qd). The method is the recursive Newton-Euler algorithm (Featherstone 2008,
+/// chapter 5).
 pub fn inverse_dynamics<S: Scalar>(
     model: &Mechanism<S>,
     (q, qd, qdd): (&[S], &[S], Option<&[S]>),
@@ -36,7 +37,8 @@ pub fn recursive_newton_euler<S: Scalar, T: BodyTree<S>>(
 }
 
 /// Computes the joint forces at zero joint accelerations with floating bases in free fall; see
-/// [`free_fall`](super::newton_euler::free_fall). Leaves the bodies' accelerations in the workspace.
+/// [`free_fall`](super::newton_euler::free_fall). Leaves the bodies' accelerations in the
+/// workspace.
 pub(in crate::equations) fn bias_in_free_fall<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     (q, qd): (&[S], &[S]),
@@ -59,7 +61,8 @@ fn move_bodies<S: Scalar, T: BodyTree<S>>(
     link_wrenches(tree, qd, accelerations, workspace);
 }
 
-/// Sums the bodies' wrenches towards the root, and writes their components along the joints to `tau`.
+/// Sums the bodies' wrenches towards the root, and writes their components along the joints to
+/// `tau`.
 fn joint_torques<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     (qd, qdd): (&[S], Option<&[S]>),

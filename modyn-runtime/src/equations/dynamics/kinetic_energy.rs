@@ -7,7 +7,8 @@ use crate::spatial::Twist;
 
 /// Returns the kinetic energy of the moving links and of the rotors, J.
 ///
-/// Base inertias suffice: mass is moved between two bodies only where its motion is the same with both.
+/// Base inertias suffice: mass is moved between two bodies only where its motion is the same with
+/// both.
 pub fn kinetic_energy<S: Scalar>(
     model: &Mechanism<S>,
     q: &[S],

@@ -7,10 +7,10 @@ use crate::spatial::Wrench;
 
 /// Computes the mass matrix, nv x nv, into `columns`, column by column. Both triangles are filled.
 ///
-/// Composite inertias follow (8). Entry (i, j) is the component along joint j of the wrench that a unit
-/// acceleration of joint i needs on its composite, (10). With modules of one link this is the
-/// composite-rigid-body algorithm (Walker and Orin 1982). Larger modules are the same sums in blocks.
-/// (Derivatives compute the mass matrix in their own sweep: `derivatives::projection`.)
+/// Composite inertias follow (8). Entry (i, j) is the component along joint j of the wrench that a
+/// unit acceleration of joint i needs on its composite, (10). With modules of one link this is the
+/// composite-rigid-body algorithm (Walker and Orin 1982). Larger modules are the same sums in
+/// blocks. (Derivatives compute the mass matrix in their own sweep: `derivatives::projection`.)
 pub fn mass_matrix<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     q: &[S],

@@ -1,7 +1,7 @@
 //! The Newton-Euler equations of each body: the wrench that its own motion needs.
 //!
-//! Accelerations are the classical accelerations of the bodies' origins, in the bodies' own axes (see
-//! [`Field`](crate::spatial::Field)). Gravity enters as an upward acceleration of the world.
+//! Accelerations are the classical accelerations of the bodies' origins, in the bodies' own axes
+//! (see [`Field`](crate::spatial::Field)). Gravity enters as an upward acceleration of the world.
 
 use crate::Scalar;
 use crate::equations::Workspace;
@@ -19,8 +19,8 @@ pub(in crate::equations) enum Accelerations<'a, S> {
     FreeFall,
     /// These accelerations.
     Given(&'a [S]),
-    /// These accelerations. The linear entries of a floating base are classical accelerations relative
-    /// to free fall.
+    /// These accelerations. The linear entries of a floating base are classical accelerations
+    /// relative to free fall.
     AgainstFall(&'a [S]),
 }
 
@@ -69,7 +69,8 @@ pub(super) fn link_wrench<S: Scalar, T: BodyTree<S>>(
     workspace.wrenches[i] = field.wrench(&model.bodies[i].base_inertia);
 }
 
-/// Returns whether body `i` is a base that floats in the world. (A base with rotors does not fall freely.)
+/// Returns whether body `i` is a base that floats in the world. (A base with rotors does not fall
+/// freely.)
 #[must_use]
 pub fn is_base<S: Scalar>(model: &Mechanism<S>, i: usize) -> bool {
     let body = &model.bodies[i];
@@ -77,9 +78,9 @@ pub fn is_base<S: Scalar>(model: &Mechanism<S>, i: usize) -> bool {
     floats && model.dofs_of(i).iter().all(|dof| dof.armature.is_none())
 }
 
-/// Returns the bodies on the world with a floating joint that has no rotors, springs, damping and friction. Their pose and linear
-/// velocity have no effect on the motion relative to free fall. A robot with gravity compensation, which depends on the
-/// attitude, has none.
+/// Returns the bodies on the world with a floating joint that has no rotors, springs, damping and
+/// friction. Their pose and linear velocity have no effect on the motion relative to free fall. A
+/// robot with gravity compensation, which depends on the attitude, has none.
 pub fn free_bases<S: Scalar>(model: &Mechanism<S>) -> impl Iterator<Item = usize> + '_ {
     let is_free = |i| {
         let resists = model.dofs_of(i).iter().any(|d| d.damping.is_some() || d.friction.is_some());
@@ -89,8 +90,8 @@ pub fn free_bases<S: Scalar>(model: &Mechanism<S>) -> impl Iterator<Item = usize
     (0..bodies).filter(move |&i| is_free(i))
 }
 
-/// Computes the joint accelerations in free fall, nv entries: g - omega x v in the axes of the base for the linear entries
-/// of each of the [`free_bases`], zero for all others.
+/// Computes the joint accelerations in free fall, nv entries: g - omega x v in the axes of the base
+/// for the linear entries of each of the [`free_bases`], zero for all others.
 pub fn free_fall_accelerations<S: Scalar>(
     model: &Mechanism<S>,
     (q, qd): (&[S], &[S]),
@@ -108,8 +109,8 @@ pub fn free_fall_accelerations<S: Scalar>(
     }
 }
 
-/// Returns the linear acceleration of a floating base `i` in free fall, in the coordinates of its joint:
-/// g - omega x v.
+/// Returns the linear acceleration of a floating base `i` in free fall, in the coordinates of its
+/// joint: g - omega x v.
 pub(in crate::equations) fn free_fall<S: Scalar>(
     model: &Mechanism<S>,
     i: usize,

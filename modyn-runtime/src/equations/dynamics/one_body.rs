@@ -1,7 +1,8 @@
 //! The recursions of one body, for code that runs them in loops over the bodies.
 //!
-//! A recursion is a list of [`Sweep`]s. In each sweep a body receives numbers and sends as many. The mechanism has two
-//! bodies: the parent, which only receives and sends, and the body with its joint. A floating base has no parent.
+//! A recursion is a list of [`Sweep`]s. In each sweep a body receives numbers and sends as many.
+//! The mechanism has two bodies: the parent, which only receives and sends, and the body with its
+//! joint. A floating base has no parent.
 
 use alloc::vec::Vec;
 
@@ -19,7 +20,8 @@ use crate::spatial::{ArticulatedInertia, Field, Matrix3, RigidInertia, Twist, Ve
 pub enum Sweep {
     /// Parents before children: each body receives the numbers that its parent sends.
     Outward,
-    /// Children before parents: each body receives the sum of its own numbers and those that its children send.
+    /// Children before parents: each body receives the sum of its own numbers and those that its
+    /// children send.
     Inward,
 }
 
@@ -34,15 +36,15 @@ pub struct BodyRecursion<S> {
     pub world: fn(&Mechanism<S>) -> Vec<Vec<S>>,
 }
 
-/// The equations of one body. The arguments: the parent and the body, the body's entries of the joint vectors (`q` first), and
-/// the numbers that it receives in each sweep.
+/// The equations of one body. The arguments: the parent and the body, the body's entries of the
+/// joint vectors (`q` first), and the numbers that it receives in each sweep.
 pub type BodyEquations<S> = fn(&Mechanism<S>, [&[S]; 3], &[&[S]]) -> BodyResults<S>;
 
 /// The results of the equations of one body.
 #[derive(Clone, Debug)]
 pub struct BodyResults<S> {
-    /// For each sweep, the body's own numbers, with which the sum of an inward sweep begins. They are known in the sweep
-    /// before. Empty in outward sweeps.
+    /// For each sweep, the body's own numbers, with which the sum of an inward sweep begins. They
+    /// are known in the sweep before. Empty in outward sweeps.
     pub own: Vec<Vec<S>>,
     /// The numbers that the body sends in each sweep.
     pub sent: Vec<Vec<S>>,
@@ -54,15 +56,16 @@ pub struct BodyResults<S> {
 const PARENT: usize = 0;
 const BODY: usize = 1;
 
-/// The number of numbers of a motion: angular velocity and acceleration, acceleration of the origin, gradient.
+/// The number of numbers of a motion: angular velocity and acceleration, acceleration of the
+/// origin, gradient.
 const MOTION: usize = 18;
 /// The number of numbers of a wrench, and of a twist.
 const SPATIAL: usize = 6;
 /// The number of numbers of an articulated inertia.
 const INERTIA: usize = 21;
 
-/// Returns forward dynamics of one body: motions, articulated inertias with wrenches, then accelerations. The joint vectors
-/// are `q`, `qd` and `tau`; the result is `qdd`.
+/// Returns forward dynamics of one body: motions, articulated inertias with wrenches, then
+/// accelerations. The joint vectors are `q`, `qd` and `tau`; the result is `qdd`.
 #[must_use]
 pub fn forward_dynamics_of_bodies<S: Scalar>() -> BodyRecursion<S> {
     BodyRecursion {
@@ -108,8 +111,8 @@ pub fn forward_dynamics_of_bodies<S: Scalar>() -> BodyRecursion<S> {
     }
 }
 
-/// Returns inverse dynamics of one body: motions, then wrenches. The joint vectors are `q`, `qd` and `qdd`; the result is
-/// `tau`.
+/// Returns inverse dynamics of one body: motions, then wrenches. The joint vectors are `q`, `qd`
+/// and `qdd`; the result is `tau`.
 #[must_use]
 pub fn inverse_dynamics_of_bodies<S: Scalar>() -> BodyRecursion<S> {
     BodyRecursion {

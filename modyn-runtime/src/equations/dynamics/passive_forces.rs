@@ -6,8 +6,8 @@ use crate::equations::Workspace;
 use crate::mechanism::{BodyTree, Mechanism};
 
 impl<S: Scalar> Workspace<S> {
-    /// Computes the joint transforms at `q`, and the joint forces of springs, gravity compensation, and armature at the rates
-    /// `qd` (zero without these).
+    /// Computes the joint transforms at `q`, and the joint forces of springs, gravity compensation,
+    /// and armature at the rates `qd` (zero without these).
     pub(in crate::equations) fn move_with_forces<T: BodyTree<S>>(
         &mut self,
         tree: &T,

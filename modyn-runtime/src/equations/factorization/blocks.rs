@@ -3,8 +3,8 @@
 
 use crate::Scalar;
 
-/// Factorizes a symmetric block, stored by rows, as V Delta V^T in place. V is stored above the diagonal,
-/// the reciprocals of Delta in `reciprocals`.
+/// Factorizes a symmetric block, stored by rows, as V Delta V^T in place. V is stored above the
+/// diagonal, the reciprocals of Delta in `reciprocals`.
 pub(in crate::equations) fn factor_udu<S: Scalar>(v: &mut [S], size: usize, reciprocals: &mut [S]) {
     for a in (0..size).rev() {
         let reciprocal = v[a * size + a].recip();

@@ -1,4 +1,5 @@
-//! The storage layout of the factors of the mass matrix. Entries that couple branches are not stored.
+//! The storage layout of the factors of the mass matrix. Entries that couple branches are not
+//! stored.
 
 use alloc::{collections::BTreeSet, vec, vec::Vec};
 use core::ops::Range;
@@ -10,18 +11,18 @@ use crate::model::ModuleTree;
 
 /// The storage layout of the factorization M = U D U^T by modules.
 ///
-/// First comes D: the blocks of the modules, each by rows. Then come the factors of these blocks,
-/// V Delta V^T: the entries of V above its diagonal, by columns, module after module; and the
-/// reciprocals of Delta, one for each degree of freedom. Then comes U: for each module, a row for each
-/// preceding degree of freedom that the module is coupled with. A row has an entry for each degree of
-/// freedom of the module.
+/// First comes D: the blocks of the modules, each by rows. Then come the factors of these blocks, V
+/// Delta V^T: the entries of V above its diagonal, by columns, module after module; and the
+/// reciprocals of Delta, one for each degree of freedom. Then comes U: for each module, a row for
+/// each preceding degree of freedom that the module is coupled with. A row has an entry for each
+/// degree of freedom of the module.
 #[derive(Clone, Debug)]
 pub struct UduLayout {
     partition: ModulePartition,
     /// The start of each module's V.
     factors: Vec<usize>,
-    /// For each module, the preceding degrees of freedom that it is coupled with, ascending: those of
-    /// its ancestors, and, with mimic joints, some of other branches.
+    /// For each module, the preceding degrees of freedom that it is coupled with, ascending: those
+    /// of its ancestors, and, with mimic joints, some of other branches.
     in_front: Vec<Vec<usize>>,
     /// The start of each module's rows of U, relative to the start of U.
     rows: Vec<usize>,
@@ -131,7 +132,8 @@ impl UduLayout {
         start..start + self.coupling
     }
 
-    /// Returns the rows of U above module `m`: pairs of a degree of freedom and the start of its row in U.
+    /// Returns the rows of U above module `m`: pairs of a degree of freedom and the start of its
+    /// row in U.
     pub(in crate::equations) fn rows(
         &self,
         m: usize,
@@ -158,9 +160,9 @@ fn ancestors<S>(model: &Mechanism<S>, partition: &ModulePartition) -> Vec<Vec<us
     ancestors
 }
 
-/// Returns the partition and the couplings of a robot with mimic joints. A module has the entries of the
-/// joint vectors that belong to its own joints; it has none if all its joints are mimics. The sparsity
-/// pattern of the mass matrix is followed through the elimination.
+/// Returns the partition and the couplings of a robot with mimic joints. A module has the entries
+/// of the joint vectors that belong to its own joints; it has none if all its joints are mimics.
+/// The sparsity pattern of the mass matrix is followed through the elimination.
 fn coupled<S: Scalar>(
     model: &Mechanism<S>,
     modules: &ModuleTree,

@@ -1,13 +1,13 @@
 //! The mass matrix and its inverse where equal limbs are merged into one limb of lanes.
 //!
-//! The compiler packs equal limbs into the lanes of one limb ([`MergedMechanism`]). A value of the merged
-//! limb has a lane for each limb. A value of the trunk, which carries the limbs, is the same in all
-//! lanes. A matrix entry has lanes if its row or its column belongs to a limb. A limb's column stands for
-//! one column of each limb; its entries in rows of the trunk have lanes, too.
+//! The compiler packs equal limbs into the lanes of one limb ([`MergedMechanism`]). A value of the
+//! merged limb has a lane for each limb. A value of the trunk, which carries the limbs, is the same
+//! in all lanes. A matrix entry has lanes if its row or its column belongs to a limb. A limb's
+//! column stands for one column of each limb; its entries in rows of the trunk have lanes, too.
 //!
-//! The mass matrix has zeros between limbs. Its inverse does not, since a limb moves the trunk and the
-//! trunk moves the other limbs: the forces on one limb accelerate the trunk, and -U^T times that
-//! acceleration is the acceleration of another limb, the last step of (60): [`cross_limb`].
+//! The mass matrix has zeros between limbs. Its inverse does not, since a limb moves the trunk and
+//! the trunk moves the other limbs: the forces on one limb accelerate the trunk, and -U^T times
+//! that acceleration is the acceleration of another limb, the last step of (60): [`cross_limb`].
 
 use alloc::{vec, vec::Vec};
 
@@ -46,8 +46,8 @@ fn of_dofs<S: LaneScalar>(tree: &MergedMechanism<S>) -> Vec<Option<Limb>> {
     model.dofs.iter().map(|dof| of_bodies[dof.body]).collect()
 }
 
-/// A layout of factors that `solve` accepts: a [`UduLayout`], or a [`MergedUduLayout`] for a mechanism
-/// whose limbs are merged. The trait cannot be implemented for other types.
+/// A layout of factors that `solve` accepts: a [`UduLayout`], or a [`MergedUduLayout`] for a
+/// mechanism whose limbs are merged. The trait cannot be implemented for other types.
 pub trait FactorLayout<S: Scalar>: LimbAccess<S> {}
 
 /// The merged limbs of a [`FactorLayout`], and sums over limbs.
@@ -145,14 +145,14 @@ impl<S: LaneScalar> Factorizable<S> for MergedMechanism<S> {
     type Layout = MergedUduLayout;
 }
 
-/// Returns the number of limbs to sum over for the effect of a degree of freedom in `limb` on one in
-/// `other`.
+/// Returns the number of limbs to sum over for the effect of a degree of freedom in `limb` on one
+/// in `other`.
 fn summed_limb_count(limb: Option<Limb>, other: Option<Limb>) -> usize {
     limb.filter(|_| limb != other).map_or(1, |limb| limb.count)
 }
 
-/// Returns the sum of the terms of a row, one term for each column. Terms in columns of a limb are summed
-/// over its limbs, unless the row belongs to the same limb.
+/// Returns the sum of the terms of a row, one term for each column. Terms in columns of a limb are
+/// summed over its limbs, unless the row belongs to the same limb.
 pub(in crate::equations) fn sum_row<S: Scalar, L: FactorLayout<S>>(
     layout: &L,
     row: usize,
@@ -180,12 +180,13 @@ pub(in crate::equations) fn sum_row<S: Scalar, L: FactorLayout<S>>(
     part.map_or(whole, |part| add(whole, part))
 }
 
-/// Returns the entries of solved columns in the rows of other limbs than the column's own limb: for each
-/// column, an entry for each degree of freedom and limb, with lanes as in the column. Entries are
-/// meaningless for rows of the trunk, and where column and row belong to the same limb.
+/// Returns the entries of solved columns in the rows of other limbs than the column's own limb: for
+/// each column, an entry for each degree of freedom and limb, with lanes as in the column. Entries
+/// are meaningless for rows of the trunk, and where column and row belong to the same limb.
 ///
 /// Expects the factors that
-/// [`forward_dynamics_derivatives`](crate::equations::derivatives::forward_dynamics_derivatives) computes.
+/// [`forward_dynamics_derivatives`](crate::equations::derivatives::forward_dynamics_derivatives)
+/// computes.
 #[must_use]
 pub fn cross_limb<S: LaneScalar>(
     tree: &MergedMechanism<S>,
@@ -224,8 +225,8 @@ pub fn cross_limb<S: LaneScalar>(
     rows_of_limbs
 }
 
-/// Returns whether a degree of freedom moves limb `limb` of the merged limb `of`. It does not if the limb
-/// is attached to an ancestor of the degree of freedom's body, or to another tree.
+/// Returns whether a degree of freedom moves limb `limb` of the merged limb `of`. It does not if
+/// the limb is attached to an ancestor of the degree of freedom's body, or to another tree.
 fn moves_limb<S: LaneScalar>(tree: &MergedMechanism<S>, dof: usize, of: Limb, limb: usize) -> bool {
     let model = tree.mechanism();
     let parents = tree.parents(of.first).unwrap_or_default();

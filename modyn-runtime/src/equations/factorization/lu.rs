@@ -1,12 +1,13 @@
 //! Elimination of square matrices that are not symmetric, from the last row to the first.
 //!
-//! The derivatives of joint forces have the zeros of the mass matrix. The elimination in this order keeps them, as that of
-//! the mass matrix does. There is no search for pivots, since the order of operations must not depend on values.
+//! The derivatives of joint forces have the zeros of the mass matrix. The elimination in this order
+//! keeps them, as that of the mass matrix does. There is no search for pivots, since the order of
+//! operations must not depend on values.
 
 use crate::Scalar;
 
-/// Factorizes a matrix N of `n` columns as U L in place, with an upper triangular U and a unit lower triangular L. The
-/// diagonal then has the reciprocals of the pivots.
+/// Factorizes a matrix N of `n` columns as U L in place, with an upper triangular U and a unit
+/// lower triangular L. The diagonal then has the reciprocals of the pivots.
 ///
 /// No pivot vanishes if the symmetric part of N is positive definite.
 pub(in crate::equations) fn factor_ul<S: Scalar>(matrix: &mut [S], n: usize) {
@@ -23,7 +24,8 @@ pub(in crate::equations) fn factor_ul<S: Scalar>(matrix: &mut [S], n: usize) {
     }
 }
 
-/// Replaces the right-hand side `x` by the solution of N x = rhs, with the factors of [`factor_ul`].
+/// Replaces the right-hand side `x` by the solution of N x = rhs, with the factors of
+/// [`factor_ul`].
 pub(in crate::equations) fn solve_ul<S: Scalar>(factors: &[S], x: &mut [S]) {
     let n = x.len();
     for k in (0..n).rev() {

@@ -6,8 +6,9 @@ use super::limb_coupling::FactorLayout;
 use super::partition::factor;
 use crate::Scalar;
 
-/// Fills `factors` with D, the factors of its blocks, and U, from the mass matrix by columns: (16)-(45).
-/// The matrix is overwritten. The elimination uses its sparsity pattern, and no other structure.
+/// Fills `factors` with D, the factors of its blocks, and U, from the mass matrix by columns:
+/// (16)-(45). The matrix is overwritten. The elimination uses its sparsity pattern, and no other
+/// structure.
 pub fn factorize_matrix<S: Scalar, L: FactorLayout<S>>(
     limbs: &L,
     matrix: &mut [S],

@@ -1,5 +1,5 @@
-//! The factorization U D U^T of the mass matrix by modules: block reverse Gaussian elimination. (`lu`: of matrices that are
-//! not symmetric.)
+//! The factorization U D U^T of the mass matrix by modules: block reverse Gaussian elimination.
+//! (`lu`: of matrices that are not symmetric.)
 
 pub(super) mod blocks;
 mod layout;

@@ -1,10 +1,10 @@
 //! The block reverse Gaussian elimination of one module, (35)-(49).
 //!
-//! Inside a module inertia is accumulated as a rigid composite (10 numbers). From a link with eliminated
-//! child modules on, their articulated inertia (21 numbers) is accumulated as well. The module's pivot
-//! block is I_hat = N^T Psi, (46), with Psi = M_hat N, (47), plus the rotors' inertia on its diagonal.
-//! The block is factorized as V Delta V^T by reverse Gaussian elimination. The module's parent receives
-//! Phi M_hat, (48)-(49): M_hat - Psi I_hat^-1 Psi^T.
+//! Inside a module inertia is accumulated as a rigid composite (10 numbers). From a link with
+//! eliminated child modules on, their articulated inertia (21 numbers) is accumulated as well. The
+//! module's pivot block is I_hat = N^T Psi, (46), with Psi = M_hat N, (47), plus the rotors'
+//! inertia on its diagonal. The block is factorized as V Delta V^T by reverse Gaussian elimination.
+//! The module's parent receives Phi M_hat, (48)-(49): M_hat - Psi I_hat^-1 Psi^T.
 //!
 //! The robot must not have mimic joints: each degree of freedom is an entry of the joint vectors.
 
@@ -17,7 +17,8 @@ use crate::equations::Workspace;
 use crate::mechanism::{BodyTree, Mechanism, RootwardAccumulator};
 use crate::spatial::{ArticulatedInertia, Wrench};
 
-/// Sets each composite inertia to the body's own inertia, and each articulated inertia to the one that soft constraints add.
+/// Sets each composite inertia to the body's own inertia, and each articulated inertia to the one
+/// that soft constraints add.
 pub(in crate::equations) fn start<S: Scalar>(model: &Mechanism<S>, workspace: &mut Workspace<S>) {
     for (composite, body) in workspace.composite.iter_mut().zip(&model.bodies) {
         *composite = body.base_inertia;
@@ -25,8 +26,8 @@ pub(in crate::equations) fn start<S: Scalar>(model: &Mechanism<S>, workspace: &m
     workspace.articulated.copy_from_slice(&workspace.added_inertia);
 }
 
-/// Computes the module's pivot block and its columns Psi at the module's first body, and accumulates the
-/// inertias of the module's bodies there.
+/// Computes the module's pivot block and its columns Psi at the module's first body, and
+/// accumulates the inertias of the module's bodies there.
 pub(in crate::equations) fn pivot<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     block: &ModuleBlock,
@@ -86,9 +87,10 @@ pub(in crate::equations) fn split<S: Scalar>(block: &ModuleBlock, workspace: &mu
     factor_udu(v, size, &mut workspace.reciprocals[block.dofs.clone()]);
 }
 
-/// Returns the motion subspace of the module's first joint: for each component of the twist, the degree of
-/// freedom that moves along it. The joint transmits no force along its motion subspace to the parent.
-/// (A joint with rotor inertia or a soft constraint does, so its components are left out.)
+/// Returns the motion subspace of the module's first joint: for each component of the twist, the
+/// degree of freedom that moves along it. The joint transmits no force along its motion subspace to
+/// the parent. (A joint with rotor inertia or a soft constraint does, so its components are left
+/// out.)
 pub(in crate::equations) fn motion_subspace<S: Scalar>(
     model: &Mechanism<S>,
     block: &ModuleBlock,
@@ -103,8 +105,8 @@ pub(in crate::equations) fn motion_subspace<S: Scalar>(
     subspace
 }
 
-/// Replaces the columns Psi by V^-1 Psi^T, and computes `scaled_psi` = Psi V^-T Delta^-1. Both are stored by
-/// rows; rows of the motion subspace are skipped. Expects the factorized pivot block.
+/// Replaces the columns Psi by V^-1 Psi^T, and computes `scaled_psi` = Psi V^-T Delta^-1. Both are
+/// stored by rows; rows of the motion subspace are skipped. Expects the factorized pivot block.
 pub(in crate::equations) fn reduce_columns<S: Scalar>(
     model: &Mechanism<S>,
     block: &ModuleBlock,
@@ -187,7 +189,8 @@ pub(in crate::equations) fn factorize_tree<S: Scalar, T: BodyTree<S>>(
         }
         reduce_columns(model, block, workspace);
         eliminate(tree, block, workspace);
-        // (46): the columns of Psi I_hat^-1, transformed towards the root; each joint takes its component.
+        // (46): the columns of Psi I_hat^-1, transformed towards the root; each joint takes its
+        // component.
         finish_gains(model, block, workspace);
         for (j, d) in block.dofs.clone().enumerate() {
             let mut wrench =

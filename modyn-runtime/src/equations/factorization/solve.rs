@@ -27,8 +27,8 @@ pub fn solve<S: Scalar, L: FactorLayout<S>>(layout: &L, factors: &[S], x: &mut [
 
 /// Replaces `x`, a right-hand side that is a column of degree of freedom `column`, by the solution.
 ///
-/// Where limbs are merged, the column of a limb stands for one column of each limb, which is zero on the
-/// other limbs. The rows of other limbs are not computed: see
+/// Where limbs are merged, the column of a limb stands for one column of each limb, which is zero
+/// on the other limbs. The rows of other limbs are not computed: see
 /// [`cross_limb`](super::limb_coupling::cross_limb).
 pub fn solve_column<S: Scalar, L: FactorLayout<S>>(
     layout: &L,
@@ -62,8 +62,8 @@ fn solve_for<S: Scalar, L: FactorLayout<S>>(
     }
 }
 
-/// Subtracts U's column of module `m` times the module's entries of `x`. If `summed`, `x` has a lane for each limb,
-/// and the limbs' shares are summed where they reach the trunk.
+/// Subtracts U's column of module `m` times the module's entries of `x`. If `summed`, `x` has a
+/// lane for each limb, and the limbs' shares are summed where they reach the trunk.
 fn subtract_module<S: Scalar, L: FactorLayout<S>>(
     limbs: &L,
     u: &[S],
@@ -85,8 +85,8 @@ fn subtract_module<S: Scalar, L: FactorLayout<S>>(
     }
 }
 
-/// Replaces the joint vector x by W^-1 x, with M = W Delta W^T and the unit upper triangular W = U V: the first half
-/// of [`solve`].
+/// Replaces the joint vector x by W^-1 x, with M = W Delta W^T and the unit upper triangular W = U
+/// V: the first half of [`solve`].
 pub(in crate::equations) fn solve_upper_factor<S: Scalar, L: FactorLayout<S>>(
     limbs: &L,
     factors: &[S],
@@ -99,9 +99,9 @@ pub(in crate::equations) fn solve_upper_factor<S: Scalar, L: FactorLayout<S>>(
     }
 }
 
-/// Replaces x, which is zero outside of these modules, by W^-1 x. Expects that the modules include each module that U
-/// couples to one of them. Where limbs are merged, x stands for a vector of each limb, which is zero on the other
-/// limbs.
+/// Replaces x, which is zero outside of these modules, by W^-1 x. Expects that the modules include
+/// each module that U couples to one of them. Where limbs are merged, x stands for a vector of each
+/// limb, which is zero on the other limbs.
 pub(in crate::equations) fn solve_upper_within<S: Scalar, L: FactorLayout<S>>(
     limbs: &L,
     factors: &[S],
@@ -124,8 +124,8 @@ pub(in crate::equations) fn solve_lower_factor<S: Scalar>(
     solve_lower_within(layout, factors, 0..layout.blocks().len(), x);
 }
 
-/// The part of [`solve_lower_factor`] for the entries of these modules, ascending. Expects the entries of the modules before
-/// them, which U couples to them, to be results.
+/// The part of [`solve_lower_factor`] for the entries of these modules, ascending. Expects the
+/// entries of the modules before them, which U couples to them, to be results.
 pub(in crate::equations) fn solve_lower_within<S: Scalar>(
     layout: &UduLayout,
     factors: &[S],
@@ -189,12 +189,12 @@ pub fn upper<S: Scalar>(layout: &UduLayout, u: &[S], columns: &mut [S]) {
     });
 }
 
-/// Computes U^-1 as a full matrix by columns, (53)-(54): each block column of U is propagated through the
-/// block columns of the preceding modules.
+/// Computes U^-1 as a full matrix by columns, (53)-(54): each block column of U is propagated
+/// through the block columns of the preceding modules.
 pub fn upper_inverse<S: Scalar>(layout: &UduLayout, u: &[S], columns: &mut [S]) {
     let n = layout.n();
-    // Column `column` of U^-1 is e minus the sum of U's entries times the preceding columns of U^-1. (With mimic
-    // joints U^-1 has more nonzero entries than U.)
+    // Column `column` of U^-1 is e minus the sum of U's entries times the preceding columns of
+    // U^-1. (With mimic joints U^-1 has more nonzero entries than U.)
     unit_upper(layout, u, columns, |columns, column, dof, factor| {
         for above in 0..=dof {
             let entry = columns[dof * n + above];
@@ -203,8 +203,8 @@ pub fn upper_inverse<S: Scalar>(layout: &UduLayout, u: &[S], columns: &mut [S]) 
     });
 }
 
-/// Computes a unit upper triangular matrix by columns, in the order of the modules: the identity, then
-/// `include(columns, column, dof, entry)` for each entry of U beside its diagonal.
+/// Computes a unit upper triangular matrix by columns, in the order of the modules: the identity,
+/// then `include(columns, column, dof, entry)` for each entry of U beside its diagonal.
 fn unit_upper<S: Scalar>(
     layout: &UduLayout,
     u: &[S],
@@ -222,8 +222,8 @@ fn unit_upper<S: Scalar>(
     }
 }
 
-/// Computes the inverse of the mass matrix as a full matrix by columns, (50): U^-T D^-1 U^-1, applied to
-/// each column of the identity.
+/// Computes the inverse of the mass matrix as a full matrix by columns, (50): U^-T D^-1 U^-1,
+/// applied to each column of the identity.
 pub fn inverse<S: Scalar, L: FactorLayout<S>>(layout: &L, factors: &[S], columns: &mut [S]) {
     let n = layout.layout().n();
     columns.fill(S::zero());
@@ -234,7 +234,8 @@ pub fn inverse<S: Scalar, L: FactorLayout<S>>(layout: &L, factors: &[S], columns
     symmetrize(n, 0..n, columns);
 }
 
-/// Returns the natural logarithm of the mass matrix's determinant. It is that of D, since det U = 1.
+/// Returns the natural logarithm of the mass matrix's determinant. It is that of D, since det
+/// U = 1.
 pub fn log_determinant<S: Scalar>(layout: &UduLayout, factors: &[S]) -> S {
     let reciprocals = &factors[layout.reciprocals()];
     -reciprocals.iter().fold(S::zero(), |sum, reciprocal| sum + reciprocal.ln())

@@ -1,12 +1,14 @@
-//! Base parameters: a minimal set of combinations of inertial parameters that joint forces depend on.
+//! Base parameters: a minimal set of combinations of inertial parameters that joint forces depend
+//! on.
 //!
-//! The combinations are found numerically (Gautier 1991, "Numerical calculation of the base inertial
-//! parameters of robots"). The regressors at many states are stacked, and the columns are orthogonalized
-//! in the order of the parameters. The parameter of a column that depends on earlier columns is grouped
-//! with the parameters of those columns. Parents come before children. A parameter that has no effect on
-//! a joint of its own is therefore grouped with its parent's parameters, as in Khalil and Dombre 2002,
-//! chapter 9. Columns and coefficients are compared in a unit of length of the robot's size, so that the combinations of a robot
-//! and of its scaled copy are the same.
+//! The combinations are found numerically (Gautier 1991, "Numerical calculation of the base
+//! inertial parameters of robots"). The regressors at many states are stacked, and the columns are
+//! orthogonalized in the order of the parameters. The parameter of a column that depends on earlier
+//! columns is grouped with the parameters of those columns. Parents come before children. A
+//! parameter that has no effect on a joint of its own is therefore grouped with its parent's
+//! parameters, as in Khalil and Dombre 2002, chapter 9. Columns and coefficients are compared in a
+//! unit of length of the robot's size, so that the combinations of a robot and of its scaled copy
+//! are the same.
 
 use alloc::{format, string::String, vec, vec::Vec};
 
@@ -29,16 +31,17 @@ const SNAP: f64 = 1e-8;
 #[derive(Clone, Debug, PartialEq)]
 pub struct BaseParameter {
     name: String,
-    /// The parameter that the others are grouped with: 10 times its link plus its index among the ten.
-    /// It is also the column of the regressor that belongs to the combination.
+    /// The parameter that the others are grouped with: 10 times its link plus its index among the
+    /// ten. It is also the column of the regressor that belongs to the combination.
     pub kept: usize,
-    /// The combination: parameters and their coefficients. The first is [`kept`](Self::kept), with 1.
+    /// The combination: parameters and their coefficients. The first is [`kept`](Self::kept),
+    /// with 1.
     pub combination: Vec<(usize, f64)>,
 }
 
 impl BaseParameter {
-    /// Returns the combination as text, such as `Izz_forearm + Iyy_hand + m_hand * 0.16`. Coefficients
-    /// have six digits.
+    /// Returns the combination as text, such as `Izz_forearm + Iyy_hand + m_hand * 0.16`.
+    /// Coefficients have six digits.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
@@ -53,7 +56,8 @@ pub struct BaseParameters {
 }
 
 impl BaseParameters {
-    /// Returns the base parameters of `model`. They depend neither on its inertias nor on its limits.
+    /// Returns the base parameters of `model`. They depend neither on its inertias nor on its
+    /// limits.
     #[must_use]
     pub fn new(model: &Model) -> Self {
         let unit = Unit::new(model);
@@ -91,7 +95,8 @@ impl BaseParameters {
         Self { parameters }
     }
 
-    /// Returns the values of the combinations for the inertias of `model`, which must have the same tree.
+    /// Returns the values of the combinations for the inertias of `model`, which must have the same
+    /// tree.
     #[must_use]
     pub fn values(&self, model: &Model) -> Vec<f64> {
         let links = 0..model.links().len();
@@ -99,7 +104,8 @@ impl BaseParameters {
         self.values_of(&all.flatten().collect::<Vec<f64>>())
     }
 
-    /// Returns the values of the combinations for these inertial parameters, ten for each moving link.
+    /// Returns the values of the combinations for these inertial parameters, ten for each moving
+    /// link.
     #[must_use]
     pub fn values_of(&self, all: &[f64]) -> Vec<f64> {
         let value = |&(index, coefficient): &(usize, f64)| {
@@ -108,15 +114,16 @@ impl BaseParameters {
         self.parameters.iter().map(|one| one.combination.iter().map(value).sum()).collect()
     }
 
-    /// Returns the columns of the regressor that belong to the combinations: tau is the product of these
-    /// columns and the values.
+    /// Returns the columns of the regressor that belong to the combinations: tau is the product of
+    /// these columns and the values.
     #[must_use]
     pub fn regressor_columns(&self) -> Vec<usize> {
         self.parameters.iter().map(|parameter| parameter.kept).collect()
     }
 }
 
-/// A unit of length, m: the power of two below the length of the longest path between joints, so that scaling is exact.
+/// A unit of length, m: the power of two below the length of the longest path between joints, so
+/// that scaling is exact.
 #[derive(Clone, Copy)]
 struct Unit(f64);
 
@@ -126,7 +133,8 @@ impl Unit {
         Self(if longest > 0.0 { power_of_two(longest) } else { 1.0 })
     }
 
-    /// Returns the unit of the second moment, divided by the unit of an inertial parameter: of a mass m^2, of a first moment m.
+    /// Returns the unit of the second moment, divided by the unit of an inertial parameter: of a
+    /// mass m^2, of a first moment m.
     fn of_parameter(self, index: usize) -> f64 {
         match index % PARAMETERS_PER_LINK {
             0 => self.0 * self.0,
@@ -146,7 +154,8 @@ impl Unit {
         units
     }
 
-    /// Returns the gravity multiplied by a power of two, so that it has 8 to 16 units of length per s^2.
+    /// Returns the gravity multiplied by a power of two, so that it has 8 to 16 units of length per
+    /// s^2.
     fn gravity(self, gravity: Vector3<Portable>) -> Vector3<Portable> {
         let size = gravity.0.iter().fold(0.0, |most: f64, x| most.max(x.0.abs()));
         let factor = if size > 0.0 { 8.0 * self.0 / power_of_two(size) } else { 1.0 };
@@ -159,8 +168,8 @@ fn power_of_two(x: f64) -> f64 {
     libm::scalbn(1.0, libm::ilogb(x))
 }
 
-/// Returns the columns of the regressors at many states, stacked, in these units. They are computed with portable numbers,
-/// the same on every host, since they become part of generated text.
+/// Returns the columns of the regressors at many states, stacked, in these units. They are computed
+/// with portable numbers, the same on every host, since they become part of generated text.
 fn stacked_regressors(model: &Model, unit: Unit) -> Vec<Vec<f64>> {
     let mut mechanism = Mechanism::new(model).cast::<Portable>();
     mechanism.gravity = unit.gravity(mechanism.gravity);
@@ -168,8 +177,8 @@ fn stacked_regressors(model: &Model, unit: Unit) -> Vec<Vec<f64>> {
     let workspace = &mut Workspace::new(&mechanism);
     let (nq, nv) = (model.nq(), model.nv());
     let count = PARAMETERS_PER_LINK * model.links().len();
-    // Four times as many rows as columns, and for each joint four times as many states as a link has
-    // parameters: the rank at random states is then the largest possible.
+    // Four times as many rows as columns, and for each joint four times as many states as a link
+    // has parameters: the rank at random states is then the largest possible.
     let states = (4 * count).div_ceil(nv).max(4 * PARAMETERS_PER_LINK);
     let mut columns = vec![Vec::with_capacity(states * nv); count];
     let zero = Portable(0.0);
@@ -198,7 +207,8 @@ struct Basis {
 
 impl Basis {
     /// Returns the column's components along the directions, and the remainder. Gram-Schmidt
-    /// orthogonalization runs twice, since one pass leaves rounding errors of the column's magnitude.
+    /// orthogonalization runs twice, since one pass leaves rounding errors of the column's
+    /// magnitude.
     fn split(&self, mut column: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
         let mut parts = vec![0.0; self.directions.len()];
         for _ in 0..2 {
@@ -211,7 +221,8 @@ impl Basis {
         (parts, column)
     }
 
-    /// Solves R x = b in place: from components along the directions to coefficients of the kept columns.
+    /// Solves R x = b in place: from components along the directions to coefficients of the kept
+    /// columns.
     fn solve(&self, x: &mut [f64]) {
         for (k, column) in self.triangle.iter().enumerate().rev() {
             let value = x[k] / column[k];

@@ -7,15 +7,17 @@ use crate::mechanism::{Body, Mechanism};
 use crate::model::PARAMETERS_PER_LINK;
 use crate::spatial::{Field, Matrix3, Twist, Vector3};
 
-/// Computes the regressor Y(q, qd, qdd), tau = Y pi, by columns: nv rows, 10 columns for each moving link.
+/// Computes the regressor Y(q, qd, qdd), tau = Y pi, by columns: nv rows, 10 columns for each
+/// moving link.
 ///
 /// Gravity is included; rotors, damping and friction are not (Atkeson, An and Hollerbach 1986,
 /// "Estimation of inertial parameters of manipulator loads and links").
 ///
 /// pi has ten parameters for each moving link of the model, those of
-/// [`Model::inertial_parameters`](crate::model::Model::inertial_parameters). An entry of Y is the power of
-/// the wrench of a unit parameter under a unit motion of the joint. The unit motion of each joint is
-/// therefore transformed towards the links, instead of ten wrenches from each link towards the root.
+/// [`Model::inertial_parameters`](crate::model::Model::inertial_parameters). An entry of Y is the
+/// power of the wrench of a unit parameter under a unit motion of the joint. The unit motion of
+/// each joint is therefore transformed towards the links, instead of ten wrenches from each link
+/// towards the root.
 pub fn regressor<S: Scalar>(
     model: &Mechanism<S>,
     (q, qd, qdd): (&[S], &[S], &[S]),
@@ -52,7 +54,8 @@ pub fn regressor<S: Scalar>(
     }
 }
 
-/// Returns the end of body `i`'s subtree: its descendants follow it contiguously, in depth-first order.
+/// Returns the end of body `i`'s subtree: its descendants follow it contiguously, in depth-first
+/// order.
 fn subtree_end<S>(model: &Mechanism<S>, i: usize) -> usize {
     let later = model.bodies[i + 1..].iter();
     i + 1 + later.take_while(|body| body.parent.is_some_and(|parent| parent >= i)).count()

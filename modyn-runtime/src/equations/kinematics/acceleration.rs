@@ -6,7 +6,8 @@ use crate::joint::{JointTransform, ParentMotion};
 use crate::mechanism::{Body, BodyTree};
 use crate::spatial::{Field, Vector3};
 
-/// Returns the motion of the parent frame of body `i`'s joint, in the axes and at the origin of body `i`.
+/// Returns the motion of the parent frame of body `i`'s joint, in the axes and at the origin of
+/// body `i`.
 pub(in crate::equations) fn parent_motion<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     i: usize,
@@ -34,7 +35,8 @@ pub(in crate::equations) fn parent_motion<S: Scalar, T: BodyTree<S>>(
     }
 }
 
-/// Returns the motion of the parent frame of `body`'s joint; `parent` is the motion of the parent body.
+/// Returns the motion of the parent frame of `body`'s joint; `parent` is the motion of the parent
+/// body.
 pub(in crate::equations) fn parent_motion_at_joint<S: Scalar>(
     parent: &Field<S>,
     body: &Body<S>,

@@ -12,7 +12,8 @@ pub fn total_mass<S: Scalar>(model: &Mechanism<S>) -> S {
     model.bodies.iter().fold(S::zero(), |sum, body| sum + body.inertia.mass)
 }
 
-/// Returns the centre of mass of the moving links in world axes, m. It is NaN if their mass is zero.
+/// Returns the centre of mass of the moving links in world axes, m. It is NaN if their mass is
+/// zero.
 pub fn center_of_mass<S: Scalar>(
     model: &Mechanism<S>,
     q: &[S],
@@ -32,8 +33,8 @@ pub(in crate::equations) fn at_joints<S: Scalar>(
     moving + model.static_inertia.first_moment.scale(share)
 }
 
-/// Computes the Jacobian of the centre of mass, world axes, into `columns`, one for each entry of qd. A
-/// column is the linear momentum of a unit rate divided by the total mass.
+/// Computes the Jacobian of the centre of mass, world axes, into `columns`, one for each entry of
+/// qd. A column is the linear momentum of a unit rate divided by the total mass.
 pub fn center_of_mass_jacobian<S: Scalar>(
     model: &Mechanism<S>,
     q: &[S],
@@ -64,8 +65,8 @@ pub fn center_of_mass_jacobian<S: Scalar>(
     }
 }
 
-/// Returns mass and first moment divided by the total mass. Where inertias are constants, the compiler
-/// folds the division.
+/// Returns mass and first moment divided by the total mass. Where inertias are constants, the
+/// compiler folds the division.
 fn shared<S: Scalar>(inertia: &RigidInertia<S>, share: S) -> RigidInertia<S> {
     RigidInertia {
         mass: inertia.mass * share,

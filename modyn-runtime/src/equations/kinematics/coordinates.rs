@@ -1,10 +1,10 @@
 //! The configuration space: integration, differences, rates and random values of coordinates.
 //!
-//! Rotations and poses are no vector space. Tangent vectors have one entry for each degree of freedom.
-//! At a rotation it is a rotation vector in the rotated axes. At a pose it is a linear part, then a
-//! rotation vector, both in the moved axes. A velocity times a time is a tangent vector. The maps are the
-//! exponential maps of SO(3) and SE(3) (Murray, Li and Sastry 1994, "A Mathematical Introduction to
-//! Robotic Manipulation", chapter 2).
+//! Rotations and poses are no vector space. Tangent vectors have one entry for each degree of
+//! freedom. At a rotation it is a rotation vector in the rotated axes. At a pose it is a linear
+//! part, then a rotation vector, both in the moved axes. A velocity times a time is a tangent
+//! vector. The maps are the exponential maps of SO(3) and SE(3) (Murray, Li and Sastry 1994, "A
+//! Mathematical Introduction to Robotic Manipulation", chapter 2).
 
 use crate::Scalar;
 use crate::mechanism::Mechanism;
@@ -15,7 +15,8 @@ use crate::spatial::{
     screw_translation_by_rotation, screw_velocity,
 };
 
-/// Computes the coordinates after unit time at the constant velocities `v` from `q`: q (+) v, nq entries.
+/// Computes the coordinates after unit time at the constant velocities `v` from `q`: q (+) v, nq
+/// entries.
 ///
 /// Quaternions keep length 1 over any number of steps.
 pub fn integrate<S: Scalar>(model: &Mechanism<S>, (q, v): (&[S], &[S]), out: &mut [S]) {
@@ -38,8 +39,9 @@ pub fn integrate<S: Scalar>(model: &Mechanism<S>, (q, v): (&[S], &[S]), out: &mu
     }
 }
 
-/// Computes the coordinates after the time `dt` from `q`: origins of floating joints move straight at their velocities at `q`, rotations
-/// follow the exponential map. Turns the linear velocities in `qd` from the axes at `q` to those of the result.
+/// Computes the coordinates after the time `dt` from `q`: origins of floating joints move straight
+/// at their velocities at `q`, rotations follow the exponential map. Turns the linear velocities in
+/// `qd` from the axes at `q` to those of the result.
 pub fn move_straight<S: Scalar>(model: &Mechanism<S>, q: &[S], qd: &mut [S], dt: S, out: &mut [S]) {
     for block in &model.coordinates {
         match block.space {
@@ -60,19 +62,19 @@ pub fn move_straight<S: Scalar>(model: &Mechanism<S>, q: &[S], qd: &mut [S], dt:
     }
 }
 
-/// Computes the tangent vector v with `from` (+) v = `to`, nv entries. Rotations are the shortest ones;
-/// joint angles are not wrapped.
+/// Computes the tangent vector v with `from` (+) v = `to`, nv entries. Rotations are the shortest
+/// ones; joint angles are not wrapped.
 pub fn difference<S: Scalar>(model: &Mechanism<S>, (from, to): (&[S], &[S]), out: &mut [S]) {
     for block in &model.coordinates {
         Tangent::between(block, from, to).write(block, out);
     }
 }
 
-/// Computes the derivatives of [`integrate`] with respect to `q` and `v`, nv x nv matrices by columns, at the
-/// displacement `v`.
+/// Computes the derivatives of [`integrate`] with respect to `q` and `v`, nv x nv matrices by
+/// columns, at the displacement `v`.
 ///
-/// Both are in tangent space, in the axes at `q` and at the moved coordinates. They do not depend on `q` (Sola,
-/// Deray and Atchuthan 2018, "A micro Lie theory for state estimation in robotics").
+/// Both are in tangent space, in the axes at `q` and at the moved coordinates. They do not depend
+/// on `q` (Sola, Deray and Atchuthan 2018, "A micro Lie theory for state estimation in robotics").
 pub fn integrate_derivatives<S: Scalar>(
     model: &Mechanism<S>,
     v: &[S],
@@ -82,8 +84,8 @@ pub fn integrate_derivatives<S: Scalar>(
     fill(model, dv, |block| Transport::of_displacement(Tangent::read(block, v)));
 }
 
-/// Computes the derivatives of [`difference`] with respect to `from` and `to`, nv x nv matrices by columns, in
-/// tangent space.
+/// Computes the derivatives of [`difference`] with respect to `from` and `to`, nv x nv matrices by
+/// columns, in tangent space.
 pub fn difference_derivatives<S: Scalar>(
     model: &Mechanism<S>,
     (from, to): (&[S], &[S]),
@@ -128,8 +130,9 @@ pub fn neutral<S: Scalar>(model: &Mechanism<S>, q: &mut [S]) {
     }
 }
 
-/// Computes random coordinates, uniformly distributed within the joint limits. Without limits, angles are
-/// within -pi..pi, displacements within -1 m..1 m, and rotations uniformly distributed over SO(3).
+/// Computes random coordinates, uniformly distributed within the joint limits. Without limits,
+/// angles are within -pi..pi, displacements within -1 m..1 m, and rotations uniformly distributed
+/// over SO(3).
 ///
 /// `uniform` returns independent numbers, uniformly distributed in 0..1. It is called nv times.
 pub fn random<S: Scalar>(model: &Mechanism<S>, uniform: &mut dyn FnMut() -> S, q: &mut [S]) {
@@ -210,12 +213,14 @@ enum Transport<S> {
     Line(S),
     /// A map of rotation vectors.
     Rotation(Matrix3<S>),
-    /// A map of rotation vectors and of linear parts, and the linear parts that rotation vectors add.
+    /// A map of rotation vectors and of linear parts, and the linear parts that rotation vectors
+    /// add.
     Pose(Matrix3<S>, Matrix3<S>),
 }
 
 impl<S: Scalar> Transport<S> {
-    /// Returns the derivative of the coordinates after the displacement `v` with respect to the coordinates before.
+    /// Returns the derivative of the coordinates after the displacement `v` with respect to the
+    /// coordinates before.
     fn of_start(v: Tangent<S>) -> Self {
         match v {
             Tangent::Line(_) => Self::Line(S::one()),
@@ -297,7 +302,8 @@ fn interpolate<S: Scalar>(low: S, high: S, part: S) -> S {
     at_most(low + (high - low) * part, high)
 }
 
-/// Returns a uniformly distributed rotation: Shoemake 1992, "Uniform random rotations", Graphics Gems III.
+/// Returns a uniformly distributed rotation: Shoemake 1992, "Uniform random rotations", Graphics
+/// Gems III.
 fn any_rotation<S: Scalar>(uniform: &mut dyn FnMut() -> S) -> Quaternion<S> {
     let full_turn = S::from_f64(core::f64::consts::TAU);
     let part = uniform();

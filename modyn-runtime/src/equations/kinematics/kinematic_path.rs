@@ -1,4 +1,5 @@
-//! The kinematic path of a link: its body and the body's ancestors. The link's motion depends on no other body.
+//! The kinematic path of a link: its body and the body's ancestors. The link's motion depends on no
+//! other body.
 
 use alloc::vec::Vec;
 
@@ -27,8 +28,8 @@ pub(in crate::equations) fn from_world<S>(
     path.reverse();
 }
 
-/// Computes the joint transforms and the axes in the world of body `last` and its ancestors. Stores these bodies in the
-/// workspace's path.
+/// Computes the joint transforms and the axes in the world of body `last` and its ancestors. Stores
+/// these bodies in the workspace's path.
 pub(in crate::equations) fn move_to_world<S: Scalar>(
     model: &Mechanism<S>,
     last: usize,
@@ -52,8 +53,8 @@ pub(in crate::equations) fn rotate_axes<S: Scalar>(
     workspace.axes[i] = workspace.motions[i].rotate_axes(&axes_at_joint(model, i, workspace));
 }
 
-/// Returns the world axes of body `i`'s degrees of freedom. A joint axis is the same before and after the
-/// joint, and the axes before the joint need one rotation less.
+/// Returns the world axes of body `i`'s degrees of freedom. A joint axis is the same before and
+/// after the joint, and the axes before the joint need one rotation less.
 pub(in crate::equations) fn joint_axes<S: Scalar>(
     model: &Mechanism<S>,
     i: usize,
@@ -104,8 +105,8 @@ impl<S: Scalar> OriginMotion<S> {
         let motion = body.motion(q);
         let rates = model.add_rates(i, Twist::zero(), qd);
         let changes = qdd.map(|qdd| model.add_rates(i, Twist::zero(), qdd));
-        // A joint axis has the same components before the joint, where the vectors that are fixed to the
-        // link are already rotated.
+        // A joint axis has the same components before the joint, where the vectors that are fixed
+        // to the link are already rotated.
         let at_joint = if body.elementary_joint.has_axis() {
             self.across_joint(&motion).with_joint_motion(rates, changes)
         } else {
@@ -146,8 +147,8 @@ impl<S: Scalar> OriginMotion<S> {
     }
 }
 
-/// A body's velocity in its own axes at its origin, and the time derivative of these six components at
-/// constant joint rates: the spatial acceleration.
+/// A body's velocity in its own axes at its origin, and the time derivative of these six components
+/// at constant joint rates: the spatial acceleration.
 #[derive(Clone, Copy)]
 pub(in crate::equations) struct BodyMotion<S> {
     pub(in crate::equations) velocity: Twist<S>,

@@ -63,9 +63,11 @@ pub fn link_pose<S: Scalar>(model: &Mechanism<S>, frame: usize, q: &[S]) -> Pose
     Pose { rotation: seen.axes.transposed().0, translation: seen.point.0 }
 }
 
-/// Returns the pose of link `frame` in the world, as [`link_pose`] does, by the axes of the bodies in the world.
+/// Returns the pose of link `frame` in the world, as [`link_pose`] does, by the axes of the bodies
+/// in the world.
 ///
-/// It takes more operations than [`link_pose`], but fewer beyond those of [`jacobian`] in world axes.
+/// It takes more operations than [`link_pose`], but fewer beyond those of [`jacobian`] in world
+/// axes.
 pub fn link_pose_from_world<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
@@ -84,7 +86,8 @@ pub fn link_pose_from_world<S: Scalar>(
     Pose { rotation: rotation.0, translation: point.0 }
 }
 
-/// Returns the velocity of link `frame` relative to the world, rad/s and m/s, at the link's origin in `axes`.
+/// Returns the velocity of link `frame` relative to the world, rad/s and m/s, at the link's origin
+/// in `axes`.
 pub fn link_velocity<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
@@ -95,8 +98,8 @@ pub fn link_velocity<S: Scalar>(
     velocity_and_bias(model, frame, (q, qd), axes, workspace).0
 }
 
-/// Returns the acceleration of link `frame` relative to the world, in `axes`: the angular acceleration,
-/// rad/s^2, and the classical acceleration of the link's origin, m/s^2.
+/// Returns the acceleration of link `frame` relative to the world, in `axes`: the angular
+/// acceleration, rad/s^2, and the classical acceleration of the link's origin, m/s^2.
 ///
 /// Gravity is not included: the acceleration of a link at rest is zero.
 pub fn link_acceleration<S: Scalar>(
@@ -123,11 +126,12 @@ pub fn link_acceleration<S: Scalar>(
     }
 }
 
-/// Returns the acceleration of link `frame` relative to the world in world axes, as [`link_acceleration`] does; without
-/// `qdd` the bias acceleration.
+/// Returns the acceleration of link `frame` relative to the world in world axes, as
+/// [`link_acceleration`] does; without `qdd` the bias acceleration.
 ///
-/// The method uses the axes of the bodies in the world and the accelerations of the bodies, as Newton-Euler passes do. Alone it
-/// takes more operations, but few beyond those of [`jacobian`] and of inverse dynamics.
+/// The method uses the axes of the bodies in the world and the accelerations of the bodies, as
+/// Newton-Euler passes do. Alone it takes more operations, but few beyond those of [`jacobian`] and
+/// of inverse dynamics.
 pub fn link_acceleration_from_world<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
@@ -153,8 +157,8 @@ pub fn link_acceleration_from_world<S: Scalar>(
 /// Computes the Jacobian J of link `frame` into `columns`, one for each entry of qd: J qd is
 /// [`link_velocity`].
 ///
-/// In [`Axes::World`] it is Pinocchio's `LOCAL_WORLD_ALIGNED`, in [`Axes::Link`] Pinocchio's `LOCAL`. The
-/// columns of mimic joints are added to the columns of the joints that they follow.
+/// In [`Axes::World`] it is Pinocchio's `LOCAL_WORLD_ALIGNED`, in [`Axes::Link`] Pinocchio's
+/// `LOCAL`. The columns of mimic joints are added to the columns of the joints that they follow.
 pub fn jacobian<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
@@ -196,12 +200,12 @@ pub fn jacobian<S: Scalar>(
     }
 }
 
-/// Computes the time derivative dJ/dt of the [`jacobian`] J of link `frame` into `columns`, one for each entry of qd:
-/// dJ/dt qd is [`bias_acceleration`].
+/// Computes the time derivative dJ/dt of the [`jacobian`] J of link `frame` into `columns`, one for
+/// each entry of qd: dJ/dt qd is [`bias_acceleration`].
 ///
-/// A column of J is fixed to its body, except for the lever to the link's origin. The axes of the components rotate
-/// relative to the body: those of the world with minus the body's angular velocity, those of the link with the link's angular
-/// velocity relative to the body.
+/// A column of J is fixed to its body, except for the lever to the link's origin. The axes of the
+/// components rotate relative to the body: those of the world with minus the body's angular
+/// velocity, those of the link with the link's angular velocity relative to the body.
 pub fn jacobian_time_derivative<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
@@ -249,11 +253,12 @@ pub fn jacobian_time_derivative<S: Scalar>(
     }
 }
 
-/// Returns the bias acceleration dJ/dt qd of link `frame`: the time derivative of J qd at constant qd.
+/// Returns the bias acceleration dJ/dt qd of link `frame`: the time derivative of J qd at constant
+/// qd.
 ///
-/// In [`Axes::World`] it is [`link_acceleration`] at qdd = 0. In [`Axes::Link`] the components also change
-/// because the axes rotate with the link. Its linear part is then the classical acceleration in link axes
-/// minus the cross product of the angular and the linear velocity.
+/// In [`Axes::World`] it is [`link_acceleration`] at qdd = 0. In [`Axes::Link`] the components also
+/// change because the axes rotate with the link. Its linear part is then the classical acceleration
+/// in link axes minus the cross product of the angular and the linear velocity.
 pub fn bias_acceleration<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
@@ -284,7 +289,8 @@ fn velocity_and_bias<S: Scalar>(
     }
 }
 
-/// Computes the motion from the link towards the world, so that no axes have to be rotated for the result.
+/// Computes the motion from the link towards the world, so that no axes have to be rotated for the
+/// result.
 fn in_world_axes<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
@@ -296,7 +302,8 @@ fn in_world_axes<S: Scalar>(
         .fold(link, |link, i| link.towards_world(model, i, motion))
 }
 
-/// Computes the motion from the world towards the link, so that no axes have to be rotated for the result.
+/// Computes the motion from the world towards the link, so that no axes have to be rotated for the
+/// result.
 fn in_link_axes<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
@@ -311,7 +318,8 @@ fn in_link_axes<S: Scalar>(
 
 /// The pose of a link, as seen from a body.
 pub(in crate::equations) struct LinkInBody<S> {
-    /// The link's axes in the body's frame, as rows. The columns are the body's axes in the link's frame.
+    /// The link's axes in the body's frame, as rows. The columns are the body's axes in the link's
+    /// frame.
     pub(in crate::equations) axes: Matrix3<S>,
     /// The link's origin in the body's frame.
     pub(in crate::equations) point: Vector3<S>,
@@ -333,8 +341,8 @@ impl<S: Scalar> LinkInBody<S> {
     }
 }
 
-/// Returns the velocity that a unit rate in `component`, along `axes` (as columns), gives to a link whose
-/// origin is at `lever` in these axes.
+/// Returns the velocity that a unit rate in `component`, along `axes` (as columns), gives to a link
+/// whose origin is at `lever` in these axes.
 pub(in crate::equations) fn column_along<S: Scalar>(
     component: usize,
     axes: &Matrix3<S>,
@@ -348,8 +356,8 @@ pub(in crate::equations) fn column_along<S: Scalar>(
     }
 }
 
-/// Adds the columns of body `i`'s degrees of freedom along `axes` (as columns), for a link whose origin is
-/// at `lever` in these axes.
+/// Adds the columns of body `i`'s degrees of freedom along `axes` (as columns), for a link whose
+/// origin is at `lever` in these axes.
 pub(in crate::equations) fn add_columns<S: Scalar>(
     model: &Mechanism<S>,
     i: usize,

@@ -1,10 +1,11 @@
 //! The paper's matrices of the block decomposition, dense, for study: (1)-(57), A.2 and A.3.
 //!
-//! The matrices are built as in the paper, as products of 6n^i-sized matrices. They share no code with
-//! the recursion in `factorization` and `brge`, except the inversion of a pivot block. Joints may have
-//! several degrees of freedom, and any partition into modules is accepted. The paper has no rotors; here
-//! their inertia is added to the diagonal of the module's pivot block. Robots with mimic joints are not
-//! supported: mimic joints couple modules across the tree, which these forms cannot express.
+//! The matrices are built as in the paper, as products of 6n^i-sized matrices. They share no code
+//! with the recursion in `factorization` and `brge`, except the inversion of a pivot block. Joints
+//! may have several degrees of freedom, and any partition into modules is accepted. The paper has
+//! no rotors; here their inertia is added to the diagonal of the module's pivot block. Robots with
+//! mimic joints are not supported: mimic joints couple modules across the tree, which these forms
+//! cannot express.
 
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -44,7 +45,8 @@ struct Articulated<S> {
 }
 
 impl<S: Scalar> Decomposition<S> {
-    /// Returns the decomposition at `q`, by modules that fit the model; `None` for robots with mimic joints.
+    /// Returns the decomposition at `q`, by modules that fit the model; `None` for robots with
+    /// mimic joints.
     #[must_use]
     pub fn new(
         model: &Mechanism<S>,
@@ -148,8 +150,9 @@ impl<S: Scalar> Decomposition<S> {
         self.propagation_within(i).times(&self.joint_motion_propagation(i))
     }
 
-    /// Returns the module-twist propagation A_j,i, (A.7): from the last link of module `i` to the links of
-    /// module `j`. It is the identity for i = j, and zero if `j` is not a descendant of `i`.
+    /// Returns the module-twist propagation A_j,i, (A.7): from the last link of module `i` to the
+    /// links of module `j`. It is the identity for i = j, and zero if `j` is not a descendant of
+    /// `i`.
     #[must_use]
     pub fn propagation(&self, j: usize, i: usize) -> Dense<S> {
         let (rows, columns) = (self.rows(j), self.rows(i));
@@ -198,8 +201,8 @@ impl<S: Scalar> Decomposition<S> {
         })
     }
 
-    /// Returns the block element I_i,j of the mass matrix, (10), for `i` equal to `j` or a descendant of `j`.
-    /// Diagonal blocks include the rotors.
+    /// Returns the block element I_i,j of the mass matrix, (10), for `i` equal to `j` or a
+    /// descendant of `j`. Diagonal blocks include the rotors.
     #[must_use]
     pub fn mass_matrix_block(&self, i: usize, j: usize) -> Dense<S> {
         let wrenches = self.composite(i).times(&self.propagation(i, j)).times(&self.joints(j));
@@ -246,7 +249,8 @@ impl<S: Scalar> Decomposition<S> {
         &self.articulated[i].psi
     }
 
-    /// Returns the block pivot I_hat_i = N_i^T M_hat_i N_i, (46): the mass matrix of the articulated module.
+    /// Returns the block pivot I_hat_i = N_i^T M_hat_i N_i, (46): the mass matrix of the
+    /// articulated module.
     #[must_use]
     pub fn pivot(&self, i: usize) -> &Dense<S> {
         &self.articulated[i].pivot
@@ -259,8 +263,8 @@ impl<S: Scalar> Decomposition<S> {
         phi(psi, pivot_inverse, &self.joints(i))
     }
 
-    /// Returns the articulated module-twist propagation A_hat_j,i, (56)-(57): through the modules between `i`
-    /// and `j`, with their joints free.
+    /// Returns the articulated module-twist propagation A_hat_j,i, (56)-(57): through the modules
+    /// between `i` and `j`, with their joints free.
     #[must_use]
     pub fn articulated_propagation(&self, j: usize, i: usize) -> Dense<S> {
         match self.parents[j] {
@@ -368,8 +372,9 @@ impl<S: Scalar> Decomposition<S> {
         matrix
     }
 
-    /// Returns the mass matrix I^(j) during the elimination, (16), (35): block columns from `j` on are zero
-    /// above the diagonal. With `j` equal to the number of modules it is the mass matrix itself.
+    /// Returns the mass matrix I^(j) during the elimination, (16), (35): block columns from `j` on
+    /// are zero above the diagonal. With `j` equal to the number of modules it is the mass matrix
+    /// itself.
     #[must_use]
     pub fn eliminated(&self, j: usize) -> Dense<S> {
         (j..self.modules())

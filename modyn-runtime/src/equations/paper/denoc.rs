@@ -1,5 +1,5 @@
-//! The decoupled natural orthogonal complement (DeNOC) matrices at link level, dense, for study: (1)-(5),
-//! A.1 and A.2. `decomposition` has the matrices at module level.
+//! The decoupled natural orthogonal complement (DeNOC) matrices at link level, dense, for study:
+//! (1)-(5), A.1 and A.2. `decomposition` has the matrices at module level.
 
 use super::Dense;
 use crate::Scalar;
@@ -7,13 +7,13 @@ use crate::equations::Workspace;
 use crate::mechanism::{Body, Mechanism};
 use crate::spatial::{Matrix3, Twist, Vector3, Wrench};
 
-/// The matrices M, N_l and N_d at link level: the mass matrix is N_d^T N_l^T M N_l N_d, (5a), without the
-/// rotors' inertia.
+/// The matrices M, N_l and N_d at link level: the mass matrix is N_d^T N_l^T M N_l N_d, (5a),
+/// without the rotors' inertia.
 ///
-/// Rows are ordered by body, angular before linear. The bodies are the links, each in its own frame, and
-/// the massless bodies inside a universal or planar joint, before the joint's link. The columns of N_d are
-/// the entries of qd. For larger modules, N_l and N_d of (4) have the same product; see
-/// [`Decomposition`](super::Decomposition).
+/// Rows are ordered by body, angular before linear. The bodies are the links, each in its own
+/// frame, and the massless bodies inside a universal or planar joint, before the joint's link. The
+/// columns of N_d are the entries of qd. For larger modules, N_l and N_d of (4) have the same
+/// product; see [`Decomposition`](super::Decomposition).
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeNoc<S> {
     /// The 6n x 6n mass matrix of the n uncoupled bodies, (1)-(2).
@@ -25,7 +25,8 @@ pub struct DeNoc<S> {
 }
 
 impl<S: Scalar> DeNoc<S> {
-    /// Returns the mass matrix by (5a), N^T M N with N = N_l N_d. This is slow; it is meant for study.
+    /// Returns the mass matrix by (5a), N^T M N with N = N_l N_d. This is slow; it is meant for
+    /// study.
     #[must_use]
     pub fn mass_matrix(&self) -> Dense<S> {
         let n = self.propagation.times(&self.joints);

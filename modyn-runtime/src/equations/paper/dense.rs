@@ -43,7 +43,8 @@ impl<S: Scalar> Dense<S> {
         transposed
     }
 
-    /// Returns the product `self` times `other`, which must have as many rows as `self` has columns.
+    /// Returns the product `self` times `other`, which must have as many rows as `self` has
+    /// columns.
     #[must_use]
     pub fn times(&self, other: &Self) -> Self {
         let mut product = Self::zero(self.rows, other.columns);

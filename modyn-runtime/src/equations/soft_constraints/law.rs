@@ -1,8 +1,10 @@
-//! The laws of soft constraints: impedance, reference acceleration, and the force of a row or of a contact.
+//! The laws of soft constraints: impedance, reference acceleration, and the force of a row or of a
+//! contact.
 //!
-//! These are MuJoCo's laws, by its documentation ("Computation", section "Constraint model") and with its parameters: a row
-//! with the Jacobian J has a reference acceleration a* and a regularization R = (1 - d) A / d, where d is the impedance and A
-//! an approximation of J M^-1 J^T. Its force follows from J qdd - a*. All forces together minimize a convex function.
+//! These are MuJoCo's laws, by its documentation ("Computation", section "Constraint model") and
+//! with its parameters: a row with the Jacobian J has a reference acceleration a* and a
+//! regularization R = (1 - d) A / d, where d is the impedance and A an approximation of J M^-1 J^T.
+//! Its force follows from J qdd - a*. All forces together minimize a convex function.
 
 use crate::Scalar;
 use crate::scalar::{at_least, at_most};
@@ -39,8 +41,8 @@ pub struct Impedance<S> {
 /// The softness of a constraint: how its violation decays, and how much force its violation takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Softness<S> {
-    /// MuJoCo's `solref`: the time constant (s) and the damping ratio; if the first number is negative, the negative stiffness and
-    /// the negative damping.
+    /// MuJoCo's `solref`: the time constant (s) and the damping ratio; if the first number is
+    /// negative, the negative stiffness and the negative damping.
     pub reference: [S; 2],
     /// MuJoCo's `solimp`.
     pub impedance: Impedance<S>,
@@ -128,8 +130,8 @@ impl<S: Scalar> Softness<S> {
         Self { reference, impedance: Impedance::standard() }
     }
 
-    /// Returns the stiffness (1/s^2) and the damping (1/s) of the reference acceleration for steps of the time `dt`: time constants
-    /// below 2 `dt` are not stable, and raised to it.
+    /// Returns the stiffness (1/s^2) and the damping (1/s) of the reference acceleration for steps
+    /// of the time `dt`: time constants below 2 `dt` are not stable, and raised to it.
     fn stiffness_and_damping(&self, dt: S) -> [S; 2] {
         let [first, second] = self.reference;
         let two = S::from_f64(2.0);
@@ -157,7 +159,8 @@ impl<S: Scalar> Softness<S> {
         }
     }
 
-    /// Returns the reference acceleration of a direction that has no position, such as one of friction.
+    /// Returns the reference acceleration of a direction that has no position, such as one of
+    /// friction.
     #[must_use]
     pub fn damped(&self, velocity: S, dt: S) -> S {
         let [_, damping] = self.stiffness_and_damping(dt);
@@ -175,7 +178,8 @@ pub enum Cone {
     Elliptic,
 }
 
-/// The law of a contact with friction at a state. Components are along the normal and along two tangents.
+/// The law of a contact with friction at a state. Components are along the normal and along two
+/// tangents.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactLaw<S> {
     /// The cone.
@@ -190,7 +194,8 @@ pub struct ContactLaw<S> {
     pub reference: [S; 3],
 }
 
-/// A force, and minus its derivative by the acceleration: a symmetric positive semi-definite matrix, by rows.
+/// A force, and minus its derivative by the acceleration: a symmetric positive semi-definite
+/// matrix, by rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Response<S> {
     /// The force, N.
@@ -219,8 +224,8 @@ impl<S: Scalar> ContactLaw<S> {
     /// The force of four edges n + mu t, n - mu t for each tangent t, each of which can push alone.
     fn pyramid(&self, gap: [S; 3]) -> Response<S> {
         let (zero, one) = (S::zero(), S::one());
-        // All edges have the weight of the first: its mobility is (1 + mu^2) times that of the normal, and the regularization
-        // is scaled by 2 mu^2 / ratio.
+        // All edges have the weight of the first: its mobility is (1 + mu^2) times that of the
+        // normal, and the regularization is scaled by 2 mu^2 / ratio.
         let square = self.friction * self.friction;
         let scale = S::from_f64(2.0) * square * (one + square) / self.ratio;
         let weight = self.weight / scale;
@@ -244,8 +249,8 @@ impl<S: Scalar> ContactLaw<S> {
         response
     }
 
-    /// The force of a circular cone. In coordinates in which the regularization is the same in all directions, the force is
-    /// the projection of the unconstrained one onto the cone.
+    /// The force of a circular cone. In coordinates in which the regularization is the same in all
+    /// directions, the force is the projection of the unconstrained one onto the cone.
     fn ellipse(&self, gap: [S; 3]) -> Response<S> {
         let (zero, one) = (S::zero(), S::one());
         let mu = self.friction;

@@ -1,16 +1,18 @@
-//! Steps with soft contacts, joint limits and dry joint friction: MuJoCo's law, solved by Newton's method on the tree.
+//! Steps with soft contacts, joint limits and dry joint friction: MuJoCo's law, solved by Newton's
+//! method on the tree.
 //!
-//! A constraint row with the Jacobian J has a force f(J a - a*) by its law ([`ContactLaw`], [`SoftRow`]). The accelerations a
-//! minimize the convex function
+//! A constraint row with the Jacobian J has a force f(J a - a*) by its law ([`ContactLaw`],
+//! [`SoftRow`]). The accelerations a minimize the convex function
 //!
 //! ```text
 //! 1/2 (a - a0)^T M (a - a0) + sum s(J a - a*),   f = -ds/d(J a),   M a0 = tau - h
 //! ```
 //!
-//! Newton's matrix is M + J^T D J with the stiffness D of the laws: the mass matrix of a robot whose touching links carry added
-//! 6 x 6 inertias and whose stopped joints carry added armature. So an iteration is the recursion of forward dynamics
-//! (`against_fall`). Step lengths and the residual need no further recursion: after a step a = a0 + M^-1 J^T G holds for forces G
-//! of the rows, so the function's slope is a sum over the rows.
+//! Newton's matrix is M + J^T D J with the stiffness D of the laws: the mass matrix of a robot
+//! whose touching links carry added 6 x 6 inertias and whose stopped joints carry added armature.
+//! So an iteration is the recursion of forward dynamics (`against_fall`). Step lengths and the
+//! residual need no further recursion: after a step a = a0 + M^-1 J^T G holds for forces G of the
+//! rows, so the function's slope is a sum over the rows.
 
 mod dense;
 mod law;

@@ -1,5 +1,5 @@
-//! Newton's method for the rows of a step. An iteration and an evaluation of its line search decide by selections,
-//! so that they run on numbers, in lanes, and on expressions.
+//! Newton's method for the rows of a step. An iteration and an evaluation of its line search decide
+//! by selections, so that they run on numbers, in lanes, and on expressions.
 
 use super::problem::{Iterate, Laws, SoftSolution, StepProblem};
 use crate::Scalar;
@@ -106,8 +106,8 @@ impl<S: Scalar> StepProblem<'_, S> {
         }
     }
 
-    /// Makes one evaluation of a line search from `start` to `end`, the end of a full step with laws of this `scale`. Returns the
-    /// iterate there.
+    /// Makes one evaluation of a line search from `start` to `end`, the end of a full step with
+    /// laws of this `scale`. Returns the iterate there.
     #[must_use]
     pub fn search(
         &self,

@@ -1,4 +1,5 @@
-//! The rows of soft constraints at a state: contacts of points with planes, joint limits, dry joint friction.
+//! The rows of soft constraints at a state: contacts of points with planes, joint limits, dry joint
+//! friction.
 
 use alloc::vec::Vec;
 
@@ -272,8 +273,8 @@ impl<S: Scalar> JointRow<S> {
     }
 }
 
-/// Computes the velocities (or accelerations) of all bodies from those of the joints, in the bodies' axes. Expects the joint
-/// transforms at q.
+/// Computes the velocities (or accelerations) of all bodies from those of the joints, in the
+/// bodies' axes. Expects the joint transforms at q.
 pub(super) fn body_twists<S: Scalar>(
     model: &Mechanism<S>,
     rates: &[S],

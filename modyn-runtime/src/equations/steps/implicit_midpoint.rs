@@ -1,5 +1,5 @@
-//! The implicit midpoint rule on the space of the coordinates: Hairer, Lubich and Wanner 2006, "Geometric Numerical
-//! Integration", sections II.1 and IV.8.
+//! The implicit midpoint rule on the space of the coordinates: Hairer, Lubich and Wanner 2006,
+//! "Geometric Numerical Integration", sections II.1 and IV.8.
 //!
 //! With the acceleration a at the midpoint,
 //!
@@ -7,13 +7,15 @@
 //! v = qd + dt/2 a        ID(q (+) dt/2 v, v, a) = tau        q' = q (+) dt v        qd' = qd + dt a
 //! ```
 //!
-//! and inverse dynamics ID. A step back from (q', qd') by -dt has the same midpoint, so the rule is symmetric. It is of second
-//! order, and A-stable (Hairer and Wanner 1996, "Solving Ordinary Differential Equations II", section IV.3).
+//! and inverse dynamics ID. A step back from (q', qd') by -dt has the same midpoint, so the rule is
+//! symmetric. It is of second order, and A-stable (Hairer and Wanner 1996, "Solving Ordinary
+//! Differential Equations II", section IV.3).
 //!
-//! The equation for a has the derivative N = M + dt/2 (ID_qd + dt/2 ID_q J), with the mass matrix M and the derivative J of
-//! (+) by the displacement. Newton's method with N at the start a = 0 (simplified Newton) takes one factorization. N changes
-//! by O(dt^2), since a moves the midpoint by dt^2/4 a and its velocity by dt/2 a, on which N has the factor dt/2. So each
-//! iteration gains two orders, and the first is exact for linear equations.
+//! The equation for a has the derivative N = M + dt/2 (ID_qd + dt/2 ID_q J), with the mass matrix M
+//! and the derivative J of (+) by the displacement. Newton's method with N at the start a = 0
+//! (simplified Newton) takes one factorization. N changes by O(dt^2), since a moves the midpoint by
+//! dt^2/4 a and its velocity by dt/2 a, on which N has the factor dt/2. So each iteration gains two
+//! orders, and the first is exact for linear equations.
 
 use alloc::{vec, vec::Vec};
 
@@ -26,7 +28,8 @@ use crate::equations::factorization::{factor_ul, solve_ul};
 use crate::equations::kinematics::coordinates::{integrate, integrate_derivatives};
 use crate::mechanism::Mechanism;
 
-/// The number of iterations. The error of the velocities that they leave is of order dt^7, far below that of the rule.
+/// The number of iterations. The error of the velocities that they leave is of order dt^7, far
+/// below that of the rule.
 const ITERATIONS: usize = 3;
 
 /// The memory of the implicit midpoint rule.
@@ -44,9 +47,11 @@ pub struct MidpointWorkspace<S> {
     vector: Vec<S>,
     /// The derivatives of inverse dynamics by the coordinates at the midpoint.
     by_q: Vec<S>,
-    /// The derivatives of inverse dynamics by the velocities at the midpoint, which also move the midpoint.
+    /// The derivatives of inverse dynamics by the velocities at the midpoint, which also move the
+    /// midpoint.
     by_qd: Vec<S>,
-    /// The factors of the derivatives of inverse dynamics by the accelerations, which also move the midpoint.
+    /// The factors of the derivatives of inverse dynamics by the accelerations, which also move the
+    /// midpoint.
     by_qdd: Vec<S>,
     /// The derivatives of displaced coordinates by the coordinates before, and by the displacement.
     transport: [Vec<S>; 2],
@@ -119,8 +124,8 @@ impl<S: Scalar> MidpointWorkspace<S> {
         }
     }
 
-    /// Computes the state after a step from the accelerations at its midpoint. `displacement` becomes that of the whole
-    /// step.
+    /// Computes the state after a step from the accelerations at its midpoint. `displacement`
+    /// becomes that of the whole step.
     fn finish(
         &mut self,
         model: &Mechanism<S>,
@@ -134,7 +139,8 @@ impl<S: Scalar> MidpointWorkspace<S> {
     }
 }
 
-/// Returns the entries of the product of a matrix and the block-diagonal derivatives of the coordinates, with their indices.
+/// Returns the entries of the product of a matrix and the block-diagonal derivatives of the
+/// coordinates, with their indices.
 fn block_products<'a, S: Scalar>(
     model: &'a Mechanism<S>,
     matrix: &'a [S],
@@ -164,9 +170,11 @@ pub fn step_implicit_midpoint<S: Scalar>(
     memory.finish(model, (q, qd, dt), next);
 }
 
-/// Computes the state of [`step_implicit_midpoint`], and the derivatives of the midpoint rule in tangent space.
+/// Computes the state of [`step_implicit_midpoint`], and the derivatives of the midpoint rule in
+/// tangent space.
 ///
-/// The derivatives follow from the equation for a by the implicit function theorem, at the a that was found.
+/// The derivatives follow from the equation for a by the implicit function theorem, at the a that
+/// was found.
 pub fn step_implicit_midpoint_derivatives<S: Scalar>(
     model: &Mechanism<S>,
     (q, qd, tau, dt): (&[S], &[S], &[S], S),

@@ -1,7 +1,7 @@
 //! Discrete dynamics: the state after a time step, and its derivatives.
 //!
-//! The joint forces are constant during the step. Coordinates follow the exponential maps of their spaces
-//! (`kinematics/coordinates`), so quaternions keep length 1.
+//! The joint forces are constant during the step. Coordinates follow the exponential maps of their
+//! spaces (`kinematics/coordinates`), so quaternions keep length 1.
 
 mod implicit_midpoint;
 mod runge_kutta;
@@ -22,8 +22,8 @@ pub struct StepOutputs<'a, S> {
     pub q: &'a mut [S],
     /// The velocities after the step.
     pub qd: &'a mut [S],
-    /// The derivatives with respect to q (in tangent space), then qd, before the step: 2 nv columns of 2 nv
-    /// entries, those of q (in tangent space) first.
+    /// The derivatives with respect to q (in tangent space), then qd, before the step: 2 nv columns
+    /// of 2 nv entries, those of q (in tangent space) first.
     pub a: &'a mut [S],
     /// The derivatives with respect to tau: nv columns of 2 nv entries.
     pub b: &'a mut [S],
@@ -51,7 +51,8 @@ impl<S: Scalar> StepWorkspace<S> {
         Self::of_lengths(model.nq, model.nv, model.nv * model.nv)
     }
 
-    /// Returns the memory for vectors of coordinates and velocities and for matrices of these numbers of entries.
+    /// Returns the memory for vectors of coordinates and velocities and for matrices of these
+    /// numbers of entries.
     fn of_lengths(coordinates: usize, velocities: usize, matrix: usize) -> Self {
         let vector = |_| vec![S::zero(); velocities];
         Self {

@@ -1,9 +1,11 @@
-//! The Runge-Kutta method of fourth order, free of commutators: Celledoni, Marthinsen and Owren 2003,
-//! "Commutator-free Lie group methods". For robots whose coordinates are numbers it is the classical method.
+//! The Runge-Kutta method of fourth order, free of commutators: Celledoni, Marthinsen and Owren
+//! 2003, "Commutator-free Lie group methods". For robots whose coordinates are numbers it is the
+//! classical method.
 //!
-//! The stages are sums of vectors, displacements of coordinates and accelerations. Sums of vectors are also the sums of their
-//! derivatives. So the method is written once, over vectors that may have their derivatives after their entries
-//! ([`runge_kutta`]); a caller says how such vectors displace coordinates, and what they accelerate.
+//! The stages are sums of vectors, displacements of coordinates and accelerations. Sums of vectors
+//! are also the sums of their derivatives. So the method is written once, over vectors that may
+//! have their derivatives after their entries ([`runge_kutta`]); a caller says how such vectors
+//! displace coordinates, and what they accelerate.
 
 use alloc::{vec, vec::Vec};
 
@@ -33,8 +35,9 @@ pub fn step_rk4<S: Scalar>(
     );
 }
 
-/// Computes the stages and the sums of the method. `displace` moves coordinates by a displacement, and `accelerate` computes
-/// the accelerations of coordinates and velocities. All vectors of the memory have the lengths of `q` and `qd`.
+/// Computes the stages and the sums of the method. `displace` moves coordinates by a displacement,
+/// and `accelerate` computes the accelerations of coordinates and velocities. All vectors of the
+/// memory have the lengths of `q` and `qd`.
 fn runge_kutta<S: Scalar>(
     (q, qd, dt): (&[S], &[S], S),
     memory: &mut StepWorkspace<S>,
@@ -87,8 +90,8 @@ fn runge_kutta<S: Scalar>(
 
 /// The memory of the derivatives of a Runge-Kutta step.
 ///
-/// Vectors of coordinates, velocities and accelerations have their derivatives after their entries: by q (in tangent space), by
-/// qd and by tau, 3 nv columns of nv entries.
+/// Vectors of coordinates, velocities and accelerations have their derivatives after their entries:
+/// by q (in tangent space), by qd and by tau, 3 nv columns of nv entries.
 #[derive(Clone, Debug)]
 pub struct RungeKuttaWorkspace<S> {
     /// The vectors of the stages.
@@ -123,8 +126,9 @@ impl<S: Scalar> RungeKuttaWorkspace<S> {
 
 /// Computes the state of [`step_rk4`], and its derivatives in tangent space, through the stages.
 ///
-/// With the derivatives F of forward dynamics at a stage, the derivatives of its accelerations are F_q Q + F_qd V + F_tau T.
-/// Q and V are the derivatives of the stage's coordinates and velocities, and T those of tau.
+/// With the derivatives F of forward dynamics at a stage, the derivatives of its accelerations are
+/// F_q Q + F_qd V + F_tau T. Q and V are the derivatives of the stage's coordinates and velocities,
+/// and T those of tau.
 pub fn step_rk4_derivatives<S: Scalar>(
     model: &Mechanism<S>,
     layout: &UduLayout,

@@ -25,10 +25,11 @@ pub fn step_semi_implicit<S: Scalar>(
     coordinates::integrate(model, (q, displacement), next_q);
 }
 
-/// Computes the coordinates and velocities after the time `dt`, and their derivatives in tangent space.
+/// Computes the coordinates and velocities after the time `dt`, and their derivatives in tangent
+/// space.
 ///
-/// With the derivatives F of the accelerations, those of the velocities are 1 + dt F. Those of the coordinates
-/// follow from them by the derivatives of [`coordinates::integrate`].
+/// With the derivatives F of the accelerations, those of the velocities are 1 + dt F. Those of the
+/// coordinates follow from them by the derivatives of [`coordinates::integrate`].
 pub fn step_semi_implicit_derivatives<S: Scalar>(
     model: &Mechanism<S>,
     layout: &UduLayout,

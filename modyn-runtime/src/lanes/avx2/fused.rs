@@ -1,6 +1,7 @@
 //! Single values with fused multiply-add, for use beside AVX2's vectors.
 //!
-//! Unsafe code: these types exist only where the processor has AVX2 and FMA, see the folder's header.
+//! Unsafe code: these types exist only where the processor has AVX2 and FMA, see the folder's
+//! header.
 #![allow(unsafe_code)]
 
 use core::arch::x86_64::*;

@@ -1,10 +1,11 @@
 //! AVX2 and FMA: 4 `f64` or 8 `f32`, with fused multiply-add.
 //!
-//! Unsafe code: these instructions may only run on a processor that has them, which the compiler cannot check.
-//! The processor has them wherever values of this folder's types exist. The types cannot be named outside of
-//! `lanes`. Inside, only the four functions that `work!` and `vectors!` define here use them. `lanes` calls
-//! these for `SimdLevel::Avx2`, for `SimdLevel::Avx512`, whose processors have AVX2 and FMA, too, and in
-//! programs compiled for both. (Generic functions receive the types from these four functions.)
+//! Unsafe code: these instructions may only run on a processor that has them, which the compiler
+//! cannot check. The processor has them wherever values of this folder's types exist. The types
+//! cannot be named outside of `lanes`. Inside, only the four functions that `work!` and `vectors!`
+//! define here use them. `lanes` calls these for `SimdLevel::Avx2`, for `SimdLevel::Avx512`, whose
+//! processors have AVX2 and FMA, too, and in programs compiled for both. (Generic functions receive
+//! the types from these four functions.)
 #![allow(unsafe_code)]
 
 mod fused;

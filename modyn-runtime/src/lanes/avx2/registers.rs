@@ -1,6 +1,7 @@
 //! The vectors of AVX2 and their halves.
 //!
-//! Unsafe code: these types exist only where the processor has AVX2 and FMA, see the folder's header.
+//! Unsafe code: these types exist only where the processor has AVX2 and FMA, see the folder's
+//! header.
 #![allow(unsafe_code)]
 
 use core::arch::x86_64::*;

@@ -1,6 +1,7 @@
 //! Derivatives of a step by what it depends on.
 //!
-//! They follow from those of the impulses ([`GroundEquations::gradient`], [`GroundEquations::change`]) and of the contact problem.
+//! They follow from those of the impulses ([`GroundEquations::gradient`],
+//! [`GroundEquations::change`]) and of the contact problem.
 
 use alloc::{vec, vec::Vec};
 
@@ -15,7 +16,8 @@ use crate::solve::{
 };
 use crate::{ConstraintSettings, ContactTarget};
 
-/// The gradients of a step with respect to what it depends on, to which those of one step are added.
+/// The gradients of a step with respect to what it depends on, to which those of one step are
+/// added.
 #[derive(Debug)]
 pub struct StepGradient<'a, T> {
     /// By each number of the contact problem.
@@ -30,7 +32,8 @@ pub struct StepGradient<'a, T> {
     pub settings: &'a mut [T],
 }
 
-/// The changes of what a step depends on along several directions: for each number a row, with an entry for each direction.
+/// The changes of what a step depends on along several directions: for each number a row, with an
+/// entry for each direction.
 #[derive(Clone, Copy, Debug)]
 pub struct StepChanges<'a, T> {
     /// Of the numbers of the contact problem.
@@ -46,8 +49,9 @@ pub struct StepChanges<'a, T> {
 }
 
 impl GroundRobot {
-    /// Adds the gradients of the weighted velocities and impulses of a step that [`solve`](Self::solve) found, with `weights` of the
-    /// velocities, of the impulses of contacts, and of those of stops.
+    /// Adds the gradients of the weighted velocities and impulses of a step that
+    /// [`solve`](Self::solve) found, with `weights` of the velocities, of the impulses of contacts,
+    /// and of those of stops.
     pub fn add_gradient<T: Decide>(
         &self,
         (q, dt, settings): Before<'_, T>,
@@ -129,8 +133,9 @@ impl GroundRobot {
         }
     }
 
-    /// Sets the changes of the velocities, of the impulses of contacts and of those of stops of a step that [`solve`](Self::solve)
-    /// found: for each number a row, with an entry for each direction of `changes`.
+    /// Sets the changes of the velocities, of the impulses of contacts and of those of stops of a
+    /// step that [`solve`](Self::solve) found: for each number a row, with an entry for each
+    /// direction of `changes`.
     pub fn changes<T: Decide>(
         &self,
         (q, dt, settings): Before<'_, T>,
@@ -258,13 +263,15 @@ impl GroundRobot {
         Solved { matrix, b, contacts: contacts.collect(), stops, impulses, acting, inverse: w }
     }
 
-    /// Returns the height of a contact, its speeds along the normal before the step and without impulses, and the time step.
+    /// Returns the height of a contact, its speeds along the normal before the step and without
+    /// impulses, and the time step.
     fn speeds<T: Decide>(&self, dt: T, contact: usize, problem: &impl Fn(usize) -> T) -> [T; 4] {
         let (at, z) = (self.places(), 3 * contact + 2);
         [problem(at.heights + contact), problem(at.before + z), problem(at.free + z), dt]
     }
 
-    /// Returns the derivatives of the least speed of a contact by [`speeds`](Self::speeds) and [`normal_law`].
+    /// Returns the derivatives of the least speed of a contact by [`speeds`](Self::speeds) and
+    /// [`normal_law`].
     fn least_speed_changes<T: Decide>(
         &self,
         (dt, settings): (T, &ConstraintSettings<T, Vec<ContactTarget<T>>>),
@@ -282,7 +289,8 @@ impl GroundRobot {
     }
 }
 
-/// The equations of a step with their solution, the stops that act, and the inverse of the mass matrix, if one acts.
+/// The equations of a step with their solution, the stops that act, and the inverse of the mass
+/// matrix, if one acts.
 struct Solved<T> {
     matrix: Vec<Vec<T>>,
     b: Vec<T>,
@@ -305,7 +313,8 @@ impl<T: Decide> Solved<T> {
     }
 }
 
-/// Returns the derivatives of the velocity at which a stop holds its joint, by the coordinate, the time step and `beta`.
+/// Returns the derivatives of the velocity at which a stop holds its joint, by the coordinate, the
+/// time step and `beta`.
 fn stop_changes<T: Decide>((q, dt, beta): (&[T], T, T), stop: &JointStop, impulse: T) -> [T; 3] {
     // The impulse at the lower limit is positive.
     let side = usize::from(impulse.all_at_most(T::zero()));

@@ -5,7 +5,8 @@ use crate::lanes::{BatchTask, Float, Lanes, MAX_LANES};
 use crate::simulate::Ground;
 use crate::solve::{Contact, GroundEquations, least_speed, velocity_range};
 
-/// What the steps of several states depend on, a state in each lane: each slice has a row of lanes for each number.
+/// What the steps of several states depend on, a state in each lane: each slice has a row of lanes
+/// for each number.
 #[derive(Clone, Copy, Debug)]
 pub struct StepLanes<'a, T> {
     /// The number of states.
@@ -23,9 +24,10 @@ pub struct StepLanes<'a, T> {
 }
 
 impl GroundRobot {
-    /// Sweeps over the contacts of several states at once, a state in each lane, from these impulses on, and sets the velocities after
-    /// the step. Sets for each lane the residual of its contacts if it is solved: within the tolerance, and no stop acts. The others
-    /// are left to [`solve`](Self::solve), with the impulses of the sweeps.
+    /// Sweeps over the contacts of several states at once, a state in each lane, from these
+    /// impulses on, and sets the velocities after the step. Sets for each lane the residual of its
+    /// contacts if it is solved: within the tolerance, and no stop acts. The others are left to
+    /// [`solve`](Self::solve), with the impulses of the sweeps.
     pub fn solve_lanes<F: Float>(
         &self,
         ground: &Ground<F>,
@@ -53,7 +55,8 @@ struct LaneTask<'a, F> {
     solved: &'a mut [Option<F>],
 }
 
-/// [`GroundRobot::solve_lanes`] of a robot with at most as many contacts, rows of contacts, and velocities.
+/// [`GroundRobot::solve_lanes`] of a robot with at most as many contacts, rows of contacts, and
+/// velocities.
 struct LaneSweeps<'a, F, const CONTACTS: usize, const ROWS: usize, const VELOCITIES: usize>(
     LaneTask<'a, F>,
 );
@@ -131,7 +134,8 @@ impl<F: Float, const CONTACTS: usize, const ROWS: usize, const VELOCITIES: usize
                 }
                 v += 1;
             }
-            // The largest of what is beyond a stop, and of the impulses of stops: none may be above zero.
+            // The largest of what is beyond a stop, and of the impulses of stops: none may be above
+            // zero.
             let mut stopped = L::zero();
             let beta = get!(numbers.settings, BETA_OF_STOPS);
             let mut k = 0;

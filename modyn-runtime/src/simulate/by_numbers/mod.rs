@@ -1,7 +1,9 @@
-//! Steps on the ground of a robot that is known at run time, and their derivatives, on plain numbers.
+//! Steps on the ground of a robot that is known at run time, and their derivatives, on plain
+//! numbers.
 //!
-//! The numbers of a [`ContactProblem`](crate::ContactProblem) are those of its fields in their order; rows and columns of matrices
-//! are those of the contacts, and `responses` has an entry for each velocity in each row.
+//! The numbers of a [`ContactProblem`](crate::ContactProblem) are those of its fields in their
+//! order; rows and columns of matrices are those of the contacts, and `responses` has an entry for
+//! each velocity in each row.
 //!
 //! A step with the impulses p of contacts and s of stops has the velocities
 //!
@@ -9,7 +11,8 @@
 //! qd' = qd + R^T p + W s,  u = A p + b + R s,  W = M^-1
 //! ```
 //!
-//! where R are the responses, A the mobility, and b the velocities of the contacts less their least speeds.
+//! where R are the responses, A the mobility, and b the velocities of the contacts less their least
+//! speeds.
 
 mod derivatives;
 mod lanes;
@@ -35,7 +38,8 @@ pub struct JointStop {
     pub coordinate: usize,
     /// The index of its velocity.
     pub velocity: usize,
-    /// The lowest and the highest coordinate, rad or m, infinite without a limit. Those of mimic joints count, too.
+    /// The lowest and the highest coordinate, rad or m, infinite without a limit. Those of mimic
+    /// joints count, too.
     pub range: [f64; 2],
 }
 
@@ -50,7 +54,8 @@ pub struct GroundRobot {
 /// The state before a step: the coordinates, the time step (s), and the settings.
 pub type Before<'a, T> = (&'a [T], T, &'a ConstraintSettings<T, Vec<ContactTarget<T>>>);
 
-/// The impulses of a step: three of each contact, along the axes of its target, and one for each velocity, of its stop.
+/// The impulses of a step: three of each contact, along the axes of its target, and one for each
+/// velocity, of its stop.
 pub type StepImpulses<'a, T> = (&'a [T], &'a [T]);
 
 /// The first number of each field of a contact problem, and the number of all numbers.
@@ -65,7 +70,8 @@ struct Places {
 }
 
 impl GroundRobot {
-    /// Returns the model with its contacts, and the limits of its joints as stops if `joint_limits` is set.
+    /// Returns the model with its contacts, and the limits of its joints as stops if `joint_limits`
+    /// is set.
     #[must_use]
     pub fn new(model: &Model, joint_limits: bool) -> Self {
         let links = 0..if joint_limits { model.links().len() } else { 0 };
@@ -105,7 +111,8 @@ impl GroundRobot {
         self.places().end
     }
 
-    /// Returns the index of the first number of a contact's target among the numbers of the settings.
+    /// Returns the index of the first number of a contact's target among the numbers of the
+    /// settings.
     #[must_use]
     pub fn first_number_of(contact: usize) -> usize {
         ConstraintSettings::<f64>::COUNT + contact * ContactTarget::<f64>::COUNT
@@ -122,9 +129,10 @@ impl GroundRobot {
         Places { heights, before, free, mobility, responses, end }
     }
 
-    /// Finds the impulses of a step from those of the last step, which are zero at first, and the velocities after it. Returns what
-    /// is wrong with them, and the work. `problem` returns a number of the contact problem; `inverse` sets the inverse of the mass
-    /// matrix, which is asked for if a joint reaches a stop.
+    /// Finds the impulses of a step from those of the last step, which are zero at first, and the
+    /// velocities after it. Returns what is wrong with them, and the work. `problem` returns a
+    /// number of the contact problem; `inverse` sets the inverse of the mass matrix, which is asked
+    /// for if a joint reaches a stop.
     pub fn solve<T: Decide>(
         &self,
         ground: &Ground<T>,

@@ -269,7 +269,8 @@ fn derivatives_are_those_of_differences() {
     assert!(acted >= 10 && stopped >= 5, "{acted} with contacts, {stopped} with stops");
 }
 
-/// A number that has an effect must not lose it when it is NaN: else a robot falls through the ground, and nothing tells.
+/// A number that has an effect must not lose it when it is NaN: else a robot falls through the
+/// ground, and nothing tells.
 #[test]
 fn nan_reaches_velocities_and_residual() {
     let changed = |case: &Case, k: usize, by: &dyn Fn(f64) -> f64| -> (Case, f64) {
@@ -316,7 +317,8 @@ fn nan_reaches_velocities_and_residual() {
                 velocities.iter().any(|v| v.is_nan()),
                 "{seed}: number {k} is NaN: {velocities:?}"
             );
-            // The free motion, the responses and the inverse of the mass matrix act on velocities, and less on the laws.
+            // The free motion, the responses and the inverse of the mass matrix act on velocities,
+            // and less on the laws.
             let at = robot().places();
             let in_problem = k.checked_sub(N + case.numbers().len());
             let is_of_laws = in_problem.is_none_or(|i| (at.heights..at.responses).contains(&i));
@@ -329,7 +331,8 @@ fn nan_reaches_velocities_and_residual() {
     assert!(effects > 300, "{effects} numbers had an effect");
 }
 
-/// NaN in one state keeps to it: the other lanes are solved as before, and the lane of the state is not solved.
+/// NaN in one state keeps to it: the other lanes are solved as before, and the lane of the state is
+/// not solved.
 #[test]
 fn nan_stays_in_its_lane() {
     const LANES: usize = 8;
