@@ -1,7 +1,8 @@
 //! Arrays of NumPy as arguments and results, without copies where their memory allows it.
 //!
-//! Every argument goes through [`in_order`], and every array that a caller gives for results through [`Output::new`]: the type of its
-//! numbers, its shape, its alignment and order, whether it can be written, and whether its memory is that of an argument.
+//! Every argument goes through [`in_order`], and every array that a caller gives for results
+//! through [`Output::new`]: the type of its numbers, its shape, its alignment and order, whether it
+//! can be written, and whether its memory is that of an argument.
 
 use std::ops::Range;
 
@@ -35,8 +36,8 @@ impl<'py, S: Number> Given<'py, S> {
         Self { name, numbers: Numbers::Owned(numbers), states: None }
     }
 
-    /// Returns the argument `name` of `function`, whose axes have these lengths for one state. An array of the
-    /// scalar in C order is borrowed; all else is converted.
+    /// Returns the argument `name` of `function`, whose axes have these lengths for one state. An
+    /// array of the scalar in C order is borrowed; all else is converted.
     ///
     /// # Errors
     ///
@@ -71,8 +72,8 @@ impl<'py, S: Number> Given<'py, S> {
         Ok(Self { name, numbers: Numbers::Borrowed(array), states })
     }
 
-    /// Returns the argument `name` of `function` as [`read`](Self::read) does. An object that is no array can have other
-    /// numbers for each scalar.
+    /// Returns the argument `name` of `function` as [`read`](Self::read) does. An object that is no
+    /// array can have other numbers for each scalar.
     ///
     /// # Errors
     ///
@@ -134,8 +135,8 @@ fn overlap(function: &str, name: &str) -> PyErr {
     ))
 }
 
-/// Returns an array of the scalar that is aligned and in C order, with the numbers of an object: the object itself where it is one,
-/// else a copy.
+/// Returns an array of the scalar that is aligned and in C order, with the numbers of an object:
+/// the object itself where it is one, else a copy.
 ///
 /// # Errors
 ///
@@ -163,7 +164,8 @@ pub fn in_order<'py, S: Number>(
     convert().map_err(|reason| not_numbers(function, name, reason, py))
 }
 
-/// Returns the error of an object that has no real numbers. Other errors, such as an interrupt or too little memory, stay as they are.
+/// Returns the error of an object that has no real numbers. Other errors, such as an interrupt or
+/// too little memory, stay as they are.
 fn not_numbers(function: &str, name: &str, reason: PyErr, py: Python<'_>) -> PyErr {
     let is_about_numbers =
         reason.is_instance_of::<PyTypeError>(py) || reason.is_instance_of::<PyValueError>(py);
@@ -203,12 +205,13 @@ pub struct Output<'py, S: Number> {
 }
 
 impl<'py, S: Number> Output<'py, S> {
-    /// Returns the output of `function` with this layout and `length` numbers for each state: new arrays, or `out`.
+    /// Returns the output of `function` with this layout and `length` numbers for each state: new
+    /// arrays, or `out`.
     ///
     /// # Errors
     ///
-    /// `TypeError` if `out` is not an array of the scalar or a named tuple of them, `ValueError` if it has another shape,
-    /// cannot be written or overlaps an argument.
+    /// `TypeError` if `out` is not an array of the scalar or a named tuple of them, `ValueError` if
+    /// it has another shape, cannot be written or overlaps an argument.
     pub fn new(
         py: Python<'py>,
         function: &str,
@@ -386,7 +389,8 @@ fn writable<'py, S: Number>(
     })
 }
 
-/// Returns the shape of a result of one state, and whether it is in Fortran's order, if it is one array in either order.
+/// Returns the shape of a result of one state, and whether it is in Fortran's order, if it is one
+/// array in either order.
 pub fn single(layout: &Layout, length: usize) -> Option<(Vec<usize>, bool)> {
     match layout {
         Layout::Array(leaf) => Some((leaf.shape(None), order(leaf, None, length)?)),
@@ -394,11 +398,13 @@ pub fn single(layout: &Layout, length: usize) -> Option<(Vec<usize>, bool)> {
     }
 }
 
-/// Returns whether an array that is all numbers of a result is in Fortran's order; `None` if it is in neither order.
+/// Returns whether an array that is all numbers of a result is in Fortran's order; `None` if it is
+/// in neither order.
 fn order(leaf: &Leaf, states: Option<usize>, length: usize) -> Option<bool> {
     let axes = states.map(|states| (states, length)).into_iter().chain(leaf.axes.iter().copied());
     let axes: Vec<(usize, usize)> = axes.collect();
-    // The numbers so far, from the axis of the smallest stride; `None` after an axis with another stride.
+    // The numbers so far, from the axis of the smallest stride; `None` after an axis with another
+    // stride.
     let next = |sum: Option<usize>, &(n, stride): &(usize, usize)| {
         sum.filter(|&numbers| stride == numbers).map(|numbers| numbers * n)
     };

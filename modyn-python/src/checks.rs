@@ -1,4 +1,5 @@
-//! The ranges of arguments that a call checks: settings of constraints, time steps on the ground, and parts of ranges.
+//! The ranges of arguments that a call checks: settings of constraints, time steps on the ground,
+//! and parts of ranges.
 
 use modyn_codegen::Function;
 use modyn_codegen::plan::{Argument, ArgumentKind};
@@ -39,7 +40,8 @@ impl Check {
     ///
     /// # Errors
     ///
-    /// If a number is not finite or outside of its range. The message names the number, its value, its range and its state.
+    /// If a number is not finite or outside of its range. The message names the number, its value,
+    /// its range and its state.
     pub fn run<S: Number>(
         self,
         name: &'static str,

@@ -80,7 +80,8 @@ conversions! {
     mujoco_from_qacc = mujoco::from_qacc, (q: 7, qd: 6, qacc: 6);
 }
 
-/// Returns `alpha`, `beta` and `compliance` of a contact with MuJoCo's `solref`, an impedance, and a mobility (1/kg).
+/// Returns `alpha`, `beta` and `compliance` of a contact with MuJoCo's `solref`, an impedance, and
+/// a mobility (1/kg).
 #[pyfunction]
 pub fn mujoco_contact(
     solref: [f64; 2],

@@ -1,4 +1,5 @@
-//! Functions without machine code: their programs, evaluated operation by operation, or the interpreter where a program is too long.
+//! Functions without machine code: their programs, evaluated operation by operation, or the
+//! interpreter where a program is too long.
 
 use std::sync::{Mutex, PoisonError};
 

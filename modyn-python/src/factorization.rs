@@ -71,8 +71,9 @@ impl Factorization {
 
 #[pymethods]
 impl Robot {
-    /// Returns the factorization U D U^T of the mass matrix at `q`, (nq,), by kinematic modules, by block reverse Gaussian
-    /// elimination. The option `modules` selects the modules. The factors are in `float64` for every robot.
+    /// Returns the factorization U D U^T of the mass matrix at `q`, (nq,), by kinematic modules, by
+    /// block reverse Gaussian elimination. The option `modules` selects the modules. The factors
+    /// are in `float64` for every robot.
     fn brge(&self, q: &Bound<'_, PyAny>) -> PyResult<Factorization> {
         self.check_has(Function::Brge)?;
         let q = Given::<f64>::read("brge", "q", &[self.model().nq()], q)?;

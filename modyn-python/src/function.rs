@@ -38,11 +38,13 @@ pub trait RobotFunction: Send + Sync {
     /// If the robot does not have the parameter, or no rigid body has the inertia.
     fn apply(&self, change: &Change, model: &Model) -> Result<(), String>;
 
-    /// Calls the function for one state, or for many if an argument has many. The interpreter's lock is released for many.
+    /// Calls the function for one state, or for many if an argument has many. The interpreter's
+    /// lock is released for many.
     ///
     /// # Errors
     ///
-    /// If an argument does not fit, arguments have different numbers of states, or `out` does not fit.
+    /// If an argument does not fit, arguments have different numbers of states, or `out` does not
+    /// fit.
     fn call<'py>(
         &self,
         py: Python<'py>,
@@ -52,8 +54,8 @@ pub trait RobotFunction: Send + Sync {
     ) -> PyResult<Bound<'py, PyAny>>;
 }
 
-/// Returns the function of a planning that has this one alone, as machine code; the reason why there is none is added,
-/// and the function is then evaluated.
+/// Returns the function of a planning that has this one alone, as machine code; the reason why
+/// there is none is added, and the function is then evaluated.
 pub fn compiled(
     planning: Planning,
     scalar: FloatType,
@@ -312,7 +314,8 @@ impl<S: Number> Typed<S> {
         let cost =
             call.as_ref().map_or(INSTRUCTIONS_PER_THREAD, |call| call.size().instructions / 4 + 1);
         let lanes = MAX_VECTOR_BYTES / size_of::<S>();
-        // The states between two questions whether the work must end. The time of a program that is evaluated is not known.
+        // The states between two questions whether the work must end. The time of a program that is
+        // evaluated is not known.
         let piece = match call.is_some() && is_countable {
             true => (BETWEEN_QUESTIONS / cost).next_multiple_of(lanes).max(lanes),
             false => 1,
@@ -421,7 +424,8 @@ fn rounded<S: Number>(inertial: &Inertial) -> Inertial<S> {
     inertial.map(S::from_f64)
 }
 
-/// Returns the default settings of constraints as this many numbers, in the order of `ConstraintSettings`.
+/// Returns the default settings of constraints as this many numbers, in the order of
+/// `ConstraintSettings`.
 pub fn default_settings<S: Number>(length: usize) -> Vec<S> {
     let contacts = S::GROUND.numbers().into_iter().cycle();
     S::SETTINGS.numbers().into_iter().chain(contacts).take(length).collect()

@@ -1,4 +1,5 @@
-//! Layouts of results as arrays: each array is a view with strides into the numbers that a function writes.
+//! Layouts of results as arrays: each array is a view with strides into the numbers that a function
+//! writes.
 
 use modyn_codegen::plan::{Elements, Record, Shape};
 
@@ -43,7 +44,8 @@ impl Leaf {
         states.into_iter().chain(self.axes.iter().map(|axis| axis.0)).collect()
     }
 
-    /// Returns the strides of the axes in bytes, after that of the states of a batch with `length` numbers each.
+    /// Returns the strides of the axes in bytes, after that of the states of a batch with `length`
+    /// numbers each.
     pub fn strides<S>(&self, states: Option<usize>, length: usize) -> Vec<usize> {
         let strides = states.map(|_| length).into_iter().chain(self.axes.iter().map(|axis| axis.1));
         strides.map(|stride| stride * size_of::<S>()).collect()

@@ -41,11 +41,13 @@ use crate::robot::Robot;
 
 /// Reads the robot of a file, URDF, SDF or MJCF.
 ///
-/// The keyword arguments are modyn's options about a robot: `gravity`, `base`, `mimic`, `rotors`, `loops`, `contacts`,
-/// `friction`, `unphysical_inertia`, `unread_forces`, `packages`, `xacro_args`, `bundles`, `modules`, `scalar`, `runtime_gravity`, `runtime_inertia` and `payload`;
-/// with `machine_code=False`, functions are evaluated instead of compiled.
+/// The keyword arguments are modyn's options about a robot: `gravity`, `base`, `mimic`, `rotors`,
+/// `loops`, `contacts`, `friction`, `unphysical_inertia`, `unread_forces`, `packages`,
+/// `xacro_args`, `bundles`, `modules`, `scalar`, `runtime_gravity`, `runtime_inertia` and
+/// `payload`; with `machine_code=False`, functions are evaluated instead of compiled.
 ///
-/// `OSError` if the file cannot be read, `DescriptionError` with file, line and column if the description is wrong.
+/// `OSError` if the file cannot be read, `DescriptionError` with file, line and column if the
+/// description is wrong.
 #[pyfunction]
 #[pyo3(signature = (path, /, **options))]
 fn load(
@@ -66,7 +68,8 @@ fn load(
     read(py, text, name, folder, options)
 }
 
-/// Returns the exception of a file that cannot be opened: an `OSError` with the number, the reason and the file's name.
+/// Returns the exception of a file that cannot be opened: an `OSError` with the number, the reason
+/// and the file's name.
 fn unreadable(py: Python<'_>, path: &Path, error: std::io::Error) -> PyErr {
     let Some(number) = error.raw_os_error() else {
         return error.into();
@@ -78,8 +81,9 @@ fn unreadable(py: Python<'_>, path: &Path, error: std::io::Error) -> PyErr {
     }
 }
 
-/// Reads the robot of a text, URDF, SDF or MJCF; `file` is the name in diagnostics, and `folder` that of files which the text
-/// names: without it, no other file is read. The other keyword arguments are those of `load`.
+/// Reads the robot of a text, URDF, SDF or MJCF; `file` is the name in diagnostics, and `folder`
+/// that of files which the text names: without it, no other file is read. The other keyword
+/// arguments are those of `load`.
 #[pyfunction]
 #[pyo3(signature = (text, /, file="robot", *, folder=None, **options))]
 fn loads(
@@ -141,7 +145,8 @@ fn functions(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
     PyList::new(py, one.map(|function| function.name()))
 }
 
-/// Returns the names of the options of `load`, each with an example, its default and its documentation.
+/// Returns the names of the options of `load`, each with an example, its default and its
+/// documentation.
 #[pyfunction]
 fn options_table() -> Vec<(&'static str, String, &'static str, &'static str)> {
     options::rows().map(|row| (row.name, options::example(row), row.default, row.docs)).collect()

@@ -1,9 +1,11 @@
-//! New arrays. [`filled`] fills one without the bookkeeping of borrows, which would take as long as the dynamics of an arm.
+//! New arrays. [`filled`] fills one without the bookkeeping of borrows, which would take as long as
+//! the dynamics of an arm.
 //!
-//! Unsafe code: a call of NumPy's C interface, and a slice of an array's memory. The call has as many lengths as it says, gives
-//! away a reference to the type of numbers, as `PyArray_Zeros` expects, and its result is checked. The slice is sound because the array
-//! is made here. It is contiguous and initialized, nobody else refers to it before [`filled`] returns, and Python code cannot find
-//! it: NumPy's arrays are not tracked by Python's garbage collector.
+//! Unsafe code: a call of NumPy's C interface, and a slice of an array's memory. The call has as
+//! many lengths as it says, gives away a reference to the type of numbers, as `PyArray_Zeros`
+//! expects, and its result is checked. The slice is sound because the array is made here. It is
+//! contiguous and initialized, nobody else refers to it before [`filled`] returns, and Python code
+//! cannot find it: NumPy's arrays are not tracked by Python's garbage collector.
 #![allow(unsafe_code)]
 
 use std::ffi::c_int;

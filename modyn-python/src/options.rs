@@ -56,8 +56,8 @@ fn row(name: &str) -> &'static OptionRow {
     rows().find(|row| row.name == name).expect("an option of `load`")
 }
 
-/// Returns the exception of a value with a fault. Its form is that of values of Python, unless the value was a text in the
-/// syntax of the command line.
+/// Returns the exception of a value with a fault. Its form is that of values of Python, unless the
+/// value was a text in the syntax of the command line.
 fn wrong(row: &OptionRow, is_text: bool, fault: OptionError) -> PyErr {
     let OptionRow { name, form, docs, .. } = row;
     let OptionError { message, is_form, .. } = fault;
@@ -150,7 +150,8 @@ fn parsed(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Value> {
 /// The characters of a value that a message shows.
 const MAX_SHOWN: usize = 80;
 
-/// Returns the object of Python that an object of NumPy or of the file system stands for: a number, the name of a scalar, a path.
+/// Returns the object of Python that an object of NumPy or of the file system stands for: a number,
+/// the name of a scalar, a path.
 fn plain<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let py = object.py();
     let numpy = py.import("numpy")?;
@@ -167,7 +168,8 @@ fn plain<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     Ok(object.clone())
 }
 
-/// Returns the value of an object: a dictionary is a list of pairs, and a tuple that begins with a text is a call.
+/// Returns the value of an object: a dictionary is a list of pairs, and a tuple that begins with a
+/// text is a call.
 fn value(object: &Bound<'_, PyAny>) -> Option<Value> {
     let object = &plain(object).ok()?;
     let kind = if let Ok(flag) = object.cast::<PyBool>() {
@@ -195,7 +197,8 @@ fn pairs(pairs: &Bound<'_, PyDict>) -> Option<Vec<Value>> {
     pairs.iter().map(pair).collect()
 }
 
-/// Returns the name and the arguments of a tuple that begins with a text; the pairs of a dictionary are arguments.
+/// Returns the name and the arguments of a tuple that begins with a text; the pairs of a dictionary
+/// are arguments.
 fn call(object: &Bound<'_, PyAny>) -> Option<(String, Option<Vec<Value>>)> {
     let items = object.cast::<PyTuple>().ok()?;
     let first = items.get_item(0).ok()?;

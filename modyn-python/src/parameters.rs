@@ -16,7 +16,8 @@ pub struct ParameterNumbers<S> {
 }
 
 impl<S: Number> ParameterNumbers<S> {
-    /// Returns the numbers of the description; `is_used` says whether there are programs that depend on them.
+    /// Returns the numbers of the description; `is_used` says whether there are programs that
+    /// depend on them.
     pub fn new(plan: &Plan, gravity: [f64; 3], is_used: bool) -> Self {
         let all = Self::of(&plan.parameters, gravity);
         if is_used { all } else { Self { numbers: Vec::new(), ..all } }

@@ -10,8 +10,9 @@ use crate::robot::Robot;
 
 #[pymethods]
 impl Robot {
-    /// Returns a page of HTML that shows the robot in motion, with its shapes. `times`, (n,), s, must ascend; `trajectory`, (n, nq),
-    /// has the coordinates at each time. The ground is drawn at the height `ground`, m; by default at zero, or below the motion.
+    /// Returns a page of HTML that shows the robot in motion, with its shapes. `times`, (n,), s,
+    /// must ascend; `trajectory`, (n, nq), has the coordinates at each time. The ground is drawn at
+    /// the height `ground`, m; by default at zero, or below the motion.
     #[pyo3(signature = (times, trajectory, ground = None))]
     fn animation(
         &self,
@@ -41,8 +42,8 @@ impl Robot {
         Ok(scene.page())
     }
 
-    /// Returns the kinematic modules and the sparsity of the mass matrix and of its factors as a picture for notebooks; `None`
-    /// for a robot that is too large to draw.
+    /// Returns the kinematic modules and the sparsity of the mass matrix and of its factors as a
+    /// picture for notebooks; `None` for a robot that is too large to draw.
     fn _repr_html_(&self) -> Option<String> {
         let sparsity = Sparsity::of(self.model(), self.modules()).ok()?;
         Some(draw(self.model(), self.modules(), &sparsity))

@@ -1,4 +1,5 @@
-//! Threads that share the work of a call, and that end early when Python has a signal, such as Ctrl-C.
+//! Threads that share the work of a call, and that end early when Python has a signal, such as
+//! Ctrl-C.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -25,7 +26,8 @@ pub fn threads() -> usize {
     }
 }
 
-/// The time between two looks at Python's signals. A look takes Python's lock, for which other threads may make it wait.
+/// The time between two looks at Python's signals. A look takes Python's lock, for which other
+/// threads may make it wait.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(30);
 
 /// The instructions between two questions whether the work must end, about 0.5 ms.
@@ -67,7 +69,8 @@ impl<'p> Questions<'p> {
     }
 }
 
-/// Threads that are started for a call. Python runs its handlers of signals on the thread that calls, between pieces of the work.
+/// Threads that are started for a call. Python runs its handlers of signals on the thread that
+/// calls, between pieces of the work.
 pub struct StartedThreads {
     caller: ThreadId,
     must_end: AtomicBool,
@@ -86,7 +89,8 @@ impl StartedThreads {
     ///
     /// # Errors
     ///
-    /// The exception of a signal's handler, such as `KeyboardInterrupt`: then the work is not complete.
+    /// The exception of a signal's handler, such as `KeyboardInterrupt`: then the work is not
+    /// complete.
     pub fn finish(self) -> PyResult<()> {
         let (_, error) = self.looked.into_inner().unwrap_or_else(PoisonError::into_inner);
         error.map_or(Ok(()), Err)

@@ -27,11 +27,13 @@ use crate::number::Number;
 use crate::options;
 use crate::parameters::ParameterNumbers;
 
-/// A robot: a description (URDF, SDF or MJCF) whose functions are compiled to machine code, each at its first use.
+/// A robot: a description (URDF, SDF or MJCF) whose functions are compiled to machine code, each at
+/// its first use.
 ///
-/// `load` and `loads` make robots. Arguments and results are in SI units and radians, and joint vectors have the order of
-/// `coordinate_names` and `velocity_names`. Each argument has one state, or n states as n rows; the result then has n
-/// rows, too. `out` is an array (for several results: an earlier result) that the call writes and returns.
+/// `load` and `loads` make robots. Arguments and results are in SI units and radians, and joint
+/// vectors have the order of `coordinate_names` and `velocity_names`. Each argument has one state,
+/// or n states as n rows; the result then has n rows, too. `out` is an array (for several results:
+/// an earlier result) that the call writes and returns.
 #[pyclass(frozen, module = "modyn", weakref)]
 pub struct Robot {
     builder: Builder,
@@ -72,7 +74,8 @@ impl Robot {
     ///
     /// # Errors
     ///
-    /// `DescriptionError` with all errors of the description; `TypeError` and `ValueError` for options.
+    /// `DescriptionError` with all errors of the description; `TypeError` and `ValueError` for
+    /// options.
     pub fn read(
         py: Python<'_>,
         (text, file, folder): Source,
@@ -217,8 +220,8 @@ impl Robot {
         Err(PyValueError::new_err(message))
     }
 
-    /// Compiles the function of a builder; a function of the table that is too long is computed by the interpreter. Python's lock is
-    /// held, so that no process is forked meanwhile.
+    /// Compiles the function of a builder; a function of the table that is too long is computed by
+    /// the interpreter. Python's lock is held, so that no process is forked meanwhile.
     fn compiled<'s>(
         &self,
         py: Python<'_>,
@@ -253,7 +256,8 @@ impl Robot {
 
     /// Applies a change of the run-time parameters to all functions.
     fn change(&self, py: Python<'_>, change: Change) -> PyResult<()> {
-        // The interpreter refuses inertias that no rigid body has, also where no function has machine code.
+        // The interpreter refuses inertias that no rigid body has, also where no function has
+        // machine code.
         change.set(&mut self.interpreter()?).map_err(PyValueError::new_err)?;
         // A function that depends on all parameters refuses those that the robot does not have.
         let first =
@@ -324,7 +328,8 @@ impl Robot {
         self.parameters.len()
     }
 
-    /// Returns the run-time parameters in the order of their numbers: the option, the link and the present numbers of each.
+    /// Returns the run-time parameters in the order of their numbers: the option, the link and the
+    /// present numbers of each.
     ///
     /// # Errors
     ///
@@ -453,7 +458,8 @@ impl Robot {
         self.model.name()
     }
 
-    /// The type of the numbers in arguments and results: `float64`, or `float32` with the option `scalar="f32"`.
+    /// The type of the numbers in arguments and results: `float64`, or `float32` with the option
+    /// `scalar="f32"`.
     #[getter]
     fn dtype<'py>(&self, py: Python<'py>) -> Bound<'py, PyArrayDescr> {
         match self.scalar {
@@ -486,7 +492,8 @@ impl Robot {
         self.model.frames().iter().map(|frame| frame.name.as_str()).collect()
     }
 
-    /// The name of each entry of `q`: the joint's name, and the component for joints with several coordinates.
+    /// The name of each entry of `q`: the joint's name, and the component for joints with several
+    /// coordinates.
     #[getter]
     fn coordinate_names(&self) -> Vec<String> {
         self.model.coordinate_names()
@@ -510,7 +517,8 @@ impl Robot {
         self.model.contacts().iter().map(|contact| contact.name.as_str()).collect()
     }
 
-    /// The acceleration of free fall at present, in world axes, (3,), m/s^2: that of the description, or of `set_gravity`.
+    /// The acceleration of free fall at present, in world axes, (3,), m/s^2: that of the
+    /// description, or of `set_gravity`.
     #[getter]
     fn gravity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let changes = self.changes.lock().unwrap_or_else(PoisonError::into_inner);
@@ -521,8 +529,8 @@ impl Robot {
         PyArray1::from_slice(py, &last.unwrap_or(self.model.gravity()))
     }
 
-    /// The joint limits, infinite without a limit: `lower` and `upper` (nq,), rad or m; `velocity` (nv,), rad/s or m/s;
-    /// `effort` (nv,), N m or N.
+    /// The joint limits, infinite without a limit: `lower` and `upper` (nq,), rad or m; `velocity`
+    /// (nv,), rad/s or m/s; `effort` (nv,), N m or N.
     #[getter]
     fn limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let nq = |link: &Link| link.joint.joint_type.nq();
@@ -540,7 +548,8 @@ impl Robot {
         py.import("modyn._types")?.getattr("JointLimits")?.call1(PyTuple::new(py, all)?)
     }
 
-    /// The joints with coordinates of their own: the name, the type and the entries of `q` and `qd` of each.
+    /// The joints with coordinates of their own: the name, the type and the entries of `q` and `qd`
+    /// of each.
     #[getter]
     fn joints<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         let class = py.import("modyn._types")?.getattr("Joint")?;
@@ -557,8 +566,8 @@ impl Robot {
         .collect()
     }
 
-    /// Returns the mimic joints that follow others: the name of each, the entries of `q` and `qd` of its leader, and the multiplier and
-    /// the offset of its coordinate. For `modyn.conventions`.
+    /// Returns the mimic joints that follow others: the name of each, the entries of `q` and `qd`
+    /// of its leader, and the multiplier and the offset of its coordinate. For `modyn.conventions`.
     fn _followers(&self) -> Vec<(&str, usize, usize, f64, f64)> {
         let links = self.model.links().iter().enumerate();
         let followers = links.filter_map(|(i, link)| {
@@ -569,16 +578,17 @@ impl Robot {
         followers.collect()
     }
 
-    /// The inertial parameters of the moving links at present, ten for each link, as in `regressor`: those of the description, with
-    /// the changes of `set_inertia` and `set_payload`.
+    /// The inertial parameters of the moving links at present, ten for each link, as in
+    /// `regressor`: those of the description, with the changes of `set_inertia` and `set_payload`.
     #[getter]
     fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         Ok(PyArray1::from_vec(py, self.present_parameters()?))
     }
 
-    /// Returns the base parameters: a smallest set of combinations of inertial parameters that determines all joint forces.
-    /// `names` has each combination as text, `columns` the column of `regressor` of each, and `values` the present
-    /// numbers. Finding them takes a while (Gautier 1991).
+    /// Returns the base parameters: a smallest set of combinations of inertial parameters that
+    /// determines all joint forces. `names` has each combination as text, `columns` the column of
+    /// `regressor` of each, and `values` the present numbers. Finding them takes a while (Gautier
+    /// 1991).
     fn base_parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let base = py.detach(|| BaseParameters::new(&self.model));
         let names: Vec<&str> = base.parameters.iter().map(BaseParameter::name).collect();
@@ -613,7 +623,8 @@ impl Robot {
         Ok(all)
     }
 
-    /// Returns the coordinates of the keyframe of this name, (nq,); `KeyError` names those that there are.
+    /// Returns the coordinates of the keyframe of this name, (nq,); `KeyError` names those that
+    /// there are.
     fn keyframe<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         let Some(q) = self.model.keyframe(name) else {
             let known: Vec<&str> =
@@ -627,8 +638,8 @@ impl Robot {
         Ok(self.coordinates(py, q.to_vec()))
     }
 
-    /// Checks that the quaternions of spherical and floating joints in `q`, (nq,), have length 1; `ValueError` names the
-    /// first joint whose quaternion does not.
+    /// Checks that the quaternions of spherical and floating joints in `q`, (nq,), have length 1;
+    /// `ValueError` names the first joint whose quaternion does not.
     fn check_configuration(&self, q: &Bound<'_, PyAny>) -> PyResult<()> {
         let q = Given::<f64>::read("check_configuration", "q", &[self.model.nq()], q)?;
         let interpreter = Interpreter::<f64>::new(self.model.clone());
@@ -636,13 +647,15 @@ impl Robot {
         checked.map_err(|error| PyValueError::new_err(error.to_string()))
     }
 
-    /// Sets gravity, the acceleration of free fall in world axes, (3,), m/s^2. Needs the option `runtime_gravity`.
+    /// Sets gravity, the acceleration of free fall in world axes, (3,), m/s^2. Needs the option
+    /// `runtime_gravity`.
     fn set_gravity(&self, py: Python<'_>, gravity: &Bound<'_, PyAny>) -> PyResult<()> {
         self.change(py, Change::Gravity(vector("set_gravity", "gravity", gravity)?))
     }
 
-    /// Sets the inertia of a link, in its own frame, in place of the description's: the mass, kg; the centre of mass (3,), m;
-    /// ixx, ixy, ixz, iyy, iyz, izz about the centre of mass, (6,), kg m^2. Needs the option `runtime_inertia`.
+    /// Sets the inertia of a link, in its own frame, in place of the description's: the mass, kg;
+    /// the centre of mass (3,), m; ixx, ixy, ixz, iyy, iyz, izz about the centre of mass, (6,), kg
+    /// m^2. Needs the option `runtime_inertia`.
     fn set_inertia(
         &self,
         py: Python<'_>,
@@ -657,8 +670,9 @@ impl Robot {
         self.change(py, Change::Inertia(link, Inertial { mass, center_of_mass, inertia }))
     }
 
-    /// Sets the payload of a link, in the link's frame: an inertia that is added to the link's, with the units of
-    /// `set_inertia`. The default is a point mass at the link's origin. Needs the option `payload`.
+    /// Sets the payload of a link, in the link's frame: an inertia that is added to the link's,
+    /// with the units of `set_inertia`. The default is a point mass at the link's origin. Needs the
+    /// option `payload`.
     #[pyo3(signature = (link, mass, center_of_mass=None, inertia=None))]
     fn set_payload(
         &self,
@@ -754,7 +768,8 @@ impl Robot {
         format!("<modyn.Robot '{name}', nq = {nq}, nv = {nv}>")
     }
 
-    /// Pickles the description with the options and the present parameters; machine code is made again.
+    /// Pickles the description with the options and the present parameters; machine code is made
+    /// again.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
         let (py, robot) = (slf.py(), slf.get());
         let ((text, file, folder), options) = &robot.source;

@@ -25,11 +25,13 @@ impl<S: Number> ArrayCode<S> {
         }
     }
 
-    /// Computes the results of all states of a broadcast of arrays, which `pool` shares; not all of them if the pool must end.
+    /// Computes the results of all states of a broadcast of arrays, which `pool` shares; not all of
+    /// them if the pool must end.
     ///
     /// # Errors
     ///
-    /// If there are other arrays than those of the function, if one is too short, or if a number is outside of its range.
+    /// If there are other arrays than those of the function, if one is too short, or if a number is
+    /// outside of its range.
     pub fn compute(
         &self,
         broadcast: &Broadcast<'_>,
@@ -55,8 +57,8 @@ impl<S: Number> ArrayCode<S> {
     }
 }
 
-/// Computes all states by `run`, which gets states and the number of states that are computed together. `cost` are the instructions of
-/// a state, as they count in threads.
+/// Computes all states by `run`, which gets states and the number of states that are computed
+/// together. `cost` are the instructions of a state, as they count in threads.
 fn share(
     run: &(dyn Fn(Range<usize>, usize) + Sync),
     states: usize,

@@ -1,9 +1,11 @@
-//! The step on the ground as a function of arrays, and its derivatives: the contact problem, the impulses and the coordinates, each for
-//! all lanes before the next.
+//! The step on the ground as a function of arrays, and its derivatives: the contact problem, the
+//! impulses and the coordinates, each for all lanes before the next.
 //!
-//! The arrays are, in this order: `q`, `qd`, the impulses of contacts and of stops, and the residual, which are the state; `tau`, `dt`,
-//! the settings, the gains and references of a feedback, and the run-time parameters. The contact problem and the integration are
-//! programs. `modyn_runtime::simulate::by_numbers` finds the impulses: in lanes where sweeps suffice, else lane by lane.
+//! The arrays are, in this order: `q`, `qd`, the impulses of contacts and of stops, and the
+//! residual, which are the state; `tau`, `dt`, the settings, the gains and references of a
+//! feedback, and the run-time parameters. The contact problem and the integration are programs.
+//! `modyn_runtime::simulate::by_numbers` finds the impulses: in lanes where sweeps suffice, else
+//! lane by lane.
 
 use std::borrow::Cow;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -37,8 +39,9 @@ const STATE: usize = 5;
 /// The arrays of the state that are no arguments of the contact problem.
 const OWN: usize = 3;
 
-/// The options of a step on the ground; `None` is the default: whether joints have stops, the tolerance, the largest numbers of sweeps
-/// and of Newton steps, and the height field: its origin, its spacing, its columns and its heights.
+/// The options of a step on the ground; `None` is the default: whether joints have stops, the
+/// tolerance, the largest numbers of sweeps and of Newton steps, and the height field: its origin,
+/// its spacing, its columns and its heights.
 pub type GroundOptions =
     (Option<bool>, Option<f64>, Option<usize>, Option<usize>, Option<FieldNumbers>);
 
@@ -238,7 +241,8 @@ impl Parts<EntryFunction> {
             cost: false,
             derivatives: Vec::new(),
         };
-        // Of the derivatives of forward dynamics that by the joint forces, after the accelerations and two other matrices.
+        // Of the derivatives of forward dynamics that by the joint forces, after the accelerations
+        // and two other matrices.
         let by_forces = nv + 2 * nv * nv..nv + 3 * nv * nv;
         let inverse = || part(Function::ForwardDynamicsDerivatives, by_forces);
         Self {
@@ -260,8 +264,8 @@ impl Parts<EntryFunction> {
         }
     }
 
-    /// Returns the derivatives of the programs for that of a step by these arguments. `parameters` is the index of the run-time
-    /// parameters among the arguments of the step.
+    /// Returns the derivatives of the programs for that of a step by these arguments. `parameters`
+    /// is the index of the run-time parameters among the arguments of the step.
     fn derivative(
         &self,
         mode: DerivativeMode,
@@ -292,7 +296,8 @@ impl Parts<EntryFunction> {
     }
 }
 
-/// Returns the arguments of a step that vary in the contact problem, if these of the step do; `q` and `qd` always vary.
+/// Returns the arguments of a step that vary in the contact problem, if these of the step do; `q`
+/// and `qd` always vary.
 fn varying_in_problem(variables: &[usize]) -> impl Iterator<Item = usize> {
     [Q, QD].into_iter().chain(variables.iter().copied().filter(|&k| k >= STATE))
 }
@@ -432,7 +437,8 @@ fn copy_numbers<S: Copy, const COUNT: usize>(
     }
 }
 
-/// The velocities after a step, the impulses, and the displacement of the coordinates; or their changes.
+/// The velocities after a step, the impulses, and the displacement of the coordinates; or their
+/// changes.
 struct After<S> {
     velocities: Rows<S>,
     contacts: Rows<S>,
@@ -486,7 +492,8 @@ impl<S: Number> OwnKernel<S> for ReadyGround<'_, S> {
 }
 
 impl<S: Number> ReadyGround<'_, S> {
-    /// Returns the arguments with the planes of the height field below the contacts as their targets.
+    /// Returns the arguments with the planes of the height field below the contacts as their
+    /// targets.
     fn on_field(&self, numbers: &[S], lanes: usize) -> Option<Vec<S>> {
         let (function, kernel) = (self.function, self.parts.places.as_ref()?);
         let field = function.field.as_ref()?;
@@ -600,7 +607,8 @@ impl<S: Number> ReadyGround<'_, S> {
         }
     }
 
-    /// Returns the arguments of the inverse of the mass matrix of a lane: q, qd, tau and the parameters.
+    /// Returns the arguments of the inverse of the mass matrix of a lane: q, qd, tau and the
+    /// parameters.
     fn of_inverse(&self, given: &Given<'_, S>, lane: usize) -> Vec<S> {
         let parameters = self.function.has_parameters.then(|| given.lengths.len() - 1);
         let all = [Q, QD, TAU].into_iter().chain(parameters);
@@ -822,8 +830,8 @@ impl<S: Number> ReadyGround<'_, S> {
         places.for_each(|place| *place = S::zero());
     }
 
-    /// Returns the changes of what a step finds under changes of its arguments and of the numbers of the contact problem. Each has rows
-    /// of as many directions for each lane of `given`.
+    /// Returns the changes of what a step finds under changes of its arguments and of the numbers
+    /// of the contact problem. Each has rows of as many directions for each lane of `given`.
     fn changes(
         &self,
         given: &Given<'_, S>,
@@ -914,7 +922,8 @@ impl<S: Number> Given<'_, S> {
         lane_of(self.rows(array), lane, self.lanes)
     }
 
-    /// Returns the arguments of the contact problem: those of the step without impulses and residual.
+    /// Returns the arguments of the contact problem: those of the step without impulses and
+    /// residual.
     fn of_problem(&self) -> Vec<S> {
         let count = |lengths: &[usize]| lengths.iter().sum::<usize>() * self.lanes;
         let (state, all) = (count(&self.lengths[..CONTACTS]), count(self.lengths));

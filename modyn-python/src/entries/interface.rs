@@ -1,5 +1,5 @@
-//! The part of XLA's C interface of custom calls that modyn uses, as `xla/ffi/api/c_api.h` declares it (version 0.1 and later, which
-//! add fields after these alone).
+//! The part of XLA's C interface of custom calls that modyn uses, as `xla/ffi/api/c_api.h` declares
+//! it (version 0.1 and later, which add fields after these alone).
 
 use std::ffi::{c_char, c_void};
 

@@ -1,4 +1,5 @@
-//! A function of arrays, on the arrays of a call: one state after the other, or a state in each lane.
+//! A function of arrays, on the arrays of a call: one state after the other, or a state in each
+//! lane.
 
 use std::cell::Cell;
 use std::ops::Range;
@@ -106,8 +107,8 @@ enum Code<S: Number + 'static> {
 }
 
 impl<S: Number> StateFunction<S> {
-    /// Returns the only function of a planning, with the shapes of its arrays, and the reason why there is no machine code, if it was
-    /// wanted; `None` if nothing was planned.
+    /// Returns the only function of a planning, with the shapes of its arrays, and the reason why
+    /// there is no machine code, if it was wanted; `None` if nothing was planned.
     pub fn new(
         planning: Planning,
         shapes: ArrayShapes,
@@ -142,7 +143,8 @@ impl<S: Number> StateFunction<S> {
     ///
     /// # Errors
     ///
-    /// If the function was not compiled or has no program of one state, which no caller can bring about.
+    /// If the function was not compiled or has no program of one state, which no caller can bring
+    /// about.
     pub fn kernel(&self) -> Result<Kernel<'_, S>, String> {
         let runner = match &self.code {
             Code::Machine(compiled, name) => {
@@ -173,7 +175,8 @@ impl<'a, S: Number> Arrays<'a, S> {
     ///
     /// # Errors
     ///
-    /// If there are other arrays than those of the function, if one is too short, or if a number is outside of its range.
+    /// If there are other arrays than those of the function, if one is too short, or if a number is
+    /// outside of its range.
     pub fn new(
         shapes: &'a ArrayShapes,
         broadcast: &'a Broadcast<'a>,
@@ -214,8 +217,8 @@ impl<'a, S: Number> Arrays<'a, S> {
         self.outputs[array].at(state * self.lengths[array] + at, count)
     }
 
-    /// Calls `each` with the rows of numbers in lanes that an argument is copied to: in each lane the numbers of a state, from
-    /// number `at` on. The last state fills the lanes that are left.
+    /// Calls `each` with the rows of numbers in lanes that an argument is copied to: in each lane
+    /// the numbers of a state, from number `at` on. The last state fills the lanes that are left.
     pub fn gather(
         &self,
         array: usize,
@@ -275,8 +278,9 @@ impl<S: Number> Kernel<'_, S> {
         }
     }
 
-    /// Returns the instructions of one state until the next question whether the work must end. The time of a program that is evaluated,
-    /// and of a solver that iterates, is not known: the question comes after each state.
+    /// Returns the instructions of one state until the next question whether the work must end. The
+    /// time of a program that is evaluated, and of a solver that iterates, is not known: the
+    /// question comes after each state.
     pub fn work(&self) -> usize {
         match &self.runner {
             Runner::Machine(_) => self.cost(),

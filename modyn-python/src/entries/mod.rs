@@ -1,4 +1,5 @@
-//! Functions of arrays for libraries that differentiate by every entry of their arrays: JAX and PyTorch.
+//! Functions of arrays for libraries that differentiate by every entry of their arrays: JAX and
+//! PyTorch.
 //!
 //! ```text
 //! Robot ─ plan_entries ─▶ ArrayCode, by a key of its content ─┬─ xla.rs: XLA calls it with its buffers and threads
@@ -51,7 +52,8 @@ enum AnyCode {
 }
 
 impl AnyCode {
-    /// Returns the only function of a planning, and the reason why there is no machine code, if it was wanted.
+    /// Returns the only function of a planning, and the reason why there is no machine code, if it
+    /// was wanted.
     fn new(
         planning: Planning,
         arrays: ArrayShapes,
@@ -88,7 +90,8 @@ fn register(key: i64, code: AnyCode) {
     registry.entry(key).or_insert_with(|| Box::leak(Box::new(code)));
 }
 
-/// Returns the key of a function: a hash of its program, its arrays and its scalar, the same in each process.
+/// Returns the key of a function: a hash of its program, its arrays and its scalar, the same in
+/// each process.
 fn key_of(planned: &Planned, arrays: &ArrayShapes, scalar: FloatType, machine: bool) -> i64 {
     let mut hasher = DefaultHasher::new();
     env!("CARGO_PKG_VERSION").hash(&mut hasher);
@@ -101,9 +104,9 @@ fn key_of(planned: &Planned, arrays: &ArrayShapes, scalar: FloatType, machine: b
 
 #[pymethods]
 impl Robot {
-    /// Returns the names of the arguments of a function, each with its shape and its default; the run-time parameters that it
-    /// depends on, each by option and link with its present numbers; and its result, whose arrays are their indices. For
-    /// `modyn.jax` and `modyn.torch`.
+    /// Returns the names of the arguments of a function, each with its shape and its default; the
+    /// run-time parameters that it depends on, each by option and link with its present numbers;
+    /// and its result, whose arrays are their indices. For `modyn.jax` and `modyn.torch`.
     #[pyo3(signature = (name, link=None))]
     fn _array_signature<'py>(
         &self,
@@ -115,10 +118,11 @@ impl Robot {
         signature::of(self, py, function)
     }
 
-    /// Returns the key of the code of a function or of a derivative, and the shapes of its arrays of arguments and of results.
-    /// Each derivative is its mode (`forward`, `reverse` or `matrix`) and the indices of the arrays that vary. With `feedback`, a time
-    /// step has the arguments `gains`, `q_ref` and `qd_ref`; with `cost`, the array `cost` of the state, and `q_goal`, `qd_goal`,
-    /// `state_weights` and `control_weights`. For `modyn.jax` and `modyn.torch`.
+    /// Returns the key of the code of a function or of a derivative, and the shapes of its arrays
+    /// of arguments and of results. Each derivative is its mode (`forward`, `reverse` or `matrix`)
+    /// and the indices of the arrays that vary. With `feedback`, a time step has the arguments
+    /// `gains`, `q_ref` and `qd_ref`; with `cost`, the array `cost` of the state, and `q_goal`,
+    /// `qd_goal`, `state_weights` and `control_weights`. For `modyn.jax` and `modyn.torch`.
     #[pyo3(signature = (name, link, derivatives, feedback=false, cost=false))]
     fn _array_code(
         &self,
@@ -152,10 +156,12 @@ impl Robot {
 
 #[pymethods]
 impl Robot {
-    /// Returns the key of the code of a step on the ground or of a derivative, and the shapes of its arrays of arguments and of results:
-    /// `q`, `qd`, the impulses of contacts and of stops and the residual are the state; then `tau`, `dt`, `settings`, with
-    /// `feedback` `gains`, `q_ref` and `qd_ref`, and the run-time parameters. A derivative is its mode (`forward` or `reverse`) and the indices of the arrays that vary. Of the
-    /// options `joint_limits`, `tolerance`, `sweeps`, `newton_steps` and `heights`, `None` is the default.
+    /// Returns the key of the code of a step on the ground or of a derivative, and the shapes of
+    /// its arrays of arguments and of results: `q`, `qd`, the impulses of contacts and of stops and
+    /// the residual are the state; then `tau`, `dt`, `settings`, with `feedback` `gains`, `q_ref`
+    /// and `qd_ref`, and the run-time parameters. A derivative is its mode (`forward` or `reverse`)
+    /// and the indices of the arrays that vary. Of the options `joint_limits`, `tolerance`,
+    /// `sweeps`, `newton_steps` and `heights`, `None` is the default.
     #[pyo3(signature = (options, derivative=None, feedback=false))]
     fn _ground_code(
         &self,
@@ -182,17 +188,20 @@ impl Robot {
         }
     }
 
-    /// Returns the states of motions of many time steps in one call: after each step, (..., steps, n), or after the last one with
-    /// `trajectory=False`. Many motions use the vector units and all cores.
+    /// Returns the states of motions of many time steps in one call: after each step, (..., steps,
+    /// n), or after the last one with `trajectory=False`. Many motions use the vector units and all
+    /// cores.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `controls`: (steps, nv), the joint forces of each step; `dt`: the time step, s; `step`: the
-    /// method, such as `semi_implicit` for the function `step_semi_implicit`, or `ground` for `step_on_ground`, whose `settings` and
-    /// `ground` are then arguments, too. With a feedback, the forces are `controls` +
-    /// `gains` (x_ref - x), where the difference of states has that of coordinates in tangent space, then that of velocities:
-    /// `gains`: (nv, 2 nv) or (steps, nv, 2 nv); `q_ref`: (nq,) or (steps, nq); `qd_ref`: (nv,) or (steps, nv); one step stands
-    /// for all of them. With `cost`, a `QuadraticCost`, each step adds the cost of its forces and of the state after it. Leading axes are
-    /// those of motions, and are broadcast.
-    /// Result: `RolloutStates`: `q` and `qd`; with a cost `RolloutCosts`, on the ground `GroundStates`.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `controls`: (steps, nv), the joint forces of each step;
+    /// `dt`: the time step, s; `step`: the method, such as `semi_implicit` for the function
+    /// `step_semi_implicit`, or `ground` for `step_on_ground`, whose `settings` and `ground` are
+    /// then arguments, too. With a feedback, the forces are `controls` + `gains` (x_ref - x), where
+    /// the difference of states has that of coordinates in tangent space, then that of velocities:
+    /// `gains`: (nv, 2 nv) or (steps, nv, 2 nv); `q_ref`: (nq,) or (steps, nq); `qd_ref`: (nv,) or
+    /// (steps, nv); one step stands for all of them. With `cost`, a `QuadraticCost`, each step adds
+    /// the cost of its forces and of the state after it. Leading axes are those of motions, and are
+    /// broadcast. Result: `RolloutStates`: `q` and `qd`; with a cost `RolloutCosts`, on the ground
+    /// `GroundStates`.
     #[pyo3(signature = (q, qd, controls, dt, *, step="semi_implicit", gains=None, q_ref=None, qd_ref=None, cost=None, settings=None, ground=None, trajectory=true))]
     #[allow(clippy::too_many_arguments)]
     fn rollout<'py>(
@@ -216,12 +225,14 @@ impl Robot {
         rollout.call1((slf, arguments, (step, ground), trajectory, cost))
     }
 
-    /// Returns the gradients of the weighted states of motions, which `rollout` returns, with respect to its arguments, for each motion:
-    /// one call, which stores few states. Coordinates have an entry for each of their numbers; lengths of quaternions have no effect.
+    /// Returns the gradients of the weighted states of motions, which `rollout` returns, with
+    /// respect to its arguments, for each motion: one call, which stores few states. Coordinates
+    /// have an entry for each of their numbers; lengths of quaternions have no effect.
     ///
-    /// Arguments: those of `rollout`; `q_weights`: (steps, nq) and `qd_weights`: (steps, nv), or (nq,) and (nv,) with
-    /// `trajectory=False`; `None` for zeros; `cost_weights`: (steps,), or () with `trajectory=False`, the weights of the cost.
-    /// Result: `RolloutGradients`, with the names and the shapes of the arguments.
+    /// Arguments: those of `rollout`; `q_weights`: (steps, nq) and `qd_weights`: (steps, nv), or
+    /// (nq,) and (nv,) with `trajectory=False`; `None` for zeros; `cost_weights`: (steps,), or ()
+    /// with `trajectory=False`, the weights of the cost. Result: `RolloutGradients`, with the names
+    /// and the shapes of the arguments.
     #[pyo3(signature = (q, qd, controls, dt, q_weights, qd_weights, *, step="semi_implicit", gains=None, q_ref=None, qd_ref=None, cost=None, cost_weights=None, settings=None, ground=None, trajectory=true))]
     #[allow(clippy::too_many_arguments)]
     fn rollout_vjp<'py>(
@@ -249,14 +260,15 @@ impl Robot {
         vjp.call1((slf, arguments, weights, (step, ground), trajectory, cost))
     }
 
-    /// Returns the state after the time `dt` (s) on the ground under the joint forces `tau`: contacts are points that the ground can push
-    /// but not pull, with Coulomb friction, and joints stop at their limits. The method is semi-implicit Euler with impulses, whose
-    /// laws hold up to `residual`. Closed loops are not closed.
+    /// Returns the state after the time `dt` (s) on the ground under the joint forces `tau`:
+    /// contacts are points that the ground can push but not pull, with Coulomb friction, and joints
+    /// stop at their limits. The method is semi-implicit Euler with impulses, whose laws hold up to
+    /// `residual`. Closed loops are not closed.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: (); `settings`: `ConstraintSettings`, by default with the ground at
-    /// z = 0 under all contacts; `last`: the `GroundStates` of the last step, whose impulses the solver starts from; `ground`: `Ground`.
-    /// Leading axes are those of states, and are broadcast.
-    /// Result: `GroundStates`.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: (); `settings`:
+    /// `ConstraintSettings`, by default with the ground at z = 0 under all contacts; `last`: the
+    /// `GroundStates` of the last step, whose impulses the solver starts from; `ground`: `Ground`.
+    /// Leading axes are those of states, and are broadcast. Result: `GroundStates`.
     #[pyo3(signature = (q, qd, tau, dt, settings=None, *, last=None, ground=None))]
     #[allow(clippy::too_many_arguments)]
     fn step_on_ground<'py>(
@@ -275,9 +287,10 @@ impl Robot {
         step.call1((slf, arguments, last, ground))
     }
 
-    /// Returns the state after a step on the ground, and its derivatives A with respect to the state and B with respect to the joint
-    /// forces, as `step_semi_implicit_derivatives` does for a free step: in tangent space, displacements in the axes before and after
-    /// the step. Contacts are held in the modes that they have in this step: open, sticking or sliding.
+    /// Returns the state after a step on the ground, and its derivatives A with respect to the
+    /// state and B with respect to the joint forces, as `step_semi_implicit_derivatives` does for a
+    /// free step: in tangent space, displacements in the axes before and after the step. Contacts
+    /// are held in the modes that they have in this step: open, sticking or sliding.
     ///
     /// Arguments: those of `step_on_ground`.
     /// Result: `StepDerivatives`.
@@ -299,12 +312,14 @@ impl Robot {
         of.call1((slf, arguments, last, ground))
     }
 
-    /// Returns the states after each of `steps` steps on the ground under the joint forces `policy(time, q, qd)`, which gets the time
-    /// (s) and the state before each step. `modyn.show` shows the motion. A rollout without a call of Python in each step is `rollout`.
+    /// Returns the states after each of `steps` steps on the ground under the joint forces
+    /// `policy(time, q, qd)`, which gets the time (s) and the state before each step. `modyn.show`
+    /// shows the motion. A rollout without a call of Python in each step is `rollout`.
     ///
-    /// Arguments: `policy`: a function that returns tau: (nv,); `q`: (nq,); `qd`: (nv,); `dt`: (); `steps`: the number of steps;
-    /// `settings` and `ground` as in `step_on_ground`. Leading axes of `q` and `qd` are those of motions, which `policy` gets, too.
-    /// Result: `GroundStates`, with an axis of steps after those of motions.
+    /// Arguments: `policy`: a function that returns tau: (nv,); `q`: (nq,); `qd`: (nv,); `dt`: ();
+    /// `steps`: the number of steps; `settings` and `ground` as in `step_on_ground`. Leading axes
+    /// of `q` and `qd` are those of motions, which `policy` gets, too. Result: `GroundStates`, with
+    /// an axis of steps after those of motions.
     #[pyo3(signature = (policy, q, qd, dt, steps, settings=None, *, ground=None))]
     #[allow(clippy::too_many_arguments)]
     fn simulate<'py>(
@@ -438,9 +453,10 @@ impl Robot {
     }
 }
 
-/// Returns the key of the rollout of a time step, of whose code this is the key: the states after all steps, or after the last one.
-/// Given the code of the step's products, it is that of the gradients by the arguments `variables`. `sequences` are the
-/// arguments that have numbers for each step.
+/// Returns the key of the rollout of a time step, of whose code this is the key: the states after
+/// all steps, or after the last one. Given the code of the step's products, it is that of the
+/// gradients by the arguments `variables`. `sequences` are the arguments that have numbers for each
+/// step.
 #[pyfunction]
 pub fn rollout_code(
     step: i64,
@@ -528,8 +544,8 @@ fn rolled_out<S: Number>(
     Ok((rollout, ArrayShapes::new(inputs, outputs).with_checks(checks)))
 }
 
-/// Calls the code with this key on arrays in C order, whose leading axes are those of states and are broadcast. Returns an array for
-/// each result, with the same leading axes.
+/// Calls the code with this key on arrays in C order, whose leading axes are those of states and
+/// are broadcast. Returns an array for each result, with the same leading axes.
 #[pyfunction]
 pub fn call_arrays<'py>(
     py: Python<'py>,

@@ -1,8 +1,10 @@
-//! Many time steps in one call, and their products with derivatives: the states stay in lanes from the first step to the last.
+//! Many time steps in one call, and their products with derivatives: the states stay in lanes from
+//! the first step to the last.
 //!
-//! A step is a function of arrays whose first arguments are the state, and so are its results. Of its other arguments, some have
-//! numbers for each step, and the others are the same for all steps. Backwards, the states of a part of the steps are computed again
-//! from the state at the start of the part, so that few are stored.
+//! A step is a function of arrays whose first arguments are the state, and so are its results. Of
+//! its other arguments, some have numbers for each step, and the others are the same for all steps.
+//! Backwards, the states of a part of the steps are computed again from the state at the start of
+//! the part, so that few are stored.
 
 use std::ops::Range;
 
@@ -10,7 +12,8 @@ use super::kernel::{Arrays, Kernel, StateFunction};
 use crate::number::Number;
 use crate::pool::{Pool, Questions};
 
-/// The steps whose states are stored at a time. A longer motion is divided into parts, whose first states are stored.
+/// The steps whose states are stored at a time. A longer motion is divided into parts, whose first
+/// states are stored.
 const MAX_STORED: usize = 128;
 
 /// A rollout of a step.
@@ -275,7 +278,8 @@ impl<S: Number> Ready<'_, S> {
         self.finish(arrays, (group, end), reverse, &sums, lanes);
     }
 
-    /// Returns each variable with its index among the results, or `None` if it is no result, and its rows in a gradient.
+    /// Returns each variable with its index among the results, or `None` if it is no result, and
+    /// its rows in a gradient.
     fn variables<'v>(
         &'v self,
         reverse: &'v Reverse<S>,
@@ -290,7 +294,8 @@ impl<S: Number> Ready<'_, S> {
         })
     }
 
-    /// Writes the gradients by arguments of one step, and adds those by arguments of all steps to their sums.
+    /// Writes the gradients by arguments of one step, and adds those by arguments of all steps to
+    /// their sums.
     fn collect(
         &self,
         arrays: &Arrays<'_, S>,

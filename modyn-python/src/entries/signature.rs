@@ -19,7 +19,8 @@ fn sizes(robot: &Robot) -> Sizes {
     Sizes::new(robot.model(), 0)
 }
 
-/// Returns the arguments, the parameters and the result of a function, as `Robot._array_signature` documents them.
+/// Returns the arguments, the parameters and the result of a function, as `Robot._array_signature`
+/// documents them.
 pub fn of<'py>(robot: &Robot, py: Python<'py>, function: Function) -> PyResult<Bound<'py, PyAny>> {
     let (row, sizes) = (function.row(), sizes(robot));
     let arguments = PyList::empty(py);

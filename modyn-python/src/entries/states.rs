@@ -1,9 +1,9 @@
-//! The states of arrays that other libraries own, as a call reads and writes them: axes of states that are broadcast, and memory
-//! that several threads write at different places.
+//! The states of arrays that other libraries own, as a call reads and writes them: axes of states
+//! that are broadcast, and memory that several threads write at different places.
 //!
-//! Unsafe code: results are cells that threads share. It is sound because a call gives each thread other states, and the states of
-//! a result are apart (`ArrayCode::compute` checks the lengths); the memory belongs to the call until it ends, since `Results`
-//! borrow it.
+//! Unsafe code: results are cells that threads share. It is sound because a call gives each thread
+//! other states, and the states of a result are apart (`ArrayCode::compute` checks the lengths);
+//! the memory belongs to the call until it ends, since `Results` borrow it.
 #![allow(unsafe_code)]
 
 use std::cell::Cell;
@@ -48,7 +48,8 @@ enum Offsets {
 }
 
 impl<'a> Broadcast<'a> {
-    /// Returns the broadcast of arrays with these axes of states and this many numbers of each state.
+    /// Returns the broadcast of arrays with these axes of states and this many numbers of each
+    /// state.
     ///
     /// # Errors
     ///

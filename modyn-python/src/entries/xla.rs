@@ -1,9 +1,11 @@
-//! The handler by which XLA calls functions of arrays: one for all, whose attribute `function` is the key of the code.
+//! The handler by which XLA calls functions of arrays: one for all, whose attribute `function` is
+//! the key of the code.
 //!
-//! Unsafe code: XLA's structs and arrays are read by their addresses. It is sound because XLA keeps them as long as a call takes, and
-//! their layout is that of XLA's header (`interface.rs`). Arguments are not written meanwhile, and results overlap nothing. A task for
-//! XLA's threads owns a reference to its job, so it can run at any time; the work of the job, which borrows from the call, is only
-//! touched with a chunk that is not done, and the call ends when all chunks are done.
+//! Unsafe code: XLA's structs and arrays are read by their addresses. It is sound because XLA keeps
+//! them as long as a call takes, and their layout is that of XLA's header (`interface.rs`).
+//! Arguments are not written meanwhile, and results overlap nothing. A task for XLA's threads owns
+//! a reference to its job, so it can run at any time; the work of the job, which borrows from the
+//! call, is only touched with a chunk that is not done, and the call ends when all chunks are done.
 #![allow(unsafe_code)]
 
 use std::ffi::{CString, c_void};
@@ -66,8 +68,8 @@ unsafe fn answers_metadata(frame: &CallFrame) -> bool {
         }
         let metadata = &mut *(*frame.extension.cast::<MetadataExtension>()).metadata;
         metadata.api_version.major = 0;
-        // The fields that are used have been the same since version 0.1. jaxlib before 0.8 asks without functions, and
-        // takes version 0.1 alone.
+        // The fields that are used have been the same since version 0.1. jaxlib before 0.8 asks
+        // without functions, and takes version 0.1 alone.
         metadata.api_version.minor = frame.api.as_ref().map_or(1, |api| api.version.minor);
         metadata.traits = 0;
         true

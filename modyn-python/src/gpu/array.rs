@@ -10,7 +10,8 @@ use crate::arrays::{Given, Output, in_order, tuple};
 use crate::checks::Check;
 use crate::layout::{Layout, Leaf};
 
-/// Numbers for n states on a graphics processor, in single precision: arguments and results of kernels.
+/// Numbers for n states on a graphics processor, in single precision: arguments and results of
+/// kernels.
 #[pyclass(frozen, module = "modyn")]
 pub struct GpuArray {
     pub(super) array: modyn_gpu::GpuArray,
@@ -26,8 +27,9 @@ impl GpuArray {
 
 #[pymethods]
 impl GpuArray {
-    /// Waits until the numbers are computed, and returns a copy of them: an array of `float32`, or a named tuple of arrays
-    /// as the robot's function returns. The first axis is that of the states.
+    /// Waits until the numbers are computed, and returns a copy of them: an array of `float32`, or
+    /// a named tuple of arrays as the robot's function returns. The first axis is that of the
+    /// states.
     fn numpy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let (scalars, states) = (self.array.scalars(), self.array.states());
         let columns = py.detach(|| self.array.read()).map_err(|error| exception(py, error))?;
@@ -102,7 +104,8 @@ impl<'py> Argument<'py> {
     ///
     /// # Errors
     ///
-    /// `TypeError` if these are not real numbers, `ValueError` for another shape, or a number out of range.
+    /// `TypeError` if these are not real numbers, `ValueError` for another shape, or a number out
+    /// of range.
     pub fn read(
         function: &str,
         name: &'static str,

@@ -1,4 +1,5 @@
-//! Graphics processors: kernels of a robot's functions and of rollouts, on arrays that stay on the processor.
+//! Graphics processors: kernels of a robot's functions and of rollouts, on arrays that stay on the
+//! processor.
 
 mod array;
 mod robot;
@@ -20,8 +21,9 @@ pub use rollout::GpuRollout;
 
 #[pymethods]
 impl Robot {
-    /// Returns the robot's kernels on the machine's graphics processor, in single precision; on a software processor where
-    /// there is no other. `RuntimeError` if there is none, or the package was built without the feature `gpu`.
+    /// Returns the robot's kernels on the machine's graphics processor, in single precision; on a
+    /// software processor where there is no other. `RuntimeError` if there is none, or the package
+    /// was built without the feature `gpu`.
     fn gpu(slf: &Bound<'_, Self>) -> PyResult<GpuRobot> {
         let py = slf.py();
         let gpu = py.detach(processor).map_err(|error| exception(py, error))?;
@@ -29,7 +31,8 @@ impl Robot {
     }
 }
 
-/// Returns the machine's graphics processor. All robots share it, so that arrays of one are arguments of another.
+/// Returns the machine's graphics processor. All robots share it, so that arrays of one are
+/// arguments of another.
 fn processor() -> Result<Gpu, GpuError> {
     static OPENED: Mutex<Option<Gpu>> = Mutex::new(None);
     let mut opened = OPENED.lock().unwrap_or_else(PoisonError::into_inner);

@@ -17,8 +17,8 @@ use crate::layout::{self, Layout};
 use crate::parameters::ParameterNumbers;
 use crate::robot::Robot;
 
-/// The kernels of a robot on a graphics processor, a thread for each state, in single precision. Each is compiled at its
-/// first use. `Robot.gpu` makes them.
+/// The kernels of a robot on a graphics processor, a thread for each state, in single precision.
+/// Each is compiled at its first use. `Robot.gpu` makes them.
 #[pyclass(frozen, module = "modyn")]
 pub struct GpuRobot {
     gpu: Gpu,
@@ -77,16 +77,16 @@ impl GpuRobot {
         self.gpu.name()
     }
 
-    /// Copies an array of n states to the processor, which rounds the numbers to single precision. The first axis is that
-    /// of the states.
+    /// Copies an array of n states to the processor, which rounds the numbers to single precision.
+    /// The first axis is that of the states.
     fn upload(&self, py: Python<'_>, array: &Bound<'_, PyAny>) -> PyResult<GpuArray> {
         let (array, shape) = any(py, &self.gpu, array)?;
         Ok(GpuArray::new(array, layout(&shape)))
     }
 
-    /// Runs the kernel of a function, such as `"forward_dynamics"`, on all states of its arguments: arrays on the processor
-    /// or of NumPy. A function of a link takes its name or index, too. The result stays on the processor; the call does
-    /// not wait for it.
+    /// Runs the kernel of a function, such as `"forward_dynamics"`, on all states of its arguments:
+    /// arrays on the processor or of NumPy. A function of a link takes its name or index, too. The
+    /// result stays on the processor; the call does not wait for it.
     #[pyo3(signature = (function, *arguments, link=None))]
     fn run<'py>(
         &self,
@@ -136,10 +136,11 @@ impl GpuRobot {
 
     /// Returns kernels that integrate motions over many time steps.
     ///
-    /// The time steps among `functions` become kernels. `cost` and `forces` are functions of yours in WGSL, which may call
-    /// the functions of the robot (`robot_link_pose_hand`) and read the array `data`; docs/gpu.md has their signatures.
-    /// `controls` is the number of controls of a step that `forces` takes. `contacts` proposes the active contacts of a step;
-    /// then `functions` has `constrained_forward_dynamics` and `integrate`.
+    /// The time steps among `functions` become kernels. `cost` and `forces` are functions of yours
+    /// in WGSL, which may call the functions of the robot (`robot_link_pose_hand`) and read the
+    /// array `data`; docs/gpu.md has their signatures. `controls` is the number of controls of a
+    /// step that `forces` takes. `contacts` proposes the active contacts of a step; then
+    /// `functions` has `constrained_forward_dynamics` and `integrate`.
     #[pyo3(signature = (functions=None, *, cost=None, forces=None, controls=None, contacts=None))]
     fn rollout(
         &self,

@@ -28,8 +28,8 @@ impl GpuRollout {
     ///
     /// # Errors
     ///
-    /// `DescriptionError` if there is no time step or no control, `RuntimeError` with the place if the processor refuses a
-    /// function of the user.
+    /// `DescriptionError` if there is no time step or no control, `RuntimeError` with the place if
+    /// the processor refuses a function of the user.
     pub(super) fn new(
         py: Python<'_>,
         (gpu, robot): (&Gpu, Py<Robot>),
@@ -88,13 +88,15 @@ impl GpuRollout {
 
 #[pymethods]
 impl GpuRollout {
-    /// Runs n rollouts from the states `q`, (nq,) or (k, nq), and `qd`, (nv,) or (k, nv), under the `controls`, (n, steps,
-    /// controls), with steps of `dt` s. Rollout i starts from state i modulo k. The arrays may be on the processor.
+    /// Runs n rollouts from the states `q`, (nq,) or (k, nq), and `qd`, (nv,) or (k, nv), under the
+    /// `controls`, (n, steps, controls), with steps of `dt` s. Rollout i starts from state i modulo
+    /// k. The arrays may be on the processor.
     ///
-    /// `step` is a time step among the functions; `"constrained_forward_dynamics"` for steps that close loops and hold
-    /// contacts, whose `settings` are those of the function. `data` are numbers for your functions. Returns
-    /// `RolloutResults`, whose arrays stay on the processor: `state` (n, nq + nv) after the last step, `cost` (n,) or `None`,
-    /// and with `trajectory=True` `trajectory` (n, steps, nq + nv). The call does not wait for them.
+    /// `step` is a time step among the functions; `"constrained_forward_dynamics"` for steps that
+    /// close loops and hold contacts, whose `settings` are those of the function. `data` are
+    /// numbers for your functions. Returns `RolloutResults`, whose arrays stay on the processor:
+    /// `state` (n, nq + nv) after the last step, `cost` (n,) or `None`, and with `trajectory=True`
+    /// `trajectory` (n, steps, nq + nv). The call does not wait for them.
     #[pyo3(signature = (q, qd, controls, dt, *, step="step_semi_implicit", settings=None, data=None, trajectory=false))]
     fn run<'py>(
         &self,
