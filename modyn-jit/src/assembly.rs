@@ -16,8 +16,8 @@ use crate::machine::Code;
 use crate::real::Real;
 use crate::values::Values;
 
-/// Returns the counts of the code of each function and bundle for one state, by name. The processor need not have the
-/// instruction set.
+/// Returns the counts of the code of each function and bundle for one state, by name. The processor
+/// need not have the instruction set.
 ///
 /// # Errors
 ///
@@ -160,8 +160,8 @@ impl<S: Real> Assembly<S> {
         Kernel { single, batch }
     }
 
-    /// Compiles a program for one state, or for a batch. Code for independent constraint rows alone is worth its length if it leaves
-    /// out an eighth of the steps.
+    /// Compiles a program for one state, or for a batch. Code for independent constraint rows alone
+    /// is worth its length if it leaves out an eighth of the steps.
     pub fn append(&mut self, program: &Program, arrays: &[usize], batch: bool) -> (Code, CodeSize) {
         let lower = |rows| lower::<S>(program, arrays, self.instruction_set, batch, rows);
         let all = lower(Rows::All);

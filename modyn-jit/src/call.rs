@@ -1,4 +1,5 @@
-//! Calls of compiled functions: they check the arguments, find links, and put the states of a batch into lanes.
+//! Calls of compiled functions: they check the arguments, find links, and put the states of a batch
+//! into lanes.
 
 use std::borrow::Cow;
 
@@ -41,14 +42,15 @@ impl<S: Real> Call<'_, S> {
         self.compiled.size
     }
 
-    /// Returns the number of states that the code for batches computes together, one in each lane; 1 without such code.
+    /// Returns the number of states that the code for batches computes together, one in each lane;
+    /// 1 without such code.
     #[must_use]
     pub fn lanes(&self) -> usize {
         if self.has_batch() { self.lanes } else { 1 }
     }
 
-    /// Computes the results for as many states as there are [`lanes`](Self::lanes): each number of an argument has the numbers
-    /// of all lanes, and so has each number of the result.
+    /// Computes the results for as many states as there are [`lanes`](Self::lanes): each number of
+    /// an argument has the numbers of all lanes, and so has each number of the result.
     ///
     /// # Errors
     ///
@@ -84,19 +86,21 @@ impl<S: Real> Call<'_, S> {
         Ok(())
     }
 
-    /// Computes the result for one link, by its index among the links of the description, and one state.
+    /// Computes the result for one link, by its index among the links of the description, and one
+    /// state.
     ///
     /// # Errors
     ///
-    /// If there is no such link, the number of arguments or a length is wrong, or the function is not one of a link.
+    /// If there is no such link, the number of arguments or a length is wrong, or the function is
+    /// not one of a link.
     pub fn link(&self, link: usize, arguments: &[&[S]], result: &mut [S]) -> Result<(), CallError> {
         self.check(Some(link), arguments, result)?;
         self.run(Some(link), arguments, result, 1);
         Ok(())
     }
 
-    /// Computes the results for many states: each argument has the numbers of the states one after the other, and so
-    /// has the result.
+    /// Computes the results for many states: each argument has the numbers of the states one after
+    /// the other, and so has the result.
     ///
     /// # Errors
     ///

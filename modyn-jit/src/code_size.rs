@@ -1,7 +1,8 @@
 //! Counts of the code of a function.
 
-/// Counts of a function's code. A function of constraints may have two forms: one for independent rows, and one for rows of any rank, which
-/// the first calls. Bytes and constants are of both, and so is the stack frame. The other counts are of the first form.
+/// Counts of a function's code. A function of constraints may have two forms: one for independent
+/// rows, and one for rows of any rank, which the first calls. Bytes and constants are of both, and
+/// so is the stack frame. The other counts are of the first form.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct CodeSize {

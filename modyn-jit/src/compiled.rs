@@ -28,8 +28,9 @@ pub struct Options {
 
 /// The functions of a robot as machine code of this processor, for numbers of type `S`.
 ///
-/// Arguments and results are slices; those with a structure (wrenches, poses, twists) are their numbers in a row, as
-/// [`Call::arguments`] and [`Call::result`] describe them. Matrices are by columns. All of modyn's conventions hold.
+/// Arguments and results are slices; those with a structure (wrenches, poses, twists) are their
+/// numbers in a row, as [`Call::arguments`] and [`Call::result`] describe them. Matrices are by
+/// columns. All of modyn's conventions hold.
 pub struct Compiled<S> {
     model: Model,
     warnings: Vec<Diagnostic>,
@@ -46,8 +47,8 @@ impl<S: Real> Compiled<S> {
     ///
     /// # Errors
     ///
-    /// If the model is invalid, machine code is not made for this processor, a function has too many arguments, or the system gives
-    /// no executable memory.
+    /// If the model is invalid, machine code is not made for this processor, a function has too
+    /// many arguments, or the system gives no executable memory.
     pub fn new(
         model: &Model,
         functions: impl IntoIterator<Item = Function>,
@@ -59,19 +60,19 @@ impl<S: Real> Compiled<S> {
     ///
     /// # Errors
     ///
-    /// If the description or an option is invalid, this processor lacks the instruction set, a function has too many
-    /// arguments, or the system gives no executable memory.
+    /// If the description or an option is invalid, this processor lacks the instruction set, a
+    /// function has too many arguments, or the system gives no executable memory.
     pub fn build(builder: &Builder, options: Options) -> Result<Self, CompileError> {
         Self::from_plan(&builder.plan()?, options)
     }
 
-    /// Compiles programs that [`Builder::plan`] has made, so that several types of numbers and instruction sets can
-    /// share them.
+    /// Compiles programs that [`Builder::plan`] has made, so that several types of numbers and
+    /// instruction sets can share them.
     ///
     /// # Errors
     ///
-    /// If this processor lacks the instruction set, a function has too many arguments, or the system gives no
-    /// executable memory.
+    /// If this processor lacks the instruction set, a function has too many arguments, or the
+    /// system gives no executable memory.
     pub fn from_plan(planning: &Planning, options: Options) -> Result<Self, CompileError> {
         let available = InstructionSet::detect().ok_or(CompileError::Architecture)?;
         let instruction_set = options.instruction_set.unwrap_or(available);
@@ -133,8 +134,9 @@ impl<S: Real> Compiled<S> {
         self.call(function.name(), |compiled| compiled.function == Some(function))
     }
 
-    /// Returns the bundle of this name ([`Builder::bundles`]), to call it or to ask for its arguments and its size. The
-    /// results of its functions follow one another, as [`Call::result`] describes them.
+    /// Returns the bundle of this name ([`Builder::bundles`]), to call it or to ask for its
+    /// arguments and its size. The results of its functions follow one another, as [`Call::result`]
+    /// describes them.
     ///
     /// # Errors
     ///
@@ -176,8 +178,8 @@ impl<S: Real> Compiled<S> {
     ///
     /// # Errors
     ///
-    /// If the link was not named in [`Builder::runtime_inertia`], no rigid body has this inertia, or a joint would have
-    /// no inertia.
+    /// If the link was not named in [`Builder::runtime_inertia`], no rigid body has this inertia,
+    /// or a joint would have no inertia.
     pub fn set_inertia(
         &mut self,
         link: &str,
@@ -186,12 +188,13 @@ impl<S: Real> Compiled<S> {
         self.parameters.set_inertial(&self.model, false, link, inertial)
     }
 
-    /// Sets the payload of a link, in the link's frame: an inertia that is added to the link's. The default is zero.
+    /// Sets the payload of a link, in the link's frame: an inertia that is added to the link's. The
+    /// default is zero.
     ///
     /// # Errors
     ///
-    /// If the link was not named in [`Builder::payload`], no rigid body has this inertia, or a joint would have no
-    /// inertia.
+    /// If the link was not named in [`Builder::payload`], no rigid body has this inertia, or a
+    /// joint would have no inertia.
     pub fn set_payload(
         &mut self,
         link: &str,
@@ -200,8 +203,8 @@ impl<S: Real> Compiled<S> {
         self.parameters.set_inertial(&self.model, true, link, inertial)
     }
 
-    /// Computes the joint accelerations `qdd` at coordinates `q` and velocities `qd` under the joint torques or forces
-    /// `tau`.
+    /// Computes the joint accelerations `qdd` at coordinates `q` and velocities `qd` under the
+    /// joint torques or forces `tau`.
     ///
     /// # Errors
     ///
@@ -216,7 +219,8 @@ impl<S: Real> Compiled<S> {
         self.function(Function::ForwardDynamics)?.one(&[q, qd, tau], qdd)
     }
 
-    /// Computes the joint torques or forces `tau` for the accelerations `qdd` at coordinates `q` and velocities `qd`.
+    /// Computes the joint torques or forces `tau` for the accelerations `qdd` at coordinates `q`
+    /// and velocities `qd`.
     ///
     /// # Errors
     ///

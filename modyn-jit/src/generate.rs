@@ -1,17 +1,20 @@
-//! Generates machine code from values in one pass over the steps, which assigns registers and writes instructions.
+//! Generates machine code from values in one pass over the steps, which assigns registers and
+//! writes instructions.
 //!
-//! The pass is the same for all architectures: it knows where values are, and frees the register whose value has the most
-//! distant next use. An architecture (`architecture.rs`) writes the instructions; it decides which operands they read from memory
-//! and which they overwrite.
+//! The pass is the same for all architectures: it knows where values are, and frees the register
+//! whose value has the most distant next use. An architecture (`architecture.rs`) writes the
+//! instructions; it decides which operands they read from memory and which they overwrite.
 //!
-//! A function has two arguments: a pointer to a table of pointers to its arguments, and a pointer to its results. Constants
-//! follow the instructions.
+//! A function has two arguments: a pointer to a table of pointers to its arguments, and a pointer
+//! to its results. Constants follow the instructions.
 //!
-//! One comparison after the reductions of a statement finds angles that are too large for the fast reduction. Code
-//! after the return then saves the registers, reduces these angles by a call, and jumps back.
+//! One comparison after the reductions of a statement finds angles that are too large for the fast
+//! reduction. Code after the return then saves the registers, reduces these angles by a call, and
+//! jumps back.
 //!
-//! A function that computes independent constraint rows alone has a guard. It calls the function for rows of any rank with the same
-//! arguments and results, and returns, if a row is not known to be independent.
+//! A function that computes independent constraint rows alone has a guard. It calls the function
+//! for rows of any rank with the same arguments and results, and returns, if a row is not known to
+//! be independent.
 
 pub(crate) mod aarch64;
 mod architecture;
@@ -49,8 +52,8 @@ pub(crate) struct Generated {
 /// The byte between functions and constants, which is never run: `int3` on x86-64.
 pub(crate) const PADDING: u8 = 0xcc;
 
-/// Generates the machine code of values. `size` is the size of a number in bytes. `any_rank` is the distance from the start of the
-/// function to that of the function which its guards call.
+/// Generates the machine code of values. `size` is the size of a number in bytes. `any_rank` is the
+/// distance from the start of the function to that of the function which its guards call.
 pub(crate) fn generate(
     values: &Values,
     instruction_set: InstructionSet,
@@ -209,7 +212,8 @@ impl<'a, A: Architecture> Generator<'a, A> {
         self.registers.drop_dead(&values);
     }
 
-    /// Writes the function: entry, body, return, code for large angles and for dependent rows, constants.
+    /// Writes the function: entry, body, return, code for large angles and for dependent rows,
+    /// constants.
     fn finish(mut self, pool: &[u8], any_rank: Option<i64>) -> Generated {
         let leave = self.encoder.position();
         A::leave(&mut self);

@@ -1,16 +1,18 @@
 //! Functions that machine code calls: the reduction of large angles, arctangents and logarithms.
 //!
-//! Unsafe code: the functions read and write through pointers. Only machine code calls them, which `generate` makes; it
-//! passes pointers to `lanes` numbers each. They point into the function's own stack frame, where nothing else
-//! refers to, except that of the angles, which may also point to the arguments or constants, where nobody writes.
-//! The functions do not unwind: a panic in them would end the process, and they have none.
+//! Unsafe code: the functions read and write through pointers. Only machine code calls them, which
+//! `generate` makes; it passes pointers to `lanes` numbers each. They point into the function's own
+//! stack frame, where nothing else refers to, except that of the angles, which may also point to
+//! the arguments or constants, where nobody writes. The functions do not unwind: a panic in them
+//! would end the process, and they have none.
 #![allow(unsafe_code)]
 
 use modyn_runtime::trig_steps;
 
 use crate::real::Real;
 
-/// The calling convention of machine code: System V's on x86-64, on every system, and C's elsewhere.
+/// The calling convention of machine code: System V's on x86-64, on every system, and C's
+/// elsewhere.
 #[cfg(target_arch = "x86_64")]
 type HelperFunction<S> = extern "sysv64" fn(*mut S, *mut S, *const S, u32);
 #[cfg(not(target_arch = "x86_64"))]

@@ -1,10 +1,12 @@
 //! The instruction sets that machine code is made for.
 
-/// The vector instructions that machine code is made for. Those of one architecture are in order, the smallest first.
+/// The vector instructions that machine code is made for. Those of one architecture are in order,
+/// the smallest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum InstructionSet {
-    /// SSE2, which every x86-64 processor has: 16 registers of 16 bytes, products and sums rounded separately.
+    /// SSE2, which every x86-64 processor has: 16 registers of 16 bytes, products and sums rounded
+    /// separately.
     Sse2,
     /// AVX2 and FMA: 16 registers of 32 bytes, products fused with sums.
     Avx2,
@@ -18,8 +20,8 @@ impl InstructionSet {
     /// All instruction sets.
     pub const ALL: [Self; 4] = [Self::Sse2, Self::Avx2, Self::Avx512, Self::Neon];
 
-    /// Returns the largest instruction set that this processor has; `None` if machine code is not made for this system:
-    /// it is made for x86-64, and for aarch64 except on Windows.
+    /// Returns the largest instruction set that this processor has; `None` if machine code is not
+    /// made for this system: it is made for x86-64, and for aarch64 except on Windows.
     #[must_use]
     pub fn detect() -> Option<Self> {
         #[cfg(target_arch = "x86_64")]
@@ -69,7 +71,8 @@ impl InstructionSet {
         self != Self::Sse2
     }
 
-    /// Returns the instructions in words; empty for those that every processor of the architecture has.
+    /// Returns the instructions in words; empty for those that every processor of the architecture
+    /// has.
     #[cfg(feature = "object")]
     pub(crate) fn words(self) -> &'static str {
         match self {
@@ -79,8 +82,8 @@ impl InstructionSet {
         }
     }
 
-    /// Returns the names of the instructions in rustc (`target_feature`), besides those that every processor
-    /// of the architecture has.
+    /// Returns the names of the instructions in rustc (`target_feature`), besides those that every
+    /// processor of the architecture has.
     #[cfg(feature = "object")]
     pub(crate) fn features(self) -> &'static [&'static str] {
         match self {
@@ -108,8 +111,8 @@ impl InstructionSet {
         }
     }
 
-    /// Returns whether code for one state uses the vectors of programs, for numbers of this size: registers have four
-    /// numbers, or there are enough registers for two a vector.
+    /// Returns whether code for one state uses the vectors of programs, for numbers of this size:
+    /// registers have four numbers, or there are enough registers for two a vector.
     pub(crate) fn packs(self, size: usize) -> bool {
         self.vector(false) >= 4 * size || self == Self::Neon
     }

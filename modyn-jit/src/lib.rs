@@ -1,5 +1,5 @@
-//! Machine code at run time. A description that is read at run time becomes functions for this robot and this processor,
-//! within milliseconds and without a compiler on the machine.
+//! Machine code at run time. A description that is read at run time becomes functions for this
+//! robot and this processor, within milliseconds and without a compiler on the machine.
 //!
 //! ```
 //! use modyn_codegen::{Builder, Function};
@@ -26,16 +26,17 @@
 //! Program ─ lower ─▶ values in registers' lanes ─ generate (registers, encode) ─▶ bytes ─▶ pages ─▶ calls
 //! ```
 //!
-//! The input is a [`Program`](modyn_codegen::program::Program), as for printers: straight-line code with lanes and
-//! fused products. `lower` rewrites it as operations that the processor has. `generate` visits them once: it frees the
-//! register whose value has the most distant next use, and an architecture, x86-64 or aarch64, writes the instruction.
-//! `machine` holds the pages.
+//! The input is a [`Program`](modyn_codegen::program::Program), as for printers: straight-line code
+//! with lanes and fused products. `lower` rewrites it as operations that the processor has.
+//! `generate` visits them once: it frees the register whose value has the most distant next use,
+//! and an architecture, x86-64 or aarch64, writes the instruction. `machine` holds the pages.
 //!
-//! Results are those of the generated Rust code within rounding, and the same bits at each call. For a given
-//! [`InstructionSet`], they are the same bits as those of
-//! [`Program::evaluate`](modyn_codegen::program::Program::evaluate) on numbers that fuse products where the instruction
-//! set does; that includes angles of any size, infinities and zeros. The bits of a NaN are not specified. Functions have no
-//! state: threads can call one robot at the same time.
+//! Results are those of the generated Rust code within rounding, and the same bits at each call.
+//! For a given [`InstructionSet`], they are the same bits as those of
+//! [`Program::evaluate`](modyn_codegen::program::Program::evaluate) on numbers that fuse products
+//! where the instruction set does; that includes angles of any size, infinities and zeros. The bits
+//! of a NaN are not specified. Functions have no state: threads can call one robot at the same
+//! time.
 
 mod assembly;
 mod call;

@@ -1,7 +1,8 @@
-//! Lowers a program to values: signs, fused products, sines as polynomials, lanes that fit into registers.
+//! Lowers a program to values: signs, fused products, sines as polynomials, lanes that fit into
+//! registers.
 //!
-//! The equations of constraint rows have two forms. One computes rows of any rank. The other leaves this out, and has a guard, which
-//! finds the states that need it.
+//! The equations of constraint rows have two forms. One computes rows of any rank. The other leaves
+//! this out, and has a guard, which finds the states that need it.
 
 use modyn_codegen::program::{
     Addend, MultiplyAdd, Operand, Operation as Statement, Program, RowEquations, Source,
@@ -91,8 +92,8 @@ impl<S: Real> Lowering<'_, S> {
         program.results.iter().map(|result| self.scalar(result)).collect()
     }
 
-    /// Adds the values of the equations of constraint rows, and returns the results. Their products are not fused with sums, as in the
-    /// loops of the runtime.
+    /// Adds the values of the equations of constraint rows, and returns the results. Their products
+    /// are not fused with sums, as in the loops of the runtime.
     fn row_equations(&mut self, equations: &RowEquations) -> Registers {
         if self.rows == Rows::Independent {
             self.guard(equations.margin());
@@ -107,7 +108,8 @@ impl<S: Real> Lowering<'_, S> {
         results
     }
 
-    /// Adds the guard that a number is not negative: that its negative is less than the smallest positive number.
+    /// Adds the guard that a number is not negative: that its negative is less than the smallest
+    /// positive number.
     fn guard(&mut self, margin: &Operand) {
         self.equations.margins.push(*margin);
         let negative = self.scalar(&Operand { negated: !margin.negated, ..*margin });
@@ -329,8 +331,8 @@ impl<S: Real> Lowering<'_, S> {
         self.binary(Operation::Or, then, otherwise)
     }
 
-    /// Returns a + b or a - b. Signs select the sum or the difference where possible. The result is exact, also for
-    /// zeros.
+    /// Returns a + b or a - b. Signs select the sum or the difference where possible. The result is
+    /// exact, also for zeros.
     fn sum(&mut self, a: &Operand, b: &Operand, subtract: bool, k: usize) -> Value {
         let negative = b.negated != subtract;
         let [x, y] = [a, b].map(|x| self.magnitude(x, k));
@@ -444,8 +446,8 @@ impl<S: Real> Lowering<'_, S> {
         self.values.value(Definition::Lane(register, lane), 1)
     }
 
-    /// Returns sine and cosine of each angle: all are reduced, then those that are too large are reduced again. Scalars
-    /// share vectors.
+    /// Returns sine and cosine of each angle: all are reduced, then those that are too large are
+    /// reduced again. Scalars share vectors.
     fn sines_and_cosines(&mut self, angles: &[Registers]) -> Vec<Registers> {
         let scalars = self.scalar == 1 && angles.iter().all(|x| self.lanes(x[0]) == 1);
         if !scalars || angles.len() == 1 || angles[0].len() > 1 {

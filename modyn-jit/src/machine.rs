@@ -1,20 +1,23 @@
 //! Memory that holds machine code, and the calls of it.
 //!
-//! Pages are written first and made executable then; they are never writable and executable at the same time. Memory
-//! comes from `memmap2`.
+//! Pages are written first and made executable then; they are never writable and executable at the
+//! same time. Memory comes from `memmap2`.
 //!
-//! Unsafe code: instructions that bring new code to the caches of aarch64, which change no memory; and a call of a function
-//! that `generate` has made. The call is sound because
-//! - the bytes at the entry are a complete function for System V's calling convention on x86-64, and for C's on aarch64: it
-//!   restores the registers that belong to its caller (rbx, rbp, rsp, r14, r15; x29, x30, sp and the lower halves of v8 to v15) and
-//!   returns; the pages live as long as the value that calls;
+//! Unsafe code: instructions that bring new code to the caches of aarch64, which change no memory;
+//! and a call of a function that `generate` has made. The call is sound because
+//! - the bytes at the entry are a complete function for System V's calling convention on x86-64,
+//!   and for C's on aarch64: it restores the registers that belong to its caller (rbx, rbp, rsp,
+//!   r14, r15; x29, x30, sp and the lower halves of v8 to v15) and returns; the pages live as long
+//!   as the value that calls;
 //! - the processor has the instructions: the instruction set that the code is made for is one that
 //!   `InstructionSet::detect` has found;
-//! - it reads numbers `0..length` of each array of arguments and writes numbers `0..length` of the results, which
-//!   [`Code::call`] has checked: the slices are as long, or longer. Further it touches its own stack frame alone, whose
-//!   pages it touches one after the other, so that a stack that is too short ends at its guard page. The function that its guards
-//!   call is in the same pages, is made from the same program, and gets the same pointers;
-//! - arguments are shared slices and the results are an exclusive one, so it writes no number that it reads.
+//! - it reads numbers `0..length` of each array of arguments and writes numbers `0..length` of the
+//!   results, which [`Code::call`] has checked: the slices are as long, or longer. Further it
+//!   touches its own stack frame alone, whose pages it touches one after the other, so that a stack
+//!   that is too short ends at its guard page. The function that its guards call is in the same
+//!   pages, is made from the same program, and gets the same pointers;
+//! - arguments are shared slices and the results are an exclusive one, so it writes no number that
+//!   it reads.
 #![allow(unsafe_code)]
 
 use std::io;
@@ -54,8 +57,9 @@ impl Pages {
     }
 }
 
-/// Makes the processor fetch the instructions that were written: they leave the data cache as far as the point from which
-/// instructions are fetched, and older ones leave the instruction cache (Arm Architecture Reference Manual, B2.4.4).
+/// Makes the processor fetch the instructions that were written: they leave the data cache as far
+/// as the point from which instructions are fetched, and older ones leave the instruction cache
+/// (Arm Architecture Reference Manual, B2.4.4).
 #[cfg(target_arch = "aarch64")]
 fn synchronize(code: &[u8]) {
     use std::arch::asm;

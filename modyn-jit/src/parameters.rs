@@ -1,4 +1,5 @@
-//! The parameters of a robot that can be changed at run time: gravity, inertias of links, and payloads.
+//! The parameters of a robot that can be changed at run time: gravity, inertias of links, and
+//! payloads.
 
 use std::fmt;
 
@@ -69,8 +70,8 @@ impl<S: Real> std::error::Error for ParameterError<S> {
 pub(crate) struct RunTimeParameters<S> {
     pub numbers: Vec<S>,
     parameters: Parameters,
-    /// The joints without inertia if all run-time inertias are zero, and the program that computes each joint's
-    /// inertia.
+    /// The joints without inertia if all run-time inertias are zero, and the program that computes
+    /// each joint's inertia.
     pivots: Option<(Vec<String>, Program)>,
 }
 

@@ -1,7 +1,8 @@
 //! The places of values: registers, slots of the stack frame, arguments, constants and results.
 //!
-//! Code is one basic block, so the next use of every value is known. If no register is free, the register whose value
-//! has the most distant next use is freed (Belady 1966). That value is stored if it has no other place.
+//! Code is one basic block, so the next use of every value is known. If no register is free, the
+//! register whose value has the most distant next use is freed (Belady 1966). That value is stored
+//! if it has no other place.
 
 use crate::values::{Definition, Value, Values};
 
@@ -45,7 +46,8 @@ pub(crate) struct Registers<'a> {
 }
 
 impl<'a> Registers<'a> {
-    /// Returns the state before the first step. `last` are values that are read after the last step.
+    /// Returns the state before the first step. `last` are values that are read after the last
+    /// step.
     pub fn new(values: &'a Values, size: usize, order: &'static [u8], last: &[Value]) -> Self {
         let n = values.definitions.len();
         let mut uses: Vec<Vec<u32>> = vec![Vec::new(); n];

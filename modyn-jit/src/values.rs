@@ -1,7 +1,8 @@
 //! Values in vector registers: a program in single assignment.
 //!
-//! Every value has a number of lanes, and is a constant, an argument, a lane of a stored vector, or the result of an
-//! operation. Equal values are made once. Constants and arguments need no register until an instruction reads one.
+//! Every value has a number of lanes, and is a constant, an argument, a lane of a stored vector, or
+//! the result of an operation. Equal values are made once. Constants and arguments need no register
+//! until an instruction reads one.
 
 use rustc_hash::FxHashMap;
 
@@ -104,7 +105,8 @@ pub(crate) enum Step {
     Compute(Value),
     /// Reduces again the angles that are too large for the fast reduction.
     Check(FarCheck),
-    /// Calls the code for rows of any rank and returns, unless all lanes of the first value are less than those of the second.
+    /// Calls the code for rows of any rank and returns, unless all lanes of the first value are
+    /// less than those of the second.
     Guard([Value; 2]),
 }
 

@@ -1,16 +1,19 @@
 //! aarch64 with NEON.
 //!
-//! A function has two arguments: a pointer to a table of pointers to its arguments (x0), and a pointer to its results (x1). It
-//! follows the procedure call standard for the Arm 64-bit architecture (AAPCS64). Registers in its body: x8 points to the
-//! constants, x10 to the results, x11 to x17 and x7 to the arguments, sp to the stack frame; x9 is free; x29 is the frame pointer, as
-//! profilers know it: it points to the caller's. x18, which belongs to some systems, is not used.
+//! A function has two arguments: a pointer to a table of pointers to its arguments (x0), and a
+//! pointer to its results (x1). It follows the procedure call standard for the Arm 64-bit
+//! architecture (AAPCS64). Registers in its body: x8 points to the constants, x10 to the results,
+//! x11 to x17 and x7 to the arguments, sp to the stack frame; x9 is free; x29 is the frame pointer,
+//! as profilers know it: it points to the caller's. x18, which belongs to some systems, is not
+//! used.
 //!
-//! The frame, upwards from sp, which is a multiple of 16: the pointers to the table, the results and the constants, memory for
-//! all vector registers during calls, slots of values. Above it are the lower halves of v8 to v15, which belong to the caller,
-//! as far as the function writes these registers.
+//! The frame, upwards from sp, which is a multiple of 16: the pointers to the table, the results
+//! and the constants, memory for all vector registers during calls, slots of values. Above it are
+//! the lower halves of v8 to v15, which belong to the caller, as far as the function writes these
+//! registers.
 //!
-//! Operands are in registers: instructions read no memory. They overwrite none of their operands, except the fused products of
-//! vectors, which add to their destination.
+//! Operands are in registers: instructions read no memory. They overwrite none of their operands,
+//! except the fused products of vectors, which add to their destination.
 
 mod arithmetic;
 mod encode;

@@ -1,5 +1,5 @@
-//! The part of code generation that each architecture writes: its instructions, registers that point to memory, entry and
-//! return.
+//! The part of code generation that each architecture writes: its instructions, registers that
+//! point to memory, entry and return.
 
 use super::Generator;
 use crate::helper::Helper;
@@ -49,8 +49,8 @@ pub(super) trait Architecture: Default {
     /// Writes a store of this number of bytes.
     fn store(generator: &mut Generator<'_, Self>, register: u8, bytes: usize, to: Address);
 
-    /// Writes an operation that is no call, and returns the register of its result. Operands that are read for the last time
-    /// may be overwritten; pinned registers otherwise keep their values.
+    /// Writes an operation that is no call, and returns the register of its result. Operands that
+    /// are read for the last time may be overwritten; pinned registers otherwise keep their values.
     fn operation(
         generator: &mut Generator<'_, Self>,
         operation: Operation,
@@ -58,8 +58,8 @@ pub(super) trait Architecture: Default {
         pinned: u32,
     ) -> u8;
 
-    /// Writes a jump that is taken unless all lanes of the first value are less than those of the second. Returns the
-    /// position to [`patch`](Self::patch).
+    /// Writes a jump that is taken unless all lanes of the first value are less than those of the
+    /// second. Returns the position to [`patch`](Self::patch).
     fn jump_unless_less(generator: &mut Generator<'_, Self>, values: [Value; 2]) -> usize;
 
     /// Writes a jump, and returns the position to [`patch`](Self::patch).
@@ -68,17 +68,20 @@ pub(super) trait Architecture: Default {
     /// Fills in the target of a jump.
     fn patch(&mut self, at: usize, target: usize);
 
-    /// Writes a call of a helper with pointers to its results and arguments, and restores the registers that point to
-    /// memory.
+    /// Writes a call of a helper with pointers to its results and arguments, and restores the
+    /// registers that point to memory.
     fn call(generator: &mut Generator<'_, Self>, helper: Helper, pointers: [Address; 3], lanes: u8);
 
-    /// Writes a call of another function with this one's arguments and results, and returns its position.
+    /// Writes a call of another function with this one's arguments and results, and returns its
+    /// position.
     fn call_again(generator: &mut Generator<'_, Self>) -> usize;
 
-    /// Fills in the target of the call at this position of a function's code: the distance from the function's start.
+    /// Fills in the target of the call at this position of a function's code: the distance from the
+    /// function's start.
     fn point_call(code: &mut [u8], at: usize, target: i64);
 
-    /// Returns the entry of a function with a stack frame of this size, and the position of its distance to the constants.
+    /// Returns the entry of a function with a stack frame of this size, and the position of its
+    /// distance to the constants.
     fn entry(generator: &Generator<'_, Self>, frame: u32) -> (Self, usize);
 
     /// Writes the return.

@@ -5,7 +5,8 @@ use crate::values::{Definition, Value, Values};
 /// Values, each with the offset at which it is stored in the results.
 pub(super) type Stores = Vec<(Value, u32)>;
 
-/// Returns the stores of results: first vectors whose lanes are consecutive results, then all others.
+/// Returns the stores of results: first vectors whose lanes are consecutive results, then all
+/// others.
 pub(super) fn stores(values: &Values, size: usize) -> (Stores, Stores) {
     let (mut runs, mut single) = (Vec::new(), Vec::new());
     let mut distance = 0;
@@ -34,8 +35,8 @@ pub(super) fn stores(values: &Values, size: usize) -> (Stores, Stores) {
     (runs, single)
 }
 
-/// Returns the bytes of the constants, and the offset of each. The constants that are used most are first: they have
-/// short displacements.
+/// Returns the bytes of the constants, and the offset of each. The constants that are used most are
+/// first: they have short displacements.
 pub(super) fn pool(values: &Values, size: usize) -> (Vec<u8>, Vec<u32>) {
     let mut uses = vec![0_usize; values.pool.len()];
     let reads = values.steps.iter().flat_map(|step| values.reads(step));

@@ -1,5 +1,5 @@
-//! Angles that are too large for the fast reduction: the comparison that finds them, and the code after the return that
-//! reduces them.
+//! Angles that are too large for the fast reduction: the comparison that finds them, and the code
+//! after the return that reduces them.
 
 use super::Generator;
 use super::architecture::{Address, Architecture};
@@ -15,12 +15,14 @@ pub(super) struct SlowPath {
     back: usize,
     /// The registers that hold values.
     occupied: u32,
-    /// The places of each angle, its reduction and the number with the multiple's lowest bit; and the number of lanes.
+    /// The places of each angle, its reduction and the number with the multiple's lowest bit; and
+    /// the number of lanes.
     angles: Vec<([Address; 3], u8)>,
 }
 
 impl<A: Architecture> Generator<'_, A> {
-    /// Compares the angles with the limit, and jumps to the code after the return if one is too large.
+    /// Compares the angles with the limit, and jumps to the code after the return if one is too
+    /// large.
     pub(super) fn check(&mut self, check: &FarCheck) {
         let FarCheck { squares, limit, angles } = check;
         let from = A::jump_unless_less(self, [*squares, *limit]);

@@ -68,7 +68,8 @@ impl<A: Architecture> Generator<'_, A> {
         A::store(self, register, bytes, Address { part: Part::Slots, offset });
     }
 
-    /// Returns the register of a value, which is loaded if it is in none, for this instruction or for longer.
+    /// Returns the register of a value, which is loaded if it is in none, for this instruction or
+    /// for longer.
     pub(super) fn force(&mut self, value: Value, pinned: &mut u32) -> u8 {
         let mut register = self.registers.register(value);
         if register == NONE {

@@ -1,16 +1,17 @@
 //! x86-64: SSE2, AVX2 and AVX-512.
 //!
-//! A function has two arguments: a pointer to a table of pointers to its arguments (rdi), and a pointer to its results
-//! (rsi). It follows System V's calling convention on every system. Registers in its body: rax points into the stack
-//! frame, rbx to the constants, rcx to the results, and one register each to the arguments (r14 and r15, which belong to
-//! the caller, to the seventh and the eighth); rbp is the frame pointer, as profilers know it: it points to the caller's; r11
-//! is free.
+//! A function has two arguments: a pointer to a table of pointers to its arguments (rdi), and a
+//! pointer to its results (rsi). It follows System V's calling convention on every system.
+//! Registers in its body: rax points into the stack frame, rbx to the constants, rcx to the
+//! results, and one register each to the arguments (r14 and r15, which belong to the caller, to the
+//! seventh and the eighth); rbp is the frame pointer, as profilers know it: it points to the
+//! caller's; r11 is free.
 //!
-//! The frame, upwards from rsp, which is a multiple of 64: the two pointers, memory for all vector registers during
-//! calls, slots of values.
+//! The frame, upwards from rsp, which is a multiple of 64: the two pointers, memory for all vector
+//! registers during calls, slots of values.
 //!
-//! Instructions read their last operand from memory where they can. Those of SSE2 overwrite their first operand, and fused
-//! products overwrite one of three.
+//! Instructions read their last operand from memory where they can. Those of SSE2 overwrite their
+//! first operand, and fused products overwrite one of three.
 
 mod arithmetic;
 mod calls;

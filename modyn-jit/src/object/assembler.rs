@@ -1,7 +1,8 @@
-//! Encodes the instructions around generated code: on general registers, and on scalars in vector registers.
+//! Encodes the instructions around generated code: on general registers, and on scalars in vector
+//! registers.
 //!
-//! Intel 64 and IA-32 Architectures Software Developer's Manual, volume 2. Registers have their numbers there. All distances
-//! have 4 bytes.
+//! Intel 64 and IA-32 Architectures Software Developer's Manual, volume 2. Registers have their
+//! numbers there. All distances have 4 bytes.
 
 pub(super) const RAX: u8 = 0;
 pub(super) const RCX: u8 = 1;

@@ -1,8 +1,9 @@
-//! The functions that C calls: they take pointers by the calling convention of the target, put them into the table that
-//! programs take, and call programs.
+//! The functions that C calls: they take pointers by the calling convention of the target, put them
+//! into the table that programs take, and call programs.
 //!
-//! The frame of an entry, downwards from rbp: on Windows the registers rdi, rsi and xmm6 to xmm15, which belong to the caller
-//! there; then, upwards from rsp, the table of pointers, the pointer to the results, and the poses of bodies.
+//! The frame of an entry, downwards from rbp: on Windows the registers rdi, rsi and xmm6 to xmm15,
+//! which belong to the caller there; then, upwards from rsp, the table of pointers, the pointer to
+//! the results, and the poses of bodies.
 
 use super::assembler::{
     ADD, ADDRESS, Assembler, Condition, IMMEDIATE_COMPARE, LOAD, LOAD_SIGNED, LOAD_VECTOR, Label,

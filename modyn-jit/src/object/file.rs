@@ -1,4 +1,5 @@
-//! Writes the code as an object file: its section, its symbols, and the descriptions of its stack frames.
+//! Writes the code as an object file: its section, its symbols, and the descriptions of its stack
+//! frames.
 
 use object::write::{
     Object as File, Relocation, SectionId, StandardSection, Symbol, SymbolSection,
@@ -12,8 +13,8 @@ use super::ObjectFormat;
 use super::text::Text;
 use super::unwind::{eh_frame, unwind_information};
 
-/// Returns the object file. The names of `hidden` symbols are not visible outside of the program or library that the object
-/// becomes part of.
+/// Returns the object file. The names of `hidden` symbols are not visible outside of the program or
+/// library that the object becomes part of.
 pub(super) fn file(
     text: &Text,
     prefix: &str,

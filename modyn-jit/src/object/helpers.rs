@@ -1,9 +1,10 @@
-//! The functions that machine code calls, as machine code: the reduction of large angles, arctangents and logarithms; and the
-//! function that asks the processor for its instructions.
+//! The functions that machine code calls, as machine code: the reduction of large angles,
+//! arctangents and logarithms; and the function that asks the processor for its instructions.
 //!
-//! They do the operations of the runtime's functions (`scalar/trig.rs` and `float/elementary.rs`) in the same order, so they
-//! have the same bits, which `tests/object.rs` compares. Each takes pointers to its results and arguments, and a number of lanes;
-//! see `helper.rs`. They use SSE2 only, no stack, and none of the registers that belong to their caller.
+//! They do the operations of the runtime's functions (`scalar/trig.rs` and `float/elementary.rs`)
+//! in the same order, so they have the same bits, which `tests/object.rs` compares. Each takes
+//! pointers to its results and arguments, and a number of lanes; see `helper.rs`. They use SSE2
+//! only, no stack, and none of the registers that belong to their caller.
 
 use modyn_runtime::{
     ELEMENTARY_F32, ELEMENTARY_F64, ElementaryNumbers, FRAC_1_PI_BITS, PI_BITS, trig_steps,
@@ -169,8 +170,9 @@ impl<'a, S: Real> Function<'a, S> {
         self.a.bytes(&[0xc3]);
     }
 
-    /// The reduction of large angles (rdi: reduced angles, rsi: numbers with the lowest bits of the multiples, rdx: angles,
-    /// ecx: lanes). General registers are few: the pointers wait in xmm2, xmm3 and xmm4, the lanes in xmm5.
+    /// The reduction of large angles (rdi: reduced angles, rsi: numbers with the lowest bits of the
+    /// multiples, rdx: angles, ecx: lanes). General registers are few: the pointers wait in xmm2,
+    /// xmm3 and xmm4, the lanes in xmm5.
     fn reduce(&mut self) {
         let (wide, mantissa, bits) = (self.wide, self.mantissa, self.bits);
         let exponents: u64 = (1 << (bits - 1 - mantissa)) - 1;
@@ -305,7 +307,8 @@ impl<'a, S: Real> Function<'a, S> {
         }
     }
 
-    /// Appends the load of 64 bits of 1 / pi: `number` words after r11, shifted to the left by the lowest six bits of cl.
+    /// Appends the load of 64 bits of 1 / pi: `number` words after r11, shifted to the left by the
+    /// lowest six bits of cl.
     fn word(&mut self, register: u8, number: i32) {
         self.a.instruction(LOAD, true, register, Memory(R11, 8 * number));
         self.a.instruction(LOAD, true, RDX, Memory(R11, 8 * number + 8));
@@ -482,8 +485,8 @@ impl<'a, S: Real> Function<'a, S> {
 /// A bit of the answer of CPUID: the leaf, the register, and the bits that must be set.
 type Feature = (u32, u8, u32);
 
-/// Appends the function that returns whether the processor has the instructions and the system keeps their registers: 1, or
-/// else 0. Returns its label.
+/// Appends the function that returns whether the processor has the instructions and the system
+/// keeps their registers: 1, or else 0. Returns its label.
 pub(super) fn is_supported(a: &mut Assembler, instruction_set: InstructionSet) -> Label {
     a.align(16);
     let start = a.label_at(a.code.len());

@@ -60,7 +60,8 @@ fn error(message: &str, help: &str) -> CompileError {
     Diagnostics::from(Diagnostic::error(Code::Output, message).with_help(help)).into()
 }
 
-/// Returns the options for the target that Cargo compiles for: its object files, and the instruction set that rustc may use.
+/// Returns the options for the target that Cargo compiles for: its object files, and the
+/// instruction set that rustc may use.
 fn options_of_cargo() -> Result<ObjectOptions, CompileError> {
     let of = |name: &str| std::env::var(format!("CARGO_CFG_{name}")).unwrap_or_default();
     let architecture = of("TARGET_ARCH");

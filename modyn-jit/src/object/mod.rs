@@ -1,6 +1,8 @@
-//! Object files: a robot's functions as machine code that linkers take, with a C header and a Rust text that calls them.
+//! Object files: a robot's functions as machine code that linkers take, with a C header and a Rust
+//! text that calls them.
 //!
-//! A large robot's crate then builds as fast as a small one's: there is no function for rustc to compile. In a build script:
+//! A large robot's crate then builds as fast as a small one's: there is no function for rustc to
+//! compile. In a build script:
 //!
 //! ```no_run
 //! use modyn_jit::object::ObjectBuilder;
@@ -18,8 +20,9 @@
 //!   └─ modyn-codegen ─▶ C header, Rust text
 //! ```
 //!
-//! The programs are those of [`Compiled`](crate::Compiled), with the same instructions: so results are the same bits. The
-//! object needs no other code. The host can be any machine: it does not run the code.
+//! The programs are those of [`Compiled`](crate::Compiled), with the same instructions: so results
+//! are the same bits. The object needs no other code. The host can be any machine: it does not run
+//! the code.
 
 mod assembler;
 mod convention;
@@ -96,8 +99,8 @@ impl ObjectFormat {
 /// The options of an object file; the options of the robot belong to a [`Builder`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ObjectOptions {
-    /// The vector instructions, of x86-64. Processors without them cannot run the code; `Sse2` by default, which all of
-    /// x86-64 have.
+    /// The vector instructions, of x86-64. Processors without them cannot run the code; `Sse2` by
+    /// default, which all of x86-64 have.
     pub instruction_set: InstructionSet,
     /// The format; by default that of this system.
     pub format: ObjectFormat,
@@ -120,7 +123,8 @@ pub struct Object {
     pub bytes: Vec<u8>,
     /// The C header: the functions of `modyn generate --target c`, and `PREFIX_is_supported`.
     pub header: String,
-    /// The Rust text: the robot's type, whose functions call the object's. It needs the crate `modyn`.
+    /// The Rust text: the robot's type, whose functions call the object's. It needs the crate
+    /// `modyn`.
     pub wrapper: String,
     /// The format of the file.
     pub format: ObjectFormat,
@@ -149,23 +153,26 @@ impl Object {
 
 /// Object files from a [`Builder`].
 pub trait ObjectBuilder {
-    /// Returns the functions of one state as an object file, in the scalar of the builder, with the texts beside it. Writes no
-    /// file.
+    /// Returns the functions of one state as an object file, in the scalar of the builder, with the
+    /// texts beside it. Writes no file.
     ///
     /// # Errors
     ///
-    /// Returns all errors of the description and the options, or that a function has too many arguments.
+    /// Returns all errors of the description and the options, or that a function has too many
+    /// arguments.
     fn generate_object(&self, options: &ObjectOptions) -> Result<Object, CompileError>;
 
-    /// Compiles in a build script, for `modyn::include_model!`: writes a static library and the Rust text that calls it to
-    /// `OUT_DIR`, and tells Cargo to link the library. The names of its functions contain a hash of the code, so a program can
-    /// have several robots of one name.
+    /// Compiles in a build script, for `modyn::include_model!`: writes a static library and the
+    /// Rust text that calls it to `OUT_DIR`, and tells Cargo to link the library. The names of its
+    /// functions contain a hash of the code, so a program can have several robots of one name.
     ///
-    /// Without an instruction set, it is the best one that rustc may use for the target, by its target features.
+    /// Without an instruction set, it is the best one that rustc may use for the target, by its
+    /// target features.
     ///
     /// # Errors
     ///
-    /// The errors of [`generate_object`](Self::generate_object), the target is not x86-64, or a file cannot be written.
+    /// The errors of [`generate_object`](Self::generate_object), the target is not x86-64, or a
+    /// file cannot be written.
     fn compile_object(
         &self,
         instruction_set: Option<InstructionSet>,

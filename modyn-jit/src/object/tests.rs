@@ -1,7 +1,8 @@
-//! Helpers have the bits of the runtime's functions. Windows' entries work, run here by their calling convention. All formats
-//! are read back.
+//! Helpers have the bits of the runtime's functions. Windows' entries work, run here by their
+//! calling convention. All formats are read back.
 //!
-//! Unsafe code: calls of functions that the tests have assembled, with pointers to as many numbers as they read and write.
+//! Unsafe code: calls of functions that the tests have assembled, with pointers to as many numbers
+//! as they read and write.
 #![allow(unsafe_code)]
 
 use std::collections::BTreeMap;
@@ -97,7 +98,8 @@ fn start(text: &Text, name: &str) -> usize {
     text.symbols.iter().find(|symbol| symbol.name == name).expect("a symbol").start
 }
 
-/// Functions with few and many arguments, on the stack too, of links, and of the poses of all links.
+/// Functions with few and many arguments, on the stack too, of links, and of the poses of all
+/// links.
 #[test]
 #[cfg(target_arch = "x86_64")]
 fn entries_of_windows_compute_the_same() {
@@ -166,7 +168,8 @@ fn entries_of_windows_compute_the_same() {
     }
 }
 
-/// Runs a call between a load of the vector registers that Windows gives back to the caller and a comparison of them.
+/// Runs a call between a load of the vector registers that Windows gives back to the caller and a
+/// comparison of them.
 #[cfg(target_arch = "x86_64")]
 fn keeps_registers(mut call: impl FnMut()) {
     extern "win64" fn run(call: *mut &mut dyn FnMut()) {
@@ -178,7 +181,8 @@ fn keeps_registers(mut call: impl FnMut()) {
     let mut kept = [0.0; 12];
     macro_rules! with {
         ($($register:literal $index:literal,)*) => {
-            // SAFETY: the call follows Windows' convention, which the compiler knows; the registers are operands.
+            // SAFETY: the call follows Windows' convention, which the compiler knows; the registers
+            // are operands.
             unsafe {
                 std::arch::asm!(
                     $(concat!("movsd ", $register, ", [r13 + 8 * ", $index, "]"),)*
@@ -218,7 +222,8 @@ fn other_architectures_are_refused() {
     assert!(error.to_string().contains(message), "{error}");
 }
 
-/// The sections, symbols and relocations of each format, and that all code between them is instructions.
+/// The sections, symbols and relocations of each format, and that all code between them is
+/// instructions.
 #[test]
 fn all_formats_can_be_read() {
     let functions = [Function::ForwardDynamics, Function::Jacobian, Function::Difference];
@@ -296,8 +301,8 @@ fn all_formats_can_be_read() {
     }
 }
 
-/// Undoes the frame of each function by its unwind codes, in the way that Windows does, and finds the registers where the
-/// code has stored them.
+/// Undoes the frame of each function by its unwind codes, in the way that Windows does, and finds
+/// the registers where the code has stored them.
 #[test]
 fn unwind_codes_describe_the_code() {
     let functions = [Function::ForwardDynamics, Function::LinkPoses, Function::Jacobian];
@@ -315,7 +320,8 @@ fn unwind_codes_describe_the_code() {
                 assert!(matches!(frame.kind, FrameKind::Leaf));
                 continue;
             };
-            // The stores of the prologue, relative to the value of rsp at the entry: pushes, and moves below rbp.
+            // The stores of the prologue, relative to the value of rsp at the entry: pushes, and
+            // moves below rbp.
             let (mut rsp, mut rbp) = (0_i64, None);
             let mut stored: BTreeMap<String, i64> = BTreeMap::new();
             let prologue = usize::from(bytes[1]);

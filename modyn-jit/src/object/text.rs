@@ -1,5 +1,6 @@
-//! The code of an object: programs, the helpers that they call, tables, entries and default parameters, in one section. Distances
-//! within it are constants, so the code works at any address without relocations.
+//! The code of an object: programs, the helpers that they call, tables, entries and default
+//! parameters, in one section. Distances within it are constants, so the code works at any address
+//! without relocations.
 
 use modyn_codegen::plan::{LinkProgram, Plan};
 use modyn_runtime::model::Model;
@@ -124,7 +125,8 @@ impl<S: Real> Writer<S> {
         self.symbols.push(Symbol { name: name.into(), start, length, is_function });
     }
 
-    /// Appends the entries of a function: one for the described parameters and one for run-time parameters.
+    /// Appends the entries of a function: one for the described parameters and one for run-time
+    /// parameters.
     fn function(
         &mut self,
         function: &CompiledFunction,

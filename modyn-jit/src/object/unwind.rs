@@ -1,6 +1,7 @@
-//! Descriptions of stack frames, with which debuggers, profilers and exceptions find the caller of a function: `.eh_frame` for
-//! ELF (DWARF 5, section 6.4) and `.pdata` with `.xdata` for COFF ("x64 exception handling", Microsoft). In Mach-O files there
-//! are none: tools follow rbp there, which every function with a frame keeps as the frame pointer.
+//! Descriptions of stack frames, with which debuggers, profilers and exceptions find the caller of
+//! a function: `.eh_frame` for ELF (DWARF 5, section 6.4) and `.pdata` with `.xdata` for COFF ("x64
+//! exception handling", Microsoft). In Mach-O files there are none: tools follow rbp there, which
+//! every function with a frame keeps as the frame pointer.
 
 use super::convention::{KEPT, KEPT_VECTORS};
 use crate::generate::x86_64::{KEEP_BASES, PROLOGUE};
@@ -46,11 +47,13 @@ mod dwarf {
     pub const RETURN: u8 = 16;
 }
 
-/// Returns the contents of `.eh_frame`, and for each frame the offset at which the distance of its start belongs.
+/// Returns the contents of `.eh_frame`, and for each frame the offset at which the distance of its
+/// start belongs.
 pub(super) fn eh_frame(frames: &[Frame]) -> (Vec<u8>, Vec<usize>) {
     let (mut bytes, mut starts) = (Vec::new(), Vec::new());
-    // A common entry: version 1, pointers are distances of 4 bytes; code counts in bytes, data in -8 bytes. At the start of a
-    // function the frame's address is rsp + 8, and the return address is 8 below it.
+    // A common entry: version 1, pointers are distances of 4 bytes; code counts in bytes, data in
+    // -8 bytes. At the start of a function the frame's address is rsp + 8, and the return address
+    // is 8 below it.
     let common = [
         &[0; 4][..],
         &[1, b'z', b'R', 0, 1, 0x78, dwarf::RETURN, 1, 0x1b],
@@ -103,7 +106,8 @@ fn instructions(frame: &Frame) -> Vec<u8> {
                 advance(&mut code, SAVED_15.into());
                 code.extend([OFFSET | dwarf::R14, 4, OFFSET | dwarf::R15, 5]);
             }
-            // After `pop rbx`, which `pop rbp` and `ret` follow. Registers that were popped before have their places still.
+            // After `pop rbx`, which `pop rbp` and `ret` follow. Registers that were popped before
+            // have their places still.
             advance(&mut code, end - 2);
             code.extend([REMEMBER, RESTORE | dwarf::RBX]);
             if keeps_bases {
@@ -149,8 +153,9 @@ const SAVE_VECTOR: u8 = 8;
 
 /// Returns the unwind information of a frame for `.xdata`; none for a leaf, which needs none.
 ///
-/// Saved registers have places relative to rbp minus a multiple of 16. So the function is described as if it had allocated
-/// the memory of these registers before it set rbp, which gives the same places.
+/// Saved registers have places relative to rbp minus a multiple of 16. So the function is described
+/// as if it had allocated the memory of these registers before it set rbp, which gives the same
+/// places.
 pub(super) fn unwind_information(frame: &Frame) -> Option<Vec<u8>> {
     let (prologue, below) = match frame.kind {
         FrameKind::Program { keeps_bases: false } => (usize::from(SAVED), 16),
@@ -159,7 +164,8 @@ pub(super) fn unwind_information(frame: &Frame) -> Option<Vec<u8>> {
         FrameKind::Leaf => return None,
     };
     let prologue = u8::try_from(prologue).expect("prologues are short");
-    // The last action of the prologue is first. Each code: the offset after the action, the operation and its operand.
+    // The last action of the prologue is first. Each code: the offset after the action, the
+    // operation and its operand.
     let mut codes: Vec<[u8; 2]> = Vec::new();
     let mut code = |after: u8, operation: u8, operand: u8, more: Option<i32>| {
         codes.push([after, operation | operand << 4]);

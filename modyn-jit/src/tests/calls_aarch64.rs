@@ -1,6 +1,7 @@
 //! Functions of aarch64 keep the registers of their caller.
 //!
-//! Unsafe code: a call of a function that `generate` has made, with the arguments that it reads and writes.
+//! Unsafe code: a call of a function that `generate` has made, with the arguments that it reads and
+//! writes.
 #![allow(unsafe_code)]
 
 use std::arch::asm;

@@ -1,6 +1,7 @@
-//! Whole functions compute the bits of their program's evaluation with all instruction sets of x86-64, also those that the
-//! host lacks: they are emulated. They read only their arguments and constants, and write only their results and their frame.
-//! On aarch64 its own functions run instead.
+//! Whole functions compute the bits of their program's evaluation with all instruction sets of
+//! x86-64, also those that the host lacks: they are emulated. They read only their arguments and
+//! constants, and write only their results and their frame. On aarch64 its own functions run
+//! instead.
 
 use modyn_codegen::graph::{Expr, Graph};
 use modyn_codegen::program::{Execution, Program};
@@ -60,7 +61,8 @@ fn compare<F: Fuse>(
     }
 }
 
-/// Returns the instruction sets that are emulated; on aarch64 those of the host, whose functions run.
+/// Returns the instruction sets that are emulated; on aarch64 those of the host, whose functions
+/// run.
 fn instruction_sets() -> impl Iterator<Item = InstructionSet> {
     let host = InstructionSet::detect().map(InstructionSet::architecture);
     let architecture = if host == Some("aarch64") { "aarch64" } else { "x86_64" };
@@ -97,7 +99,8 @@ fn robots() {
     }
 }
 
-/// Contacts whose rows are dependent where two points of one link are active: the guards find these states.
+/// Contacts whose rows are dependent where two points of one link are active: the guards find these
+/// states.
 #[test]
 fn contacts() {
     let feet = [
@@ -123,7 +126,8 @@ fn contacts() {
     }
 }
 
-/// Random programs of all operations, with vectors of all lengths, many values alive at once, signs and constants.
+/// Random programs of all operations, with vectors of all lengths, many values alive at once, signs
+/// and constants.
 fn random_program(seed: u64, inputs: usize) -> Program {
     let mut random = Random::new(seed);
     let graph = Graph::trace(|| {

@@ -1,5 +1,6 @@
-//! An emulator of the instructions in generated functions, with all instruction sets, also those that the host lacks.
-//! Memory is a few regions with gaps between them, so that an access outside of a function's memory fails the test.
+//! An emulator of the instructions in generated functions, with all instruction sets, also those
+//! that the host lacks. Memory is a few regions with gaps between them, so that an access outside
+//! of a function's memory fails the test.
 
 use iced_x86::{Decoder, DecoderOptions, Instruction, OpKind, Register};
 use modyn_runtime::trig_steps;

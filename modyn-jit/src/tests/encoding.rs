@@ -1,5 +1,5 @@
-//! Each instruction of x86-64 is decoded by iced-x86 and has the given operands; whole functions consist of instructions of the
-//! instruction set.
+//! Each instruction of x86-64 is decoded by iced-x86 and has the given operands; whole functions
+//! consist of instructions of the instruction set.
 
 use iced_x86::{
     Code as Decoded, CpuidFeature, Decoder, DecoderOptions, Instruction, Mnemonic, OpKind, Register,
@@ -54,7 +54,8 @@ fn is_place(instruction: &Instruction, operand: u32, place: Place, bytes: usize)
     }
 }
 
-/// All operations with a destination, a first source and a last operand, with their mnemonics as AVX has them.
+/// All operations with a destination, a first source and a last operand, with their mnemonics as
+/// AVX has them.
 fn three_operands(size: usize, scalar: bool) -> Vec<(Opcode, Mnemonic, bool)> {
     use Mnemonic as M;
     let names = match (size, scalar) {

@@ -1,4 +1,5 @@
-//! Each instruction of aarch64 is decoded by yaxpeax-arm and has the given operands; whole functions consist of instructions.
+//! Each instruction of aarch64 is decoded by yaxpeax-arm and has the given operands; whole
+//! functions consist of instructions.
 
 use yaxpeax_arch::{Decoder as _, U8Reader};
 use yaxpeax_arm::armv8::a64::{InstDecoder, Instruction, Opcode};

@@ -1,5 +1,5 @@
-//! Tests of instructions and of whole functions. The instructions are decoded by disassemblers that share no code
-//! with the encoders; the functions are emulated, or run.
+//! Tests of instructions and of whole functions. The instructions are decoded by disassemblers that
+//! share no code with the encoders; the functions are emulated, or run.
 
 #[cfg(target_arch = "aarch64")]
 mod calls_aarch64;

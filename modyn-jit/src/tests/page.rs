@@ -1,5 +1,6 @@
-//! The listings and pictures of `docs/internals/machine-code.md`: a small program at each step of compilation. With the variable
-//! `UPDATE_SNAPSHOTS`, the test writes them: `UPDATE_SNAPSHOTS=1 cargo test -p modyn-jit --lib page`.
+//! The listings and pictures of `docs/internals/machine-code.md`: a small program at each step of
+//! compilation. With the variable `UPDATE_SNAPSHOTS`, the test writes them:
+//! `UPDATE_SNAPSHOTS=1 cargo test -p modyn-jit --lib page`.
 
 mod pictures;
 
@@ -229,7 +230,8 @@ impl Code {
         &self.instructions[self.instructions.partition_point(is_before)..]
     }
 
-    /// Returns the register in which a step leaves its value: the destination of its last instruction that is no store.
+    /// Returns the register in which a step leaves its value: the destination of its last
+    /// instruction that is no store.
     fn register(&self, step: usize) -> Option<usize> {
         let written = self.of_step(Some(step)).iter().rev().map(|(instruction, _)| instruction);
         let mut written = written.filter(|instruction| instruction.op0_kind() == OpKind::Register);
@@ -246,7 +248,8 @@ impl Code {
         })
     }
 
-    /// Returns for each step that computes a value the value, the step, and the last step that reads it.
+    /// Returns for each step that computes a value the value, the step, and the last step that
+    /// reads it.
     fn lives(&self) -> Vec<(Value, usize, usize)> {
         let mut last = vec![0; self.values.definitions.len()];
         for (i, step) in self.values.steps.iter().enumerate() {
@@ -263,9 +266,11 @@ impl Code {
         computed.collect()
     }
 
-    /// Returns the instructions of aarch64 with their words, those of each step after its text; and their counts.
+    /// Returns the instructions of aarch64 with their words, those of each step after its text; and
+    /// their counts.
     fn of_aarch64(&self, arrays: usize) -> (String, CodeSize) {
-        // Both instruction sets fuse products, and the example has no vectors: so its values are the same.
+        // Both instruction sets fuse products, and the example has no vectors: so its values are
+        // the same.
         let generated = generate(
             &self.values,
             InstructionSet::Neon,
@@ -314,7 +319,8 @@ impl Code {
     }
 }
 
-/// Replaces what stands between `<!-- listing: NAME -->` and `<!-- end -->` in the page by a block of text.
+/// Replaces what stands between `<!-- listing: NAME -->` and `<!-- end -->` in the page by a block
+/// of text.
 fn with_listing(page: &str, name: &str, listing: &str) -> String {
     let begin = format!("<!-- listing: {name} -->\n");
     let (before, rest) = page.split_once(&begin).unwrap_or_else(|| panic!("no {begin}"));

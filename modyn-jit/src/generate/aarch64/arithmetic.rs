@@ -80,7 +80,8 @@ impl Generator<'_, Encoder> {
         }
     }
 
-    /// Returns a register with the addend of a fused product of vectors, to which the product can be added.
+    /// Returns a register with the addend of a fused product of vectors, to which the product can
+    /// be added.
     fn addend(&mut self, operands: &[Value], from: u8, negative: bool, pinned: u32) -> u8 {
         let addend = operands[2];
         // The product reads its factors after the addend was negated.
@@ -96,7 +97,8 @@ impl Generator<'_, Encoder> {
         to
     }
 
-    /// Writes a jump that is taken unless all lanes of the first value are less than those of the second, and returns its position.
+    /// Writes a jump that is taken unless all lanes of the first value are less than those of the
+    /// second, and returns its position.
     pub(super) fn jump_unless_less(&mut self, [squares, limit]: [Value; 2]) -> usize {
         let mut pinned = self.registers.pinned(&[squares, limit]);
         let [first, last] = [squares, limit].map(|value| self.force(value, &mut pinned));

@@ -97,7 +97,8 @@ impl Encoder {
     }
 }
 
-/// Returns the instruction that sets 16 bits of a general register. The first part, 0, also clears the others.
+/// Returns the instruction that sets 16 bits of a general register. The first part, 0, also clears
+/// the others.
 pub(super) fn part_of_constant(register: u8, value: u64, part: u32) -> u32 {
     let opcode = if part == 0 { 0xd280_0000 } else { 0xf280_0000 };
     let bits = (value >> (16 * part)) as u32 & 0xffff;

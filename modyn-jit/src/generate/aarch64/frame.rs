@@ -6,7 +6,8 @@ use crate::generate::architecture::{Address, Architecture as _, Part};
 use crate::generate::{Generator, MAX_ARRAYS};
 use crate::helper::{Helper, Linkage};
 
-/// The bytes below the memory of the vector registers: the pointers to the table, the results and the constants.
+/// The bytes below the memory of the vector registers: the pointers to the table, the results and
+/// the constants.
 pub(super) const HEADER: u32 = 32;
 
 /// The registers that point to memory: the constants, the results, and the arguments.
@@ -85,7 +86,8 @@ impl Generator<'_, Encoder> {
         point(&mut self.encoder, self.arrays);
     }
 
-    /// Writes a call of another function with this one's arguments and results, and returns its position.
+    /// Writes a call of another function with this one's arguments and results, and returns its
+    /// position.
     pub(super) fn call_again(&mut self) -> usize {
         self.encoder.load_pointer(0, SP, 0);
         self.encoder.load_pointer(1, SP, 1);
@@ -108,7 +110,8 @@ impl Generator<'_, Encoder> {
     }
 }
 
-/// Moves the stack pointer down. The code touches each page, so that an overflow is found at the guard page.
+/// Moves the stack pointer down. The code touches each page, so that an overflow is found at the
+/// guard page.
 fn allocate(entry: &mut Encoder, frame: u32) {
     const PAGE: u32 = 4096;
     let pages = frame / PAGE;

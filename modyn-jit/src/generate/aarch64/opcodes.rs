@@ -2,7 +2,8 @@
 //!
 //! Arm Architecture Reference Manual for A-profile architecture, chapters C6 and C7.
 
-/// An instruction on numbers, by its words for single precision: on scalars, and on vectors of 16 bytes.
+/// An instruction on numbers, by its words for single precision: on scalars, and on vectors of 16
+/// bytes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Arithmetic {
     scalar: u32,

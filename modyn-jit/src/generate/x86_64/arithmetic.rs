@@ -68,8 +68,8 @@ impl Generator<'_, Encoder> {
         let legacy = self.instruction_set == InstructionSet::Sse2;
         if operation.commutes() {
             let [in_a, in_b] = [a, b].map(|x| self.registers.register(x));
-            // The first operand is in a register. Low registers have shorter encodings as the second operand.
-            // Instructions with two operands overwrite the first.
+            // The first operand is in a register. Low registers have shorter encodings as the
+            // second operand. Instructions with two operands overwrite the first.
             let swap = match (in_a == NONE, in_b == NONE) {
                 (true, false) => true,
                 (false, false) if legacy => !self.registers.dies(a) && self.registers.dies(b),
@@ -148,8 +148,8 @@ impl Generator<'_, Encoder> {
         }
     }
 
-    /// Writes a comparison whose result is a vector. AVX-512 compares into masks; only registers below 16 can be
-    /// compared without them.
+    /// Writes a comparison whose result is a vector. AVX-512 compares into masks; only registers
+    /// below 16 can be compared without them.
     fn compare(
         &mut self,
         register: u8,
@@ -195,8 +195,8 @@ impl Generator<'_, Encoder> {
             self.write(opcode, 16, [register, register], place, immediate);
             return register;
         }
-        // A square root of a scalar keeps the upper part of its first source. Both sources are the same register, so
-        // that the instruction waits for no other register.
+        // A square root of a scalar keeps the upper part of its first source. Both sources are the
+        // same register, so that the instruction waits for no other register.
         let from = if operation == Operation::SquareRoot {
             Place::Register(self.force(a, &mut pinned))
         } else {
@@ -225,8 +225,8 @@ impl Generator<'_, Encoder> {
         let bytes = self.registers.bytes(value);
         let from = self.force(a, &mut pinned);
         let register = self.destination(&[a], pinned);
-        // The destination is in the field of the first source, and the opcode's extension is in the field of the
-        // destination.
+        // The destination is in the field of the first source, and the opcode's extension is in the
+        // field of the destination.
         let (count, opcode) = ((8 * self.size - 1) as u8, shift_left(self.size));
         if self.instruction_set == InstructionSet::Sse2 {
             if register != from {
@@ -239,8 +239,8 @@ impl Generator<'_, Encoder> {
         register
     }
 
-    /// Writes a product and a sum in one instruction, which overwrites one of its three operands and can read the last
-    /// one from memory.
+    /// Writes a product and a sum in one instruction, which overwrites one of its three operands
+    /// and can read the last one from memory.
     fn multiply_add(
         &mut self,
         value: Value,

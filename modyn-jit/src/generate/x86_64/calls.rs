@@ -9,7 +9,8 @@ use crate::helper::{Helper, Linkage};
 use crate::instruction_set::InstructionSet;
 
 impl Generator<'_, Encoder> {
-    /// Writes a call of another function with this one's arguments and results, and returns the position of its distance.
+    /// Writes a call of another function with this one's arguments and results, and returns the
+    /// position of its distance.
     pub(super) fn call_again(&mut self) -> usize {
         self.encoder.general(0x8b, RDI, RSP, 0);
         self.encoder.general(0x8b, RSI, RSP, 8);
@@ -28,7 +29,8 @@ impl Generator<'_, Encoder> {
     /// Writes a call of a helper, and restores the registers that point to memory.
     pub(super) fn call_helper(&mut self, helper: Helper, pointers: [Address; 3], lanes: u8) {
         let [results, more, arguments] = pointers;
-        // The angles of a reduction are first: they may be an argument, whose base register the others overwrite.
+        // The angles of a reduction are first: they may be an argument, whose base register the
+        // others overwrite.
         self.address(RDX, arguments);
         self.address(RDI, results);
         self.address(RSI, more);

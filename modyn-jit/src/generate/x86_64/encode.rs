@@ -1,7 +1,8 @@
 //! Encodes x86-64 instructions on vector registers: SSE, AVX (VEX) and AVX-512 (EVEX).
 //!
-//! Intel 64 and IA-32 Architectures Software Developer's Manual, volume 2, chapter 2. Registers have numbers: 0 is rax or
-//! xmm0. Operations on general registers are few, and are written out where they are used.
+//! Intel 64 and IA-32 Architectures Software Developer's Manual, volume 2, chapter 2. Registers
+//! have numbers: 0 is rax or xmm0. Operations on general registers are few, and are written out
+//! where they are used.
 
 /// An instruction, without its operands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -143,8 +144,8 @@ impl Encoder {
         }
     }
 
-    /// Appends an instruction on a general register and a memory operand, both of 64 bits: 8B loads, 89 stores, 8D
-    /// computes the address.
+    /// Appends an instruction on a general register and a memory operand, both of 64 bits: 8B
+    /// loads, 89 stores, 8D computes the address.
     pub fn general(&mut self, opcode: u8, register: u8, base: u8, distance: i32) {
         self.code.extend([0x48 | (register >> 3) << 2 | base >> 3, opcode]);
         if base == RSP {

@@ -15,11 +15,12 @@ pub(super) const RSI: u8 = 6;
 pub(super) const RDI: u8 = 7;
 pub(super) const R11: u8 = 11;
 
-/// The instructions that keep the registers of the caller: push rbp; mov rbp, rsp; push rbx. Descriptions of the frame for
-/// debuggers (`object/unwind.rs`) follow them.
+/// The instructions that keep the registers of the caller: push rbp; mov rbp, rsp; push rbx.
+/// Descriptions of the frame for debuggers (`object/unwind.rs`) follow them.
 pub(crate) const PROLOGUE: [&[u8]; 3] = [&[0x55], &[0x48, 0x89, 0xe5], &[0x53]];
 
-/// The instructions after [`PROLOGUE`] of a function that [uses the last bases](keeps_bases): push r14; push r15.
+/// The instructions after [`PROLOGUE`] of a function that [uses the last bases](keeps_bases): push
+/// r14; push r15.
 pub(crate) const KEEP_BASES: [&[u8]; 2] = [&[0x41, 0x56], &[0x41, 0x57]];
 
 /// The bytes below the memory of the vector registers: the two pointers.
@@ -28,7 +29,8 @@ pub(super) const HEADER: usize = 64;
 /// The range of displacements of one byte, on both sides.
 pub(super) const SHORT: i32 = 128;
 
-/// Returns whether a function with this number of arrays of arguments keeps r14 and r15 for its caller.
+/// Returns whether a function with this number of arrays of arguments keeps r14 and r15 for its
+/// caller.
 pub(crate) const fn keeps_bases(arrays: usize) -> bool {
     arrays > MAX_ARRAYS - KEEP_BASES.len()
 }
@@ -64,7 +66,8 @@ impl Generator<'_, Encoder> {
             // vzeroupper
             self.encoder.bytes(&[0xc5, 0xf8, 0x77]);
         }
-        // lea rsp, [rbp - 8]; pop rbx; pop rbp; ret. With r14 and r15: lea rsp, [rbp - 24]; pop r15; pop r14; pop rbx; ...
+        // lea rsp, [rbp - 8]; pop rbx; pop rbp; ret. With r14 and r15: lea rsp, [rbp - 24]; pop
+        // r15; pop r14; pop rbx; ...
         let restore: &[&[u8]] = match keeps_bases(self.arrays) {
             false => &[&[0x48, 0x8d, 0x65, 0xf8]],
             true => &[&[0x48, 0x8d, 0x65, 0xe8], &[0x41, 0x5f], &[0x41, 0x5e]],
@@ -75,7 +78,8 @@ impl Generator<'_, Encoder> {
     }
 }
 
-/// Moves the stack pointer down. The code touches each page, so that an overflow is found at the guard page.
+/// Moves the stack pointer down. The code touches each page, so that an overflow is found at the
+/// guard page.
 pub(crate) fn allocate(entry: &mut Encoder, frame: u32) {
     const PAGE: u32 = 4096;
     let pages = frame / PAGE;

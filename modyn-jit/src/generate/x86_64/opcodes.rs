@@ -6,8 +6,8 @@ const fn both(map: u8, prefix: u8, byte: u8, evex_w: bool) -> Opcode {
     Opcode { map, prefix, byte, vex_w: false, evex_w }
 }
 
-/// Returns an instruction on scalars (ss, sd) or on vectors (ps, pd) of numbers with this size in bytes; they differ
-/// only in the mandatory prefix.
+/// Returns an instruction on scalars (ss, sd) or on vectors (ps, pd) of numbers with this size in
+/// bytes; they differ only in the mandatory prefix.
 pub(crate) const fn arithmetic(byte: u8, scalar: bool, size: usize) -> Opcode {
     let prefix = match (scalar, size) {
         (true, 8) => 3,

@@ -23,7 +23,8 @@ impl Generator<'_, Encoder> {
         }
     }
 
-    /// Writes an instruction on vectors of this number of bytes; the last operand has the same size in memory.
+    /// Writes an instruction on vectors of this number of bytes; the last operand has the same size
+    /// in memory.
     pub(super) fn write(
         &mut self,
         opcode: Opcode,
@@ -35,8 +36,8 @@ impl Generator<'_, Encoder> {
         self.write_reading(bytes, opcode, bytes, registers, place, immediate);
     }
 
-    /// Writes an instruction on vectors whose last operand has `memory` bytes. The registers are the first operand and
-    /// the first source.
+    /// Writes an instruction on vectors whose last operand has `memory` bytes. The registers are
+    /// the first operand and the first source.
     pub(super) fn write_reading(
         &mut self,
         memory: usize,

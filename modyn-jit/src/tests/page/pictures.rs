@@ -12,7 +12,8 @@ const COLORS: [&str; 16] = [
     "#e6d0de", "#dae8fc", "#fad9d5", "#cdeb8b", "#ffe6cc", "#c3d9ff", "#eeeeee", "#f0e0b0",
 ];
 
-/// The colours of texts on the coloured boxes, and of texts and lines beside them, which are seen on dark and on light grounds.
+/// The colours of texts on the coloured boxes, and of texts and lines beside them, which are seen
+/// on dark and on light grounds.
 const IN_BOX: &str = "#1d2733";
 const INK: &str = "#7d8794";
 
@@ -41,8 +42,8 @@ fn label(node: Node, inputs: &[&str]) -> String {
     }
 }
 
-/// Returns the graph: inputs at the left, each operation right of its operands. Constants are written in the operations that
-/// read them.
+/// Returns the graph: inputs at the left, each operation right of its operands. Constants are
+/// written in the operations that read them.
 pub(super) fn graph(graph: &Graph, inputs: &[&str]) -> String {
     let (live, nodes) = (graph.live(), graph.nodes());
     let is_drawn = |id: Id| live[id as usize] && !graph.is_constant(id);
@@ -133,8 +134,8 @@ pub(super) fn graph(graph: &Graph, inputs: &[&str]) -> String {
     text + "</svg>\n"
 }
 
-/// Returns the life of each value as a bar, from the step that computes it to the last one that reads it, in the colour of
-/// the register where it is computed.
+/// Returns the life of each value as a bar, from the step that computes it to the last one that
+/// reads it, in the colour of the register where it is computed.
 pub(super) fn lives(code: &Code) -> String {
     let lives = code.lives();
     let (left, step, row) = (64, 15, 16);
@@ -165,7 +166,8 @@ pub(super) fn lives(code: &Code) -> String {
     text + "</svg>\n"
 }
 
-/// Returns the number of values that are alive after each step, and the steps that store one in the stack frame.
+/// Returns the number of values that are alive after each step, and the steps that store one in the
+/// stack frame.
 pub(super) fn pressure(code: &Code) -> String {
     let lives = code.lives();
     let steps = code.values.steps.len();
