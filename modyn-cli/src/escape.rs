@@ -1,6 +1,7 @@
 //! Escapes names of a description, which may contain any character, for the format of the output.
 //!
-//! [`json`] escapes in JSON what serde_json leaves, csv escapes quotes in CSV, and [`markup`] escapes text in pictures. For terminals there is
+//! [`json`] escapes in JSON what serde_json leaves, csv escapes quotes in CSV, and [`markup`]
+//! escapes text in pictures. For terminals there is
 //! `modyn_codegen::diagnostics::sanitize_for_display`.
 
 /// Returns text, or an attribute's value, escaped for SVG and HTML.

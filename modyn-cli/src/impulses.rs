@@ -1,5 +1,5 @@
-//! Steps of robots that are known at run time, with impulses: of the ground under the contacts, and of joints that stop at their
-//! limits.
+//! Steps of robots that are known at run time, with impulses: of the ground under the contacts, and
+//! of joints that stop at their limits.
 //!
 //! `modyn::simulate::State::step_on_ground` is the same step for generated robots.
 
@@ -30,7 +30,8 @@ impl Options {
     }
 }
 
-/// Returns the names of the mimic joints whose limits contradict those of their leaders. Such limits are not enforced.
+/// Returns the names of the mimic joints whose limits contradict those of their leaders. Such
+/// limits are not enforced.
 #[must_use]
 pub fn contradictory_limits(model: &Model) -> Vec<String> {
     let contradicts = |&link: &usize| {
@@ -62,7 +63,8 @@ pub struct Step {
     pub qd: Vec<f64>,
     /// The energy that the impulses take, J.
     pub dissipated: f64,
-    /// The height of the lowest contact above the ground before the step, m; infinite for a robot without contacts.
+    /// The height of the lowest contact above the ground before the step, m; infinite for a robot
+    /// without contacts.
     pub lowest: f64,
     /// The velocities that are wrong.
     pub residual: Residual,
@@ -100,7 +102,8 @@ impl Impulses {
         }
     }
 
-    /// Returns the velocities after a step of `dt` seconds from this state on under these joint forces (N m, N).
+    /// Returns the velocities after a step of `dt` seconds from this state on under these joint
+    /// forces (N m, N).
     ///
     /// # Errors
     ///
@@ -147,7 +150,8 @@ impl Impulses {
     }
 }
 
-/// Moves each floating base such that the lowest contact that it carries is on the ground, the plane z = 0.
+/// Moves each floating base such that the lowest contact that it carries is on the ground, the
+/// plane z = 0.
 ///
 /// # Errors
 ///
@@ -156,7 +160,8 @@ pub fn put_on_ground(model: &Model, q: &mut [f64]) -> Result<(), ShapeError> {
     move_to_ground(model, q, |_| true)
 }
 
-/// Lifts each floating base whose contacts are in the ground, the plane z = 0, such that the lowest one is on it.
+/// Lifts each floating base whose contacts are in the ground, the plane z = 0, such that the lowest
+/// one is on it.
 ///
 /// # Errors
 ///
@@ -165,7 +170,8 @@ pub fn lift_out_of_ground(model: &Model, q: &mut [f64]) -> Result<(), ShapeError
     move_to_ground(model, q, |lowest| lowest < 0.0)
 }
 
-/// Moves each floating base whose lowest contact is at a height that fulfils the condition onto the ground.
+/// Moves each floating base whose lowest contact is at a height that fulfils the condition onto the
+/// ground.
 fn move_to_ground(
     model: &Model,
     q: &mut [f64],
@@ -211,8 +217,8 @@ pub fn settings_of(model: &Model) -> ConstraintSettings<f64, Vec<ContactTarget<f
 /// The number of random coordinates from which loops are tried to be closed.
 const MAX_STARTS: usize = 100;
 
-/// Returns coordinates at which the loops are closed: near neutral ones, or else near random ones; `None` if they were not found.
-/// A robot without loops has its neutral coordinates.
+/// Returns coordinates at which the loops are closed: near neutral ones, or else near random ones;
+/// `None` if they were not found. A robot without loops has its neutral coordinates.
 #[must_use]
 pub fn closed_start(model: &Model) -> Option<Vec<f64>> {
     let interpreter = Interpreter::<f64>::new(model.clone());
@@ -228,7 +234,8 @@ pub fn closed_start(model: &Model) -> Option<Vec<f64>> {
     })
 }
 
-/// The largest number of projections onto closed loops. Each doubles the number of correct digits, so more never help.
+/// The largest number of projections onto closed loops. Each doubles the number of correct digits,
+/// so more never help.
 const PROJECTIONS: usize = 50;
 
 /// The largest residual of closed loops: m, and sines of angles.

@@ -11,8 +11,8 @@
 //! explain: the cause of a diagnostic, and its remedy
 //! ```
 //!
-//! Without the feature `command` the crate is the viewer, which has no dependencies; with the feature `picture` it has the
-//! pictures, too.
+//! Without the feature `command` the crate is the viewer, which has no dependencies; with the
+//! feature `picture` it has the pictures, too.
 
 #[cfg(feature = "command")]
 mod command;

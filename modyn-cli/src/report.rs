@@ -7,9 +7,11 @@ use modyn_codegen::diagnostics::{Diagnostic, Diagnostics, Position, Severity};
 /// The longest line that is shown; a file may be one line of a million characters.
 const MAX_LINE_LENGTH: usize = 10_000;
 
-/// Returns diagnostics as compilers show them, one below the other, with colours as terminals have them.
+/// Returns diagnostics as compilers show them, one below the other, with colours as terminals have
+/// them.
 ///
-/// `own` is the name and the text of the description; `other` returns the text of another file that diagnostics name.
+/// `own` is the name and the text of the description; `other` returns the text of another file that
+/// diagnostics name.
 #[must_use]
 pub fn render(
     found: &[Diagnostic],
@@ -36,7 +38,8 @@ pub fn render(
     out
 }
 
-/// Returns the line that says whether a description of this name can be used, and how many errors and warnings it has.
+/// Returns the line that says whether a description of this name can be used, and how many errors
+/// and warnings it has.
 #[must_use]
 pub fn verdict(name: &str, is_usable: bool, found: &[Diagnostic]) -> String {
     let count = |severity, what: &str| {
@@ -89,12 +92,14 @@ fn group<'a>(diagnostic: &Diagnostic, lines: &[&str]) -> Group<'a> {
     }
 }
 
-/// Returns a line safe to display. Characters are replaced one by one, so that columns do not change; tabs stay.
+/// Returns a line safe to display. Characters are replaced one by one, so that columns do not
+/// change; tabs stay.
 fn sanitize_line(line: &str) -> String {
     line.split('\t').map(sanitize_for_display).collect::<Vec<_>>().join("\t")
 }
 
-/// Returns the bytes of a line to mark: the tag, the attribute or the value that starts at the position.
+/// Returns the bytes of a line to mark: the tag, the attribute or the value that starts at the
+/// position.
 fn marked_range(line: &str, at: Position) -> std::ops::Range<usize> {
     let start = line.char_indices().nth(at.column - 1).map_or(line.len(), |(i, _)| i);
     let rest = &line[start..];

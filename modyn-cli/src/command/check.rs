@@ -18,16 +18,18 @@ use crate::report;
 
 /// Report the errors and warnings of descriptions
 ///
-/// The exit code is 0 if all descriptions are valid, 1 if one is rejected, 2 if a file cannot be read.
+/// The exit code is 0 if all descriptions are valid, 1 if one is rejected, 2 if a file cannot be
+/// read.
 #[derive(Args)]
 pub struct Arguments {
     /// The descriptions (URDF, SDF or MJCF); `-` for standard input
     #[arg(value_name = "ROBOT.urdf", required = true)]
     paths: Vec<PathBuf>,
-    /// Check all descriptions in folders, and print a table: file, format, verdict, and why it is refused
+    /// Check all descriptions in folders, and print a table: file, format, verdict, and why it is
+    /// refused
     ///
-    /// A file that cannot be used by itself, and that others of the folder include, is a `part`. A robot in which nothing
-    /// moves is `static`. Other XML files are left out.
+    /// A file that cannot be used by itself, and that others of the folder include, is a `part`. A
+    /// robot in which nothing moves is `static`. Other XML files are left out.
     #[arg(long)]
     collection: bool,
     /// Also reject descriptions with warnings

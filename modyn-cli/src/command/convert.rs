@@ -9,12 +9,14 @@ use modyn_codegen::{Format, write};
 use crate::command::outcome::{Failure, to_file, to_stderr};
 use crate::command::robot::Robot;
 
-/// Write a robot as a URDF or an MJCF: its links, joints, inertias, loops and contacts, and nothing else
+/// Write a robot as a URDF or an MJCF: its links, joints, inertias, loops and contacts, and nothing
+/// else
 ///
-/// Reading the result again gives the same robot. Properties that the format cannot express are said on standard error and at the
-/// top of the result.
+/// Reading the result again gives the same robot. Properties that the format cannot express are
+/// said on standard error and at the top of the result.
 ///
-/// The exit code is 1 if the description is rejected, or if the robot's dynamics would differ in the other format.
+/// The exit code is 1 if the description is rejected, or if the robot's dynamics would differ in
+/// the other format.
 #[derive(Args)]
 pub struct Arguments {
     #[command(flatten)]
@@ -22,7 +24,8 @@ pub struct Arguments {
     /// The file to write; `-` for standard output
     #[arg(value_name = "OUT")]
     out: PathBuf,
-    /// The format to write [default: that of the file's extension: `.urdf`; `.xml` or `.mjcf` for an MJCF]
+    /// The format to write [default: that of the file's extension: `.urdf`; `.xml` or `.mjcf` for
+    /// an MJCF]
     #[arg(long, value_name = "FORMAT")]
     to: Option<To>,
 }

@@ -1,5 +1,5 @@
-//! `modyn generate`: writes a robot's dynamics as Rust, C, CUDA, WGSL, C for CasADi, MATLAB or machine code, and a header for Rust
-//! functions that C calls.
+//! `modyn generate`: writes a robot's dynamics as Rust, C, CUDA, WGSL, C for CasADi, MATLAB or
+//! machine code, and a header for Rust functions that C calls.
 
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
@@ -25,30 +25,36 @@ const STALE: &str = "stale: it is missing or was edited, or the description, an 
 
 /// Compile a description to Rust, C, CUDA, WGSL, C for CasADi, MATLAB or machine code
 ///
-/// The exit code is 0 if the file was written (with `--check`, if it is up to date), 1 if the description is rejected
-/// (with `--check`, if the file is stale), 2 if an option or a file is invalid.
+/// The exit code is 0 if the file was written (with `--check`, if it is up to date), 1 if the
+/// description is rejected (with `--check`, if the file is stale), 2 if an option or a file is
+/// invalid.
 #[derive(Args)]
 pub struct Arguments {
     /// The file to write; standard output without it
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Write nothing, but report whether FILE (and the header) is up to date: exit code 0, or 1 if it is stale
+    /// Write nothing, but report whether FILE (and the header) is up to date: exit code 0, or 1 if
+    /// it is stale
     #[arg(long, requires = "output")]
     check: bool,
-    /// The language: Rust; C99 that needs `<math.h>` only, FILE.c with its header FILE.h; kernels for graphics
-    /// processors, CUDA C++ or WGSL, with a thread for each state; C99 for `casadi.external`, one file with all
-    /// derivatives; MATLAB (and GNU Octave), the folder of a package, +FILE; or an object file of x86-64 machine code, FILE.o (or a static library, FILE.a) with a C header FILE.h
-    /// and a Rust text FILE.rs that calls it
+    /// The language: Rust; C99 that needs `<math.h>` only, FILE.c with its header FILE.h; kernels
+    /// for graphics processors, CUDA C++ or WGSL, with a thread for each state; C99 for
+    /// `casadi.external`, one file with all derivatives; MATLAB (and GNU Octave), the folder of a
+    /// package, +FILE; or an object file of x86-64 machine code, FILE.o (or a static library,
+    /// FILE.a) with a C header FILE.h and a Rust text FILE.rs that calls it
     #[arg(long, value_enum, default_value_t)]
     target: Output,
-    /// Write the header of the functions for C; without `--c-functions` their prefix is the robot's name
+    /// Write the header of the functions for C; without `--c-functions` their prefix is the robot's
+    /// name
     #[arg(long, value_name = "FILE.h", requires = "output")]
     c_header: Option<PathBuf>,
-    /// The vector instructions of `--target object`; processors without them cannot run the code. sse2 (the default): every
-    /// x86-64 processor has them; avx2: AVX2 and FMA; avx512: AVX-512 (F, DQ and VL)
+    /// The vector instructions of `--target object`; processors without them cannot run the code.
+    /// sse2 (the default): every x86-64 processor has them; avx2: AVX2 and FMA; avx512: AVX-512 (F,
+    /// DQ and VL)
     #[arg(long, value_enum)]
     instruction_set: Option<VectorInstructions>,
-    /// The format of `--target object`; that of this system by default. elf: Linux; mach-o: macOS; coff: Windows
+    /// The format of `--target object`; that of this system by default. elf: Linux; mach-o: macOS;
+    /// coff: Windows
     #[arg(long, value_enum)]
     object_format: Option<Format>,
     #[command(flatten)]
@@ -62,18 +68,21 @@ pub struct Arguments {
 #[derive(Args)]
 #[command(next_help_heading = "Rollouts of `--target cuda` and `--target wgsl`")]
 struct Rollout {
-    /// Instead of kernels of the functions, write a kernel for each time step among them (`step_semi_implicit`), which
-    /// integrates a motion over many steps in each thread; the other functions become device functions
+    /// Instead of kernels of the functions, write a kernel for each time step among them
+    /// (`step_semi_implicit`), which integrates a motion over many steps in each thread; the other
+    /// functions become device functions
     #[arg(long)]
     rollout: bool,
     /// The text of the function `cost`, which the kernels sum up over the steps
     #[arg(long, value_name = "FILE", requires = "rollout")]
     cost: Option<PathBuf>,
-    /// The text of the function `forces`: the joint forces from the state and the controls of a step
+    /// The text of the function `forces`: the joint forces from the state and the controls of a
+    /// step
     #[arg(long, value_name = "FILE", requires_all = ["rollout", "controls"])]
     forces: Option<PathBuf>,
-    /// The text of the function `contacts`, which proposes the active contacts of a step; with it and the functions
-    /// `constrained_forward_dynamics` and `integrate` there is a kernel of steps that hold them
+    /// The text of the function `contacts`, which proposes the active contacts of a step; with it
+    /// and the functions `constrained_forward_dynamics` and `integrate` there is a kernel of steps
+    /// that hold them
     #[arg(long, value_name = "FILE", requires = "rollout")]
     active_contacts: Option<PathBuf>,
     /// The number of controls of a step
@@ -256,7 +265,8 @@ fn rollout(
     }
 }
 
-/// Writes the files of a language, or checks them; a text that is one file goes to standard output without `--output`.
+/// Writes the files of a language, or checks them; a text that is one file goes to standard output
+/// without `--output`.
 fn source(
     arguments: &Arguments,
     builder: &Builder,

@@ -24,8 +24,8 @@ use clap::{Parser, Subcommand};
 
 /// Rigid-body dynamics from a robot description (URDF, SDF or MJCF).
 ///
-/// Exit codes: 0 for success; 1 for a negative result (a description is rejected, a file is stale, results differ); 2
-/// if the command line or a file is invalid.
+/// Exit codes: 0 for success; 1 for a negative result (a description is rejected, a file is stale,
+/// results differ); 2 if the command line or a file is invalid.
 #[derive(Parser)]
 #[command(name = "modyn", version, max_term_width = 100)]
 struct Arguments {

@@ -1,4 +1,5 @@
-//! The options of the compiler's table on the command line, with the same names and values as everywhere.
+//! The options of the compiler's table on the command line, with the same names and values as
+//! everywhere.
 
 use clap::error::{ContextKind, ContextValue};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
@@ -120,7 +121,8 @@ impl CodeOptions {
     }
 }
 
-/// Adds to the error of an option of generated code that another command was given: it belongs to `generate`.
+/// Adds to the error of an option of generated code that another command was given: it belongs to
+/// `generate`.
 pub fn explain(mut error: Error) -> Error {
     if let Some(ContextValue::String(given)) = error.get(ContextKind::InvalidArg) {
         let name = given.trim_start_matches('-').replace('-', "_");

@@ -99,7 +99,8 @@ pub fn to_file(
     write(path, content.as_ref(), inputs, Replaces::Any)
 }
 
-/// Writes a generated file, which replaces only files that modyn generated; or to standard output for `-`.
+/// Writes a generated file, which replaces only files that modyn generated; or to standard output
+/// for `-`.
 pub fn to_generated_file(
     path: &Path,
     content: &(impl AsRef<[u8]> + ?Sized),

@@ -5,8 +5,8 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::{JoinHandle, spawn};
 use std::time::{Duration, Instant};
 
-/// A line on standard error with the current operation and its duration, until it is stopped or dropped. Nothing is
-/// shown if standard error is not a terminal.
+/// A line on standard error with the current operation and its duration, until it is stopped or
+/// dropped. Nothing is shown if standard error is not a terminal.
 pub struct Progress(Option<Shown>);
 
 struct Shown {

@@ -64,7 +64,8 @@ impl Robot {
 }
 
 impl Robot {
-    /// Returns the diagnostics with the file's name as the user wrote it; the builder receives the full path.
+    /// Returns the diagnostics with the file's name as the user wrote it; the builder receives the
+    /// full path.
     pub fn named(&self, found: Diagnostics) -> Diagnostics {
         let name = self.path.display().to_string();
         let absolute = std::path::absolute(&self.path).unwrap_or_else(|_| self.path.clone());

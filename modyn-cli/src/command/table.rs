@@ -43,8 +43,8 @@ impl Table {
         self
     }
 
-    /// Returns the table in lines of at most [`WIDTH`]. Remarks that do not fit continue below their row; the middle of
-    /// long names is left out.
+    /// Returns the table in lines of at most [`WIDTH`]. Remarks that do not fit continue below
+    /// their row; the middle of long names is left out.
     pub fn fitted(mut self) -> String {
         let columns = self.rows[0].len();
         let mut remarks = Vec::new();

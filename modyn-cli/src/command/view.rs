@@ -1,4 +1,5 @@
-//! `modyn view`: shows a robot in a browser, with sliders of its joints, or motions beside each other.
+//! `modyn view`: shows a robot in a browser, with sliders of its joints, or motions beside each
+//! other.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -22,7 +23,8 @@ pub struct Arguments {
     /// Write the page to this file, instead of opening it
     #[arg(short, long, value_name = "FILE.html")]
     output: Option<PathBuf>,
-    /// Show this motion, a table that `simulate --csv` wrote; several motions are shown beside each other
+    /// Show this motion, a table that `simulate --csv` wrote; several motions are shown beside each
+    /// other
     #[arg(long, value_name = "FILE.csv")]
     motion: Vec<PathBuf>,
 }

@@ -7,10 +7,12 @@ use modyn_runtime::model::{Link, Model, ModuleTree};
 use super::Sparsity;
 use crate::escape::{markup, shortened};
 
-/// Light colours that colour-blind readers can distinguish (Okabe and Ito); numbers identify modules, too.
+/// Light colours that colour-blind readers can distinguish (Okabe and Ito); numbers identify
+/// modules, too.
 const TINTS: [&str; 7] =
     ["#cfe3f3", "#f9dcc4", "#cbe9de", "#f3d9e6", "#fbf3c0", "#d9e2f7", "#e9d5c6"];
-/// The colours of names in the boxes, and of texts and lines beside them, which are seen on dark and on light grounds.
+/// The colours of names in the boxes, and of texts and lines beside them, which are seen on dark
+/// and on light grounds.
 const INK: [&str; 2] = ["#1d2733", "#4a5560"];
 const LINE: &str = "#7d8794";
 /// The colour of nonzero entries.
@@ -77,7 +79,8 @@ pub fn draw(model: &Model, modules: &ModuleTree, sparsity: &Sparsity) -> String 
     out + "</svg>\n"
 }
 
-/// Returns the place of each module: its column, which is its depth, and its row, in the middle of its children's rows.
+/// Returns the place of each module: its column, which is its depth, and its row, in the middle of
+/// its children's rows.
 fn places(tree: &ModuleTree) -> Vec<(usize, f64)> {
     let modules = tree.modules();
     let mut places = vec![(0, 0.0); modules.len()];

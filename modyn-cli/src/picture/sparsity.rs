@@ -1,4 +1,5 @@
-//! Finds the entries of the mass matrix and of its factors U and D that are zero at all coordinates.
+//! Finds the entries of the mass matrix and of its factors U and D that are zero at all
+//! coordinates.
 
 use modyn_runtime::Interpreter;
 use modyn_runtime::model::{Model, ModuleTree};

@@ -18,8 +18,9 @@
 //!
 //! With the feature `picture`, a [`Scene`] shows robots with their shapes and joint sliders.
 //!
-//! The page is `page/page.html` with the scripts beside it: `algebra.js`, `geometry.js` (triangles of shapes), `robot.js`
-//! (poses from coordinates), `renderer.js` (WebGL2), `export.js` (ZIP and GLB) and `viewer.js` (the view and its controls).
+//! The page is `page/page.html` with the scripts beside it: `algebra.js`, `geometry.js` (triangles
+//! of shapes), `robot.js` (poses from coordinates), `renderer.js` (WebGL2), `export.js` (ZIP and
+//! GLB) and `viewer.js` (the view and its controls).
 
 mod json;
 #[cfg(feature = "picture")]
@@ -55,8 +56,9 @@ pub struct Frame {
     pub points: Vec<[f64; 3]>,
 }
 
-/// Returns a page titled `title` that animates the lines `edges`, pairs of indices of points, over `frames`, whose
-/// times must ascend. The animation can be played, paused, moved in time, and viewed from all sides.
+/// Returns a page titled `title` that animates the lines `edges`, pairs of indices of points, over
+/// `frames`, whose times must ascend. The animation can be played, paused, moved in time, and
+/// viewed from all sides.
 #[must_use]
 pub fn page(title: &str, edges: &[(usize, usize)], frames: &[Frame]) -> String {
     let mut data = String::from("{");

@@ -55,7 +55,8 @@ pub struct Motion {
     pub times: Vec<f64>,
     /// The coordinates at each time.
     pub coordinates: Vec<Vec<f64>>,
-    /// The force of each contact of the model at each time, N, in world axes; `None` if they are not known.
+    /// The force of each contact of the model at each time, N, in world axes; `None` if they are
+    /// not known.
     pub forces: Option<Vec<Vec<[f64; 3]>>>,
 }
 
@@ -66,8 +67,8 @@ impl Scene {
         Self { title: title.into(), ..Self::default() }
     }
 
-    /// Adds a robot, and returns its index. Bodies without shapes are drawn by their joints and masses. A robot without motions
-    /// can be moved by sliders.
+    /// Adds a robot, and returns its index. Bodies without shapes are drawn by their joints and
+    /// masses. A robot without motions can be moved by sliders.
     pub fn robot(&mut self, model: Model, shapes: Shapes) -> usize {
         self.robots.push((model, shapes));
         self.robots.len() - 1
@@ -77,8 +78,8 @@ impl Scene {
     ///
     /// # Panics
     ///
-    /// If there is no robot of that index, if the numbers of times and of states differ, or if the coordinates or the forces
-    /// do not have the robot's lengths.
+    /// If there is no robot of that index, if the numbers of times and of states differ, or if the
+    /// coordinates or the forces do not have the robot's lengths.
     pub fn motion(&mut self, motion: Motion) {
         let Motion { robot, times, coordinates, forces, .. } = &motion;
         let model = &self.robots[*robot].0;
@@ -92,7 +93,8 @@ impl Scene {
         self.motions.push(motion);
     }
 
-    /// Draws the ground at this height, m. Without a call it is at zero, or below all motions if one of them goes below zero.
+    /// Draws the ground at this height, m. Without a call it is at zero, or below all motions if
+    /// one of them goes below zero.
     ///
     /// # Panics
     ///
@@ -302,7 +304,8 @@ fn pose(out: &mut String, pose: &Pose<f64>) {
     numbers(out, pose.rotation.as_flattened().iter().chain(&pose.translation));
 }
 
-/// Writes a mesh: 16 bits for each coordinate within the bounding box, and 32 for each corner of a triangle.
+/// Writes a mesh: 16 bits for each coordinate within the bounding box, and 32 for each corner of a
+/// triangle.
 fn surface(out: &mut String, mesh: &Mesh) {
     let extreme = |pick: fn(f64, f64) -> f64, start: f64| -> [f64; 3] {
         core::array::from_fn(|k| mesh.vertices.iter().map(|vertex| vertex[k]).fold(start, pick))

@@ -106,8 +106,8 @@ pub fn run(arguments: &Arguments, options: &ReadOptions) -> Result<(), Failure> 
     if refused { Err(Failure::Reported) } else { Ok(()) }
 }
 
-/// Returns whether a file configures the program of a robot, and describes no robot, although its root element is that of a
-/// URDF, as the files of YARP do.
+/// Returns whether a file configures the program of a robot, and describes no robot, although its
+/// root element is that of a URDF, as the files of YARP do.
 fn is_configuration(format: Format, path: &Path, text: &str) -> bool {
     let is_xml = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("xml"));
     format == Format::Urdf && is_xml && !text.contains("<link") && !text.contains("<joint")
@@ -118,8 +118,8 @@ fn is_static(found: &Diagnostics) -> bool {
     found.iter().any(|one| matches!(one.code, Code::NoMovingJoint | Code::NoLink))
 }
 
-/// Adds the files in `folder` and below it that may be descriptions, in the order of their names. Hidden folders and links to
-/// folders are left out.
+/// Adds the files in `folder` and below it that may be descriptions, in the order of their names.
+/// Hidden folders and links to folders are left out.
 fn files_in(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), Failure> {
     let unreadable = |error| {
         let name = sanitize_for_display(&folder.display().to_string());
@@ -146,7 +146,8 @@ fn files_in(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Returns the files that a text includes: relative to its folder, or by the end of a path whose start is a package.
+/// Returns the files that a text includes: relative to its folder, or by the end of a path whose
+/// start is a package.
 fn included_by(path: &Path, text: &str) -> Vec<Included> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let starts = ["<include", "<xacro:include"];

@@ -13,7 +13,8 @@ use tempfile::TempDir;
 use super::quantities::{Quantity, State};
 use crate::command::outcome::{Failure, to_file};
 
-/// The program's main file: it reads states, and writes results and times. Marks are replaced by the robot's parts.
+/// The program's main file: it reads states, and writes results and times. Marks are replaced by
+/// the robot's parts.
 const MAIN: &str = include_str!("main.rs.txt");
 
 /// The program measures time with the same code as the command.

@@ -1,4 +1,5 @@
-//! `modyn compare`: compiles a robot, to machine code or with rustc, and compares it with the interpreter.
+//! `modyn compare`: compiles a robot, to machine code or with rustc, and compares it with the
+//! interpreter.
 
 mod harness;
 mod machine_code;
@@ -31,8 +32,9 @@ use quantities::{Quantity, State, quantities};
 
 /// Compile a robot and compare it with the interpreter on random states
 ///
-/// The robot is compiled to machine code in milliseconds, or with --rustc as the Rust text that `modyn generate` writes. The exit
-/// code is 0 if they agree, 1 if they differ or the description is rejected, 2 if it cannot be compiled on this machine.
+/// The robot is compiled to machine code in milliseconds, or with --rustc as the Rust text that
+/// `modyn generate` writes. The exit code is 0 if they agree, 1 if they differ or the description
+/// is rejected, 2 if it cannot be compiled on this machine.
 #[derive(Args)]
 pub struct Arguments {
     /// The number of random states
@@ -41,8 +43,8 @@ pub struct Arguments {
     /// The seed of the random states
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
-    /// The largest allowed difference, relative to the largest number of a result. For functions that divide by the mass
-    /// matrix it is multiplied by the mass matrix's condition number
+    /// The largest allowed difference, relative to the largest number of a result. For functions
+    /// that divide by the mass matrix it is multiplied by the mass matrix's condition number
     #[arg(long, value_name = "X", default_value_t = 1e-10)]
     tolerance: f64,
     /// The functions to compare, separated by commas [default: all that can be compared]
@@ -166,7 +168,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 impl Arguments {
-    /// Returns the functions to compare; without dynamics those that need no inertia, unless others are named.
+    /// Returns the functions to compare; without dynamics those that need no inertia, unless others
+    /// are named.
     fn quantities(&self, has_dynamics: bool) -> Result<Vec<Quantity>, Failure> {
         let chosen = |function: Function| {
             self.functions.as_ref().is_none_or(|Functions(list)| list.contains(&function))
@@ -192,7 +195,8 @@ impl Arguments {
             .map_err(|error| Failure::usage(format!("error: {error}")))
     }
 
-    /// Returns coordinates within the limits, velocities up to 2, and forces or accelerations up to 10.
+    /// Returns coordinates within the limits, velocities up to 2, and forces or accelerations up
+    /// to 10.
     fn states(&self, interpreter: &Interpreter<f64>) -> Result<Vec<State>, Failure> {
         let mut random = Random::new(self.seed);
         let (nq, nv) = (interpreter.model().nq(), interpreter.model().nv());
@@ -234,8 +238,9 @@ fn interpret(
 /// The part of the tolerance at which a difference counts as zero, relative to terms that cancel.
 const ZERO: f64 = 1e-3;
 
-/// Returns an estimate of the size of the terms that cancel in the results of a function: the largest error of single precision,
-/// divided by the unit of single precision. A result that is zero by cancellation has no size of its own.
+/// Returns an estimate of the size of the terms that cancel in the results of a function: the
+/// largest error of single precision, divided by the unit of single precision. A result that is
+/// zero by cancellation has no size of its own.
 fn cancelled(
     interpreter: &mut Interpreter<f32>,
     quantity: &Quantity,
@@ -254,8 +259,8 @@ fn cancelled(
     Ok(most / f64::from(f32::EPSILON))
 }
 
-/// Returns the largest difference over all states, relative to the largest number of each state's result. Differences up to `zero`
-/// count as none.
+/// Returns the largest difference over all states, relative to the largest number of each state's
+/// result. Differences up to `zero` count as none.
 fn largest_difference(results: &[Vec<f64>], expected: &[Vec<f64>], zero: f64) -> f64 {
     let mut worst = 0.0_f64;
     for (result, expected) in results.iter().zip(expected) {

@@ -1,4 +1,5 @@
-//! The functions that are compared: the call of the generated code, and their evaluation by the interpreter.
+//! The functions that are compared: the call of the generated code, and their evaluation by the
+//! interpreter.
 
 use modyn_codegen::Function;
 use modyn_codegen::plan::Argument;
@@ -73,14 +74,15 @@ impl Quantity {
         Ok(result)
     }
 
-    /// Returns whether machine code has no result to compare: its factors of the mass matrix solve nothing by themselves.
+    /// Returns whether machine code has no result to compare: its factors of the mass matrix solve
+    /// nothing by themselves.
     pub fn needs_rustc(&self) -> bool {
         self.function == Function::Brge
     }
 }
 
-/// Returns the functions that are compared, in the order of the table: the default functions and the derivatives of inverse and
-/// forward dynamics, as far as they have a state alone as arguments.
+/// Returns the functions that are compared, in the order of the table: the default functions and
+/// the derivatives of inverse and forward dynamics, as far as they have a state alone as arguments.
 pub fn quantities() -> impl Iterator<Item = Quantity> {
     let derivatives = [Function::InverseDynamicsDerivatives, Function::ForwardDynamicsDerivatives];
     let is_compared = move |function: &Function| {

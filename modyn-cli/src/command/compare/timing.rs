@@ -7,8 +7,8 @@ const MEASURING_TIME: Duration = Duration::from_millis(30);
 /// The shortest pass that is measured accurately, s.
 const MIN_SECONDS: f64 = 1e-4;
 
-/// Returns the time of a call in nanoseconds; `pass` makes `calls` calls. It is the best of many rounds, since other
-/// processes use the processor, too.
+/// Returns the time of a call in nanoseconds; `pass` makes `calls` calls. It is the best of many
+/// rounds, since other processes use the processor, too.
 pub fn nanoseconds(calls: usize, mut pass: impl FnMut()) -> f64 {
     let (mut passes, mut best) = (1, f64::INFINITY);
     let start = Instant::now();

@@ -25,7 +25,8 @@ use crate::escape;
 use crate::picture::{self, Sparsity};
 use advice::Advice;
 
-/// Show a robot: joints, masses, modules, suspicious properties; with `--functions`, the cost of functions
+/// Show a robot: joints, masses, modules, suspicious properties; with `--functions`, the cost of
+/// functions
 ///
 /// The exit code is 0 if the description is valid, 1 if it is rejected.
 #[derive(Args)]
@@ -36,7 +37,8 @@ pub struct Arguments {
     /// Draw the module tree and the sparsity of the mass matrix and its factors U and D
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
-    /// Show the operations and the code size of these functions: names separated by commas, `default`, `all`
+    /// Show the operations and the code size of these functions: names separated by commas,
+    /// `default`, `all`
     #[arg(long, value_name = "NAMES", value_parser = functions)]
     functions: Option<Functions>,
     /// The kinematic modules: `chains`, `links`, or a list such as [["a", "b"], ["c"]]
@@ -52,11 +54,13 @@ struct Inspection {
     modules: ModuleTree,
     warnings: Vec<Diagnostic>,
     advice: Vec<Advice>,
-    /// The condition number of the scaled mass matrix; `None` if the robot is too large to compute it, or has no dynamics.
+    /// The condition number of the scaled mass matrix; `None` if the robot is too large to compute
+    /// it, or has no dynamics.
     condition: Option<f64>,
     /// Whether all joints move inertia.
     has_dynamics: bool,
-    /// The cost of each function, or the reason why the robot is too large to compile; `None` without `--functions`.
+    /// The cost of each function, or the reason why the robot is too large to compile; `None`
+    /// without `--functions`.
     costs: Option<Result<Vec<Cost>, Diagnostics>>,
 }
 
@@ -65,7 +69,8 @@ struct Cost {
     name: &'static str,
     /// The operations of a call.
     operations: OperationCount,
-    /// The estimated bytes of machine code; `None` for batches, which have code for each instruction set.
+    /// The estimated bytes of machine code; `None` for batches, which have code for each
+    /// instruction set.
     bytes: Option<f64>,
     /// The loops in place of straight-line code, and why; `None` for straight-line code.
     loops: Option<String>,
@@ -120,7 +125,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     to_stdout(&(text::page(&inspection) + &warnings))
 }
 
-/// The longest functions, which JSON has on request only: with them, the text of a humanoid would exceed the limit.
+/// The longest functions, which JSON has on request only: with them, the text of a humanoid would
+/// exceed the limit.
 const LONGEST: [Function; 4] = [
     Function::InverseDynamicsHessian,
     Function::ForwardDynamicsHessian,
@@ -128,8 +134,8 @@ const LONGEST: [Function; 4] = [
     Function::StepRk4Derivatives,
 ];
 
-/// Returns the cost of each function, or the reason why the robot cannot be compiled. JSON has all functions except
-/// batches and the longest ones by default, as far as the robot has them.
+/// Returns the cost of each function, or the reason why the robot cannot be compiled. JSON has all
+/// functions except batches and the longest ones by default, as far as the robot has them.
 fn costs(
     builder: Builder,
     arguments: &Arguments,

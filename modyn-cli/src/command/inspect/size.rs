@@ -2,11 +2,12 @@
 
 use modyn_runtime::OperationCount;
 
-/// Bytes for each operation with its loads and stores, and for the sine and cosine routines of a function that uses
-/// any.
+/// Bytes for each operation with its loads and stores, and for the sine and cosine routines of a
+/// function that uses any.
 ///
-/// The values were fitted to the table in `docs/internals/measurements.md` (x86-64, `f64`, release, no batches) by least squares of the
-/// logarithms. Every row of at least 2 kB is within a factor of 2.4.
+/// The values were fitted to the table in `docs/internals/measurements.md` (x86-64, `f64`, release,
+/// no batches) by least squares of the logarithms. Every row of at least 2 kB is within a factor of
+/// 2.4.
 const AN_OPERATION: f64 = 14.2;
 const SIN_COS: f64 = 3850.0;
 

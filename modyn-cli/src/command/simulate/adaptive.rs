@@ -1,13 +1,15 @@
-//! Runge-Kutta steps whose length follows from a tolerance: the pair of orders 5 and 4 of Dormand and Prince 1980, "A family of
-//! embedded Runge-Kutta formulae", with the step control of Hairer, Norsett and Wanner 1993, "Solving Ordinary Differential
-//! Equations I", section II.4, and their continuous extension of order 4, section II.6.
+//! Runge-Kutta steps whose length follows from a tolerance: the pair of orders 5 and 4 of Dormand
+//! and Prince 1980, "A family of embedded Runge-Kutta formulae", with the step control of Hairer,
+//! Norsett and Wanner 1993, "Solving Ordinary Differential Equations I", section II.4, and their
+//! continuous extension of order 4, section II.6.
 
 use super::state::State;
 
 /// The instants of the evaluations, in steps.
 const NODES: [f64; 7] = [0.0, 1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0];
 
-/// The weights of earlier rates in the state of each evaluation but the first. The last is the state after the step.
+/// The weights of earlier rates in the state of each evaluation but the first. The last is the
+/// state after the step.
 const STAGES: [&[f64]; 6] = [
     &[1.0 / 5.0],
     &[3.0 / 40.0, 9.0 / 40.0],
@@ -28,7 +30,8 @@ const DIFFERENCE: [f64; 7] = [
     -1.0 / 40.0,
 ];
 
-/// The weights of the rates in the term of the continuous extension that vanishes at both ends, with its derivative.
+/// The weights of the rates in the term of the continuous extension that vanishes at both ends,
+/// with its derivative.
 const INSIDE: [f64; 7] = [
     -12_715_105_075.0 / 11_282_082_432.0,
     0.0,
@@ -63,8 +66,8 @@ pub struct Step {
 }
 
 impl Step {
-    /// Returns the step from a state. The error of each coordinate and velocity x is measured by `tolerance` (1 + |x|); the
-    /// largest one counts.
+    /// Returns the step from a state. The error of each coordinate and velocity x is measured by
+    /// `tolerance` (1 + |x|); the largest one counts.
     pub fn new<E>(
         interval: Interval,
         start: &State,
@@ -108,8 +111,9 @@ impl Step {
     }
 }
 
-/// Returns the largest difference of a coordinate or velocity x from another state, divided by 1 + |x|, where |x| is the larger
-/// one of the state and of `before`. It is NaN if one of the differences is.
+/// Returns the largest difference of a coordinate or velocity x from another state, divided by
+/// 1 + |x|, where |x| is the larger one of the state and of `before`. It is NaN if one of the
+/// differences is.
 pub fn largest_difference(other: &State, state: &State, before: &State) -> f64 {
     let numbers = |state: &'_ State| state.q.iter().chain(&state.qd).copied().collect::<Vec<f64>>();
     let differences = numbers(state).into_iter().zip(numbers(before)).zip(numbers(other)).map(

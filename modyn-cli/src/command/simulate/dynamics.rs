@@ -24,12 +24,14 @@ pub struct Sample {
     pub work: f64,
     /// The energy dissipated by friction, damping, impacts and joint stops since the start, J.
     pub dissipated: f64,
-    /// The force of the ground on each contact in the last step, N, in world axes; empty without ground or step.
+    /// The force of the ground on each contact in the last step, N, in world axes; empty without
+    /// ground or step.
     pub forces: Vec<[f64; 3]>,
 }
 
 impl Sample {
-    /// Returns the conserved quantity: the energy, minus the work of the joint forces, plus the dissipated energy, J.
+    /// Returns the conserved quantity: the energy, minus the work of the joint forces, plus the
+    /// dissipated energy, J.
     pub fn balance(&self) -> f64 {
         self.kinetic + self.potential - self.work + self.dissipated
     }
@@ -77,7 +79,8 @@ pub struct Dynamics<'a> {
 }
 
 impl<'a> Dynamics<'a> {
-    /// Returns the equations of motion under these joint forces, with the ground and the joint limits.
+    /// Returns the equations of motion under these joint forces, with the ground and the joint
+    /// limits.
     pub fn new(model: &Model, torques: &'a Torques, unilateral: Options) -> Result<Self, Failure> {
         let smooth = (model.friction() != Friction::None)
             .then(|| model.clone().with_friction(Friction::None).map(Interpreter::new));
@@ -128,7 +131,8 @@ impl<'a> Dynamics<'a> {
         })
     }
 
-    /// Returns the state after one step of the classical Runge-Kutta method; quaternions are scaled to length 1.
+    /// Returns the state after one step of the classical Runge-Kutta method; quaternions are scaled
+    /// to length 1.
     pub fn step(&mut self, time: f64, dt: f64, state: &State) -> Result<State, ShapeError> {
         let first = self.rates(time, state)?;
         let second = self.rates(time + dt / 2.0, &state.plus(dt / 2.0, &first))?;
@@ -141,8 +145,8 @@ impl<'a> Dynamics<'a> {
         Ok(next)
     }
 
-    /// Returns the state after one step of the semi-implicit Euler method with the impulses of the ground and of joint
-    /// stops.
+    /// Returns the state after one step of the semi-implicit Euler method with the impulses of the
+    /// ground and of joint stops.
     pub fn impulse_step(&mut self, time: f64, dt: f64, state: &State) -> Result<State, FrameError> {
         self.set_torques(time);
         let State { q, qd, energy: [work, dissipated] } = state;
@@ -161,8 +165,8 @@ impl<'a> Dynamics<'a> {
         Ok(next)
     }
 
-    /// Returns the rates of a state. Near a singular posture of closed loops the state is projected onto the loops first: the
-    /// errors of states within a step would grow there.
+    /// Returns the rates of a state. Near a singular posture of closed loops the state is projected
+    /// onto the loops first: the errors of states within a step would grow there.
     pub fn rates(&mut self, time: f64, state: &State) -> Result<State, ShapeError> {
         self.set_torques(time);
         let has_loops = self.constraints.0.len() != self.inactive.len();
@@ -189,7 +193,8 @@ impl<'a> Dynamics<'a> {
         Ok(rates)
     }
 
-    /// Returns the number of rows of closed loops that keep a part of their mobility that is not small.
+    /// Returns the number of rows of closed loops that keep a part of their mobility that is not
+    /// small.
     fn firm_rows(&mut self, State { q, qd, .. }: &State) -> Result<f64, ShapeError> {
         let settings = ConstraintSettings { tolerance: FIRM, ..self.constraint_settings.clone() };
         let into = (&mut *vec![0.0; qd.len()], &mut *vec![0.0; qd.len()]);
@@ -199,7 +204,8 @@ impl<'a> Dynamics<'a> {
         Ok(firm)
     }
 
-    /// Returns the power that friction and damping dissipate: their part of inverse dynamics times the velocities, W.
+    /// Returns the power that friction and damping dissipate: their part of inverse dynamics times
+    /// the velocities, W.
     fn friction_power(&mut self, q: &[f64], qd: &[f64]) -> Result<f64, ShapeError> {
         let Some(smooth) = &mut self.smooth else { return Ok(0.0) };
         let mut forces = vec![0.0; qd.len()];
@@ -209,7 +215,8 @@ impl<'a> Dynamics<'a> {
         Ok(all - power(&forces, qd))
     }
 
-    /// Projects a state onto the closed loops. Returns the largest change of a coordinate or velocity x, relative to 1 + |x|.
+    /// Projects a state onto the closed loops. Returns the largest change of a coordinate or
+    /// velocity x, relative to 1 + |x|.
     pub fn close(&mut self, state: &mut State) -> Result<f64, ShapeError> {
         let before = state.clone();
         let mut change = [vec![0.0; state.qd.len()], vec![0.0; state.qd.len()]];

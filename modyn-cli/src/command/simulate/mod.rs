@@ -1,4 +1,5 @@
-//! `modyn simulate`: computes a robot's motion as a table, as plots, and as a page with an animation.
+//! `modyn simulate`: computes a robot's motion as a table, as plots, and as a page with an
+//! animation.
 
 mod adaptive;
 mod dynamics;
@@ -36,8 +37,9 @@ const MAX_SAMPLES: f64 = 1e6;
 
 /// Simulate a robot in free fall, or under joint forces from a file
 ///
-/// Loops are closed before the start if they are nearly closed, and stay closed. Joint limits are enforced with `--limits`
-/// alone. Without `--csv`, `--plot` and `--html` the table is written to standard output.
+/// Loops are closed before the start if they are nearly closed, and stay closed. Joint limits are
+/// enforced with `--limits` alone. Without `--csv`, `--plot` and `--html` the table is written to
+/// standard output.
 ///
 /// The exit code is 1 if the description is rejected or the motion diverges.
 #[derive(Args)]
@@ -48,8 +50,8 @@ pub struct Arguments {
     /// The step of the fourth-order Runge-Kutta method, s
     #[arg(long, value_name = "S", default_value_t = 0.001, value_parser = positive)]
     step: f64,
-    /// Choose the steps such that each step's error of a coordinate or velocity x is at most this tolerance times 1 + |x|, by
-    /// the Runge-Kutta method of Dormand and Prince
+    /// Choose the steps such that each step's error of a coordinate or velocity x is at most this
+    /// tolerance times 1 + |x|, by the Runge-Kutta method of Dormand and Prince
     #[arg(long, value_name = "TOLERANCE", value_parser = positive, conflicts_with_all = ["step", "ground", "limits"])]
     tolerance: Option<f64>,
     /// The time from one row or picture to the next, s; rounded to whole steps
@@ -64,15 +66,15 @@ pub struct Arguments {
     /// Start at random coordinates within the limits
     #[arg(long, value_name = "SEED", conflicts_with = "q")]
     random: Option<u64>,
-    /// Let the points of `--contacts` touch the ground, the plane z = 0, with this coefficient of friction; without `--q` the
-    /// lowest point of a floating robot starts on it
+    /// Let the points of `--contacts` touch the ground, the plane z = 0, with this coefficient of
+    /// friction; without `--q` the lowest point of a floating robot starts on it
     #[arg(long, value_name = "FRICTION", num_args = 0..=1, default_missing_value = "0.8", value_parser = not_negative)]
     ground: Option<f64>,
     /// Stop joints at their limits, and keep joint forces within the effort limits
     #[arg(long)]
     limits: bool,
-    /// A table of joint forces (N m, N): rows of time and forces, interpolated linearly and constant outside of the table;
-    /// the first row may name the columns
+    /// A table of joint forces (N m, N): rows of time and forces, interpolated linearly and
+    /// constant outside of the table; the first row may name the columns
     #[arg(long, value_name = "FILE.csv")]
     torques: Option<PathBuf>,
     /// Write a table: time, coordinates, velocities, joint forces, energies

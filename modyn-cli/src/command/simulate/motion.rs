@@ -1,7 +1,7 @@
 //! The motion of a robot: Runge-Kutta steps of the interpreter's forward dynamics.
 //!
-//! `modyn::simulate` has such steps for generated robots, whose states are arrays. Here sizes are known at run time only,
-//! and the work of joint forces and friction is integrated, too.
+//! `modyn::simulate` has such steps for generated robots, whose states are arrays. Here sizes are
+//! known at run time only, and the work of joint forces and friction is integrated, too.
 
 use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_runtime::model::Model;
@@ -157,7 +157,8 @@ pub fn place(
     done.map(|()| q).map_err(|error| Failure::usage(format!("error: {error}")))
 }
 
-/// Returns the coordinates and velocities with the loops closed, or the reason why they cannot be closed.
+/// Returns the coordinates and velocities with the loops closed, or the reason why they cannot be
+/// closed.
 pub fn closed(model: &Model, state: (Vec<f64>, Vec<f64>)) -> Result<(Vec<f64>, Vec<f64>), Failure> {
     match close_loops(model, state) {
         Ok(state) => Ok(state),

@@ -1,4 +1,5 @@
-//! Draws a motion as small plots: one for each coordinate, velocity and torque, and one for the energies.
+//! Draws a motion as small plots: one for each coordinate, velocity and torque, and one for the
+//! energies.
 
 use std::fmt::Write as _;
 
@@ -207,8 +208,9 @@ impl Axes {
     }
 }
 
-/// Returns the path of cubic curves through points from left to right. Between two points a curve stays between their
-/// heights (Fritsch and Butland 1984), so it shows no peak that was not computed.
+/// Returns the path of cubic curves through points from left to right. Between two points a curve
+/// stays between their heights (Fritsch and Butland 1984), so it shows no peak that was not
+/// computed.
 fn smooth<'a>(points: impl Iterator<Item = &'a (f64, f64)>) -> String {
     let points: Vec<(f64, f64)> = points.copied().collect();
     let secant = |i: usize| (points[i + 1].1 - points[i].1) / (points[i + 1].0 - points[i].0);
@@ -244,7 +246,8 @@ fn heading(out: &mut String, title: &str, top: f64) {
 fn draw_block(out: &mut String, block: &Block, times: &[f64], end: f64, top: f64) -> f64 {
     heading(out, &block.title, top);
     let count = block.panels.len();
-    // The number of columns determines the rows; then the columns are reduced to those that the rows need.
+    // The number of columns determines the rows; then the columns are reduced to those that the
+    // rows need.
     let rows = count.div_ceil(MAX_COLUMNS);
     let columns = count.div_ceil(rows);
     let width = (WIDTH - 2.0 * MARGIN - LABELS + GAP.0) / columns as f64 - GAP.0;
@@ -310,7 +313,8 @@ fn draw_energies(
     axes.top + ENERGIES.0 + GAP.1 + 8.0
 }
 
-/// Returns the interval of an axis with a margin, also for values that are constant, or zero within rounding.
+/// Returns the interval of an axis with a margin, also for values that are constant, or zero within
+/// rounding.
 fn span<'a>(values: impl Iterator<Item = &'a f64>) -> (f64, f64) {
     let (low, high) =
         values.filter(|x| drawn(**x)).fold((f64::MAX, f64::MIN), |(l, h), &x| (l.min(x), h.max(x)));

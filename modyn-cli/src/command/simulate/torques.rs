@@ -23,8 +23,8 @@ impl Torques {
         Self { times: Vec::new(), rows: Vec::new() }
     }
 
-    /// Reads a file of rows with a time and a joint force for each velocity. A header may name the velocities in any
-    /// order; forces of velocities that it does not name are zero.
+    /// Reads a file of rows with a time and a joint force for each velocity. A header may name the
+    /// velocities in any order; forces of velocities that it does not name are zero.
     pub fn read(path: &Path, model: &Model) -> Result<Self, Failure> {
         let name = sanitize_for_display(&path.display().to_string());
         let bad = |line: u64, message: String| {
@@ -70,7 +70,8 @@ impl Torques {
         Ok(torques)
     }
 
-    /// Computes the joint forces at a time: linear between rows, constant before the first and after the last row.
+    /// Computes the joint forces at a time: linear between rows, constant before the first and
+    /// after the last row.
     pub fn at(&self, time: f64, tau: &mut [f64]) {
         let above = self.times.partition_point(|&t| t <= time);
         let (Some(&below), Some(&above)) =

@@ -1,10 +1,13 @@
-//! Motions by steps whose lengths follow from a tolerance, and past singular postures of closed loops.
+//! Motions by steps whose lengths follow from a tolerance, and past singular postures of closed
+//! loops.
 //!
-//! Where a linkage is flat, the rank of its constraints falls, and two assemblies meet. At a distance d from there, a
-//! constraint that is violated by e changes the accelerations by e / d, and in the posture itself they belong to neither assembly. The
-//! motion is smooth there all the same. So a step passes the posture: none of its evaluations is in it. Steps follow a tolerance near
-//! it, other lengths are tried where an evaluation comes too close, and each state is projected onto the closed loops. A projection that
-//! would jump is refused, so the linkage stays in its assembly.
+//! Where a linkage is flat, the rank of its constraints falls, and two assemblies meet. At a
+//! distance d from there, a constraint that is violated by e changes the accelerations by e / d,
+//! and in the posture itself they belong to neither assembly. The motion is smooth there all the
+//! same. So a step passes the posture: none of its evaluations is in it. Steps follow a tolerance
+//! near it, other lengths are tried where an evaluation comes too close, and each state is
+//! projected onto the closed loops. A projection that would jump is refused, so the linkage stays
+//! in its assembly.
 
 use modyn_runtime::ShapeError;
 
@@ -16,11 +19,12 @@ use crate::command::outcome::Failure;
 /// The shortest step by a tolerance, as a part of the longest.
 const SHORTEST: f64 = 1e-7;
 
-/// The tolerance of the steps past a singular posture in a motion of fixed steps. Smaller ones cannot be kept everywhere, since
-/// rounding errors grow by the inverse distance from the posture.
+/// The tolerance of the steps past a singular posture in a motion of fixed steps. Smaller ones
+/// cannot be kept everywhere, since rounding errors grow by the inverse distance from the posture.
 const PASSING: f64 = 1e-8;
 
-/// The lengths that are tried past a singular posture, in steps. Their evaluations are at other instants.
+/// The lengths that are tried past a singular posture, in steps. Their evaluations are at other
+/// instants.
 const LENGTHS: [f64; 7] = [1.0, 1.4, 0.7, 2.0, 0.5, 2.8, 0.35];
 
 /// The largest change of a state by a projection onto closed loops, in tolerances.
@@ -104,7 +108,8 @@ impl Walk {
         Ok(state)
     }
 
-    /// Takes a step of the classical Runge-Kutta method to this instant; `false` near a singular posture.
+    /// Takes a step of the classical Runge-Kutta method to this instant; `false` near a singular
+    /// posture.
     fn fixed_step(&mut self, time: f64, dynamics: &mut Dynamics<'_>) -> Result<bool, ShapeError> {
         dynamics.ranks.clear();
         let next = dynamics.step(self.time, time - self.time, &self.state)?;
