@@ -5,7 +5,8 @@ use std::sync::{Arc, mpsc};
 use crate::{Gpu, GpuError};
 use modyn_runtime::Array;
 
-/// Numbers for many states on a graphics processor: scalar `j` of state `i` of `n` states is number `j n + i`.
+/// Numbers for many states on a graphics processor: scalar `j` of state `i` of `n` states is number
+/// `j n + i`.
 #[derive(Clone, Debug)]
 pub struct GpuArray {
     pub(crate) gpu: Gpu,
@@ -54,13 +55,14 @@ impl GpuArray {
         Ok(numbers.iter().map(|number| f32::from_le_bytes(*number)).collect())
     }
 
-    /// Waits until the numbers are computed, and returns an array for each state, as the functions of generated robots have
-    /// it: accelerations of an arm as `Vec<[f64; 7]>`. A result of several parts is one array of their numbers in order, a
-    /// matrix its columns.
+    /// Waits until the numbers are computed, and returns an array for each state, as the functions
+    /// of generated robots have it: accelerations of an arm as `Vec<[f64; 7]>`. A result of several
+    /// parts is one array of their numbers in order, a matrix its columns.
     ///
     /// # Errors
     ///
-    /// If an array has another length than a state has scalars, the processor has no memory for the copy, or it failed.
+    /// If an array has another length than a state has scalars, the processor has no memory for the
+    /// copy, or it failed.
     pub fn read_states<T: Copy + From<f32>, A: Array<T>>(&self) -> Result<Vec<A>, GpuError> {
         if A::LEN != self.scalars {
             return Err(GpuError::Width { scalars: self.scalars, asked: A::LEN });
@@ -73,12 +75,13 @@ impl GpuArray {
 }
 
 impl Gpu {
-    /// Copies numbers for this number of states to the processor: scalar `j` of state `i` is number `j states + i`.
+    /// Copies numbers for this number of states to the processor: scalar `j` of state `i` is number
+    /// `j states + i`.
     ///
     /// # Errors
     ///
-    /// If the length is not a whole number of scalars for each state, is too large for the processor, or there is no memory left
-    /// for the array.
+    /// If the length is not a whole number of scalars for each state, is too large for the
+    /// processor, or there is no memory left for the array.
     pub fn upload(&self, numbers: &[f32], states: usize) -> Result<GpuArray, GpuError> {
         if states == 0 || numbers.is_empty() || !numbers.len().is_multiple_of(states) {
             return Err(GpuError::Length { numbers: numbers.len(), states });
@@ -90,12 +93,13 @@ impl Gpu {
         Ok(array)
     }
 
-    /// Copies states to the processor, each an array as the functions of generated robots take it: coordinates of an arm as
-    /// `&[[f64; 7]]`. The numbers are rounded to single precision.
+    /// Copies states to the processor, each an array as the functions of generated robots take it:
+    /// coordinates of an arm as `&[[f64; 7]]`. The numbers are rounded to single precision.
     ///
     /// # Errors
     ///
-    /// If there are no states, too many for the processor, or there is no memory left for the array.
+    /// If there are no states, too many for the processor, or there is no memory left for the
+    /// array.
     pub fn upload_states<T: Copy + Into<f64>, A: Array<T>>(
         &self,
         states: &[A],

@@ -17,8 +17,8 @@ pub(crate) struct Pipelines {
 }
 
 impl Pipelines {
-    /// Returns the kernel with this index and entry point, and compiles it if it is the first time. `written` says of each
-    /// buffer whether the kernel writes it.
+    /// Returns the kernel with this index and entry point, and compiles it if it is the first time.
+    /// `written` says of each buffer whether the kernel writes it.
     pub(crate) fn get(
         &self,
         gpu: &Gpu,
@@ -51,8 +51,8 @@ impl Gpu {
         }
     }
 
-    /// Returns the kernel of a text with this entry point. `written` says of each buffer whether the kernel writes it; the
-    /// last buffer is a uniform besides these.
+    /// Returns the kernel of a text with this entry point. `written` says of each buffer whether
+    /// the kernel writes it; the last buffer is a uniform besides these.
     fn pipeline(
         &self,
         module: &wgpu::ShaderModule,
@@ -61,7 +61,8 @@ impl Gpu {
     ) -> Result<wgpu::ComputePipeline, GpuError> {
         let device = &self.inner.device;
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-        // A layout derived from the text would lack the buffers of arguments that the kernel does not read.
+        // A layout derived from the text would lack the buffers of arguments that the kernel does
+        // not read.
         let layout = layout(device, written);
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: None,

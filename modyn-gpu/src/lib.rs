@@ -1,14 +1,17 @@
 //! Rigid-body dynamics of a robot for many states at a time on a graphics processor.
 //!
-//! [`Gpu`] is a graphics processor of the machine, or Mesa's software processor where there is none. [`GpuRobot`] holds
-//! the kernels of a robot, which modyn compiles to WGSL at run time: no build step is needed. Arrays stay on the
-//! processor ([`GpuArray`]) until they are read. [`Rollout`] computes motions over many time steps in one kernel.
+//! [`Gpu`] is a graphics processor of the machine, or Mesa's software processor where there is
+//! none. [`GpuRobot`] holds the kernels of a robot, which modyn compiles to WGSL at run time: no
+//! build step is needed. Arrays stay on the processor ([`GpuArray`]) until they are read.
+//! [`Rollout`] computes motions over many time steps in one kernel.
 //!
-//! The robot is a description, a model, or a type that `modyn!` generated with the option `embed_model`:
+//! The robot is a description, a model, or a type that `modyn!` generated with the option
+//! `embed_model`:
 //! `GpuRobot::new(&gpu, &Builder::new().robot::<Arm7>().functions([Function::ForwardDynamics]))`.
 //!
-//! Scalar `j` of state `i` of `n` states is number `j n + i` of an array. Numbers are in single precision.
-//! [`Gpu::upload_states`] and [`GpuArray::read_states`] have an array for each state instead.
+//! Scalar `j` of state `i` of `n` states is number `j n + i` of an array. Numbers are in single
+//! precision. [`Gpu::upload_states`] and [`GpuArray::read_states`] have an array for each state
+//! instead.
 //!
 //! ```
 //! use modyn_codegen::{Builder, Function};

@@ -28,8 +28,8 @@ pub struct GpuRobot {
 }
 
 impl GpuRobot {
-    /// Compiles the robot of `builder`: its functions become kernels. A function of one link has a kernel for each
-    /// link.
+    /// Compiles the robot of `builder`: its functions become kernels. A function of one link has a
+    /// kernel for each link.
     ///
     /// # Errors
     ///
@@ -49,9 +49,9 @@ impl GpuRobot {
         &self.source
     }
 
-    /// Runs a kernel on all states of the arguments. Its name is that of the function (`forward_dynamics`); for
-    /// functions of one link the link's name follows (`link_pose_hand`). The result stays on the processor; the call
-    /// does not wait for it.
+    /// Runs a kernel on all states of the arguments. Its name is that of the function
+    /// (`forward_dynamics`); for functions of one link the link's name follows (`link_pose_hand`).
+    /// The result stays on the processor; the call does not wait for it.
     ///
     /// Run-time parameters are an array of one state.
     ///

@@ -7,8 +7,8 @@ use modyn_runtime::{ConstraintSettings, ContactTarget};
 use crate::kernel::Pipelines;
 use crate::{Gpu, GpuArray, GpuError};
 
-/// The rollouts of a robot on a processor: a kernel for each function of a time step, which computes a motion over many
-/// steps in each thread. A kernel is compiled when it first runs.
+/// The rollouts of a robot on a processor: a kernel for each function of a time step, which
+/// computes a motion over many steps in each thread. A kernel is compiled when it first runs.
 ///
 /// ```
 /// use modyn_codegen::{Builder, Function, RolloutOptions};
@@ -50,20 +50,22 @@ pub struct Rollout {
 /// The arguments of rollouts. `n` rollouts of `steps` steps run at a time.
 #[derive(Clone, Copy, Debug)]
 pub struct RolloutArguments<'a> {
-    /// The function of a time step; [`Function::ConstrainedForwardDynamics`] for steps that close the loops and hold
-    /// contacts.
+    /// The function of a time step; [`Function::ConstrainedForwardDynamics`] for steps that close
+    /// the loops and hold contacts.
     pub step: Function,
-    /// The coordinates of the initial states. Rollout `i` starts from state `i` modulo the number of initial states.
+    /// The coordinates of the initial states. Rollout `i` starts from state `i` modulo the number
+    /// of initial states.
     pub q: &'a GpuArray,
     /// The velocities of the initial states.
     pub qd: &'a GpuArray,
-    /// The controls of all steps, one set after another: an array of `n` states, each with the scalars of one step times
-    /// the number of steps. Without the user's function `forces` these are the joint forces.
+    /// The controls of all steps, one set after another: an array of `n` states, each with the
+    /// scalars of one step times the number of steps. Without the user's function `forces` these
+    /// are the joint forces.
     pub controls: &'a GpuArray,
     /// The duration of a step, s.
     pub dt: f32,
-    /// The settings of closed loops and contacts, in the order of `ConstraintSettings` (its `numbers`, then those of each
-    /// contact's target): one state. `None` for the default.
+    /// The settings of closed loops and contacts, in the order of `ConstraintSettings` (its
+    /// `numbers`, then those of each contact's target): one state. `None` for the default.
     pub settings: Option<&'a GpuArray>,
     /// Numbers for the user's functions: one state.
     pub data: Option<&'a GpuArray>,
@@ -74,7 +76,8 @@ pub struct RolloutArguments<'a> {
 }
 
 impl<'a> RolloutArguments<'a> {
-    /// Returns arguments of semi-implicit Euler steps, without other numbers, whose trajectories are not stored.
+    /// Returns arguments of semi-implicit Euler steps, without other numbers, whose trajectories
+    /// are not stored.
     #[must_use]
     pub fn new(q: &'a GpuArray, qd: &'a GpuArray, controls: &'a GpuArray, dt: f32) -> Self {
         let step = Function::StepSemiImplicit;
@@ -100,14 +103,14 @@ pub struct RolloutResults {
     pub state: GpuArray,
     /// The sum of the user's function `cost` over the steps; `None` without that function.
     pub cost: Option<GpuArray>,
-    /// The state after each step, one set after another: as many scalars as states have, times the number of steps. `None`
-    /// if it was not asked for.
+    /// The state after each step, one set after another: as many scalars as states have, times the
+    /// number of steps. `None` if it was not asked for.
     pub trajectory: Option<GpuArray>,
 }
 
 impl Rollout {
-    /// Compiles the rollouts of the robot of `builder`. Its functions of time steps become kernels; its other functions
-    /// can be called by the functions of `options`.
+    /// Compiles the rollouts of the robot of `builder`. Its functions of time steps become kernels;
+    /// its other functions can be called by the functions of `options`.
     ///
     /// # Errors
     ///
