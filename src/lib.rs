@@ -1,5 +1,5 @@
-//! modyn compiles a robot description (URDF, SDF, MJCF) to specialised rigid-body dynamics: straight-line, allocation-free,
-//! `no_std` Rust for exactly that robot.
+//! modyn compiles a robot description (URDF, SDF, MJCF) to specialised rigid-body dynamics:
+//! straight-line, allocation-free, `no_std` Rust for exactly that robot.
 //!
 //! ```
 //! modyn::modyn!("robots/gripper.urdf");
@@ -9,9 +9,10 @@
 //! assert!(qdd[0] < 0.0);
 //! ```
 //!
-//! The page of the [`modyn!`] macro lists all options. [`Robot`] is the trait of all generated types. [`Interpreter`] computes
-//! the same quantities for a [`model`] that is known at run time only. The [`guides`] explain the use of modyn step by step, and
-//! [`example`] has a generated type.
+//! The page of the [`modyn!`] macro lists all options. [`Robot`] is the trait of all generated
+//! types. [`Interpreter`] computes the same quantities for a [`model`] that is known at run time
+//! only. The [`guides`] explain the use of modyn step by step, and [`example`] has a generated
+//! type.
 //!
 //! # Features
 //!
@@ -33,22 +34,23 @@ pub use modyn_runtime::*;
 /// The guides and reference pages of modyn.
 ///
 /// Start with [`start`](guides::start), then read the guide for your use: a controller
-/// ([`tutorial_controller`](guides::tutorial_controller)), firmware ([`firmware`](guides::firmware)), or
-/// sampling ([`batch`](guides::batch)). [`coming_from`](guides::coming_from) compares modyn with
-/// other libraries, function by function.
+/// ([`tutorial_controller`](guides::tutorial_controller)), firmware
+/// ([`firmware`](guides::firmware)), or sampling ([`batch`](guides::batch)).
+/// [`coming_from`](guides::coming_from) compares modyn with other libraries, function by function.
 #[cfg(all(doc, not(doctest)))]
 pub mod guides {
     modyn_macro::guides!();
 }
 
-/// A generated type as the documentation of your crate shows it: the gripper of Shah, Saha and Dutt.
+/// A generated type as the documentation of your crate shows it: the gripper of Shah, Saha and
+/// Dutt.
 #[cfg(all(doc, not(doctest)))]
 pub mod example {
     modyn_macro::modyn!(pub Gripper = "robots/gripper.urdf", crate = crate);
 }
 
-/// Includes the text that a build script generated with `modyn_codegen::Builder`: `include_model!(gripper)` defines the robot
-/// of `gripper.urdf`.
+/// Includes the text that a build script generated with `modyn_codegen::Builder`:
+/// `include_model!(gripper)` defines the robot of `gripper.urdf`.
 #[macro_export]
 macro_rules! include_model {
     ($name:ident) => {

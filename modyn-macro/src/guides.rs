@@ -27,7 +27,8 @@ fn module_name(stem: &str) -> String {
     stem.to_lowercase().replace('-', "_")
 }
 
-/// Returns a page whose links to other pages lead to their modules. Links to other files of the repository become text.
+/// Returns a page whose links to other pages lead to their modules. Links to other files of the
+/// repository become text.
 fn linked(page: &str) -> String {
     let mut out = String::with_capacity(page.len());
     let mut rest = page;

@@ -159,7 +159,8 @@ impl Text {
     }
 }
 
-/// A literal in the syntax of options: numbers without suffixes, texts with quotes and backslashes escaped.
+/// A literal in the syntax of options: numbers without suffixes, texts with quotes and backslashes
+/// escaped.
 fn literal_text(literal: &Literal) -> String {
     match Lit::new(literal.clone()) {
         Lit::Str(text) => {

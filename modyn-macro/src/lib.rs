@@ -20,18 +20,19 @@ use input::Input;
 /// modyn::modyn! { pub(crate) Arm = "robots/arm7.urdf", gravity = [0.0, 0.0, 0.0] }
 /// ```
 ///
-/// The path is relative to this source file, or else to the folder of the crate's `Cargo.toml`. The file is a URDF, a
-/// xacro, an SDF or a `MuJoCo` model; its first element decides. Without a name, the type is `pub` and named after
-/// the robot. Errors are compile errors. Warnings about the description are printed during the build, and are part of
-/// the type's documentation.
+/// The path is relative to this source file, or else to the folder of the crate's `Cargo.toml`. The
+/// file is a URDF, a xacro, an SDF or a `MuJoCo` model; its first element decides. Without a name,
+/// the type is `pub` and named after the robot. Errors are compile errors. Warnings about the
+/// description are printed during the build, and are part of the type's documentation.
 ///
 #[doc = include_str!("../options.md")]
 ///
-/// Names of the description become identifiers word by word; a word consists of ASCII letters and digits. `my-robot 2`
-/// becomes the type `MyRobot2`, the joint `arm/left.wrist` the variant `ArmLeftWrist`. An underscore remains between two
-/// digits (`Joint1_2`), a leading digit is prefixed with `N`, and a keyword gets a trailing underscore (`Self_`). A variant
-/// that is taken gets `_2`, `_3` and so on, in the order of the joints or links. A type named `Robot` collides with
-/// `use modyn::Robot`: give such a robot another name.
+/// Names of the description become identifiers word by word; a word consists of ASCII letters and
+/// digits. `my-robot 2` becomes the type `MyRobot2`, the joint `arm/left.wrist` the variant
+/// `ArmLeftWrist`. An underscore remains between two digits (`Joint1_2`), a leading digit is
+/// prefixed with `N`, and a keyword gets a trailing underscore (`Self_`). A variant that is taken
+/// gets `_2`, `_3` and so on, in the order of the joints or links. A type named `Robot` collides
+/// with `use modyn::Robot`: give such a robot another name.
 #[proc_macro]
 pub fn modyn(input: TokenStream) -> TokenStream {
     syn::parse(input).and_then(compile).unwrap_or_else(|error| error.into_compile_error().into())
@@ -73,13 +74,15 @@ fn compile(Input { path, span, builder }: Input) -> Result<TokenStream> {
     }));
     let (generated, tracking) = compiled.map_err(|_| bug("panicked"))?.map_err(refused)?;
     warn(generated.warnings);
-    // rustc's lexer is much faster than building tokens one by one in a macro, which runs unoptimised.
+    // rustc's lexer is much faster than building tokens one by one in a macro, which runs
+    // unoptimised.
     let others = generated.files.iter().map(|file| locate::tracking(file));
     let text = others.fold(generated.text + &tracking, |text, other| text + &other);
     text.parse().map_err(|_| bug("wrote text that is not Rust"))
 }
 
-/// Prints warnings to standard error, since macros cannot emit warnings on stable Rust. Cargo repeats them.
+/// Prints warnings to standard error, since macros cannot emit warnings on stable Rust. Cargo
+/// repeats them.
 fn warn(warnings: Vec<Diagnostic>) {
     if !warnings.is_empty() {
         eprintln!("{}", Diagnostics::new(warnings));

@@ -18,7 +18,8 @@ pub(crate) struct Found {
 /// Reads `wanted` from the folder of the source file, or else from the folder of `Cargo.toml`.
 pub(crate) fn locate(wanted: &str, span: Span) -> Result<Found, Diagnostics> {
     let root = std::env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from);
-    // rustc names source files relative to its current folder, the workspace's root. A doc test has no file of its own.
+    // rustc names source files relative to its current folder, the workspace's root. A doc test has
+    // no file of its own.
     let source = span.unwrap().local_file();
     let folders = source.as_deref().and_then(Path::parent).into_iter().chain(root.as_deref());
     let places: Vec<PathBuf> = folders.map(|folder| folder.join(wanted)).collect();
@@ -27,7 +28,8 @@ pub(crate) fn locate(wanted: &str, span: Span) -> Result<Found, Diagnostics> {
     Ok(Found { text, folder, tracking: tracking(place) })
 }
 
-/// Returns an item that makes rustc track the file. It contains no absolute path if Cargo runs rustc.
+/// Returns an item that makes rustc track the file. It contains no absolute path if Cargo runs
+/// rustc.
 pub(crate) fn tracking(place: &Path) -> String {
     let root = std::env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from);
     let absolute = std::path::absolute(place).unwrap_or_else(|_| place.to_owned());

@@ -1,8 +1,9 @@
 //! The functions that JavaScript calls.
 //!
-//! A request is written into the memory that `input` returns, and `run` answers it. Only the attribute `no_mangle` is unsafe: two
-//! libraries that export one name would not be one program. This module is never linked with another one. All code is safe:
-//! JavaScript writes to the memory between two calls, when Rust has no reference to it.
+//! A request is written into the memory that `input` returns, and `run` answers it. Only the
+//! attribute `no_mangle` is unsafe: two libraries that export one name would not be one program.
+//! This module is never linked with another one. All code is safe: JavaScript writes to the memory
+//! between two calls, when Rust has no reference to it.
 
 #![allow(unsafe_code)]
 
@@ -36,7 +37,8 @@ pub extern "C" fn input(length: usize) -> *mut u8 {
     })
 }
 
-/// Answers the request, whose JSON has this many bytes and is followed by the bytes of a file. Returns the length of the answer.
+/// Answers the request, whose JSON has this many bytes and is followed by the bytes of a file.
+/// Returns the length of the answer.
 #[unsafe(no_mangle)]
 pub extern "C" fn run(json: usize) -> usize {
     STATE.with_borrow_mut(|State { input, answer, session }| {

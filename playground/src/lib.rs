@@ -5,7 +5,8 @@
 //!                                                         └────── Motion: steps under gravity, on the ground
 //! ```
 //!
-//! `build` makes the module for browsers. Nothing here depends on the browser: the tests call a [`Session`] as the page does.
+//! `build` makes the module for browsers. Nothing here depends on the browser: the tests call a
+//! [`Session`] as the page does.
 
 #[cfg(target_arch = "wasm32")]
 mod exports;

@@ -30,12 +30,14 @@ pub struct Motion {
     pub qd: Vec<f64>,
     /// The time since the start, s.
     pub time: f64,
-    /// The force of the ground on each contact in the last step, N, in world axes; empty without ground.
+    /// The force of the ground on each contact in the last step, N, in world axes; empty without
+    /// ground.
     pub forces: Vec<[f64; 3]>,
 }
 
 impl Motion {
-    /// Returns the robot at rest at these coordinates, with its loops closed. A robot that would start in the ground starts on it.
+    /// Returns the robot at rest at these coordinates, with its loops closed. A robot that would
+    /// start in the ground starts on it.
     ///
     /// # Errors
     ///
@@ -112,7 +114,8 @@ impl Motion {
     }
 }
 
-/// Returns the model whose joints with one coordinate have no range but that of their coordinates `q`.
+/// Returns the model whose joints with one coordinate have no range but that of their coordinates
+/// `q`.
 fn held(model: &Model, q: &[f64]) -> Result<Model, String> {
     let mut links = model.links().to_vec();
     for (i, link) in links.iter_mut().enumerate() {

@@ -233,7 +233,8 @@ impl Session {
 }
 
 impl Robot {
-    /// Returns the operations of a call of a function, or the reason why the robot does not have it.
+    /// Returns the operations of a call of a function, or the reason why the robot does not have
+    /// it.
     fn cost(&self, function: &str) -> Answer {
         let named = Function::from_name(function);
         let named = named.ok_or_else(|| format!("there is no function `{function}`"))?;
@@ -302,8 +303,8 @@ fn report(
     })
 }
 
-/// Returns contacts of a floating robot that has none, as the option has them: the frame of each last link that is farthest from
-/// the link's origin, such as a foot. Empty for another robot.
+/// Returns contacts of a floating robot that has none, as the option has them: the frame of each
+/// last link that is farthest from the link's origin, such as a foot. Empty for another robot.
 fn tips(model: &Model) -> String {
     let floats = model.links().iter().any(|link| link.joint.joint_type == JointType::Floating);
     if !floats || !model.contacts().is_empty() {

@@ -1,7 +1,9 @@
-//! Pages and files that are made: of the compiler's tables, and of the measured and counted tables in `docs/data`.
+//! Pages and files that are made: of the compiler's tables, and of the measured and counted tables
+//! in `docs/data`.
 //!
-//! A file is made as a whole (`FILES`), or only between the marks `<!-- data: NAME -->` and `<!-- end -->`. Measured tables come
-//! from the commands that their files name; each command writes its file (`lab/record`).
+//! A file is made as a whole (`FILES`), or only between the marks `<!-- data: NAME -->` and
+//! `<!-- end -->`. Measured tables come from the commands that their files name; each command
+//! writes its file (`lab/record`).
 
 mod chart;
 mod data;
@@ -34,7 +36,8 @@ const MARKED: [&str; 4] = [
     "modyn-python/python/modyn/_modyn.pyi",
 ];
 
-/// The marks of texts that are made of the compiler's tables. The others show a file of `docs/data`.
+/// The marks of texts that are made of the compiler's tables. The others show a file of
+/// `docs/data`.
 const MARKS: [(&str, Make); 9] = [
     ("error-list", errors::list),
     ("function-table", functions::table),
@@ -66,7 +69,8 @@ fn read(path: &str) -> String {
     text.unwrap_or_else(|error| panic!("{path}: {error}")).replace("\r\n", "\n")
 }
 
-/// Returns the paths of the files in a folder of the repository whose names end with `ending`, in order.
+/// Returns the paths of the files in a folder of the repository whose names end with `ending`, in
+/// order.
 fn files(folder: &str, ending: &str) -> BTreeSet<String> {
     let entries = std::fs::read_dir(root(folder)).unwrap_or_else(|e| panic!("{folder}: {e}"));
     let names = entries.map(|entry| entry.expect("an entry").file_name().into_string());
@@ -74,8 +78,8 @@ fn files(folder: &str, ending: &str) -> BTreeSet<String> {
     names.filter(|name| name.ends_with(ending)).map(|name| format!("{folder}/{name}")).collect()
 }
 
-/// Writes each file that differs from the text that it should have, or with `check` writes nothing. Returns the faults that
-/// remain.
+/// Writes each file that differs from the text that it should have, or with `check` writes nothing.
+/// Returns the faults that remain.
 pub fn run(check: bool) -> Vec<String> {
     let (mut faults, mut shown) = (Vec::new(), BTreeSet::new());
     let compare = |path: &str, found: &str, expected: &str| {
@@ -118,7 +122,8 @@ fn difference(path: &str, found: &str, expected: &str) -> String {
 const BEGIN: &str = "<!-- data: ";
 const END: &str = "<!-- end -->";
 
-/// Returns the text of a file with the text of each mark, and adds the names of the marks to `names`.
+/// Returns the text of a file with the text of each mark, and adds the names of the marks to
+/// `names`.
 fn filled(path: &str, text: &str, names: &mut BTreeSet<String>) -> String {
     let (mut out, mut rest) = (String::new(), text);
     while let Some((before, after)) = rest.split_once(BEGIN) {

@@ -1,6 +1,7 @@
 //! Counts of habits that make lines hard to read, in the code of the library.
 //!
-//! `xtask/style.tsv` has the largest number that each may have. A smaller number is entered there by `cargo xtask style --write`.
+//! `xtask/style.tsv` has the largest number that each may have. A smaller number is entered there
+//! by `cargo xtask style --write`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -34,7 +35,8 @@ const VAGUE: [&str; 3] = ["own", "found", "of"];
 /// The counts, by their names in `style.tsv`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Counts {
-    /// Functions with more than [`MAX_VALUES`] values in a call; the values of a tuple count one by one.
+    /// Functions with more than [`MAX_VALUES`] values in a call; the values of a tuple count one by
+    /// one.
     long_calls: usize,
     /// Parameters that are tuple patterns.
     tuple_parameters: usize,
@@ -151,7 +153,8 @@ fn rust_files(folder: &Path, files: &mut Vec<PathBuf>) {
     }
 }
 
-/// Returns the faults: each count that is larger than its number in `style.tsv`, or smaller unless it is written there.
+/// Returns the faults: each count that is larger than its number in `style.tsv`, or smaller unless
+/// it is written there.
 pub fn run(write: bool) -> Vec<String> {
     let mut files = Vec::new();
     for folder in FOLDERS {

@@ -1,4 +1,5 @@
-//! The README's chart: times of forward dynamics with warm and with cold caches, beside other software.
+//! The README's chart: times of forward dynamics with warm and with cold caches, beside other
+//! software.
 
 use std::fmt::Write as _;
 
@@ -13,7 +14,8 @@ pub(super) const ROBOTS: [(&str, &str, &str); 5] = [
     ("g1_ff", "G1 humanoid, floating, 35", "G1, floating"),
 ];
 
-/// The programs: their names in the data and in the chart, and colours that are seen on dark and on light grounds.
+/// The programs: their names in the data and in the chart, and colours that are seen on dark and on
+/// light grounds.
 const PROGRAMS: [(&str, &str, &str); 4] = [
     ("modyn native", "modyn", "#e8871e"),
     ("CasADi C", "CasADi", "#3fa37c"),

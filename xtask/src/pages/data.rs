@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 
 use super::read;
 
-/// A file of `docs/data`: lines `# key: value`, a line with the columns' titles, and rows; cells end with tabs.
+/// A file of `docs/data`: lines `# key: value`, a line with the columns' titles, and rows; cells
+/// end with tabs.
 pub(super) struct Data {
     name: String,
     notes: Vec<(String, String)>,

@@ -11,14 +11,16 @@ fn ratio(ratio: f64) -> String {
 /// The program whose times the others are divided by.
 const OWN: &str = "modyn native";
 
-/// Returns the 99th percentile and the largest of the times of a row, which files of cold times have beside the median.
+/// Returns the 99th percentile and the largest of the times of a row, which files of cold times
+/// have beside the median.
 fn late<'a>(data: &'a Data, key: &[&str]) -> Vec<&'a str> {
     let titles = ["ns, 99 %", "ns, most"].into_iter();
     let titles = titles.filter(|title| data.titles.iter().any(|one| one == title));
     titles.map(|title| data.cell(key, title)).collect()
 }
 
-/// Times by robot and program, with the ratio to modyn's in brackets, then the fastest of a program's variants.
+/// Times by robot and program, with the ratio to modyn's in brackets, then the fastest of a
+/// program's variants.
 fn by_program(data: &Data) -> String {
     let mut programs: Vec<&str> = Vec::new();
     let mut cases: Vec<[&str; 2]> = Vec::new();
@@ -142,7 +144,8 @@ fn other(comparison: &str, [core, scalar, level, function]: Measurement) -> Opti
     Some([core.into(), scalar.into(), "3".into(), function])
 }
 
-/// The rows of the table of kernels in `f32` for a million states, with the other libraries beside them.
+/// The rows of the table of kernels in `f32` for a million states, with the other libraries beside
+/// them.
 fn gpu_in_short() -> String {
     const MILLION: &str = "1,048,576 states";
     let data = Data::load("gpu-libraries");
@@ -229,7 +232,8 @@ fn collections_in_short() -> String {
     parts.join("; ")
 }
 
-/// The models of the collections that are refused, though they are whole and something moves in them.
+/// The models of the collections that are refused, though they are whole and something moves in
+/// them.
 fn refused_models() -> String {
     let data = Data::load("collected");
     let [verdict, compared, code, why] =

@@ -189,7 +189,8 @@ pub(super) fn text_of(name: &str) -> Option<String> {
     Some(operations(functions, in_words, lanes))
 }
 
-/// The gradient of forward dynamics takes at most 2.65 times the operations of forward dynamics, for each robot.
+/// The gradient of forward dynamics takes at most 2.65 times the operations of forward dynamics,
+/// for each robot.
 #[test]
 fn gradients_cost_at_most_2_65_functions() {
     let data = Data::load("operations");

@@ -1,4 +1,5 @@
-//! The table of options: the options in `docs/command.md`, and the table in the macro's documentation.
+//! The table of options: the options in `docs/command.md`, and the table in the macro's
+//! documentation.
 
 use modyn_codegen::options::{Entries, OPTIONS, OptionRow};
 

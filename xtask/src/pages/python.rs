@@ -1,4 +1,5 @@
-//! The Python package: a method, a type of results and a stub for each function of the table, and a stub of each option.
+//! The Python package: a method, a type of results and a stub for each function of the table, and a
+//! stub of each option.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
