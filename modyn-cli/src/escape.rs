@@ -52,7 +52,8 @@ pub fn shortened(text: &str, most: usize) -> String {
     if characters.len() <= most {
         return text.into();
     }
-    let (head, tail) = (most.saturating_sub(1) / 2, most / 2);
+    let head = most.saturating_sub(1) / 2;
+    let tail = most / 2;
     let part = |range: &[char]| range.iter().collect::<String>();
     format!("{}…{}", part(&characters[..head]), part(&characters[characters.len() - tail..]))
 }

@@ -77,7 +77,8 @@ impl Impulses {
     #[must_use]
     pub fn new(model: &Model, options: Options) -> Self {
         let effort = |link: usize| {
-            let (joint, v) = (&model.links()[link].joint, model.v_range(link));
+            let joint = &model.links()[link].joint;
+            let v = model.v_range(link);
             let is_own = joint.mimic.is_none() && v.len() == 1;
             Some((v.start, joint.limits.as_ref()?.effort?)).filter(|_| is_own)
         };
@@ -179,7 +180,8 @@ fn move_to_ground(
 ) -> Result<(), ShapeError> {
     let mut interpreter = Interpreter::<f64>::new(model.clone());
     let twists = || vec![Twist::zero(); model.constraints()];
-    let (mut displacements, mut velocities) = (twists(), twists());
+    let mut displacements = twists();
+    let mut velocities = twists();
     let found = (&mut *displacements, &mut *velocities);
     interpreter.constraint_residual((q, &vec![0.0; model.nv()]), &settings_of(model), found)?;
     let base = |frame: usize| {
@@ -264,8 +266,10 @@ pub fn close_loops(
     }
     let shape = OpenLoop::Shape;
     let mut interpreter = Interpreter::<f64>::new(model.clone());
-    let (settings, inactive) = (settings_of(model), vec![false; model.contacts().len()]);
-    let (mut dq, mut dqd) = (vec![0.0; qd.len()], vec![0.0; qd.len()]);
+    let settings = settings_of(model);
+    let inactive = vec![false; model.contacts().len()];
+    let mut dq = vec![0.0; qd.len()];
+    let mut dqd = vec![0.0; qd.len()];
     for _ in 0..PROJECTIONS {
         let into = (&mut *dq, &mut *dqd);
         interpreter.project_constraints((&q, &qd), &inactive, &settings, into).map_err(shape)?;
@@ -277,7 +281,8 @@ pub fn close_loops(
     interpreter.project_constraints((&q, &qd), &inactive, &settings, into).map_err(shape)?;
     qd.iter_mut().zip(&dqd).for_each(|(v, d)| *v += d);
     let twists = || vec![Twist::zero(); model.constraints()];
-    let (mut displacements, mut velocities) = (twists(), twists());
+    let mut displacements = twists();
+    let mut velocities = twists();
     let results = (&mut *displacements, &mut *velocities);
     interpreter.constraint_residual((&q, &qd), &settings, results).map_err(shape)?;
     // NaN is not closed.

@@ -361,7 +361,8 @@ impl Builder {
         let stem = stem.unwrap_or(&prefix);
         let robot =
             PlannedRobot { model: &model, modules: &modules, plan: &plan, options: &options, stem };
-        let (files, kernels) = (backend.print(&robot), backend.kernels(&robot));
+        let files = backend.print(&robot);
+        let kernels = backend.kernels(&robot);
         let type_name = options.type_name(&model);
         let warnings = options.warnings;
         Ok(Emitted { target, files, kernels, type_name, prefix, plan, model, warnings, read })
@@ -473,7 +474,8 @@ impl Builder {
             return Err(error(message, "give the number of controls of a step, at least 1"));
         }
         let (plan, Inputs { model, modules, options, .. }) = self.planned(language.into())?;
-        let (model, stem) = (&model, "");
+        let model = &model;
+        let stem = "";
         let robot = PlannedRobot { model, modules: &modules, plan: &plan, options: &options, stem };
         let source = emit_rollouts(&robot, language, rollouts);
         let holds = Function::ConstrainedForwardDynamics.name();
@@ -597,7 +599,8 @@ impl Builder {
         singular: &[usize],
         choices: &Choices,
     ) -> Result<Vec<TracedFunction>, Diagnostics> {
-        let (mut traced, mut errors) = (Vec::new(), Vec::new());
+        let mut traced = Vec::new();
+        let mut errors = Vec::new();
         for function in &self.options.user_functions {
             if !singular.is_empty() && function.depends_on_inertia(model) {
                 let names = format!("function `{}`", function.name);

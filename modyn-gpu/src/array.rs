@@ -35,7 +35,8 @@ impl GpuArray {
     /// If the processor has no memory for the copy, or it failed.
     pub fn read(&self) -> Result<Vec<f32>, GpuError> {
         let failed = |error: &dyn std::fmt::Display| GpuError::Device(error.to_string());
-        let (device, queue) = (&self.gpu.inner.device, &self.gpu.inner.queue);
+        let device = &self.gpu.inner.device;
+        let queue = &self.gpu.inner.queue;
         let size = self.buffer.size();
         let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
         let copy = self.gpu.buffer(size, usage)?;

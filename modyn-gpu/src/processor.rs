@@ -73,7 +73,8 @@ impl Gpu {
 
     /// Returns the size of this many numbers in bytes, if the processor has memory for them.
     pub(crate) fn check(&self, numbers: usize) -> Result<u64, GpuError> {
-        let (bytes, limit) = ((numbers as u64).saturating_mul(4), self.inner.limit);
+        let bytes = (numbers as u64).saturating_mul(4);
+        let limit = self.inner.limit;
         if bytes > limit { Err(GpuError::TooLarge { bytes, limit }) } else { Ok(bytes) }
     }
 

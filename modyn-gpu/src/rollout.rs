@@ -144,7 +144,8 @@ impl Rollout {
     pub fn run(&self, arguments: &RolloutArguments<'_>) -> Result<RolloutResults, GpuError> {
         let (index, steps) = self.fitting(arguments)?;
         let source = &self.source;
-        let (gpu, size) = (&self.gpu, source.nq + source.nv);
+        let gpu = &self.gpu;
+        let size = source.nq + source.nv;
         let count = arguments.controls.states;
         let state = gpu.empty(size, count)?;
         let has_cost = source.buffers.contains(&RolloutBuffer::Costs);

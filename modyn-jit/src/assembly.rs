@@ -62,7 +62,9 @@ pub(crate) struct Assembly<S> {
 
 impl<S: Real> Assembly<S> {
     pub fn new(instruction_set: InstructionSet, batches: bool, linkage: Linkage) -> Self {
-        let (code, kernels, calls) = (Vec::new(), Vec::new(), Vec::new());
+        let code = Vec::new();
+        let kernels = Vec::new();
+        let calls = Vec::new();
         let number = std::marker::PhantomData;
         Self { instruction_set, batches, linkage, code, kernels, calls, number }
     }
@@ -187,10 +189,12 @@ impl<S: Real> Assembly<S> {
         self.code.resize(self.code.len().next_multiple_of(64), PADDING);
         let entry = self.code.len();
         let any_rank = any_rank.map(|start| start as i64 - entry as i64);
-        let (set, linkage) = (self.instruction_set, &self.linkage);
+        let set = self.instruction_set;
+        let linkage = &self.linkage;
         let generated = generate(values, set, size_of::<S>(), arrays.len(), linkage, any_rank);
         self.code.extend_from_slice(&generated.code);
-        let (end, last) = (entry + generated.end, entry + generated.size.bytes);
+        let end = entry + generated.end;
+        let last = entry + generated.size.bytes;
         self.kernels.push(KernelCode { start: entry, end, last, arrays: arrays.len() });
         let calls = generated.calls.into_iter().map(|(at, helper)| (entry + at, helper));
         self.calls.extend(calls);

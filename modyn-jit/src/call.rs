@@ -240,7 +240,8 @@ impl<S: Real> Call<'_, S> {
         for ((name, _), (argument, &one)) in
             self.arguments().iter().zip(arguments.iter().zip(&lengths))
         {
-            let (name, found) = (*name, argument.len());
+            let name = *name;
+            let found = argument.len();
             let states = found.checked_div(one).unwrap_or_default();
             if states * one != found {
                 return Err(CallError::States { function, name, one, found });
@@ -250,9 +251,11 @@ impl<S: Real> Call<'_, S> {
                 return Err(CallError::Length { function, name, expected, found });
             }
         }
-        let (count, one) = (count.unwrap_or_default(), self.result().len());
+        let count = count.unwrap_or_default();
+        let one = self.result().len();
         if results.len() != count * one {
-            let (expected, found) = (count * one, results.len());
+            let expected = count * one;
+            let found = results.len();
             return Err(CallError::Length { function, name: "result", expected, found });
         }
         let lanes = self.lanes;

@@ -39,7 +39,8 @@ impl fmt::Display for CompileError {
         match self {
             Self::Description(diagnostics) => diagnostics.fmt(f),
             Self::Architecture => {
-                let (found, system) = (std::env::consts::ARCH, std::env::consts::OS);
+                let found = std::env::consts::ARCH;
+                let system = std::env::consts::OS;
                 write!(
                     f,
                     "machine code is made for x86-64, and for aarch64 except on Windows, and this is {found} with \

@@ -145,7 +145,8 @@ impl<S: Real> Lowering<'_, S> {
                 of(self.each(lanes, |this, k| this.multiply_add(fused, k)))
             }
             Statement::Reciprocal(a) => of(self.each(lanes, |this, k| {
-                let (one, a) = (this.constant(1.0, width), this.register(a, k));
+                let one = this.constant(1.0, width);
+                let a = this.register(a, k);
                 this.binary(Operation::Divide, one, a)
             })),
             Statement::SinCos(angles) => {
@@ -166,7 +167,8 @@ impl<S: Real> Lowering<'_, S> {
                 of(self.each(lanes, |this, k| this.unary(Operation::Logarithm, a, k)))
             }
             Statement::Absolute(a) => of(self.each(lanes, |this, k| {
-                let (a, bits) = (this.magnitude(a, k), !this.sign());
+                let a = this.magnitude(a, k);
+                let bits = !this.sign();
                 let mask = this.mask(bits, width);
                 this.binary(Operation::And, a, mask)
             })),
@@ -263,7 +265,8 @@ impl<S: Real> Lowering<'_, S> {
             first -= self.arrays[array];
             array += 1;
         }
-        let (array, first) = (array as u8, first as u32 * u32::from(self.scalar));
+        let array = array as u8;
+        let first = first as u32 * u32::from(self.scalar);
         self.values.value(Definition::Argument { array, first }, self.scalar)
     }
 
@@ -315,7 +318,8 @@ impl<S: Real> Lowering<'_, S> {
         if !negated {
             return value;
         }
-        let (lanes, sign) = (self.lanes(value), self.sign());
+        let lanes = self.lanes(value);
+        let sign = self.sign();
         if let Some(bits) = self.values.bits(value) {
             let bits = bits.iter().map(|bits| bits ^ sign).collect();
             return self.values.constants(bits, lanes);

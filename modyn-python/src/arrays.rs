@@ -58,7 +58,9 @@ impl<'py, S: Number> Given<'py, S> {
             found if found == shape => None,
             [states, rest @ ..] if rest == shape => Some(*states),
             found => {
-                let (one, many, found) = (tuple(shape), batch(shape), tuple(found));
+                let one = tuple(shape);
+                let many = batch(shape);
+                let found = tuple(found);
                 return Err(PyValueError::new_err(format!(
                     "`{name}` of `{function}` has the shape {found}; expected {one}, or {many} for n states"
                 )));
@@ -121,7 +123,8 @@ fn addresses<S: Number>(array: &Bound<'_, PyArrayDyn<S>>) -> Range<usize> {
     if array.len() == 0 {
         return first..first;
     }
-    let (mut below, mut above) = (0, size_of::<S>());
+    let mut below = 0;
+    let mut above = size_of::<S>();
     for (&length, &stride) in array.shape().iter().zip(array.strides()) {
         let extent = stride.unsigned_abs() * (length - 1);
         if stride < 0 { below += extent } else { above += extent }
@@ -274,7 +277,8 @@ impl<'py, S: Number> Output<'py, S> {
         })?;
         let shape = leaf.shape(states);
         if array.shape() != shape {
-            let (found, expected) = (tuple(array.shape()), tuple(&shape));
+            let found = tuple(array.shape());
+            let expected = tuple(&shape);
             return Err(PyValueError::new_err(format!(
                 "`out` of `{function}` has the shape {found}; expected {expected}"
             )));
@@ -316,7 +320,8 @@ impl<'py, S: Number> Output<'py, S> {
             ))
         };
         let shape: Vec<usize> = states.into_iter().chain([length]).collect();
-        let (mut base, mut leaves) = (None, Vec::new());
+        let mut base = None;
+        let mut leaves = Vec::new();
         gather::<S>(fields, out, &mut leaves).map_err(|_| wrong())?;
         for (leaf, array) in leaves {
             let own = array.getattr("base")?.cast_into::<PyArrayDyn<S>>().map_err(|_| wrong())?;
@@ -428,8 +433,10 @@ fn views<'py, S: Number>(
     match layout {
         Layout::Array(leaf) => {
             let ndarray = NDARRAY.import(py, "numpy", "ndarray")?;
-            let (shape, strides) = (leaf.shape(states), leaf.strides::<S>(states, length));
-            let (shape, strides) = (PyTuple::new(py, shape)?, PyTuple::new(py, strides)?);
+            let shape = leaf.shape(states);
+            let strides = leaf.strides::<S>(states, length);
+            let shape = PyTuple::new(py, shape)?;
+            let strides = PyTuple::new(py, strides)?;
             ndarray.call1((shape, S::get_dtype(py), base, leaf.offset * size_of::<S>(), strides))
         }
         Layout::Tuple(class, fields) => {

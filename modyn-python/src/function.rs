@@ -105,7 +105,8 @@ impl<S: Number> Typed<S> {
         machine_code: bool,
     ) -> Option<(Box<dyn RobotFunction>, Option<String>)> {
         let planned = planning.plan.functions.first()?;
-        let (name, function) = (planned.name, planned.function);
+        let name = planned.name;
+        let function = planned.function;
         let arguments = planned.arguments.iter();
         let arguments =
             arguments.map(|(argument, shape)| (*argument, layout::of_argument(shape))).collect();
@@ -121,15 +122,18 @@ impl<S: Number> Typed<S> {
                 (Code::Evaluated(evaluated(planning)?), reason)
             }
         };
-        let (code, single) = (RwLock::new(code), arrays::single(&result, length));
+        let code = RwLock::new(code);
+        let single = arrays::single(&result, length);
         let own = Self { name, arguments, function, result, length, single, code };
         Some((Box::new(own), reason))
     }
 
     fn interpreted(function: Function, robot: Interpreter<f64>) -> Self {
-        let (row, sizes) = (function.row(), robot.sizes());
+        let row = function.row();
+        let sizes = robot.sizes();
         let shape = (row.result)(&sizes);
-        let (length, result) = (shape.len(), layout::of_result(&shape));
+        let length = shape.len();
+        let result = layout::of_result(&shape);
         let argument = |own: &Argument| (*own, layout::of_argument(&own.shape(&sizes)));
         Self {
             name: function.name(),

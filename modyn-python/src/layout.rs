@@ -79,7 +79,8 @@ fn layout(shape: &Shape, offset: usize, outer: &[(usize, usize)]) -> Layout {
         Shape::Scalar => leaf(&[]),
         Shape::Array(inner, n, _) if **inner == Shape::Scalar => leaf(&[(*n, 1)]),
         Shape::Array(inner, n, elements) if inner.is_vector() => {
-            let (vectors, components) = ((*n, inner.len()), (inner.len(), 1));
+            let vectors = (*n, inner.len());
+            let components = (inner.len(), 1);
             match elements {
                 Elements::Columns => leaf(&[components, vectors]),
                 Elements::List | Elements::Rows => leaf(&[vectors, components]),

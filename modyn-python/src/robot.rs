@@ -108,7 +108,8 @@ impl Robot {
         warn_of_description(py, &planning.warnings)?;
         let names = planning.plan.functions.iter().map(|planned| planned.name.to_owned());
         let bundles = names.zip(bundles).map(|(name, bundle)| (name, bundle, OnceLock::new()));
-        let (model, parameters) = (planning.model, planning.plan.parameters);
+        let model = planning.model;
+        let parameters = planning.plan.parameters;
         let links = model.frames().iter().enumerate();
         let without_inertia = joints_without_inertia(&model);
         let name = |&joint: &usize| model.links()[joint].joint.name.clone();
@@ -426,7 +427,8 @@ fn vector<const N: usize>(
 ) -> PyResult<[f64; N]> {
     let array = in_order::<f64>(function, name, object)?;
     if array.shape() != [N] {
-        let (found, expected) = (tuple(array.shape()), tuple(&[N]));
+        let found = tuple(array.shape());
+        let expected = tuple(&[N]);
         let entries = match (name, N) {
             ("inertia", 6) => ": ixx, ixy, ixz, iyy, iyz, izz",
             _ => "",
@@ -559,8 +561,10 @@ impl Robot {
         let own = links.filter(|(_, link)| link.joint.mimic.is_none());
         own.map(|(i, link)| {
             let kind = link.joint.joint_type.name();
-            let (q, v) = (self.model.q_range(i), self.model.v_range(i));
-            let (q, v) = (slice.call1((q.start, q.end))?, slice.call1((v.start, v.end))?);
+            let q = self.model.q_range(i);
+            let v = self.model.v_range(i);
+            let q = slice.call1((q.start, q.end))?;
+            let v = slice.call1((v.start, v.end))?;
             class.call1((link.joint.name.as_str(), kind, q, v))
         })
         .collect()
@@ -572,7 +576,8 @@ impl Robot {
         let links = self.model.links().iter().enumerate();
         let followers = links.filter_map(|(i, link)| {
             let mimic = self.model.mimic(i)?;
-            let (q, v) = (self.model.q_range(i).start, self.model.v_range(i).start);
+            let q = self.model.q_range(i).start;
+            let v = self.model.v_range(i).start;
             Some((link.joint.name.as_str(), q, v, mimic.multiplier, mimic.offset))
         });
         followers.collect()
@@ -764,14 +769,17 @@ impl Robot {
     }
 
     fn __repr__(&self) -> String {
-        let (name, nq, nv) = (self.model.name(), self.model.nq(), self.model.nv());
+        let name = self.model.name();
+        let nq = self.model.nq();
+        let nv = self.model.nv();
         format!("<modyn.Robot '{name}', nq = {nq}, nv = {nv}>")
     }
 
     /// Pickles the description with the options and the present parameters; machine code is made
     /// again.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
-        let (py, robot) = (slf.py(), slf.get());
+        let py = slf.py();
+        let robot = slf.get();
         let ((text, file, folder), options) = &robot.source;
         let changes = robot.changes.lock().unwrap_or_else(PoisonError::into_inner);
         let changes = changes.iter().map(|change| match change {

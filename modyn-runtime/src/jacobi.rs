@@ -28,18 +28,23 @@ fn rotate<S: Scalar>(a: &mut [S], n: usize, p: usize, q: usize) {
             *entry = value;
         }
     };
-    let (pp, qq, pq) = (at(a, p, p), at(a, q, q), at(a, p, q));
+    let pp = at(a, p, p);
+    let qq = at(a, q, q);
+    let pq = at(a, p, q);
     // t is the tangent of the angle, the smaller root of t^2 + t (qq - pp) / pq - 1 = 0, in a form
     // that never divides by zero.
-    let (difference, twice) = (qq - pp, pq + pq);
+    let difference = qq - pp;
+    let twice = pq + pq;
     let root = (difference * difference + twice * twice).sqrt();
     let size = (difference.abs() + root).max(S::from_f64(f64::from(f32::MIN_POSITIVE)));
     let t = difference.select_nonnegative(twice, -twice) / size;
     let c = (S::one() + t * t).sqrt().recip();
     let s = t * c;
     for k in 0..n {
-        let (kp, kq) = (at(a, k, p), at(a, k, q));
-        let (new_p, new_q) = (c * kp - s * kq, s * kp + c * kq);
+        let kp = at(a, k, p);
+        let kq = at(a, k, q);
+        let new_p = c * kp - s * kq;
+        let new_q = s * kp + c * kq;
         set(a, k, p, new_p);
         set(a, p, k, new_p);
         set(a, k, q, new_q);

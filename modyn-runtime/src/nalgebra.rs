@@ -197,7 +197,9 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
     where
         R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]> + functions::ConstrainedForwardDynamics,
     {
-        let (q, qd, tau) = (array(q), array(qd), array(tau));
+        let q = array(q);
+        let qd = array(qd);
+        let tau = array(tau);
         let found = R::constrained_forward_dynamics::<T>(q, qd, tau, contacts, settings);
         let ConstrainedForwardDynamics { qdd, wrenches, residuals, rank } = found;
         ConstrainedForwardDynamics { qdd: qdd.into(), wrenches, residuals, rank }

@@ -192,7 +192,8 @@ mod tests {
     }
 
     fn same<F: Float + PartialEq + core::fmt::Debug>(number: impl Fn(f64) -> F) {
-        let (reduction, polynomials) = (Steps::reduction::<F>(), Steps::polynomials::<F>());
+        let reduction = Steps::reduction::<F>();
+        let polynomials = Steps::polynomials::<F>();
         for i in (-4000..4000).map(f64::from) {
             let x = number(i * i * i * 1.7e-2 + 0.3);
             let near = Scalar::abs(x) < limit();

@@ -100,7 +100,8 @@ impl Motion {
             self.forces = step.forces;
             return Ok(step.qd);
         }
-        let (constraints, contacts) = (model.constraints(), model.contacts().len());
+        let constraints = model.constraints();
+        let contacts = model.contacts().len();
         let mut qdd = vec![0.0; self.qd.len()];
         let mut wrenches = vec![Wrench::zero(); constraints];
         let mut residuals = vec![Twist::zero(); constraints];
@@ -126,7 +127,8 @@ fn held(model: &Model, q: &[f64]) -> Result<Model, String> {
             link.joint.limits = Some(limits);
         }
     }
-    let (name, frames) = (model.name(), model.frames().to_vec());
+    let name = model.name();
+    let frames = model.frames().to_vec();
     Model::new(name, model.gravity(), links, frames)
         .and_then(|held| held.with_contacts(model.contacts().to_vec()))
         .map_err(|errors| errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))

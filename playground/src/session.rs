@@ -226,7 +226,8 @@ impl Session {
         let mut scene = Scene::new(model.name());
         scene.robot(model.clone(), shapes);
         let scene = scene.data();
-        let (name, text) = (name.to_owned(), text);
+        let name = name.to_owned();
+        let text = text;
         self.robot = Some(Robot { name, text, files, builder, model, scene });
         Ok(answer)
     }

@@ -26,7 +26,8 @@ impl Progress {
         }
         let (messages, received) = channel();
         let thread = spawn(move || {
-            let (start, mut what) = (Instant::now(), what);
+            let start = Instant::now();
+            let mut what = what;
             let show = |text: &str| {
                 // Erases the line first.
                 let mut err = anstream::stderr().lock();

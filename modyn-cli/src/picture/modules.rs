@@ -129,7 +129,8 @@ fn draw_tree(
     };
     let roots = (0..places.len()).filter(|&m| tree.modules()[m].parent.is_none());
     let rows: Vec<f64> = roots.map(|m| places[m].1).collect();
-    let (first, last) = (rows.first().unwrap_or(&0.0), rows.last().unwrap_or(&0.0));
+    let first = rows.first().unwrap_or(&0.0);
+    let last = rows.last().unwrap_or(&0.0);
     let base = top + f64::midpoint(*first, *last) * STEP.1 + BOX.1 / 2.0;
     let _ = writeln!(
         out,
@@ -145,7 +146,8 @@ fn draw_tree(
             Some((x, y)) => (x + box_width, y + BOX.1 / 2.0),
             None => (left + 21.0, base),
         };
-        let (to, bend) = (y + BOX.1 / 2.0, f64::midpoint(from_x, x));
+        let to = y + BOX.1 / 2.0;
+        let bend = f64::midpoint(from_x, x);
         let _ = writeln!(
             out,
             "<path d=\"M{from_x:.1} {from_y:.1} C{bend:.1} {from_y:.1} {bend:.1} {to:.1} {x:.1} {to:.1}\" \
@@ -155,9 +157,13 @@ fn draw_tree(
         let name = |link: Option<&Link>| {
             markup(&shortened(link.map_or("", |link| &link.name), MAX_NAME_LENGTH))
         };
-        let (first, last) = (name(links.first()), name(links.last()));
-        let last = if links.len() > 1 { format!("to {last}") } else { String::new() };
-        let (x_text, [dark, grey]) = (x + 34.0, INK);
+        let first = name(links.first());
+        let last = match links.len() {
+            0 | 1 => String::new(),
+            _ => format!("to {}", name(links.last())),
+        };
+        let x_text = x + 34.0;
+        let [dark, grey] = INK;
         let _ = writeln!(
             out,
             "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{box_width:.1}\" height=\"{}\" rx=\"9\" fill=\"{}\" stroke=\"{dark}\" \
@@ -199,7 +205,8 @@ fn draw_matrix(
     let cell = MATRIX / n.max(1) as f64;
     let _ = writeln!(out, "<g transform=\"translate({left:.1} {top:.1})\">");
     for (m, block) in blocks.iter().enumerate().filter(|(_, block)| !block.is_empty()) {
-        let (at, side) = (block.start as f64 * cell, block.len() as f64 * cell);
+        let at = block.start as f64 * cell;
+        let side = block.len() as f64 * cell;
         let _ = writeln!(
             out,
             "<rect x=\"{at:.2}\" y=\"{at:.2}\" width=\"{side:.2}\" height=\"{side:.2}\" fill=\"{}\"/>",

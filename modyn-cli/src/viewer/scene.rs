@@ -200,7 +200,8 @@ fn robot<'s>(out: &mut String, model: &Model, shapes: &'s Shapes, meshes: &mut V
 /// Writes a moving link with its joint.
 fn body(out: &mut String, model: &Model, link: usize) {
     let body = &model.links()[link];
-    let (joint, inertial) = (&body.joint, &body.inertial);
+    let joint = &body.joint;
+    let inertial = &body.inertial;
     out.push('{');
     key(out, "name");
     text(out, &body.name);
@@ -310,7 +311,8 @@ fn surface(out: &mut String, mesh: &Mesh) {
     let extreme = |pick: fn(f64, f64) -> f64, start: f64| -> [f64; 3] {
         core::array::from_fn(|k| mesh.vertices.iter().map(|vertex| vertex[k]).fold(start, pick))
     };
-    let (low, high) = (extreme(f64::min, f64::INFINITY), extreme(f64::max, f64::NEG_INFINITY));
+    let low = extreme(f64::min, f64::INFINITY);
+    let high = extreme(f64::max, f64::NEG_INFINITY);
     let size: [f64; 3] = core::array::from_fn(|k| high[k] - low[k]);
     let place = |vertex: &[f64; 3]| -> [u16; 3] {
         core::array::from_fn(|k| {

@@ -25,7 +25,8 @@ pub fn leaders(
                     format!("it mimics joint `{}`, which is refused here", mimic.leader.text);
                 let help = "remove `<mimic>`, or set the option `mimic = follow`, or `mimic = independent`: the joint \
                             is then moved by its own coordinate";
-                let (at, subject) = (mimic.leader.at, joint.subject());
+                let at = mimic.leader.at;
+                let subject = joint.subject();
                 report.error(Code::Mimic, at, Some(&subject), message, help);
             }
         }
@@ -90,7 +91,8 @@ impl Search<'_> {
         }
         let message = format!("it mimics joint `{}`, which does not exist", mimic.leader.text);
         let help = "name a joint, or remove `<mimic>`: the joint is independent here";
-        let (code, subject) = (Code::MimicTarget, joint.subject());
+        let code = Code::MimicTarget;
+        let subject = joint.subject();
         report.add(Severity::Warning, code, mimic.leader.at, Some(&subject), message, help);
     }
 }

@@ -102,7 +102,7 @@ fn model(
         compensation[link] = factor;
     }
     let gravity = options.gravity.or(description.gravity).unwrap_or(DEFAULT_GRAVITY);
-    let model = Model::new(description.name.as_str(), gravity, links, frames.collect())
+    let assembled = Model::new(description.name.as_str(), gravity, links, frames.collect())
         .and_then(|model| model.with_friction(options.friction.unwrap_or_default()))
         .and_then(|model| model.with_springs(springs.collect()))
         .and_then(|model| model.with_gravity_compensation(compensation))
@@ -114,7 +114,7 @@ fn model(
             let keyframes = keyframes::keyframes(description, &model);
             model.with_keyframes(keyframes)
         });
-    let model = match model {
+    let model = match assembled {
         Ok(model) => model,
         // Caused by an error that is already reported.
         Err(_) if errors > 0 => return None,
@@ -122,7 +122,8 @@ fn model(
             // All of this was checked before. If a check is missing, the user is told here.
             for error in errors {
                 let subject = Subject::Robot(description.name.clone());
-                let (at, message) = (description.at, error.to_string());
+                let at = description.at;
+                let message = error.to_string();
                 let help = "this is a fault of modyn: please report it with the file";
                 report.error(Code::InvalidModel, at, Some(&subject), message, help);
             }

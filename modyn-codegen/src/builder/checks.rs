@@ -102,7 +102,8 @@ impl Builder {
             );
         }
         errors.extend(read.gravity.and_then(gravity_error));
-        let (bundles, functions) = (&self.options.code.bundles, &self.options.user_functions);
+        let bundles = &self.options.code.bundles;
+        let functions = &self.options.user_functions;
         errors.extend(bundles.iter().flat_map(Bundle::errors));
         errors.extend(functions.iter().flat_map(user::errors));
         let names = bundles.iter().map(Bundle::names).chain(functions.iter().map(user::names_of));
@@ -183,7 +184,8 @@ pub(super) fn without_inertia(
     let needs = |function: &&Function| function.row().needs_inertia;
     // `default` and `all` are requests for the functions that there are.
     let has = |group: &[Function]| group.iter().all(|function| selected.contains(function));
-    let (has_all, has_default) = (has(Function::ALL), has(Function::DEFAULT));
+    let has_all = has(Function::ALL);
+    let has_default = has(Function::DEFAULT);
     let is_of_a_group =
         |function: &&Function| has_all || has_default && Function::DEFAULT.contains(function);
     let named = selected.iter().filter(|function| !is_of_a_group(function)).chain(bundled);

@@ -108,7 +108,8 @@ impl Builder {
         let emitted = self.emit_as(target, Some(stem))?;
         let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-');
         if name != emitted.output() || !stem.chars().all(plain) {
-            let (title, output) = (target.title(), emitted.output());
+            let title = target.title();
+            let output = emitted.output();
             let message = format!("`{}` is not the name of {title} files", path.display());
             let help = format!(
                 "use ASCII letters, digits, dashes and underscores, such as `{}`",

@@ -110,7 +110,8 @@ impl ObjectPlanning {
     }
 
     fn robot(&self) -> PlannedRobot<'_> {
-        let (Planning { plan, model, .. }, options) = (&self.planning, &self.options);
+        let Planning { plan, model, .. } = &self.planning;
+        let options = &self.options;
         PlannedRobot { model, modules: &self.modules, plan, options, stem: "" }
     }
 }

@@ -98,7 +98,8 @@ pub fn check_model(model: &Model, unphysical: Severity) -> Result<Vec<Diagnostic
         .links()
         .iter()
         .map(|link| {
-            let (dynamics, inertial) = (link.joint.dynamics, link.inertial);
+            let dynamics = link.joint.dynamics;
+            let inertial = link.inertial;
             let joint = JointView {
                 name: &link.joint.name,
                 at: None,

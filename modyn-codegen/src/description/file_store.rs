@@ -37,7 +37,8 @@ fn common_end(a: &Path, b: &Path) -> usize {
         let parts = path.components().filter(|part| matches!(part, Component::Normal(_)));
         parts.map(|part| part.as_os_str().to_owned()).collect()
     };
-    let (a, b) = (names(a), names(b));
+    let a = names(a);
+    let b = names(b);
     a.iter().rev().zip(b.iter().rev()).take_while(|(a, b)| a == b).count()
 }
 

@@ -82,8 +82,12 @@ pub struct Diagnostic {
 impl Diagnostic {
     /// Returns a diagnostic without a place.
     pub fn new(severity: Severity, code: Code, message: impl Into<String>) -> Self {
-        let (file, position, subject, help) = (None, None, None, None);
-        let (message, notes) = (message.into(), Vec::new());
+        let file = None;
+        let position = None;
+        let subject = None;
+        let help = None;
+        let message = message.into();
+        let notes = Vec::new();
         Self { severity, code, file, position, subject, message, notes, help }
     }
 

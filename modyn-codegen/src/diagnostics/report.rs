@@ -53,7 +53,8 @@ impl<'a> Report<'a> {
     /// Returns an empty report about a model without a file.
     pub fn without_file() -> Self {
         let nameless = File { name: None, start: 0, lines: LineIndex::of("") };
-        let (dependencies, diagnostics) = (Vec::new(), Vec::new());
+        let dependencies = Vec::new();
+        let diagnostics = Vec::new();
         let files = vec![nameless];
         Self { files, end: 1, dependencies, expansion: None, diagnostics, errors: 0 }
     }

@@ -121,7 +121,8 @@ impl<S: Syntax> Body<'_, S> {
             Operation::Reciprocal(a) => self.syntax.reciprocal(&t(a)),
             Operation::SinCos(angles) => {
                 for (i, angle) in angles.iter().enumerate() {
-                    let (sine, cosine) = (self.local(s, 2 * i), self.local(s, 2 * i + 1));
+                    let sine = self.local(s, 2 * i);
+                    let cosine = self.local(s, 2 * i + 1);
                     let _ =
                         writeln!(text, "    {}", self.syntax.sin_cos(&t(angle), &sine, &cosine));
                 }
@@ -186,7 +187,8 @@ impl<S: Syntax> Body<'_, S> {
             Operation::RowEquations(_) => self.syntax.entry(&rows(s), place),
             Operation::Loops(loops) => {
                 let Entry { array, index } = loops.results[place];
-                let (name, columns) = (self.array(s, array), loops.arrays[array].columns);
+                let name = self.array(s, array);
+                let columns = loops.arrays[array].columns;
                 match columns {
                     1 => self.syntax.entry(&name, index),
                     _ => {

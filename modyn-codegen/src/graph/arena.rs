@@ -241,7 +241,8 @@ impl Graph {
     fn pack_all(&mut self, numbers: &[Id]) -> Id {
         let [number] = numbers else {
             let (a, b) = numbers.split_at(numbers.len() / 2);
-            let (a, b) = (self.pack_all(a), self.pack_all(b));
+            let a = self.pack_all(a);
+            let b = self.pack_all(b);
             return self.pack_halves(a, b, u8::try_from(numbers.len()).expect("few lanes"));
         };
         *number

@@ -5,7 +5,8 @@ use super::{Graph, Id, Node};
 impl Graph {
     /// Returns the nodes of a unit vector of `length` entries, whose entry `at` is 1.
     pub fn unit_vector(&mut self, length: usize, at: usize) -> Vec<Id> {
-        let (zero, one) = (self.constant(0.0), self.constant(1.0));
+        let zero = self.constant(0.0);
+        let one = self.constant(1.0);
         (0..length).map(|k| if k == at { one } else { zero }).collect()
     }
 
@@ -22,7 +23,8 @@ impl Graph {
     pub fn pairwise_sum(&mut self, terms: &[Id]) -> Id {
         let [term] = terms else {
             let (a, b) = terms.split_at(terms.len() / 2);
-            let (a, b) = (self.pairwise_sum(a), self.pairwise_sum(b));
+            let a = self.pairwise_sum(a);
+            let b = self.pairwise_sum(b);
             return self.make(Node::Add(a, b));
         };
         *term

@@ -156,7 +156,8 @@ impl Bundle {
         model: &Model,
         user_functions: Option<&[TracedFunction]>,
     ) -> Result<plan::Bundle, Vec<Diagnostic>> {
-        let (mut members, mut errors) = (Vec::new(), Vec::new());
+        let mut members = Vec::new();
+        let mut errors = Vec::new();
         for member in &self.members {
             let found = match member {
                 Member::Table(function, link) => member.of_table(*function, link.as_ref(), model),
@@ -194,7 +195,8 @@ impl Member {
     /// states if `batch`.
     fn defect(&self, batch: bool) -> Option<(String, String)> {
         let Self::Table(function, link) = self else { return None };
-        let (row, name) = (function.row(), function.name());
+        let row = function.row();
+        let name = function.name();
         let found = |message: String, help: &str| Some((message, help.to_string()));
         if let Some(one) = row.batch_of {
             let message = format!("`{name}` is a function of many states");

@@ -172,7 +172,8 @@ impl Parser<'_> {
         let first = self.value()?;
         let named = matches!(first.kind, ValueKind::Word(_) | ValueKind::Text(_));
         if named && (self.take(':') || self.take('=')) {
-            let (at, value) = (first.at, self.value()?);
+            let at = first.at;
+            let value = self.value()?;
             return Ok(Value { at, kind: ValueKind::Pair(Box::new(first), Box::new(value)) });
         }
         Ok(first)
@@ -206,7 +207,8 @@ impl Parser<'_> {
 
     /// Returns the text in quotes. Quotes and backslashes of the text are escaped by a backslash.
     fn quoted(&mut self) -> Result<String, OptionError> {
-        let (start, mut text) = (self.at, String::new());
+        let start = self.at;
+        let mut text = String::new();
         let mut characters = self.text[start + 1..].char_indices();
         while let Some((i, c)) = characters.next() {
             match c {
@@ -234,7 +236,8 @@ impl Parser<'_> {
                 c => length += c.len_utf8(),
             }
         }
-        let (at, word) = (self.at, &rest[..length]);
+        let at = self.at;
+        let word = &rest[..length];
         if word.is_empty() {
             return Err(OptionError::new(at, "expected a value"));
         }

@@ -26,7 +26,8 @@ const CRITICAL_FRACTION: u32 = 6;
 /// Returns the graph with balanced sums.
 #[must_use]
 pub fn balance(graph: &Graph) -> Graph {
-    let (live, uses) = (graph.live(), graph.uses());
+    let live = graph.live();
+    let uses = graph.uses();
     let ready_at = ready_times(graph, &uses);
     let tail_latency = tail_latency(graph, &live, &ready_at);
     let critical_path = ready_at.iter().zip(&tail_latency).map(|(a, b)| a + b).max().unwrap_or(0);

@@ -75,15 +75,16 @@ fn rotation(graph: &mut Graph, id: Id) -> Option<Vec<(Id, Partial)>> {
         Node::Sub(a, b) => (a, b, true),
         _ => return None,
     };
-    let ((f, x), (g, y)) =
-        (trigonometric_product(graph, first)?, trigonometric_product(graph, second)?);
+    let (f, x) = trigonometric_product(graph, first)?;
+    let (g, y) = trigonometric_product(graph, second)?;
     // The derivatives of f and g by the angle, without the sign of the sine's.
     let (by_f, by_g, angle) = match (graph.node(f), graph.node(g)) {
         (Node::Cos(a), Node::Sin(b)) | (Node::Sin(a), Node::Cos(b)) if a == b => (g, f, a),
         _ => return None,
     };
     let nodes = graph.nodes().len();
-    let (a, b) = (graph.make(Node::Mul(by_f, x)), graph.make(Node::Mul(by_g, y)));
+    let a = graph.make(Node::Mul(by_f, x));
+    let b = graph.make(Node::Mul(by_g, y));
     // Of f x + g y and f x - g y, the derivative is b - a and -(a + b) if f is the cosine, else a -
     // b and a + b.
     let of_cosine = matches!(graph.node(f), Node::Cos(_));
@@ -134,7 +135,8 @@ pub(super) fn partials(graph: &mut Graph, id: Id) -> Vec<(Id, Partial)> {
             vec![(a, Partial::Factor(factor))]
         }
         Node::Atan2(y, x) => {
-            let (xx, yy) = (times(x, x), times(y, y));
+            let xx = times(x, x);
+            let yy = times(y, y);
             let square = graph.make(Node::Add(xx, yy));
             let inverse = graph.make(Node::Recip(square));
             let by_y = graph.make(Node::Mul(x, inverse));
@@ -143,7 +145,8 @@ pub(super) fn partials(graph: &mut Graph, id: Id) -> Vec<(Id, Partial)> {
             vec![(y, Partial::Factor(by_y)), (x, Partial::Factor(by_x))]
         }
         Node::Sqrt(a) => {
-            let (half, inverse) = (graph.constant(0.5), graph.make(Node::Recip(id)));
+            let half = graph.constant(0.5);
+            let inverse = graph.make(Node::Recip(id));
             let factor = graph.make(Node::Mul(half, inverse));
             vec![(a, Partial::Factor(factor))]
         }
@@ -180,7 +183,8 @@ fn add(graph: &mut Graph, sum: &mut Option<Id>, change: Id) {
 /// linear graph.
 #[must_use]
 pub fn jvp(graph: &Graph, inputs: usize, wrt: Range<usize>) -> Graph {
-    let (live, nodes) = (graph.live(), graph.nodes().len());
+    let live = graph.live();
+    let nodes = graph.nodes().len();
     let mut result = graph.clone();
     let mut changes: Vec<Option<Id>> = vec![None; nodes];
     for at in (0..nodes).filter(|&at| live[at]) {

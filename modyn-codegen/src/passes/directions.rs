@@ -81,7 +81,8 @@ pub struct Directional {
 /// Returns `None` if a direction changes more than one limb.
 #[must_use]
 pub fn along_directions(graph: &Graph, displacements: &[Displacement]) -> Option<Directional> {
-    let (live, nodes) = (graph.live(), graph.nodes().len());
+    let live = graph.live();
+    let nodes = graph.nodes().len();
     let mut result = graph.clone();
     let mut changes: Vec<Option<Change>> = vec![None; nodes];
     for at in (0..nodes).filter(|&at| live[at]) {
@@ -135,7 +136,8 @@ fn pack_of_limbs(
     changes: &[Option<Change>],
     id: Id,
 ) -> Option<Change> {
-    let (mut lanes, mut changed) = (Vec::new(), false);
+    let mut lanes = Vec::new();
+    let mut changed = false;
     let mut of_copy = None;
     let numbers: Vec<Id> = (0..graph.width(id)).map(|lane| graph.packed_at(id, lane)).collect();
     for (lane, &number) in numbers.iter().enumerate() {
@@ -177,7 +179,8 @@ fn operation(
         return Some(None);
     }
     let of_limbs = graph.width(id) > 1;
-    let (mut pack, mut terms): (Option<Id>, Vec<Term>) = (None, Vec::new());
+    let mut pack: Option<Id> = None;
+    let mut terms: Vec<Term> = Vec::new();
     for (operand, partial) in partials(result, id) {
         match &changes[operand as usize] {
             None => {}

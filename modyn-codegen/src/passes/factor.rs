@@ -21,7 +21,8 @@ pub fn factor(graph: &Graph) -> Graph {
 }
 
 fn round(graph: &Graph) -> (Graph, bool) {
-    let (live, uses) = (graph.live(), graph.uses());
+    let live = graph.live();
+    let uses = graph.uses();
     let mut rewritten = Graph::default();
     let mut changed = false;
     let mut ids: Vec<Id> = Vec::with_capacity(graph.nodes().len());

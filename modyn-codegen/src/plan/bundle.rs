@@ -169,7 +169,8 @@ pub(super) struct Graphs<'a> {
 impl<'a> Graphs<'a> {
     /// Traces the members; `parameters` is the number of run-time parameters.
     pub(super) fn new(bundle: &'a Bundle, context: &PlanContext<'_>, parameters: usize) -> Self {
-        let (mut inputs, mut arguments) = (BTreeMap::new(), 0);
+        let mut inputs = BTreeMap::new();
+        let mut arguments = 0;
         for argument in bundle.arguments() {
             let length = argument.shape(&context.sizes).len();
             inputs.insert(argument.name, (arguments, length));

@@ -39,7 +39,8 @@ impl Constants {
     /// Returns the constants of a model.
     #[must_use]
     pub fn new(model: &Model, choices: &Choices) -> Self {
-        let (links, frames) = (model.links(), model.frames());
+        let links = model.links();
+        let frames = model.frames();
         let mut neutral = vec![0.0; model.nq()];
         coordinates::neutral(&Mechanism::new(model), &mut neutral);
         let link_parents = frames.iter().map(|frame| {

@@ -69,7 +69,8 @@ pub(super) fn by_products(
         length < graphs.map(|graph| graph.count().total()).sum()
     } else {
         let (graph, program) = straight.1.zip(simd.as_ref()).unwrap_or((straight.0, scalar));
-        let (text, call) = (program.static_operations(), program.operations_per_call());
+        let text = program.static_operations();
+        let call = program.operations_per_call();
         text.total() + call.total() < 2 * graph.count().total()
     };
     is_taken.then_some(kernels)

@@ -82,7 +82,8 @@ impl Arrays {
     /// Returns the product of the derivatives and a change of the variables. `forward` is its graph
     /// for changes of all inputs.
     fn forward(&self, forward: &Graph, variables: &[usize]) -> Self {
-        let (all, places) = (self.len(), ranges(&self.inputs));
+        let all = self.len();
+        let places = ranges(&self.inputs);
         let changes: Vec<usize> = variables.iter().map(|&i| self.inputs[i]).collect();
         let mut graph = Graph::default();
         let mut given = graph.inputs(0..all + changes.iter().sum::<usize>());
@@ -114,7 +115,8 @@ impl Arrays {
     fn matrices(&self, mut columns: Graph, variables: &[usize]) -> Self {
         let rows: usize = self.outputs.iter().sum();
         let lengths: Vec<usize> = variables.iter().map(|&i| self.inputs[i]).collect();
-        let (mut outputs, mut sizes) = (Vec::new(), Vec::new());
+        let mut outputs = Vec::new();
+        let mut sizes = Vec::new();
         for own_rows in ranges(&self.outputs) {
             for own_columns in ranges(&lengths) {
                 sizes.push(own_rows.len() * own_columns.len());
@@ -178,14 +180,16 @@ impl EntryFunction {
     fn value(&self, context: &PlanContext<'_>) -> (Arrays, Option<Graph>) {
         let Self { function, link, results, feedback, cost, .. } = self;
         let row = function.row();
-        let (mut inputs, mut coordinates) = (Vec::new(), Vec::new());
+        let mut inputs = Vec::new();
+        let mut coordinates = Vec::new();
         for argument in row.arguments {
             if argument.kind == ArgumentKind::Coordinates {
                 coordinates.push(inputs.iter().sum());
             }
             inputs.push(argument.shape(&context.sizes).len());
         }
-        let (nq, nv) = (context.sizes.nq, context.sizes.nv);
+        let nq = context.sizes.nq;
+        let nv = context.sizes.nv;
         let settings = inputs.iter().skip(4).sum();
         if *cost {
             inputs.insert(2, 1);
@@ -232,7 +236,8 @@ impl EntryFunction {
     /// Returns the innermost derivatives that have graphs of their own, which are shorter than
     /// those by differentiation, and the number of these derivatives.
     fn structured(&self, value: &Arrays, context: &PlanContext<'_>) -> Option<(Arrays, usize)> {
-        let (tracer, layout) = (&context.tracer, &context.for_derivatives);
+        let tracer = &context.tracer;
+        let layout = &context.for_derivatives;
         let first = self.derivatives.first()?;
         // Graphs of their own have all results in the function's order.
         if !self.results.iter().flatten().copied().eq(0..context.sizes.nv) {
@@ -260,7 +265,8 @@ impl EntryFunction {
                 };
                 let hessian = forward_dynamics(EntryForm::Hessian)?;
                 let jacobian = forward_dynamics(EntryForm::Jacobian)?;
-                let (all, rows) = (value.len(), value.outputs.iter().sum());
+                let all = value.len();
+                let rows = value.outputs.iter().sum();
                 let mut whole = second_derivatives(&hessian, &jacobian, all, rows);
                 // The rows of the gradients by the variables, for each column.
                 let places = ranges(&value.inputs);
@@ -296,7 +302,8 @@ impl Planned {
             arrays.graph = optimize(arrays.graph);
             arrays = arrays.differentiated(derivative);
         }
-        let (scalars, results) = (arrays.len(), arrays.outputs.iter().sum());
+        let scalars = arrays.len();
+        let results = arrays.outputs.iter().sum();
         let graph = packing::balanced(optimize(arrays.graph));
         let (kernels, fault) = context.kernels(&graph, packed, scalars);
         let numbers = Argument { name: "arrays", kind: ArgumentKind::Numbers(scalars) };

@@ -43,7 +43,10 @@ impl Frames {
     pub(super) fn new(mechanism: &Mechanism<f64>) -> Self {
         // For each body, the world first.
         let mut counts = vec![0; mechanism.bodies.len() + 1];
-        let (mut programs, mut shared, mut own, mut rows) = (Vec::new(), Vec::new(), 0, 0);
+        let mut programs = Vec::new();
+        let mut shared = Vec::new();
+        let mut own = 0;
+        let mut rows = 0;
         for frame in &mechanism.frames {
             let count = &mut counts[frame.body.map_or(0, |body| body + 1)];
             *count += 1;

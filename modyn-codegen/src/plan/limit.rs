@@ -76,7 +76,8 @@ impl PlanContext<'_> {
     /// its results, of the factors of the mass matrix if the function has a dense solution or
     /// result, and one for each ancestor of a link.
     pub(super) fn least_operations(&self, function: Function) -> usize {
-        let (row, sizes) = (function.row(), &self.sizes);
+        let row = function.row();
+        let sizes = &self.sizes;
         let numbers = (row.result)(sizes).len();
         let programs = if row.by_link { self.frames.program_count() } else { 1 };
         let is_dense = numbers >= sizes.nv * sizes.nv

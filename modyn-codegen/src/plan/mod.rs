@@ -188,7 +188,8 @@ impl Plan {
         };
         let selected: Vec<Function> = Function::ALL.iter().copied().filter(selected).collect();
         let mut graphs = ScalarGraphs::new(&selected);
-        let (mut many, mut functions) = (Vec::new(), Vec::new());
+        let mut many = Vec::new();
+        let mut functions = Vec::new();
         for &function in &selected {
             let least = context.least_operations(function);
             let plan = || Planned::new(function, &context, &mut graphs);

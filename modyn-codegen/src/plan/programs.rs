@@ -57,7 +57,9 @@ impl Planned {
         context: &PlanContext<'_>,
         graphs: &mut ScalarGraphs,
     ) -> Self {
-        let (row, lowering, sizes) = (function.row(), Lowering::of(function), &context.sizes);
+        let row = function.row();
+        let lowering = Lowering::of(function);
+        let sizes = &context.sizes;
         let arguments = shapes_of(row.arguments, sizes);
         let parameters = context.parameters(row.depends_on_parameters);
         let scalars = count(&arguments, parameters);

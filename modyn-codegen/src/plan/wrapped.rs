@@ -2,7 +2,8 @@
 
 /// Returns a text in lines of at most 110 characters.
 pub(super) fn wrapped(text: &str) -> String {
-    let (mut result, mut length) = (String::new(), 0);
+    let mut result = String::new();
+    let mut length = 0;
     for word in text.split(' ') {
         if length > 0 && length + 1 + word.len() > 110 {
             result.push('\n');

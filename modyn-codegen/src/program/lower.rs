@@ -183,7 +183,8 @@ struct Lowering<'a> {
 
 impl<'a> Lowering<'a> {
     fn new(graph: &'a Graph, apart: Option<Apart<'a>>) -> Self {
-        let (live, uses) = (graph.live(), graph.uses());
+        let live = graph.live();
+        let uses = graph.uses();
         let nodes = graph.nodes();
         // A product that is used once, in a sum, is fused into the sum. A pack that is used once,
         // in a wider pack, is part of that pack.

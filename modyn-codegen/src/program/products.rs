@@ -65,7 +65,8 @@ impl Products {
         execution: Execution,
     ) -> Self {
         let ProductForm { rows, terms, ref targets, .. } = *form;
-        let (targets, blocks) = (targets.clone(), Vec::new());
+        let targets = targets.clone();
+        let blocks = Vec::new();
         let mut products = Self { rows, terms, entries, targets, blocks, in_place: None };
         products.in_place = products.place_of_a(results, execution);
         products.blocks = products.blocks();
@@ -85,7 +86,8 @@ impl Products {
         if self.in_place.is_some() {
             return Vec::new();
         }
-        let (terms, columns) = (self.terms, self.columns());
+        let terms = self.terms;
+        let columns = self.columns();
         let others = (0..self.targets.len()).map(|m| format!("b{m}"));
         let others = others.map(|name| ProductMatrix { name, columns, rows: terms });
         let a = ProductMatrix { name: "a".into(), columns: terms, rows: self.rows };
@@ -129,7 +131,8 @@ impl Products {
     /// symmetric matrices; those of the second list after these sums.
     #[must_use]
     pub fn addends(&self, results: &[Operand]) -> [Vec<(usize, Operand)>; 2] {
-        let (mut addends, n) = ([Vec::new(), Vec::new()], self.rows);
+        let mut addends = [Vec::new(), Vec::new()];
+        let n = self.rows;
         for targets in self.targets.iter().filter(|_| self.in_place.is_some()) {
             let own = &results[targets[0].first..][..n * n];
             let places = || (0..n).flat_map(|j| (0..n).map(move |i| (i, j)));
@@ -297,7 +300,9 @@ impl Products {
 
     /// Returns the rule that the products of a program break.
     pub(super) fn fault(&self, program: &Program) -> Option<&'static str> {
-        let (rows, terms, columns) = (self.rows, self.terms, self.columns());
+        let rows = self.rows;
+        let terms = self.terms;
+        let columns = self.columns();
         if program.execution == Execution::Threads {
             return Some("programs of threads have no products");
         }
@@ -327,7 +332,8 @@ impl Products {
     /// Returns the columns with nonzeros. Consecutive columns with nearly the same nonzeros are one
     /// block.
     fn blocks(&self) -> Vec<ProductBlock> {
-        let (terms, matrices) = (self.terms, self.targets.len());
+        let terms = self.terms;
+        let matrices = self.targets.len();
         let mut blocks: Vec<(Range<usize>, BTreeSet<usize>)> = Vec::new();
         for column in 0..self.columns() {
             let is_nonzero = |k: &usize| {
@@ -373,7 +379,8 @@ impl Target {
 
     /// Returns the results of a block.
     fn of(&self, block: &ProductBlock) -> impl Iterator<Item = usize> {
-        let (rows, columns) = (self.rows_of(block), block.columns.clone());
+        let rows = self.rows_of(block);
+        let columns = block.columns.clone();
         let places = columns.flat_map(move |j| rows.clone().map(move |i| (i, j)));
         places.map(|(i, j)| self.result(i, j))
     }
@@ -385,9 +392,11 @@ impl ProductBlock {
     /// before them, or have rows outside of the block, whose sums are zero.
     #[must_use]
     pub fn vectors(&self, size: usize) -> Vec<(usize, usize)> {
-        let (mut row, mut left) = (self.rows.start, self.rows.len().div_ceil(ROW_LANES));
+        let mut row = self.rows.start;
+        let mut left = self.rows.len().div_ceil(ROW_LANES);
         // Vectors have no more rows than the matrices.
-        let (most, mut groups) = ((size / ROW_LANES).clamp(1, MAX_VECTORS), Vec::new());
+        let most = (size / ROW_LANES).clamp(1, MAX_VECTORS);
+        let mut groups = Vec::new();
         while left > 0 {
             // As equal as possible: nine vectors are five and four.
             let count = left.div_ceil(left.div_ceil(most));

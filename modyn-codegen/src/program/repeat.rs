@@ -174,7 +174,8 @@ fn is_known(node: Node) -> bool {
 
 /// Returns the stages of a graph, each after the stages that it needs.
 fn stages(graph: &Graph) -> Vec<Stage> {
-    let (nodes, live) = (graph.nodes(), graph.live());
+    let nodes = graph.nodes();
+    let live = graph.live();
     let mut members: BTreeMap<(usize, u8), Vec<Id>> = BTreeMap::new();
     let mut class = vec![None; nodes.len()];
     for (i, level) in levels(graph).into_iter().enumerate() {

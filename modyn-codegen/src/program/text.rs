@@ -248,7 +248,8 @@ impl<'a> Parser<'a> {
         let (rows, a): (usize, _) = parts
             .ok_or_else(|| self.error(format!("{head:?} are no products, as `2, x5, x6` are")))?;
         let mut operands = self.operands(program, a, 1)?;
-        let (entries, mut targets) = (operands.len(), Vec::new());
+        let entries = operands.len();
+        let mut targets = Vec::new();
         while let Some(text) = self.next_after("of ") {
             let parts = text.split_once(", ").and_then(|(all, b)| {
                 Some((all.split(' ').map(target).collect::<Option<Vec<_>>>()?, b))
@@ -354,7 +355,8 @@ impl<'a> Parser<'a> {
                 && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
         }) else {
             let (a, operator, b) = binary(text).ok_or_else(wrong)?;
-            let (a, b) = (operand(a)?, operand(b)?);
+            let a = operand(a)?;
+            let b = operand(b)?;
             return match operator {
                 '+' => Ok(Operation::Add(a, b)),
                 '-' => Ok(Operation::Subtract(a, b)),

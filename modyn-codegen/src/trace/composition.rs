@@ -125,7 +125,8 @@ impl Composition {
     /// Returns the vector product.
     pub(super) fn cross(&mut self, a: &[Id], b: &[Id]) -> Vec<Id> {
         let mut entry = |i: usize, j: usize| {
-            let (first, second) = (self.product(a[i], b[j]), self.product(a[j], b[i]));
+            let first = self.product(a[i], b[j]);
+            let second = self.product(a[j], b[i]);
             self.graph.make(Node::Sub(first, second))
         };
         vec![entry(1, 2), entry(2, 0), entry(0, 1)]

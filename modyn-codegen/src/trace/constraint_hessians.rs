@@ -44,7 +44,9 @@ impl Tracer<'_> {
     /// factorized with `layout`.
     #[must_use]
     pub fn constrained_forward_dynamics_hessian(&self, layout: &UduLayout) -> Graph {
-        let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
+        let nq = self.model.nq;
+        let nv = self.model.nv;
+        let contacts = self.model.contacts();
         let constraints = self.model.constraints.len();
         let count = WRENCH * constraints;
         let mut all = Composition::new();
@@ -69,7 +71,8 @@ impl Tracer<'_> {
         let gradient = all.add(&gradient, &point);
         let hessian = all.add(&hessian, &point);
         // Phi has the rows and columns of q, qd, and y: the accelerations and the wrenches.
-        let (ny, size) = (nv + count, 3 * nv + count);
+        let ny = nv + count;
+        let size = 3 * nv + count;
         let block = |row: usize, rows: usize, column: usize, columns: usize| -> Vec<Id> {
             let columns = (column..column + columns).map(|j| &hessian[j * size + row..][..rows]);
             columns.flatten().copied().collect()
@@ -104,11 +107,14 @@ impl Tracer<'_> {
     /// Inputs: `q`, active contacts, settings, and the weights of the accelerations and of the
     /// wrenches.
     fn constraint_adjoint(&self, layout: &UduLayout) -> Graph {
-        let (nv, constraints) = (self.model.nv, self.model.constraints.len());
-        let (contacts, settings) = (self.model.contacts(), settings_count(self.model));
+        let nv = self.model.nv;
+        let constraints = self.model.constraints.len();
+        let contacts = self.model.contacts();
+        let settings = settings_count(self.model);
         let lengths = [self.model.nq, contacts, settings, nv, WRENCH * constraints];
         self.trace_groups(lengths, |model, [q, active, settings, x, y]| {
-            let (mut a, mut b) = (self.vector(), vec![Wrench::zero(); constraints]);
+            let mut a = self.vector();
+            let mut b = vec![Wrench::zero(); constraints];
             constraints::constraint_adjoint(
                 model,
                 layout,
@@ -125,7 +131,8 @@ impl Tracer<'_> {
     /// Returns the arguments of Phi: `q`, `qd`, the accelerations and the wrenches, which vary, and
     /// a, b and the settings.
     fn phi_inputs(&self) -> Vec<TangentInput> {
-        let (nv, count) = (self.model.nv, WRENCH * self.model.constraints.len());
+        let nv = self.model.nv;
+        let count = WRENCH * self.model.constraints.len();
         let input = |len, varies| TangentInput { len, is_coordinates: false, varies };
         vec![
             TangentInput { len: self.model.nq, is_coordinates: true, varies: true },
@@ -142,7 +149,9 @@ impl Tracer<'_> {
     /// acceleration of the constraints' frames with their stabilization: (J qdd - gamma) without
     /// compliance, which has no effect on the derivatives by q and qd.
     fn phi(&self, layout: &UduLayout) -> Graph {
-        let (nq, nv, constraints) = (self.model.nq, self.model.nv, self.model.constraints.len());
+        let nq = self.model.nq;
+        let nv = self.model.nv;
+        let constraints = self.model.constraints.len();
         let count = WRENCH * constraints;
         let lengths = [nq, nv, nv, count, nv, count, settings_count(self.model)];
         self.trace_groups(lengths, |model, [q, qd, qdd, l, a, b, settings]| {
@@ -225,7 +234,8 @@ fn relative_accelerations(
     for (acceleration, &bias) in accelerations.iter_mut().zip(&biases) {
         *acceleration = *acceleration + bias;
     }
-    let (frames, motion) = (with_second_frames(model), (q, qd, qdd));
+    let frames = with_second_frames(model);
+    let motion = (q, qd, qdd);
     for k in contacts(model) {
         let found =
             kinematics::link_acceleration(&frames, k, motion, Axes::World, &mut workspaces.0);

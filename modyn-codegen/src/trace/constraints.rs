@@ -119,7 +119,9 @@ impl Tracer<'_> {
         unknowns: Unknowns,
         apart: Option<ApartRows<'_>>,
     ) -> Graph {
-        let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
+        let nq = self.model.nq;
+        let nv = self.model.nv;
+        let contacts = self.model.contacts();
         let forces = if unknowns == Unknowns::Accelerations { nv } else { 0 };
         let groups = [nq, nv, forces, contacts, settings_count(self.model)];
         self.trace_groups(groups, |model, [q, qd, tau, active, settings]| {
@@ -139,7 +141,8 @@ impl Tracer<'_> {
                 contacts.numbers(&active, 1),
                 merged_settings(&contacts, &settings),
             ];
-            let (n, count) = (merged.nv(), contacts.count());
+            let n = merged.nv();
+            let count = contacts.count();
             let [vectors, sixes, rest] = unknowns.solve(&merged, layout, inputs, (n, count), apart);
             let vectors = vectors.chunks(n.max(1)).flat_map(|x| limbs.unpack_vector(x, nv));
             let sixes = sixes.chunks((6 * count).max(1)).flat_map(|x| contacts.unpack(x, 6));
@@ -191,7 +194,8 @@ impl Tracer<'_> {
         layout: &UduLayout,
         inputs: usize,
     ) -> DenseGraph {
-        let (mut products, form) = (None, (inputs, 1 + self.rows()));
+        let mut products = None;
+        let form = (inputs, 1 + self.rows());
         let dense =
             DenseGraph::new(form, |apart| self.by_products(layout, Some(apart), &mut products));
         let dense = match dense.rows {
@@ -217,7 +221,8 @@ impl Tracer<'_> {
         self.with_derivatives(layout, apart, |(tree, layout), state, settings, memory, outputs| {
             let ColumnMap { map, columns, rank } =
                 ColumnMap::new(tree, layout, state, settings, memory, outputs);
-            let (n, count) = (self.model.nv, self.model.constraints.len());
+            let n = self.model.nv;
+            let count = self.model.constraints.len();
             let height = n + 6 * count;
             // Some rows are zero, such as those of moments of points.
             let is_zero =
@@ -233,7 +238,8 @@ impl Tracer<'_> {
                 };
                 Target::of_rows(rows.iter().map(|&row| place(row)))
             });
-            let (terms, results) = (map.len() / height, height * (1 + 3 * n) + 1);
+            let terms = map.len() / height;
+            let results = height * (1 + 3 * n) + 1;
             let targets = targets.to_vec();
             *form = Some(ProductForm { rows: rows.len(), terms, results, targets });
             let of_column =
@@ -257,11 +263,14 @@ impl Tracer<'_> {
             constraints::ConstrainedDerivatives<'_, Expr>,
         ) -> (Expr, Vec<Expr>),
     ) -> Graph {
-        let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
+        let nq = self.model.nq;
+        let nv = self.model.nv;
+        let contacts = self.model.contacts();
         let groups = [nq, nv, nv, contacts, settings_count(self.model)];
         self.trace_groups(groups, |model, [q, qd, tau, active, settings]| {
             let count = model.constraints.len();
-            let (mut qdd, mut wrenches) = (self.vector(), vec![Wrench::zero(); count]);
+            let mut qdd = self.vector();
+            let mut wrenches = vec![Wrench::zero(); count];
             let mut matrices: [Vec<Expr>; 3] = std::array::from_fn(|_| vec![Expr::zero(); nv * nv]);
             let mut changes: [Vec<Wrench<Expr>>; 3] =
                 std::array::from_fn(|_| vec![Wrench::zero(); nv * count]);
@@ -282,10 +291,8 @@ impl Tracer<'_> {
                 outputs,
             );
             let wrenches = wrenches.iter().chain(changes.iter().flatten());
-            let (first, rest): (Vec<_>, Vec<_>) = (
-                wrenches.clone().take(count).flat_map(Wrench::components).collect(),
-                wrenches.skip(count).flat_map(Wrench::components).collect(),
-            );
+            let first: Vec<_> = wrenches.clone().take(count).flat_map(Wrench::components).collect();
+            let rest: Vec<_> = wrenches.skip(count).flat_map(Wrench::components).collect();
             let operands = apart.map_or_else(Vec::new, |apart| apart.operands(memory));
             [qdd, first, matrices.concat(), rest, vec![rank], dense, operands].concat()
         })
@@ -311,7 +318,8 @@ impl Tracer<'_> {
         self.trace_groups(groups, |model, [q, active, settings]| {
             let rows: usize = model.constraints.iter().map(|c| c.rows.len()).sum();
             let matrix = || vec![Expr::zero(); rows * rows];
-            let (mut inverse, mut inertia) = (matrix(), matrix());
+            let mut inverse = matrix();
+            let mut inertia = matrix();
             let model = &self.with_column_lanes(model);
             let layout = &MergedUduLayout::new(model, layout.clone());
             let memory = &mut ConstraintWorkspace::new(model, layout);
@@ -336,7 +344,9 @@ impl Tracer<'_> {
     /// columns. Inputs: `q`, `qd`, `tau`, `dt` and settings.
     #[must_use]
     pub fn contact_problem(&self, layout: &UduLayout) -> Graph {
-        let (nq, nv, count) = (self.model.nq, self.model.nv, self.model.contacts());
+        let nq = self.model.nq;
+        let nv = self.model.nv;
+        let count = self.model.contacts();
         let groups = [nq, nv, nv, 1, settings_count(self.model)];
         self.trace_groups(groups, |model, [q, qd, tau, dt, settings]| {
             self.problem(layout, model, (&[q, qd, tau, settings], dt[0]), [nv, count]).concat()
@@ -348,7 +358,9 @@ impl Tracer<'_> {
     /// settings.
     #[must_use]
     pub fn contact_step(&self, layout: &UduLayout) -> Graph {
-        let (nq, nv, count) = (self.model.nq, self.model.nv, self.model.contacts());
+        let nq = self.model.nq;
+        let nv = self.model.nv;
+        let count = self.model.contacts();
         let groups = [nq, nv, nv, 1, 3 * count, settings_count(self.model)];
         self.trace_groups(groups, |model, [q, qd, tau, dt, mut impulses, settings]| {
             let inputs = [q, qd, tau, settings];
@@ -425,10 +437,13 @@ fn contact_problem<T: Factorizable<Expr>>(
 ) -> [Vec<Expr>; 6] {
     let numbers = |count: usize| vec![Expr::zero(); count];
     let vectors = || vec![Vector3::<Expr>::zero(); contacts];
-    let (mut after, mut heights) = (numbers(nv), numbers(contacts));
-    let (mut before, mut free) = (vectors(), vectors());
+    let mut after = numbers(nv);
+    let mut heights = numbers(contacts);
+    let mut before = vectors();
+    let mut free = vectors();
     let rows = 3 * of_robot;
-    let (mut mobility, mut responses) = (numbers(rows * rows), numbers(rows * nv));
+    let mut mobility = numbers(rows * rows);
+    let mut responses = numbers(rows * nv);
     constraints::contact_problem(
         tree,
         layout,
@@ -487,7 +502,8 @@ impl Unknowns {
         let settings = (&*active, settings);
         let [vectors, sixes, rank] = match self {
             Self::Accelerations => {
-                let (mut qdd, mut wrenches) = (vector(), vec![Wrench::zero(); count]);
+                let mut qdd = vector();
+                let mut wrenches = vec![Wrench::zero(); count];
                 let mut residuals = vec![Twist::zero(); count];
                 let results = (&mut *qdd, &mut *wrenches, &mut *residuals);
                 let state = (&*q, &*qd, &*tau);
@@ -498,7 +514,8 @@ impl Unknowns {
                 [qdd, wrenches.chain(residuals).collect(), vec![rank]]
             }
             Self::Velocities => {
-                let (mut after, mut impulses) = (vector(), vec![Wrench::zero(); count]);
+                let mut after = vector();
+                let mut impulses = vec![Wrench::zero(); count];
                 let results = (&mut *after, &mut *impulses);
                 let solve = constraints::contact_impulse;
                 let rank = solve(tree, layout, (&q, &qd), settings, workspaces, results);
@@ -506,7 +523,8 @@ impl Unknowns {
                 [after, impulses.collect(), vec![rank]]
             }
             Self::Steps => {
-                let (mut dq, mut dqd) = (vector(), vector());
+                let mut dq = vector();
+                let mut dqd = vector();
                 let results = (&mut *dq, &mut *dqd);
                 let solve = constraints::project_constraints;
                 let rank = solve(tree, layout, (&q, &qd), settings, workspaces, results);

@@ -23,7 +23,8 @@ impl Tracer<'_> {
     #[must_use]
     pub fn integrate_derivatives(&self) -> Graph {
         self.trace(|model, [_, v]| {
-            let (mut dq, mut dv) = (self.square(), self.square());
+            let mut dq = self.square();
+            let mut dv = self.square();
             coordinates::integrate_derivatives(model, &v, (&mut dq, &mut dv));
             [dq, dv].concat()
         })

@@ -17,8 +17,10 @@ impl Tracer<'_> {
     #[must_use]
     pub fn inverse_dynamics_derivatives(&self) -> Graph {
         self.trace_joints(0, |model, [q, qd, qdd]| {
-            let (mut dq, mut dqd) = (square(model), square(model));
-            let (motion, workspace) = ((&*q, &*qd, &*qdd), &mut Workspace::new(model));
+            let mut dq = square(model);
+            let mut dqd = square(model);
+            let motion = (&*q, &*qd, &*qdd);
+            let workspace = &mut Workspace::new(model);
             let derive = derivatives::inverse_dynamics_derivatives;
             derive(model, motion, workspace, &mut dq, &mut dqd);
             [dq, dqd].concat()
@@ -122,7 +124,9 @@ fn results(
     compute: impl FnOnce(ForwardDerivatives<'_, Expr>),
 ) -> [Vec<Expr>; 4] {
     let mut qdd = vec![Expr::zero(); model.nv()];
-    let (mut dq, mut dqd, mut dtau) = (square(model), square(model), square(model));
+    let mut dq = square(model);
+    let mut dqd = square(model);
+    let mut dtau = square(model);
     compute(ForwardDerivatives {
         qdd: &mut qdd,
         dqdd_dq: &mut dq,

@@ -18,14 +18,16 @@ impl Tracer<'_> {
         let Elimination::Recursive(partition) = elimination else {
             return self.trace(|model, [q, qd, tau]| {
                 let mut qdd = self.vector();
-                let (state, workspace) = ((&*q, &*qd, &*tau), &mut Workspace::new(model));
+                let state = (&*q, &*qd, &*tau);
+                let workspace = &mut Workspace::new(model);
                 forward_dynamics(model, elimination, state, None, workspace, &mut qdd);
                 qdd
             });
         };
         self.trace_joints(1, |model, [q, qd, tau]| {
             let mut qdd = vec![Expr::zero(); model.nv()];
-            let (state, workspace) = ((&*q, &*qd, &*tau), &mut Workspace::new(model));
+            let state = (&*q, &*qd, &*tau);
+            let workspace = &mut Workspace::new(model);
             recursive_forward_dynamics(model, partition, state, workspace, &mut qdd);
             qdd
         })
@@ -36,7 +38,8 @@ impl Tracer<'_> {
     pub fn inverse_dynamics(&self) -> Graph {
         self.trace_joints(1, |model, [q, qd, qdd]| {
             let mut tau = vec![Expr::zero(); model.nv()];
-            let (motion, workspace) = ((&*q, &*qd, Some(&*qdd)), &mut Workspace::new(model));
+            let motion = (&*q, &*qd, Some(&*qdd));
+            let workspace = &mut Workspace::new(model);
             recursive_newton_euler(model, motion, workspace, &mut tau);
             tau
         })
@@ -47,7 +50,8 @@ impl Tracer<'_> {
     pub fn bias_forces(&self) -> Graph {
         self.trace_joints(1, |model, [q, qd]| {
             let mut tau = vec![Expr::zero(); model.nv()];
-            let (motion, workspace) = ((&*q, &*qd, None), &mut Workspace::new(model));
+            let motion = (&*q, &*qd, None);
+            let workspace = &mut Workspace::new(model);
             recursive_newton_euler(model, motion, workspace, &mut tau);
             tau
         })

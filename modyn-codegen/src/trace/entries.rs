@@ -124,7 +124,8 @@ impl Tracer<'_> {
         step: &Graph,
         difference: &Graph,
     ) -> Graph {
-        let (nq, nv) = (self.model.nq, self.model.nv);
+        let nq = self.model.nq;
+        let nv = self.model.nv;
         let mut all = Composition::new();
         let [q, qd] = [nq, nv].map(|count| all.inputs(count));
         let before = all.inputs(usize::from(cost));
@@ -175,7 +176,8 @@ impl Tracer<'_> {
     /// input. `value` is the graph of inverse dynamics with quaternions of length 1.
     #[must_use]
     pub fn inverse_dynamics_jacobian_by_entries(&self, value: &Graph) -> Graph {
-        let (nv, inputs) = (self.model.nv, self.dynamics_inputs());
+        let nv = self.model.nv;
+        let inputs = self.dynamics_inputs();
         let mut all = Composition::new();
         let x = all.inputs(inputs.all);
         let (q, rest) = x.split_at(inputs.q.end);
@@ -237,7 +239,8 @@ impl Tracer<'_> {
         layout: &UduLayout,
         max_operations: usize,
     ) -> EntryDerivatives {
-        let (nv, inputs) = (self.model.nv, self.dynamics_inputs());
+        let nv = self.model.nv;
+        let inputs = self.dynamics_inputs();
         let value = self.with_unit_quaternions(forward, &[0], inputs.all);
         let inverse = self.inverse_dynamics_of_entries();
         let closed = self.forward_dynamics_in_closed_form(&inverse, layout);
@@ -254,7 +257,8 @@ impl Tracer<'_> {
 
     /// Returns the graph of the accelerations, then of their derivatives by all inputs, by columns.
     fn forward_dynamics_in_closed_form(&self, inverse: &Graph, layout: &UduLayout) -> Graph {
-        let (nv, inputs) = (self.model.nv, self.dynamics_inputs());
+        let nv = self.model.nv;
+        let inputs = self.dynamics_inputs();
         let mut all = Composition::new();
         let x = all.inputs(inputs.all);
         let (q, rest) = x.split_at(inputs.q.end);
@@ -282,7 +286,8 @@ impl Tracer<'_> {
     fn forward_change(&self, value: &Graph, inverse: &Graph) -> Graph {
         let inputs = self.dynamics_inputs();
         let mut all = Composition::new();
-        let (x, dx) = (all.inputs(inputs.all), all.inputs(inputs.all));
+        let x = all.inputs(inputs.all);
+        let dx = all.inputs(inputs.all);
         let dynamics = ForwardDynamics::new(&mut all, inputs.clone(), (value, inverse), x);
         let zeros = vec![all.constant(0.0); dynamics.qdd.len()];
         let dz = inputs.with_accelerations(&dx, &zeros);
@@ -294,7 +299,8 @@ impl Tracer<'_> {
     fn forward_adjoint(&self, value: &Graph, inverse: &Graph) -> Graph {
         let inputs = self.dynamics_inputs();
         let mut all = Composition::new();
-        let (x, weights) = (all.inputs(inputs.all), all.inputs(self.model.nv));
+        let x = all.inputs(inputs.all);
+        let weights = all.inputs(self.model.nv);
         let dynamics = ForwardDynamics::new(&mut all, inputs.clone(), (value, inverse), x);
         let (by_tau, gradients) = dynamics.gradients(&mut all, &weights, 0..inputs.all);
         all.with_outputs(&[&inputs.with_accelerations(&gradients, &by_tau)])
@@ -309,10 +315,12 @@ impl Tracer<'_> {
         inverse: &Graph,
         max_operations: usize,
     ) -> Option<Graph> {
-        let (nv, inputs) = (self.model.nv, self.dynamics_inputs());
+        let nv = self.model.nv;
+        let inputs = self.dynamics_inputs();
         let size = inputs.all;
         let mut all = Composition::new();
-        let (x, weights) = (all.inputs(size), all.inputs(nv));
+        let x = all.inputs(size);
+        let weights = all.inputs(nv);
         let found = all.add(closed, &[&x]);
         let (qdd, d) = found.split_at(nv);
         let by_tau = &d[inputs.last.start * nv..inputs.last.end * nv];
@@ -329,7 +337,8 @@ impl Tracer<'_> {
         // For each input of inverse dynamics but the accelerations, the change of the gradient by
         // the inputs from there on, which is a column of A, and of the gradient by the
         // accelerations, which is a column of C.
-        let (mut a, mut c) = (vec![Vec::new(); size], vec![Vec::new(); size]);
+        let mut a = vec![Vec::new(); size];
+        let mut c = vec![Vec::new(); size];
         for column in (0..size).filter(|column| !inputs.last.contains(column)) {
             let of_c = &changes[inputs.last.clone()];
             change.outputs = [&changes[column..], of_c].concat();
@@ -372,7 +381,8 @@ impl Tracer<'_> {
     /// coordinates 1. So a change of the entries of a quaternion q = |q| n is 4 T^T dq / |q| in
     /// tangent space; the part along n has no effect.
     fn by_entries(&self, all: &mut Composition, q: &[Id], unit: &[Id], dq: &[Id]) -> Vec<Id> {
-        let (nq, nv) = (self.model.nq, self.model.nv);
+        let nq = self.model.nq;
+        let nv = self.model.nv;
         let rates = self.velocity_to_qdot();
         let rates: Vec<Vec<Id>> = (0..nv)
             .map(|k| {

@@ -56,7 +56,8 @@ impl Tracer<'_> {
             let mut result = vec![Expr::zero(); (row.result)(&sizes).len()];
             let mut robot = Interpreter::with_mechanism(model.clone(), mechanism.clone());
             if let Some(Solvers { elimination, layout, for_derivatives }) = solvers.copied() {
-                let (elimination, layout) = (elimination.clone(), layout.clone());
+                let elimination = elimination.clone();
+                let layout = layout.clone();
                 robot = robot.with_solvers(elimination, layout, for_derivatives.clone());
             }
             robot

@@ -143,8 +143,10 @@ impl Hessian {
         all: &mut Composition,
         displacements: &[(Entry, Vec<Entry>)],
     ) {
-        let (nq, nv) = (tracer.model.nq, self.nv);
-        let (zero, one) = (all.constant(0.0), all.constant(1.0));
+        let nq = tracer.model.nq;
+        let nv = self.nv;
+        let zero = all.constant(0.0);
+        let one = all.constant(1.0);
         let change = (0..self.outputs.len()).map(|entry| {
             let is_along = |&((variable, k), _): &(Entry, _)| entry == variable * nv + k;
             let lanes =
@@ -336,7 +338,8 @@ impl Tracer<'_> {
         let body = |v: usize| self.model.dofs.iter().find(|dof| dof.v == v).map(|dof| dof.body);
         let parent = |body: Option<usize>| body.and_then(|body| self.model.bodies[body].parent);
         let follows = |v: usize| {
-            let (front, back) = (body(v - 1), body(v));
+            let front = body(v - 1);
+            let back = body(v);
             front == back || (front.is_some() && parent(back) == front)
         };
         let mut groups: Vec<Vec<Option<usize>>> = Vec::new();
@@ -364,7 +367,8 @@ impl Tracer<'_> {
     /// Returns a graph with the inputs `q`, `qd`, `tau`, the weights and the parameters, its
     /// accelerations, and the weights.
     fn weighted_motion(&self, layout: &UduLayout) -> (Composition, Motion, Vec<Id>) {
-        let (nq, nv) = (self.model.nq, self.model.nv);
+        let nq = self.model.nq;
+        let nv = self.model.nv;
         let mut all = Composition::new();
         let [q, qd, tau, weights] = [nq, nv, nv, nv].map(|count| all.inputs(count));
         let parameters = all.inputs(self.parameters.len());
@@ -382,7 +386,8 @@ impl Tracer<'_> {
         let neutral = self.with_neutral_bases(all, q, qd);
         let factors = all.add(&self.brge(layout), &[&neutral.q, parameters]);
         let bias = all.add(&self.bias_forces(), &[&neutral.q, &neutral.qd, parameters]);
-        let (solve, unmet) = (self.solve(layout), all.difference(tau, &bias));
+        let solve = self.solve(layout);
+        let unmet = all.difference(tau, &bias);
         let relative = all.add(&solve, &[&factors, &unmet]);
         let free_fall = self.free_fall();
         let qdd = all.add(&free_fall, &[q, qd, parameters]);
@@ -481,7 +486,8 @@ impl Tracer<'_> {
         let by_q_tau = all.negated(&b);
         let [by_q, by_qd] = by_state.map(|columns| all.negated(&columns));
         let results = [motion.qdd, gradients, by_tau, own.concat(), by_q_tau.clone()].concat();
-        let (of_qq, of_qqd) = (Target::square(4 * n, n), Target::square(4 * n + n * n, n));
+        let of_qq = Target::square(4 * n, n);
+        let of_qqd = Target::square(4 * n + n * n, n);
         let targets = vec![vec![of_qq.clone(), of_qq.transposed()], vec![of_qqd]];
         let form = ProductForm { rows: n, terms: n, results: results.len(), targets };
         let graph = all.with_outputs(&[&results, &by_q_tau, &by_q, &by_qd]);
@@ -506,7 +512,8 @@ impl Tracer<'_> {
         hessian: &ForwardHessian,
         rows: Range<usize>,
     ) -> [Vec<Id>; 3] {
-        let (nv, height) = (self.model.nv, rows.len());
+        let nv = self.model.nv;
+        let height = rows.len();
         let ForwardHessian { u, d, reduced: [u_by_q, u_by_qd], .. } = hessian;
         let zero = all.constant(0.0);
         let mut transposed = transposed(u, nv);
@@ -557,7 +564,8 @@ impl Tracer<'_> {
         for base in free_bases(self.model) {
             // Three coordinates of the position, four of the quaternion; linear velocities come
             // before angular ones.
-            let (at, v) = (self.model.bodies[base].q, self.model.dofs_of(base)[0].v);
+            let at = self.model.bodies[base].q;
+            let v = self.model.dofs_of(base)[0].v;
             neutral.q[at..at + 6].fill(zero);
             neutral.q[at + 6] = one;
             neutral.qd[v..v + 3].fill(zero);

@@ -64,7 +64,8 @@ impl Tracer<'_> {
     #[must_use]
     pub fn link_acceleration_from_world(&self, frame: usize) -> Graph {
         self.trace(|model, [q, qd, qdd]| {
-            let (motion, workspace) = ((&*q, &*qd, Some(&*qdd)), &mut Workspace::new(model));
+            let motion = (&*q, &*qd, Some(&*qdd));
+            let workspace = &mut Workspace::new(model);
             let acceleration = kinematics::link_acceleration_from_world;
             acceleration(model, frame, motion, workspace).components().to_vec()
         })
@@ -75,7 +76,8 @@ impl Tracer<'_> {
     #[must_use]
     pub fn bias_acceleration_from_world(&self, frame: usize) -> Graph {
         self.trace(|model, [q, qd]| {
-            let (motion, workspace) = ((&*q, &*qd, None), &mut Workspace::new(model));
+            let motion = (&*q, &*qd, None);
+            let workspace = &mut Workspace::new(model);
             let acceleration = kinematics::link_acceleration_from_world;
             acceleration(model, frame, motion, workspace).components().to_vec()
         })

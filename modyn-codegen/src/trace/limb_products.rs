@@ -48,7 +48,8 @@ impl LimbMatrices {
         let mut packs: BTreeMap<_, Vec<(usize, usize)>> = BTreeMap::new();
         for column in 0..nv {
             for row in 0..nv {
-                let (r, c) = (all.places[row], all.places[column]);
+                let r = all.places[row];
+                let c = all.places[column];
                 let relation = match (r.group, c.group) {
                     (Some(one), Some(other)) if one == other => all.distance(one, r, c),
                     // Of limbs of two groups: lanes are those of the row.
@@ -62,7 +63,8 @@ impl LimbMatrices {
         for pack in &mut all.packs {
             // In the order of the limbs.
             pack.sort_by_key(|&(row, column)| {
-                let (r, c) = (all.places[row], all.places[column]);
+                let r = all.places[row];
+                let c = all.places[column];
                 if r.group.is_some() { r.limb } else { c.limb }
             });
         }

@@ -96,7 +96,8 @@ impl LimbPacking {
 
     fn new(model: &Mechanism<f64>, groups: &[Vec<Range<usize>>]) -> Self {
         let mut bodies = Vec::new();
-        let (mut velocities, mut coordinates) = (Vec::new(), Vec::new());
+        let mut velocities = Vec::new();
+        let mut coordinates = Vec::new();
         let mut roots = Vec::new();
         let mut root_of: Vec<usize> = Vec::new();
         for (i, body) in model.bodies.iter().enumerate() {

@@ -65,7 +65,8 @@ impl Tracer<'_> {
     /// run-time inertia are not constants.
     #[must_use]
     pub fn body_graphs(&self, recursion: &BodyRecursion<Expr>) -> Option<BodyGraphs> {
-        let (model, parameters) = (self.model, &self.parameters);
+        let model = self.model;
+        let parameters = &self.parameters;
         let is_described = parameters.inertias.is_empty() && parameters.payloads.is_empty();
         let looped = is_described && !model.has_mimics() && !model.compensates_gravity();
         if model.bodies.is_empty() || !looped {
@@ -125,7 +126,8 @@ impl Tracer<'_> {
             columns.push(numbers.to_vec());
             Expr::input(before + received + columns.len() - 1)
         };
-        let (mut own, mut sent) = (Vec::new(), Vec::new());
+        let mut own = Vec::new();
+        let mut sent = Vec::new();
         let graph = Graph::trace(|| {
             let mut model = self.two_bodies(members, &column);
             self.parameters.enter(nq + 2 * nv, &mut model);
@@ -155,7 +157,8 @@ impl Tracer<'_> {
     fn two_bodies(&self, members: &[usize], column: &dyn Fn(&[f64]) -> Expr) -> Mechanism<Expr> {
         let model = self.model;
         let each: Vec<&Body<f64>> = members.iter().map(|&i| &model.bodies[i]).collect();
-        let (nq, nv) = (each[0].elementary_joint.nq(), each[0].dofs.len());
+        let nq = each[0].elementary_joint.nq();
+        let nv = each[0].dofs.len();
         let mut own = merged_body(&each, (0..nv, 0), column);
         own.parent = (!is_base(model, members[0])).then_some(0);
         let dof = |k: usize| {

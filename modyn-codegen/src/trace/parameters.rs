@@ -146,7 +146,8 @@ impl Tracer<'_> {
         };
         let mut least = self.model.clone();
         self.parameters.remove(&mut least);
-        let (described, least) = (moves_inertia(self.model), moves_inertia(&least));
+        let described = moves_inertia(self.model);
+        let least = moves_inertia(&least);
         let entries: Vec<usize> = (0..least.len()).filter(|&v| described[v] && !least[v]).collect();
         if entries.is_empty() {
             return None;

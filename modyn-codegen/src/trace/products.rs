@@ -148,7 +148,8 @@ impl Tracer<'_> {
     /// (in tangent space) and by the `vectors` joint vectors. Inputs: `q`, the joint vectors and
     /// the weights.
     pub(super) fn gradient(&self, function: &Graph, vectors: usize) -> Graph {
-        let (nq, nv) = (self.model.nq, self.model.nv);
+        let nq = self.model.nq;
+        let nv = self.model.nv;
         let mut all = Composition::new();
         let [q, state, weights] = [nq, vectors * nv, nv].map(|count| all.inputs(count));
         let parameters = all.inputs(self.parameters.len());
@@ -162,7 +163,8 @@ impl Tracer<'_> {
     /// Returns inverse dynamics with its weighted gradients. Inputs: `q`, `qd`, `qdd` and the
     /// weights.
     pub(super) fn weighted_inverse_dynamics(&self) -> WeightedInverseDynamics {
-        let (nq, nv) = (self.model.nq, self.model.nv);
+        let nq = self.model.nq;
+        let nv = self.model.nv;
         let inverse = optimize(self.inverse_dynamics());
         let mut all = Composition::new();
         let [q, qd, qdd, weights] = [nq, nv, nv, nv].map(|count| all.inputs(count));
@@ -186,7 +188,8 @@ impl Tracer<'_> {
     /// their changes, that of `q` in tangent space.
     #[must_use]
     pub fn inverse_dynamics_jvp(&self) -> Graph {
-        let (nq, nv) = (self.model.nq, self.model.nv);
+        let nq = self.model.nq;
+        let nv = self.model.nv;
         let inverse = optimize(self.inverse_dynamics());
         let mut all = Composition::new();
         let [q, qd, qdd, dq, dqd, dqdd] = [nq, nv, nv, nv, nv, nv].map(|count| all.inputs(count));
@@ -203,7 +206,8 @@ impl Tracer<'_> {
     /// forward dynamics.
     #[must_use]
     pub fn forward_dynamics_vjp(&self, forward: &Graph) -> Graph {
-        let (nq, nv) = (self.model.nq, self.model.nv);
+        let nq = self.model.nq;
+        let nv = self.model.nv;
         let mut all = Composition::new();
         let [q, qd, tau, weights] = [nq, nv, nv, nv].map(|count| all.inputs(count));
         let parameters = all.inputs(self.parameters.len());
@@ -221,7 +225,8 @@ impl Tracer<'_> {
     /// their changes, that of `q` in tangent space. `forward` is the graph of forward dynamics.
     #[must_use]
     pub fn forward_dynamics_jvp(&self, forward: &Graph) -> Graph {
-        let (nq, nv) = (self.model.nq, self.model.nv);
+        let nq = self.model.nq;
+        let nv = self.model.nv;
         let mut all = Composition::new();
         let [q, qd, tau, dq, dqd, dtau] = [nq, nv, nv, nv, nv, nv].map(|count| all.inputs(count));
         let parameters = all.inputs(self.parameters.len());

@@ -61,11 +61,13 @@ impl Tracer<'_> {
     /// `qd`, `tau`, the time and the costate. The mass matrix is factorized with `layout`.
     #[must_use]
     pub fn step_semi_implicit_hessian(&self, layout: &UduLayout) -> Graph {
-        let (nq, nv) = (self.model.nq, self.model.nv);
+        let nq = self.model.nq;
+        let nv = self.model.nv;
         let mut all = Composition::new();
         let [q, qd, tau, dt, costate] = [nq, nv, nv, 1, 2 * nv].map(|count| all.inputs(count));
         let parameters = all.inputs(self.parameters.len());
-        let (dt, (of_q, of_qd)) = (dt[0], costate.split_at(nv));
+        let dt = dt[0];
+        let (of_q, of_qd) = costate.split_at(nv);
         let motion = self.motion(&mut all, layout, [&q, &qd, &tau, &parameters]);
         let change = all.scaled(dt, &motion.qdd);
         let next_qd = all.sums(&qd, &change);
@@ -82,7 +84,8 @@ impl Tracer<'_> {
         let scaled = all.scaled(dt, &weights);
         let found = self.weighted_accelerations(&mut all, layout, &motion, &scaled);
         let (by_q, by_qd) = found.gradients.split_at(nv);
-        let (by_q, by_qd) = (all.sums(by_q, by_start), all.sums(by_qd, &weights));
+        let by_q = all.sums(by_q, by_start);
+        let by_qd = all.sums(by_qd, &weights);
 
         let groups: Vec<Vec<usize>> = self
             .column_groups()
@@ -127,7 +130,8 @@ impl Tracer<'_> {
     /// by the coordinates before and by the displacement. Inputs: `q`, the displacement and the
     /// weights w.
     fn transported(&self) -> Graph {
-        let (nq, nv) = (self.model.nq, self.model.nv);
+        let nq = self.model.nq;
+        let nv = self.model.nv;
         let mut all = Composition::new();
         let [q, displacement, weights] = [nq, nv, nv].map(|count| all.inputs(count));
         let parameters = all.inputs(self.parameters.len());
@@ -145,7 +149,9 @@ impl Tracer<'_> {
         block: &Coordinates<f64>,
         Displacement { q, displacement, parameters, costate }: &Displacement,
     ) -> Curvature {
-        let (nq, nv, size) = (self.model.nq, self.model.nv, block.velocities());
+        let nq = self.model.nq;
+        let nv = self.model.nv;
+        let size = block.velocities();
         let group = block.v..block.v + size;
         let [zero, one, half] = [0.0, 1.0, 0.5].map(|x| all.constant(x));
 
@@ -208,7 +214,8 @@ fn add_curvature(
     let size = block.velocities();
     let nv = rates[Q].len() / size;
     let half = all.constant(0.5);
-    let (square, half) = (all.product(dt, dt), all.product(half, dt));
+    let square = all.product(dt, dt);
+    let half = all.product(half, dt);
     let row =
         |matrix: &[Id], i: usize| -> Vec<Id> { (0..size).map(|k| matrix[k * size + i]).collect() };
     // The columns of each group in lanes.
@@ -235,7 +242,8 @@ fn add_curvature(
             entries
         })
     };
-    let (curved, turned) = (times(square, quadratic), times(half, bracket));
+    let curved = times(square, quadratic);
+    let turned = times(half, bracket);
     for ((a, b), entries) in PAIRS.into_iter().zip(blocks) {
         for column in 0..nv {
             let height = if a == b { column + 1 } else { nv };

@@ -38,7 +38,8 @@ impl Effects<'_> {
             };
             let mut rates = Vec::new();
             for i in 0..n {
-                let (change, before) = (row(all, changes, i), row(all, constant[1], i));
+                let change = row(all, changes, i);
+                let before = row(all, constant[1], i);
                 let rate = all.product(self.dt, change);
                 rates.push(all.sum(before, rate));
             }
@@ -46,7 +47,8 @@ impl Effects<'_> {
             for i in 0..n {
                 let by = self.by_displacement.iter().skip(i).step_by(n).copied();
                 let sum = all.graph.sum_of_products(by.zip(rates.iter().copied()));
-                let (change, before) = (all.product(self.dt, sum), row(all, constant[0], i));
+                let change = all.product(self.dt, sum);
+                let before = row(all, constant[0], i);
                 moved.push(all.sum(before, change));
             }
             for (lane, &column) in group.iter().enumerate() {
@@ -64,10 +66,12 @@ impl Tracer<'_> {
     /// time. The mass matrix is factorized with `layout`.
     #[must_use]
     pub fn step_semi_implicit_derivatives(&self, layout: &UduLayout) -> Graph {
-        let (nq, nv) = (self.model.nq, self.model.nv);
+        let nq = self.model.nq;
+        let nv = self.model.nv;
         let mut all = Composition::new();
         let [q, qd, tau, dt] = [nq, nv, nv, 1].map(|count| all.inputs(count));
-        let (dt, parameters) = (dt[0], all.inputs(self.parameters.len()));
+        let dt = dt[0];
+        let parameters = all.inputs(self.parameters.len());
         let dynamics = self.forward_dynamics_derivatives(layout);
         let dynamics = all.add(&dynamics, &[&q, &qd, &tau, &parameters]);
         let (qdd, changes) = dynamics.split_at(nv);

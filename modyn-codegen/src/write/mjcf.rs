@@ -77,7 +77,8 @@ pub fn document(model: &Model) -> Document {
 /// Returns, for each link, the links whose joints are joints of its body; none for a link without a
 /// body.
 fn bodies(model: &Model) -> Vec<Vec<usize>> {
-    let (links, children) = (model.links(), model.children());
+    let links = model.links();
+    let children = model.children();
     let ends = model.loop_constraints().iter().flat_map(|constraint| &constraint.ends);
     let ends = ends.chain(model.contacts().iter().map(|contact| &contact.end));
     let carries =
@@ -177,7 +178,8 @@ impl Writer<'_> {
     /// Returns the elements of a link's joint, whose frame has this pose in the body.
     fn joints_of(&mut self, link: usize, place: &Pose<f64>) -> Vec<Element> {
         let model = self.model;
-        let (joint, spring) = (&model.links()[link].joint, model.spring(link));
+        let joint = &model.links()[link].joint;
+        let spring = model.spring(link);
         let JointDynamics { armature, damping, friction } = joint.dynamics;
         if let Some(velocity) = joint.limits.and_then(|limits| limits.velocity) {
             let note =
@@ -380,7 +382,8 @@ impl Writer<'_> {
                 move |&i: &usize| self.joints[i].first().is_some_and(|&f| links[f].parent == body);
             (0..links.len()).rev().filter(first)
         };
-        let (mut order, mut open) = (Vec::new(), inside(None).collect::<Vec<_>>());
+        let mut order = Vec::new();
+        let mut open = inside(None).collect::<Vec<_>>();
         while let Some(body) = open.pop() {
             order.extend(&self.joints[body]);
             open.extend(inside(Some(body)));
@@ -437,7 +440,8 @@ impl Writer<'_> {
         let links = self.model.links();
         let is_merged = |i: &usize| self.joints[*i].is_empty();
         let merged: Vec<usize> = (0..links.len()).filter(is_merged).collect();
-        let (many, notes) = (merged.len() != 1, &mut self.document.notes);
+        let many = merged.len() != 1;
+        let notes = &mut self.document.notes;
         let named =
             |links_of: &[usize]| listed("link", links_of.iter().map(|&i| links[i].name.as_str()));
         if !merged.is_empty() {

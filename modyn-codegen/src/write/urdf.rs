@@ -14,7 +14,8 @@ use crate::diagnostics::{Code, Diagnostic};
 /// Returns the document of a robot.
 pub fn document(model: &Model) -> Document {
     let mut document = Document::new(Element::new("robot").with("name", model.name()));
-    let (links, frames) = (model.links(), model.frames());
+    let links = model.links();
+    let frames = model.frames();
     let mut names = Names::new(
         frames.iter().map(|frame| &*frame.name).chain(links.iter().map(|link| &*link.name)),
     );
@@ -209,7 +210,8 @@ fn origin(pose: &Pose<f64>) -> Option<Element> {
 fn angles(rotation: &[[f64; 3]; 3]) -> [f64; 3] {
     let [[xx, xy, xz], [yx, yy, yz], [zx, _, _]] = *rotation;
     let yaw = if xx == 0.0 && yx == 0.0 { 0.0 } else { libm::atan2(yx, xx) };
-    let (sin, cos) = (libm::sin(yaw), libm::cos(yaw));
+    let sin = libm::sin(yaw);
+    let cos = libm::cos(yaw);
     // What is left after the yaw: an error of the yaw becomes one of the roll, with the same
     // product.
     let pitch = libm::atan2(-zx, cos * xx + sin * yx);

@@ -8,7 +8,8 @@ pub(super) type Stores = Vec<(Value, u32)>;
 /// Returns the stores of results: first vectors whose lanes are consecutive results, then all
 /// others.
 pub(super) fn stores(values: &Values, size: usize) -> (Stores, Stores) {
-    let (mut runs, mut single) = (Vec::new(), Vec::new());
+    let mut runs = Vec::new();
+    let mut single = Vec::new();
     let mut distance = 0;
     let mut k = 0;
     while k < values.results.len() {
@@ -47,7 +48,8 @@ pub(super) fn pool(values: &Values, size: usize) -> (Vec<u8>, Vec<u32>) {
     }
     let mut order: Vec<usize> = (0..uses.len()).filter(|&place| uses[place] > 0).collect();
     order.sort_by_key(|&place| (std::cmp::Reverse(uses[place]), place));
-    let (mut bytes, mut at) = (Vec::new(), vec![0; uses.len()]);
+    let mut bytes = Vec::new();
+    let mut at = vec![0; uses.len()];
     for place in order {
         let constant = &values.pool[place];
         let length = constant.len() * size;

@@ -38,7 +38,8 @@ impl<A: Architecture> Generator<'_, A> {
 
     pub(super) fn load(&mut self, register: u8, value: Value) {
         self.counts.loads += 1;
-        let (bytes, from) = (self.registers.bytes(value), self.memory(value));
+        let bytes = self.registers.bytes(value);
+        let from = self.memory(value);
         A::load(self, register, bytes, from);
     }
 

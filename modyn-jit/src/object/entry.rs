@@ -106,7 +106,8 @@ pub(super) fn entry(a: &mut Assembler, convention: Convention, call: &Call<'_>) 
     let results = argument(a, convention, call.results, RSI);
     a.copy(RSI, results);
     a.copy(RDI, RSP);
-    let (end, fail) = (a.label(), a.label());
+    let end = a.label();
+    let fail = a.label();
     match call.body {
         Body::One(program) => a.call(program),
         Body::Link { rows: (rows, count) } => {
@@ -133,7 +134,8 @@ pub(super) fn entry(a: &mut Assembler, convention: Convention, call: &Call<'_>) 
             a.instruction(ADDRESS, true, RSI, Memory(RSP, BODIES));
             a.call(bodies);
             for (link, &(body, placement)) in links.iter().enumerate() {
-                let (from, to) = (BODIES + (body * pose) as i32, (link * pose) as i32);
+                let from = BODIES + (body * pose) as i32;
+                let to = (link * pose) as i32;
                 a.instruction(LOAD, true, RSI, Memory(RSP, RESULTS));
                 let Some(placement) = placement else {
                     for part in (0..pose as i32).step_by(16) {

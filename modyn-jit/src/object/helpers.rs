@@ -174,7 +174,9 @@ impl<'a, S: Real> Function<'a, S> {
     /// multiples, rdx: angles, ecx: lanes). General registers are few: the pointers wait in xmm2,
     /// xmm3 and xmm4, the lanes in xmm5.
     fn reduce(&mut self) {
-        let (wide, mantissa, bits) = (self.wide, self.mantissa, self.bits);
+        let wide = self.wide;
+        let mantissa = self.mantissa;
+        let bits = self.bits;
         let exponents: u64 = (1 << (bits - 1 - mantissa)) - 1;
         let bias = exponents >> 1;
         let [top, next, store, infinite, positive, small, scaled, words] =
@@ -317,7 +319,8 @@ impl<'a, S: Real> Function<'a, S> {
 
     /// The angle from the x axis (rdi: results, rsi: y, rdx: x, ecx: lanes).
     fn atan2<const L: usize, const A: usize>(&mut self, numbers: &ElementaryNumbers<L, A>) {
-        let (wide, bits) = (self.wide, self.bits);
+        let wide = self.wide;
+        let bits = self.bits;
         let [top, divided, one, near, far, flat, steep, unsigned, nan, store] =
             std::array::from_fn(|_| self.a.label());
         self.a.bind(top);
@@ -412,7 +415,9 @@ impl<'a, S: Real> Function<'a, S> {
 
     /// The natural logarithm (rdi: results, rsi: numbers, ecx: lanes).
     fn logarithm<const L: usize, const A: usize>(&mut self, numbers: &ElementaryNumbers<L, A>) {
-        let (wide, mantissa, bits) = (self.wide, self.mantissa, self.bits);
+        let wide = self.wide;
+        let mantissa = self.mantissa;
+        let bits = self.bits;
         let [top, normal, nan, infinite, store] = std::array::from_fn(|_| self.a.label());
         self.a.bind(top);
         self.a.instruction(LOAD, wide, RAX, Memory(RSI, 0));

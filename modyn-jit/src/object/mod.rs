@@ -110,7 +110,8 @@ pub struct ObjectOptions {
 
 impl Default for ObjectOptions {
     fn default() -> Self {
-        let (instruction_set, format) = (InstructionSet::Sse2, ObjectFormat::of_this_system());
+        let instruction_set = InstructionSet::Sse2;
+        let format = ObjectFormat::of_this_system();
         Self { instruction_set, format, prefix: None }
     }
 }
@@ -208,7 +209,8 @@ fn generate(
         let help = "select `Sse2`, `Avx2` or `Avx512`; elsewhere `Builder::generate` and `Builder::compile` print Rust";
         return Err(error(Code::Option, &message, help));
     }
-    let (plan, model) = (&planned.planning.plan, &planned.planning.model);
+    let plan = &planned.planning.plan;
+    let model = &planned.planning.model;
     let convention = format.convention();
     let text = match planned.scalar() {
         FloatType::F64 => text::text::<f64>(plan, model, instruction_set, convention)?,
@@ -223,7 +225,8 @@ fn generate(
         let message = format!("the object file cannot be made: {reason}");
         error(Code::Output, &message, "generate fewer functions")
     })?;
-    let (needs, features) = (instruction_set.words(), instruction_set.features());
+    let needs = instruction_set.words();
+    let features = instruction_set.features();
     let code = MachineCode { prefix, target: format.target(), needs, features };
     Ok(Object {
         bytes,

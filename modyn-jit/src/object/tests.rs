@@ -73,7 +73,8 @@ fn helpers<F: Fuse>() {
             let mut first = vec![F::from_f64(7.0); lanes];
             function(first.as_mut_ptr(), second.as_mut_ptr(), third.as_ptr(), lanes as u32);
             for lane in 0..lanes {
-                let (y, x) = (before[lane], third[lane]);
+                let y = before[lane];
+                let x = third[lane];
                 let [expected, other] = match wanted {
                     Helper::Reduce if Scalar::abs(x) < trig_steps::limit() => [F::from_f64(7.0), y],
                     Helper::Reduce => trig_steps::reduce_far(x),
@@ -322,7 +323,8 @@ fn unwind_codes_describe_the_code() {
             };
             // The stores of the prologue, relative to the value of rsp at the entry: pushes, and
             // moves below rbp.
-            let (mut rsp, mut rbp) = (0_i64, None);
+            let mut rsp = 0_i64;
+            let mut rbp = None;
             let mut stored: BTreeMap<String, i64> = BTreeMap::new();
             let prologue = usize::from(bytes[1]);
             let code = &text.code[frame.start..][..prologue];
@@ -358,12 +360,14 @@ fn unwind_codes_describe_the_code() {
             let general = |number: usize| {
                 general.get(number).map_or_else(|| format!("R{number}"), |&name| name.into())
             };
-            let (mut k, mut after) = (0, u8::MAX);
+            let mut k = 0;
+            let mut after = u8::MAX;
             while k < codes.len() {
                 let [offset, code] = codes[k];
                 assert!(offset <= after && usize::from(offset) <= prologue);
                 after = offset;
-                let (operation, operand) = (code & 15, usize::from(code >> 4));
+                let operation = code & 15;
+                let operand = usize::from(code >> 4);
                 let more = codes.get(k + 1).map_or(0, |more| i64::from(u16::from_le_bytes(*more)));
                 let mut used = 1;
                 match operation {

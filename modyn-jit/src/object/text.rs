@@ -115,7 +115,8 @@ impl<S: Real> Writer<S> {
 
     /// Records the frame of the helper that was appended.
     fn leaf(&mut self, label: Label) {
-        let (start, end) = (self.a.position(label), self.a.code.len());
+        let start = self.a.position(label);
+        let end = self.a.code.len();
         self.frames.push(Frame { start, end, last: end, kind: FrameKind::Leaf });
     }
 

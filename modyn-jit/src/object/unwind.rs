@@ -50,7 +50,8 @@ mod dwarf {
 /// Returns the contents of `.eh_frame`, and for each frame the offset at which the distance of its
 /// start belongs.
 pub(super) fn eh_frame(frames: &[Frame]) -> (Vec<u8>, Vec<usize>) {
-    let (mut bytes, mut starts) = (Vec::new(), Vec::new());
+    let mut bytes = Vec::new();
+    let mut starts = Vec::new();
     // A common entry: version 1, pointers are distances of 4 bytes; code counts in bytes, data in
     // -8 bytes. At the start of a function the frame's address is rsp + 8, and the return address
     // is 8 below it.

@@ -188,7 +188,8 @@ fn random_program(seed: u64, inputs: usize) -> Program {
 
 #[test]
 fn random_programs() {
-    let (mut results, seeds) = (0, seeds(60));
+    let mut results = 0;
+    let seeds = seeds(60);
     let programs = usize::try_from(seeds.end - seeds.start).expect("few seeds");
     for seed in seeds {
         // Few arrays of arguments, or as many as a function can have.

@@ -203,8 +203,8 @@ impl Emulator {
                 self.general[instruction.op_register(0).number()] = lane(&bytes, 8, 0);
             }
             "mov" if instruction.op_kind(0) == OpKind::Memory => {
-                let (address, value) =
-                    (self.address(instruction), self.general_source(instruction, 1));
+                let address = self.address(instruction);
+                let value = self.general_source(instruction, 1);
                 self.write(address, &value.to_le_bytes());
             }
             "mov" => {

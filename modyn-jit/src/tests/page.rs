@@ -111,8 +111,8 @@ fn multiply_add(fused: &MultiplyAdd) -> String {
         Addend::Value(c) => operand(c),
         Addend::Product(c, d) => format!("{} * {}", operand(c), operand(d)),
     };
-    let (sign, join) =
-        (["", "-"][usize::from(*negative_product)], ["+", "-"][usize::from(*negative_addend)]);
+    let sign = ["", "-"][usize::from(*negative_product)];
+    let join = ["+", "-"][usize::from(*negative_addend)];
     format!("fused({sign}{} * {} {join} {addend})", operand(a), operand(b))
 }
 
@@ -282,7 +282,8 @@ impl Code {
         let steps = self.values.steps.iter().map(|step| self.step(step));
         let headings = ["entry".to_owned()].into_iter().chain(steps).chain(["return".to_owned()]);
         let ends = generated.steps.iter().copied().chain([generated.end]);
-        let (mut text, mut at) = (String::new(), 0);
+        let mut text = String::new();
+        let mut at = 0;
         for (heading, end) in headings.zip(ends) {
             let _ = writeln!(text, "{heading}");
             for bytes in generated.code[at..end].as_chunks().0 {

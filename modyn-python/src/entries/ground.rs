@@ -141,7 +141,8 @@ impl Step {
     ///
     /// If a derivative varies an array that there is not.
     pub fn shapes(&self, derivative: Option<&Derivative>) -> Result<ArrayShapes, String> {
-        let (mut inputs, mut outputs) = (self.inputs.clone(), self.inputs[..STATE].to_vec());
+        let mut inputs = self.inputs.clone();
+        let mut outputs = self.inputs[..STATE].to_vec();
         if let Some(Derivative { mode, variables }) = derivative {
             let count = inputs.len();
             let is_sorted = variables.is_sorted_by(|a, b| a < b);
@@ -181,7 +182,8 @@ impl Step {
             };
             let parts =
                 self.parts.derivative(of_parts, variables, parameters).map(&mut compiled)?;
-            let (mode, variables) = (*mode, variables.clone());
+            let mode = *mode;
+            let variables = variables.clone();
             let parameters = parameters.filter(|own| variables.contains(own));
             Ok::<_, PyErr>(GroundDerivative { mode, variables, parameters, parts })
         };
@@ -213,7 +215,8 @@ struct Parts<T> {
 impl<T> Parts<T> {
     /// Returns the results of a function of each part.
     fn map<'a, O, E>(&'a self, mut of: impl FnMut(&'a T) -> Result<O, E>) -> Result<Parts<O>, E> {
-        let (problem, integrate) = (of(&self.problem)?, of(&self.integrate)?);
+        let problem = of(&self.problem)?;
+        let integrate = of(&self.integrate)?;
         let inverse = self.inverse.as_ref().map(&mut of).transpose()?;
         Ok(Parts { problem, integrate, inverse, places: self.places.as_ref().map(of).transpose()? })
     }
@@ -232,7 +235,8 @@ impl<S: Number> Parts<Kernel<'_, S>> {
 impl Parts<EntryFunction> {
     /// Returns the programs of a step of a robot with these sizes.
     fn of_step(sizes: &Sizes, robot: &GroundRobot, (has_field, feedback): (bool, bool)) -> Self {
-        let (nq, nv) = (sizes.nq, sizes.nv);
+        let nq = sizes.nq;
+        let nv = sizes.nv;
         let part = |function, places: Range<usize>| EntryFunction {
             function,
             link: None,
@@ -358,10 +362,11 @@ struct ReadyGround<'a, S: Number + 'static> {
 
 impl<S: Number> OwnCode<S> for GroundFunction<S> {
     fn ready(&self) -> Result<Box<dyn OwnKernel<S> + '_>, String> {
-        let derivative = self.derivative.as_ref().map(|derivative| {
+        let with_parts = self.derivative.as_ref().map(|derivative| {
             derivative.parts.map(|part| part.kernel()).map(|parts| (derivative, parts))
         });
-        let (derivative, parts) = (derivative.transpose()?, self.parts.map(|part| part.kernel())?);
+        let derivative = with_parts.transpose()?;
+        let parts = self.parts.map(|part| part.kernel())?;
         Ok(Box::new(ReadyGround { function: self, parts, derivative }))
     }
 }
@@ -495,7 +500,8 @@ impl<S: Number> ReadyGround<'_, S> {
     /// Returns the arguments with the planes of the height field below the contacts as their
     /// targets.
     fn on_field(&self, numbers: &[S], lanes: usize) -> Option<Vec<S>> {
-        let (function, kernel) = (self.function, self.parts.places.as_ref()?);
+        let function = self.function;
+        let kernel = self.parts.places.as_ref()?;
         let field = function.field.as_ref()?;
         let lengths = &function.lengths;
         let given = Given { numbers, lengths, lanes };
@@ -526,13 +532,14 @@ impl<S: Number> ReadyGround<'_, S> {
 
     /// Finds the impulses and the velocities.
     fn solve(&self, given: &Given<'_, S>) -> Solved<S> {
-        let (function, lanes) = (self.function, given.lanes);
+        let function = self.function;
+        let lanes = given.lanes;
         let [nv, contacts] = [QD, CONTACTS].map(|k| function.lengths[k]);
         let mut problem = Rows::zeros(function.robot.problem_length(), lanes);
         self.parts.problem.run(&given.of_problem(), &mut problem.numbers, lanes);
         let [mut velocities, mut displacement] = [(); 2].map(|()| Rows::zeros(nv, lanes));
-        let (mut of_contacts, mut of_stops) =
-            (Rows::zeros(contacts, lanes), Rows::zeros(nv, lanes));
+        let mut of_contacts = Rows::zeros(contacts, lanes);
+        let mut of_stops = Rows::zeros(nv, lanes);
         let mut residual = Rows::zeros(2, lanes);
         of_contacts.numbers.copy_from_slice(given.rows(CONTACTS));
         of_stops.numbers.copy_from_slice(given.rows(STOPS));
@@ -640,7 +647,8 @@ impl<S: Number> ReadyGround<'_, S> {
         (derivative, parts): (&GroundDerivative<S>, &Parts<Kernel<'_, S>>),
         result: &mut [S],
     ) {
-        let (function, lanes) = (self.function, given.lanes);
+        let function = self.function;
+        let lanes = given.lanes;
         let lengths = &function.lengths;
         let [nq, nv] = [Q, QD].map(|k| lengths[k]);
         let weights = Given {
@@ -663,8 +671,9 @@ impl<S: Number> ReadyGround<'_, S> {
         for lane in 0..lanes {
             let (q, dt, settings) = given.before(lane);
             let of = |rows: &Rows<S>| rows.lane(lane);
-            let (p, s, moved) =
-                (of(&solved.after.contacts), of(&solved.after.stops), by_displaced.lane(QD, lane));
+            let p = of(&solved.after.contacts);
+            let s = of(&solved.after.stops);
+            let moved = by_displaced.lane(QD, lane);
             let mut of_velocities = weights.lane(QD, lane);
             for (weight, &by) in of_velocities.iter_mut().zip(&moved) {
                 *weight = *weight + dt * by;
@@ -672,7 +681,8 @@ impl<S: Number> ReadyGround<'_, S> {
             let qd = of(&solved.after.velocities);
             let mut by_dt = qd.iter().zip(&moved).fold(S::zero(), |sum, (&v, &by)| sum + v * by);
             let mut problem = vec![S::zero(); function.robot.problem_length()];
-            let (mut inverse, mut by_settings) = (Vec::new(), vec![S::zero(); lengths[SETTINGS]]);
+            let mut inverse = Vec::new();
+            let mut by_settings = vec![S::zero(); lengths[SETTINGS]];
             let mut by_q = vec![S::zero(); nq];
             function.robot.add_gradient(
                 (&q, dt, &settings),
@@ -728,7 +738,9 @@ impl<S: Number> ReadyGround<'_, S> {
         (derivative, parts): (&GroundDerivative<S>, &Parts<Kernel<'_, S>>),
         result: &mut [S],
     ) {
-        let (function, lengths, lanes) = (self.function, &self.function.lengths, parts.lanes());
+        let function = self.function;
+        let lengths = &self.function.lengths;
+        let lanes = parts.lanes();
         let directions = function.directions(derivative);
         if directions == 0 {
             return;
@@ -794,7 +806,8 @@ impl<S: Number> ReadyGround<'_, S> {
         (derivative, parts): (&GroundDerivative<S>, &Parts<Kernel<'_, S>>),
         result: &mut [S],
     ) {
-        let (function, lanes) = (self.function, given.lanes);
+        let function = self.function;
+        let lanes = given.lanes;
         let lengths = &function.lengths;
         let nq = lengths[Q];
         // The change of each argument of the step.
@@ -853,7 +866,8 @@ impl<S: Number> ReadyGround<'_, S> {
         for lane in 0..given.lanes {
             let own = lane * directions..(lane + 1) * directions;
             let (q, dt, settings) = given.before(lane);
-            let (p, s) = (solved.after.contacts.lane(lane), solved.after.stops.lane(lane));
+            let p = solved.after.contacts.lane(lane);
+            let s = solved.after.stops.lane(lane);
             let mut inverse = Rows::zeros(0, directions);
             let acts = s.iter().any(|x| x.abs() > S::zero());
             if let Some(kernel) = parts.inverse.as_ref().filter(|_| acts) {
@@ -926,7 +940,8 @@ impl<S: Number> Given<'_, S> {
     /// residual.
     fn of_problem(&self) -> Vec<S> {
         let count = |lengths: &[usize]| lengths.iter().sum::<usize>() * self.lanes;
-        let (state, all) = (count(&self.lengths[..CONTACTS]), count(self.lengths));
+        let state = count(&self.lengths[..CONTACTS]);
+        let all = count(self.lengths);
         [&self.numbers[..state], &self.numbers[count(&self.lengths[..STATE])..all]].concat()
     }
 

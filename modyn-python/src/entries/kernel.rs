@@ -183,7 +183,8 @@ impl<'a, S: Number> Arrays<'a, S> {
         inputs: &'a [Numbers<'a, S>],
         outputs: &'a [Results<'a, S>],
     ) -> Result<Self, String> {
-        let ([own_inputs, lengths], states) = (shapes.lengths(), broadcast.states());
+        let [own_inputs, lengths] = shapes.lengths();
+        let states = broadcast.states();
         if inputs.len() != own_inputs.len() || outputs.len() != lengths.len() {
             return Err(format!(
                 "modyn: a function of {} arrays with {} results got {} and {}",
@@ -327,7 +328,8 @@ impl<S: Number> Kernel<'_, S> {
     }
 
     fn one_by_one(&self, arrays: &Arrays<'_, S>, states: Range<usize>, pool: &dyn Pool) {
-        let (mut questions, work) = (Questions::new(pool), self.work());
+        let mut questions = Questions::new(pool);
+        let work = self.work();
         let [inputs, outputs] = self.shapes.lengths();
         with_numbers(inputs.iter().sum(), |numbers: &mut [S]| {
             with_numbers(outputs.iter().sum(), |result: &mut [S]| {
@@ -360,7 +362,8 @@ impl<S: Number> Kernel<'_, S> {
         (states, lanes): (Range<usize>, usize),
         pool: &dyn Pool,
     ) {
-        let (mut questions, work) = (Questions::new(pool), self.work().saturating_mul(lanes));
+        let mut questions = Questions::new(pool);
+        let work = self.work().saturating_mul(lanes);
         let [inputs, outputs] = self.shapes.lengths();
         let mut numbers = vec![S::zero(); inputs.iter().sum::<usize>() * lanes];
         let mut result = vec![S::zero(); outputs.iter().sum::<usize>() * lanes];

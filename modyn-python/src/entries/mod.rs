@@ -438,7 +438,8 @@ impl Robot {
         let planned = planning.plan.functions.first();
         let none = || PyValueError::new_err("there is no such function");
         let planned = planned.ok_or_else(none)?;
-        let (scalar, machine) = (self.scalar(), self.has_machine_code());
+        let scalar = self.scalar();
+        let machine = self.has_machine_code();
         let key = key_of(planned, arrays, scalar, machine);
         if find(key).is_none() {
             let code = AnyCode::new(planning, arrays.clone(), scalar, machine);
@@ -513,7 +514,8 @@ fn rolled_out<S: Number>(
     let reverse = reverse
         .map(|(step, variables)| function(step).map(|step| Reverse { step, variables }))
         .transpose()?;
-    let (given, state) = (step.shapes().inputs(), step.shapes().outputs());
+    let given = step.shapes().inputs();
+    let state = step.shapes().outputs();
     let fits = given.starts_with(state)
         && sequences.iter().all(|&k| (state.len()..given.len()).contains(&k))
         && reverse.as_ref().is_none_or(|reverse| {
@@ -570,7 +572,8 @@ fn missing(key: i64) -> String {
 /// Returns the axes of states of an array whose axes for one state are `own`.
 fn leading<'a>(axes: &'a [usize], own: &[usize]) -> Result<&'a [usize], String> {
     axes.strip_suffix(own).ok_or_else(|| {
-        let (found, own) = (crate::arrays::tuple(axes), crate::arrays::tuple(own));
+        let found = crate::arrays::tuple(axes);
+        let own = crate::arrays::tuple(own);
         format!("modyn: an array has the shape {found}; expected {own}, after axes of states")
     })
 }

@@ -22,7 +22,8 @@ fn sizes(robot: &Robot) -> Sizes {
 /// Returns the arguments, the parameters and the result of a function, as `Robot._array_signature`
 /// documents them.
 pub fn of<'py>(robot: &Robot, py: Python<'py>, function: Function) -> PyResult<Bound<'py, PyAny>> {
-    let (row, sizes) = (function.row(), sizes(robot));
+    let row = function.row();
+    let sizes = sizes(robot);
     let arguments = PyList::empty(py);
     for argument in row.arguments {
         let shape = layout::of_argument(&argument.shape(&sizes));
@@ -94,11 +95,13 @@ fn in_order(leaf: &Leaf) -> Vec<usize> {
 ///
 /// If a derivative varies an array that there is not.
 pub fn shapes(robot: &Robot, function: &EntryFunction) -> Result<ArrayShapes, String> {
-    let (row, sizes) = (function.function.row(), sizes(robot));
+    let row = function.function.row();
+    let sizes = sizes(robot);
     let arguments = row.arguments.iter();
     let mut inputs: Vec<Vec<usize>> =
         arguments.map(|argument| layout::of_argument(&argument.shape(&sizes))).collect();
-    let (nq, nv) = (sizes.nq, sizes.nv);
+    let nq = sizes.nq;
+    let nv = sizes.nv;
     if function.feedback || function.cost {
         let is_step = row.arguments.iter().map(|argument| argument.name);
         if !is_step.eq(["q", "qd", "tau", "dt"]) {

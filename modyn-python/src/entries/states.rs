@@ -143,7 +143,9 @@ fn offsets(own: &[usize], all: &[usize], states: usize) -> Result<Offsets, Fault
     }
     let skipped = all.len() - own.len();
     let place = |state: usize| {
-        let (mut rest, mut place, mut stride) = (state, 0, 1);
+        let mut rest = state;
+        let mut place = 0;
+        let mut stride = 1;
         for (axis, &length) in all.iter().enumerate().rev() {
             let at = rest % length;
             rest /= length;

@@ -180,7 +180,8 @@ impl XlaThreads<'_> {
     /// Returns whether a call of XLA succeeded.
     fn succeeded(&self, error: Error) -> bool {
         if !error.is_null() {
-            let (size, extension) = (size_of::<ErrorDestroy>(), null_mut());
+            let size = size_of::<ErrorDestroy>();
+            let extension = null_mut();
             let mut destroy = ErrorDestroy { size, extension, error };
             (self.api.error_destroy)(&raw mut destroy);
         }
@@ -231,7 +232,8 @@ impl Pool for XlaThreads<'_> {
         // SAFETY: only the lifetime changes; see the header.
         let run: *const (dyn Fn(usize) + Sync) =
             unsafe { std::mem::transmute::<&(dyn Fn(usize) + Sync), _>(run) };
-        let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let next = AtomicUsize::new(0);
+        let done = AtomicUsize::new(0);
         let job = Arc::new(Job { next, done, chunks, run });
         // This thread takes part, so the work is done even if no other thread is free.
         for _ in 1..chunks {

@@ -31,7 +31,8 @@ impl GpuArray {
     /// a named tuple of arrays as the robot's function returns. The first axis is that of the
     /// states.
     fn numpy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let (scalars, states) = (self.array.scalars(), self.array.states());
+        let scalars = self.array.scalars();
+        let states = self.array.states();
         let columns = py.detach(|| self.array.read()).map_err(|error| exception(py, error))?;
         let layout = (&self.layout, scalars);
         let mut output = Output::<f32>::new(py, "numpy", layout, Some(states), (None, &[]))?;
@@ -49,7 +50,8 @@ impl GpuArray {
     }
 
     fn __repr__(&self) -> String {
-        let (scalars, states) = (self.array.scalars(), self.array.states());
+        let scalars = self.array.scalars();
+        let states = self.array.states();
         format!("<modyn.GpuArray of {states} states, {scalars} numbers each>")
     }
 }

@@ -104,8 +104,9 @@ impl GpuRobot {
             return Err(PyTypeError::new_err(format!("`{name}` {takes}")));
         }
         if arguments.len() != own.arguments.len() {
-            let names: Vec<&str> = own.arguments.iter().map(|(own, _)| own.name).collect();
-            let (names, given) = (names.join(", "), arguments.len());
+            let parameters = own.arguments.iter().map(|(parameter, _)| parameter.name);
+            let names = parameters.collect::<Vec<&str>>().join(", ");
+            let given = arguments.len();
             let message = format!("`{name}` takes {names}, and {given} arguments were given");
             return Err(PyTypeError::new_err(message));
         }

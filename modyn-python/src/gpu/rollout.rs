@@ -57,7 +57,8 @@ impl GpuRollout {
         let rollout = py.detach(|| Rollout::new(gpu, &builder, &options));
         let rollout = rollout.map_err(|error| exception(py, error))?;
         let has_parameters = rollout.source().parameters > 0;
-        let (plan, gravity) = (&planning.plan, planning.model.gravity());
+        let plan = &planning.plan;
+        let gravity = planning.model.gravity();
         let parameters = ParameterNumbers::new(plan, gravity, has_parameters);
         Ok(Self { gpu: gpu.clone(), robot, rollout, parameters })
     }
@@ -115,7 +116,9 @@ impl GpuRollout {
         let [q, qd] = [("q", source.nq, q), ("qd", source.nv, qd)].map(|(name, n, object)| {
             Argument::read("run", name, None, &[n], object)?.uploaded(py, &self.gpu, 1)
         });
-        let (q, qd, controls) = (q?, qd?, self.controls(py, controls)?);
+        let q = q?;
+        let qd = qd?;
+        let controls = self.controls(py, controls)?;
         let uploaded = |settings| {
             let check = Some(Check::Settings);
             let shape = &[source.settings];

@@ -24,7 +24,8 @@ use crate::Scalar;
 /// ```
 #[must_use]
 pub fn to_q<T: Scalar>(q: [T; 7]) -> [T; 7] {
-    let ([x, y, z, ..], [qw, qx, qy, qz]) = (q, wxyz_from_xyzw(quaternion(q)));
+    let [x, y, z, ..] = q;
+    let [qw, qx, qy, qz] = wxyz_from_xyzw(quaternion(q));
     [qw, qx, qy, qz, x, y, z]
 }
 
@@ -54,7 +55,8 @@ pub fn from_v<T: Scalar>(q: [T; 7], v: [T; 6]) -> [T; 6] {
 /// accelerations.
 #[must_use]
 pub fn to_vdot<T: Scalar>(q: [T; 7], qd: [T; 6], qdd: [T; 6]) -> [T; 6] {
-    let ([v, omega], [rate, angular]) = (halves(qd), halves(qdd));
+    let [v, omega] = halves(qd);
+    let [rate, angular] = halves(qdd);
     // The derivative of omega has the same components in both axes, since omega x omega is zero.
     to_v(q, concatenate(rate + omega.cross(v), angular))
 }
@@ -63,7 +65,8 @@ pub fn to_vdot<T: Scalar>(q: [T; 7], qd: [T; 6], qdd: [T; 6]) -> [T; 6] {
 /// Drake's `vdot`.
 #[must_use]
 pub fn from_vdot<T: Scalar>(q: [T; 7], qd: [T; 6], vdot: [T; 6]) -> [T; 6] {
-    let ([v, omega], [linear, angular]) = (halves(qd), halves(from_v(q, vdot)));
+    let [v, omega] = halves(qd);
+    let [linear, angular] = halves(from_v(q, vdot));
     concatenate(linear - omega.cross(v), angular)
 }
 

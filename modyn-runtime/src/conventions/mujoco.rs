@@ -19,7 +19,8 @@ use crate::Scalar;
 /// Returns MuJoCo's `qpos` of a free joint.
 #[must_use]
 pub fn to_qpos<T: Scalar>(q: [T; 7]) -> [T; 7] {
-    let ([x, y, z, ..], [qw, qx, qy, qz]) = (q, wxyz_from_xyzw(quaternion(q)));
+    let [x, y, z, ..] = q;
+    let [qw, qx, qy, qz] = wxyz_from_xyzw(quaternion(q));
     [x, y, z, qw, qx, qy, qz]
 }
 
@@ -48,7 +49,8 @@ pub fn from_qvel<T: Scalar>(q: [T; 7], qvel: [T; 6]) -> [T; 6] {
 /// Returns MuJoCo's `qacc` of a free joint, from modyn's coordinates, velocities and accelerations.
 #[must_use]
 pub fn to_qacc<T: Scalar>(q: [T; 7], qd: [T; 6], qdd: [T; 6]) -> [T; 6] {
-    let ([v, omega], [rate, angular]) = (halves(qd), halves(qdd));
+    let [v, omega] = halves(qd);
+    let [rate, angular] = halves(qdd);
     concatenate(joint_rotation(q).rotate(rate + omega.cross(v)), angular)
 }
 
@@ -56,7 +58,8 @@ pub fn to_qacc<T: Scalar>(q: [T; 7], qd: [T; 6], qdd: [T; 6]) -> [T; 6] {
 /// MuJoCo's `qacc`.
 #[must_use]
 pub fn from_qacc<T: Scalar>(q: [T; 7], qd: [T; 6], qacc: [T; 6]) -> [T; 6] {
-    let ([v, omega], [linear, angular]) = (halves(qd), halves(qacc));
+    let [v, omega] = halves(qd);
+    let [linear, angular] = halves(qacc);
     concatenate(joint_rotation(q).conjugate().rotate(linear) - omega.cross(v), angular)
 }
 

@@ -51,8 +51,12 @@ pub fn rotation_from_quaternion<T: Scalar>(quaternion: [T; 4]) -> [[T; 3]; 3] {
 pub fn quaternion_from_rotation<T: Scalar>(rotation: [[T; 3]; 3]) -> [T; 4] {
     let [[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]] = rotation;
     let one = T::one();
-    let (sxy, sxz, syz) = (xy + yx, xz + zx, yz + zy);
-    let (dx, dy, dz) = (zy - yz, xz - zx, yx - xy);
+    let sxy = xy + yx;
+    let sxz = xz + zx;
+    let syz = yz + zy;
+    let dx = zy - yz;
+    let dy = xz - zx;
+    let dz = yx - xy;
     // The quaternion times four times its first, second, third, fourth component.
     let by_x = [one + xx - yy - zz, sxy, sxz, dx];
     let by_y = [sxy, one - xx + yy - zz, syz, dy];

@@ -69,7 +69,8 @@ fn velocities_and_accelerations_are_rates() {
         let along = |t| rbdl::to_qdot(motion(t), self::qd(t));
         close(rbdl::to_qddot(q, qd, qdd), rate(t, along), 1e-6);
         // The body's angular velocity, from the quaternion's derivative: 2 conj(q) q'.
-        let ([x, y, z, w], [_, _, _, dx, dy, dz, dw]) = (quaternion(q), rate(t, motion));
+        let [x, y, z, w] = quaternion(q);
+        let [_, _, _, dx, dy, dz, dw] = rate(t, motion);
         let omega = [
             w * dx - x * dw - (y * dz - z * dy),
             w * dy - y * dw - (z * dx - x * dz),
@@ -82,7 +83,8 @@ fn velocities_and_accelerations_are_rates() {
 #[test]
 fn there_and_back() {
     for t in [-1.0, 0.2, 1.7] {
-        let (q, qd) = (motion(t), qd(t));
+        let q = motion(t);
+        let qd = qd(t);
         let x = [1.0, -2.0, 3.0, 0.5, 0.7, -1.1];
         assert_eq!(mujoco::from_qpos(mujoco::to_qpos(q)), q);
         assert_eq!(drake::from_q(drake::to_q(q)), q);
@@ -107,7 +109,9 @@ fn there_and_back() {
 #[test]
 fn power_is_the_same() {
     for t in [-1.0, 0.2, 1.7] {
-        let (q, qd, tau) = (motion(t), qd(t), [1.0, -2.0, 3.0, 0.5, 0.7, -1.1]);
+        let q = motion(t);
+        let qd = qd(t);
+        let tau = [1.0, -2.0, 3.0, 0.5, 0.7, -1.1];
         let power = dot(tau, qd);
         for found in [
             dot(mujoco::to_qfrc(q, tau), mujoco::to_qvel(q, qd)),

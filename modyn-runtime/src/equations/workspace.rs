@@ -68,7 +68,8 @@ impl<S: Scalar> Workspace<S> {
     pub fn new<T: BodyTree<S>>(tree: &T) -> Self {
         let model = tree.mechanism();
         let zero = S::zero();
-        let (bodies, dofs) = (model.bodies.len(), model.dofs.len());
+        let bodies = model.bodies.len();
+        let dofs = model.dofs.len();
         Self {
             motions: vec![JointTransform::Prismatic(zero); bodies],
             kinematic_path: Vec::with_capacity(bodies),

@@ -210,7 +210,8 @@ mod tests {
 
     #[test]
     fn logarithms_are_within_their_bound() {
-        let (mut worst, mut worst_f32): (f64, f64) = (0.0, 0.0);
+        let mut worst: f64 = 0.0;
+        let mut worst_f32: f64 = 0.0;
         for i in 0..400_000u64 {
             let bits = i.wrapping_mul(0x9e37_79b9_7f4a_7c15);
             for x in [f64::from_bits(bits), 0.5 + i as f64 / 2e5] {
@@ -229,10 +230,12 @@ mod tests {
 
     #[test]
     fn arctangents_are_within_their_bound() {
-        let (mut worst, mut worst_f32): (f64, f64) = (0.0, 0.0);
+        let mut worst: f64 = 0.0;
+        let mut worst_f32: f64 = 0.0;
         let mut compare = |y: f64, x: f64| {
             worst = worst.max(ulps(atan2_f64(y, x), libm::atan2(y, x)));
-            let (y, x) = (y as f32, x as f32);
+            let y = y as f32;
+            let x = x as f32;
             worst_f32 = worst_f32.max(ulps_f32(atan2_f32(y, x), libm::atan2(y.into(), x.into())));
         };
         for i in 0..400_000 {

@@ -91,12 +91,14 @@ mod tests {
         assert_eq!(Scalar::max(number(f64::NAN), number(3.0)), number(3.0));
         assert_eq!(Scalar::recip(number(4.0)), number(0.25));
         for angle in [0.5, 2.5, -2.5, -0.5, 0.0, core::f64::consts::PI] {
-            let (y, x) = (3.0 * libm::sin(angle), 3.0 * libm::cos(angle));
+            let y = 3.0 * libm::sin(angle);
+            let x = 3.0 * libm::cos(angle);
             let error = Scalar::abs(Scalar::atan2(number(y), number(x)) - number(angle));
             let within = (number(3e-7) - error).select_nonnegative(S::one(), S::zero());
             assert_eq!(within, S::one(), "{angle}");
         }
-        let (then, otherwise) = (number(1.0), number(2.0));
+        let then = number(1.0);
+        let otherwise = number(2.0);
         for (x, expected) in
             [(0.0, then), (-0.0, then), (5.0, then), (-1e-9, otherwise), (f64::NAN, otherwise)]
         {

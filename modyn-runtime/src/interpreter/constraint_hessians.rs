@@ -58,7 +58,8 @@ impl<S: Scalar> Interpreter<S> {
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
         outputs: ConstrainedHessianOutputs<'_, S>,
     ) -> Result<S, ShapeError> {
-        let (n, count) = (self.model.nv(), self.model.constraints());
+        let n = self.model.nv();
+        let count = self.model.constraints();
         check("q", q, self.model.nq())?;
         check("qd", qd, n)?;
         check("tau", tau, n)?;
@@ -85,7 +86,8 @@ impl<S: Scalar> Interpreter<S> {
         outputs: ConstrainedHessianOutputs<'_, S>,
     ) -> S {
         let ConstrainedHessianOutputs { qdd, wrenches, gradients, hessian } = outputs;
-        let (n, count) = (self.model.nv(), self.model.constraints());
+        let n = self.model.nv();
+        let count = self.model.constraints();
         let residuals = &mut vec![Twist::zero(); count];
         let value = (&mut *qdd, &mut *wrenches, &mut **residuals);
         let rank = self.solve_constrained((q, qd, tau), settings, value);
@@ -105,7 +107,8 @@ impl<S: Scalar> Interpreter<S> {
         let mut found = matrices(n);
         let mut changes: [Vec<Wrench<Tangent<S>>>; 3] =
             core::array::from_fn(|_| vec![Wrench::zero(); n * count]);
-        let (mut qdd, mut wrenches) = (vec![Tangent::zero(); n], vec![Wrench::zero(); count]);
+        let mut qdd = vec![Tangent::zero(); n];
+        let mut wrenches = vec![Wrench::zero(); count];
         let mut derive = |model: &Mechanism<_>,
                           state: (&[_], &[_], &[_]),
                           by: &mut Gradients<S>| {

@@ -201,7 +201,8 @@ impl<S: Scalar> Interpreter<S> {
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
         outputs: ContactProblemOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
-        let (n, count) = (self.model.nv(), self.model.contacts().len());
+        let n = self.model.nv();
+        let count = self.model.contacts().len();
         let rows = 3 * count;
         check("q", q, self.model.nq())?;
         check("qd", qd, n)?;
@@ -233,12 +234,16 @@ impl<S: Scalar> Interpreter<S> {
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
         outputs: ContactStepOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
-        let (n, targets) = (self.model.nv(), settings.contacts.as_ref());
-        let (count, zero) = (self.model.contacts().len(), S::zero());
+        let n = self.model.nv();
+        let targets = settings.contacts.as_ref();
+        let count = self.model.contacts().len();
+        let zero = S::zero();
         check("impulses", impulses, 3 * count)?;
         check("outputs.impulses", outputs.impulses, 3 * count)?;
         let vectors = || vec![Vector3::zero(); count];
-        let (mut heights, mut before, mut free) = (vec![zero; count], vectors(), vectors());
+        let mut heights = vec![zero; count];
+        let mut before = vectors();
+        let mut free = vectors();
         let mut mobility = vec![zero; 9 * count * count];
         let mut responses = vec![zero; 3 * count * n];
         let mut problem = ContactProblemOutputs {
@@ -374,7 +379,8 @@ impl<S: Scalar> Interpreter<S> {
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
         outputs: ConstrainedDerivatives<'_, S>,
     ) -> Result<S, ShapeError> {
-        let (n, count) = (self.model.nv(), self.model.constraints());
+        let n = self.model.nv();
+        let count = self.model.constraints();
         check("q", q, self.model.nq())?;
         check("qd", qd, n)?;
         check("tau", tau, n)?;

@@ -31,7 +31,8 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// If a slice does not have the model's length.
     pub fn integrate(&self, q: &[S], v: &[S], moved: &mut [S]) -> Result<(), ShapeError> {
-        let (nq, nv) = (self.model.nq(), self.model.nv());
+        let nq = self.model.nq();
+        let nv = self.model.nv();
         check("q", q, nq)?;
         check("v", v, nv)?;
         check("moved", moved, nq)?;
@@ -47,7 +48,8 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// If a slice does not have the model's length.
     pub fn difference(&self, from: &[S], to: &[S], v: &mut [S]) -> Result<(), ShapeError> {
-        let (nq, nv) = (self.model.nq(), self.model.nv());
+        let nq = self.model.nq();
+        let nv = self.model.nv();
         check("from", from, nq)?;
         check("to", to, nq)?;
         check("v", v, nv)?;
@@ -71,7 +73,8 @@ impl<S: Scalar> Interpreter<S> {
         dq: &mut [S],
         dv: &mut [S],
     ) -> Result<(), ShapeError> {
-        let (nq, nv) = (self.model.nq(), self.model.nv());
+        let nq = self.model.nq();
+        let nv = self.model.nv();
         check("q", q, nq)?;
         check("v", v, nv)?;
         check("dq", dq, nv * nv)?;
@@ -94,7 +97,8 @@ impl<S: Scalar> Interpreter<S> {
         dfrom: &mut [S],
         dto: &mut [S],
     ) -> Result<(), ShapeError> {
-        let (nq, nv) = (self.model.nq(), self.model.nv());
+        let nq = self.model.nq();
+        let nv = self.model.nv();
         check("from", from, nq)?;
         check("to", to, nq)?;
         check("dfrom", dfrom, nv * nv)?;
@@ -109,7 +113,8 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// If a slice does not have the model's length.
     pub fn velocity_to_qdot(&self, q: &[S], qd: &[S], rates: &mut [S]) -> Result<(), ShapeError> {
-        let (nq, nv) = (self.model.nq(), self.model.nv());
+        let nq = self.model.nq();
+        let nv = self.model.nv();
         check("q", q, nq)?;
         check("qd", qd, nv)?;
         check("rates", rates, nq)?;

@@ -114,7 +114,8 @@ impl<S: Scalar> Interpreter<S> {
         check("dtau_dq", dtau_dq, n * n)?;
         check("dtau_dqd", dtau_dqd, n * n)?;
         let Self { mechanism, workspace, .. } = self;
-        let (motion, results) = ((q, qd, qdd), (dtau_dq, dtau_dqd));
+        let motion = (q, qd, qdd);
+        let results = (dtau_dq, dtau_dqd);
         let derive = derivatives::inverse_dynamics_external_derivatives;
         derive(mechanism, motion, forces, workspace, results);
         Ok(())

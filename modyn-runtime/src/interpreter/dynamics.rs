@@ -138,7 +138,8 @@ impl<S: Scalar> Interpreter<S> {
         qdd.map_or(Ok(()), |qdd| check("qdd", qdd, n))?;
         self.check_forces(forces)?;
         check("tau", tau, n)?;
-        let (motion, workspace) = ((q, qd, qdd), &mut self.workspace);
+        let motion = (q, qd, qdd);
+        let workspace = &mut self.workspace;
         inverse_dynamics(&self.mechanism, motion, forces, workspace, tau);
         Ok(())
     }

@@ -36,7 +36,8 @@ impl<S: Scalar> Interpreter<S> {
         let workspace = Workspace::new(&self.mechanism);
         let modules = self.modules.clone();
         let structure = self.mechanism.structure().collect();
-        let (nq, n) = (self.model.nq(), self.model.nv());
+        let nq = self.model.nq();
+        let n = self.model.nv();
         let mut brge = UduFactorization { modules, layout, factors, workspace, structure, nq, n };
         brge.factorize(self, q);
         Ok(brge)

@@ -190,7 +190,8 @@ impl<S: Scalar> Interpreter<S> {
             let moved = |x: &[S], dx: &[S]| -> Vec<Tangent<S>> {
                 x.iter().zip(dx).map(|(&x, &dx)| Tangent { x, dx }).collect()
             };
-            let (q, qd) = (moved(q, &rates), moved(qd, &unit[n..2 * n]));
+            let q = moved(q, &rates);
+            let qd = moved(qd, &unit[n..2 * n]);
             let tau = moved(tau, &unit[2 * n..]);
             let [next_q, next_qd, a, b] = &mut found;
             let outputs = StepOutputs { q: next_q, qd: next_qd, a, b };
@@ -245,7 +246,9 @@ impl<S: Scalar> Interpreter<S> {
         let mut by: Gradients<S> = core::array::from_fn(|_| vec![Tangent::zero(); n]);
         let constant =
             |x: &[S]| -> Vec<Tangent<S>> { x.iter().map(|&x| Tangent::constant(x)).collect() };
-        let (still_q, still_qd, last) = (constant(q), constant(qd), constant(last));
+        let still_q = constant(q);
+        let still_qd = constant(qd);
+        let last = constant(last);
         let mut rates = vec![S::zero(); q.len()];
         let mut unit = vec![S::zero(); n];
         for j in 0..n {

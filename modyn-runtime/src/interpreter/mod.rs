@@ -150,8 +150,12 @@ impl<S: Scalar> Interpreter<S> {
         elimination.reserve(&mechanism, &mut workspace);
         let body_poses = vec![Pose::identity(); mechanism.bodies.len()];
         let layout = UduLayout::new(&mechanism, &modules);
-        let (inertias, links, constraints) = (None, None, None);
-        let (steps, runge_kutta, midpoint) = (None, None, None);
+        let inertias = None;
+        let links = None;
+        let constraints = None;
+        let steps = None;
+        let runge_kutta = None;
+        let midpoint = None;
         let active = vec![S::zero(); model.contacts().len()];
         Self {
             model,

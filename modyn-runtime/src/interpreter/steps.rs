@@ -55,7 +55,8 @@ impl<S: Scalar> Interpreter<S> {
         let layout =
             links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));
         let memory = steps.get_or_insert_with(|| StepWorkspace::new(mechanism));
-        let (state, workspaces) = ((q, qd, tau, dt), (workspace, memory));
+        let state = (q, qd, tau, dt);
+        let workspaces = (workspace, memory);
         steps::step_semi_implicit_derivatives(mechanism, layout, state, workspaces, outputs);
         Ok(())
     }
@@ -95,7 +96,8 @@ impl<S: Scalar> Interpreter<S> {
         let layout =
             links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));
         let memory = runge_kutta.get_or_insert_with(|| RungeKuttaWorkspace::new(mechanism));
-        let (state, workspaces) = ((q, qd, tau, dt), (workspace, memory));
+        let state = (q, qd, tau, dt);
+        let workspaces = (workspace, memory);
         steps::step_rk4_derivatives(mechanism, layout, state, workspaces, outputs);
         Ok(())
     }
@@ -118,7 +120,8 @@ impl<S: Scalar> Interpreter<S> {
         self.check_step((q, qd, tau), (next_q, next_qd))?;
         let Self { mechanism, workspace, midpoint, .. } = self;
         let memory = midpoint.get_or_insert_with(|| MidpointWorkspace::new(mechanism));
-        let (state, workspaces) = ((q, qd, tau, dt), (workspace, memory));
+        let state = (q, qd, tau, dt);
+        let workspaces = (workspace, memory);
         steps::step_implicit_midpoint(mechanism, state, workspaces, (next_q, next_qd));
         Ok(())
     }
@@ -139,7 +142,8 @@ impl<S: Scalar> Interpreter<S> {
         self.check_linear_step((q, qd, tau), &outputs)?;
         let Self { mechanism, workspace, midpoint, .. } = self;
         let memory = midpoint.get_or_insert_with(|| MidpointWorkspace::new(mechanism));
-        let (state, workspaces) = ((q, qd, tau, dt), (workspace, memory));
+        let state = (q, qd, tau, dt);
+        let workspaces = (workspace, memory);
         steps::step_implicit_midpoint_derivatives(mechanism, state, workspaces, outputs);
         Ok(())
     }
@@ -174,7 +178,8 @@ impl<S: Scalar> Interpreter<S> {
         (q, qd, tau): (&[S], &[S], &[S]),
         (next_q, next_qd): (&[S], &[S]),
     ) -> Result<(), ShapeError> {
-        let (nq, nv) = (self.model.nq(), self.model.nv());
+        let nq = self.model.nq();
+        let nv = self.model.nv();
         check("q", q, nq)?;
         check("qd", qd, nv)?;
         check("tau", tau, nv)?;

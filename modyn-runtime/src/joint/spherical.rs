@@ -8,8 +8,8 @@ use crate::spatial::{Axis, Field, Matrix3, Quaternion, Vector3};
 /// Returns the child's axes in the parent frame: those of the unit quaternion x, y, z, w, rotated
 /// by the frame's offset.
 pub(super) fn rotation<S: Scalar>(offset: JointOffset<S>, quaternion: [S; 4]) -> Matrix3<S> {
-    let (columns, about_z) =
-        (Quaternion::from_components(quaternion).matrix().transposed().0, offset.rotation());
+    let columns = Quaternion::from_components(quaternion).matrix().transposed().0;
+    let about_z = offset.rotation();
     Matrix3(columns.map(|column| about_z.vector(Axis::Z, Vector3(column)).0)).transposed()
 }
 

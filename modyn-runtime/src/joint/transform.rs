@@ -193,7 +193,8 @@ impl<S: Scalar> JointTransform<S> {
                 velocities.rotated(rotation).with_angular_velocity(spin, &body.rotated(rotation))
             }
             Self::Floating { rotation, position } => {
-                let (slide, spin) = (twice(rates), twice(&rates[3..]));
+                let slide = twice(rates);
+                let spin = twice(&rates[3..]);
                 let rotated = body.rotated(rotation);
                 velocities
                     .rotated(rotation)

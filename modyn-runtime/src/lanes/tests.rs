@@ -118,7 +118,8 @@ fn check<F: Float + Into<f64>>(
                 expected[PRODUCT] = fused(a[i], b[i], c[i]);
             }
             for (k, (&x, &y)) in found.iter().zip(&expected).enumerate() {
-                let (p, q): (f64, f64) = (x.into(), y.into());
+                let p: f64 = x.into();
+                let q: f64 = y.into();
                 // Zeros of both signs are equally large, so either may be the maximum.
                 let same = bits(x) == bits(y) || (p.is_nan() && q.is_nan()) || (k == 10 && p == q);
                 let close = fuses && k > PRODUCT && (p - q).abs() <= tolerance * (1.0 + q.abs());

@@ -29,7 +29,8 @@ impl<S: Scalar> Mechanism<S> {
         }
         let armature = self.dofs_of(i).first()?.armature?;
         let [a, b, c, x, y, z] = self.rates(i, qd).numbers;
-        let (linear, angular) = (Vector3([a, b, c]), Vector3([x, y, z]));
+        let linear = Vector3([a, b, c]);
+        let angular = Vector3([x, y, z]);
         Some(Moving { armature, first: body.dofs.start, linear, angular })
     }
 

@@ -16,7 +16,8 @@ pub(super) fn move_to_parents<S: Scalar>(bodies: &mut [Body<S>]) -> RigidInertia
     }
     for i in (0..bodies.len()).rev() {
         let Body { base_inertia: own, elementary_joint, .. } = bodies[i];
-        let (c, s) = (own.first_moment, own.second_moment);
+        let c = own.first_moment;
+        let s = own.second_moment;
         let moved = match elementary_joint {
             ElementaryJoint::Revolute => RigidInertia {
                 mass: own.mass,

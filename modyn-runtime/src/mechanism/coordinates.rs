@@ -76,7 +76,8 @@ pub(super) fn coordinates<S: Scalar>(model: &Model) -> Vec<Coordinates<S>> {
             JointType::Spherical => &[CoordinateSpace::Rotation],
             JointType::Floating => &[CoordinateSpace::Pose],
         };
-        let (q, v) = (model.q_range(i).start, model.v_range(i).start);
+        let q = model.q_range(i).start;
+        let v = model.v_range(i).start;
         let blocks = spaces.iter().enumerate().map(|(k, space)| {
             Coordinates { space: *space, q: q + k, v: v + k }.map(|x| S::from_f64(*x))
         });

@@ -28,7 +28,8 @@ impl<S: Scalar> Mechanism<S> {
     #[must_use]
     pub fn dissipation_slope(&self, dof: &Dof<S>, qd: &[S]) -> Option<S> {
         let smooth = dof.friction.zip(self.smooth).map(|(friction, w)| {
-            let (rate, square) = (dof.rate(qd), w * w);
+            let rate = dof.rate(qd);
+            let square = w * w;
             let steep = (rate * rate + square).sqrt().recip();
             friction * square * (steep * steep * steep)
         });

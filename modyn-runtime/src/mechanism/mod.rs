@@ -179,7 +179,8 @@ impl<S: Scalar> Mechanism<S> {
     /// fixed to the world.
     pub fn add_inertia(&mut self, frame: usize, inertia: &RigidInertia<S>) {
         let BodyFrame { body: Some(body), pose } = self.frames[frame] else { return };
-        let (body, inertia) = (&mut self.bodies[body], inertia.placed(&pose));
+        let body = &mut self.bodies[body];
+        let inertia = inertia.placed(&pose);
         body.inertia = body.inertia + inertia;
         body.base_inertia = body.base_inertia + inertia;
     }
@@ -300,7 +301,8 @@ fn dofs(elementary: &[ElementaryBody<'_>], friction: Friction) -> Vec<Dof<f64>> 
     let dry = matches!(friction, Friction::Coulomb | Friction::Smooth(_));
     let of = |(body, own): (usize, &ElementaryBody<'_>)| {
         let dynamics = own.joint.dynamics;
-        let (v, multiplier) = (own.v, own.mimic.map(|(multiplier, _)| multiplier));
+        let v = own.v;
+        let multiplier = own.mimic.map(|(multiplier, _)| multiplier);
         own.elementary_joint.components().iter().enumerate().map(move |(k, &component)| Dof {
             body,
             component,

@@ -106,7 +106,8 @@ impl<S: Scalar> Mechanism<S> {
     pub(crate) fn spring_derivatives(&self, q: &[S], mut add: impl FnMut(usize, usize, S)) {
         for body in &self.bodies {
             let Some(spring) = &body.spring else { continue };
-            let (stiffness, first) = (spring.stiffness, body.dofs.start);
+            let stiffness = spring.stiffness;
+            let first = body.dofs.start;
             let displacement = spring.displacement(&q[body.q..], body.mimic);
             let vector = |from: usize| Vector3(entries(&displacement, from));
             let mut add_block = |row: usize, column: usize, block: Matrix3<S>| {

@@ -225,7 +225,8 @@ pub(super) fn check_keyframes(model: &Model) -> Vec<ModelError> {
     let mut errors = Vec::new();
     let mut names = BTreeMap::new();
     for keyframe in &model.keyframes {
-        let (name, q) = (&keyframe.name, &keyframe.q);
+        let name = &keyframe.name;
+        let q = &keyframe.q;
         let mut report = |kind| errors.push(ModelError { name: name.clone(), kind });
         if names.insert(name, ()).is_some() {
             report(ModelErrorKind::DuplicateName);

@@ -102,8 +102,10 @@ impl Model {
         frames: Vec<Frame>,
     ) -> Result<Self, Vec<ModelError>> {
         let friction = Friction::None;
-        let (loop_constraints, contacts) = (Vec::new(), Vec::new());
-        let (keyframes, joint_indices) = (Vec::new(), Vec::new());
+        let loop_constraints = Vec::new();
+        let contacts = Vec::new();
+        let keyframes = Vec::new();
+        let joint_indices = Vec::new();
         let name = name.into();
         let mut model = Self {
             name,
@@ -129,7 +131,8 @@ impl Model {
     /// Returns the places of the joints in the joint vectors.
     fn joint_indices(&self) -> Vec<JointIndices> {
         let mut joint_indices: Vec<JointIndices> = Vec::with_capacity(self.links.len());
-        let (mut q, mut v) = (0, 0);
+        let mut q = 0;
+        let mut v = 0;
         for link in &self.links {
             let own = link.joint.mimic.is_none();
             let joint_type = link.joint.joint_type;
@@ -143,7 +146,8 @@ impl Model {
                 // The leader at the end of a chain has a place of its own.
                 let leader = &mut joint_indices[mimic.leader];
                 leader.followers.push(i);
-                let (q, v) = (leader.q.clone(), leader.v.clone());
+                let q = leader.q.clone();
+                let v = leader.v.clone();
                 joint_indices[i] = JointIndices { q, v, mimic: Some(mimic), followers: Vec::new() };
             }
         }

@@ -204,12 +204,14 @@ impl<S: Scalar> Interpreter<S> {
         link: usize,
         result: &mut [S],
     ) -> Result<(), FrameError> {
-        let (row, sizes) = (function.row(), self.sizes());
+        let row = function.row();
+        let sizes = self.sizes();
         if let Some(joint) = self.joint_without_inertia().filter(|_| row.needs_inertia) {
             return Err(FrameError::NoInertia { joint });
         }
         if arguments.len() != row.arguments.len() {
-            let (expected, found) = (row.arguments.len(), arguments.len());
+            let expected = row.arguments.len();
+            let found = arguments.len();
             return Err(ShapeError::new("arguments", expected, found).into());
         }
         let check = |name, numbers: &[S], expected| match numbers.len() {

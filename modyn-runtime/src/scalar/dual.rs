@@ -163,7 +163,8 @@ mod tests {
             if (y, x) == (0.0, 0.0) {
                 continue;
             }
-            let (dy, dx) = (0.7, -1.1);
+            let dy = 0.7;
+            let dx = -1.1;
             let found = Scalar::atan2(Dual64::new(y, dy), Dual64::new(x, dx));
             assert_eq!(found.re, Scalar::atan2(y, x));
             close(found.eps, (x * dy - y * dx) / (x * x + y * y), 1e-15, "the slope");
@@ -180,7 +181,8 @@ mod tests {
             assert_eq!(Scalar::max(number(re), other).eps, expected);
             assert_eq!(Scalar::max(other, number(re)).eps, expected);
         }
-        let (then, otherwise) = (number(1.0), number(2.0));
+        let then = number(1.0);
+        let otherwise = number(2.0);
         for (re, expected) in [(0.0, 1.0), (-0.0, 1.0), (4.0, 1.0), (-1e-9, 2.0), (f64::NAN, 2.0)] {
             assert_eq!(number(re).select_nonnegative(then, otherwise).re, expected);
         }

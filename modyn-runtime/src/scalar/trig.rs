@@ -222,7 +222,8 @@ impl Precision for f64 {
             return (Self::NAN, 0.0);
         }
         let bits = self.to_bits();
-        let (fraction, exponent) = (bits & ((1 << 52) - 1), (bits >> 52) & 0x7ff);
+        let fraction = bits & ((1 << 52) - 1);
+        let exponent = (bits >> 52) & 0x7ff;
         let Reduced { odd, negative, angle, zeros } =
             reduce(fraction | (1 << 52), exponent as i32 - 1075);
         let r = angle as Self * Self::from_bits(u64::from(1023 - 62 - zeros) << 52);
@@ -273,7 +274,8 @@ impl Precision for f32 {
             return (Self::NAN, 0.0);
         }
         let bits = self.to_bits();
-        let (fraction, exponent) = (bits & ((1 << 23) - 1), (bits >> 23) & 0xff);
+        let fraction = bits & ((1 << 23) - 1);
+        let exponent = (bits >> 23) & 0xff;
         let Reduced { odd, negative, angle, zeros } =
             reduce((fraction | (1 << 23)).into(), exponent as i32 - 150);
         // The upper half of `angle` has more bits than the result.
@@ -337,7 +339,8 @@ fn reduce(m: u64, e: i32) -> Reduced {
     let start = (e + 63) as u32;
     let limb = |i: u32| {
         let at = |i: u32| FRAC_1_PI_BITS.get(i as usize).copied().unwrap_or_default();
-        let (word, shift) = (start / 64 + i, start % 64);
+        let word = start / 64 + i;
+        let shift = start % 64;
         at(word) << shift | at(word + 1) >> 1 >> (63 - shift)
     };
     // The product with m: its uppermost bit counts ones, the other bits are the fraction.
@@ -410,7 +413,8 @@ mod tests {
         for x in angles(4.2e3).chain(reduce_large(LIMIT_F32.into(), f32::MAX.into())) {
             let x = x as f32;
             let (s, c) = sin_cos(x);
-            let (s, c) = (f64::from(s), f64::from(c));
+            let s = f64::from(s);
+            let c = f64::from(c);
             worst = worst.max((s - libm::sin(x.into())).abs()).max((c - libm::cos(x.into())).abs());
         }
         assert!(worst <= 1.5e-7, "{worst:e}");
@@ -476,14 +480,16 @@ mod tests {
     fn far_angles_near_multiples_of_pi_keep_their_digits() {
         for k in (1..4_000_000_000_u64).step_by(999_983) {
             let x = k as f64 * core::f64::consts::PI * 1e6;
-            let (found, expected) = (sin_cos(x).0, libm::sin(x));
+            let found = sin_cos(x).0;
+            let expected = libm::sin(x);
             assert!(
                 (found - expected).abs() <= 1e-15 * expected.abs(),
                 "{x:e}: {found:e} {expected:e}"
             );
         }
         let x = 6381956970095103.0 * libm::pow(2.0, 797.0);
-        let (found, expected) = (sin_cos(x).1, libm::cos(x));
+        let found = sin_cos(x).1;
+        let expected = libm::cos(x);
         assert!((found - expected).abs() <= 1e-15, "{found:e} {expected:e}");
     }
 

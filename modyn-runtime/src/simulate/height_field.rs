@@ -65,7 +65,8 @@ impl<'a, T: Decide + Into<f64>> HeightField<'a, T> {
         let place = SettingPlace::HeightField;
         let rows = heights.len().checked_div(columns).unwrap_or_default();
         if columns < 2 || rows < 2 || rows * columns != heights.len() {
-            let (value, range) = (heights.len() as f64, SettingRange::Grid);
+            let value = heights.len() as f64;
+            let range = SettingRange::Grid;
             return Err(SettingError { name: "heights", place, value, range });
         }
         for (x, distance) in origin.into_iter().zip(spacing) {

@@ -45,7 +45,8 @@ impl<T: Copy + Into<f64>> Ground<T> {
     /// The first option that is not.
     #[allow(clippy::cast_precision_loss)]
     pub fn check(&self) -> Result<(), SettingError> {
-        let (place, most) = (SettingPlace::Ground, SettingRange::AtMost(MAX_ITERATIONS));
+        let place = SettingPlace::Ground;
+        let most = SettingRange::AtMost(MAX_ITERATIONS);
         SettingRange::Positive.check("tolerance", place, self.tolerance.into())?;
         most.check("sweeps", place, self.sweeps as f64)?;
         most.check("newton_steps", place, self.newton_steps as f64)
@@ -190,7 +191,8 @@ fn velocities_of_contacts<T: Decide, M: StepMemory<T>>(
     contacts: &mut [Contact<T>],
 ) -> M::ContactRow {
     let mut b = memory.contact_row();
-    let (before, free) = (motion.before.as_ref(), motion.free.as_ref());
+    let before = motion.before.as_ref();
+    let free = motion.free.as_ref();
     for (c, (b, target)) in b.as_mut().chunks_exact_mut(3).zip(targets).enumerate() {
         let [x, y, z] = [0, 1, 2].map(|k| 3 * c + k);
         contacts[c] = Contact::new(target.friction);
@@ -215,7 +217,9 @@ fn stop_joints<T: Decide, M: StepMemory<T>>(
     let inverse = memory.inverse();
     let inverse = inverse.as_ref();
     let rows = 3 * targets.len();
-    let (mut a, mut b, mut p) = (memory.ground_matrix(), memory.ground_row(), memory.ground_row());
+    let mut a = memory.ground_matrix();
+    let mut b = memory.ground_row();
+    let mut p = memory.ground_row();
     let matrix = a.as_mut();
     copy_rows(motion.mobility, matrix);
     soften(targets, matrix);

@@ -218,7 +218,8 @@ impl<R: Robot, T: Scalar> Copy for State<R, T> {}
 
 impl<R: Robot, T: Scalar + fmt::Debug> fmt::Debug for State<R, T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (q, qd) = (self.q.as_ref(), self.qd.as_ref());
+        let q = self.q.as_ref();
+        let qd = self.qd.as_ref();
         f.debug_struct("State").field("q", &q).field("qd", &qd).finish()
     }
 }
@@ -233,7 +234,9 @@ impl<R: Robot, T: Scalar> Copy for Reference<R, T> {}
 
 impl<R: Robot, T: Scalar + fmt::Debug> fmt::Debug for Reference<R, T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (q, qd, qdd) = (self.q.as_ref(), self.qd.as_ref(), self.qdd.as_ref());
+        let q = self.q.as_ref();
+        let qd = self.qd.as_ref();
+        let qdd = self.qdd.as_ref();
         f.debug_struct("Reference").field("q", &q).field("qd", &qd).field("qdd", &qdd).finish()
     }
 }

@@ -108,7 +108,8 @@ impl<S: Scalar> AxisRotation<S> {
             Self::Quarters(_) => ((m[j][j], -m[j][i]), (-m[i][j], m[i][i])),
             Self::Angle { cos, sin } => {
                 let mix = sin * (m[i][i] - m[j][j]) + cos * (m[i][j] + m[j][i]);
-                let (s, c) = (sin * mix, cos * mix);
+                let s = sin * mix;
+                let c = cos * mix;
                 ((m[i][i] - s, c - m[j][i]), (c - m[i][j], m[j][j] + s))
             }
         };

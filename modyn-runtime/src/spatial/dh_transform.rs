@@ -61,8 +61,9 @@ impl<S: Scalar> DhTransform<S> {
     #[must_use]
     pub fn twist_to_child(&self, t: Twist<S>) -> Twist<S> {
         let to_axes = |v| self.azimuth.inverse().vector(Axis::Z, v);
-        let (angular, linear) = (to_axes(t.angular), to_axes(t.linear));
-        let linear = linear + angular.cross(self.translation);
+        let angular = to_axes(t.angular);
+        let rotated = to_axes(t.linear);
+        let linear = rotated + angular.cross(self.translation);
         let tilt = self.tilt.inverse();
         Twist { angular: tilt.vector(Axis::X, angular), linear: tilt.vector(Axis::X, linear) }
     }

@@ -31,7 +31,12 @@ impl<S: Scalar> Field<S> {
     #[must_use]
     pub fn rotating(omega: Vector3<S>, alpha: Vector3<S>) -> Self {
         let [x, y, z] = omega.0;
-        let (xx, yy, zz, xy, xz, yz) = (x * x, y * y, z * z, x * y, x * z, y * z);
+        let xx = x * x;
+        let yy = y * y;
+        let zz = z * z;
+        let xy = x * y;
+        let xz = x * z;
+        let yz = y * z;
         Self {
             omega,
             alpha,
@@ -88,10 +93,12 @@ mod tests {
             (1.1, Vector3([-0.4, 0.6, 0.1])),
             (0.4, Vector3([0.2, 0.9, -0.8])),
         ];
-        let (omega, alpha) = (Vector3([0.5, -1.3, 0.8]), Vector3([2.0, 0.3, -0.7]));
+        let omega = Vector3([0.5, -1.3, 0.8]);
+        let alpha = Vector3([2.0, 0.3, -0.7]);
         let field = Field { a: Vector3([1.0, 2.0, -3.0]), ..Field::rotating(omega, alpha) };
         let mut body = RigidInertia::<f64>::zero();
-        let (mut force, mut moment) = (Vector3::zero(), Vector3::zero());
+        let mut force = Vector3::zero();
+        let mut moment = Vector3::zero();
         for (m, r) in points {
             let second_moment = Symmetric3::from_fn(|i, j| m * r[i] * r[j]);
             body = body + RigidInertia { mass: m, first_moment: r.scale(m), second_moment };

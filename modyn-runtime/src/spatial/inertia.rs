@@ -177,8 +177,10 @@ impl<S: Scalar> ArticulatedInertia<S> {
     /// Returns the wrench of an acceleration.
     #[must_use]
     pub fn times(&self, t: &Twist<S>) -> Wrench<S> {
-        let (rotational, translational) = (self.rotational.full(), self.translational.full());
-        let (rotated, coupled) = (self.coupling.transposed(), &self.coupling);
+        let rotational = self.rotational.full();
+        let translational = self.translational.full();
+        let rotated = self.coupling.transposed();
+        let coupled = &self.coupling;
         Wrench {
             moment: rotational.mul_vector(t.angular) + coupled.mul_vector(t.linear),
             force: rotated.mul_vector(t.angular) + translational.mul_vector(t.linear),

@@ -25,7 +25,8 @@ impl<S: Scalar> Matrix3<S> {
     /// Returns the matrix of the cross product v x.
     #[must_use]
     pub fn cross(v: Vector3<S>) -> Self {
-        let ([x, y, z], o) = (v.0, S::zero());
+        let [x, y, z] = v.0;
+        let o = S::zero();
         Self([[o, -z, y], [z, o, -x], [-y, x, o]])
     }
 

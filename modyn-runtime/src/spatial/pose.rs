@@ -25,7 +25,8 @@ impl<S: Scalar> Pose<S> {
     /// Returns the pose of a frame that coincides with the reference frame.
     #[must_use]
     pub fn identity() -> Self {
-        let (o, i) = (S::zero(), S::one());
+        let o = S::zero();
+        let i = S::one();
         Self { rotation: [[i, o, o], [o, i, o], [o, o, i]], translation: [o; 3] }
     }
 

@@ -117,7 +117,8 @@ impl<S: Scalar> Quaternion<S> {
     /// Returns the product: first `self`, then `other` about the axes that `self` has rotated.
     #[must_use]
     pub fn times(self, other: Self) -> Self {
-        let (a, b) = (self.vector, other.vector);
+        let a = self.vector;
+        let b = other.vector;
         Self {
             vector: a.scale(other.scalar) + b.scale(self.scalar) + a.cross(b),
             scalar: self.scalar * other.scalar - a.dot(b),
@@ -135,11 +136,21 @@ impl<S: Scalar> Quaternion<S> {
     /// Returns the matrix of [`rotate`](Self::rotate); its columns are the rotated axes.
     #[must_use]
     pub fn matrix(self) -> Matrix3<S> {
-        let ([x, y, z], w, one) = (self.vector.0, self.scalar, S::one());
-        let (x2, y2, z2) = (x + x, y + y, z + z);
-        let (xx, yy, zz) = (x * x2, y * y2, z * z2);
-        let (xy, xz, yz) = (x * y2, x * z2, y * z2);
-        let (wx, wy, wz) = (w * x2, w * y2, w * z2);
+        let [x, y, z] = self.vector.0;
+        let w = self.scalar;
+        let one = S::one();
+        let x2 = x + x;
+        let y2 = y + y;
+        let z2 = z + z;
+        let xx = x * x2;
+        let yy = y * y2;
+        let zz = z * z2;
+        let xy = x * y2;
+        let xz = x * z2;
+        let yz = y * z2;
+        let wx = w * x2;
+        let wy = w * y2;
+        let wz = w * z2;
         Matrix3([
             [one - (yy + zz), xy - wz, xz + wy],
             [xy + wz, one - (xx + zz), yz - wx],
@@ -156,7 +167,8 @@ impl<S: Scalar> Quaternion<S> {
     /// Returns the quaternion scaled to length 1. A quaternion of length 0 becomes the identity.
     #[must_use]
     pub fn normalized(self) -> Self {
-        let (square, least) = (self.square(), S::from_f64(MIN_SQUARE));
+        let square = self.square();
+        let least = S::from_f64(MIN_SQUARE);
         let scaled = self.scale(square.max(least).sqrt().recip());
         let nothing = least - square;
         let or = |usual: S, identity: S| nothing.select_nonnegative(identity, usual);
@@ -186,10 +198,12 @@ impl<S: Scalar> Quaternion<S> {
 #[must_use]
 pub fn screw_translation<S: Scalar>(w: Vector3<S>, v: Vector3<S>) -> Vector3<S> {
     let Angle { sinc, cos, lag } = Angle::of(w);
-    let (across, along) = (w.cross(v), w.cross(w.cross(v)));
+    let across = w.cross(v);
+    let along = w.cross(w.cross(v));
     let square = sinc * sinc;
     // (1 - cos t) / t^2 and (t - sin t) / t^3.
-    let (first, second) = (S::from_f64(0.5) * square, S::from_f64(0.25) * square - cos * lag);
+    let first = S::from_f64(0.5) * square;
+    let second = S::from_f64(0.25) * square - cos * lag;
     v + across.scale(first) + along.scale(second)
 }
 
@@ -220,8 +234,10 @@ pub fn screw_translation_by_rotation<S: Scalar>(w: Vector3<S>, v: Vector3<S>) ->
     let angle = Angle::of(w);
     let Angle { sinc, cos, lag } = angle;
     let square = sinc * sinc;
-    let (across, along) = (w.cross(v), w.cross(w.cross(v)));
-    let (first, second) = (S::from_f64(0.5) * square, S::from_f64(0.25) * square - cos * lag);
+    let across = w.cross(v);
+    let along = w.cross(w.cross(v));
+    let first = S::from_f64(0.5) * square;
+    let second = S::from_f64(0.25) * square - cos * lag;
     // The derivatives of these two by t^2.
     let product = sinc * lag;
     let first_slope = S::from_f64(-0.5) * product;
@@ -248,7 +264,8 @@ struct Angle<S> {
 
 impl<S: Scalar> Angle<S> {
     fn of(w: Vector3<S>) -> Self {
-        let (square, near) = (w.dot(w), S::from_f64(SERIES_LIMIT));
+        let square = w.dot(w);
+        let near = S::from_f64(SERIES_LIMIT);
         let [sinc, lag] = [series(&SINC, square), series(&SINC_MINUS_COS, square)];
         let series = [sinc, sinc - square * lag, lag];
         // Keeps the closed form away from 0 / 0, whose derivative would be NaN although its value
@@ -265,7 +282,8 @@ impl<S: Scalar> Angle<S> {
 
     /// Returns the derivative of `lag` by t^2; `w` is the rotation vector.
     fn sinc_minus_cos_derivative(&self, w: Vector3<S>) -> S {
-        let (square, near) = (w.dot(w), S::from_f64(SERIES_LIMIT));
+        let square = w.dot(w);
+        let near = S::from_f64(SERIES_LIMIT);
         let difference = S::from_f64(0.125) * self.sinc - S::from_f64(1.5) * self.lag;
         let closed = difference / square.max(near);
         (square - near).select_nonnegative(closed, series(&SINC_MINUS_COS_DERIVATIVE, square))
@@ -312,7 +330,8 @@ mod tests {
     /// Rotations about an axis and screw motions, against sines and cosines of the angle.
     #[test]
     fn exponentials_have_their_derivatives() {
-        let (axis, v) = ([2.0 / 7.0, -3.0 / 7.0, 6.0 / 7.0], [0.4, 1.1, -0.7]);
+        let axis = [2.0 / 7.0, -3.0 / 7.0, 6.0 / 7.0];
+        let v = [0.4, 1.1, -0.7];
         for angle in ANGLES {
             let t = at(angle);
             let (sin, cos) = (t * Number::from_f64(0.5)).sin_cos();
@@ -324,7 +343,8 @@ mod tests {
                 close(found.vector.0[i], axis_.0[i] * sin, &std::format!("x, y, z at {angle}"));
             }
             let (sin, cos) = t.sin_cos();
-            let (across, slide) = (axis_.cross(v_), axis_.scale(axis_.dot(v_)));
+            let across = axis_.cross(v_);
+            let slide = axis_.scale(axis_.dot(v_));
             let expected =
                 slide.scale(t) + (v_ - slide).scale(sin) + across.scale(Number::one() - cos);
             let found = screw_translation(along(axis, t), along(v, t));

@@ -38,14 +38,16 @@ impl<S: Scalar> Vector3<S> {
     /// Returns the scalar product.
     #[must_use]
     pub fn dot(self, other: Self) -> S {
-        let ([a, b, c], [x, y, z]) = (self.0, other.0);
+        let [a, b, c] = self.0;
+        let [x, y, z] = other.0;
         a * x + b * y + c * z
     }
 
     /// Returns the cross product `self` x `other`.
     #[must_use]
     pub fn cross(self, other: Self) -> Self {
-        let ([a, b, c], [x, y, z]) = (self.0, other.0);
+        let [a, b, c] = self.0;
+        let [x, y, z] = other.0;
         Self([b * z - c * y, c * x - a * z, a * y - b * x])
     }
 

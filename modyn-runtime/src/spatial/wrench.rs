@@ -43,7 +43,8 @@ impl<S: Scalar> Twist<S> {
     /// Returns the six components, angular first.
     #[must_use]
     pub fn components(&self) -> [S; 6] {
-        let ([a, b, c], [d, e, f]) = (self.angular.0, self.linear.0);
+        let [a, b, c] = self.angular.0;
+        let [d, e, f] = self.linear.0;
         [a, b, c, d, e, f]
     }
 }
@@ -93,7 +94,8 @@ impl<S: Scalar> Momentum<S> {
     /// Returns the six components, angular first.
     #[must_use]
     pub fn components(&self) -> [S; 6] {
-        let ([a, b, c], [d, e, f]) = (self.angular.0, self.linear.0);
+        let [a, b, c] = self.angular.0;
+        let [d, e, f] = self.linear.0;
         [a, b, c, d, e, f]
     }
 }
@@ -131,7 +133,8 @@ impl<S: Scalar> Wrench<S> {
     /// Returns the six components, moment first.
     #[must_use]
     pub fn components(&self) -> [S; 6] {
-        let ([a, b, c], [d, e, f]) = (self.moment.0, self.force.0);
+        let [a, b, c] = self.moment.0;
+        let [d, e, f] = self.force.0;
         [a, b, c, d, e, f]
     }
 

@@ -69,7 +69,8 @@ pub fn run(arguments: &Arguments, options: &ReadOptions) -> Result<(), Failure> 
         files_in(folder, &mut files)?;
     }
     let mut entries = Vec::new();
-    let (mut included, mut others) = (BTreeSet::new(), 0);
+    let mut included = BTreeSet::new();
+    let mut others = 0;
     for path in files {
         let name = path.display().to_string();
         let Ok(description) = Description::open(&path) else {
@@ -213,7 +214,8 @@ fn as_text(entries: &[Entry], others: usize) -> String {
             format!("{}: {subject}{}", error.code.name(), error.message)
         });
         let [name, why] = [&entry.outcome.name, &why].map(|text| sanitize_for_display(text));
-        let (format, verdict) = (entry.format.name().into(), entry.verdict.name().into());
+        let format = entry.format.name().into();
+        let verdict = entry.verdict.name().into();
         table.row([name, format, verdict, why]);
     }
     let mut out = table.with_remarks().fitted();
@@ -241,6 +243,7 @@ fn as_json(entries: &[Entry]) -> String {
         let counts = Verdict::ALL.iter().zip(counts).map(|(one, count)| (one.name(), count));
         (format, counts.collect::<BTreeMap<_, _>>())
     });
-    let (files, totals) = (files.collect::<Vec<_>>(), totals.collect::<BTreeMap<_, _>>());
+    let files = files.collect::<Vec<_>>();
+    let totals = totals.collect::<BTreeMap<_, _>>();
     escape::json(&json!({ "files": files, "totals": totals }))
 }

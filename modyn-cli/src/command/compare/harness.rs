@@ -89,7 +89,8 @@ impl Harness<'_> {
                 (temporary.path().to_owned(), Some(temporary))
             }
         };
-        let (robot, main) = (folder.join("robot.rs"), folder.join("main.rs"));
+        let robot = folder.join("robot.rs");
+        let main = folder.join("main.rs");
         to_file(&robot, self.robot, &[])?;
         to_file(&main, &self.main(model), &[])?;
         to_file(&folder.join("timing.rs"), TIMING, &[])?;
@@ -119,7 +120,8 @@ impl Harness<'_> {
                 env!("CARGO_PKG_RUST_VERSION"),
             )));
         }
-        let (states, functions) = (folder.join("states.bin"), self.quantities.len());
+        let states = folder.join("states.bin");
+        let functions = self.quantities.len();
         Ok(Program { program, states, functions, _folder: temporary })
     }
 
@@ -180,7 +182,8 @@ impl Program {
         };
         let mut all = Vec::new();
         for _ in 0..self.functions {
-            let (nanoseconds, length) = (next()?, next()? as usize);
+            let nanoseconds = next()?;
+            let length = next()? as usize;
             let result = |next: &mut dyn FnMut() -> Result<f64, Failure>| {
                 (0..length).map(|_| next()).collect::<Result<Vec<f64>, Failure>>()
             };

@@ -46,7 +46,8 @@ impl MachineCode {
         for (arguments, result) in arguments.iter().zip(&mut results) {
             call.one(arguments, result)?;
         }
-        let (mut result, mut done) = (vec![0.0; call.result().len()], Ok(()));
+        let mut result = vec![0.0; call.result().len()];
+        let mut done = Ok(());
         let nanoseconds = timing::nanoseconds(arguments.len(), || {
             for arguments in &arguments {
                 let called = call.one(black_box(arguments), black_box(&mut result));

@@ -127,7 +127,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let program = harness.compile(&generated.model)?;
         let compiled_in = start.elapsed();
         progress.show("comparing");
-        let (measured, compiler) = (program.run(&states)?, rustc.version.clone());
+        let measured = program.run(&states)?;
+        let compiler = rustc.version.clone();
         Outcome { model: generated.model, states, measured, compiler, compiled_in }
     } else {
         let planning = builder.plan().map_err(failure)?;
@@ -137,7 +138,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let code = MachineCode::compile(&planning)?;
         let compiled_in = start.elapsed();
         progress.show("comparing");
-        let (measured, compiler) = (code.run(&quantities, &states)?, code.name());
+        let measured = code.run(&quantities, &states)?;
+        let compiler = code.name();
         Outcome { model: planning.model, states, measured, compiler, compiled_in }
     };
     let mut interpreter = arguments.interpreter(&outcome.model)?;
@@ -199,7 +201,8 @@ impl Arguments {
     /// to 10.
     fn states(&self, interpreter: &Interpreter<f64>) -> Result<Vec<State>, Failure> {
         let mut random = Random::new(self.seed);
-        let (nq, nv) = (interpreter.model().nq(), interpreter.model().nv());
+        let nq = interpreter.model().nq();
+        let nv = interpreter.model().nv();
         (0..self.states)
             .map(|_| {
                 let mut q = vec![0.0; nq];

@@ -10,7 +10,8 @@ const MIN_SECONDS: f64 = 1e-4;
 /// Returns the time of a call in nanoseconds; `pass` makes `calls` calls. It is the best of many
 /// rounds, since other processes use the processor, too.
 pub fn nanoseconds(calls: usize, mut pass: impl FnMut()) -> f64 {
-    let (mut passes, mut best) = (1, f64::INFINITY);
+    let mut passes = 1;
+    let mut best = f64::INFINITY;
     let start = Instant::now();
     while start.elapsed() < MEASURING_TIME {
         let round = Instant::now();

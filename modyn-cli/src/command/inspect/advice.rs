@@ -27,7 +27,8 @@ const REPEATED: usize = 3;
 
 /// Returns advice about all moving links, in order.
 pub fn about(model: &Model) -> Vec<Advice> {
-    let (size, total) = (size(model), total_mass(model));
+    let size = size(model);
+    let total = total_mass(model);
     let carried = carried(model);
     let repeated = repeated(model);
     let mut all = Vec::new();

@@ -74,7 +74,8 @@ pub fn of(inspection: &Inspection) -> String {
 fn joint(model: &Model, link: usize) -> Value {
     let moved = &model.links()[link];
     let joint = &moved.joint;
-    let (q, v) = (model.q_range(link), model.v_range(link));
+    let q = model.q_range(link);
+    let v = model.v_range(link);
     let [damps, rubs] = active_friction(model);
     json!({
         "name": joint.name,

@@ -165,7 +165,8 @@ fn notes(model: &Model, link: usize) -> String {
     let mut notes = Vec::new();
     if let Some(mimic) = model.mimic(link) {
         let leader = sanitize_for_display(&model.links()[mimic.leader].joint.name);
-        let (ratio, offset) = (four_digits(mimic.multiplier), four_digits(mimic.offset));
+        let ratio = four_digits(mimic.multiplier);
+        let offset = four_digits(mimic.offset);
         notes.push(format!("follows {leader} times {ratio} plus {offset}"));
     }
     let dynamics = &joint.dynamics;

@@ -166,7 +166,9 @@ impl Arguments {
             )));
         }
         let step = self.time / steps;
-        let (steps, every, tolerance) = (steps as usize, every as usize, self.tolerance);
+        let steps = steps as usize;
+        let every = every as usize;
+        let tolerance = self.tolerance;
         Ok(Settings { step, steps, every, tolerance, unilateral })
     }
 

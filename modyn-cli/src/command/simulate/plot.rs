@@ -71,8 +71,10 @@ pub fn of(model: &Model, motion: &Motion) -> String {
 }
 
 fn blocks(model: &Model, samples: &[&Sample]) -> Vec<Block> {
-    let (q, v) = (units::coordinates(model), units::velocities(model));
-    let (coordinates, velocities) = (model.coordinate_names(), model.velocity_names());
+    let q = units::coordinates(model);
+    let v = units::velocities(model);
+    let coordinates = model.coordinate_names();
+    let velocities = model.velocity_names();
     let mut blocks =
         grouped("coordinates", (&coordinates, &q), COLORS[0], samples, |s| &s.q, Kind::coordinate);
     blocks.extend(grouped(
@@ -158,12 +160,14 @@ impl Axes {
     /// Draws the grid, with the values at the left if `values`, and the times below if `times`.
     fn draw(&self, out: &mut String, values: bool, times: bool) {
         let &Self { left, top, width, height, end, low, high } = self;
-        let (right, bottom) = (left + width, top + height);
+        let right = left + width;
+        let bottom = top + height;
         for value in ticks(low, high, 4) {
             let y = self.y(value);
             let _ = writeln!(out, "<path d=\"M{left:.1} {y:.1}H{right:.1}\" stroke=\"{GRID}\"/>");
             if values {
-                let (x, y) = (left - 7.0, y + 4.0);
+                let x = left - 7.0;
+                let y = y + 4.0;
                 let _ = writeln!(
                     out,
                     "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"12\" fill=\"{GREY}\" text-anchor=\"end\">{}</text>",
@@ -218,15 +222,18 @@ fn smooth<'a>(points: impl Iterator<Item = &'a (f64, f64)>) -> String {
         if i == 0 || i + 1 == points.len() {
             return secant(i.min(points.len() - 2));
         }
-        let (before, after) = (secant(i - 1), secant(i));
+        let before = secant(i - 1);
+        let after = secant(i);
         if before * after > 0.0 { 2.0 * before * after / (before + after) } else { 0.0 }
     };
     let Some((x, y)) = points.first() else { return String::new() };
     let mut path = format!("M{x:.2} {y:.2}");
     for i in 1..points.len() {
-        let ((x0, y0), (x1, y1)) = (points[i - 1], points[i]);
+        let (x0, y0) = points[i - 1];
+        let (x1, y1) = points[i];
         let third = (x1 - x0) / 3.0;
-        let (a, b) = (y0 + third * slope(i - 1), y1 - third * slope(i));
+        let a = y0 + third * slope(i - 1);
+        let b = y1 - third * slope(i);
         let _ = write!(path, "C{:.2} {a:.2} {:.2} {b:.2} {x1:.2} {y1:.2}", x0 + third, x1 - third);
     }
     path
@@ -253,7 +260,8 @@ fn draw_block(out: &mut String, block: &Block, times: &[f64], end: f64, top: f64
     let width = (WIDTH - 2.0 * MARGIN - LABELS + GAP.0) / columns as f64 - GAP.0;
     let (low, high) = span(block.panels.iter().flat_map(|(_, values)| values));
     for (i, (name, values)) in block.panels.iter().enumerate() {
-        let (row, column) = (i / columns, i % columns);
+        let row = i / columns;
+        let column = i % columns;
         let axes = Axes {
             left: MARGIN + LABELS + column as f64 * (width + GAP.0),
             top: top + HEADING + row as f64 * (PANEL + GAP.1),
@@ -360,7 +368,8 @@ mod tests {
         let heights = heights(&smooth(points.iter()));
         assert_eq!(heights.len(), 1 + 3 * 4);
         for (i, pair) in points.windows(2).enumerate() {
-            let (low, high) = (pair[0].1.min(pair[1].1), pair[0].1.max(pair[1].1));
+            let low = pair[0].1.min(pair[1].1);
+            let high = pair[0].1.max(pair[1].1);
             let between = &heights[3 * i..3 * i + 4];
             assert!((between[0] - pair[0].1).abs() < 0.01 && (between[3] - pair[1].1).abs() < 0.01);
             assert!(

@@ -19,7 +19,8 @@ pub fn of(model: &Model, motion: &Motion) -> Result<String, Failure> {
 
 fn write(model: &Model, motion: &Motion) -> Result<String, Box<dyn Error>> {
     let mut writer = Writer::from_writer(Vec::new());
-    let (q, v) = (units::coordinates(model), units::velocities(model));
+    let q = units::coordinates(model);
+    let v = units::velocities(model);
     let mut head = vec![String::from("time (s)")];
     let names = model.coordinate_names();
     head.extend(names.iter().zip(&q).map(|(name, kind)| format!("{name} ({})", kind.coordinate())));

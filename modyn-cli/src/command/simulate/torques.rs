@@ -49,7 +49,8 @@ impl Torques {
                 continue;
             }
             if record.len() != columns.len() + 1 {
-                let (found, count) = (record.len(), columns.len());
+                let found = record.len();
+                let count = columns.len();
                 let expected =
                     format!("expected a time and {count} torques, there are {found} cells");
                 return Err(bad(line, expected));
@@ -83,7 +84,8 @@ impl Torques {
         let part =
             if span > 0.0 { ((time - self.times[below]) / span).clamp(0.0, 1.0) } else { 0.0 };
         for (k, tau) in tau.iter_mut().enumerate() {
-            let (a, b) = (self.rows[below][k], self.rows[above][k]);
+            let a = self.rows[below][k];
+            let b = self.rows[above][k];
             *tau = a + (b - a) * part;
         }
     }

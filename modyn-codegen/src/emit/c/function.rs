@@ -38,8 +38,8 @@ impl Printer {
                 name: format!("chunk{k}"),
                 len: program.chunks[k].live_out.len(),
             };
-            let syntax = C { printer: &*self, name, given };
-            let (syntax, first) = (&syntax, chunk.statements.start);
+            let syntax = &C { printer: &*self, name, given };
+            let first = chunk.statements.start;
             let body = Body { syntax, program, lengths: &lengths, first };
             let mut text = String::new();
             let matrices: Vec<Array> = program.products.iter().flat_map(products::arrays).collect();
@@ -59,7 +59,8 @@ impl Printer {
                     let arrays: Vec<Array> =
                         given.iter().cloned().chain(live_in).chain(written).collect();
                     let names: Vec<&str> = arrays.iter().map(|array| array.name.as_str()).collect();
-                    let (real, len) = (self.real(), live_out(k).len.max(1));
+                    let real = self.real();
+                    let len = live_out(k).len.max(1);
                     let _ = writeln!(text, "    {real} chunk{k}[{len}];");
                     let _ = writeln!(text, "    {name}_chunk{k}({});", names.join(", "));
                 }
@@ -86,7 +87,8 @@ impl Printer {
             };
             let in_array = program.results_in_array().filter(|_| k == last && products.is_none());
             if let Some((statement, first)) = in_array {
-                let (array, count) = (body.array(statement, first.array), stored.len());
+                let array = body.array(statement, first.array);
+                let count = stored.len();
                 let _ = writeln!(
                     text,
                     "    for (int i = 0; i < {count}; ++i) {{ out[i] = {array}[i + {}]; }}",
@@ -124,7 +126,8 @@ impl Printer {
             }
             let written: Vec<String> =
                 written.iter().map(|array| self.array(&array.name, array.len)).collect();
-            let (read, written) = (self.parameters(&arrays), written.join(", "));
+            let read = self.parameters(&arrays);
+            let written = written.join(", ");
             let head = format!("{linkage}void {name}({read}{written})");
             let _ = writeln!(self.source, "{head}\n{{\n{unread}{text}}}\n");
             let statements = program.statements[chunk.statements.clone()].iter();
@@ -198,9 +201,11 @@ impl Syntax for C<'_> {
         equations: &RowEquations,
         t: &dyn Fn(&Operand) -> String,
     ) -> String {
-        let (real, name) = (self.printer.real(), self.name);
+        let real = self.printer.real();
+        let name = self.name;
         let numbers: Vec<String> = equations.numbers().iter().map(t).collect();
-        let (zero, margin) = (self.literal(0.0), t(equations.margin()));
+        let zero = self.literal(0.0);
+        let margin = t(equations.margin());
         format!(
             "    {real} {results}[{}] = {{ {zero} }};\n    \
              if (!({margin} >= {zero})) {{\n        \

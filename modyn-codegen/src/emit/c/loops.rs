@@ -28,8 +28,11 @@ impl Printer {
     }
 
     fn table(&mut self, name: &str, table: &Table) {
-        let (real, float, rows) = (self.real(), self.float, table.rows.len());
-        let (constants, places) = (table.constants(), table.places());
+        let real = self.real();
+        let float = self.float;
+        let rows = table.rows.len();
+        let constants = table.constants();
+        let places = table.places();
         let mut print = |kind: &str, name: &str, count: usize, lines: Vec<String>| {
             let lines = lines.join(",\n");
             let _ = writeln!(
@@ -70,10 +73,12 @@ pub(super) struct LoopStatements<'a> {
 impl LoopStatements<'_> {
     /// Returns the statements that define the arrays and run the steps.
     pub(super) fn print(&self, loops: &Loops) -> String {
-        let (mut text, printer) = (String::new(), self.printer);
+        let mut text = String::new();
+        let printer = self.printer;
         let arrays = loops.arrays.iter().enumerate().filter(|(_, array)| !array.is_empty());
         for (array, shape) in arrays {
-            let (real, zero) = (printer.real(), literal(0.0, printer.float));
+            let real = printer.real();
+            let zero = literal(0.0, printer.float);
             let name = self.array(array);
             let (lengths, zero) = match shape.columns {
                 1 => (format!("[{}]", shape.rows), format!("{{ {zero} }}")),
@@ -100,8 +105,10 @@ impl LoopStatements<'_> {
 
     fn iterations(&self, text: &mut String, inner: &Loop, depth: usize) {
         let table = &self.program.tables[inner.table];
-        let (rows, indent) = (table.rows.len(), "    ".repeat(depth + 1));
-        let (i, name) = (format!("i{depth}"), format!("{}_table{}", self.name, inner.table));
+        let rows = table.rows.len();
+        let indent = "    ".repeat(depth + 1);
+        let i = format!("i{depth}");
+        let name = format!("{}_table{}", self.name, inner.table);
         let order = match inner.reversed {
             false => format!("{i} = 0; {i} < {rows}; ++{i}"),
             true => format!("{i} = {rows} - 1; {i} >= 0; --{i}"),
@@ -131,12 +138,14 @@ impl LoopStatements<'_> {
     /// Prints the statements of a call: its numbers are read, the routine is called, and the
     /// results are stored.
     fn call(&self, text: &mut String, call: &Call, depth: usize) {
-        let (real, indent) = (self.printer.real(), "    ".repeat(depth + 1));
+        let real = self.printer.real();
+        let indent = "    ".repeat(depth + 1);
         let reads: Vec<String> = call.reads.iter().map(|read| self.read(read)).collect();
         let results = call.writes.len();
         let _ = writeln!(text, "{indent}{{\n{indent}    {real} results[{results}];");
         if !reads.is_empty() {
-            let (count, reads) = (reads.len(), reads.join(", "));
+            let count = reads.len();
+            let reads = reads.join(", ");
             let _ = writeln!(text, "{indent}    const {real} read[{count}] = {{ {reads} }};");
         }
         let has_constants = self.program.routines[call.routine].constants > 0;
@@ -146,7 +155,8 @@ impl LoopStatements<'_> {
             .chain((!reads.is_empty()).then(|| "read".into()))
             .chain(["results".into()])
             .collect();
-        let (name, arguments) = (self.name, arguments.join(", "));
+        let name = self.name;
+        let arguments = arguments.join(", ");
         let _ = writeln!(text, "{indent}    {name}_routine{}({arguments});", call.routine);
         for (i, write) in call.writes.iter().enumerate() {
             let sign = if write.adds { "+" } else { "" };
@@ -174,7 +184,8 @@ impl LoopStatements<'_> {
     /// Returns the text of an entry of an array. Rows have an index of their own, so that compilers
     /// tell them from each other.
     fn place(&self, array: usize, place: Place) -> String {
-        let (name, Array { columns, .. }) = (self.array(array), self.shapes[array]);
+        let name = self.array(array);
+        let Array { columns, .. } = self.shapes[array];
         match place.row {
             _ if columns == 1 => format!("{name}[{}]", index(place.index, place.row)),
             None => format!("{name}[{}][{}]", place.index / columns, place.index % columns),

@@ -32,7 +32,8 @@ impl Backend for C {
     }
 
     fn print(&self, robot: &PlannedRobot<'_>) -> Vec<File> {
-        let (source, header) = (format!("{}.c", robot.stem), format!("{}.h", robot.stem));
+        let source = format!("{}.c", robot.stem);
+        let header = format!("{}.h", robot.stem);
         let printer = Printer::new(&robot.prefix(), robot.options.scalar);
         let (source_text, header_text) = printer.print(robot.plan, robot.model, &header);
         vec![File::new(source, source_text), File::new(header, header_text)]
@@ -124,7 +125,8 @@ pub(super) fn print_object_header(robot: &PlannedRobot<'_>, code: &MachineCode) 
 
 impl Printer {
     pub(super) fn new(prefix: &str, float: FloatType) -> Self {
-        let (header, source) = (String::new(), String::new());
+        let header = String::new();
+        let source = String::new();
         Self { prefix: prefix.into(), float, header, source, support: BTreeSet::new() }
     }
 
@@ -135,7 +137,8 @@ impl Printer {
 
     /// Returns the texts of the source file and of the header, which the source includes as `file`.
     fn print(mut self, plan: &Plan, model: &Model, file: &str) -> (String, String) {
-        let (upper, prefix) = (self.prefix.to_uppercase(), self.prefix.clone());
+        let upper = self.prefix.to_uppercase();
+        let prefix = self.prefix.clone();
         self.constants(plan, model, &upper);
         let items = items(plan, &prefix);
         if items.iter().any(|item| !item.programs.are_one()) {
@@ -197,7 +200,8 @@ impl Printer {
             return;
         }
         let numbers = plan.parameters.described(model.gravity());
-        let (real, count) = (self.real(), numbers.len());
+        let real = self.real();
+        let count = numbers.len();
         let numbers: Vec<String> = numbers.iter().map(|&x| literal(x, self.float)).collect();
         let _ = writeln!(
             self.header,
@@ -284,7 +288,8 @@ impl Printer {
 
     /// Returns the body of a function that only calls others with these arguments.
     fn calls(&self, item: &Item<'_>, names: &str, frames: &Frames) -> String {
-        let (name, table) = (&item.name, format!("{}_placements", self.prefix));
+        let name = &item.name;
+        let table = format!("{}_placements", self.prefix);
         match item.programs {
             Programs::One(_) => {
                 format!("    {}({names}, out);\n", item.own_name())
@@ -311,7 +316,8 @@ impl Printer {
                 for (link, LinkProgram { program, placement }) in
                     frames.programs().iter().enumerate()
                 {
-                    let (to, from) = (pose * link, pose * program);
+                    let to = pose * link;
+                    let from = pose * program;
                     let _ = match placement {
                         None => writeln!(
                             text,
@@ -338,7 +344,8 @@ impl Printer {
         let link =
             if by_link { " Returns 0 and writes nothing if there is no such link." } else { "" };
         let docs = format!("/* {docs}\n   {layout}{link} */\n");
-        let (all, own) = (arguments.len(), arguments.len() - usize::from(item.with_parameters));
+        let all = arguments.len();
+        let own = arguments.len() - usize::from(item.with_parameters);
         let out = self.output(result.len());
         let (returned, link) = if by_link { ("int", "unsigned int link, ") } else { ("void", "") };
         let mut forms = vec![(name.clone(), own)];

@@ -20,7 +20,9 @@ pub(super) fn print(
     printer: &Printer,
     operand: &dyn Fn(&Operand) -> String,
 ) {
-    let (n, terms, real) = (products.rows, products.terms, printer.real());
+    let n = products.rows;
+    let terms = products.terms;
+    let real = printer.real();
     let zero = literal(0.0, printer.float);
     let first = |m: usize| products.targets[m][0].first;
     let of_each = |one: &dyn Fn(usize) -> String| -> String {
@@ -45,7 +47,8 @@ pub(super) fn print(
     let _ = writeln!(text, "    {{\n{columns}{sums}        int i, j, k;");
     let over = |rows: &Range<usize>| format!("for (i = {}; i < {}; i++)", rows.start, rows.end);
     for block in &products.blocks {
-        let (Range { start, end }, is_row) = (&block.columns, over(&block.rows));
+        let Range { start, end } = &block.columns;
+        let is_row = over(&block.rows);
         let _ = writeln!(
             text,
             "        for (j = {start}; j < {end}; j++) {{\n            {is_row} {{{started} }}"

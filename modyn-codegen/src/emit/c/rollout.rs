@@ -11,7 +11,8 @@ impl Printer {
     /// Prints the function `name`, which moves a state by several time steps of the function
     /// `step`. `sizes` are the numbers of coordinates and of velocities.
     pub(super) fn rollout(&mut self, name: &str, step: &Item<'_>, [nq, nv]: [usize; 2]) {
-        let (real, state) = (self.real(), nq + nv);
+        let real = self.real();
+        let state = nq + nv;
         let others = step.arguments.iter().filter(|array| array.name != "tau");
         let (moved, shared): (Vec<Array>, Vec<Array>) =
             others.cloned().partition(|array| MOVED.contains(&&*array.name));

@@ -104,7 +104,8 @@ CASADI_SYMBOL_EXPORT casadi_real NAME_default_in(casadi_int i) { (void)i; return
 
 /// Returns the text of all functions.
 fn print(robot: &PlannedRobot<'_>) -> String {
-    let (functions, prefix) = (&robot.plan.casadi.functions, robot.prefix());
+    let functions = &robot.plan.casadi.functions;
+    let prefix = robot.prefix();
     let inputs = functions.iter().flat_map(|function| &function.inputs);
     let zeros = inputs.map(CasadiMatrix::len).max().unwrap_or(0).max(1);
     let mut printer = Printer::new(&prefix, FloatType::F64);

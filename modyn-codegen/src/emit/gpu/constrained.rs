@@ -60,7 +60,8 @@ impl ConstrainedStep<'_> {
         }
         arguments.push("settings".into());
         arguments.extend(parameters.iter().cloned());
-        let (name, len) = (&self.dynamics.name, self.dynamics.result);
+        let name = &self.dynamics.name;
+        let len = self.dynamics.result;
         let mut inner = vec![dialect.call_into("dynamics", len, name, &arguments)];
         inner.extend((0..nv).map(|j| format!("qdd[{j}] = dynamics[{j}];")));
         inner.extend((0..self.contacts).map(|c| {

@@ -21,10 +21,12 @@ pub(super) fn print(
     let lengths: Vec<usize> =
         kernel.description.arguments.iter().map(|argument| argument.len).collect();
     let last = program.chunks.len() - 1;
-    let (mut text, mut calls) = (String::new(), String::new());
+    let mut text = String::new();
+    let mut calls = String::new();
     for (k, chunk) in program.chunks.iter().enumerate() {
         let inner = k < last;
-        let (syntax, first) = (&Statements { dialect, kernel, inner }, chunk.statements.start);
+        let syntax = &Statements { dialect, kernel, inner };
+        let first = chunk.statements.start;
         let body = Body { syntax, program, lengths: &lengths, first };
         let mut lines = String::new();
         if k == 0 {

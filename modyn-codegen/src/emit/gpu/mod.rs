@@ -242,9 +242,11 @@ pub(super) use rollout::print as print_rollout;
 
 /// Returns the text of all kernels.
 fn print(robot: &PlannedRobot<'_>, language: GpuLanguage) -> String {
-    let (PlannedRobot { model, plan, options, .. }, prefix) = (*robot, robot.prefix());
+    let PlannedRobot { model, plan, options, .. } = *robot;
+    let prefix = robot.prefix();
     let dialect = dialect(language, options.scalar, Storage::Buffers, &prefix);
-    let (mut used, mut text) = (BTreeSet::new(), String::new());
+    let mut used = BTreeSet::new();
+    let mut text = String::new();
     for kernel in &kernels(plan, model, &prefix) {
         text += &function::print(&*dialect, kernel, &mut used);
     }

@@ -151,9 +151,11 @@ pub(in crate::emit) fn print(
     language: GpuLanguage,
     options: &RolloutOptions,
 ) -> RolloutSource {
-    let (PlannedRobot { model, plan, .. }, prefix) = (*robot, &*robot.prefix());
+    let PlannedRobot { model, plan, .. } = *robot;
+    let prefix = &*robot.prefix();
     let dialect = dialect(language, robot.options.scalar, Storage::Own, prefix);
-    let (mut used, mut functions) = (BTreeSet::new(), String::new());
+    let mut used = BTreeSet::new();
+    let mut functions = String::new();
     let kernels = kernels(plan, model, prefix);
     for kernel in &kernels {
         functions += &function::print(&*dialect, kernel, &mut used);
@@ -192,7 +194,8 @@ pub(in crate::emit) fn print(
         optional.into_iter().filter_map(|(buffer, has)| has.then_some(buffer)).collect();
     let shared = dialect.shared_buffers().iter().filter(|buffer| buffers.contains(buffer));
     let shared: Vec<String> = shared.map(|buffer| dialect.buffer(*buffer)).collect();
-    let (mut rollouts, mut loops) = (Vec::new(), String::new());
+    let mut rollouts = Vec::new();
+    let mut loops = String::new();
     for step in &steps {
         let name = format!("{prefix}_{}", step.rollout());
         let body = body(&*dialect, step, (sizes.nq, sizes.nv, controls), options, &shared);
@@ -209,7 +212,9 @@ pub(in crate::emit) fn print(
         let _ = write!(text, "{}\n\n", user.trim_end());
     }
     text += &loops;
-    let (prefix, nq, nv) = (prefix.into(), sizes.nq, sizes.nv);
+    let prefix = prefix.into();
+    let nq = sizes.nq;
+    let nv = sizes.nv;
     RolloutSource {
         language,
         prefix,
@@ -279,8 +284,8 @@ fn constrained_step<'a>(
         let mut all = kernels.iter().map(|kernel| &kernel.description);
         all.find(|kernel| kernel.function == function.name())
     };
-    let (dynamics, integrate) =
-        (of(Function::ConstrainedForwardDynamics)?, of(Function::Integrate)?);
+    let dynamics = of(Function::ConstrainedForwardDynamics)?;
+    let integrate = of(Function::Integrate)?;
     let contacts = plan.sizes.contacts;
     let loops = plan.sizes.constraints - contacts;
     let step = ConstrainedStep { dynamics, integrate, loops, contacts };
@@ -365,7 +370,8 @@ fn body(
             (0..3 * contacts).for_each(|j| line(format!("impulses[{j}] = next[{}];", first + j)));
         }
         Step::Constrained(step) => {
-            let (user, passed) = (arguments(&["q", "qd", "u", "step"]), passed(step.dynamics));
+            let user = arguments(&["q", "qd", "u", "step"]);
+            let passed = passed(step.dynamics);
             step.lines(dialect, (nq, nv), forces, (&user, &passed)).into_iter().for_each(&mut line);
         }
     }

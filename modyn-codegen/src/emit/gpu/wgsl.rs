@@ -220,13 +220,15 @@ impl Dialect for Wgsl {
 
     fn kernel(&self, kernel: &GpuKernel, docs: &str, body: &str) -> String {
         if self.storage == Storage::Own {
-            let (name, parameters) = (&kernel.name, parameters(kernel).join(", "));
+            let name = &kernel.name;
+            let parameters = parameters(kernel).join(", ");
             let result = format!("array<f32, {}>", kernel.result);
             return format!(
                 "{docs}fn {name}({parameters}) -> {result} {{\n    var out: {result};\n{body}    return out;\n}}\n\n"
             );
         }
-        let (name, mut buffers) = (&kernel.name, String::new());
+        let name = &kernel.name;
+        let mut buffers = String::new();
         let count = kernel.arguments.len();
         for (i, argument) in kernel.arguments.iter().enumerate() {
             let _ = writeln!(

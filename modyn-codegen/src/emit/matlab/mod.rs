@@ -129,7 +129,8 @@ impl Printer<'_> {
         let names: Vec<&str> = given.iter().map(|argument| argument.name.as_str()).collect();
         let mut parameters = names.clone();
         parameters.extend(planned.is_by_link().then_some("link"));
-        let (mut text, mut locals) = (String::new(), Locals::default());
+        let mut text = String::new();
+        let mut locals = Locals::default();
         let mut arguments: Vec<(String, usize)> =
             given.iter().map(|argument| (argument.name.clone(), argument.len)).collect();
         if planned.parameters > 0 {
@@ -310,12 +311,14 @@ impl Locals {
     fn program(&mut self, name: &str, given: &[(String, usize)], program: &Program) {
         let lengths: Vec<usize> = given.iter().map(|(_, len)| *len).collect();
         let names: Vec<&str> = given.iter().map(|(name, _)| name.as_str()).collect();
-        let (last, syntax) = (program.chunks.len() - 1, Statements { given });
+        let last = program.chunks.len() - 1;
+        let syntax = Statements { given };
         // Run-time parameters may be one column for all states.
         let states = names.first().map_or("1".into(), |name| format!("size({name}, 2)"));
         let class = names.first().map_or("'double'".into(), |name| format!("class({name})"));
         for (k, chunk) in program.chunks.iter().enumerate() {
-            let (syntax, first) = (&syntax, chunk.statements.start);
+            let syntax = &syntax;
+            let first = chunk.statements.start;
             let body = Body { syntax, program, lengths: &lengths, first };
             let with = |chunks: &[usize]| {
                 let chunks = chunks.iter().map(|k| format!("chunk{k}"));

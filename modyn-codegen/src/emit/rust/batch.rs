@@ -21,7 +21,8 @@ impl Robot<'_> {
     /// Prints everything for the batches of a quantity.
     pub(super) fn batches(&self, text: &mut String, quantity: &Quantity<'_>) {
         let Kernels::Straight { scalar: program, .. } = quantity.kernels else { return };
-        let (name, parameters) = (name(quantity), quantity.all_parameters());
+        let name = name(quantity);
+        let parameters = quantity.all_parameters();
         let inlined = format!("{name}_lanes");
         *text += &function(&inlined, &parameters, &quantity.shape, program, self.options.scalar);
         self.kernel(text, quantity);
@@ -32,13 +33,16 @@ impl Robot<'_> {
     fn kernel(&self, text: &mut String, quantity: &Quantity<'_>) {
         let float = self.options.scalar.name();
         let runtime = quantity.runtime_parameter().map_or(0, |p| p.shape.len());
-        let (inputs, outputs) = (count(quantity, BatchForm::Numbers), quantity.shape.len());
+        let inputs = count(quantity, BatchForm::Numbers);
+        let outputs = quantity.shape.len();
         let flags = match count(quantity, BatchForm::Sets) {
             0 => String::new(),
             flags => format!(", {flags}"),
         };
-        let (mut body, mut fields) = (String::new(), format!("[{float}; {runtime}]"));
-        let (mut first, mut shared) = (0, 0);
+        let mut body = String::new();
+        let mut fields = format!("[{float}; {runtime}]");
+        let mut first = 0;
+        let mut shared = 0;
         for parameter in &quantity.parameters {
             let Parameter { name, shape, .. } = parameter;
             let all = |each: &dyn Fn(usize) -> String| {
@@ -86,8 +90,10 @@ impl Robot<'_> {
     /// over slices of states. If the quantity depends on run-time parameters, each has a form with
     /// parameters.
     fn batch_functions(&self, text: &mut String, quantity: &Quantity<'_>) {
-        let (robot, float) = (self.name, self.options.scalar.name());
-        let (name, result) = (name(quantity), result_name(quantity));
+        let robot = self.name;
+        let float = self.options.scalar.name();
+        let name = name(quantity);
+        let result = result_name(quantity);
         let outputs = outputs(quantity);
         let of = |form| move |p: &&Parameter| p.batch_form() == form;
         let own = || quantity.parameters.iter().filter(of(BatchForm::Numbers));

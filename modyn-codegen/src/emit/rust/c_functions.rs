@@ -11,7 +11,9 @@ impl Robot<'_> {
     /// Prints `extern "C"` functions named `prefix_function`, for all functions that C can call.
     pub(super) fn c_functions(&self, text: &mut String, prefix: &str, quantities: &[Quantity<'_>]) {
         let upper = prefix.to_uppercase();
-        let (nq, nv, name) = (self.model.nq(), self.model.nv(), self.name);
+        let nq = self.model.nq();
+        let nv = self.model.nv();
+        let name = self.name;
         let links = self.model.frames().len();
         let _ = writeln!(
             text,
@@ -26,7 +28,8 @@ impl Robot<'_> {
     }
 
     fn c_function(&self, text: &mut String, prefix: &str, quantity: &Quantity<'_>) {
-        let (name, float) = (self.name, self.options.scalar.name());
+        let name = self.name;
+        let float = self.options.scalar.name();
         let function = quantity.name;
         let by_link = matches!(quantity.kernels, Kernels::ByLink(_));
         let scalar = matches!(quantity.shape, Shape::Scalar);

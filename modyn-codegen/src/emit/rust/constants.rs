@@ -12,14 +12,19 @@ use crate::plan::{BaseParameterTable, Constants};
 impl Robot<'_> {
     /// Prints the type's constants.
     pub(super) fn constants(&self, text: &mut String, operations: &[(&str, OperationCount)]) {
-        let (name, model) = (self.name, self.model);
-        let (nq, nv, float) = (model.nq(), model.nv(), self.options.scalar.name());
-        let (joints, link_names) = (self.joint_names(), self.link_names());
+        let name = self.name;
+        let model = self.model;
+        let nq = model.nq();
+        let nv = model.nv();
+        let float = self.options.scalar.name();
+        let joints = self.joint_names();
+        let link_names = self.link_names();
         let Constants { neutral, link_parents, inertial_parameters, base_parameters } =
             self.constants;
         let parent = |parent: &Option<usize>| format!("::core::option::Option::{parent:?}");
         let link_parents: Vec<String> = link_parents.iter().map(parent).collect();
-        let (links, link_parents) = (link_names.len(), link_parents.join(", "));
+        let links = link_names.len();
+        let link_parents = link_parents.join(", ");
         let quaternions: Vec<(&str, usize)> = model.quaternions().collect();
         let _ = writeln!(
             text,
@@ -98,7 +103,8 @@ impl Robot<'_> {
 
     /// Prints the keyframes: a constant of its name for each, and a table of all.
     fn keyframes(&self, text: &mut String) {
-        let (nq, float) = (self.model.nq(), self.options.scalar.name());
+        let nq = self.model.nq();
+        let float = self.options.scalar.name();
         let keyframes = self.model.keyframes();
         if keyframes.is_empty() {
             return;

@@ -26,7 +26,8 @@ impl Robot<'_> {
         if names.is_empty() {
             return;
         }
-        let (name, vis) = (self.name, &self.options.visibility);
+        let name = self.name;
+        let vis = &self.options.visibility;
         let fields = names::fields(&names, &[]).into_iter().zip(&names);
         let fields: Vec<String> = fields
             .map(|(field, contact)| {
@@ -51,7 +52,8 @@ impl Robot<'_> {
     /// Prints the functions of that structure.
     pub(super) fn contact_functions(&self, text: &mut String) {
         let names = self.contact_names();
-        let (count, of) = (names.len(), self.contacts_type());
+        let count = names.len();
+        let of = self.contacts_type();
         if count == 0 {
             return;
         }

@@ -19,8 +19,10 @@ impl Robot<'_> {
         parameters: &[Parameter],
         (scalars, vectors): (&Program, &Program),
     ) {
-        let (name, shape) = (quantity.name, &quantity.shape);
-        let (scalar, vectorized) = (format!("{name}_scalar"), format!("{name}_vectorized"));
+        let name = quantity.name;
+        let shape = &quantity.shape;
+        let scalar = format!("{name}_scalar");
+        let vectorized = format!("{name}_vectorized");
         *text += &function(&scalar, parameters, shape, scalars, self.options.scalar);
         *text += &function(&vectorized, parameters, shape, vectors, self.options.scalar);
         let types = vector_types(vectors);
@@ -33,7 +35,8 @@ impl Robot<'_> {
         let unpacked: Vec<String> =
             parameters.iter().map(|p| format!("    {}\n", unpacked(p))).collect();
         let ones: Vec<String> = parameters.iter().map(ones).collect();
-        let (returned, names) = (shape.type_of("T"), names.join(", "));
+        let returned = shape.type_of("T");
+        let names = names.join(", ");
         let _ = writeln!(
             text,
             "struct {kind}<'a, T> {{ {} }}\n\

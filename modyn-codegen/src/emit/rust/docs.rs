@@ -188,7 +188,8 @@ fn loops(lines: &mut String, model: &Model) {
     for (i, constraint) in model.loop_constraints().iter().enumerate() {
         let [first, second] =
             constraint.ends.each_ref().map(|end| code(&model.frames()[end.frame].name));
-        let (name, kind) = (code(&constraint.name), constraint.kind.name());
+        let name = code(&constraint.name);
+        let kind = constraint.kind.name();
         let _ = writeln!(lines, "| {i} | {name} | {kind} | {first} | {second} |");
     }
 }
@@ -204,14 +205,17 @@ fn contacts(lines: &mut String, model: &Model) {
     );
     for (i, contact) in model.contacts().iter().enumerate() {
         let link = code(&model.frames()[contact.end.frame].name);
-        let (name, kind) = (code(&contact.name), contact.kind.name());
+        let name = code(&contact.name);
+        let kind = contact.kind.name();
         let _ = writeln!(lines, "| {i} | {name} | {kind} | {link} |");
     }
 }
 
 /// Prints the options that the type was compiled with.
 fn options(lines: &mut String, robot: &Robot<'_>) {
-    let (model, options, choices) = (robot.model, robot.options, &robot.plan.choices);
+    let model = robot.model;
+    let options = robot.options;
+    let choices = &robot.plan.choices;
     let is = |functions: &[Function]| {
         functions.len() == choices.functions.len()
             && functions.iter().all(|function| choices.functions.contains(function))

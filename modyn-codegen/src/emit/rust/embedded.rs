@@ -52,7 +52,8 @@ pub fn in_any_edition(items: &str) -> String {
 /// Returns a line of Rust with `change` applied outside of strings. Strings must end on the line
 /// they start on.
 fn map_outside_strings(line: &str, change: impl Fn(&str) -> String) -> String {
-    let (mut changed, mut rest) = (String::with_capacity(line.len()), line);
+    let mut changed = String::with_capacity(line.len());
+    let mut rest = line;
     while let Some(start) = rest.find('"') {
         let mut escaped = false;
         let length = rest[start + 1..].find(|c| {
@@ -152,7 +153,8 @@ fn write_module(text: &mut String, path: &[&str]) {
     // Tests, examples and items for features are left out.
     let source = source.split("\n#[cfg(test)]\n").next().unwrap_or_default();
     let root = vec!["super"; path.len()].join("::");
-    let (indent, inner) = ("    ".repeat(path.len()), "    ".repeat(path.len() + 1));
+    let indent = "    ".repeat(path.len());
+    let inner = "    ".repeat(path.len() + 1);
     let visibility = match path {
         ["configuration" | "jacobi" | "parameters"] => "pub mod",
         [_] => "mod",

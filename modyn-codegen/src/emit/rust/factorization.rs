@@ -11,7 +11,9 @@ use crate::plan::{Argument, FactorFunction};
 impl Robot<'_> {
     /// Prints the functions of the factorization.
     pub(super) fn factorization(&self, text: &mut String) {
-        let (name, layout, float) = (self.name, &self.plan.layout, self.options.scalar);
+        let name = self.name;
+        let layout = &self.plan.layout;
+        let float = self.options.scalar;
         let n = self.model.nv();
         let vector = Shape::vector(n).type_of("T");
         let matrix = Shape::vector(n).array(n).type_of("T");

@@ -25,8 +25,10 @@ impl Robot<'_> {
         quantity: &Quantity<'_>,
         programs: &[Program],
     ) {
-        let (frames, float) = (&self.plan.frames, self.options.scalar);
-        let (name, mut parameters) = (quantity.name, quantity.all_parameters());
+        let frames = &self.plan.frames;
+        let float = self.options.scalar;
+        let name = quantity.name;
+        let mut parameters = quantity.all_parameters();
         let (own, shared) = programs.split_at(frames.links_with_own_program().count());
         for (link, program) in frames.links_with_own_program().zip(own) {
             let name = format!("{name}_{link}");
@@ -59,8 +61,10 @@ impl Robot<'_> {
         quantity: &Quantity<'_>,
         (bodies, placed): (&Program, &Program),
     ) {
-        let (frames, float) = (&self.plan.frames, self.options.scalar);
-        let (name, parameters) = (quantity.name, quantity.all_parameters());
+        let frames = &self.plan.frames;
+        let float = self.options.scalar;
+        let name = quantity.name;
+        let parameters = quantity.all_parameters();
         let shape = Shape::new(&frames.poses_of_bodies(), self.name);
         *text += &function(&format!("{name}_of_bodies"), &parameters, &shape, bodies, float);
         let pose = Shape::new(&crate::plan::Shape::pose(), self.name);
@@ -85,7 +89,8 @@ impl Robot<'_> {
 
     /// Prints the table of placements: the pose on its body of each link with a shared function.
     pub(super) fn placements(&self, text: &mut String) {
-        let (frames, float) = (&self.plan.frames, self.options.scalar);
+        let frames = &self.plan.frames;
+        let float = self.options.scalar;
         let rows = frames.placements().map(|numbers| {
             let numbers: Vec<String> = numbers.iter().map(|&x| literal(x, float)).collect();
             format!("[{}],\n", numbers.join(", "))

@@ -46,7 +46,9 @@ pub(super) fn function(
     program: &Program,
     float: FloatType,
 ) -> String {
-    let (chunk_start, places, replaced) = (Cell::new(0), OnceCell::new(), OnceCell::new());
+    let chunk_start = Cell::new(0);
+    let places = OnceCell::new();
+    let replaced = OnceCell::new();
     Printer { name, parameters, result, program, float, chunk_start, places, replaced }.function()
 }
 
@@ -249,7 +251,8 @@ impl Printer<'_> {
                     false => format!("{name}: &mut {name}"),
                 },
             ));
-            let (name, arguments) = (format!("{}_chunk{k}", self.name), arguments.join(", "));
+            let name = format!("{}_chunk{k}", self.name);
+            let arguments = arguments.join(", ");
             let (by, own) = match self.program.execution {
                 Execution::Simd => ("V", format!("{}, V", self.vector_names())),
                 _ => ("T", "T".into()),
@@ -302,7 +305,8 @@ impl Printer<'_> {
             match products.and_then(|products| products.place(i)) {
                 // The arrays are filled with zeros.
                 Some((ProductMatrix { name, rows, .. }, index)) if !is_zero(operand) => {
-                    let (column, row) = (index / rows, index % rows);
+                    let column = index / rows;
+                    let row = index % rows;
                     format!("{name}[{column}][{row}] = {};\n", self.number(operand))
                 }
                 _ => String::new(),

@@ -64,7 +64,8 @@ impl Robot<'_> {
         let fields = names::fields(&names, &[]);
         for (i, (field, name)) in fields.iter().zip(&names).enumerate() {
             let comma = if i + 1 < names.len() { "," } else { "" };
-            let (constant, name) = (field.to_uppercase(), comment(name));
+            let constant = field.to_uppercase();
+            let name = comment(name);
             let _ = writeln!(text, "    {upper}_LINK_{constant} = {i}{comma} /* {name} */");
         }
         text.push_str("};\n\n");

@@ -23,7 +23,9 @@ fn brackets(line: &str) -> (usize, isize) {
         return (0, 0);
     }
     let closing = line.chars().take_while(|c| matches!(c, ')' | ']' | '}')).count();
-    let (mut change, mut in_string, mut escaped) = (0, false, false);
+    let mut change = 0;
+    let mut in_string = false;
+    let mut escaped = false;
     for c in line.chars() {
         match c {
             _ if escaped => escaped = false,

@@ -39,7 +39,8 @@ impl Robot<'_> {
 
     /// Prints the declarations of the object's functions.
     fn declarations(&self, text: &mut String, quantities: &[Quantity<'_>], code: &MachineCode) {
-        let (float, prefix) = (self.options.scalar.name(), &code.prefix);
+        let float = self.options.scalar.name();
+        let prefix = &code.prefix;
         let declarations = quantities.iter().map(|quantity| {
             let parameters = quantity.all_parameters();
             let parameters = parameters.iter().filter(|p| !p.shape.is_empty());
@@ -115,11 +116,14 @@ impl Robot<'_> {
 
     /// Prints a private function.
     fn machine_function(&self, text: &mut String, quantity: &Quantity<'_>) {
-        let (name, float) = (quantity.name, self.options.scalar.name());
-        let (mut flat, mut pointers) = (String::new(), String::new());
+        let name = quantity.name;
+        let float = self.options.scalar.name();
+        let mut flat = String::new();
+        let mut pointers = String::new();
         let parameters = quantity.all_parameters();
         for parameter in parameters.iter().filter(|p| !p.shape.is_empty()) {
-            let (argument, len) = (parameter.name, parameter.shape.len());
+            let argument = parameter.name;
+            let len = parameter.shape.len();
             if parameter.shape.is_structured() {
                 let mut writes = String::new();
                 write_numbers(&mut writes, &parameter.shape, argument, "0", 0);
@@ -138,7 +142,8 @@ impl Robot<'_> {
             typed.push(format!("link: {}Link", self.name));
             pointers += "link as ::core::ffi::c_uint, ";
         }
-        let (returned, len) = (quantity.shape.type_of(float), quantity.shape.len());
+        let returned = quantity.shape.type_of(float);
+        let len = quantity.shape.len();
         let layouts = layouts(&quantity.shape, float);
         let _ = writeln!(
             text,
@@ -199,7 +204,8 @@ fn write_numbers(text: &mut String, shape: &Shape, value: &str, at: &str, depth:
             writeln!(text, "to[{at}..][..{n}].copy_from_slice(&{value}[..]);")
         }
         Shape::Array(of, _) => {
-            let (i, x) = (format!("i{depth}"), format!("x{depth}"));
+            let i = format!("i{depth}");
+            let x = format!("x{depth}");
             let _ = writeln!(text, "for ({i}, {x}) in {value}.iter().enumerate() {{");
             let inner = format!("{at} + {} * {i}", of.len());
             let value = if matches!(**of, Shape::Scalar) { format!("*{x}") } else { x };
@@ -251,8 +257,8 @@ fn collect_layouts(shape: &Shape, float: &str, conditions: &mut BTreeSet<String>
         Shape::Scalar => {}
         Shape::Array(of, _) => collect_layouts(of, float, conditions),
         Shape::Struct { fields, .. } => {
-            let (kind, number) =
-                (shape.type_of(float), format!("::core::mem::size_of::<{float}>()"));
+            let kind = shape.type_of(float);
+            let number = format!("::core::mem::size_of::<{float}>()");
             let len = shape.len();
             conditions.insert(format!("::core::mem::size_of::<{kind}>() == {len} * {number}"));
             let mut offset = 0;

@@ -65,13 +65,15 @@ impl Robot<'_> {
 
     /// Prints the type's own functions.
     pub(super) fn own_functions(&self, text: &mut String, quantities: &[Quantity<'_>]) {
-        let (name, float) = (self.name, self.options.scalar.name());
+        let name = self.name;
+        let float = self.options.scalar.name();
         let _ = writeln!(text, "impl {name} {{");
         for quantity in quantities {
             let function = quantity.name;
             let lines: Vec<String> =
                 quantity.docs.lines().map(|line| format!("/// {line}\n")).collect();
-            let (docs, returned) = (lines.concat(), quantity.shape.type_of(float));
+            let docs = lines.concat();
+            let returned = quantity.shape.type_of(float);
             let _ = writeln!(
                 text,
                 "{docs}#[must_use]\npub fn {function}({}) -> {returned} {{\n    {}\n}}",

@@ -62,8 +62,8 @@ impl Backend for Rust {
 /// Returns the items of a robot, and the header of its functions for C if the options request them.
 fn print(robot: &PlannedRobot<'_>) -> (String, Option<String>) {
     let PlannedRobot { model, modules, plan, .. } = *robot;
-    let (name, constants) =
-        (&*robot.options.type_name(model), &Constants::new(model, &plan.choices));
+    let name = &*robot.options.type_name(model);
+    let constants = &Constants::new(model, &plan.choices);
     let mut options = robot.options.clone();
     if options.self_contained {
         options.crate_path = format!("self::{}", embedded::MODULE);
@@ -112,7 +112,8 @@ fn print(robot: &PlannedRobot<'_>) -> (String, Option<String>) {
 /// Returns the items of a robot whose functions are in an object file.
 pub(super) fn print_for_object(robot: &PlannedRobot<'_>, code: &MachineCode) -> String {
     let PlannedRobot { model, modules, plan, options, .. } = *robot;
-    let (name, constants) = (&*options.type_name(model), &Constants::new(model, &plan.choices));
+    let name = &*options.type_name(model);
+    let constants = &Constants::new(model, &plan.choices);
     let robot = Robot { model, modules, options, plan, constants, name, code: Some(code) };
     let quantities: Vec<Quantity<'_>> =
         plan.functions.iter().map(|planned| Quantity::new(planned, name)).collect();
@@ -178,7 +179,8 @@ impl Robot<'_> {
 
     /// Prints the private functions that compute, generic over the scalar.
     fn private_functions(&self, text: &mut String, quantity: &Quantity<'_>) {
-        let (name, parameters) = (quantity.name, quantity.all_parameters());
+        let name = quantity.name;
+        let parameters = quantity.all_parameters();
         let function = |name: &str, program: &Program| {
             function(name, &parameters, &quantity.shape, program, self.options.scalar)
         };

@@ -57,7 +57,9 @@ impl Robot<'_> {
         if count == 0 {
             return;
         }
-        let (name, vis, float) = (self.name, &self.options.visibility, self.options.scalar.name());
+        let name = self.name;
+        let vis = &self.options.visibility;
+        let float = self.options.scalar.name();
         let kind = format!("{name}Params");
         let lint = names::camel_case_lint([&*kind].into_iter());
         let _ = writeln!(
@@ -76,7 +78,8 @@ impl Robot<'_> {
         if parameters.is_empty() {
             return;
         }
-        let (name, float) = (self.name, self.options.scalar.name());
+        let name = self.name;
+        let float = self.options.scalar.name();
         let described = parameters.described(self.model.gravity());
         let constants: Vec<String> = match self.options.scalar {
             FloatType::F64 => described.iter().map(|x| format!("{x:?}")).collect(),
@@ -123,7 +126,8 @@ impl Robot<'_> {
             return;
         }
         let name = self.name;
-        let (mut check, mut refused) = ("", "");
+        let mut check = "";
+        let mut refused = "";
         if let Some((entries, program)) = &self.plan.inertia_pivots {
             let parameters = [
                 Parameter::new("epsilon", Shape::vector(1)),

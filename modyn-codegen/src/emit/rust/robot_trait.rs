@@ -10,9 +10,13 @@ use super::quantity::Quantity;
 impl Robot<'_> {
     /// Prints the implementation of `Robot`.
     pub(super) fn robot_trait(&self, text: &mut String, quantities: &[Quantity<'_>]) {
-        let (name, nq, nv) = (self.name, self.model.nq(), self.model.nv());
-        let (links, constraints) = (self.model.frames().len(), self.model.constraints());
-        let (contacts, contacts_type) = (self.model.contacts().len(), self.contacts_type());
+        let name = self.name;
+        let nq = self.model.nq();
+        let nv = self.model.nv();
+        let links = self.model.frames().len();
+        let constraints = self.model.constraints();
+        let contacts = self.model.contacts().len();
+        let contacts_type = self.contacts_type();
         let names = |count: usize, name: &str| match count {
             0 => String::new(),
             _ => format!("const {name}: &'static [&'static str] = &Self::{name};\n"),

@@ -11,7 +11,8 @@ use crate::names;
 impl Robot<'_> {
     /// Prints the public types, without their functions.
     pub(super) fn types(&self, text: &mut String, quantities: &[Quantity<'_>]) {
-        let (name, vis) = (self.name, &self.options.visibility);
+        let name = self.name;
+        let vis = &self.options.visibility;
         let float = self.options.scalar.name();
         let _ = writeln!(
             text,
@@ -56,7 +57,8 @@ impl Robot<'_> {
 
     /// Prints the types of results that are the robot's own.
     fn result_types(&self, text: &mut String, quantities: &[Quantity<'_>]) {
-        let (vis, float) = (&self.options.visibility, self.options.scalar.name());
+        let vis = &self.options.visibility;
+        let float = self.options.scalar.name();
         // The path that `__modyn` stands for in the functions.
         let path = |kind: String| kind.replace("__modyn", &self.options.crate_path);
         for quantity in quantities.iter().filter(|quantity| !quantity.fields.is_empty()) {

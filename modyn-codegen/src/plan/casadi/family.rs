@@ -41,7 +41,8 @@ impl ResultMatrix {
             (0..order.len()).filter(|&row| nonzero(order[row])).collect::<Vec<usize>>()
         };
         let nonzeros = self.order.chunks(self.rows).map(column).collect();
-        let (rows, columns) = (self.rows, self.columns);
+        let rows = self.rows;
+        let columns = self.columns;
         CasadiMatrix { name: self.name.clone(), rows, columns, nonzeros }
     }
 }
@@ -49,8 +50,11 @@ impl ResultMatrix {
 impl Family {
     /// Returns the family of a function of the table.
     pub fn new(function: Function, context: &PlanContext<'_>) -> Self {
-        let (row, sizes) = (function.row(), &context.sizes);
-        let (mut inputs, mut coordinates, mut entries) = (Vec::new(), Vec::new(), 0);
+        let row = function.row();
+        let sizes = &context.sizes;
+        let mut inputs = Vec::new();
+        let mut coordinates = Vec::new();
+        let mut entries = 0;
         for argument in row.arguments {
             let (rows, columns) = size_of(&argument.shape(sizes));
             if argument.kind == ArgumentKind::Coordinates {
@@ -63,7 +67,8 @@ impl Family {
         if parameters > 0 {
             inputs.push(CasadiMatrix::dense("params", parameters, 1));
         }
-        let (mut matrices, mut first) = (Vec::new(), 0);
+        let mut matrices = Vec::new();
+        let mut first = 0;
         for (name, shape) in results(function, sizes) {
             let (rows, columns) = size_of(&shape);
             let by_rows = matches!(shape, Shape::Array(_, _, Elements::Rows));
@@ -111,7 +116,8 @@ impl Family {
 
         // CasADi gives the results to derivatives as well, which do not depend on them.
         let given = [&inputs[..], &empty("out_", &outputs)].concat();
-        let (gradient, seeds) = (renamed("adj_", inputs), renamed("adj_", &outputs));
+        let gradient = renamed("adj_", inputs);
+        let seeds = renamed("adj_", &outputs);
         let of_adjoint = [&given[..], &seeds].concat();
         // The second derivatives of all nonzeros of the gradient are a matrix, as the derivatives
         // of the results are.

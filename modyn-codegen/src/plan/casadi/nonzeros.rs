@@ -34,7 +34,8 @@ pub(super) fn matrix_blocks(
     inputs: &[CasadiMatrix],
 ) -> (Graph, Vec<CasadiMatrix>) {
     let rows: usize = results.iter().map(CasadiMatrix::len).sum();
-    let (mut outputs, mut blocks) = (Vec::new(), Vec::new());
+    let mut outputs = Vec::new();
+    let mut blocks = Vec::new();
     let mut first_row = 0;
     for result in results {
         let mut column = 0;

@@ -123,7 +123,8 @@ fn received_by(kind: &BodyKind, context: (Sweeps, usize)) -> BTreeSet<(usize, us
 impl Kind {
     /// Returns the equations of all kinds, cut.
     pub fn all(graphs: &BodyGraphs) -> Vec<Self> {
-        let (needed, context) = (received(graphs), (graphs.sweeps, graphs.parameters));
+        let needed = received(graphs);
+        let context = (graphs.sweeps, graphs.parameters);
         graphs.kinds.iter().map(|kind| Self::new(kind, context, &needed)).collect()
     }
 
@@ -219,7 +220,8 @@ struct Cut<'a> {
 impl<'a> Cut<'a> {
     fn new(kind: &'a BodyKind, context: (Sweeps, usize)) -> Self {
         let graph = &kind.graph;
-        let (mut levels, mut is_repeated) = (Vec::new(), Vec::new());
+        let mut levels = Vec::new();
+        let mut is_repeated = Vec::new();
         // Whether a node is an argument or a constant.
         let mut is_given: Vec<bool> = Vec::new();
         for node in graph.nodes() {
@@ -259,7 +261,8 @@ impl<'a> Cut<'a> {
             }
         }
         let constants = self.kind.table[0].len();
-        let (mut graph, mut reads) = (Graph::default(), Vec::new());
+        let mut graph = Graph::default();
+        let mut reads = Vec::new();
         let mut ids: Vec<Id> = vec![0; nodes.len()];
         for (id, node) in nodes.iter().enumerate().filter(|(id, _)| needed[*id]) {
             let number = match node {

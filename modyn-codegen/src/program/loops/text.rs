@@ -264,7 +264,9 @@ impl<'a> Parser<'a> {
         }
         let mut words = head.split(' ');
         let table = words.next().and_then(|table| table.parse().ok());
-        let (mut reversed, mut end, mut is_whole) = (false, None, table.is_some());
+        let mut reversed = false;
+        let mut end = None;
+        let mut is_whole = table.is_some();
         while let Some(word) = words.next() {
             match word {
                 "reversed" => reversed = true,

@@ -198,7 +198,8 @@ impl<'a, 't> Scene<'a, 't> {
             Some(text) => text.trim().parse().ok(),
             None => Some(default),
         };
-        let (stride, offset) = (number("stride", 1)?.max(3), number("offset", 0)?);
+        let stride = number("stride", 1)?.max(3);
+        let offset = number("offset", 0)?;
         let values: Vec<f64> =
             numbers(self.target(accessor, "source")?.text().unwrap_or_default())?;
         let points = values.get(offset..)?.chunks(stride);
@@ -236,7 +237,8 @@ fn local(part: Node) -> Option<Option<Transform>> {
             let [x, y, z, angle] = *values()?.first_chunk()?;
             let length = (x * x + y * y + z * z).sqrt();
             let axis = if length > 0.0 { [x, y, z].map(|part| part / length) } else { [0.0; 3] };
-            let (sin, cos) = (libm::sin(angle.to_radians()), libm::cos(angle.to_radians()));
+            let sin = libm::sin(angle.to_radians());
+            let cos = libm::cos(angle.to_radians());
             // Rodrigues' formula.
             let across =
                 [[0.0, -axis[2], axis[1]], [axis[2], 0.0, -axis[0]], [-axis[1], axis[0], 0.0]];

@@ -9,7 +9,8 @@ pub fn read(bytes: &[u8], purpose: Purpose) -> Option<Mesh> {
     // Names of materials may have any encoding.
     let text = String::from_utf8_lossy(bytes);
     let mut mesh = Mesh::default();
-    let (mut is_first, mut tests) = (true, 0);
+    let mut is_first = true;
+    let mut tests = 0;
     for line in text.lines() {
         let mut words = line.split_ascii_whitespace();
         match words.next() {
@@ -44,7 +45,8 @@ pub fn triangulate(mesh: &mut Mesh, mut face: Vec<usize>, tests: &mut usize) -> 
     if let [a, b, c, d] = face[..] {
         // In single precision, in which MuJoCo compares them.
         let between = |i: usize, k: usize| {
-            let (from, to) = (mesh.vertices.get(i)?, mesh.vertices.get(k)?);
+            let from = mesh.vertices.get(i)?;
+            let to = mesh.vertices.get(k)?;
             let along = |i: usize| to[i] as f32 - from[i] as f32;
             Some(along(0) * along(0) + along(1) * along(1) + along(2) * along(2))
         };
@@ -73,7 +75,8 @@ fn ears(vertices: &[[f64; 3]], polygon: Vec<usize>, tests: &mut usize) -> Option
     let [x, y] = projection(&points);
     let mut corners: Vec<(usize, [f32; 2])> =
         polygon.iter().zip(&points).map(|(i, point)| (*i, [point[x], point[y]])).collect();
-    let (mut triangles, mut at) = (Vec::new(), 0);
+    let mut triangles = Vec::new();
+    let mut at = 0;
     // The corners that are tried before the next ear must be found.
     let mut left = corners.len();
     while corners.len() > 3 && left > 0 {
@@ -127,7 +130,8 @@ fn projection(points: &[[f32; 3]]) -> [usize; 2] {
 /// times.
 fn is_inside(triangle: [[f32; 2]; 3], [x, y]: [f32; 2]) -> bool {
     let crossed = (0..3).filter(|&i| {
-        let ([xi, yi], [xj, yj]) = (triangle[i], triangle[(i + 2) % 3]);
+        let [xi, yi] = triangle[i];
+        let [xj, yj] = triangle[(i + 2) % 3];
         (yi > y) != (yj > y) && x < (xj - xi) * (y - yi) / (yj - yi) + xi
     });
     crossed.count() % 2 == 1

@@ -178,7 +178,8 @@ fn law(item: &Item) -> Option<Law> {
         let (_, force) = LAWS.iter().find(|(known, _)| *known == name)?;
         return Some(Law { name: format!("`<{name}>`"), force });
     }
-    let (gain, bias) = (kind(item, "gaintype", "fixed"), kind(item, "biastype", "none"));
+    let gain = kind(item, "gaintype", "fixed");
+    let bias = kind(item, "biastype", "none");
     let force = match (gain, bias) {
         ("fixed", "none") => return None,
         ("fixed", "affine") => AFFINE_BIAS,

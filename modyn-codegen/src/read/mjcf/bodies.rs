@@ -182,7 +182,8 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
             let classes = &self.models[model].classes;
             let chain = if is_body { vec![child] } else { classes.chain(child, inherited) };
             let inherited = if is_body { child.text("class").or(inherited) } else { inherited };
-            let (frame, naming) = (container.frame, container.naming.clone());
+            let frame = container.frame;
+            let naming = container.naming.clone();
             let item = Item { chain, frame, inherited, naming, model };
             match child.name.as_str() {
                 "inertial" => parts.inertials.push(item),
@@ -232,8 +233,8 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
     /// Adds copies of the elements in `<replicate>`, each displaced from the one before.
     fn replicate(&mut self, item: &Item<'e>, depth: usize, parts: &mut Parts<'e>) {
         let count = item.number("count").unwrap_or(0.0);
-        let (offset, angles) =
-            (item.numbers("offset").unwrap_or([0.0; 3]), item.numbers("euler").unwrap_or([0.0; 3]));
+        let offset = item.numbers("offset").unwrap_or([0.0; 3]);
+        let angles = item.numbers("euler").unwrap_or([0.0; 3]);
         let digits = format!("{count}").len();
         let mut position = [0.0; 3];
         for i in 0..count.clamp(0.0, MAX_ITEMS as f64) as usize {
@@ -443,7 +444,8 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
     /// Adds a joint between two links; in the drawn pose it has this coordinate.
     fn push(&mut self, joint: JointRecord, drawn: f64, parent: usize, child: usize) {
         let name = |link: usize| Some(self.description.links[link].name.clone());
-        let (parent, child) = (name(parent), name(child));
+        let parent = name(parent);
+        let child = name(child);
         self.description.joints.push(JointRecord { parent, child, ..joint });
         self.drawn.push(drawn);
     }

@@ -109,7 +109,8 @@ fn check_numbers(
 ) {
     let value = attribute.value.as_str();
     let errors = report.errors();
-    let (mut rest, mut found) = (value, 0);
+    let mut rest = value;
+    let mut found = 0;
     while let Some(word) = rest.split_ascii_whitespace().next() {
         let skipped = rest.len() - rest.trim_ascii_start().len();
         let offset = value.len() - rest.len() + skipped;
@@ -135,7 +136,8 @@ fn check_numbers(
         }
     }
     if !counts.contains(&found) && report.errors() == errors {
-        let (least, most) = (counts.start(), counts.end());
+        let least = counts.start();
+        let most = counts.end();
         let expected = if least == most { least.to_string() } else { format!("{least} to {most}") };
         let message =
             format!("the number of values of `{}` is {found}, not {expected}", attribute.name);

@@ -88,7 +88,8 @@ impl<'r, 'f> Elements<'r, 'f> {
         report: &'r mut Report<'f>,
     ) -> Option<(Element, Vec<(usize, PathBuf)>)> {
         let folder = file.folder.map(Path::to_owned);
-        let (included, folders) = (BTreeSet::new(), Vec::new());
+        let included = BTreeSet::new();
+        let folders = Vec::new();
         let mut elements = Elements { folder, included, folders, store: file.store, report };
         let root = elements.document(text, start, file, 0)?;
         Some((root, elements.folders))

@@ -241,7 +241,8 @@ fn uniform(measure: f64, [xx, yy, zz]: [f64; 3]) -> Moments {
 /// each end.
 fn capsule(radius: f64, half: f64) -> (f64, [f64; 3]) {
     let square = radius * radius;
-    let (cylinder, ball) = (2.0 * PI * square * half, 4.0 / 3.0 * PI * square * radius);
+    let cylinder = 2.0 * PI * square * half;
+    let ball = 4.0 / 3.0 * PI * square * radius;
     let volume = cylinder + ball;
     let across = (cylinder * square / 4.0 + ball * square / 5.0) / volume;
     // A hemisphere's centre of mass is 3/8 of the radius from its base.
@@ -255,13 +256,15 @@ fn shell(kind: &str, [x, y, z]: [f64; 3]) -> Moments {
     match kind {
         "sphere" => uniform(4.0 * PI * x * x, [x * x / 3.0; 3]),
         "cylinder" => {
-            let (side, disks) = (4.0 * PI * x * y, 2.0 * PI * x * x);
+            let side = 4.0 * PI * x * y;
+            let disks = 2.0 * PI * x * x;
             let area = side + disks;
             let across = (side * x * x / 2.0 + disks * x * x / 4.0) / area;
             uniform(area, [across, across, (side * y * y / 3.0 + disks * y * y) / area])
         }
         "capsule" => {
-            let (side, caps) = (4.0 * PI * x * y, 4.0 * PI * x * x);
+            let side = 4.0 * PI * x * y;
+            let caps = 4.0 * PI * x * x;
             let area = side + caps;
             let across = (side * x * x / 2.0 + caps * x * x / 3.0) / area;
             // A hemisphere's centre of mass is half of the radius from its base.
@@ -277,7 +280,8 @@ fn shell(kind: &str, [x, y, z]: [f64; 3]) -> Moments {
             let mean = (power(x * y) + power(y * z) + power(z * x)) / 3.0;
             let area = 4.0 * PI * libm::pow(mean, 1.0 / P);
             let [a, b, c] = [x, y, z].map(|half| half + THICKNESS);
-            let (inner, outer) = (x * y * z, a * b * c);
+            let inner = x * y * z;
+            let outer = a * b * c;
             let square = |inside: f64, outside: f64| {
                 (outer * outside * outside - inner * inside * inside) / (5.0 * (outer - inner))
             };

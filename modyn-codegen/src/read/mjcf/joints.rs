@@ -60,7 +60,8 @@ pub fn joint(
     model: &Model,
     report: &mut Report<'_>,
 ) -> (JointRecord, f64) {
-    let (subject, at) = (Subject::Joint(name.into()), item.element().at);
+    let subject = Subject::Joint(name.into());
+    let at = item.element().at;
     let errors = report.errors();
     let kind = if is_free(item) { "free" } else { item.text("type").unwrap_or("hinge") };
     let single = matches!(kind, "hinge" | "slide");

@@ -23,7 +23,8 @@ impl<'e> Bodies<'e, '_, '_> {
         // Those of the main model come first; a model that attaches a part of itself has them
         // again.
         let own = self.models[0].source.root.in_sections("keyframe").count();
-        let (mut taken, mut moving) = (BTreeSet::new(), Vec::new());
+        let mut taken = BTreeSet::new();
+        let mut moving = Vec::new();
         let coordinates: usize =
             self.drawn_coordinates().iter().map(|(_, values)| values.len()).sum();
         for (i, item) in items.iter().take(own).enumerate() {

@@ -44,7 +44,8 @@ pub fn read(
     shown: &str,
     report: &mut Report<'_>,
 ) -> Option<Vec<Source>> {
-    let (folder, store) = (options.folder.as_deref(), &options.files);
+    let folder = options.folder.as_deref();
+    let store = &options.files;
     let root = Elements::read(text, 0, &File { folder, shown, store }, report)?;
     let mut files = vec![(shown.to_owned(), None)];
     let mut sources = vec![source(root, folder, store)];
@@ -101,7 +102,8 @@ fn source(
     folder: Option<&Path>,
     store: &FileStore,
 ) -> Source {
-    let (folder, store) = (folder.map(Path::to_owned), store.clone());
+    let folder = folder.map(Path::to_owned);
+    let store = store.clone();
     Source { root, folder, store, models: BTreeMap::new(), folders }
 }
 

@@ -42,7 +42,8 @@ impl Bodies<'_, '_, '_> {
         let ranges: Vec<_> =
             links.iter().map(|link| link.map(|link| model.v_range(link))).collect();
         let n = model.nv();
-        let (mut tau, mut acceleration) = (vec![0.0; n], vec![0.0; n]);
+        let mut tau = vec![0.0; n];
+        let mut acceleration = vec![0.0; n];
         let still = vec![0.0; n];
         let mut robot = Interpreter::<f64>::new(model);
         for (i, range) in ranges.into_iter().enumerate() {

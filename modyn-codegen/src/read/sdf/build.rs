@@ -454,7 +454,8 @@ impl Build<'_, '_, '_> {
         if let Some(axis) = [first, second].iter().find(|axis| bounded(axis)) {
             let message = "`<lower>` and `<upper>` are not read: the joint has several coordinates";
             let help = "remove them; such a joint has velocity and effort limits only";
-            let (severity, code) = (Severity::Warning, Code::NotRead);
+            let severity = Severity::Warning;
+            let code = Code::NotRead;
             self.report.add(severity, code, axis.at, Some(subject), message, help);
         }
     }
@@ -484,7 +485,8 @@ impl Build<'_, '_, '_> {
             self.connect(JointRecord { origin, axis, second_axis, ..made }, parent, &child);
             return;
         }
-        let (name, at) = (made.name.text.clone(), made.name.at);
+        let name = made.name.text.clone();
+        let at = made.name.at;
         let between = self.names.unused(&name);
         let name_between = Located { text: between.clone(), at };
         let record = LinkRecord { auxiliary: true, ..LinkRecord::new(name_between, None) };
@@ -528,7 +530,8 @@ impl Build<'_, '_, '_> {
         if let Some(axis) = axes.clone().find(|axis| axis.dynamics != JointDynamics::default()) {
             let message = "it closes a loop, so its damping and friction do not act";
             let help = "remove them, or let another joint close the loop";
-            let (severity, code) = (Severity::Warning, Code::NotRead);
+            let severity = Severity::Warning;
+            let code = Code::NotRead;
             self.report.add(severity, code, axis.dynamics_at, Some(subject), message, help);
         }
         let kind = match joint.kind {

@@ -103,7 +103,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let Some(version) = version(root, start, self.xml.report) else { return };
         let xml = Elements { root, start, report: &mut *self.xml.report };
         let unread = std::mem::take(&mut self.unread);
-        let (world, files) = (&mut *self.world, &mut *self.files);
+        let world = &mut *self.world;
+        let files = &mut *self.files;
         let options = self.options;
         let mut reader = Reader { xml, world, files, options, version, unread };
         let models: Vec<_> = reader.xml.named(root, "model").collect();

@@ -154,7 +154,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let known =
             ["initial_position", "xyz", "use_parent_model_frame", "dynamics", "limit", "mimic"];
         self.warn_of_unknown(node, &known, subject);
-        let (mut direction, mut expressed_in) = ([0.0, 0.0, 1.0], None);
+        let mut direction = [0.0, 0.0, 1.0];
+        let mut expressed_in = None;
         if let Some(xyz) = self.xml.single(node, "xyz", subject) {
             expressed_in = self.xml.optional(xyz, "expressed_in").map(trimmed);
             let text = self.xml.content(xyz);
@@ -219,7 +220,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
             && lower > upper
         {
             let message = format!("the lower limit {lower} is above the upper limit {upper}");
-            let (at, code) = (self.xml.at(node), Code::InvertedLimits);
+            let at = self.xml.at(node);
+            let code = Code::InvertedLimits;
             self.xml.report.add(Severity::Warning, code, at, subject, message, "exchange them");
         }
         let [velocity, effort] = [velocity, effort].map(|limit| limit.filter(|&most| most >= 0.0));

@@ -145,7 +145,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
                     self.unread.add(message, (Some(self.xml.at(child)), None), help);
                 }
                 "population" => {
-                    let (message, help) = ("`<population>` is not read", "write out its models");
+                    let message = "`<population>` is not read";
+                    let help = "write out its models";
                     let at = self.xml.at(child);
                     self.xml.report.error(Code::NotRead, at, None, message, help);
                 }

@@ -162,7 +162,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
             }
         };
         if !translation.iter().all(|x| x.abs() < MAX_NUMBER) {
-            let (message, help) = ("the pose is too far away to compute with", "write it in m");
+            let message = "the pose is too far away to compute with";
+            let help = "write it in m";
             self.xml.report.error(Code::NotFinite, text.at, subject, message, help);
             return None;
         }

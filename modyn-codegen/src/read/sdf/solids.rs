@@ -34,8 +34,10 @@ pub fn solid(shape: &str, [x, y, z]: [f64; 3], density: f64) -> Option<Inertial>
 /// Returns volume and moments of a cylinder of this radius and length with a hemisphere on each
 /// end.
 fn capsule(radius: f64, length: f64) -> (f64, [f64; 3]) {
-    let (square, half) = (radius * radius, 0.5 * length);
-    let (cylinder, ball) = (PI * square * length, 4.0 / 3.0 * PI * square * radius);
+    let square = radius * radius;
+    let half = 0.5 * length;
+    let cylinder = PI * square * length;
+    let ball = 4.0 / 3.0 * PI * square * radius;
     let volume = cylinder + ball;
     let across = (cylinder * square / 4.0 + ball * square / 5.0) / volume;
     // A hemisphere's centre of mass is 3/8 of the radius from its base.

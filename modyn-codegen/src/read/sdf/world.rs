@@ -33,7 +33,8 @@ impl World {
     /// Returns a world without models, whose element is at this byte.
     pub fn new(at: usize) -> Self {
         let name = Located { text: "world".into(), at };
-        let (pose, relative_to) = (Pose::identity(), None);
+        let pose = Pose::identity();
+        let relative_to = None;
         let frame = Frame { name, scope: WORLD, kind: FrameKind::World, pose, relative_to };
         Self {
             name: None,
@@ -125,8 +126,11 @@ pub struct Scope {
 
 impl Scope {
     pub fn new(frame: usize, outer: usize, prefix: String) -> Self {
-        let (names, content) = (FxHashMap::default(), Vec::new());
-        let (placement, canonical, is_static) = (None, None, false);
+        let names = FxHashMap::default();
+        let content = Vec::new();
+        let placement = None;
+        let canonical = None;
+        let is_static = false;
         let qualification = String::new();
         Self {
             frame,

@@ -182,7 +182,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         self.xml.warn_of_unknown_attributes(node, &names, subject);
         // URDF's default for a missing bound is 0. A missing limit of velocity or effort is an
         // error for some readers and no limit for others; here it is no limit.
-        let (mut lower, mut upper) = (None, None);
+        let mut lower = None;
+        let mut upper = None;
         if matches!(joint_type, JointType::Revolute | JointType::Prismatic) {
             let mut bound = |name| match attribute(node, name) {
                 Some(_) => self.xml.number(node, name, subject),

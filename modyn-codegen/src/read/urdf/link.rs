@@ -49,7 +49,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
             subject,
         );
         let pose = self.origin(node, subject);
-        let (mut mass, mut mass_at) = (0.0, node.range().start);
+        let mut mass = 0.0;
+        let mut mass_at = node.range().start;
         if let Some(node) = self.xml.required(node, "mass", "<mass value=\"1.5\"/>", subject) {
             mass_at = node.range().start;
             self.xml.warn_of_unknown_attributes(node, &["value"], subject);

@@ -89,8 +89,9 @@ impl<'a> Reader<'a, '_, '_, '_> {
             return;
         };
         let message = "the link `world` is not described, and is taken as the world";
-        let (severity, code, help) =
-            (Severity::Warning, Code::UnknownParent, "write `<link name=\"world\"/>`");
+        let severity = Severity::Warning;
+        let code = Code::UnknownParent;
+        let help = "write `<link name=\"world\"/>`";
         self.xml.report.add(severity, code, name.at, None, message, help);
         description.links.insert(0, LinkRecord::new(name, None));
     }
@@ -98,10 +99,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
     /// Warns, once for each kind, of elements whose meaning probably differs from what the author
     /// expects.
     fn warn_of_unread_values(&mut self, description: &Description) {
-        let (message, help) = (
-            "a limit of effort or velocity is negative, and is ignored",
-            "write its magnitude, or omit the attribute if there is no limit",
-        );
+        let message = "a limit of effort or velocity is negative, and is ignored";
+        let help = "write its magnitude, or omit the attribute if there is no limit";
         self.xml.report.warn_once(Code::NegativeLimit, &self.negative_limits, message, help);
         let message = "a number of the inertia ends in white space, or numbers are separated by other white space than \
                        spaces; urdfdom, which ROS and Pinocchio use, then drops the whole inertia";

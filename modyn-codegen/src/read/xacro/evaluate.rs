@@ -63,7 +63,8 @@ impl Evaluator<'_> {
             Expression::Name(name) => self.name(name)?,
             Expression::Unary(operator, inner) => unary(operator, &self.value(inner)?)?,
             Expression::Binary(operator, left, right) => {
-                let (left, right) = (self.value(left)?, self.value(right)?);
+                let left = self.value(left)?;
+                let right = self.value(right)?;
                 self.binary(operator, &left, &right)?
             }
             Expression::Compare(first, rest) => {
@@ -96,7 +97,8 @@ impl Evaluator<'_> {
                 self.attribute(&of, name)?
             }
             Expression::Index(of, index) => {
-                let (of, index) = (self.value(of)?, self.value(index)?);
+                let of = self.value(of)?;
+                let index = self.value(index)?;
                 self.weigh(&index)?;
                 self.names.spend(functions::length(&of) / 100)?;
                 item(&of, &index)?
@@ -128,7 +130,8 @@ impl Evaluator<'_> {
             Expression::Dict(entries) => {
                 let mut found: Vec<(Value, Value)> = Vec::new();
                 for (key, value) in entries {
-                    let (key, value) = (self.value(key)?, self.value(value)?);
+                    let key = self.value(key)?;
+                    let value = self.value(value)?;
                     self.insert(&mut found, key, value)?;
                 }
                 Value::Dict(Rc::new(found))

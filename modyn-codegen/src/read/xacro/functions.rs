@@ -353,7 +353,8 @@ fn call_math(name: &str, arguments: &[Value]) -> Called {
             exact_sum(&numbers).map(Value::Float)
         }
         ("math.isclose", [a, b]) => {
-            let (a, b) = (number(a)?, number(b)?);
+            let a = number(a)?;
+            let b = number(b)?;
             let scale = a.abs().max(b.abs());
             Ok(Value::Bool(a == b || scale.is_finite() && (a - b).abs() <= 1e-9 * scale))
         }
@@ -805,7 +806,8 @@ fn formatted(value: &Value, spec: &str) -> Result<String, String> {
     let parsed = |text: &str, default: usize| {
         if text.is_empty() { Ok(default) } else { text.parse().map_err(|_| wrong()) }
     };
-    let (width, precision) = (parsed(width, 0)?, parsed(precision, 6)?);
+    let width = parsed(width, 0)?;
+    let precision = parsed(precision, 6)?;
     if width > 100 || precision > 100 {
         return Err(wrong());
     }
@@ -836,7 +838,9 @@ pub fn percent(text: &str, values: &Value) -> Called {
         Value::Tuple(values) => values.to_vec(),
         one => vec![one.clone()],
     };
-    let (mut out, mut rest, mut values) = (String::new(), text, values.iter());
+    let mut out = String::new();
+    let mut rest = text;
+    let mut values = values.iter();
     while let Some(at) = rest.find('%') {
         out += &rest[..at];
         let after = &rest[at + 1..];

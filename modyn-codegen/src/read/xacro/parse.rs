@@ -399,7 +399,8 @@ impl Parser {
     }
 
     fn arguments(&mut self) -> Result<Arguments, String> {
-        let (mut arguments, mut named) = (Vec::new(), Vec::new());
+        let mut arguments = Vec::new();
+        let mut named = Vec::new();
         while !self.take(")") {
             let is_named = matches!(self.peek(), Some(Token::Name(_)))
                 && self.tokens.get(self.at + 1) == Some(&Token::Symbol("="));

@@ -104,9 +104,10 @@ fn element(node: roxmltree::Node<'_, '_>, start: usize) -> Element {
     };
     let at = node.range().start;
     // Namespaces are declared by attributes, which the parser does not list.
-    let declared = node.namespaces().filter(|_| node == node.document().root_element());
-    let declared = declared.filter_map(|namespace| {
-        let (name, uri) = (namespace.name()?, namespace.uri());
+    let namespaces = node.namespaces().filter(|_| node == node.document().root_element());
+    let declared = namespaces.filter_map(|namespace| {
+        let name = namespace.name()?;
+        let uri = namespace.uri();
         let name = format!("xmlns:{name}");
         (name != "xmlns:xml").then(|| Attribute {
             name: name.into(),

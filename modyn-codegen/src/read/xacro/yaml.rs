@@ -164,7 +164,8 @@ impl Reader<'_> {
             let Some((key, rest)) = key_of(&line.text) else {
                 return Err((number, "expected `key: value`".into()));
             };
-            let (key, (anchor, rest)) = (key.to_owned(), anchor(rest));
+            let key = key.to_owned();
+            let (anchor, rest) = anchor(rest);
             let key = self.scalar(&key, number)?;
             let value = if rest.is_empty() {
                 self.at += 1;

@@ -145,7 +145,8 @@ impl<'a> Elements<'a, '_, '_, '_> {
             };
             let message =
                 format!("a second `<{}>`; the first is in line {line}{counts}", shown(name));
-            let (code, at) = (Code::RepeatedElement, self.at(second));
+            let code = Code::RepeatedElement;
+            let at = self.at(second);
             self.report.add(severity, code, at, subject, message, "keep one of them");
         }
         first

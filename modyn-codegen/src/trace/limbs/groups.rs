@@ -41,7 +41,8 @@ pub fn join(
 ) -> Vec<Vec<Range<usize>>> {
     let mut joined: Vec<Vec<Range<usize>>> = Vec::new();
     let fits = |one: &[Range<usize>], other: &[Range<usize>]| {
-        let (a, b) = (chain_joints(model, longest(one)), chain_joints(model, longest(other)));
+        let a = chain_joints(model, longest(one));
+        let b = chain_joints(model, longest(other));
         let (Some(a), Some(b)) = (a, b) else { return false };
         one.len() + other.len() <= limits.joined
             && a.len().abs_diff(b.len()) <= limits.missing

@@ -20,7 +20,9 @@ impl LimbPacking {
         let lanes = |numbers: &[f64]| pack(numbers.iter().map(|&x| constant(x)));
         let mut merged = model.cast();
         let new = |old: usize| self.bodies.iter().position(|body| body.of.contains(&Some(old)));
-        let (mut q, mut dofs, mut roots) = (0, Vec::new(), Vec::new());
+        let mut q = 0;
+        let mut dofs = Vec::new();
+        let mut roots = Vec::new();
         let mut bodies = Vec::with_capacity(self.bodies.len());
         for Merged { of, representative, first } in &self.bodies {
             let representative = &model.bodies[*representative];
@@ -84,7 +86,8 @@ impl LimbPacking {
             })
             .collect();
         blocks.sort_by_key(|block| block.bodies.start);
-        let (mut dofs, mut pivots) = (0, 0);
+        let mut dofs = 0;
+        let mut pivots = 0;
         for block in &mut blocks {
             let size = block.dofs.len();
             (block.dofs, block.pivot) = (dofs..dofs + size, pivots);

@@ -20,7 +20,8 @@ impl Generator<'_, Encoder> {
             };
         }
         let [a, b, c] = from;
-        let (scalar, size) = (self.lanes(value) == 1, self.size);
+        let scalar = self.lanes(value) == 1;
+        let size = self.size;
         match operation {
             Operation::MultiplyAdd { negative_product, negative_addend } if !scalar => {
                 let to = self.addend(operands, c, negative_addend, pinned);

@@ -81,7 +81,8 @@ impl Generator<'_, Encoder> {
             }
         }
         let bitwise = operation.is_bitwise();
-        let (bytes, scalar) = (self.registers.bytes(value), self.lanes(value) == 1);
+        let bytes = self.registers.bytes(value);
+        let scalar = self.lanes(value) == 1;
         let temporary = self.registers.register(a) == NONE && self.registers.dies(a);
         let first = self.force(a, &mut pinned);
         let second = match operation {
@@ -179,7 +180,8 @@ impl Generator<'_, Encoder> {
     }
 
     fn unary(&mut self, operation: Operation, value: Value, a: Value, mut pinned: u32) -> u8 {
-        let (bytes, scalar) = (self.registers.bytes(value), self.lanes(value) == 1);
+        let bytes = self.registers.bytes(value);
+        let scalar = self.lanes(value) == 1;
         let legacy = self.instruction_set == InstructionSet::Sse2;
         if operation == Operation::Broadcast && legacy {
             let from = self.force(a, &mut pinned);
@@ -227,7 +229,8 @@ impl Generator<'_, Encoder> {
         let register = self.destination(&[a], pinned);
         // The destination is in the field of the first source, and the opcode's extension is in the
         // field of the destination.
-        let (count, opcode) = ((8 * self.size - 1) as u8, shift_left(self.size));
+        let count = (8 * self.size - 1) as u8;
+        let opcode = shift_left(self.size);
         if self.instruction_set == InstructionSet::Sse2 {
             if register != from {
                 self.copy(register, from, bytes);
@@ -248,7 +251,8 @@ impl Generator<'_, Encoder> {
         signs: (bool, bool),
         mut pinned: u32,
     ) -> u8 {
-        let (bytes, scalar) = (self.registers.bytes(value), self.lanes(value) == 1);
+        let bytes = self.registers.bytes(value);
+        let scalar = self.lanes(value) == 1;
         let in_register = |this: &Self, i: usize| this.registers.register(operands[i]) != NONE;
         let equal = |i: usize, j: usize| i != j && operands[i] == operands[j];
         let has_equal = |i: usize| (0..3).any(|j| equal(i, j));

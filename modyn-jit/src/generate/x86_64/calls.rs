@@ -53,7 +53,8 @@ impl Generator<'_, Encoder> {
                 self.calls.push((self.encoder.code.len() - 4, helper));
             }
         }
-        let (arrays, frame) = (self.arrays, self.frame_base());
+        let arrays = self.arrays;
+        let frame = self.frame_base();
         point(&mut self.encoder, arrays, frame);
     }
 }

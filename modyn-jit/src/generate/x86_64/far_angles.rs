@@ -15,7 +15,8 @@ impl Generator<'_, Encoder> {
     /// Writes a jump that is taken unless all lanes of the first value are less than those of the
     /// second, and returns the position of its distance.
     pub(super) fn jump_unless_less(&mut self, [squares, limit]: [Value; 2]) -> usize {
-        let (bytes, lanes) = (self.registers.bytes(squares), self.lanes(squares));
+        let bytes = self.registers.bytes(squares);
+        let lanes = self.lanes(squares);
         let mut pinned = self.registers.pinned(&[squares, limit]);
         let first = self.force(squares, &mut pinned);
         if lanes == 1 {

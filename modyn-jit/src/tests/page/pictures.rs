@@ -45,7 +45,8 @@ fn label(node: Node, inputs: &[&str]) -> String {
 /// Returns the graph: inputs at the left, each operation right of its operands. Constants are
 /// written in the operations that read them.
 pub(super) fn graph(graph: &Graph, inputs: &[&str]) -> String {
-    let (live, nodes) = (graph.live(), graph.nodes());
+    let live = graph.live();
+    let nodes = graph.nodes();
     let is_drawn = |id: Id| live[id as usize] && !graph.is_constant(id);
     let mut level = vec![0_usize; nodes.len()];
     let mut columns: Vec<Vec<Id>> = Vec::new();
@@ -59,9 +60,11 @@ pub(super) fn graph(graph: &Graph, inputs: &[&str]) -> String {
         columns.resize(columns.len().max(level[i] + 1), Vec::new());
         columns[level[i]].push(id);
     }
-    let (step, row) = (78, 44);
+    let step = 78;
+    let row = 44;
     let rows = columns.iter().map(Vec::len).max().unwrap_or(1);
-    let (width, height) = (columns.len() * step + 70, rows * row + 40);
+    let width = columns.len() * step + 70;
+    let height = rows * row + 40;
     let mut place = vec![(0.0, 0.0); nodes.len()];
     for (x, column) in columns.iter_mut().enumerate() {
         // The mean height of the operands orders a column.
@@ -138,16 +141,20 @@ pub(super) fn graph(graph: &Graph, inputs: &[&str]) -> String {
 /// reads it, in the colour of the register where it is computed.
 pub(super) fn lives(code: &Code) -> String {
     let lives = code.lives();
-    let (left, step, row) = (64, 15, 16);
+    let left = 64;
+    let step = 15;
+    let row = 16;
     let steps = code.values.steps.len();
-    let (width, height) = (left + steps * step + 60, lives.len() * row + 60);
+    let width = left + steps * step + 60;
+    let height = lives.len() * row + 60;
     let mut text = head(width, height, "The lives of the values, and their registers");
     let _ = writeln!(
         text,
         "<text x=\"{left}\" y=\"22\">steps, from left to right; the number in a bar is the register</text>"
     );
     for (i, &(value, start, end)) in lives.iter().enumerate() {
-        let (x, y) = (left + start * step, 36 + i * row);
+        let x = left + start * step;
+        let y = 36 + i * row;
         let length = (end - start).max(1) * step;
         let register = code.register(start).expect("a step computes a value in a register");
         let _ = writeln!(
@@ -176,8 +183,11 @@ pub(super) fn pressure(code: &Code) -> String {
         alive[start..end].iter_mut().for_each(|count| *count += 1);
     }
     let most = alive.iter().max().copied().unwrap_or(1);
-    let (left, width, height) = (50.0, 860.0, 300.0);
-    let (scale_x, scale_y) = ((width - left - 20.0) / steps as f64, (height - 80.0) / most as f64);
+    let left = 50.0;
+    let width = 860.0;
+    let height = 300.0;
+    let scale_x = (width - left - 20.0) / steps as f64;
+    let scale_y = (height - 80.0) / most as f64;
     let at = |step: usize, count: usize| {
         (left + step as f64 * scale_x, height - 40.0 - count as f64 * scale_y)
     };
@@ -196,7 +206,8 @@ pub(super) fn pressure(code: &Code) -> String {
         points.join(" ")
     );
     for (count, dash) in [(0, ""), (16, " stroke-dasharray=\"5 4\""), (most, "")] {
-        let ((x, y), (end, _)) = (at(0, count), at(steps, count));
+        let (x, y) = at(0, count);
+        let (end, _) = at(steps, count);
         let _ = writeln!(
             text,
             "<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{count}</text>",

@@ -47,7 +47,8 @@ pub fn constraint_adjoint<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
         for (constraint, weights) in model.constraints.iter().zip(y) {
             let frame = constraint.contact.then(|| frames.next()).flatten();
             let in_axes = |v| frame.map_or(v, |frame| frame.to_root(v));
-            let (angular, linear) = (in_axes(weights.moment), in_axes(weights.force));
+            let angular = in_axes(weights.moment);
+            let linear = in_axes(weights.force);
             let weights = Twist { angular, linear };
             for (row, side) in constraint.rows.iter().zip(&mut sides) {
                 *side = -row.scaled_component(weights, constraint.length);

@@ -146,7 +146,8 @@ fn responses<S: Scalar, T: Factorizable<S>>(
     rows: &[usize],
     responses: &mut [S],
 ) {
-    let (layout, factors) = (limbs.layout(), &memory.factors);
+    let layout = limbs.layout();
+    let factors = &memory.factors;
     let n = layout.n();
     let trunk = |m: &usize| limbs.limb_of_module(*m).is_none();
     let modules = 0..layout.blocks().len();

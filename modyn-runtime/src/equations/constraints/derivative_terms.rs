@@ -72,7 +72,8 @@ pub(super) fn add_force<S: Scalar>(
     (force, coordinate): (&PathJoint<S>, &PathJoint<S>),
     forces: &mut [S],
 ) {
-    let (force, coordinate) = (&model.dofs[force.dof], &model.dofs[coordinate.dof]);
+    let force = &model.dofs[force.dof];
+    let coordinate = &model.dofs[coordinate.dof];
     let sum = &mut forces[coordinate.v * model.nv + force.v];
     *sum = *sum - force.scale(coordinate.scale(change));
 }

@@ -114,7 +114,8 @@ pub fn constrained_forward_dynamics_derivatives<
     let (mut own, rank) =
         equations_of_columns(tree, layout, state, settings, (workspace, memory), (qdd, wrenches));
     let DerivativeWorkspace { forces, accelerations, inverse, solution, .. } = &mut own;
-    let ([f_q, f_qd], [c_q, c_qd]) = (forces, accelerations);
+    let [f_q, f_qd] = forces;
+    let [c_q, c_qd] = accelerations;
     let ConstrainedDerivatives { dqdd_dq, dqdd_dqd, dqdd_dtau, .. } = outputs;
     let ConstrainedDerivatives { dwrenches_dq, dwrenches_dqd, dwrenches_dtau, .. } = outputs;
     let solver = Columns { tree, layout, memory, inverse };
@@ -195,7 +196,9 @@ impl<S: Scalar> ColumnMap<S> {
         outputs: ConstrainedDerivatives<'_, S>,
     ) -> Self {
         let model = tree.mechanism();
-        let (n, rows, count) = (model.nv, memory.rows, model.constraints.len());
+        let n = model.nv;
+        let rows = memory.rows;
+        let count = model.constraints.len();
         let ConstrainedDerivatives { qdd, wrenches, dqdd_dtau, dwrenches_dtau, .. } = outputs;
         let memories = (workspace, &mut *memory);
         let results = (qdd, wrenches);
@@ -264,7 +267,9 @@ impl<S: Scalar, T: Factorizable<S>> Columns<'_, S, T> {
         (dmultipliers, dqdd, dwrenches): (&mut [S], &mut [S], &mut [Wrench<S>]),
     ) {
         let Self { tree, memory, .. } = *self;
-        let (model, n, count) = (tree.mechanism(), tree.mechanism().nv, tree.column_lanes());
+        let model = tree.mechanism();
+        let n = tree.mechanism().nv;
+        let count = tree.column_lanes();
         for first in (0..n).step_by(count) {
             let columns = first..n.min(first + count);
             let pack = |entry: &dyn Fn(usize) -> S| packed(tree, columns.clone(), entry);
@@ -292,10 +297,13 @@ impl<S: Scalar, T: Factorizable<S>> Columns<'_, S, T> {
     /// Replaces a column x of F by d qdd, and computes d lambda; `change` is the column of c.
     fn solve_column(&self, x: &mut [S], change: &mut [S], multipliers: &mut [S]) {
         let Self { layout, memory, inverse, .. } = *self;
-        let (n, rows, factors) = (x.len(), memory.rows, &memory.factors);
+        let n = x.len();
+        let rows = memory.rows;
+        let factors = &memory.factors;
         let reciprocals = &factors[layout.layout().reciprocals()];
         let row = |r: usize| {
-            let (row, support) = (&memory.reduced[r * n..][..n], &memory.supports[memory.owner[r]]);
+            let row = &memory.reduced[r * n..][..n];
+            let support = &memory.supports[memory.owner[r]];
             support.entries.iter().map(|&k| (k, row[k]))
         };
         solve_upper_factor(layout, factors, x);

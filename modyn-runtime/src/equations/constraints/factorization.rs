@@ -60,7 +60,8 @@ impl<S: Scalar> RowSystem<S> {
         factorization.matrix.copy_from_slice(&self.matrix);
         let [tolerance, rounding] = self.tolerances;
         factorization.factorize(&self.scales, tolerance, rounding);
-        let (mut x, mut residuals) = (self.sides.clone(), self.sides.clone());
+        let mut x = self.sides.clone();
+        let mut residuals = self.sides.clone();
         let rows = self.blocks.iter().sum::<usize>().max(1);
         for (x, residual) in x.chunks_mut(rows).zip(residuals.chunks_mut(rows)) {
             factorization.solve(x, residual);
@@ -239,7 +240,8 @@ impl<S: Scalar> Factorization<S> {
             }
             return;
         }
-        let (rows, pivots) = (self.thresholds.len(), self.counts.pivots);
+        let rows = self.thresholds.len();
+        let pivots = self.counts.pivots;
         let count = tree.column_lanes();
         let group = |r: usize| {
             let first = r - r % count;

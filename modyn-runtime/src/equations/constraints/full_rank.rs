@@ -31,8 +31,10 @@ impl<S: Scalar> FullRank<S> {
     /// Factorizes a matrix, of which the lower triangle is stored by rows.
     pub(super) fn new(matrix: &[S], thresholds: &[S]) -> Self {
         let rows = thresholds.len();
-        let (mut factor, zeros) = (matrix.to_vec(), vec![S::zero(); rows]);
-        let (mut reciprocals, mut present) = (zeros.clone(), zeros);
+        let mut factor = matrix.to_vec();
+        let zeros = vec![S::zero(); rows];
+        let mut reciprocals = zeros.clone();
+        let mut present = zeros;
         let mut excess = -S::one();
         for k in (0..rows).filter(|&k| !matrix[place(k, k)].is_constant_zero()) {
             let is_zero = -matrix[place(k, k)];

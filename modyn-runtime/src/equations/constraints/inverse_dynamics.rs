@@ -65,7 +65,8 @@ pub fn constrained_inverse_dynamics<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
     let rows = weights.len();
     let column = |row: usize, v: usize| jacobian[row * n + v] * scale(v);
     factorization.fill(|i, j| {
-        let (i, j) = (entries[i], entries[j]);
+        let i = entries[i];
+        let j = entries[j];
         let products = (0..rows).map(|row| column(row, i) * (weights[row] * column(row, j)));
         products.reduce(|sum, x| sum + x).unwrap_or(S::zero())
     });

@@ -30,7 +30,8 @@ impl RowLanes {
         limbs: impl Iterator<Item = usize>,
     ) -> Self {
         let constraints = tree.constraint_lanes();
-        let (mut starts, mut lanes) = (Vec::new(), Vec::new());
+        let mut starts = Vec::new();
+        let mut lanes = Vec::new();
         for (constraint, limbs) in tree.mechanism().constraints.iter().zip(limbs) {
             starts.push(lanes.len());
             lanes.extend(constraint.rows.iter().map(|_| vec![None; limbs]));

@@ -108,7 +108,8 @@ impl<S: Scalar> Relative<'_, S> {
     /// Returns the derivatives of the relative motion by a joint of the second path.
     fn by_second(&self, joint: &PathJoint<S>) -> Changes<S> {
         let [first, second] = self.paths;
-        let (omega, twist) = (first.last().omega, joint.twist);
+        let omega = first.last().omega;
+        let twist = joint.twist;
         let [velocity, acceleration] = self.relative_to_first(second, joint);
         (
             [less_transport(acceleration, omega, velocity), velocity, twist],
@@ -119,7 +120,8 @@ impl<S: Scalar> Relative<'_, S> {
     /// Returns the derivatives of the relative motion by a joint of the first path.
     fn by_first(&self, joint: &PathJoint<S>) -> Changes<S> {
         let [path, second] = self.paths;
-        let (first, second) = (path.last(), second.last());
+        let first = path.last();
+        let second = second.last();
         let twist = joint.twist;
         let relative =
             Twist { angular: second.omega - first.omega, linear: second.velocity - first.velocity };
@@ -157,7 +159,8 @@ impl<S: Scalar> Relative<'_, S> {
     /// by a joint's coordinate, less the changes of the first body's motion along the displacement
     /// of that point.
     fn relative_to_first(&self, path: &Path<S>, joint: &PathJoint<S>) -> [Twist<S>; 2] {
-        let (first, moved) = (self.paths[0].last(), joint.twist.linear);
+        let first = self.paths[0].last();
+        let moved = joint.twist.linear;
         let [velocity, acceleration] = path.by_coordinate(joint);
         let field = first.alpha.cross(moved) + first.omega.cross(first.omega.cross(moved));
         [

@@ -159,7 +159,8 @@ impl<S: Scalar> ConstraintWorkspace<S> {
     /// Returns memory for `tree`, whose mass matrix is factorized with `limbs`.
     #[must_use]
     pub fn new<T: Factorizable<S>>(tree: &T, limbs: &T::Layout) -> Self {
-        let (model, layout) = (tree.mechanism(), limbs.layout());
+        let model = tree.mechanism();
+        let layout = limbs.layout();
         let constraints = || model.constraints.iter();
         let rows = constraints().map(|constraint| constraint.rows.len()).sum();
         let free: usize = constraints().map(|constraint| constraint.free.len()).sum();
@@ -258,7 +259,8 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         for (scale, &(constraint, lane)) in self.scales.iter_mut().zip(self.lanes.constraints()) {
             *scale = tree.extract_lane(self.mobilities[constraint], lane);
         }
-        let (tolerance, rounding) = (settings.tolerance, settings.rounding);
+        let tolerance = settings.tolerance;
+        let rounding = settings.rounding;
         self.factorization.factorize(&self.scales, tolerance, rounding);
     }
 
@@ -274,7 +276,8 @@ impl<S: Scalar> ConstraintWorkspace<S> {
     /// axes that are the columns of the contact's matrix.
     fn rotate_contact_rows(&mut self, model: &Mechanism<S>, axes: impl Fn(usize) -> Matrix3<S>) {
         let n = model.nv.max(1);
-        let (mut next, mut frames) = (0, self.frames.iter().enumerate());
+        let mut next = 0;
+        let mut frames = self.frames.iter().enumerate();
         for constraint in &model.constraints {
             let count = constraint.rows.len();
             if let Some((contact, frame)) = constraint.contact.then(|| frames.next()).flatten() {
@@ -331,7 +334,8 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         let reciprocals = &self.factors[limbs.layout().reciprocals()];
         let n = self.force.len().max(1);
         for (k, (b, &c)) in b.iter_mut().zip(&*owner).enumerate() {
-            let (row, rates) = (&reduced[k * n..][..n], &jacobian[k * n..][..n]);
+            let row = &reduced[k * n..][..n];
+            let rates = &jacobian[k * n..][..n];
             let entries = || supports[c].entries.iter();
             *b = entries().fold(*b, |b, &k| b - row[k] * (self.force[k] * reciprocals[k]));
             if !model.constraints[c].contact {
@@ -344,7 +348,8 @@ impl<S: Scalar> ConstraintWorkspace<S> {
     /// lambda of right-hand side `side`.
     fn respond<L: FactorLayout<S>>(&self, limbs: &L, side: usize, response: &mut [S]) {
         response.copy_from_slice(&self.force);
-        let (layout, n) = (limbs.layout(), response.len().max(1));
+        let layout = limbs.layout();
+        let n = response.len().max(1);
         let mut first = 0;
         for owned in self.owner[..self.rows].chunk_by(|a, b| a == b) {
             let rows = first..first + owned.len();
@@ -381,7 +386,8 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         components: &[S],
         mut each: impl FnMut(usize, &ConstrainedFrames<S>, Twist<S>),
     ) {
-        let (mut components, mut frames) = (components.iter().copied(), self.frames.iter());
+        let mut components = components.iter().copied();
+        let mut frames = self.frames.iter();
         for (c, constraint) in model.constraints.iter().enumerate() {
             let sum = constraint.along_rows(components.by_ref());
             let frame = constraint.contact.then(|| frames.next()).flatten();
@@ -415,7 +421,8 @@ impl<S: Scalar> ConstraintWorkspace<S> {
 impl Support {
     /// Returns the support of rows that these entries of qd move.
     fn new<S: Scalar, L: FactorLayout<S>>(limbs: &L, moving: &[bool]) -> Self {
-        let (layout, mut has) = (limbs.layout(), moving.to_vec());
+        let layout = limbs.layout();
+        let mut has = moving.to_vec();
         let mut modules = Vec::new();
         for (m, block) in layout.blocks().iter().enumerate().rev() {
             if has[block.dofs.clone()].contains(&true) {

@@ -79,7 +79,8 @@ pub(super) fn relative_fields<S: Scalar>(
     kinematic_path.clear();
     kinematic_path.extend(path(model, end, ancestor));
     kinematic_path.reverse();
-    let (mut own_axes, mut field) = (Matrix3(Pose::identity().rotation), Field::zero());
+    let mut own_axes = Matrix3(Pose::identity().rotation);
+    let mut field = Field::zero();
     for &i in &*kinematic_path {
         let body = &model.bodies[i];
         let motion = body.motion(q);
@@ -117,7 +118,9 @@ impl<S: Scalar> Path<S> {
         bodies.resize(path.len() + 1, root);
         let mut point = origin;
         for (k, &i) in path.iter().enumerate().rev() {
-            let (body, field, axes) = (&model.bodies[i], &fields[i], &workspace.axes[i]);
+            let body = &model.bodies[i];
+            let field = &fields[i];
+            let axes = &workspace.axes[i];
             bodies[k + 1].omega = axes.mul_vector(field.omega);
             bodies[k + 1].alpha = axes.mul_vector(field.alpha);
             bodies[k + 1].acceleration =
@@ -149,7 +152,8 @@ impl<S: Scalar> Path<S> {
     /// Returns the derivatives of the velocity and of the acceleration of the last body's material
     /// point with respect to a joint's coordinate. The material point moves with that coordinate.
     pub(super) fn by_coordinate(&self, joint: &PathJoint<S>) -> [Twist<S>; 2] {
-        let (front, last) = (&self.bodies[joint.body - 1], self.last());
+        let front = &self.bodies[joint.body - 1];
+        let last = self.last();
         let Twist { angular, linear } = joint.twist;
         let big = front.omega;
         let omega = last.omega - big;
@@ -157,7 +161,8 @@ impl<S: Scalar> Path<S> {
         let rotated = big.cross(velocity);
         let alpha = last.alpha - front.alpha - big.cross(omega);
         let acceleration = last.acceleration - front.acceleration - (rotated + rotated);
-        let (rotated_omega, rotated_velocity) = (angular.cross(omega), angular.cross(velocity));
+        let rotated_omega = angular.cross(omega);
+        let rotated_velocity = angular.cross(velocity);
         let coriolis = big.cross(rotated_velocity);
         let first = Twist { angular: rotated_omega, linear: big.cross(linear) + rotated_velocity };
         let second = Twist {
@@ -173,7 +178,8 @@ impl<S: Scalar> Path<S> {
     /// Returns the derivative of the acceleration of the last body's material point with respect to
     /// a joint's velocity.
     pub(super) fn by_rate(&self, joint: &PathJoint<S>) -> Twist<S> {
-        let (front, own) = (&self.bodies[joint.body - 1], &self.bodies[joint.body]);
+        let front = &self.bodies[joint.body - 1];
+        let own = &self.bodies[joint.body];
         let last = self.last();
         let Twist { angular, linear } = joint.twist;
         let behind = (last.velocity - own.velocity) + (last.velocity - front.velocity);

@@ -64,7 +64,8 @@ pub(super) fn relative_columns<S: Scalar>(
             add_columns(model, i, &seen.axes, seen.point, columns);
         })
     };
-    let ([a, b], [first, second]) = (constraint.ends, columns);
+    let [a, b] = constraint.ends;
+    let [first, second] = columns;
     RelativePose::new(&[columns_of(a, first), columns_of(b, second)])
 }
 
@@ -147,7 +148,8 @@ impl<S: Scalar> RelativeMotion<S> {
         let velocity = pose.twist(first.velocity, second.velocity);
         // The second frame's components are in axes that rotate relative to the first frame, and
         // the first frame's velocity at the second frame's origin changes as that origin moves.
-        let (omega, second_velocity) = (first.velocity.angular, pose.rotated(second.velocity));
+        let omega = first.velocity.angular;
+        let second_velocity = pose.rotated(second.velocity);
         let transport = Twist {
             angular: velocity.angular.cross(second_velocity.angular),
             linear: velocity.angular.cross(second_velocity.linear) - omega.cross(velocity.linear),

@@ -31,7 +31,8 @@ pub fn constraint_residual<S: Scalar>(
     {
         if constraint.contact {
             let frame = ContactFrame::new(model, constraint.ends[1], q, workspace, columns);
-            let (surface, target) = (constraint.holds_rotation(), &contacts[c - loops]);
+            let surface = constraint.holds_rotation();
+            let target = &contacts[c - loops];
             *displacement = frame.displacement(target, surface);
             let motion = frame.motion(model, target, surface, (columns, qd), workspace);
             *velocity = frame.twist_to_world(constraint.constrained_part(motion.velocity));

@@ -82,7 +82,8 @@ pub(super) fn constraint_rows<S: Scalar>(
         let motion = if constraint.contact {
             let first = &mut memory.columns[0];
             let frame = ContactFrame::new(model, constraint.ends[1], q, workspace, first);
-            let (surface, target) = (constraint.holds_rotation(), &contacts[c - loops]);
+            let surface = constraint.holds_rotation();
+            let target = &contacts[c - loops];
             let motion = frame.motion(model, target, surface, (&*first, qd), workspace);
             memory.frames.push(frame);
             motion
@@ -128,7 +129,9 @@ pub(super) fn mobilities<S: Scalar, T: Factorizable<S>>(
     let model = tree.mechanism();
     let n = model.nv.max(1);
     let ConstraintWorkspace { jacobian, reduced, factorization, mobilities, factors, .. } = memory;
-    let (owner, supports, lanes) = (&memory.owner, &memory.supports, &memory.lanes);
+    let owner = &memory.owner;
+    let supports = &memory.supports;
+    let lanes = &memory.lanes;
     let loops = model.constraints.len() - active.len();
     let contact = |row: usize| owner[row].checked_sub(loops);
     reduced.copy_from_slice(jacobian);
@@ -170,7 +173,8 @@ pub(super) fn mobilities<S: Scalar, T: Factorizable<S>>(
         sum(trunk(i, j).map(|k| masked(i, k) * shift(masked(j, k) * reciprocals[k])))
     };
     factorization.fill(|i, j| {
-        let ((i, a), (j, b)) = (lanes.place(i), lanes.place(j));
+        let (i, a) = lanes.place(i);
+        let (j, b) = lanes.place(j);
         match [i, j].map(|row| supports[owner[row]].limb) {
             [Some(limb), Some(other)] if limb == other && a != b => {
                 let count = limb.count();
@@ -190,10 +194,11 @@ pub(super) fn mobilities<S: Scalar, T: Factorizable<S>>(
             _ => tree.extract_lane(within(i, j), a),
         }
     });
-    let (mut row, mut free) = (0, memory.rows);
+    let mut row = 0;
+    let mut free = memory.rows;
     for (mobility, constraint) in mobilities.iter_mut().zip(&model.constraints) {
-        let (rows, free_rows) =
-            (row..row + constraint.rows.len(), free..free + constraint.free.len());
+        let rows = row..row + constraint.rows.len();
+        let free_rows = free..free + constraint.free.len();
         (row, free) = (rows.end, free_rows.end);
         *mobility = sum(rows.chain(free_rows).map(|k| entry(k, k)));
     }

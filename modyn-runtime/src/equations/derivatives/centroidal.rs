@@ -143,7 +143,8 @@ fn see_center<S: Scalar>(
 
 /// Returns a wrench on body `i` about the centre of mass, in world axes.
 fn about_center<S: Scalar>(i: usize, workspace: &Workspace<S>, wrench: Wrench<S>) -> Momentum<S> {
-    let (axes, Wrench { moment, force }) = (&workspace.axes[i], wrench);
+    let axes = &workspace.axes[i];
+    let Wrench { moment, force } = wrench;
     Momentum {
         angular: axes.mul_vector(moment - workspace.points[i].cross(force)),
         linear: axes.mul_vector(force),

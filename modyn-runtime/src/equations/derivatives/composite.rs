@@ -50,7 +50,8 @@ pub(super) fn accumulate_composites<S: Scalar, T: BodyTree<S>>(
         if body.parent.is_none() {
             continue;
         }
-        let (motion, rates) = (&workspace.motions[i], model.rates(i, qd));
+        let motion = &workspace.motions[i];
+        let rates = model.rates(i, qd);
         let composite = workspace.composite[i];
         tree.rigid_to_parents(i, motion, &composite, |parent, at_parent| {
             workspace.composite[parent] = workspace.composite[parent] + at_parent;

@@ -56,8 +56,10 @@ fn add_brackets<S: Scalar>(
     if model.bodies[i].elementary_joint.has_axis() {
         return;
     }
-    let (dofs, n) = (model.dofs_of(i), model.nv);
-    let (mut angular, mut linear) = (Vector3::zero(), Vector3::zero());
+    let dofs = model.dofs_of(i);
+    let n = model.nv;
+    let mut angular = Vector3::zero();
+    let mut linear = Vector3::zero();
     for dof in dofs {
         match dof.component.checked_sub(3) {
             None => angular.0[dof.component] = dof.rate(qd),

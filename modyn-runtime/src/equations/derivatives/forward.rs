@@ -73,7 +73,8 @@ pub fn forward_dynamics_factors<S: Scalar, T: Factorizable<S>>(
     outputs: &mut ForwardDerivatives<'_, S>,
 ) {
     let ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau } = outputs;
-    let (model, layout) = (tree.mechanism(), limbs.layout());
+    let model = tree.mechanism();
+    let layout = limbs.layout();
     let n = model.nv;
     workspace.reserve(layout.pivots(), n * n, layout.size());
     workspace.move_with_forces(tree, q, Some(qd));

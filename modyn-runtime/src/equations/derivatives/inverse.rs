@@ -66,7 +66,8 @@ pub(super) fn add_passive<S: Scalar>(
 ) {
     add_compensation_derivatives(model, workspace, dtau_dq);
     model.spring_derivatives(q, |row, column, entry| {
-        let (row, column) = (&model.dofs[row], &model.dofs[column]);
+        let row = &model.dofs[row];
+        let column = &model.dofs[column];
         let sum = &mut dtau_dq[column.v * model.nv + row.v];
         *sum = *sum + row.scale(column.scale(entry));
     });

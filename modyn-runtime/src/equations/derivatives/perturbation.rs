@@ -81,7 +81,8 @@ impl<S: Scalar> AncestorMotion<S> {
         workspace: &Workspace<S>,
     ) -> Self {
         let model = tree.mechanism();
-        let (motion, field) = (&workspace.motions[i], &workspace.fields[i]);
+        let motion = &workspace.motions[i];
+        let field = &workspace.fields[i];
         let zero = Vector3::zero();
         match model.bodies[i].elementary_joint {
             // A revolute or prismatic axis is fixed in parent and child, so the child's motion will

@@ -59,7 +59,8 @@ pub(super) fn project<S: Scalar, T: BodyTree<S>>(
 fn columns_before<S>(model: &Mechanism<S>, lanes: usize, end: usize) -> Range<usize> {
     let body = |d: usize| model.dofs[d].body;
     let follows = |d: usize| {
-        let (front, back) = (body(d - 1), body(d));
+        let front = body(d - 1);
+        let back = body(d);
         front == back || model.bodies[back].parent == Some(front)
     };
     let mut start = end - 1;
@@ -108,7 +109,8 @@ fn project_group<S: Scalar, T: BodyTree<S>>(
             let own = entries.add_own_entries(by, workspace, composite, joined);
             swept = Some(match swept {
                 Some(swept) => {
-                    let (swept, own) = (swept.numbers(), own.numbers());
+                    let swept = swept.numbers();
+                    let own = own.numbers();
                     SweepState::of(core::array::from_fn(|k| {
                         let of_group = |d| tree.extract_lane(swept[k], d - group.start);
                         let lane = |d| if d <= joined { own[k] } else { of_group(d) };
@@ -118,7 +120,8 @@ fn project_group<S: Scalar, T: BodyTree<S>>(
                 None => own,
             });
         }
-        let (body, motion) = (&model.bodies[at], &workspace.motions[at]);
+        let body = &model.bodies[at];
+        let motion = &workspace.motions[at];
         let (Some(parent), Some(whole)) = (body.parent, &swept) else { break };
         let at_parent = whole.at_parent(body, motion, workspace.relative_velocities[at]);
         swept = Some(SweepState::of(path.accumulate(at, parent, at_parent.numbers())));
@@ -164,7 +167,8 @@ impl<S: Scalar> Entries<'_, S> {
 
     /// Adds `entry` to the derivative of `row` with respect to `column`.
     fn add(&mut self, row: usize, column: usize, entry: S) {
-        let (row, column) = (&self.model.dofs[row], &self.model.dofs[column]);
+        let row = &self.model.dofs[row];
+        let column = &self.model.dofs[column];
         let sum = &mut self.columns[column.v * self.model.nv + row.v];
         *sum = *sum + row.scale(column.scale(entry));
     }
@@ -172,7 +176,8 @@ impl<S: Scalar> Entries<'_, S> {
     /// Adds `entry` to the mass matrix.
     fn add_mass(&mut self, row: usize, column: usize, entry: S) {
         let Some(mass_matrix) = self.mass_matrix.as_deref_mut() else { return };
-        let (row, column) = (&self.model.dofs[row], &self.model.dofs[column]);
+        let row = &self.model.dofs[row];
+        let column = &self.model.dofs[column];
         let sum = &mut mass_matrix[column.v * self.model.nv + row.v];
         *sum = *sum + row.scale(column.scale(entry));
     }
@@ -207,7 +212,8 @@ pub(super) struct Composite<'a, S> {
 
 impl<'a, S: Scalar> Composite<'a, S> {
     pub(super) fn new(i: usize, workspace: &'a Workspace<S>) -> Self {
-        let (inertia, velocities) = (&workspace.composite[i], &workspace.velocities[i]);
+        let inertia = &workspace.composite[i];
+        let velocities = &workspace.velocities[i];
         let omega = workspace.fields[i].omega;
         let rotational = velocities.rotational();
         Self { inertia, velocities, twice_omega: omega + omega, rotational }

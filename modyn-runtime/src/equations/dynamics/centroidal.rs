@@ -127,7 +127,8 @@ pub fn centroidal_momentum_rate<S: Scalar>(
         let motion = &workspace.motions[i];
         let parent = body.parent.map_or_else(Field::zero, |parent| workspace.fields[parent]);
         let from_parent = parent_motion_at_joint(&parent, body, motion);
-        let (rates, changes) = (model.rates(i, qd), model.rates(i, qdd));
+        let rates = model.rates(i, qd);
+        let changes = model.rates(i, qdd);
         let field = motion.accelerate(from_parent, &rates, Some(&*changes));
         workspace.fields[i] = field;
         workspace.wrenches[i] = field.wrench(&body.base_inertia);

@@ -27,7 +27,8 @@ pub fn gravity_torques<S: Scalar, T: BodyTree<S>>(
     accumulate_masses(tree, workspace, |body| body.base_inertia);
     tau.fill(S::zero());
     for i in 0..model.bodies.len() {
-        let (composite, a) = (&workspace.composite[i], workspace.twists[i].linear);
+        let composite = &workspace.composite[i];
+        let a = workspace.twists[i].linear;
         let wrench =
             Wrench { moment: composite.first_moment.cross(a), force: a.scale(composite.mass) };
         for d in model.bodies[i].dofs.clone() {

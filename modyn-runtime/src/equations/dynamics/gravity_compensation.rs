@@ -35,7 +35,8 @@ pub(in crate::equations) fn compensation_forces<S: Scalar, T: BodyTree<S>>(
     }
     accumulate(tree, workspace);
     for (d, dof) in model.dofs.iter().enumerate() {
-        let (composite, g) = (&workspace.composite[dof.body], workspace.twists[dof.body].linear);
+        let composite = &workspace.composite[dof.body];
+        let g = workspace.twists[dof.body].linear;
         let force = weight(composite, g).components()[dof.component];
         let passive = &mut workspace.passive[d];
         *passive = Some(passive.map_or(force, |passive| passive + force));
@@ -54,12 +55,14 @@ pub(in crate::equations) fn add_compensation_derivatives<S: Scalar>(
     }
     accumulate(model, workspace);
     let mut add = |row: usize, column: usize, entry: S| {
-        let (row, column) = (&model.dofs[row], &model.dofs[column]);
+        let row = &model.dofs[row];
+        let column = &model.dofs[column];
         let sum = &mut columns[column.v * model.nv + row.v];
         *sum = *sum + row.scale(column.scale(entry));
     };
     for (d, dof) in model.dofs.iter().enumerate() {
-        let (composite, g) = (workspace.composite[dof.body], workspace.twists[dof.body].linear);
+        let composite = workspace.composite[dof.body];
+        let g = workspace.twists[dof.body].linear;
         // The change of the composite's weight by the displacement, in the axes before it and about
         // the origin before it; then in the axes of the body, about its origin.
         let (mut change, own) = if let Some(k) = dof.component.checked_sub(3) {

@@ -24,7 +24,8 @@ pub fn kinetic_energy<S: Scalar>(
             .map_or_else(Twist::zero, |p| body.twist_to_child(motion, workspace.twists[p]));
         let twist = model.add_rates(i, from_parent, qd);
         workspace.twists[i] = twist;
-        let (omega, v) = (twist.angular, twist.linear);
+        let omega = twist.angular;
+        let v = twist.linear;
         let inertia = &body.base_inertia;
         // omega.I omega + 2 v.(omega x c) + m v.v
         let rotational = omega.dot(inertia.rotational().full().mul_vector(omega));

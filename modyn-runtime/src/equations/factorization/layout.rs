@@ -50,8 +50,10 @@ impl UduLayout {
     }
 
     fn with(n: usize, partition: ModulePartition, in_front: Vec<Vec<usize>>) -> Self {
-        let (mut rows, mut factors) = (Vec::new(), Vec::new());
-        let (mut coupling, mut next) = (0, partition.pivots);
+        let mut rows = Vec::new();
+        let mut factors = Vec::new();
+        let mut coupling = 0;
+        let mut next = partition.pivots;
         for (block, in_front) in partition.blocks.iter().zip(&in_front) {
             let size = block.dofs.len();
             factors.push(next);
@@ -169,7 +171,8 @@ fn coupled<S: Scalar>(
 ) -> (ModulePartition, Vec<Vec<usize>>) {
     let mut partition = ModulePartition::new(model, modules);
     let mut module_of = vec![0; model.nv];
-    let (mut next, mut pivots) = (0, 0);
+    let mut next = 0;
+    let mut pivots = 0;
     for (m, block) in partition.blocks.iter_mut().enumerate() {
         let own = model.dofs[block.dofs.clone()].iter().filter(|dof| dof.multiplier.is_none());
         block.dofs = next..next + own.count();

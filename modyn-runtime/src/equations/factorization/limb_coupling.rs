@@ -194,7 +194,8 @@ pub fn cross_limb<S: LaneScalar>(
     workspace: &Workspace<S>,
     columns: &[S],
 ) -> Vec<S> {
-    let (layout, limbs) = (&merged.layout, &merged.limbs);
+    let layout = &merged.layout;
+    let limbs = &merged.limbs;
     let u = &workspace.factors[layout.u()];
     let counts: Vec<usize> = limbs.iter().map(|limb| limb.map_or(1, |limb| limb.count)).collect();
     let most = counts.iter().copied().max().unwrap_or(1);

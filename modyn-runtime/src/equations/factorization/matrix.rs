@@ -18,7 +18,8 @@ pub fn factorize_matrix<S: Scalar, L: FactorLayout<S>>(
     let layout = limbs.layout();
     let n = layout.n();
     for (m, block) in layout.blocks().iter().enumerate().rev() {
-        let (start, size) = (block.dofs.start, block.dofs.len());
+        let start = block.dofs.start;
+        let size = block.dofs.len();
         for (row, entries) in factors[layout.d(m)].chunks_mut(size.max(1)).enumerate() {
             for (column, entry) in entries.iter_mut().enumerate() {
                 *entry = matrix[(start + column) * n + start + row];

@@ -56,6 +56,7 @@ pub(in crate::equations) fn factor<'a, S: Scalar>(
     block: &ModuleBlock,
     pivots: &'a [S],
 ) -> impl Fn(usize, usize) -> S + Copy + 'a {
-    let (start, size) = (block.pivot, block.dofs.len());
+    let start = block.pivot;
+    let size = block.dofs.len();
     move |row, column| pivots[start + row * size + column]
 }

@@ -34,9 +34,11 @@ pub(in crate::equations) fn pivot<S: Scalar, T: BodyTree<S>>(
     workspace: &mut Workspace<S>,
 ) {
     let model = tree.mechanism();
-    let (start, size) = (block.dofs.start, block.dofs.len());
+    let start = block.dofs.start;
+    let size = block.dofs.len();
     for i in block.bodies.clone().rev() {
-        let (composite, articulated) = (workspace.composite[i], workspace.articulated[i]);
+        let composite = workspace.composite[i];
+        let articulated = workspace.articulated[i];
         let whole = articulated.map(|a| a + composite.articulated());
         for d in model.bodies[i].dofs.clone() {
             let dof = &model.dofs[d];
@@ -195,7 +197,8 @@ pub(in crate::equations) fn factorize_tree<S: Scalar, T: BodyTree<S>>(
         for (j, d) in block.dofs.clone().enumerate() {
             let mut wrench =
                 Wrench::from_components(core::array::from_fn(|row| workspace.scaled_psi[row][d]));
-            let (mut at, mut path) = (first, RootwardAccumulator::new(tree));
+            let mut at = first;
+            let mut path = RootwardAccumulator::new(tree);
             for (other, row) in layout.rows(m).rev() {
                 while at != model.dofs[other].body {
                     let body = &model.bodies[at];

@@ -175,14 +175,16 @@ fn stacked_regressors(model: &Model, unit: Unit) -> Vec<Vec<f64>> {
     mechanism.gravity = unit.gravity(mechanism.gravity);
     let units = unit.of_velocities(&mechanism);
     let workspace = &mut Workspace::new(&mechanism);
-    let (nq, nv) = (model.nq(), model.nv());
+    let nq = model.nq();
+    let nv = model.nv();
     let count = PARAMETERS_PER_LINK * model.links().len();
     // Four times as many rows as columns, and for each joint four times as many states as a link
     // has parameters: the rank at random states is then the largest possible.
     let states = (4 * count).div_ceil(nv).max(4 * PARAMETERS_PER_LINK);
     let mut columns = vec![Vec::with_capacity(states * nv); count];
     let zero = Portable(0.0);
-    let (mut neutral, mut q) = (vec![zero; nq], vec![zero; nq]);
+    let mut neutral = vec![zero; nq];
+    let mut q = vec![zero; nq];
     coordinates::neutral(&mechanism, &mut neutral);
     let mut random = Random(0);
     let mut one = vec![zero; nv * count];
@@ -315,17 +317,23 @@ mod tests {
 
     #[test]
     fn torques_are_columns_times_values() {
-        let (x, y, z) = ([0.48, 0.6, 0.64], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
+        let x = [0.48, 0.6, 0.64];
+        let y = [0.0, 1.0, 0.0];
+        let z = [0.0, 0.0, 1.0];
         for axes in [[z, y], [x, y], [z, z]] {
             let model = model(axes);
             let base = BaseParameters::new(&model);
-            let (columns, values) = (base.regressor_columns(), base.values(&model));
+            let columns = base.regressor_columns();
+            let values = base.values(&model);
             assert_eq!(columns.len(), values.len());
             let mut robot = Interpreter::<f64>::new(model);
             for k in 0..3 {
                 let vector = |j: usize| [0.7, -1.1].map(|s| s * (0.4 + f64::from(k) + j as f64));
-                let (q, qd, qdd) = (vector(0), vector(1), vector(2));
-                let (mut all, mut expected) = ([0.0; 40], [0.0; 2]);
+                let q = vector(0);
+                let qd = vector(1);
+                let qdd = vector(2);
+                let mut all = [0.0; 40];
+                let mut expected = [0.0; 2];
                 robot.regressor(&q, &qd, &qdd, &mut all).expect("sizes");
                 robot.inverse_dynamics(&q, &qd, &qdd, &mut expected).expect("sizes");
                 for (row, expected) in expected.into_iter().enumerate() {

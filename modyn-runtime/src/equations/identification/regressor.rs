@@ -64,7 +64,8 @@ fn subtree_end<S>(model: &Mechanism<S>, i: usize) -> usize {
 /// Returns a body's motion at its link's origin, in the link's axes.
 fn field_in_link<S: Scalar>(body: &Body<S>, field: &Field<S>) -> Field<S> {
     let to_link = Matrix3(body.link.rotation).transposed();
-    let (omega, alpha) = (to_link.mul_vector(field.omega), to_link.mul_vector(field.alpha));
+    let omega = to_link.mul_vector(field.omega);
+    let alpha = to_link.mul_vector(field.alpha);
     let a = field.a + field.relative_acceleration(Vector3(body.link.translation));
     Field { a: to_link.mul_vector(a), ..Field::rotating(omega, alpha) }
 }
@@ -81,12 +82,15 @@ fn twist_in_link<S: Scalar>(body: &Body<S>, twist: Twist<S>) -> Twist<S> {
 /// The wrench has the force m a + E c and the moment c x a + I alpha + omega x I omega.
 fn powers<S: Scalar>(motion: &Field<S>, twist: Twist<S>) -> [S; PARAMETERS_PER_LINK] {
     let Field { omega, alpha, a, gradient, .. } = *motion;
-    let (w, v) = (twist.angular, twist.linear);
+    let w = twist.angular;
+    let v = twist.linear;
     let [cx, cy, cz] = (gradient.transposed().mul_vector(v) + a.cross(w)).0;
     // w . (omega x I omega) = (w x omega) . I omega
     let across = w.cross(omega);
     let entry = |i: usize, j: usize| w[i] * alpha[j] + across[i] * omega[j];
     let both = |i: usize, j: usize| entry(i, j) + entry(j, i);
-    let (xx, xy, xz) = (entry(0, 0), both(0, 1), both(0, 2));
+    let xx = entry(0, 0);
+    let xy = both(0, 1);
+    let xz = both(0, 2);
     [v.dot(a), cx, cy, cz, xx, xy, xz, entry(1, 1), both(1, 2), entry(2, 2)]
 }

@@ -14,10 +14,12 @@ pub(in crate::equations) fn parent_motion<S: Scalar, T: BodyTree<S>>(
     workspace: &Workspace<S>,
 ) -> ParentMotion<S> {
     let model = tree.mechanism();
-    let (body, motion) = (&model.bodies[i], &workspace.motions[i]);
+    let body = &model.bodies[i];
+    let motion = &workspace.motions[i];
     match body.parent {
         None => {
-            let (zero, a) = (Vector3::zero(), body.to_child(motion, -model.gravity));
+            let zero = Vector3::zero();
+            let a = body.to_child(motion, -model.gravity);
             ParentMotion { omega: zero, alpha: zero, a }
         }
         Some(parent) if tree.parents(i).is_none() => {
@@ -44,6 +46,7 @@ pub(in crate::equations) fn parent_motion_at_joint<S: Scalar>(
 ) -> ParentMotion<S> {
     let to_child = |v| body.to_child(motion, v);
     let a = parent.a + parent.relative_acceleration(body.placement.origin());
-    let (omega, alpha) = (to_child(parent.omega), to_child(parent.alpha));
+    let omega = to_child(parent.omega);
+    let alpha = to_child(parent.alpha);
     ParentMotion { omega, alpha, a: to_child(a) }
 }

@@ -28,7 +28,8 @@ pub fn integrate<S: Scalar>(model: &Mechanism<S>, (q, v): (&[S], &[S]), out: &mu
                 write_rotation(rotated.renormalized(), out, block.q);
             }
             CoordinateSpace::Pose => {
-                let (linear, w) = (vector(v, block.v), vector(v, block.v + 3));
+                let linear = vector(v, block.v);
+                let w = vector(v, block.v + 3);
                 let attitude = rotation(q, block.q + 3);
                 let moved = attitude.rotate(screw_translation(w, linear));
                 write_vector(vector(q, block.q) + moved, out, block.q);
@@ -51,8 +52,10 @@ pub fn move_straight<S: Scalar>(model: &Mechanism<S>, q: &[S], qd: &mut [S], dt:
                 write_rotation(rotation(q, block.q).times(turn).renormalized(), out, block.q);
             }
             CoordinateSpace::Pose => {
-                let (linear, w) = (vector(qd, block.v), vector(qd, block.v + 3));
-                let (attitude, turn) = (rotation(q, block.q + 3), Quaternion::exp(w.scale(dt)));
+                let linear = vector(qd, block.v);
+                let w = vector(qd, block.v + 3);
+                let attitude = rotation(q, block.q + 3);
+                let turn = Quaternion::exp(w.scale(dt));
                 let moved = attitude.rotate(linear.scale(dt));
                 write_vector(vector(q, block.q) + moved, out, block.q);
                 write_rotation(attitude.times(turn).renormalized(), out, block.q + 3);
@@ -307,8 +310,10 @@ fn interpolate<S: Scalar>(low: S, high: S, part: S) -> S {
 fn any_rotation<S: Scalar>(uniform: &mut dyn FnMut() -> S) -> Quaternion<S> {
     let full_turn = S::from_f64(core::f64::consts::TAU);
     let part = uniform();
-    let (near, far) = ((S::one() - part).sqrt(), part.sqrt());
-    let (first, second) = ((full_turn * uniform()).sin_cos(), (full_turn * uniform()).sin_cos());
+    let near = (S::one() - part).sqrt();
+    let far = part.sqrt();
+    let first = (full_turn * uniform()).sin_cos();
+    let second = (full_turn * uniform()).sin_cos();
     Quaternion::from_components([near * first.0, near * first.1, far * second.0, far * second.1])
 }
 

@@ -34,7 +34,8 @@ pub(in crate::equations) fn accumulate_masses<S: Scalar, T: BodyTree<S>>(
         *composite = inertia(body);
     }
     for i in (0..model.bodies.len()).rev() {
-        let (own, motion) = (workspace.composite[i], &workspace.motions[i]);
+        let own = workspace.composite[i];
+        let motion = &workspace.motions[i];
         let own = (own.mass, own.first_moment);
         tree.mass_to_parents(i, motion, own, |parent, (mass, moment)| {
             let composite = &mut workspace.composite[parent];

@@ -124,7 +124,8 @@ impl<S: Scalar> OriginMotion<S> {
 
     fn rotated(self, rotate: impl Fn(Vector3<S>) -> Vector3<S>) -> Self {
         let twist = |t: Twist<S>| Twist { angular: rotate(t.angular), linear: rotate(t.linear) };
-        let (velocity, acceleration) = (twist(self.velocity), twist(self.acceleration));
+        let velocity = twist(self.velocity);
+        let acceleration = twist(self.acceleration);
         Self { velocity, acceleration, ..self }
     }
 

@@ -31,7 +31,8 @@ pub(in crate::equations) fn compute_body_poses<S: Scalar>(
     for (i, body) in model.bodies.iter().enumerate() {
         let motion = &workspace.motions[i];
         let parent = body.parent.map_or_else(Pose::identity, |p| body_poses[p]);
-        let (axes, origin) = (Matrix3(parent.rotation), Vector3(parent.translation));
+        let axes = Matrix3(parent.rotation);
+        let origin = Vector3(parent.translation);
         let at_joint = body.placement.rotate_axes(&axes);
         let mut origin = origin + axes.mul_vector(body.placement.origin());
         if let Some(displacement) = motion.displacement() {
@@ -115,7 +116,8 @@ pub fn link_acceleration<S: Scalar>(
             let BodyFrame { body, pose } = model.frames[frame];
             kinematic_path::from_world(model, body, &mut workspace.kinematic_path);
             let field = workspace.kinematic_path.iter().fold(Field::zero(), |parent, &i| {
-                let (body, motion) = (&model.bodies[i], model.bodies[i].motion(q));
+                let body = &model.bodies[i];
+                let motion = model.bodies[i].motion(q);
                 let from_parent = parent_motion_at_joint(&parent, body, &motion);
                 motion.accelerate(from_parent, &model.rates(i, qd), Some(&model.rates(i, qdd)))
             });
@@ -148,7 +150,8 @@ pub fn link_acceleration_from_world<S: Scalar>(
         let rates = model.rates(i, qd);
         workspace.fields[i] = workspace.motions[i].accelerate(from_parent, &rates, own.as_deref());
     }
-    let (axes, field) = (&workspace.axes[last], &workspace.fields[last]);
+    let axes = &workspace.axes[last];
+    let field = &workspace.fields[last];
     let a = field.a + field.relative_acceleration(Vector3(pose.translation));
     // Gravity is an upward acceleration of the world there.
     Twist { angular: axes.mul_vector(field.alpha), linear: axes.mul_vector(a) + model.gravity }

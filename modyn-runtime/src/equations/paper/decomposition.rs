@@ -75,7 +75,8 @@ impl<S: Scalar> Decomposition<S> {
         let mut masses: Vec<Dense<S>> = (0..self.modules()).map(|i| self.mass(i)).collect();
         let mut articulated = Vec::new();
         for i in (0..self.modules()).rev() {
-            let (mass, joints) = (masses[i].clone(), self.joints(i));
+            let mass = masses[i].clone();
+            let joints = self.joints(i);
             let psi = mass.times(&joints);
             let pivot = joints.transposed().times(&psi).plus(&self.rotor_block(i));
             let pivot_inverse = pivot.symmetric_inverse();
@@ -184,7 +185,8 @@ impl<S: Scalar> Decomposition<S> {
     /// Returns N_d of all modules, (4).
     #[must_use]
     pub fn all_joints(&self) -> Dense<S> {
-        let (rows, columns) = (self.denoc.joints.rows, self.denoc.joints.columns);
+        let rows = self.denoc.joints.rows;
+        let columns = self.denoc.joints.columns;
         let mut matrix = Dense::zero(rows, columns);
         for i in 0..self.modules() {
             matrix.set_block(self.rows(i).start, self.entries(i).start, &self.joints(i));

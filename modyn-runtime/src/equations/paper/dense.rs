@@ -128,7 +128,8 @@ impl<S: Scalar> Dense<S> {
     /// Returns the inverse of a symmetric positive definite matrix.
     pub(in crate::equations) fn symmetric_inverse(&self) -> Self {
         let n = self.rows;
-        let (mut v, mut reciprocals) = (self.entries.clone(), vec![S::zero(); n]);
+        let mut v = self.entries.clone();
+        let mut reciprocals = vec![S::zero(); n];
         factor_udu(&mut v, n, &mut reciprocals);
         let factor = |row: usize, column: usize| v[row * n + column];
         let mut inverse = Self::identity(n);

@@ -86,7 +86,8 @@ impl<S: Scalar> MidpointWorkspace<S> {
     /// Computes the derivatives at the midpoint.
     fn linearize(&mut self, model: &Mechanism<S>, half: S, workspace: &mut Workspace<S>) {
         let Self { q, displacement, qd, qdd, by_q, by_qd, by_qdd, transport, .. } = self;
-        let (at, outputs) = ((&**q, &**qd, &**qdd), (&mut **by_q, &mut **by_qd, &mut **by_qdd));
+        let at = (&**q, &**qd, &**qdd);
+        let outputs = (&mut **by_q, &mut **by_qd, &mut **by_qdd);
         inverse_dynamics_derivatives_and_mass_matrix(model, at, workspace, outputs);
         let [by_start, by_displacement] = transport;
         integrate_derivatives(model, displacement, (by_start, by_displacement));
@@ -182,7 +183,8 @@ pub fn step_implicit_midpoint_derivatives<S: Scalar>(
     outputs: StepOutputs<'_, S>,
 ) {
     let StepOutputs { q: next_q, qd: next_qd, a, b } = outputs;
-    let (n, half) = (model.nv, S::from_f64(0.5) * dt);
+    let n = model.nv;
+    let half = S::from_f64(0.5) * dt;
     memory.solve(model, (q, qd, tau), half, workspace);
     memory.move_to_midpoint(model, (q, qd), half);
     memory.linearize(model, half, workspace);

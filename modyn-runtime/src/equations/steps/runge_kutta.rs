@@ -73,7 +73,8 @@ fn runge_kutta<S: Scalar>(
     let twelfth = S::from_f64(1.0 / 12.0) * dt;
     let mut half_step = |[first, last]: [&[S]; 2], from: &[S], to: &mut [S]| {
         for (i, x) in displacement.iter_mut().enumerate() {
-            let (middle, threefold) = (v2[i] + v3[i], first[i] + first[i] + first[i]);
+            let middle = v2[i] + v3[i];
+            let threefold = first[i] + first[i] + first[i];
             *x = twelfth * (threefold + (middle + middle) - last[i]);
         }
         displace(from, displacement, to);
@@ -110,7 +111,8 @@ impl<S: Scalar> RungeKuttaWorkspace<S> {
     /// Returns the memory for a mechanism.
     #[must_use]
     pub fn new(model: &Mechanism<S>) -> Self {
-        let (nq, nv) = (model.nq, model.nv);
+        let nq = model.nq;
+        let nv = model.nv;
         let columns = 3 * nv * nv;
         let vectors = || [vec![S::zero(); nq + columns], vec![S::zero(); nv + columns]];
         let matrix = |_| vec![S::zero(); nv * nv];
@@ -137,7 +139,8 @@ pub fn step_rk4_derivatives<S: Scalar>(
     outputs: StepOutputs<'_, S>,
 ) {
     let StepOutputs { q: next_q, qd: next_qd, a, b } = outputs;
-    let (nq, n) = (model.nq, model.nv);
+    let nq = model.nq;
+    let n = model.nv;
     if n == 0 {
         next_q.copy_from_slice(q);
         return;
@@ -150,7 +153,8 @@ pub fn step_rk4_derivatives<S: Scalar>(
         columns[first * n * n..].iter_mut().step_by(n + 1).take(n).for_each(|x| *x = S::one());
     }
     let displace = |from: &[S], displacement: &[S], to: &mut [S]| {
-        let ((from, by_from), (moved, by_moved)) = (from.split_at(nq), displacement.split_at(n));
+        let (from, by_from) = from.split_at(nq);
+        let (moved, by_moved) = displacement.split_at(n);
         let (to, by_to) = to.split_at_mut(nq);
         integrate(model, (from, moved), to);
         let [by_start, by_displacement] = &mut *transport;
@@ -169,7 +173,8 @@ pub fn step_rk4_derivatives<S: Scalar>(
         }
     };
     let accelerate = |q: &[S], qd: &[S], qdd: &mut [S]| {
-        let ((q, by_q), (qd, by_qd)) = (q.split_at(nq), qd.split_at(n));
+        let (q, by_q) = q.split_at(nq);
+        let (qd, by_qd) = qd.split_at(n);
         let (qdd, columns) = qdd.split_at_mut(n);
         let [dqdd_dq, dqdd_dqd, dqdd_dtau] = &mut *derivatives;
         let found = ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau };
@@ -187,11 +192,14 @@ pub fn step_rk4_derivatives<S: Scalar>(
             }
         }
     };
-    let ([start_q, start_qd], [end_q, end_qd]) = (start, next);
-    let (before, after) = ((&**start_q, &**start_qd, dt), (&mut **end_q, &mut **end_qd));
+    let [start_q, start_qd] = start;
+    let [end_q, end_qd] = next;
+    let before = (&**start_q, &**start_qd, dt);
+    let after = (&mut **end_q, &mut **end_qd);
     runge_kutta(before, stages, displace, accelerate, after);
 
-    let ((moved, by_q), (rates, by_qd)) = (end_q.split_at(nq), end_qd.split_at(n));
+    let (moved, by_q) = end_q.split_at(nq);
+    let (rates, by_qd) = end_qd.split_at(n);
     next_q.copy_from_slice(moved);
     next_qd.copy_from_slice(rates);
     let columns = a.chunks_mut(2 * n).chain(b.chunks_mut(2 * n));

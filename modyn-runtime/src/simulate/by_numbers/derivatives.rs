@@ -60,7 +60,9 @@ impl GroundRobot {
         [of_velocities, of_contacts, of_stops]: [&[T]; 3],
         gradient: StepGradient<'_, T>,
     ) {
-        let (at, rows, n) = (self.places(), 3 * self.contacts, self.velocities);
+        let at = self.places();
+        let rows = 3 * self.contacts;
+        let n = self.velocities;
         let mut solved = self.solved((q, dt, settings), (&problem, inverse), (p, s));
         let mut weights = vec![T::zero(); rows + solved.acting.len()];
         for (row, weight) in weights[..rows].iter_mut().enumerate() {
@@ -121,7 +123,8 @@ impl GroundRobot {
         }
         inverse.resize(n * n, T::zero());
         for (stop, &by) in solved.acting.iter().zip(&by_b[rows..]) {
-            let (v, impulse) = (stop.velocity, s[stop.velocity]);
+            let v = stop.velocity;
+            let impulse = s[stop.velocity];
             for (place, &by) in inverse[v * n..][..n].iter_mut().zip(&by_velocities) {
                 add(place, by * impulse);
             }
@@ -144,7 +147,9 @@ impl GroundRobot {
         changes: &StepChanges<'_, T>,
         [velocities, of_contacts, of_stops]: [&mut [T]; 3],
     ) {
-        let (at, rows, n) = (self.places(), 3 * self.contacts, self.velocities);
+        let at = self.places();
+        let rows = 3 * self.contacts;
+        let n = self.velocities;
         let directions = changes.dt.len();
         let span = |first: usize, count: usize| first * directions..(first + count) * directions;
         let of_problem = |number: usize| &changes.problem[span(number, 1)];
@@ -223,7 +228,9 @@ impl GroundRobot {
         (problem, inverse): (&impl Fn(usize) -> T, impl Fn(&mut [T])),
         (p, s): StepImpulses<'_, T>,
     ) -> Solved<T> {
-        let (at, rows, n) = (self.places(), 3 * self.contacts, self.velocities);
+        let at = self.places();
+        let rows = 3 * self.contacts;
+        let n = self.velocities;
         let acts = |stop: &&JointStop| !s[stop.velocity].abs().all_at_most(T::zero());
         let acting: Vec<JointStop> = self.stops.iter().filter(acts).copied().collect();
         let mut w = Vec::new();
@@ -233,7 +240,8 @@ impl GroundRobot {
         }
         let response = |row: usize, v: usize| problem(at.responses + row * n + v);
         let mut matrix = Vec::with_capacity(rows + acting.len());
-        let (mut b, mut impulses) = (Vec::new(), p.to_vec());
+        let mut b = Vec::new();
+        let mut impulses = p.to_vec();
         for row in 0..rows {
             let target = &settings.contacts[row / 3];
             let own = |column: usize| problem(at.mobility + row * rows + column);
@@ -266,7 +274,8 @@ impl GroundRobot {
     /// Returns the height of a contact, its speeds along the normal before the step and without
     /// impulses, and the time step.
     fn speeds<T: Decide>(&self, dt: T, contact: usize, problem: &impl Fn(usize) -> T) -> [T; 4] {
-        let (at, z) = (self.places(), 3 * contact + 2);
+        let at = self.places();
+        let z = 3 * contact + 2;
         [problem(at.heights + contact), problem(at.before + z), problem(at.free + z), dt]
     }
 

@@ -68,7 +68,9 @@ impl<F: Float, const CONTACTS: usize, const ROWS: usize, const VELOCITIES: usize
     fn run<L: Lanes<Lane = F>>(self) {
         let LaneTask { robot, ground, numbers, impulses, velocities, solved } = self.0;
         let lanes = numbers.lanes;
-        let (at, rows, n) = (robot.places(), 3 * robot.contacts, robot.velocities);
+        let at = robot.places();
+        let rows = 3 * robot.contacts;
+        let n = robot.velocities;
         let tolerance = L::splat(ground.tolerance);
         let mut first = 0;
         while first + L::LANES <= lanes {

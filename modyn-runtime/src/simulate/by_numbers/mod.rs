@@ -76,7 +76,8 @@ impl GroundRobot {
     pub fn new(model: &Model, joint_limits: bool) -> Self {
         let links = 0..if joint_limits { model.links().len() } else { 0 };
         let stop = |link: usize| {
-            let (q, v) = (model.q_range(link), model.v_range(link));
+            let q = model.q_range(link);
+            let v = model.v_range(link);
             let range = model.coordinate_range(link);
             let is_own = model.links()[link].joint.mimic.is_none() && v.len() == 1;
             let is_limited = range[0].is_finite() || range[1].is_finite();
@@ -165,7 +166,9 @@ impl GroundRobot {
         problem: impl Fn(usize) -> T,
         ((of_contacts, of_stops), velocities): ((&mut [T], &mut [T]), &mut [T]),
     ) -> (Residual<T>, Effort) {
-        let (at, rows, n) = (self.places(), 3 * self.contacts, self.velocities);
+        let at = self.places();
+        let rows = 3 * self.contacts;
+        let n = self.velocities;
         let fill = |numbers: &mut [T], first: usize, count: usize| {
             numbers[..count].iter_mut().zip(first..).for_each(|(x, i)| *x = problem(i));
         };
@@ -175,7 +178,8 @@ impl GroundRobot {
         fill(heights.as_mut(), at.heights, self.contacts);
         fill(before.as_mut(), at.before, rows);
         fill(free.as_mut(), at.free, rows);
-        let (mut mobility, mut responses) = (memory.contact_matrix(), memory.responses());
+        let mut mobility = memory.contact_matrix();
+        let mut responses = memory.responses();
         for row in 0..rows {
             fill(mobility.as_mut()[row].as_mut(), at.mobility + row * rows, rows);
             fill(responses.as_mut()[row].as_mut(), at.responses + row * n, n);

@@ -142,7 +142,8 @@ fn steps_in_lanes_are_those_of_single_states() {
         let all: Vec<Vec<f64>> = cases.iter().map(of).collect();
         (0..all[0].len() * LANES).map(|k| all[k % LANES][k / LANES]).collect()
     };
-    let (mut p, mut qd) = (vec![0.0; ROWS * LANES], vec![0.0; N * LANES]);
+    let mut p = vec![0.0; ROWS * LANES];
+    let mut qd = vec![0.0; N * LANES];
     let mut solved = [None; LANES];
     let numbers = StepLanes {
         lanes: LANES,
@@ -177,7 +178,8 @@ fn steps_in_lanes_are_those_of_single_states() {
 
 #[test]
 fn derivatives_are_those_of_differences() {
-    let (mut acted, mut stopped) = (0, 0);
+    let mut acted = 0;
+    let mut stopped = 0;
     for seed in 0..40 {
         let case = Case::new(seed, seed % 2 == 0);
         let mut random = Random(seed + 1000);
@@ -198,10 +200,12 @@ fn derivatives_are_those_of_differences() {
         let found = case.solve(DT);
         let at = |by: f64| case.moved(by, &along).solve(by.mul_add(1e-4, DT));
         let difference = |step: f64| -> Vec<f64> {
-            let (ahead, back) = (at(step).concat(), at(-step).concat());
+            let ahead = at(step).concat();
+            let back = at(-step).concat();
             ahead.iter().zip(back).map(|(a, b)| (a - b) / (2.0 * step)).collect()
         };
-        let (fine, coarse) = (difference(1e-6), difference(4e-6));
+        let fine = difference(1e-6);
+        let coarse = difference(4e-6);
         // Where two laws meet, there are two derivatives.
         if fine.iter().zip(&coarse).any(|(a, b)| (a - b).abs() > 1e-4 * (1.0 + a.abs())) {
             continue;
@@ -239,7 +243,8 @@ fn derivatives_are_those_of_differences() {
         }
         let [mut of_q, mut of_settings, mut of_problem] =
             [N, along.settings.len(), along.problem.len()].map(|count| vec![0.0; count]);
-        let (mut of_inverse, mut of_dt) = (Vec::new(), 0.0);
+        let mut of_inverse = Vec::new();
+        let mut of_dt = 0.0;
         let gradient = StepGradient {
             problem: &mut of_problem,
             inverse: &mut of_inverse,
@@ -342,7 +347,8 @@ fn nan_stays_in_its_lane() {
         (0..all[0].len() * LANES).map(|k| all[k % LANES][k / LANES]).collect()
     };
     let solve = |settings: &[f64]| {
-        let (mut p, mut qd) = (vec![0.0; ROWS * LANES], vec![0.0; N * LANES]);
+        let mut p = vec![0.0; ROWS * LANES];
+        let mut qd = vec![0.0; N * LANES];
         let mut solved = [None; LANES];
         let numbers = StepLanes {
             lanes: LANES,

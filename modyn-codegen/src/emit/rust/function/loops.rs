@@ -86,7 +86,8 @@ impl Printer<'_> {
             let _ = writeln!(text, "    let mut array{array} = [{row}; {rows}];");
         }
         for stored in &loops.stored {
-            let (entry, value) = (entry(loops, &stored.entry), self.operand(&stored.value));
+            let entry = entry(loops, &stored.entry);
+            let value = self.operand(&stored.value);
             let _ = writeln!(text, "    {entry} = {value};");
         }
         self.steps(&mut text, loops, &loops.steps, 0);
@@ -114,8 +115,8 @@ impl Printer<'_> {
     }
 
     fn iterations(&self, text: &mut String, loops: &Loops, inner: &Loop, depth: usize) {
-        let (name, order) =
-            (self.table_name(inner.table), if inner.reversed { ".rev()" } else { "" });
+        let name = self.table_name(inner.table);
+        let order = if inner.reversed { ".rev()" } else { "" };
         let table = &self.program.tables[inner.table];
         let _ = match table.is_empty() {
             true => writeln!(text, "    for _ in 0..{} {{", table.rows.len()),
@@ -157,13 +158,15 @@ impl Printer<'_> {
                 (0..windows.0.len()).map(|k| format!("Some(window{k})")).collect();
             let values: Vec<String> =
                 windows.0.iter().map(|window| self.found(window, "")).collect();
-            let (names, values) = (names.join(", "), values.join(", "));
+            let names = names.join(", ");
+            let values = values.join(", ");
             let _ = writeln!(text, "    let ({names},) = ({values},) else {{ break }};");
         }
         let has_constants = self.program.routines[call.routine].constants > 0;
         let constants =
             if has_constants { format!("constants{}, ", depth - 1) } else { String::new() };
-        let (routine, reads) = (self.routine_name(call.routine), reads.join(", "));
+        let routine = self.routine_name(call.routine);
+        let reads = reads.join(", ");
         let _ = writeln!(text, "    let results = {routine}({constants}&[{reads}]);");
         let mut windows = Windows::default();
         let mut stores: Vec<String> = Vec::new();
@@ -217,7 +220,8 @@ impl Printer<'_> {
     /// Returns the text that finds a window; `kind` ends the names of the functions for that.
     fn found(&self, window: &Window, kind: &str) -> String {
         let Window { array, row, length } = window;
-        let (start, t) = (place_name(*row), self.kind(1));
+        let start = place_name(*row);
+        let t = self.kind(1);
         match length {
             None => format!("{array}.get{kind}({start})"),
             Some(length) => format!(

@@ -39,7 +39,8 @@ impl Printer<'_> {
 
     /// Returns the text of an operation on this number of lanes.
     pub(super) fn operation(&self, operation: &Operation, lanes: u8) -> String {
-        let (t, kind) = (|operand| self.operand(operand), self.kind(lanes));
+        let t = |operand| self.operand(operand);
+        let kind = self.kind(lanes);
         let call = |function: &str, operands: &[Operand]| {
             format!("{kind}::{function}({})", self.all(operands))
         };
@@ -58,7 +59,8 @@ impl Printer<'_> {
                     Addend::Value(addend) => t(addend),
                     Addend::Product(a, b) => format!("{} * {}", t(a), t(b)),
                 };
-                let (product, sum) = (sign(negative_product), sign(negative_addend));
+                let product = sign(negative_product);
+                let sum = sign(negative_addend);
                 format!("{kind}::mul_add({product}{}, {}, {sum}{addend})", t(a), t(b))
             }
             Operation::Reciprocal(a) => call("recip", &[*a]),

@@ -37,7 +37,8 @@ impl Printer<'_> {
                 let columns = all.clone().map(|(m, _)| format!("&b{m}[column]")).collect();
                 let sums: Vec<String> = all.map(|(m, _)| format!("product{m}")).collect();
                 for sum in &sums {
-                    let (zero, rows) = (self.zero(), products.rows);
+                    let zero = self.zero();
+                    let rows = products.rows;
                     let _ = writeln!(text, "    let mut {sum} = [{zero}; {rows}];");
                 }
                 ("a".into(), columns, sums)
@@ -144,7 +145,8 @@ impl Printer<'_> {
 /// Prints the sums of a block's rows, some at a time. The last ones may be among those before them.
 fn rows(text: &mut String, block: &ProductBlock, (a, products): (&str, &[String])) {
     let Range { start, end } = block.rows;
-    let (count, at_a_time) = (products.len(), (end - start).min(ROW_LANES));
+    let count = products.len();
+    let at_a_time = (end - start).min(ROW_LANES);
     let last = end - at_a_time;
     let _ = writeln!(
         text,

@@ -142,7 +142,8 @@ fn visible_from(
     tolerance: f64,
 ) -> (Vec<usize>, Vec<(usize, usize, usize)>) {
     facets[at].is_removed = true;
-    let (mut visible, mut horizon) = (vec![at], Vec::new());
+    let mut visible = vec![at];
+    let mut horizon = Vec::new();
     // A walk around the facets in depth-first order, so that the edges follow each other: the
     // facet, and its edges to cross.
     let mut path = vec![(at, 0, 3)];
@@ -155,7 +156,8 @@ fn visible_from(
         if facets[beyond].is_removed {
             continue;
         }
-        let (from, to) = (facets[facet].corners[edge], facets[facet].corners[(edge + 1) % 3]);
+        let from = facets[facet].corners[edge];
+        let to = facets[facet].corners[(edge + 1) % 3];
         if facets[beyond].distance(point) > tolerance {
             facets[beyond].is_removed = true;
             visible.push(beyond);

@@ -151,7 +151,8 @@ pub fn principal_axes(mut matrix: [[f64; 3]; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
             for row in matrix.iter_mut().chain(&mut axes) {
                 (row[i], row[j]) = (cos * row[i] - sin * row[j], sin * row[i] + cos * row[j]);
             }
-            let (above, below) = (matrix[i], matrix[j]);
+            let above = matrix[i];
+            let below = matrix[j];
             matrix[i] = core::array::from_fn(|k| cos * above[k] - sin * below[k]);
             matrix[j] = core::array::from_fn(|k| sin * above[k] + cos * below[k]);
         }
