@@ -70,7 +70,8 @@ pub use equations::Forces;
 pub use interpreter::{
     ConstrainedDerivatives, ConstrainedHessianOutputs, ContactProblemOutputs, ContactStepOutputs,
     DecompositionError, ForwardDerivatives, FrameError, HessianOutputs, InertialError, Interpreter,
-    ModuleMismatch, ShapeError, StepHessianOutputs, StepOutputs, UduFactorization, UpdateError,
+    ModuleMismatch, ShapeError, StepHessianOutputs, StepOutputs, StepSolutionOutputs,
+    UduFactorization, UpdateError,
 };
 
 #[cfg(feature = "nalgebra")]

@@ -1,21 +1,23 @@
 //! Steps with soft constraints against MuJoCo: see the reference data's README.
 
+use modyn_codegen::plan::{Choices, Plan};
+use modyn_codegen::program::Execution;
 use modyn_codegen::{Base, ReadOptions, read};
-use modyn_runtime::Interpreter;
 use modyn_runtime::equations::soft_constraints::{
-    Cone, ContactParameters, JointParameters, SoftParameters, SoftStep, Softness, StepInput,
+    Cone, Impedance, JointParameters, SoftModel, Softness, StepInput,
 };
 use modyn_runtime::model::{
-    Contact, ContactKind, Friction, JointDynamics, LoopConstraintEnd, Model,
+    Contact, ContactKind, Friction, JointDynamics, LoopConstraintEnd, Model, ModuleTree,
 };
+use modyn_runtime::quantities::Function;
 use modyn_runtime::spatial::{Matrix3, Pose, Vector3};
+use modyn_runtime::{ContactSurface, Interpreter, StepSettings, StepSolutionOutputs};
+use modyn_tests::arguments::{arguments, interpreted};
+use modyn_tests::random::{general_zoo, state};
 use serde_json::Value;
 
 /// Of the largest velocity; the rest is MuJoCo's own tolerance.
 const TOLERANCE: f64 = 1e-8;
-
-/// The largest mismatch of forces, N.
-const RESIDUAL: f64 = 1e-8;
 
 fn numbers(value: &Value) -> Vec<f64> {
     let values = value.as_array().expect("a list");
@@ -62,7 +64,8 @@ fn robot(file: &Value) -> Model {
         .expect("a robot")
 }
 
-fn parameters(file: &Value, cone: Cone) -> SoftParameters<f64> {
+/// Returns the surface of each contact.
+fn surfaces(file: &Value) -> Vec<ContactSurface<f64>> {
     let rows = list(&file["floor"]["rotation"]).iter().map(numbers);
     let normal = Vector3(rows.map(|row| row[2]).collect::<Vec<f64>>().try_into().expect("three"));
     // The first tangent, in the edges of a pyramid, is the y axis within the plane.
@@ -74,14 +77,16 @@ fn parameters(file: &Value, cone: Cone) -> SoftParameters<f64> {
         rotation: Matrix3::from_columns(|k| axes[k]).0,
         translation: numbers(&file["floor"]["translation"]).try_into().expect("three"),
     };
-    let contact = |contact: &Value| ContactParameters {
+    let surface = |contact: &Value| ContactSurface {
         plane,
         radius: number(&file["radius"]),
         friction: number(&contact["friction"]),
-        margin: 0.0,
-        mobility: number(&contact["mobility"]),
-        softness: Softness::standard(),
+        ..ContactSurface::<f64>::GROUND
     };
+    list(&file["contacts"]).iter().map(surface).collect()
+}
+
+fn soft_model(file: &Value, cone: Cone) -> SoftModel<f64> {
     let [dry_friction, mobility] = ["dry_friction", "mobility"].map(|name| numbers(&file[name]));
     let joint = |(k, range): (usize, &Value)| JointParameters {
         coordinate: 7 + k,
@@ -93,50 +98,142 @@ fn parameters(file: &Value, cone: Cone) -> SoftParameters<f64> {
         friction: Softness::standard(),
     };
     let joints = list(&file["range"]).iter().enumerate().map(joint).map(Some);
-    SoftParameters {
-        tolerance: RESIDUAL,
+    let contacts = list(&file["contacts"]).iter();
+    SoftModel {
         cone,
-        ratio: number(&file["ratio"]),
-        contacts: list(&file["contacts"]).iter().map(contact).collect(),
+        weight: 1.0,
+        mobilities: contacts.map(|contact| number(&contact["mobility"])).collect(),
         joints: [None; 6].into_iter().chain(joints).collect(),
     }
 }
 
-#[test]
-fn steps_are_those_of_mujoco() {
+fn data() -> Value {
     let path = format!("{}/golden/soft_steps.json", env!("CARGO_MANIFEST_DIR"));
     let data = std::fs::read_to_string(path).expect("the reference data");
-    let data: Value = serde_json::from_str(&data).expect("good");
-    let (mut compared, mut touching, mut most) = (0, 0, 0);
-    for file in list(&data) {
-        let mut interpreter = Interpreter::<f64>::new(robot(file));
+    serde_json::from_str(&data).expect("good")
+}
+
+#[test]
+fn steps_are_those_of_mujoco() {
+    let (mut compared, mut touching, mut most) = (0, 0, 0.0_f64);
+    for file in list(&data()) {
+        let model = robot(file);
+        let mut interpreter = Interpreter::<f64>::new(model.clone());
+        let contacts = surfaces(file);
         for state in list(&file["states"]) {
             let cone = match text(&state["cone"]) {
                 "pyramidal" => Cone::Pyramidal,
                 _ => Cone::Elliptic,
             };
+            interpreter.set_soft_model(soft_model(file, cone));
+            let settings = StepSettings {
+                tolerance: 1e-12,
+                impratio: number(&file["ratio"]),
+                contacts: &*contacts,
+            };
             let [q, qd, tau] = ["q", "qd", "tau"].map(|name| numbers(&state[name]));
             let tau = [&[0.0; 6][..], &tau].concat();
-            let warm = vec![0.0; qd.len()];
+            let warm_start = vec![0.0; qd.len()];
             let dt = number(&file["step"]);
-            let input = StepInput { q: &q, qd: &qd, tau: &tau, warm: &warm, dt };
-            let parameters = parameters(file, cone);
-            let step = interpreter.soft_step(input, &parameters).expect("lengths");
-            let SoftStep { solution, residual, iterations } = step.expect("no mimic joints");
-            let [next_q, next_qd] = ["next_q", "next_qd"].map(|name| numbers(&state[name]));
-            let largest = next_qd.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
-            assert!(residual <= RESIDUAL, "{iterations}: {residual}");
+            let input = StepInput { q: &q, qd: &qd, tau: &tau, warm_start: &warm_start, dt };
+            let mut found = [vec![0.0; q.len()], vec![0.0; qd.len()]];
+            let mut qdd = warm_start.clone();
+            let mut forces = vec![0.0; 3 * contacts.len()];
+            let [mut residual, mut iterations] = [0.0; 2];
+            let [next_q, next_qd] = &mut found;
+            let outputs = StepSolutionOutputs {
+                q: next_q,
+                qd: next_qd,
+                qdd: &mut qdd,
+                forces: &mut forces,
+                residual: &mut residual,
+                iterations: &mut iterations,
+            };
+            interpreter.step(input, &settings, outputs).expect("lengths");
+            assert!(residual <= settings.tolerance, "{iterations}: {residual}");
+            let expected = ["next_q", "next_qd"].map(|name| numbers(&state[name]));
+            let largest = expected[1].iter().fold(1.0, |most: f64, x| most.max(x.abs()));
             let what = format!("{} {compared}, {} contacts", file["robot"], state["contacts"]);
-            for (found, expected) in
-                solution.qd.iter().zip(&next_qd).chain(solution.q.iter().zip(&next_q))
-            {
+            for (found, expected) in found.concat().iter().zip(expected.concat()) {
                 let error = (found - expected).abs() / largest;
                 assert!(error <= TOLERANCE, "{what}, {cone:?}: {found} {expected}, {error:e}");
             }
             compared += 1;
-            touching += solution.forces.iter().filter(|force| force[0] > 0.0).count();
-            most = most.max(iterations as usize);
+            touching += forces.chunks(3).filter(|force| force[2] > 0.0).count();
+            most = most.max(iterations);
         }
     }
-    assert!(compared == 32 && touching > 30 && most < 20, "{compared} {touching} {most}");
+    assert!(compared == 32 && touching > 30 && most < 20.0, "{compared} {touching} {most}");
+}
+
+/// The mobilities of the interpreter are MuJoCo's, for robots whose neutral configuration is MuJoCo's reference.
+#[test]
+fn mobilities_are_those_of_mujoco() {
+    for file in list(&data()) {
+        let expected = soft_model(file, Cone::Elliptic);
+        let found = Interpreter::<f64>::new(robot(file)).soft_model(Cone::Elliptic);
+        let joints = |model: &SoftModel<f64>| -> Vec<f64> {
+            model.joints.iter().flatten().map(|joint| joint.mobility).collect()
+        };
+        let pairs = [
+            (expected.mobilities.clone(), found.mobilities.clone()),
+            (joints(&expected), joints(&found)),
+        ];
+        for (expected, found) in pairs {
+            assert_eq!(expected.len(), found.len());
+            for (a, b) in expected.iter().zip(&found) {
+                assert!((a - b).abs() <= 1e-9 * a, "{}: {a} {b}", file["robot"]);
+            }
+        }
+    }
+}
+
+/// Returns a random mechanism of many joint types, some of them mimic joints, with up to four contacts.
+fn touching(seed: u64) -> Model {
+    let model = general_zoo(seed, 1 + seed as usize % 4);
+    let moving = (0..model.frames().len()).filter(|&frame| model.frames()[frame].link.is_some());
+    let contact = |frame| Contact {
+        name: format!("contact{frame}"),
+        kind: ContactKind::Point,
+        end: LoopConstraintEnd { frame, pose: Pose::identity() },
+    };
+    let contacts = moving.take(4).map(contact).collect();
+    model.with_contacts(contacts).expect("links that move")
+}
+
+#[test]
+fn programs_compute_the_steps_of_the_interpreter() {
+    let mut iterations = 0.0;
+    for seed in 0..40 {
+        let model = touching(seed);
+        let choices = Choices { functions: vec![Function::Step], ..Choices::default() };
+        let modules = ModuleTree::chains(&model);
+        let plan = Plan::new(&model, &modules, &choices, Execution::Scalar);
+        let plan = plan.unwrap_or_else(|_| panic!("the robot is small"));
+        let mut robot = Interpreter::<f64>::new(model.clone());
+        for k in 0..5 {
+            let given = arguments(Function::Step, &model, &state(100 * seed + k, &model));
+            let expected = interpreted(&mut robot, Function::Step, &given);
+            let found = plan.functions[0].evaluate(&plan.frames, 0, &given.concat());
+            let largest = expected.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
+            for (found, expected) in found.iter().zip(&expected) {
+                let error = (found - expected).abs();
+                assert!(error <= 1e-9 * largest, "{seed} {k}: {found} {expected}");
+            }
+            iterations += expected[expected.len() - 1];
+        }
+    }
+    assert!(iterations > 300.0, "{iterations}: the solver iterates");
+}
+
+/// Values of MuJoCo's `getimpedance`, by its documentation's formula.
+#[test]
+fn impedances_have_borders() {
+    let standard = Impedance::<f64>::standard();
+    assert_eq!(standard.at(0.0), 0.9);
+    assert_eq!(standard.at(-0.001), 0.95);
+    assert_eq!(standard.at(0.0005), 0.925);
+    // No width: the mean. No power: a line.
+    assert!((Impedance { width: 0.0, ..standard }.at(0.3) - 0.925).abs() < 1e-15);
+    assert!((Impedance { power: 0, ..standard }.at(0.00025) - 0.9125).abs() < 1e-15);
 }

@@ -30,7 +30,7 @@ pub struct SoftModel<S> {
 pub struct JointParameters<S> {
     /// The entry of q.
     pub coordinate: usize,
-    /// The least and the largest coordinate, rad or m.
+    /// The least and the largest coordinate, rad or m; farther from each other than twice the margin.
     pub range: [Option<S>; 2],
     /// The distance from which on a limit acts, rad or m.
     pub margin: S,
@@ -84,7 +84,8 @@ pub(super) struct BodyState<S> {
 pub(super) struct JointRow<S> {
     /// The degree of freedom, which is also the entry of qd.
     pub dof: usize,
-    /// The sign of the row: 1 for the lower limit and for friction, -1 for the upper limit.
+    /// The sign of the row: 1 for the lower limit and for friction, -1 for the upper limit, whichever
+    /// limit is nearer.
     pub sign: S,
     pub weight: S,
     pub reference: S,
@@ -217,7 +218,19 @@ pub(super) fn joint_rows<S: Scalar>(
         let JointParameters { range: [low, high], margin, mobility, .. } = *parameters;
         let coordinate = input.q[parameters.coordinate];
         let velocity = input.qd[dof];
-        let mut limit = |sign: S, distance: S| {
+        let one = S::one();
+        let [below, above] = [low.map(|low| coordinate - low), high.map(|high| high - coordinate)];
+        // Only the nearer limit can be violated.
+        let nearer = match (below, above) {
+            (Some(below), Some(above)) => Some((
+                (above - below).select_nonnegative(one, -one),
+                (above - below).select_nonnegative(below, above),
+            )),
+            (Some(below), None) => Some((one, below)),
+            (None, Some(above)) => Some((-one, above)),
+            (None, None) => None,
+        };
+        if let Some((sign, distance)) = nearer {
             let position = distance - margin;
             let state = RowState { position, velocity: sign * velocity, mobility };
             let row = parameters.limit.row(&state, input.dt);
@@ -228,12 +241,6 @@ pub(super) fn joint_rows<S: Scalar>(
                 reference: position.select_nonnegative(S::zero(), row.reference),
                 most: None,
             });
-        };
-        if let Some(low) = low {
-            limit(S::one(), coordinate - low);
-        }
-        if let Some(high) = high {
-            limit(-S::one(), high - coordinate);
         }
         if let Some(most) = parameters.dry_friction {
             let state = RowState { position: S::zero(), velocity, mobility };
