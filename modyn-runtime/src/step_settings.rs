@@ -142,5 +142,5 @@ macro_rules! defaults {
     };
 }
 
-defaults!(f64, 1e-10);
+defaults!(f64, 1e-8);
 defaults!(f32, 1e-4);

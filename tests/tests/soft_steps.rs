@@ -212,7 +212,8 @@ fn programs_compute_the_steps_of_the_interpreter() {
         let plan = plan.unwrap_or_else(|_| panic!("the robot is small"));
         let mut robot = Interpreter::<f64>::new(model.clone());
         for k in 0..5 {
-            let given = arguments(Function::Step, &model, &state(100 * seed + k, &model));
+            let mut given = arguments(Function::Step, &model, &state(100 * seed + k, &model));
+            set(&mut given, TOLERANCE_OF_FORCES, 1e-12);
             let expected = interpreted(&mut robot, Function::Step, &given);
             let found = plan.functions[0].evaluate(&plan.frames, 0, &given.concat());
             let largest = expected.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
@@ -224,6 +225,46 @@ fn programs_compute_the_steps_of_the_interpreter() {
         }
     }
     assert!(iterations > 300.0, "{iterations}: the solver iterates");
+}
+
+/// The places of settings, and of numbers of a surface.
+const TOLERANCE_OF_FORCES: usize = 0;
+const IMPRATIO: usize = 1;
+const FRICTION: usize = 13;
+const LEAST_IMPEDANCE: usize = 17;
+const LARGEST_IMPEDANCE: usize = 18;
+
+fn set(given: &mut [Vec<f64>], setting: usize, number: f64) {
+    given.last_mut().expect("the settings are last")[setting] = number;
+}
+
+fn set_surfaces(given: &mut [Vec<f64>], place: usize, number: f64) {
+    let settings = given.last_mut().expect("the settings are last");
+    for surface in settings[2..].chunks_mut(ContactSurface::<f64>::COUNT) {
+        surface[place] = number;
+    }
+}
+
+/// Nearly rigid contacts, with friction a hundred times stiffer: the solver starts again with soft laws.
+#[test]
+fn stiff_laws_are_solved() {
+    let mut most = 0.0_f64;
+    for seed in 0..150 {
+        let model = touching(seed);
+        let mut robot = Interpreter::<f64>::new(model.clone());
+        for k in 0..4 {
+            let mut given = arguments(Function::Step, &model, &state(1000 * seed + k, &model));
+            set(&mut given, IMPRATIO, 100.0);
+            set_surfaces(&mut given, FRICTION, 0.3);
+            set_surfaces(&mut given, LEAST_IMPEDANCE, 0.999);
+            set_surfaces(&mut given, LARGEST_IMPEDANCE, 0.999);
+            let found = interpreted(&mut robot, Function::Step, &given);
+            let [residual, iterations] = [found[found.len() - 2], found[found.len() - 1]];
+            assert!(residual <= 1e-8, "{seed} {k}: {residual:e} after {iterations}");
+            most = most.max(iterations);
+        }
+    }
+    assert!((13.0..40.0).contains(&most), "{most}");
 }
 
 /// Values of MuJoCo's `getimpedance`, by its documentation's formula.

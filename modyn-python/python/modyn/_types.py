@@ -143,13 +143,13 @@ class StepSettings:
     """the surface of each contact, in the order of `contact_names`"""
     tolerance: float | None = None
     """the largest mismatch between the forces and their laws at which the solver ends, divided by the sum of the robot's weight and
-    the largest force; by default 1e-10, and 1e-4 in single precision"""
+    the largest force; by default 1e-8, and 1e-4 in single precision"""
     impratio: float = 1.0
     """how many times stiffer friction is than the normal direction"""
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
         wanted = np.dtype(dtype)
-        tolerance = 1e-4 if wanted == np.float32 else 1e-10
+        tolerance = 1e-4 if wanted == np.float32 else 1e-8
         tolerance = tolerance if self.tolerance is None else self.tolerance
         numbers = np.array([tolerance, self.impratio])
         return np.concatenate([numbers, *(np.asarray(contact) for contact in self.contacts)]).astype(wanted)
