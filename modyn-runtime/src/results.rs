@@ -293,20 +293,20 @@ pub struct ContactStep<Q, V, P, T> {
 
 /// The state after a step with contacts, the forces in it, and how its solver ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StepSolution<Q, V, P, T> {
+pub struct StepSolution<Q, V, A, P, R, I> {
     /// The coordinates after the step.
     pub q: Q,
     /// The velocities after the step, rad/s or m/s.
     pub qd: V,
     /// The accelerations in the step, from which the next step starts, rad/s^2 or m/s^2.
-    pub qdd: V,
+    pub qdd: A,
     /// The force of each contact along the x and y axes of its plane, then along the normal, N.
     pub forces: P,
     /// The largest mismatch between the forces and their laws, divided by the sum of the robot's weight and the
     /// largest force. NaN if an argument is NaN.
-    pub residual: T,
+    pub residual: R,
     /// The number of iterations of Newton's method.
-    pub iterations: T,
+    pub iterations: I,
 }
 
 /// The joint forces of accelerations, and the wrenches of the contacts that carry the floating bases.

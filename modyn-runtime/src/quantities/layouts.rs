@@ -145,7 +145,9 @@ macro_rules! layouts {
                 let contacts = [("impulses", contact_vectors(s)), ("residual", Shape::Scalar)];
                 Shape::Record(Record::Each("ContactStep"), [state, contacts].concat())
             };
-            step_solution (StepSolution<Self::Q<T>, Self::V<T>, Self::PerContact<Vector3<T>>, T>) |s| {
+            step_solution (StepSolution<
+                Self::Q<T>, Self::V<T>, Self::V<T>, Self::PerContact<Vector3<T>>, T, T
+            >) |s| {
                 let motion = [("q", coordinates(s)), ("qd", velocities(s)), ("qdd", velocities(s))];
                 let solver = [("residual", Shape::Scalar), ("iterations", Shape::Scalar)];
                 let forces = [("forces", contact_vectors(s))];
