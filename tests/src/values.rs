@@ -6,7 +6,9 @@ use std::str::FromStr;
 use modyn_runtime::model::{Model, ModuleTree};
 use modyn_runtime::quantities::{Function, Record, Shape, Sizes};
 use modyn_runtime::spatial::{Vector3, Wrench};
-use modyn_runtime::{Array, Factorization, Interpreter, Robot, Scalar};
+use modyn_runtime::{
+    Array, ContactSurface, Factorization, Interpreter, Robot, Scalar, StepSettings,
+};
 
 use crate::arguments::{arguments, interpreted as interpreted_function};
 use crate::quantities::Quantities;
@@ -174,6 +176,19 @@ impl<T: FromNumbers> FromNumbers for Wrench<T> {
     fn from_numbers(numbers: &[f64]) -> Self {
         let [moment, force] = FromNumbers::from_numbers(numbers);
         Self { moment: Vector3(moment), force: Vector3(force) }
+    }
+}
+
+impl<T: FromNumbers + Copy, const N: usize> FromNumbers
+    for StepSettings<T, [ContactSurface<T>; N]>
+{
+    const COUNT: usize = StepSettings::<f64>::COUNT + N * ContactSurface::<f64>::COUNT * T::COUNT;
+
+    fn from_numbers(numbers: &[f64]) -> Self {
+        let (common, surfaces) = numbers.split_at(StepSettings::<f64>::COUNT);
+        let contacts: [[T; ContactSurface::<f64>::COUNT]; N] = FromNumbers::from_numbers(surfaces);
+        let contacts = contacts.map(ContactSurface::from_numbers);
+        Self::from_numbers(FromNumbers::from_numbers(common), contacts)
     }
 }
 
