@@ -5,7 +5,7 @@ use alloc::{vec, vec::Vec};
 use super::Interpreter;
 use super::errors::{ShapeError, check};
 use crate::equations::soft_constraints::{
-    Cone, JointParameters, SoftModel, SoftStep, Softness, StepInput, StepProblem, soft_step,
+    Cone, JointParameters, SoftModel, SoftStep, Softness, StepInput, StepProblem, moved, soft_step,
 };
 use crate::model::Friction;
 use crate::spatial::{Twist, Vector3};
@@ -63,12 +63,13 @@ impl<S: Scalar> Interpreter<S> {
         let settings = (&soft, settings);
         let mechanism = &mechanism.without_friction();
         let problem = StepProblem::new(mechanism, elimination, input, settings, workspace);
-        let SoftStep { solution, residual, iterations } = soft_step(problem);
+        let SoftStep { motion, residual, iterations } = soft_step(problem);
+        let [q, qd] = moved(mechanism, input, &motion.qdd);
         self.soft = Some(soft);
-        outputs.q.copy_from_slice(&solution.q);
-        outputs.qd.copy_from_slice(&solution.qd);
-        outputs.qdd.copy_from_slice(&solution.qdd);
-        for (output, force) in outputs.forces.chunks_mut(3).zip(&solution.forces) {
+        outputs.q.copy_from_slice(&q);
+        outputs.qd.copy_from_slice(&qd);
+        outputs.qdd.copy_from_slice(&motion.qdd);
+        for (output, force) in outputs.forces.chunks_mut(3).zip(&motion.forces) {
             output.copy_from_slice(force);
         }
         (*outputs.residual, *outputs.iterations) = (residual, iterations);

@@ -4,7 +4,7 @@ use super::acceleration::{parent_motion, parent_motion_at_joint};
 use super::kinematic_path::{self, BodyMotion, OriginMotion};
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::mechanism::{Body, BodyFrame, Mechanism};
+use crate::mechanism::{Body, BodyFrame, BodyTree, Mechanism};
 use crate::spatial::{Field, Matrix3, Pose, Twist, Vector3};
 
 /// Computes the poses of all links of the description in the world, in the description's order.
@@ -23,16 +23,16 @@ pub fn link_poses<S: Scalar>(
 }
 
 /// Computes the poses of the bodies in the world. Expects the joint transforms at q.
-pub(in crate::equations) fn compute_body_poses<S: Scalar>(
-    model: &Mechanism<S>,
+pub(in crate::equations) fn compute_body_poses<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
     workspace: &Workspace<S>,
     body_poses: &mut [Pose<S>],
 ) {
-    for (i, body) in model.bodies.iter().enumerate() {
+    for (i, body) in tree.mechanism().bodies.iter().enumerate() {
         let motion = &workspace.motions[i];
-        let parent = body.parent.map_or_else(Pose::identity, |p| body_poses[p]);
-        let axes = Matrix3(parent.rotation);
-        let origin = Vector3(parent.translation);
+        let [a, b, c, x] = parent_pose(tree, i, body_poses);
+        let axes = Matrix3([a, b, c]);
+        let origin = Vector3(x);
         let at_joint = body.placement.rotate_axes(&axes);
         let mut origin = origin + axes.mul_vector(body.placement.origin());
         if let Some(displacement) = motion.displacement() {
@@ -41,6 +41,17 @@ pub(in crate::equations) fn compute_body_poses<S: Scalar>(
         let rotation = motion.rotate_axes(&at_joint).0;
         body_poses[i] = Pose { rotation, translation: origin.0 };
     }
+}
+
+/// Returns the rows of the rotation of a body's parent, and its place.
+fn parent_pose<S: Scalar, T: BodyTree<S>>(tree: &T, body: usize, poses: &[Pose<S>]) -> [[S; 3]; 4] {
+    let numbers: [S; 12] = tree.broadcast_from_parents(body, |parent| {
+        let Pose { rotation: [a, b, c], translation } =
+            parent.map_or_else(Pose::identity, |parent| poses[parent]);
+        let rows = [a, b, c, translation];
+        core::array::from_fn(|k| rows[k / 3][k % 3])
+    });
+    core::array::from_fn(|row| core::array::from_fn(|k| numbers[3 * row + k]))
 }
 
 /// The axes of a link's motion. The reference point is the link's origin for both.

@@ -8,7 +8,7 @@ use crate::Scalar;
 use crate::equations::Workspace;
 use crate::equations::dynamics::{inverse_dynamics, mass_matrix};
 use crate::equations::factorization::{UduLayout, factorize_matrix, solve};
-use crate::mechanism::Mechanism;
+use crate::mechanism::{BodyTree, Mechanism};
 
 /// The matrices of a step.
 pub(super) struct DenseProblem<S> {
@@ -39,8 +39,8 @@ impl<S: Scalar> DenseProblem<S> {
     }
 
     /// Returns the matrices with the rows of a problem, relative to free fall.
-    pub fn with_rows(mut self, problem: &mut StepProblem<'_, S>) -> Self {
-        let nv = problem.model.nv;
+    pub fn with_rows<T: BodyTree<S>>(mut self, problem: &mut StepProblem<'_, S, T>) -> Self {
+        let nv = problem.tree.mechanism().nv;
         let mut fall = vec![S::zero(); nv];
         problem.add_fall(S::one(), &mut fall);
         for (column, &fall) in self.mass.chunks(nv).zip(&fall) {
@@ -52,7 +52,7 @@ impl<S: Scalar> DenseProblem<S> {
         for dof in 0..nv {
             let mut unit = vec![S::zero(); nv];
             unit[dof] = S::one();
-            body_twists(problem.model, &unit, problem.workspace);
+            body_twists(problem.tree, &unit, problem.workspace);
             problem.accelerations = unit;
             for (row, entry) in self.jacobian.iter_mut().zip(problem.row_accelerations()) {
                 row[dof] = entry;
@@ -62,14 +62,14 @@ impl<S: Scalar> DenseProblem<S> {
     }
 
     /// Returns the joint accelerations, relative to free fall, under these forces of the rows.
-    pub fn accelerations(
+    pub fn accelerations<T: BodyTree<S>>(
         &self,
         layout: &UduLayout,
-        problem: &StepProblem<'_, S>,
+        problem: &StepProblem<'_, S, T>,
         forces: &[S],
         effect: Effect<'_, S>,
     ) -> Vec<S> {
-        let nv = problem.model.nv;
+        let nv = problem.tree.mechanism().nv;
         let mut sum = self.forces.clone();
         for (row, &force) in self.jacobian.iter().zip(forces) {
             for (sum, &entry) in sum.iter_mut().zip(row) {
@@ -99,7 +99,7 @@ impl<S: Scalar> DenseProblem<S> {
                 }
             }
             Effect::Forces => {
-                for dof in &problem.model.dofs {
+                for dof in &problem.tree.mechanism().dofs {
                     let Some(damping) = dof.damping else { continue };
                     let factor = dof.multiplier.unwrap_or_else(S::one);
                     let mut unit = vec![S::zero(); nv];

@@ -22,5 +22,5 @@ mod rows;
 
 pub use law::{Cone, ContactLaw, Impedance, Response, RowState, SoftRow, Softness};
 pub use newton::{Advance, MAX_ITERATIONS, MAX_SEARCH, Progress, Search, SoftStep, soft_step};
-pub use problem::{Iterate, SoftSolution, StepInput, StepProblem};
+pub use problem::{Iterate, SoftMotion, StepInput, StepProblem, moved};
 pub use rows::{JointParameters, SoftModel};

@@ -1,8 +1,9 @@
 //! Newton's method for the rows of a step. An iteration and an evaluation of its line search decide
 //! by selections, so that they run on numbers, in lanes, and on expressions.
 
-use super::problem::{Iterate, Laws, SoftSolution, StepProblem};
+use super::problem::{Iterate, Laws, SoftMotion, StepProblem};
 use crate::Scalar;
+use crate::mechanism::{BodyTree, Mechanism};
 use crate::scalar::{at_most, larger};
 
 /// A full step is taken if the slope at its end is at most this share of that at its start.
@@ -67,7 +68,7 @@ pub struct Advance<S> {
     pub search: Search<S>,
 }
 
-impl<S: Scalar> StepProblem<'_, S> {
+impl<S: Scalar, T: BodyTree<S>> StepProblem<'_, S, T> {
     /// Makes one full step of Newton's method.
     pub fn advance(&mut self, start: &Iterate<S>, progress: &Progress<S>) -> Advance<S> {
         let [zero, one] = [S::zero(), S::one()];
@@ -75,7 +76,7 @@ impl<S: Scalar> StepProblem<'_, S> {
         let start_laws = self.laws(start, scale);
         let end = self.full_step(start, &start_laws);
         let end_laws = self.laws(&end, scale);
-        let residual = mismatch(&end, &end_laws, self.weight);
+        let residual = self.mismatch(&end, &end_laws);
         let tolerance = self.tolerance;
         let is_solved = |tolerance: S, then: S, otherwise: S| {
             // A residual that is NaN ends the iterations.
@@ -88,8 +89,10 @@ impl<S: Scalar> StepProblem<'_, S> {
         let next_scale = restarts.select_nonnegative(self.softening, scaled);
         // Scaled laws never end the iterations.
         let solved = (scale - one).select_nonnegative(is_solved(tolerance, one, -one), -one);
-        let slopes =
-            [slope(start, &start_laws, [start, &end]), slope(&end, &end_laws, [start, &end])];
+        let slopes = [
+            self.slope(start, &start_laws, [start, &end]),
+            self.slope(&end, &end_laws, [start, &end]),
+        ];
         let least = S::from_f64(FULL_STEP) * slopes[0].abs();
         // The first iterate has no forces in equilibrium, so its full step is taken.
         let is_flat = (least - slopes[1]).select_nonnegative(one, -one);
@@ -123,7 +126,7 @@ impl<S: Scalar> StepProblem<'_, S> {
             accelerations: between(&start.accelerations, &end.accelerations),
             balances: between(&start.balances, &end.balances),
         };
-        let here = slope(&iterate, &self.laws(&iterate, scale), [start, end]);
+        let here = self.slope(&iterate, &self.laws(&iterate, scale), [start, end]);
         let half = S::from_f64(0.5);
         let choose = |rises: S, falls: S| here.select_nonnegative(rises, falls);
         let next = Search {
@@ -134,22 +137,43 @@ impl<S: Scalar> StepProblem<'_, S> {
         };
         (iterate, next)
     }
+
+    /// Returns the largest difference between a force that keeps an iterate in equilibrium and the force of its
+    /// law, divided by the sum of the robot's weight and the largest force; NaN if one is.
+    fn mismatch(&self, iterate: &Iterate<S>, laws: &Laws<S>) -> S {
+        let differences = iterate.balances.iter().zip(laws.forces());
+        let differences = differences.map(|(&balance, force)| (balance - force).abs());
+        let most = self.reduce(differences, larger);
+        let force = self.reduce(laws.forces().map(S::abs), S::max);
+        most / (self.weight + force)
+    }
+
+    /// Returns the slope of the function at an iterate along the way between two.
+    fn slope(&self, iterate: &Iterate<S>, laws: &Laws<S>, [start, end]: [&Iterate<S>; 2]) -> S {
+        let differences = iterate.balances.iter().zip(laws.forces());
+        let way = end.accelerations.iter().zip(&start.accelerations);
+        let products = differences
+            .zip(way)
+            .map(|((&balance, force), (&end, &start))| (balance - force) * (end - start));
+        self.reduce(products, |a, b| a + b)
+    }
 }
 
-/// The state after a step, and how the solver ended.
+/// The accelerations in a step, and how the solver ended.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SoftStep<S> {
-    /// The state, and the forces.
-    pub solution: SoftSolution<S>,
-    /// The largest mismatch between forces and laws, divided by the robot's weight and the largest force.
+    /// The accelerations and the forces.
+    pub motion: SoftMotion<S>,
+    /// The largest mismatch between forces and laws, divided by the sum of the robot's weight and the largest
+    /// force.
     pub residual: S,
     /// The number of iterations.
     pub iterations: S,
 }
 
-/// Returns the state after a step, by semi-implicit Euler: joint damping acts with the velocities after
-/// the step. Positions move straight, rotations by the exponential map, as in MuJoCo.
-pub fn soft_step<S: Scalar>(mut problem: StepProblem<'_, S>) -> SoftStep<S> {
+/// Returns the accelerations of a step by semi-implicit Euler: joint damping acts with the velocities after
+/// the step.
+pub fn soft_step<S: Scalar>(mut problem: StepProblem<'_, S, Mechanism<S>>) -> SoftStep<S> {
     let mut start = problem.first();
     let mut progress = Progress::<S>::first();
     for _ in 0..MAX_ITERATIONS {
@@ -168,25 +192,5 @@ pub fn soft_step<S: Scalar>(mut problem: StepProblem<'_, S>) -> SoftStep<S> {
         (start, progress) = (next, next_progress);
     }
     let Progress { residual, iterations, .. } = progress;
-    SoftStep { solution: problem.solution(&start), residual, iterations }
-}
-
-/// Returns the largest difference between a force that keeps an iterate in equilibrium and the force of its
-/// law, divided by the sum of the robot's weight and the largest force; NaN if one is.
-fn mismatch<S: Scalar>(iterate: &Iterate<S>, laws: &Laws<S>, weight: S) -> S {
-    let (mut most, mut force) = (S::zero(), S::zero());
-    for (&balance, of_law) in iterate.balances.iter().zip(laws.forces()) {
-        most = larger(most, (balance - of_law).abs());
-        force = force.max(of_law.abs());
-    }
-    most / (weight + force)
-}
-
-/// Returns the slope of the function at an iterate along the way between two.
-fn slope<S: Scalar>(iterate: &Iterate<S>, laws: &Laws<S>, [start, end]: [&Iterate<S>; 2]) -> S {
-    let differences = iterate.balances.iter().zip(laws.forces());
-    let way = end.accelerations.iter().zip(&start.accelerations);
-    differences.zip(way).fold(S::zero(), |sum, ((&balance, force), (&end, &start))| {
-        sum + (balance - force) * (end - start)
-    })
+    SoftStep { motion: problem.motion(&start), residual, iterations }
 }

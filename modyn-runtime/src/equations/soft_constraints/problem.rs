@@ -4,13 +4,16 @@ use alloc::{vec, vec::Vec};
 
 use super::dense::DenseProblem;
 use super::law::Response;
-use super::rows::{BodyState, ContactRows, JointRow, Law, SoftModel, body_twists, joint_rows};
+use super::rows::{
+    BodyState, ContactRows, JointRow, Law, SoftModel, body_twists, joint_rows, softness,
+};
 use crate::equations::Workspace;
 use crate::equations::dynamics::newton_euler::{Accelerations, link_wrenches};
 use crate::equations::dynamics::{Elimination, against_fall, is_base};
 use crate::equations::kinematics::coordinates;
 use crate::equations::kinematics::links::compute_body_poses;
-use crate::mechanism::Mechanism;
+use crate::mechanism::{BodyTree, Mechanism};
+use crate::scalar::at_most;
 use crate::spatial::{Matrix3, Pose, Vector3, Wrench};
 use crate::{ContactSurface, Scalar, StepSettings};
 
@@ -29,17 +32,33 @@ pub struct StepInput<'a, S> {
     pub dt: S,
 }
 
-/// The state after a step, and the forces in it.
+/// The accelerations in a step, and the forces.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SoftSolution<S> {
-    /// The coordinates.
-    pub q: Vec<S>,
-    /// The velocities.
-    pub qd: Vec<S>,
+pub struct SoftMotion<S> {
     /// The accelerations; those of a floating base are classical ones in the base's axes.
     pub qdd: Vec<S>,
     /// The force of each contact along the x and y axes of its plane, then along the normal, N.
     pub forces: Vec<[S; 3]>,
+}
+
+/// Returns the coordinates and the velocities after a step with these accelerations. Positions move straight,
+/// rotations by the exponential map, as in MuJoCo.
+pub fn moved<S: Scalar>(model: &Mechanism<S>, input: StepInput<'_, S>, qdd: &[S]) -> [Vec<S>; 2] {
+    let StepInput { q, qd, dt, .. } = input;
+    let mut next_qd: Vec<S> = qd.iter().zip(qdd).map(|(&v, &a)| v + dt * a).collect();
+    let mut next_q = vec![S::zero(); model.nq];
+    coordinates::move_straight(model, q, &mut next_qd, dt, &mut next_q);
+    [next_q, next_qd]
+}
+
+/// Returns the number of lanes of each body.
+fn lanes<S: Scalar, T: BodyTree<S>>(tree: &T) -> Vec<usize> {
+    let mut lanes: Vec<usize> = Vec::new();
+    for (i, body) in tree.mechanism().bodies.iter().enumerate() {
+        let of_parent = body.parent.map_or(1, |parent| lanes[parent]);
+        lanes.push(tree.limb_root(i).map_or(of_parent, |root| root.limbs));
+    }
+    lanes
 }
 
 /// The rows at accelerations: three for each contact, then one for each row of a joint.
@@ -78,8 +97,8 @@ impl<S: Scalar> Laws<S> {
 }
 
 /// A step at a state.
-pub struct StepProblem<'a, S> {
-    pub(super) model: &'a Mechanism<S>,
+pub struct StepProblem<'a, S, T> {
+    pub(super) tree: &'a T,
     elimination: &'a Elimination,
     /// For robots that the factors of a matrix solve.
     dense: Option<DenseProblem<S>>,
@@ -89,6 +108,8 @@ pub struct StepProblem<'a, S> {
     bias: Vec<Wrench<S>>,
     contacts: Vec<ContactRows<S>>,
     joints: Vec<JointRow<S>>,
+    /// The number of lanes of each row.
+    pub(super) lanes: Vec<usize>,
     /// The factor of all weights that makes the stiffest row soft.
     pub(super) softening: S,
     /// The largest residual at which the solver ends.
@@ -108,15 +129,16 @@ pub(super) enum Effect<'a, S> {
     Forces,
 }
 
-impl<'a, S: Scalar> StepProblem<'a, S> {
+impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
     /// Returns the problem of a step.
     pub fn new(
-        model: &'a Mechanism<S>,
+        tree: &'a T,
         elimination: &'a Elimination,
         input: StepInput<'a, S>,
         (soft, settings): (&SoftModel<S>, &StepSettings<S, impl AsRef<[ContactSurface<S>]>>),
         workspace: &'a mut Workspace<S>,
     ) -> Self {
+        let model = tree.mechanism();
         let surfaces = settings.contacts.as_ref();
         let StepInput { q, qd, dt, .. } = input;
         elimination.reserve(model, workspace);
@@ -124,12 +146,12 @@ impl<'a, S: Scalar> StepProblem<'a, S> {
             Elimination::Recursive(_) => None,
             Elimination::Matrix(_) => Some(DenseProblem::new(model, input, workspace)),
         };
-        workspace.move_with_forces(model, q, Some(qd));
-        link_wrenches(model, qd, Accelerations::FreeFall, workspace);
+        workspace.move_with_forces(tree, q, Some(qd));
+        link_wrenches(tree, qd, Accelerations::FreeFall, workspace);
         let bias = workspace.wrenches.clone();
         let mut poses = vec![Pose::identity(); model.bodies.len()];
-        compute_body_poses(model, workspace, &mut poses);
-        body_twists(model, qd, workspace);
+        compute_body_poses(tree, workspace, &mut poses);
+        body_twists(tree, qd, workspace);
         let mut falls = vec![false; model.bodies.len()];
         for (i, body) in model.bodies.iter().enumerate() {
             falls[i] = body.parent.map_or_else(|| is_base(model, i), |parent| falls[parent]);
@@ -152,20 +174,31 @@ impl<'a, S: Scalar> StepProblem<'a, S> {
             };
             ContactRows::new(frame, &state, law, surface, dt)
         });
+        let contacts: Vec<ContactRows<S>> = contacts.collect();
+        let joints = joint_rows(&soft.joints, input);
+        let lanes_of_bodies = lanes(tree);
+        let lanes_of_contacts = contacts.iter().map(|contact| lanes_of_bodies[contact.body]);
+        let lanes_of_joints = joints.iter().map(|row| {
+            let moved = model.dofs.iter().find(|dof| dof.v == row.dof);
+            moved.map_or(1, |dof| lanes_of_bodies[dof.body])
+        });
+        let lanes = lanes_of_contacts.flat_map(|lanes| [lanes; 3]).chain(lanes_of_joints).collect();
         let mut problem = Self {
             bias,
-            contacts: contacts.collect(),
-            joints: joint_rows(&soft.joints, input),
-            softening: soft.softening(surfaces),
+            contacts,
+            joints,
+            lanes,
+            softening: S::one(),
             tolerance: settings.tolerance,
             weight: soft.weight,
             accelerations: vec![S::zero(); model.nv],
-            model,
+            tree,
             elimination,
             dense: None,
             input,
             workspace,
         };
+        problem.softening = problem.softening(soft, surfaces);
         problem.dense = dense.map(|dense| dense.with_rows(&mut problem));
         problem
     }
@@ -180,7 +213,7 @@ impl<'a, S: Scalar> StepProblem<'a, S> {
     pub fn first(&mut self) -> Iterate<S> {
         let mut accelerations = self.input.warm_start.to_vec();
         self.add_fall(-S::one(), &mut accelerations);
-        body_twists(self.model, &accelerations, self.workspace);
+        body_twists(self.tree, &accelerations, self.workspace);
         self.accelerations = accelerations;
         Iterate { accelerations: self.row_accelerations(), balances: vec![S::zero(); self.rows()] }
     }
@@ -210,21 +243,16 @@ impl<'a, S: Scalar> StepProblem<'a, S> {
         Iterate { accelerations, balances }
     }
 
-    /// Returns the state after the step, given the iterate at which the last full step ended.
-    pub fn solution(&mut self, end: &Iterate<S>) -> SoftSolution<S> {
+    /// Returns the accelerations and the forces in the step, given the iterate at which the last full step
+    /// ended.
+    pub fn motion(&mut self, end: &Iterate<S>) -> SoftMotion<S> {
         let laws = self.laws(end, S::one());
-        let qdd = self.with_implicit_damping(&laws);
-        let StepInput { q, qd, dt, .. } = self.input;
-        let mut solution = SoftSolution {
-            q: vec![S::zero(); self.model.nq],
-            qd: qd.iter().zip(&qdd).map(|(&v, &a)| v + dt * a).collect(),
-            qdd,
+        SoftMotion {
+            qdd: self.with_implicit_damping(&laws),
             forces: (laws.contacts.iter())
                 .map(|Response { force: [normal, x, y], .. }| [*x, *y, *normal])
                 .collect(),
-        };
-        coordinates::move_straight(self.model, q, &mut solution.qd, dt, &mut solution.q);
-        solution
+        }
     }
 
     /// Returns the accelerations of the rows, given those of the bodies and joints.
@@ -243,13 +271,13 @@ impl<'a, S: Scalar> StepProblem<'a, S> {
             (Elimination::Recursive(partition), _) => partition,
             (Elimination::Matrix(layout), Some(dense)) => {
                 let accelerations = dense.accelerations(layout, self, forces, effect);
-                body_twists(self.model, &accelerations, self.workspace);
+                body_twists(self.tree, &accelerations, self.workspace);
                 self.accelerations = accelerations;
                 return;
             }
             (Elimination::Matrix(_), None) => unreachable!("the matrix is there from the start"),
         };
-        let Self { model, workspace, contacts, joints, .. } = self;
+        let Self { tree, workspace, contacts, joints, .. } = self;
         workspace.wrenches.copy_from_slice(&self.bias);
         let mut tau = self.input.tau.to_vec();
         let (points, of_joints) = forces.split_at(3 * contacts.len());
@@ -273,14 +301,15 @@ impl<'a, S: Scalar> StepProblem<'a, S> {
                 }
             }
             Effect::Forces => {
-                for (added, dof) in workspace.added_armature.iter_mut().zip(&model.dofs) {
+                for (added, dof) in workspace.added_armature.iter_mut().zip(&tree.mechanism().dofs)
+                {
                     *added = dof.damping.map(|damping| damping * self.input.dt);
                 }
             }
         }
         let forces = (self.input.qd, &*tau);
-        against_fall(*model, partition, forces, workspace, &mut self.accelerations);
-        body_twists(model, &self.accelerations, workspace);
+        against_fall(*tree, partition, forces, workspace, &mut self.accelerations);
+        body_twists(*tree, &self.accelerations, workspace);
         workspace.added_inertia.fill(None);
         workspace.added_armature.fill(None);
     }
@@ -288,7 +317,7 @@ impl<'a, S: Scalar> StepProblem<'a, S> {
     /// Returns the accelerations under the forces of the laws, with the damping of the joints at the velocities after the step. Linear
     /// accelerations of floating bases are classical ones, in the base's axes.
     fn with_implicit_damping(&mut self, laws: &Laws<S>) -> Vec<S> {
-        if self.model.dofs.iter().any(|dof| dof.damping.is_some()) {
+        if self.tree.mechanism().dofs.iter().any(|dof| dof.damping.is_some()) {
             let forces: Vec<S> = laws.forces().collect();
             self.accelerate(&forces, Effect::Forces);
         }
@@ -297,12 +326,52 @@ impl<'a, S: Scalar> StepProblem<'a, S> {
         accelerations
     }
 
+    /// Returns the factor of all weights that makes the stiffest row soft.
+    fn softening(&self, soft: &SoftModel<S>, surfaces: &[ContactSurface<S>]) -> S {
+        let lanes_of_bodies = lanes(self.tree);
+        let contacts = surfaces.iter().zip(&self.contacts).map(|(surface, contact)| {
+            let lanes = lanes_of_bodies[contact.body];
+            (softness(surface).impedance.softening(), lanes)
+        });
+        let joints = soft.joints.iter().flatten().flat_map(|joint| {
+            let limits = joint.range.iter().flatten().map(|_| joint.limit);
+            limits.chain(joint.dry_friction.map(|_| joint.friction))
+        });
+        // The laws of joints are those of the description, and equal in all lanes.
+        let joints = joints.map(|softness| (softness.impedance.softening(), 1));
+        contacts.chain(joints).fold(S::one(), |least, (softening, lanes)| {
+            (0..lanes)
+                .fold(least, |least, lane| at_most(least, self.tree.extract_lane(softening, lane)))
+        })
+    }
+
+    /// Combines numbers of all rows: rows with as many lanes first, then the lanes.
+    pub(super) fn reduce(
+        &self,
+        numbers: impl Iterator<Item = S>,
+        combine: impl Fn(S, S) -> S,
+    ) -> S {
+        let mut by_lanes: Vec<Option<S>> = Vec::new();
+        for (number, &lanes) in numbers.zip(&self.lanes) {
+            if by_lanes.len() <= lanes {
+                by_lanes.resize(lanes + 1, None);
+            }
+            let sum = by_lanes[lanes].map_or(number, |sum| combine(sum, number));
+            by_lanes[lanes] = Some(sum);
+        }
+        let in_lanes = by_lanes.iter().enumerate().filter_map(|(n, sum)| Some((n, (*sum)?)));
+        let each =
+            in_lanes.flat_map(|(n, sum)| (0..n).map(move |lane| self.tree.extract_lane(sum, lane)));
+        each.reduce(combine).unwrap_or_else(S::zero)
+    }
+
     /// Adds the acceleration of free fall times `factor` to the accelerations of floating bases.
     pub(super) fn add_fall(&self, factor: S, accelerations: &mut [S]) {
-        for i in (0..self.model.bodies.len()).filter(|&i| is_base(self.model, i)) {
-            let body = &self.model.bodies[i];
-            let gravity = body.to_child(&self.workspace.motions[i], self.model.gravity);
-            for (dof, fall) in self.model.dofs_of(i).iter().zip(gravity.0) {
+        let model = self.tree.mechanism();
+        for i in (0..model.bodies.len()).filter(|&i| is_base(model, i)) {
+            let body = &model.bodies[i];
+            let gravity = body.to_child(&self.workspace.motions[i], model.gravity);
+            for (dof, fall) in model.dofs_of(i).iter().zip(gravity.0) {
                 dof.add(factor * fall, accelerations);
             }
         }

@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use super::law::{self, Cone, ContactLaw, Impedance, Response, RowState, Softness};
 use super::problem::StepInput;
 use crate::equations::Workspace;
-use crate::mechanism::{BodyFrame, Mechanism};
+use crate::mechanism::{BodyFrame, BodyTree};
 use crate::scalar::{at_least, at_most};
 use crate::spatial::{ArticulatedInertia, Matrix3, Pose, Symmetric3, Twist, Vector3, Wrench};
 use crate::{ContactSurface, Scalar};
@@ -184,22 +184,8 @@ impl<S: Copy> SoftModel<S> {
     }
 }
 
-impl<S: Scalar> SoftModel<S> {
-    /// Returns the factor of all weights that makes the stiffest row soft.
-    pub(super) fn softening(&self, surfaces: &[ContactSurface<S>]) -> S {
-        let contacts = surfaces.iter().map(softness);
-        let joints = self.joints.iter().flatten().flat_map(|joint| {
-            let limits = joint.range.iter().flatten().map(|_| joint.limit);
-            limits.chain(joint.dry_friction.map(|_| joint.friction))
-        });
-        contacts
-            .chain(joints)
-            .fold(S::one(), |least, softness| at_most(least, softness.impedance.softening()))
-    }
-}
-
 /// Returns the softness of a surface.
-fn softness<S: Scalar>(surface: &ContactSurface<S>) -> Softness<S> {
+pub(super) fn softness<S: Scalar>(surface: &ContactSurface<S>) -> Softness<S> {
     let [least, most, width, midpoint] = surface.solimp;
     Softness {
         reference: surface.solref,
@@ -282,15 +268,20 @@ impl<S: Scalar> JointRow<S> {
 
 /// Computes the velocities (or accelerations) of all bodies from those of the joints, in the
 /// bodies' axes. Expects the joint transforms at q.
-pub(super) fn body_twists<S: Scalar>(
-    model: &Mechanism<S>,
+pub(super) fn body_twists<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
     rates: &[S],
     workspace: &mut Workspace<S>,
 ) {
+    let model = tree.mechanism();
     for (i, body) in model.bodies.iter().enumerate() {
-        let parent = body.parent.map_or_else(Twist::zero, |parent| {
-            body.twist_to_child(&workspace.motions[i], workspace.twists[parent])
+        let parents = tree.broadcast_from_parents(i, |parent| {
+            parent.map_or_else(Twist::zero, |parent| workspace.twists[parent]).components()
         });
-        workspace.twists[i] = model.add_rates(i, parent, rates);
+        let of_parent = match body.parent {
+            Some(_) => body.twist_to_child(&workspace.motions[i], Twist::from_components(parents)),
+            None => Twist::zero(),
+        };
+        workspace.twists[i] = model.add_rates(i, of_parent, rates);
     }
 }
