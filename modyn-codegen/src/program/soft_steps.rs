@@ -60,11 +60,14 @@ enum Zone {
     Solution,
 }
 
+/// A lane of a node of the whole graph; lane 0 of a scalar.
+type Lane = (Id, u8);
+
 /// A part of a graph as a graph of its own.
 struct Piece {
     graph: Graph,
-    /// The nodes of the whole graph that are the inputs.
-    reads: Vec<Id>,
+    /// The lanes of the whole graph that are the inputs.
+    reads: Vec<Lane>,
 }
 
 /// A graph that is cut into pieces.
@@ -101,22 +104,22 @@ impl<'a> Cut<'a> {
         Self { step, zones }
     }
 
-    fn outputs(&self, range: &Range<usize>) -> &'a [Id] {
-        &self.step.graph.outputs[range.clone()]
+    /// Returns outputs of the whole graph, which are scalars.
+    fn outputs(&self, range: &Range<usize>) -> Vec<Lane> {
+        self.step.graph.outputs[range.clone()].iter().map(|&id| (id, 0)).collect()
     }
 
     /// Returns the piece with these outputs: nodes of which `is_inside` is false are its inputs, and so are
     /// inputs of parts, except that signs of such nodes are inside.
-    fn piece(&self, outputs: &[Id], is_inside: impl Fn(Zone) -> bool) -> Piece {
+    fn piece(&self, outputs: &[Lane], is_inside: impl Fn(Zone) -> bool) -> Piece {
         let whole = &self.step.graph;
         let is_read = |id: Id| match whole.node(id) {
-            Node::Constant(_) => false,
             Node::Input(_) => true,
             Node::Neg(_) => false,
-            _ => !is_inside(self.zones[id as usize]),
+            _ => !whole.is_constant(id) && !is_inside(self.zones[id as usize]),
         };
         let mut is_needed = vec![false; whole.nodes().len()];
-        outputs.iter().for_each(|&output| is_needed[output as usize] = true);
+        outputs.iter().for_each(|&(output, _)| is_needed[output as usize] = true);
         for (i, node) in whole.nodes().iter().enumerate().rev() {
             if is_needed[i] && !is_read(i as Id) {
                 node.operands().for_each(|operand| is_needed[operand as usize] = true);
@@ -126,19 +129,24 @@ impl<'a> Cut<'a> {
         let mut ids: Vec<Id> = vec![0; whole.nodes().len()];
         for (i, node) in whole.nodes().iter().enumerate().filter(|(i, _)| is_needed[*i]) {
             ids[i] = if is_read(i as Id) {
-                piece.reads.push(i as Id);
-                piece.graph.input(piece.reads.len() - 1)
+                let first = piece.reads.len();
+                piece.reads.extend((0..whole.width(i as Id)).map(|lane| (i as Id, lane)));
+                let inputs = piece.graph.inputs(first..piece.reads.len());
+                piece.graph.pack(&inputs)
             } else {
                 piece.graph.make(node.map(|operand| ids[operand as usize]))
             };
         }
-        piece.graph.outputs = outputs.iter().map(|&output| ids[output as usize]).collect();
+        let lanes = outputs
+            .iter()
+            .map(|&(output, lane)| piece.graph.make(Node::ExtractLane(ids[output as usize], lane)));
+        piece.graph.outputs = lanes.collect();
         piece
     }
 
     /// Returns the number of an input of a part, counted from the part's first one; `None` for other nodes.
-    fn input(&self, inputs: &Range<usize>, id: Id) -> Option<usize> {
-        match self.step.graph.node(id) {
+    fn input(&self, inputs: &Range<usize>, lane: Lane) -> Option<usize> {
+        match self.step.graph.node(lane.0) {
             Node::Input(number) if inputs.contains(&(number as usize)) => {
                 Some(number as usize - inputs.start)
             }
@@ -147,21 +155,21 @@ impl<'a> Cut<'a> {
     }
 }
 
-/// The entries of arrays for nodes that loops read.
+/// The entries of arrays for lanes that loops read.
 #[derive(Default)]
 struct Captured {
-    nodes: Vec<Id>,
-    index: BTreeMap<Id, usize>,
+    nodes: Vec<Lane>,
+    index: BTreeMap<Lane, usize>,
 }
 
 impl Captured {
     /// Returns the place of a node that runs before the loops, as a routine reads it.
-    fn read(&mut self, graph: &Graph, id: Id) -> Read {
-        if let Node::Input(number) = graph.node(id) {
+    fn read(&mut self, graph: &Graph, lane: Lane) -> Read {
+        if let Node::Input(number) = graph.node(lane.0) {
             return Read::Argument(Place::fixed(number as usize));
         }
-        let index = *self.index.entry(id).or_insert_with(|| {
-            self.nodes.push(id);
+        let index = *self.index.entry(lane).or_insert_with(|| {
+            self.nodes.push(lane);
             self.nodes.len() - 1
         });
         Read::Entry(FRONT, Place::fixed(index))
@@ -188,19 +196,19 @@ impl Program {
         let is_main = |zone: Zone| zone == Zone::Front || zone == Zone::Solution;
 
         // The results of loops, in the order in which the program reads them.
-        let is_argument = |id: Id| cut.zones[id as usize] == Zone::Front;
-        let needed = cut.piece(solution, is_main).reads;
-        let needed: Vec<Id> = needed.into_iter().filter(|&id| !is_argument(id)).collect();
-        let is_after = |id: Id| cut.input(&step.solution.inputs, id).is_none();
-        let after: Vec<Id> = needed.iter().copied().filter(|&id| is_after(id)).collect();
+        let is_argument = |lane: Lane| cut.zones[lane.0 as usize] == Zone::Front;
+        let needed = cut.piece(&solution, is_main).reads;
+        let needed: Vec<Lane> = needed.into_iter().filter(|&lane| !is_argument(lane)).collect();
+        let is_after = |lane: Lane| cut.input(&step.solution.inputs, lane).is_none();
+        let after: Vec<Lane> = needed.iter().copied().filter(|&lane| is_after(lane)).collect();
 
         let mut captured = Captured::default();
         let advance_inputs = step.advance.inputs.clone();
-        let starts: Vec<Id> = (advance_inputs.clone())
-            .map(|number| step.graph.find(Node::input(number)).expect("a traced input"))
+        let starts: Vec<Lane> = (advance_inputs.clone())
+            .map(|number| (step.graph.find(Node::input(number)).expect("a traced input"), 0))
             .collect();
         let advance_outputs = cut.outputs(&step.advance.outputs);
-        let [full, numbers] = split(advance_outputs, 2 * rows);
+        let [full, numbers] = split(&advance_outputs, 2 * rows);
         let start = &starts[..2 * rows];
         let last_scale = starts[2 * rows];
         let outputs = [start, full, full, numbers, &[last_scale], &after].concat();
@@ -211,10 +219,10 @@ impl Program {
         let advance_call = Call {
             routine: ITERATION,
             reads: (advance.reads.iter())
-                .map(|&id| match cut.input(&advance_inputs, id) {
+                .map(|&lane| match cut.input(&advance_inputs, lane) {
                     Some(k) if k < 2 * rows => Read::Entry(NEXT, Place::fixed(k)),
                     Some(k) => Read::Entry(SOLVER, Place::fixed(SCALE + k - 2 * rows)),
-                    None => captured.read(&step.graph, id),
+                    None => captured.read(&step.graph, lane),
                 })
                 .collect(),
             writes: to(START, 2 * rows)
@@ -225,18 +233,18 @@ impl Program {
                 .collect(),
         };
 
-        let search = cut.piece(cut.outputs(&step.search.outputs), |zone| zone == Zone::Search);
+        let search = cut.piece(&cut.outputs(&step.search.outputs), |zone| zone == Zone::Search);
         let search_call = Call {
             routine: EVALUATION,
             reads: (search.reads.iter())
-                .map(|&id| match cut.input(&step.search.inputs, id) {
+                .map(|&lane| match cut.input(&step.search.inputs, lane) {
                     Some(k) if k < 2 * rows => Read::Entry(START, Place::fixed(k)),
                     Some(k) if k < 4 * rows => Read::Entry(FULL, Place::fixed(k - 2 * rows)),
                     Some(k) if k < 4 * rows + SEARCH - 1 => {
                         Read::Entry(SOLVER, Place::fixed(SEARCH_START + k - 4 * rows))
                     }
                     Some(_) => Read::Entry(SOLVER, Place::fixed(LAST_SCALE)),
-                    None => captured.read(&step.graph, id),
+                    None => captured.read(&step.graph, lane),
                 })
                 .collect(),
             writes: to(NEXT, 2 * rows)
@@ -250,12 +258,12 @@ impl Program {
 
         // The statements: results, then what is stored before the loops.
         let first = cut.outputs(&step.first.outputs);
-        let main = cut.piece(&[solution, &captured.nodes, first].concat(), is_main);
+        let main = cut.piece(&[&solution[..], &captured.nodes, &first].concat(), is_main);
         let results: Vec<Entry> = (needed.iter())
-            .map(|&id| match cut.input(&step.solution.inputs, id) {
+            .map(|&lane| match cut.input(&step.solution.inputs, lane) {
                 Some(index) => Entry { array: NEXT, index },
                 None => {
-                    let index = after.iter().position(|&other| other == id);
+                    let index = after.iter().position(|&other| other == lane);
                     Entry { array: AFTER, index: index.expect("a node after the loops") }
                 }
             })
@@ -263,9 +271,9 @@ impl Program {
             .collect();
         let mut graph = Graph::default();
         let inputs: Vec<Id> = (main.reads.iter())
-            .map(|&id| {
-                let place = needed.iter().position(|&other| other == id);
-                match (place, step.graph.node(id)) {
+            .map(|&lane| {
+                let place = needed.iter().position(|&other| other == lane);
+                match (place, step.graph.node(lane.0)) {
                     (Some(place), _) => graph.input(arguments + place),
                     (None, Node::Input(number)) => graph.input(number as usize),
                     (None, _) => unreachable!("what runs before the loops is inside"),
@@ -317,12 +325,14 @@ impl Program {
         program.tables = [MAX_ITERATIONS, MAX_SEARCH].map(Table::of_length).to_vec();
         program.routines = [advance, search]
             .into_iter()
-            .map(|piece| Routine {
-                program: Self::new(&pass(piece.graph), piece.reads.len(), execution),
-                constants: 0,
-                never_inline: false,
+            .map(|piece| {
+                Ok(Routine {
+                    program: Self::try_new(&pass(piece.graph), piece.reads.len(), execution)?,
+                    constants: 0,
+                    never_inline: false,
+                })
             })
-            .collect();
+            .collect::<Result<_, _>>()?;
         program.finished()
     }
 }
@@ -334,7 +344,7 @@ impl Table {
     }
 }
 
-fn split(ids: &[Id], middle: usize) -> [&[Id]; 2] {
-    let (first, rest) = ids.split_at(middle);
+fn split(lanes: &[Lane], middle: usize) -> [&[Lane]; 2] {
+    let (first, rest) = lanes.split_at(middle);
     [first, rest]
 }

@@ -146,6 +146,12 @@ impl LimbPacking {
         self.velocities.iter().map(|(lanes, group)| (&**lanes, *group))
     }
 
+    /// Returns the coordinate of the merged robot that has this coordinate of the robot in a lane.
+    pub(in crate::trace) fn coordinate(&self, coordinate: usize) -> usize {
+        let place = self.coordinates.iter().position(|lanes| lanes.contains(&Some(coordinate)));
+        place.expect("all coordinates are in some lane")
+    }
+
     /// Returns whether no limb moves another: all are attached to the world.
     #[must_use]
     pub fn independent(&self, model: &Mechanism<f64>) -> bool {

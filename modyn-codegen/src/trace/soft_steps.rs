@@ -7,11 +7,14 @@ use modyn_runtime::Scalar;
 use modyn_runtime::equations::Workspace;
 use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::equations::soft_constraints::{
-    Advance, Iterate, Progress, Search, SoftModel, StepInput, StepProblem,
+    Advance, Iterate, JointParameters, Progress, Search, SoftModel, SoftMotion, StepInput,
+    StepProblem, moved,
 };
+use modyn_runtime::mechanism::{BodyTree, Mechanism};
 use modyn_runtime::{ContactSurface, StepSettings};
 
-use super::Tracer;
+use super::limbs::ContactPacking;
+use super::{LimbPacking, Tracer};
 use crate::graph::{Expr, Graph};
 
 /// The parts of a step, as one graph. Its inputs after the arguments belong to one part each.
@@ -51,91 +54,254 @@ impl Tracer<'_> {
         let (nq, nv) = (self.model.nq, self.model.nv);
         let surfaces = ContactSurface::<Expr>::COUNT * self.model.contacts();
         let settings = StepSettings::<Expr>::COUNT + surfaces;
-        let arguments = nq + 3 * nv + 1 + settings + self.parameters.len();
-        let mut parts = Vec::new();
-        let mut rows = 0;
+        let first_input = nq + 3 * nv + 1 + settings + self.parameters.len();
+        let mut step = None;
         let groups = [nq, nv, nv, 1, nv, settings];
-        let graph = self.trace_groups(groups, |model, [q, qd, tau, dt, warm_start, settings]| {
-            let input = StepInput { q: &q, qd: &qd, tau: &tau, warm_start: &warm_start, dt: dt[0] };
-            let settings = settings_of(&settings);
-            let soft = soft.map(Expr::from_f64);
-            let model = &model.without_friction();
-            let mut workspace = Workspace::new(model);
-            let mut problem =
-                StepProblem::new(model, elimination, input, (&soft, &settings), &mut workspace);
-            rows = problem.rows();
-            let mut inputs = Inputs { next: arguments };
-            let mut outputs = Vec::new();
-            let mut part = |inputs: Range<usize>, numbers: Vec<Expr>| {
-                let start = outputs.len();
-                outputs.extend(numbers);
-                parts.push(Part { inputs, outputs: start..outputs.len() });
+        let graph = self.trace_groups(groups, |model, groups| {
+            let (parts, outputs) = match self.limbs {
+                None => on_scalars(model, elimination, soft, groups, first_input),
+                Some(limbs) => {
+                    let robot = PackedRobot { model: self.model, whole: model, limbs };
+                    robot.step(elimination, soft, groups, first_input)
+                }
             };
-            let first = problem.first();
-            part(0..0, first.accelerations);
-
-            let begin = inputs.next;
-            let start = inputs.iterate(rows);
-            let [scale, iterations] = inputs.array();
-            let progress = Progress { scale, iterations, ..Progress::first() };
-            let Advance { end, progress, search } = problem.advance(&start, &progress);
-            let Progress { scale, iterations, residual, end: ends } = progress;
-            let numbers = [scale, iterations, residual, ends];
-            part(
-                begin..inputs.next,
-                [&end.accelerations[..], &end.balances, &numbers, &search_numbers(&search)]
-                    .concat(),
-            );
-
-            let begin = inputs.next;
-            let [start, end] = [inputs.iterate(rows), inputs.iterate(rows)];
-            let [low_place, low_slope, high_place, high_slope, least, scale] = inputs.array();
-            let search = Search {
-                low: [low_place, low_slope],
-                high: [high_place, high_slope],
-                least,
-                end: Expr::zero(),
-            };
-            let (point, search) = problem.search([&start, &end], &search, scale);
-            part(
-                begin..inputs.next,
-                [&point.accelerations[..], &point.balances, &search_numbers(&search)].concat(),
-            );
-
-            let begin = inputs.next;
-            let accelerations = inputs.list(rows);
-            let end = Iterate { accelerations, balances: vec![Expr::zero(); rows] };
-            let solution = problem.solution(&end);
-            part(
-                begin..inputs.next,
-                [&solution.q[..], &solution.qd, &solution.qdd, &solution.forces.concat()].concat(),
-            );
+            step = Some(parts);
             outputs
         });
-        let [first, advance, search, solution] =
-            <[Part; 4]>::try_from(parts).unwrap_or_else(|_| unreachable!("four parts are traced"));
+        let Parts { rows, parts: [first, advance, search, solution] } =
+            step.expect("the parts are traced");
         StepGraph { graph, rows, advance, search, first, solution }
     }
 }
 
-/// The next input of a part.
-struct Inputs {
-    next: usize,
+/// The parts of a step: the first accelerations, the full step, the search, the solution.
+struct Parts {
+    rows: usize,
+    parts: [Part; 4],
 }
 
-impl Inputs {
-    fn list(&mut self, count: usize) -> Vec<Expr> {
-        self.next += count;
-        (self.next - count..self.next).map(Expr::input).collect()
+/// The arguments of a step: q, qd, tau, dt, the accelerations to start from, the settings.
+type Arguments = [Vec<Expr>; 6];
+
+/// Traces a step of a robot whose limbs are not merged.
+fn on_scalars(
+    model: &Mechanism<Expr>,
+    elimination: &Elimination,
+    soft: &SoftModel<f64>,
+    [q, qd, tau, dt, warm_start, settings]: Arguments,
+    first_input: usize,
+) -> (Parts, Vec<Expr>) {
+    let input = StepInput { q: &q, qd: &qd, tau: &tau, warm_start: &warm_start, dt: dt[0] };
+    let settings = settings_of(&settings);
+    let soft = soft.map(Expr::from_f64);
+    let model = &model.without_friction();
+    let mut workspace = Workspace::new(model);
+    let problem = StepProblem::new(model, elimination, input, (&soft, &settings), &mut workspace);
+    let rows = vec![vec![true]; problem.rows()];
+    parts(problem, &rows, first_input, |motion| {
+        let [next_q, next_qd] = moved(model, input, &motion.qdd);
+        [next_q, next_qd, motion.qdd, motion.forces.concat()].concat()
+    })
+}
+
+/// A robot with merged limbs.
+struct PackedRobot<'a> {
+    model: &'a Mechanism<f64>,
+    /// The robot without merged limbs, on expressions.
+    whole: &'a Mechanism<Expr>,
+    limbs: &'a LimbPacking,
+}
+
+impl PackedRobot<'_> {
+    /// Traces a step. The last parts are in the robot's own order.
+    fn step(
+        &self,
+        elimination: &Elimination,
+        soft: &SoftModel<f64>,
+        [q, qd, tau, dt, warm_start, settings]: Arguments,
+        first_input: usize,
+    ) -> (Parts, Vec<Expr>) {
+        let Self { model, whole, limbs } = *self;
+        let Elimination::Recursive(partition) = elimination else {
+            unreachable!("robots with mimic joints have no merged limbs")
+        };
+        let nv = model.nv;
+        let packing = limbs.contacts(model);
+        let without_friction = model.without_friction();
+        let merged = limbs.merged(&without_friction, whole.gravity);
+        let merged = packing.add_to(merged, limbs, model);
+        let elimination = Elimination::Recursive(limbs.partition(partition));
+        let given = StepInput { q: &q, qd: &qd, tau: &tau, warm_start: &warm_start, dt: dt[0] };
+        let [packed_qd, packed_tau, packed_warm] =
+            [&qd, &tau, &warm_start].map(|vector| limbs.vector(vector));
+        let input = StepInput {
+            q: &limbs.coordinates(&q),
+            qd: &packed_qd,
+            tau: &packed_tau,
+            warm_start: &packed_warm,
+            dt: dt[0],
+        };
+        let (common, surfaces) = settings.split_at(StepSettings::<Expr>::COUNT);
+        let surfaces = packing.numbers(surfaces, ContactSurface::<Expr>::COUNT);
+        let settings = settings_of(&[common, &surfaces].concat());
+        let merged_soft = self.soft_model(soft, &packing);
+        let mut workspace = Workspace::new(&merged);
+        let soft = (&merged_soft, &settings);
+        let problem = StepProblem::new(&merged, &elimination, input, soft, &mut workspace);
+        let contacts = packing.lanes().flat_map(|lanes| vec![lanes; 3]);
+        let joints = problem.joints_of_rows().map(|dof| {
+            let (lanes, _) = limbs.velocities().nth(dof).expect("a joint of the merged robot");
+            lanes.iter().map(Option::is_some).collect()
+        });
+        let rows: Vec<Vec<bool>> = contacts.chain(joints).collect();
+        parts(problem, &rows, first_input, |motion| {
+            let qdd = limbs.unpack_vector(&motion.qdd, nv);
+            let [next_q, next_qd] = moved(whole, given, &qdd);
+            let forces = packing.unpack(&motion.forces.concat(), 3);
+            [next_q, next_qd, qdd, forces].concat()
+        })
     }
 
+    /// Returns what the soft constraints have beside the settings, in lanes. A limb without a joint's limit has a
+    /// limit that is out of reach.
+    fn soft_model(&self, soft: &SoftModel<f64>, packing: &ContactPacking) -> SoftModel<Expr> {
+        const OUT_OF_REACH: f64 = 1e10;
+        let pack = |numbers: Vec<f64>| {
+            Expr::pack(&numbers.into_iter().map(Expr::from_f64).collect::<Vec<_>>())
+        };
+        let mobilities = packing.contacts().map(|lanes| {
+            let present = lanes.iter().flatten().next().expect("a contact in some lane");
+            let mobility = |c: &Option<usize>| soft.mobilities[c.unwrap_or(*present)];
+            pack(lanes.iter().map(mobility).collect())
+        });
+        let joints = self.limbs.velocities().map(|(lanes, _)| {
+            let each: Vec<Option<&JointParameters<f64>>> =
+                lanes.iter().map(|dof| soft.joints[(*dof)?].as_ref()).collect();
+            let first = each.iter().flatten().next()?;
+            let coordinate = self.limbs.coordinate(first.coordinate);
+            let numbers = |get: &dyn Fn(&JointParameters<f64>) -> f64, missing: f64| {
+                pack(each.iter().map(|joint| joint.map_or(missing, get)).collect())
+            };
+            let some = |get: &dyn Fn(&JointParameters<f64>) -> Option<f64>, missing: f64| {
+                let is_there = each.iter().flatten().any(|joint| get(joint).is_some());
+                is_there.then(|| numbers(&|joint| get(joint).unwrap_or(missing), missing))
+            };
+            Some(JointParameters {
+                coordinate,
+                range: [
+                    some(&|joint| joint.range[0], -OUT_OF_REACH),
+                    some(&|joint| joint.range[1], OUT_OF_REACH),
+                ],
+                margin: numbers(&|joint| joint.margin, 0.0),
+                mobility: numbers(&|joint| joint.mobility, first.mobility),
+                limit: first.limit.map(Expr::from_f64),
+                dry_friction: some(&|joint| joint.dry_friction, 0.0),
+                friction: first.friction.map(Expr::from_f64),
+            })
+        });
+        SoftModel {
+            cone: soft.cone,
+            weight: Expr::from_f64(soft.weight),
+            mobilities: mobilities.collect(),
+            joints: joints.collect(),
+        }
+    }
+}
+
+/// Traces the parts of a problem. `rows` says of each row which lanes it has; `solution` returns the outputs of the last part.
+fn parts<T: BodyTree<Expr>>(
+    mut problem: StepProblem<'_, Expr, T>,
+    rows: &[Vec<bool>],
+    first_input: usize,
+    solution: impl FnOnce(SoftMotion<Expr>) -> Vec<Expr>,
+) -> (Parts, Vec<Expr>) {
+    let mut inputs = Inputs { next: first_input, rows };
+    let mut outputs = Vec::new();
+    let mut part = |inputs: Range<usize>, numbers: Vec<Expr>| {
+        let start = outputs.len();
+        outputs.extend(numbers);
+        Part { inputs, outputs: start..outputs.len() }
+    };
+    let first = problem.first();
+    let first = part(0..0, inputs.unpacked(&first.accelerations));
+
+    let begin = inputs.next;
+    let start = inputs.iterate();
+    let [scale, iterations] = inputs.array();
+    let progress = Progress { scale, iterations, ..Progress::first() };
+    let Advance { end, progress, search } = problem.advance(&start, &progress);
+    let Progress { scale, iterations, residual, end: ends } = progress;
+    let numbers = [
+        inputs.unpacked(&end.accelerations),
+        inputs.unpacked(&end.balances),
+        vec![scale, iterations, residual, ends],
+        search_numbers(&search).to_vec(),
+    ];
+    let advance = part(begin..inputs.next, numbers.concat());
+
+    let begin = inputs.next;
+    let [start, end] = [inputs.iterate(), inputs.iterate()];
+    let [low_place, low_slope, high_place, high_slope, least, scale] = inputs.array();
+    let search = Search {
+        low: [low_place, low_slope],
+        high: [high_place, high_slope],
+        least,
+        end: Expr::zero(),
+    };
+    let (point, search) = problem.search([&start, &end], &search, scale);
+    let numbers = [
+        inputs.unpacked(&point.accelerations),
+        inputs.unpacked(&point.balances),
+        search_numbers(&search).to_vec(),
+    ];
+    let search = part(begin..inputs.next, numbers.concat());
+
+    let begin = inputs.next;
+    let end = Iterate { accelerations: inputs.packed(), balances: vec![Expr::zero(); rows.len()] };
+    let motion = problem.motion(&end);
+    let solution = part(begin..inputs.next, solution(motion));
+    let count = rows.iter().flatten().filter(|is_there| **is_there).count();
+    (Parts { rows: count, parts: [first, advance, search, solution] }, outputs)
+}
+
+/// The next input of a part, and the lanes of each row.
+struct Inputs<'a> {
+    next: usize,
+    rows: &'a [Vec<bool>],
+}
+
+impl Inputs<'_> {
     fn array<const N: usize>(&mut self) -> [Expr; N] {
         self.next += N;
         core::array::from_fn(|k| Expr::input(self.next - N + k))
     }
 
-    fn iterate(&mut self, rows: usize) -> Iterate<Expr> {
-        Iterate { accelerations: self.list(rows), balances: self.list(rows) }
+    /// Returns a number for each row, which is an input in each lane that is there.
+    fn packed(&mut self) -> Vec<Expr> {
+        let Self { next, rows } = self;
+        let mut number = |is_there: &bool| {
+            if !is_there {
+                return Expr::zero();
+            }
+            *next += 1;
+            Expr::input(*next - 1)
+        };
+        let row =
+            |lanes: &Vec<bool>| Expr::pack(&lanes.iter().map(&mut number).collect::<Vec<_>>());
+        rows.iter().map(row).collect()
+    }
+
+    /// Returns the numbers of the rows in the order of [`packed`](Self::packed).
+    fn unpacked(&self, numbers: &[Expr]) -> Vec<Expr> {
+        let lanes = |(number, lanes): (&Expr, &Vec<bool>)| -> Vec<Expr> {
+            let there = lanes.iter().enumerate().filter(|(_, is_there)| **is_there);
+            there.map(|(lane, _)| number.extract_lane(lane)).collect()
+        };
+        numbers.iter().zip(self.rows).flat_map(lanes).collect()
+    }
+
+    fn iterate(&mut self) -> Iterate<Expr> {
+        Iterate { accelerations: self.packed(), balances: self.packed() }
     }
 }
 

@@ -107,7 +107,7 @@ impl<S: Scalar> Impedance<S> {
 
 impl<S: Copy> Softness<S> {
     /// Returns the softness with `f` applied to its numbers.
-    pub(super) fn map<T>(&self, f: impl Fn(S) -> T + Copy) -> Softness<T> {
+    pub fn map<T>(&self, f: impl Fn(S) -> T + Copy) -> Softness<T> {
         let Impedance { least, most, width, midpoint, power } = self.impedance;
         Softness {
             reference: self.reference.map(f),

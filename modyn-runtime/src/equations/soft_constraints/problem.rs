@@ -209,6 +209,11 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
         3 * self.contacts.len() + self.joints.len()
     }
 
+    /// Returns the entry of qd of each row that is no contact's.
+    pub fn joints_of_rows(&self) -> impl Iterator<Item = usize> {
+        self.joints.iter().map(|row| row.dof)
+    }
+
     /// Returns the first iterate: the accelerations of the rows at `input.warm_start`, with forces that only the first full step overwrites.
     pub fn first(&mut self) -> Iterate<S> {
         let mut accelerations = self.input.warm_start.to_vec();
