@@ -2,7 +2,7 @@
 
 use modyn_codegen::Planning;
 use modyn_codegen::plan::{Frames, Kernels, Plan, Planned, Shape};
-use modyn_codegen::program::{AroundLoops, Program};
+use modyn_codegen::program::Program;
 
 use crate::code_size::CodeSize;
 use crate::error::CompileError;
@@ -93,7 +93,7 @@ impl<S: Real> Assembly<S> {
         let placed = [&*arrays, &[Frames::PLACEMENT]].concat();
         let kernels = match &planned.kernels {
             Kernels::Straight { scalar, simd } => match scalar.around_loops() {
-                Some(parts) => self.looped(scalar, &parts, &arrays, &mut size),
+                Some(_) => self.looped(scalar, simd.as_ref(), &arrays, &mut size),
                 None => CompiledKernels::One(kernel(scalar, simd.as_ref(), &arrays)),
             },
             Kernels::ByLink(programs) => {
@@ -125,20 +125,19 @@ impl<S: Real> Assembly<S> {
     /// Compiles a program with loops.
     fn looped(
         &mut self,
-        program: &Program,
-        parts: &AroundLoops<'_>,
+        scalar: &Program,
+        simd: Option<&Program>,
         arrays: &[usize],
         size: &mut CodeSize,
     ) -> CompiledKernels {
-        let single = LoopedCode::new(program, parts, arrays, |program, arrays| {
+        let simd = simd.filter(|_| self.instruction_set.packs(size_of::<S>()));
+        let single = LoopedCode::new(simd.unwrap_or(scalar), arrays, |program, arrays| {
             let (code, bytes) = self.append(program, arrays, false);
             *size += bytes;
             code
         });
         let batch = self.batches.then(|| {
-            LoopedCode::new(program, parts, arrays, |program, arrays| {
-                self.append(program, arrays, true).0
-            })
+            LoopedCode::new(scalar, arrays, |program, arrays| self.append(program, arrays, true).0)
         });
         CompiledKernels::Looped { single, batch }
     }

@@ -4,7 +4,7 @@
 //! themselves run here, over arrays. In a batch the lanes of each number are states. A state whose loop has ended
 //! keeps its numbers while others go on.
 
-use modyn_codegen::program::{AroundLoops, Call, Loop, Loops, Place, Program, Read, Step, Table};
+use modyn_codegen::program::{Call, Loop, Loops, Place, Program, Read, Step, Table};
 
 use crate::machine::{Code, Pages};
 use crate::real::Real;
@@ -159,10 +159,10 @@ impl LoopedCode {
     /// Returns the code of a program with loops. `append` compiles a program with arguments in arrays of these lengths.
     pub fn new(
         program: &Program,
-        parts: &AroundLoops<'_>,
         arguments: &[usize],
         mut append: impl FnMut(&Program, &[usize]) -> Code,
     ) -> Self {
+        let parts = program.around_loops().expect("a program with loops");
         let given: usize = arguments.iter().sum();
         let after = [arguments, &[parts.after.arguments - given]].concat();
         Self {

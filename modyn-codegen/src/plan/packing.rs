@@ -118,12 +118,16 @@ fn profitable(
     scalar: &Graph,
 ) -> Option<Graph> {
     let cheapest = graphs.min_by_key(operations).map(|graph| balance(&optimize(graph)));
-    let is_profitable = |graph: &Graph| operations(graph) * 5 < operations(scalar) * MAX_FIFTHS;
-    if let Some(graph) = cheapest.filter(is_profitable) {
+    if let Some(graph) = cheapest.filter(|graph| is_profitable(graph, scalar)) {
         return Some(graph);
     }
     let dispatched = context.has_vectors() && hot && DISPATCHED.contains(&operations(scalar));
     dispatched.then(|| scalar.clone())
+}
+
+/// Returns whether a packed graph is profitable compared with one on scalars.
+pub(super) fn is_profitable(packed: &Graph, scalar: &Graph) -> bool {
+    operations(packed) * 5 < operations(scalar) * MAX_FIFTHS
 }
 
 /// Returns the graphs with packed limbs that `trace` returns; the cheapest is taken.

@@ -3,7 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use modyn_runtime::Interpreter;
+use modyn_runtime::equations::ModulePartition;
+use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::equations::soft_constraints::Cone;
+use modyn_runtime::model::ModuleTree;
 use modyn_runtime::quantities::{Argument, Function, Shape, Sizes};
 
 use super::bundle::{Bundle, Graphs, Member};
@@ -17,9 +20,9 @@ use super::planned::{Kernels, Planned};
 use super::user::{TracedForm, TracedFunction};
 use crate::graph::Graph;
 use crate::intern::intern;
-use crate::passes::optimize;
+use crate::passes::{balance, optimize};
 use crate::program::{Execution, InvalidProgram, Program};
-use crate::trace::Tracer;
+use crate::trace::{StepGraph, Tracer};
 
 /// The scalar graphs of the selected functions that also have a selected batch form. Each graph is
 /// traced once, for the function and its batch form.
@@ -88,7 +91,7 @@ impl Planned {
                 let graph = packing::balanced(optimize(context.all_links.link_poses()));
                 Kernels::of(context.program(&graph, scalars))
             }
-            GraphSource::Step => Kernels::of(context.step(scalars)),
+            GraphSource::Step => context.step(scalars),
             GraphSource::Traced(_) | GraphSource::Evaluation => {
                 let rows = dense::of_constraints(function, context, scalars);
                 rows.unwrap_or_else(|| {
@@ -216,13 +219,28 @@ impl PlanContext<'_> {
         }
     }
 
-    /// Returns the program of a step with soft constraints.
-    fn step(&self, scalars: usize) -> Program {
+    /// Returns the programs of a step with soft constraints.
+    fn step(&self, scalars: usize) -> Kernels {
         let soft = Interpreter::<f64>::new(self.model.clone()).soft_model(Cone::default());
-        let mut step = self.tracer.step(&self.elimination, &soft);
-        step.graph = optimize(step.graph);
-        Program::of_step(&step, scalars, self.without_packs(), packing::balanced)
-            .expect("a fault of modyn: please report it")
+        let traced = |tracer: &Tracer<'_>, elimination: &Elimination| {
+            let step = tracer.step(elimination, &soft);
+            StepGraph { graph: optimize(step.graph), ..step }
+        };
+        let scalar = traced(&self.tracer, &self.elimination);
+        let links = ModulePartition::new(self.tracer.model(), &ModuleTree::links(self.model));
+        let by_links = Elimination::Recursive(links);
+        let limbs = self
+            .limbs
+            .iter()
+            .filter(|limbs| self.has_vectors() && limbs.merges_contacts(self.tracer.model()));
+        let packed = limbs.map(|limbs| traced(&self.tracer.packed(limbs), &by_links));
+        let packed = packed.min_by_key(|step| step.graph.count().total());
+        let packed = packed.filter(|packed| packing::is_profitable(&packed.graph, &scalar.graph));
+        let simd = packed.and_then(|step| {
+            Program::of_step(&step, scalars, Execution::Simd, |graph| balance(&graph)).ok()
+        });
+        let scalar = Program::of_step(&scalar, scalars, self.without_packs(), packing::balanced);
+        Kernels::Straight { scalar: scalar.expect("a fault of modyn: please report it"), simd }
     }
 
     /// Returns the way that programs without packs run.

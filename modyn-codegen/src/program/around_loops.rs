@@ -1,7 +1,7 @@
 //! A program as what runs before its loops, the loops, and what runs after them, for back ends that run the
 //! loops themselves.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Addend, Loops, MultiplyAdd, Operand, Operation, Program, Source, Statement, Value};
 
@@ -21,65 +21,91 @@ impl Program {
     ///
     /// # Panics
     ///
-    /// If there are several loops, or vectors, which no program of a step has.
+    /// If there are several loops, which no program of a step has.
     #[must_use]
     pub fn around_loops(&self) -> Option<AroundLoops<'_>> {
         let is_loop = |statement: &Statement| matches!(statement.operation, Operation::Loops(_));
         let at = self.statements.iter().position(is_loop)?;
         let Operation::Loops(loops) = &self.statements[at].operation else { return None };
-        assert!(self.loops().count() == 1 && self.widths().len() == 1, "one solver on scalars");
+        assert!(self.loops().count() == 1, "one solver");
         let after = &self.statements[at + 1..];
         let operands = after.iter().flat_map(|statement| statement.operation.operands());
-        let mut crossing: BTreeMap<Value, usize> = BTreeMap::new();
-        for value in operands.chain(self.results.iter().copied()).filter_map(|x| x.value()) {
-            if value.statement < at {
-                let next = crossing.len();
-                crossing.entry(value).or_insert(next);
-            }
-        }
-        let mut values: Vec<(&Value, &usize)> = crossing.iter().collect();
-        values.sort_by_key(|(_, place)| **place);
-        let crossing_operands = values.iter().map(|(value, _)| Operand {
-            source: Source::Result(**value),
-            negated: false,
-            lanes: 1,
-        });
-        let stored = loops.stored.iter().map(|stored| stored.value);
-        let before = Self {
-            statements: self.statements[..at].iter().map(without_last_use).collect(),
-            results: stored.chain(crossing_operands).collect(),
-            ..Self::without_statements(self.execution, self.arguments)
+        let read = operands.chain(self.results.iter().copied()).filter_map(|x| x.value());
+        let crossing: BTreeSet<Value> = read.filter(|value| value.statement < at).collect();
+        let mut cut = Cut {
+            before: Self {
+                statements: self.statements[..at].iter().map(without_last_use).collect(),
+                results: loops.stored.iter().map(|stored| stored.value).collect(),
+                ..Self::without_statements(self.execution, self.arguments)
+            },
+            after: Self::without_statements(self.execution, self.arguments + loops.results.len()),
+            sources: BTreeMap::new(),
         };
-        let first = self.arguments + loops.results.len();
+        crossing
+            .into_iter()
+            .for_each(|value| cut.pass(value, self.statements[value.statement].lanes));
+        let Cut { before, mut after, sources } = cut;
+        let first = after.statements.len();
         let moved = |operand: Operand| {
             let source = match operand.source {
-                Source::Result(value) if value.statement < at => {
-                    Source::Argument(first + crossing[&value])
-                }
+                Source::Result(value) if value.statement < at => sources[&value],
                 Source::Result(value) if value.statement == at => {
                     Source::Argument(self.arguments + value.place)
                 }
                 Source::Result(value) => {
-                    Source::Result(Value { statement: value.statement - at - 1, ..value })
+                    let statement = value.statement - at - 1 + first;
+                    Source::Result(Value { statement, ..value })
                 }
                 source => source,
             };
             Operand { source, ..operand }
         };
-        let after = Self {
-            statements: after
-                .iter()
-                .map(|statement| Statement {
-                    operation: statement.operation.map(moved),
-                    ..without_last_use(statement)
-                })
-                .collect(),
-            results: self.results.iter().map(|&result| moved(result)).collect(),
-            ..Self::without_statements(self.execution, first + crossing.len())
-        };
+        after.statements.extend(self.statements[at + 1..].iter().map(|statement| Statement {
+            operation: statement.operation.map(moved),
+            ..without_last_use(statement)
+        }));
+        after.results = self.results.iter().map(|&result| moved(result)).collect();
         let finished = |program: Self| program.finished().expect("a part of a valid program");
         Some(AroundLoops { before: finished(before), loops, after: finished(after) })
     }
+}
+
+/// The parts of a program while values are passed from one to the other.
+struct Cut {
+    before: Program,
+    after: Program,
+    /// The values in `after`.
+    sources: BTreeMap<Value, Source>,
+}
+
+impl Cut {
+    /// Makes a value of `before` one of `after`, by its lanes.
+    fn pass(&mut self, value: Value, lanes: u8) {
+        let Self { before, after, sources } = self;
+        let result = |source| Operand { source, negated: false, lanes: 1 };
+        let first = after.arguments;
+        after.arguments += usize::from(lanes);
+        if lanes == 1 {
+            before.results.push(result(Source::Result(value)));
+            sources.insert(value, Source::Argument(first));
+            return;
+        }
+        let vector = Operand { source: Source::Result(value), negated: false, lanes };
+        let statement = before.statements.len();
+        before.statements.push(new_statement(Operation::Unpack(vector), 1, lanes.into()));
+        let places = 0..usize::from(lanes);
+        before
+            .results
+            .extend(places.clone().map(|place| result(Source::Result(Value { statement, place }))));
+        let packed = places.map(|place| result(Source::Argument(first + place))).collect();
+        let statement = after.statements.len();
+        after.statements.push(new_statement(Operation::Pack(packed), lanes, 1));
+        sources.insert(value, Source::Result(Value { statement, place: 0 }));
+    }
+}
+
+fn new_statement(operation: Operation, lanes: u8, results: usize) -> Statement {
+    Statement { operation, lanes, used: vec![true; results], last_use: 0, stores: Vec::new() }
 }
 
 fn without_last_use(statement: &Statement) -> Statement {

@@ -5,11 +5,12 @@
 
 use std::fmt::Write as _;
 
-use super::{Printer, function, literal};
+use super::{Printer, function, literal, vector_types};
 use crate::emit::rust::parameter::Parameter;
 use crate::emit::rust::shape::Shape;
 use crate::program::{
-    Array, Call, Column, Entry, Loop, Loops, Place, Read, Routine, Step, Table, argument_of,
+    Array, Call, Column, Entry, Execution, Loop, Loops, Place, Read, Routine, Step, Table,
+    argument_of,
 };
 
 /// A row of an array, or consecutive numbers of an argument, at a place of a table.
@@ -167,7 +168,12 @@ impl Printer<'_> {
             if has_constants { format!("constants{}, ", depth - 1) } else { String::new() };
         let routine = self.routine_name(call.routine);
         let reads = reads.join(", ");
-        let _ = writeln!(text, "    let results = {routine}({constants}&[{reads}]);");
+        let program = &self.program.routines[call.routine].program;
+        let types = match program.execution {
+            Execution::Simd => format!("::<{}V>", "_, ".repeat(vector_types(program))),
+            _ => String::new(),
+        };
+        let _ = writeln!(text, "    let results = {routine}{types}({constants}&[{reads}]);");
         let mut windows = Windows::default();
         let mut stores: Vec<String> = Vec::new();
         for (i, write) in call.writes.iter().enumerate() {
@@ -181,7 +187,11 @@ impl Printer<'_> {
                 None => (entry(loops, &Entry { array: write.array, index }), None),
             };
             let sum = if write.adds { format!("{to} + ") } else { String::new() };
-            let store = format!("{to} = {sum}results[{i}];");
+            let result = match program.execution {
+                Execution::Simd => format!("V::one(results[{i}])"),
+                _ => format!("results[{i}]"),
+            };
+            let store = format!("{to} = {sum}{result};");
             match within {
                 None => *text += &format!("    {store}\n"),
                 Some(k) => {
