@@ -1,6 +1,6 @@
 //! Steps with soft constraints against MuJoCo: see the reference data's README.
 
-use modyn_codegen::plan::{Choices, Plan};
+use modyn_codegen::plan::{Choices, Kernels, Plan};
 use modyn_codegen::program::Execution;
 use modyn_codegen::{Base, ReadOptions, read};
 use modyn_runtime::equations::soft_constraints::{
@@ -225,6 +225,36 @@ fn programs_compute_the_steps_of_the_interpreter() {
         }
     }
     assert!(iterations > 300.0, "{iterations}: the solver iterates");
+}
+
+/// Equal limbs are in the lanes of vectors; the arms and the legs of a humanoid are on different bodies, and so are
+/// joints without limits.
+#[test]
+fn programs_on_vectors_compute_the_steps_of_programs_on_scalars() {
+    let mut compared = 0;
+    for file in list(&data()) {
+        let model = robot(file);
+        let choices = Choices { functions: vec![Function::Step], ..Choices::default() };
+        let modules = ModuleTree::chains(&model);
+        let plan = Plan::new(&model, &modules, &choices, Execution::Simd);
+        let plan = plan.unwrap_or_else(|_| panic!("the robot is small"));
+        let Kernels::Straight { scalar, simd: Some(simd) } = &plan.functions[0].kernels else {
+            panic!("{} has no program on vectors", model.name())
+        };
+        assert!(2 * simd.static_operations().total() < scalar.static_operations().total());
+        for k in 0..20 {
+            let mut given = arguments(Function::Step, &model, &state(k, &model));
+            set(&mut given, TOLERANCE_OF_FORCES, 1e-12);
+            let [expected, found] = [scalar, simd].map(|program| program.evaluate(&given.concat()));
+            let largest = expected.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
+            for (found, expected) in found.iter().zip(&expected) {
+                let error = (found - expected).abs();
+                assert!(error <= 1e-9 * largest, "{} {k}: {found} {expected}", model.name());
+            }
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, 40);
 }
 
 /// The places of settings, and of numbers of a surface.
