@@ -3,6 +3,8 @@
 //!
 //! `modyn::simulate::State::step_on_ground` is the same step for generated robots.
 
+use modyn_runtime::equations::State;
+use modyn_runtime::equations::constraints::{ProjectionOutputs, ResidualOutputs};
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::Model;
 use modyn_runtime::quantities::Function;
@@ -182,8 +184,13 @@ fn move_to_ground(
     let twists = || vec![Twist::zero(); model.constraints()];
     let mut displacements = twists();
     let mut velocities = twists();
-    let found = (&mut *displacements, &mut *velocities);
-    interpreter.constraint_residual((q, &vec![0.0; model.nv()]), &settings_of(model), found)?;
+    let outputs =
+        ResidualOutputs { displacements: &mut displacements, velocities: &mut velocities };
+    interpreter.constraint_residual(
+        State { q, qd: &vec![0.0; model.nv()] },
+        &settings_of(model),
+        outputs,
+    )?;
     let base = |frame: usize| {
         let links = std::iter::successors(model.frames()[frame].link, |&i| model.links()[i].parent);
         links.last()
@@ -271,20 +278,25 @@ pub fn close_loops(
     let mut dq = vec![0.0; qd.len()];
     let mut dqd = vec![0.0; qd.len()];
     for _ in 0..PROJECTIONS {
-        let into = (&mut *dq, &mut *dqd);
-        interpreter.project_constraints((&q, &qd), &inactive, &settings, into).map_err(shape)?;
+        let outputs = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
+        interpreter
+            .project_constraints(State { q: &q, qd: &qd }, &inactive, &settings, outputs)
+            .map_err(shape)?;
         let before = q.clone();
         interpreter.integrate(&before, &dq, &mut q).map_err(shape)?;
     }
     // Velocities come last: a redundant loop that is open can be locked.
-    let into = (&mut *dq, &mut *dqd);
-    interpreter.project_constraints((&q, &qd), &inactive, &settings, into).map_err(shape)?;
+    let outputs = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
+    interpreter
+        .project_constraints(State { q: &q, qd: &qd }, &inactive, &settings, outputs)
+        .map_err(shape)?;
     qd.iter_mut().zip(&dqd).for_each(|(v, d)| *v += d);
     let twists = || vec![Twist::zero(); model.constraints()];
     let mut displacements = twists();
     let mut velocities = twists();
-    let results = (&mut *displacements, &mut *velocities);
-    interpreter.constraint_residual((&q, &qd), &settings, results).map_err(shape)?;
+    let outputs =
+        ResidualOutputs { displacements: &mut displacements, velocities: &mut velocities };
+    interpreter.constraint_residual(State { q: &q, qd: &qd }, &settings, outputs).map_err(shape)?;
     // NaN is not closed.
     let is_open =
         |displacement: &Twist<f64>| !displacement.components().iter().all(|x| x.abs() < CLOSED);

@@ -20,8 +20,13 @@
 use std::ops::Range;
 
 use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::equations::constraints::{
+    ConstrainedCotangent, ConstraintInput, ConstraintWorkspaces, ResidualOutputs,
+};
 use modyn_runtime::equations::kinematics::{self, Axes};
-use modyn_runtime::equations::{ConstraintWorkspace, Workspace, constraints, dynamics};
+use modyn_runtime::equations::{
+    ConstraintWorkspace, Motion, State, Workspace, constraints, dynamics,
+};
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::spatial::{Twist, Wrench};
 use modyn_runtime::{ContactTarget, Scalar};
@@ -113,18 +118,19 @@ impl Tracer<'_> {
         let settings = settings_count(self.model);
         let lengths = [self.model.nq, contacts, settings, nv, WRENCH * constraints];
         self.trace_groups(lengths, |model, [q, active, settings, x, y]| {
-            let mut a = self.vector();
-            let mut b = vec![Wrench::zero(); constraints];
-            constraints::constraint_adjoint(
+            let adjoint = constraints::constraint_adjoint(
                 model,
                 layout,
                 &q,
-                (&active, &settings_of(&settings)),
-                (&mut Workspace::new(model), &mut ConstraintWorkspace::new(model, layout)),
-                (&x, &wrenches_of(&y)),
-                (&mut a, &mut b),
+                ConstraintInput { active: &active, settings: &settings_of(&settings) },
+                ConstraintWorkspaces {
+                    workspace: &mut Workspace::new(model),
+                    memory: &mut ConstraintWorkspace::new(model, layout),
+                },
+                ConstrainedCotangent { qdd: &x, wrenches: &wrenches_of(&y) },
             );
-            a.into_iter().chain(b.iter().flat_map(Wrench::components)).collect()
+            let wrenches = adjoint.wrenches.iter().flat_map(Wrench::components);
+            adjoint.accelerations.iter().copied().chain(wrenches).collect()
         })
     }
 
@@ -155,21 +161,26 @@ impl Tracer<'_> {
         let count = WRENCH * constraints;
         let lengths = [nq, nv, nv, count, nv, count, settings_count(self.model)];
         self.trace_groups(lengths, |model, [q, qd, qdd, l, a, b, settings]| {
-            let workspaces = &mut (Workspace::new(model), ConstraintWorkspace::new(model, layout));
+            let workspaces = &mut ConstraintWorkspaces {
+                workspace: &mut Workspace::new(model),
+                memory: &mut ConstraintWorkspace::new(model, layout),
+            };
             let mut tau = self.vector();
-            let motion = (&*q, &*qd, &*qdd);
+            let state = State { q: &q, qd: &qd };
+            let motion = state.with_accelerations(&qdd);
             dynamics::inverse_dynamics(
                 model,
-                (&q, &qd, Some(&qdd)),
+                state,
+                Some(&qdd),
                 None,
-                &mut workspaces.0,
+                workspaces.workspace,
                 &mut tau,
             );
             let settings = settings_of(&settings);
             let targets = &*settings.contacts;
-            let moved = relative_velocities(model, targets, (&q, &a), workspaces);
+            let moved = relative_velocities(model, targets, State { q: &q, qd: &a }, workspaces);
             let accelerations = relative_accelerations(model, targets, motion, workspaces);
-            let [displacements, velocities] = residuals(model, targets, (&q, &qd), workspaces);
+            let [displacements, velocities] = residuals(model, targets, state, workspaces);
             let mut phi = dot(&a, &tau);
             for k in 0..constraints {
                 let (alpha, beta) = match k.checked_sub(contacts(model).start) {
@@ -187,20 +198,17 @@ impl Tracer<'_> {
     }
 }
 
-/// Memory for equations with constraints.
-type Rooms = (Workspace<Expr>, ConstraintWorkspace<Expr>);
-
 /// Returns the displacements and the velocities of all constraints relative to their targets.
 fn residuals(
     model: &Mechanism<Expr>,
     targets: &[ContactTarget<Expr>],
-    state: (&[Expr], &[Expr]),
-    (workspace, memory): &mut Rooms,
+    state: State<'_, Expr>,
+    workspaces: &mut ConstraintWorkspaces<'_, Expr>,
 ) -> [Vec<Twist<Expr>>; 2] {
     let mut results = [(); 2].map(|()| vec![Twist::zero(); model.constraints.len()]);
     let [displacements, velocities] = &mut results;
-    let into = (&mut **displacements, &mut **velocities);
-    constraints::constraint_residual(model, state, targets, (workspace, memory), into);
+    let outputs = ResidualOutputs { displacements, velocities };
+    constraints::constraint_residual(model, state, targets, workspaces.reborrow(), outputs);
     results
 }
 
@@ -209,14 +217,14 @@ fn residuals(
 fn relative_velocities(
     model: &Mechanism<Expr>,
     targets: &[ContactTarget<Expr>],
-    state: (&[Expr], &[Expr]),
-    workspaces: &mut Rooms,
+    state: State<'_, Expr>,
+    workspaces: &mut ConstraintWorkspaces<'_, Expr>,
 ) -> Vec<Twist<Expr>> {
     let [_, mut velocities] = residuals(model, targets, state, workspaces);
     let frames = with_second_frames(model);
     for k in contacts(model) {
         velocities[k] =
-            kinematics::link_velocity(&frames, k, state, Axes::World, &mut workspaces.0);
+            kinematics::link_velocity(&frames, k, state, Axes::World, workspaces.workspace);
     }
     velocities
 }
@@ -225,20 +233,25 @@ fn relative_velocities(
 fn relative_accelerations(
     model: &Mechanism<Expr>,
     targets: &[ContactTarget<Expr>],
-    (q, qd, qdd): (&[Expr], &[Expr], &[Expr]),
-    workspaces: &mut Rooms,
+    motion: Motion<'_, Expr>,
+    workspaces: &mut ConstraintWorkspaces<'_, Expr>,
 ) -> Vec<Twist<Expr>> {
-    let mut accelerations = relative_velocities(model, targets, (q, qdd), workspaces);
+    let changes = State { q: motion.q, qd: motion.qdd };
+    let mut accelerations = relative_velocities(model, targets, changes, workspaces);
     let mut biases = vec![Twist::zero(); accelerations.len()];
-    constraints::constraint_bias_acceleration(model, (q, qd), &mut workspaces.0, &mut biases);
+    constraints::constraint_bias_acceleration(
+        model,
+        motion.state(),
+        workspaces.workspace,
+        &mut biases,
+    );
     for (acceleration, &bias) in accelerations.iter_mut().zip(&biases) {
         *acceleration = *acceleration + bias;
     }
     let frames = with_second_frames(model);
-    let motion = (q, qd, qdd);
     for k in contacts(model) {
         let found =
-            kinematics::link_acceleration(&frames, k, motion, Axes::World, &mut workspaces.0);
+            kinematics::link_acceleration(&frames, k, motion, Axes::World, workspaces.workspace);
         accelerations[k] = found;
     }
     accelerations

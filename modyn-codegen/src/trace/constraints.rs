@@ -6,10 +6,15 @@
 //! else 0.
 
 use modyn_runtime::equations::brge::UduLayout;
-use modyn_runtime::equations::constraints::{ColumnMap, RowSystem};
+use modyn_runtime::equations::constraints::{
+    ColumnMap, ConstrainedOutputs, ConstraintInput, ConstraintWorkspaces, ImpulseOutputs,
+    OperationalInertiaOutputs, ProjectionOutputs, RowSystem,
+};
 use modyn_runtime::equations::factorization::{Factorizable, MergedUduLayout};
 use modyn_runtime::equations::kinematics::coordinates;
-use modyn_runtime::equations::{ConstraintWorkspace, Workspace, constraints};
+use modyn_runtime::equations::{
+    ConstraintWorkspace, ForwardInput, State, StepInput, Workspace, constraints,
+};
 use modyn_runtime::mechanism::{Mechanism, MergedMechanism};
 use modyn_runtime::spatial::{Twist, Vector3, Wrench};
 use modyn_runtime::{ConstraintSettings, ContactTarget, Scalar};
@@ -257,9 +262,9 @@ impl Tracer<'_> {
         apart: Option<ApartRows<'_>>,
         solve: impl FnOnce(
             (&MergedMechanism<Expr>, &MergedUduLayout),
-            (&[Expr], &[Expr], &[Expr]),
-            constraints::Settings<'_, Expr, Vec<ContactTarget<Expr>>>,
-            (&mut Workspace<Expr>, &mut ConstraintWorkspace<Expr>),
+            ForwardInput<'_, Expr>,
+            ConstraintInput<'_, Expr, Vec<ContactTarget<Expr>>>,
+            ConstraintWorkspaces<'_, Expr>,
             constraints::ConstrainedDerivatives<'_, Expr>,
         ) -> (Expr, Vec<Expr>),
     ) -> Graph {
@@ -275,7 +280,8 @@ impl Tracer<'_> {
             let mut changes: [Vec<Wrench<Expr>>; 3] =
                 std::array::from_fn(|_| vec![Wrench::zero(); nv * count]);
             let outputs = constraints::ConstrainedDerivatives::new(
-                (&mut qdd, &mut wrenches),
+                &mut qdd,
+                &mut wrenches,
                 &mut matrices,
                 &mut changes,
             );
@@ -285,9 +291,9 @@ impl Tracer<'_> {
             let apart = apart.map(|apart| apart.given(memory, self.rows()));
             let (rank, dense) = solve(
                 (model, layout),
-                (&q, &qd, &tau),
-                (&active, &settings_of(&settings)),
-                (&mut Workspace::new(model), &mut *memory),
+                ForwardInput { q: &q, qd: &qd, tau: &tau },
+                ConstraintInput { active: &active, settings: &settings_of(&settings) },
+                ConstraintWorkspaces { workspace: &mut Workspace::new(model), memory },
                 outputs,
             );
             let wrenches = wrenches.iter().chain(changes.iter().flatten());
@@ -328,9 +334,9 @@ impl Tracer<'_> {
                 model,
                 layout,
                 &q,
-                (&active, &settings_of(&settings)),
-                (&mut Workspace::new(model), &mut *memory),
-                (&mut inverse, &mut inertia),
+                ConstraintInput { active: &active, settings: &settings_of(&settings) },
+                ConstraintWorkspaces { workspace: &mut Workspace::new(model), memory },
+                OperationalInertiaOutputs { inverse: &mut inverse, inertia: &mut inertia },
             );
             let operands = apart.map_or_else(Vec::new, |apart| apart.operands(memory));
             [inverse, inertia, vec![rank], operands].concat()
@@ -383,7 +389,7 @@ impl Tracer<'_> {
                 constraints::sweep_contacts(&mut problem, dt[0], &targets, &mut impulses);
             let moved: Vec<Expr> = qd.iter().map(|&rate| rate * dt[0]).collect();
             let mut next = vec![Expr::zero(); nq];
-            coordinates::integrate(model, (q, &moved), &mut next);
+            coordinates::integrate(model, q, &moved, &mut next);
             [&next[..], qd, &impulses, &[residual]].concat()
         })
     }
@@ -447,9 +453,12 @@ fn contact_problem<T: Factorizable<Expr>>(
     constraints::contact_problem(
         tree,
         layout,
-        (&q, &qd, &tau, dt),
+        StepInput { q: &q, qd: &qd, tau: &tau, dt },
         &settings_of(&settings),
-        (&mut Workspace::new(tree), &mut ConstraintWorkspace::new(tree, layout)),
+        ConstraintWorkspaces {
+            workspace: &mut Workspace::new(tree),
+            memory: &mut ConstraintWorkspace::new(tree, layout),
+        },
         constraints::ContactProblemOutputs {
             qd: &mut after,
             heights: &mut heights,
@@ -497,18 +506,23 @@ impl Unknowns {
         let vector = || vec![Expr::zero(); nv];
         let memory = &mut ConstraintWorkspace::new(tree, layout);
         let apart = apart.map(|(apart, rows)| apart.given(memory, rows));
-        let workspaces = (&mut Workspace::new(tree), &mut *memory);
-        let settings = &settings_of(&settings);
-        let settings = (&*active, settings);
+        let workspace = &mut Workspace::new(tree);
+        let workspaces = ConstraintWorkspaces { workspace, memory };
+        let constraints = ConstraintInput { active: &active, settings: &settings_of(&settings) };
+        let state = State { q: &q, qd: &qd };
         let [vectors, sixes, rank] = match self {
             Self::Accelerations => {
                 let mut qdd = vector();
                 let mut wrenches = vec![Wrench::zero(); count];
                 let mut residuals = vec![Twist::zero(); count];
-                let results = (&mut *qdd, &mut *wrenches, &mut *residuals);
-                let state = (&*q, &*qd, &*tau);
+                let outputs = ConstrainedOutputs {
+                    qdd: &mut qdd,
+                    wrenches: &mut wrenches,
+                    residuals: &mut residuals,
+                };
+                let input = ForwardInput { q: &q, qd: &qd, tau: &tau };
                 let solve = constraints::constrained_forward_dynamics;
-                let rank = solve(tree, layout, state, settings, workspaces, results);
+                let rank = solve(tree, layout, input, constraints, workspaces, outputs);
                 let wrenches = wrenches.iter().flat_map(Wrench::components);
                 let residuals = residuals.iter().flat_map(Twist::components);
                 [qdd, wrenches.chain(residuals).collect(), vec![rank]]
@@ -516,18 +530,18 @@ impl Unknowns {
             Self::Velocities => {
                 let mut after = vector();
                 let mut impulses = vec![Wrench::zero(); count];
-                let results = (&mut *after, &mut *impulses);
+                let outputs = ImpulseOutputs { qd: &mut after, impulses: &mut impulses };
                 let solve = constraints::contact_impulse;
-                let rank = solve(tree, layout, (&q, &qd), settings, workspaces, results);
+                let rank = solve(tree, layout, state, constraints, workspaces, outputs);
                 let impulses = impulses.iter().flat_map(Wrench::components);
                 [after, impulses.collect(), vec![rank]]
             }
             Self::Steps => {
                 let mut dq = vector();
                 let mut dqd = vector();
-                let results = (&mut *dq, &mut *dqd);
+                let outputs = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
                 let solve = constraints::project_constraints;
-                let rank = solve(tree, layout, (&q, &qd), settings, workspaces, results);
+                let rank = solve(tree, layout, state, constraints, workspaces, outputs);
                 [[dq, dqd].concat(), Vec::new(), vec![rank]]
             }
         };

@@ -26,9 +26,9 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use modyn_runtime::equations::Workspace;
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::dynamics::{free_bases, free_fall_accelerations};
+use modyn_runtime::equations::{State, Workspace};
 
 use super::Tracer;
 use super::composition::Composition;
@@ -580,7 +580,12 @@ impl Tracer<'_> {
     fn free_fall(&self) -> Graph {
         self.trace(|model, [q, qd]| {
             let mut qdd = self.vector();
-            free_fall_accelerations(model, (&q, &qd), &mut Workspace::new(model), &mut qdd);
+            free_fall_accelerations(
+                model,
+                State { q: &q, qd: &qd },
+                &mut Workspace::new(model),
+                &mut qdd,
+            );
             qdd
         })
     }

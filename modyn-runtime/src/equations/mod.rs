@@ -45,6 +45,7 @@
 //! Numbers in brackets, A.1, A.2 and Table 6 are those of Shah, Saha and Dutt, "A new perspective
 //! towards decomposition of the generalized inertia matrix of multibody systems".
 
+mod arguments;
 pub mod brge;
 pub mod constraints;
 pub mod derivatives;
@@ -59,6 +60,7 @@ pub mod steps;
 mod workspace;
 
 pub use {
+    arguments::*,
     constraints::ConstraintWorkspace,
     dynamics::Forces,
     factorization::ModulePartition,

@@ -5,7 +5,10 @@ use alloc::vec::Vec;
 use super::row::Function;
 use super::shape::{Record, Shape, Sizes};
 use super::table;
-use crate::equations::Forces;
+use crate::equations::constraints::{
+    ConstrainedCotangent, ConstrainedInverseOutputs, ConstrainedOutputs, ImpulseOutputs,
+    OperationalInertiaOutputs, ProjectionOutputs, ResidualOutputs,
+};
 use crate::equations::derivatives::CentroidalOutputs;
 use crate::equations::soft_constraints::StepInput;
 use crate::interpreter::{

@@ -184,24 +184,24 @@ macro_rules! quantities {
              "Returns the joint forces tau of `qdd`, and the products of `cotangent` with their derivatives: the gradients\n\
              of `cotangent`^T tau with respect to `q` (in tangent space), `qd` and `qdd`.",
              "`{Self}` has no function `inverse_dynamics_vjp`"
-             => |robot, [tau, dq, dqd, dqdd]| robot.inverse_dynamics_vjp((q, qd, qdd), cotangent, tau, [dq, dqd, dqdd])?;
+             => |robot, [tau, dq, dqd, dqdd]| robot.inverse_dynamics_vjp(Motion { q, qd, qdd }, cotangent, tau, [dq, dqd, dqdd])?;
 
             InverseDynamicsJvp inverse_dynamics_jvp / inverse_dynamics_jvp_with(q, qd, qdd, dq, dqd, dqdd) -> inverse_jvp, [inertia],
              "Returns the joint forces tau of `qdd`, and their change under the changes `dq` (in tangent space), `dqd` and\n\
              `dqdd`.",
              "`{Self}` has no function `inverse_dynamics_jvp`"
-             => |robot, [tau, dtau]| robot.inverse_dynamics_jvp((q, qd, qdd), [dq, dqd, dqdd], tau, dtau)?;
+             => |robot, [tau, dtau]| robot.inverse_dynamics_jvp(Motion { q, qd, qdd }, [dq, dqd, dqdd], tau, dtau)?;
 
             ForwardDynamicsVjp forward_dynamics_vjp / forward_dynamics_vjp_with(q, qd, tau, cotangent) -> forward_vjp, [inertia],
              "Returns the accelerations qdd, and the products of `cotangent` with their derivatives: the gradients of\n\
              `cotangent`^T qdd with respect to `q` (in tangent space), `qd` and `tau`.",
              "`{Self}` has no function `forward_dynamics_vjp`"
-             => |robot, [qdd, dq, dqd, dtau]| robot.forward_dynamics_vjp((q, qd, tau), cotangent, qdd, [dq, dqd, dtau])?;
+             => |robot, [qdd, dq, dqd, dtau]| robot.forward_dynamics_vjp(ForwardInput { q, qd, tau }, cotangent, qdd, [dq, dqd, dtau])?;
 
             ForwardDynamicsJvp forward_dynamics_jvp / forward_dynamics_jvp_with(q, qd, tau, dq, dqd, dtau) -> forward_jvp, [inertia],
              "Returns the accelerations qdd, and their change under the changes `dq` (in tangent space), `dqd` and `dtau`.",
              "`{Self}` has no function `forward_dynamics_jvp`"
-             => |robot, [qdd, dqdd]| robot.forward_dynamics_jvp((q, qd, tau), [dq, dqd, dtau], qdd, dqdd)?;
+             => |robot, [qdd, dqdd]| robot.forward_dynamics_jvp(ForwardInput { q, qd, tau }, [dq, dqd, dtau], qdd, dqdd)?;
 
             InverseDynamicsHessian inverse_dynamics_hessian / inverse_dynamics_hessian_with(q, qd, qdd, cotangent) -> inverse_hessian, [inertia],
              "Returns the joint forces tau of `qdd`, and the gradients and the Hessian of `cotangent`^T tau with respect to\n\
@@ -213,7 +213,7 @@ macro_rules! quantities {
                         let (gradients, hessian) =
                             ([dq, dqd, dqdd], [dq_dq, dq_dqd, dqd_dqd, dq_dqdd]);
                         let outputs = HessianOutputs { value: tau, gradients, hessian };
-                        robot.inverse_dynamics_hessian((q, qd, qdd), cotangent, outputs)?;
+                        robot.inverse_dynamics_hessian(Motion { q, qd, qdd }, cotangent, outputs)?;
                     };
 
             ForwardDynamicsHessian forward_dynamics_hessian / forward_dynamics_hessian_with(q, qd, tau, cotangent) -> forward_hessian, [inertia],
@@ -226,14 +226,14 @@ macro_rules! quantities {
                         let (gradients, hessian) =
                             ([dq, dqd, dtau], [dq_dq, dq_dqd, dqd_dqd, dq_dtau]);
                         let outputs = HessianOutputs { value: qdd, gradients, hessian };
-                        robot.forward_dynamics_hessian((q, qd, tau), cotangent, outputs)?;
+                        robot.forward_dynamics_hessian(ForwardInput { q, qd, tau }, cotangent, outputs)?;
                     };
 
             StepSemiImplicit step_semi_implicit / step_semi_implicit_with(q, qd, tau, dt) -> step, [casadi inertia],
              "Returns the state after the time `dt` (s) under the joint forces `tau`, by the semi-implicit Euler method: the\n\
              new velocities are `qd` + `dt` qdd, and move the coordinates.",
              "`{Self}` has no function `step_semi_implicit`"
-             => |robot, [next_q, next_qd]| robot.step_semi_implicit((q, qd, tau), dt[0], next_q, next_qd)?;
+             => |robot, [next_q, next_qd]| robot.step_semi_implicit(StepInput { q, qd, tau, dt: dt[0] }, next_q, next_qd)?;
 
             StepSemiImplicitDerivatives step_semi_implicit_derivatives / step_semi_implicit_derivatives_with(q, qd, tau, dt) -> step_derivatives, [inertia],
              "Returns the state after the time `dt` (s) by the semi-implicit Euler method, and its derivatives: `a` with\n\
@@ -241,7 +241,7 @@ macro_rules! quantities {
              (in tangent space), then those of qd.",
              "`{Self}` has no function `step_semi_implicit_derivatives`"
              => |robot, [next_q, next_qd, a, b]| robot.step_semi_implicit_derivatives(
-                        (q, qd, tau), dt[0], StepOutputs { q: next_q, qd: next_qd, a, b },
+                        StepInput { q, qd, tau, dt: dt[0] }, StepOutputs { q: next_q, qd: next_qd, a, b },
                     )?;
 
             StepSemiImplicitHessian step_semi_implicit_hessian / step_semi_implicit_hessian_with(q, qd, tau, dt, costate) -> step_hessian, [inertia],
@@ -254,21 +254,21 @@ macro_rules! quantities {
                         let outputs = StepHessianOutputs {
                             q: next_q, qd: next_qd, dx, dtau, dx_dx, dx_dtau, dtau_dtau,
                         };
-                        robot.step_semi_implicit_hessian((q, qd, tau), dt[0], costate, outputs)?;
+                        robot.step_semi_implicit_hessian(StepInput { q, qd, tau, dt: dt[0] }, costate, outputs)?;
                     };
 
             StepRk4 step_rk4 / step_rk4_with(q, qd, tau, dt) -> step, [casadi inertia],
              "Returns the state after the time `dt` (s) under the constant joint forces `tau`, by a Runge-Kutta method of\n\
              fourth order. Rotations follow exponential maps, so quaternions keep length 1.",
              "`{Self}` has no function `step_rk4`"
-             => |robot, [next_q, next_qd]| robot.step_rk4((q, qd, tau), dt[0], next_q, next_qd)?;
+             => |robot, [next_q, next_qd]| robot.step_rk4(StepInput { q, qd, tau, dt: dt[0] }, next_q, next_qd)?;
 
             StepRk4Derivatives step_rk4_derivatives / step_rk4_derivatives_with(q, qd, tau, dt) -> step_derivatives, [inertia],
              "Returns the state of `step_rk4`, and its derivatives: `a` with respect to the state before and `b` with respect\n\
              to `tau`, arrays of columns. A state has the entries of q (in tangent space), then those of qd.",
              "`{Self}` has no function `step_rk4_derivatives`"
              => |robot, [next_q, next_qd, a, b]| robot.step_rk4_derivatives(
-                        (q, qd, tau), dt[0], StepOutputs { q: next_q, qd: next_qd, a, b },
+                        StepInput { q, qd, tau, dt: dt[0] }, StepOutputs { q: next_q, qd: next_qd, a, b },
                     )?;
 
             StepImplicitMidpoint step_implicit_midpoint / step_implicit_midpoint_with(q, qd, tau, dt) -> step, [casadi inertia],
@@ -276,7 +276,7 @@ macro_rules! quantities {
              second order, symmetric, and stable under stiff damping. Three iterations of simplified Newton solve its\n\
              equations. Rotations follow exponential maps, so quaternions keep length 1.",
              "`{Self}` has no function `step_implicit_midpoint`"
-             => |robot, [next_q, next_qd]| robot.step_implicit_midpoint((q, qd, tau), dt[0], next_q, next_qd)?;
+             => |robot, [next_q, next_qd]| robot.step_implicit_midpoint(StepInput { q, qd, tau, dt: dt[0] }, next_q, next_qd)?;
 
             StepImplicitMidpointDerivatives step_implicit_midpoint_derivatives / step_implicit_midpoint_derivatives_with(q, qd, tau, dt) -> step_derivatives, [inertia],
              "Returns the state of `step_implicit_midpoint`, and the derivatives of the implicit midpoint rule: `a` with respect\n\
@@ -284,7 +284,7 @@ macro_rules! quantities {
              space), then those of qd.",
              "`{Self}` has no function `step_implicit_midpoint_derivatives`"
              => |robot, [next_q, next_qd, a, b]| robot.step_implicit_midpoint_derivatives(
-                        (q, qd, tau), dt[0], StepOutputs { q: next_q, qd: next_qd, a, b },
+                        StepInput { q, qd, tau, dt: dt[0] }, StepOutputs { q: next_q, qd: next_qd, a, b },
                     )?;
 
             ConstrainedForwardDynamics constrained_forward_dynamics / constrained_forward_dynamics_with(q, qd, tau, contacts, settings) -> constrained, [default constraints inertia],
@@ -299,8 +299,9 @@ macro_rules! quantities {
              => |robot, [qdd, wrenches, residuals, rank]| {
                         robot.activate(contacts);
                         let (mut held, mut unmet) = (read(wrenches), read(residuals));
-                        let results = (qdd, &mut *held, &mut *unmet);
-                        rank[0] = robot.solve_constrained((q, qd, tau), &settings_of(settings), results);
+                        let outputs = ConstrainedOutputs { qdd, wrenches: &mut held, residuals: &mut unmet };
+                        let input = ForwardInput { q, qd, tau };
+                        rank[0] = robot.solve_constrained(input, &settings_of(settings), outputs);
                         write(&held, wrenches);
                         write(&unmet, residuals);
                     };
@@ -313,8 +314,9 @@ macro_rules! quantities {
              batch ConstraintResidualBatch "`{Self}` has no function `constraint_residual_batch`"
              => |robot, [displacements, velocities]| {
                         let (mut displaced, mut moving) = (read(displacements), read(velocities));
-                        let results = (&mut *displaced, &mut *moving);
-                        robot.constraint_residual((q, qd), &settings_of(settings), results)?;
+                        let outputs =
+                            ResidualOutputs { displacements: &mut displaced, velocities: &mut moving };
+                        robot.constraint_residual(State { q, qd }, &settings_of(settings), outputs)?;
                         write(&displaced, displacements);
                         write(&moving, velocities);
                     };
@@ -327,7 +329,8 @@ macro_rules! quantities {
              batch ProjectConstraintsBatch "`{Self}` has no function `project_constraints_batch`"
              => |robot, [dq, dqd, rank]| {
                         robot.activate(contacts);
-                        rank[0] = robot.solve_projection((q, qd), &settings_of(settings), (dq, dqd));
+                        let outputs = ProjectionOutputs { dq, dqd };
+                        rank[0] = robot.solve_projection(State { q, qd }, &settings_of(settings), outputs);
                     };
 
             ConstrainedForwardDynamicsDerivatives constrained_forward_dynamics_derivatives / constrained_forward_dynamics_derivatives_with(q, qd, tau, contacts, settings) -> constrained_derivatives, [constraints inertia],
@@ -353,7 +356,7 @@ macro_rules! quantities {
                             dwrenches_dtau,
                         };
                         let settings = &settings_of(settings);
-                        rank[0] = robot.solve_derivatives((q, qd, tau), settings, outputs);
+                        rank[0] = robot.solve_derivatives(ForwardInput { q, qd, tau }, settings, outputs);
                         write(&held, wrenches);
                         let places = [wrenches_dq, wrenches_dqd, wrenches_dtau];
                         for (changes, place) in changes.iter().zip(places) {
@@ -377,9 +380,10 @@ macro_rules! quantities {
                             gradients: [dq, dqd, dtau],
                             hessian: [dq_dq, dq_dqd, dqd_dqd, dq_dtau],
                         };
-                        let weights = (cotangent, &*read(wrench_cotangent));
+                        let wrench_weights = read(wrench_cotangent);
+                        let weights = ConstrainedCotangent { qdd: cotangent, wrenches: &wrench_weights };
                         let settings = &settings_of(settings);
-                        rank[0] = robot.solve_hessian((q, qd, tau), weights, settings, outputs);
+                        rank[0] = robot.solve_hessian(ForwardInput { q, qd, tau }, weights, settings, outputs);
                         write(&held, wrenches);
                     };
 
@@ -392,10 +396,10 @@ macro_rules! quantities {
              batch ContactImpulseBatch "`{Self}` has no function `contact_impulse_batch`"
              => |robot, [after, impulses, rank]| {
                         robot.activate(contacts);
-                        let mut found = read(impulses);
-                        let results = (after, &mut *found);
-                        rank[0] = robot.solve_impulse((q, qd), &settings_of(settings), results);
-                        write(&found, impulses);
+                        let mut transmitted = read(impulses);
+                        let outputs = ImpulseOutputs { qd: after, impulses: &mut transmitted };
+                        rank[0] = robot.solve_impulse(State { q, qd }, &settings_of(settings), outputs);
+                        write(&transmitted, impulses);
                     };
 
             ContactProblem contact_problem / contact_problem_with(q, qd, tau, dt, settings) -> contact_problem, [constraints inertia],
@@ -415,7 +419,8 @@ macro_rules! quantities {
                             mobility,
                             responses,
                         };
-                        robot.contact_problem((q, qd, tau, dt[0]), &settings_of(settings), results)?;
+                        let input = StepInput { q, qd, tau, dt: dt[0] };
+                        robot.contact_problem(input, &settings_of(settings), results)?;
                         write(&moving, before);
                         write(&falling, free);
                     };
@@ -435,7 +440,8 @@ macro_rules! quantities {
                             impulses: impulses_after,
                             residual: &mut residual[0],
                         };
-                        robot.contact_step((q, qd, tau, dt[0]), impulses, &settings_of(settings), results)?;
+                        let input = StepInput { q, qd, tau, dt: dt[0] };
+                        robot.contact_step(input, impulses, &settings_of(settings), results)?;
                     };
 
             Step step / step_with(q, qd, tau, dt, warm_start, step_settings) -> step_solution, [inertia],
@@ -469,9 +475,9 @@ macro_rules! quantities {
              => |robot, [tau, wrenches, rank]| {
                         robot.activate(contacts);
                         let mut of_contacts = read(wrenches);
-                        let results = (tau, &mut *of_contacts);
+                        let outputs = ConstrainedInverseOutputs { tau, wrenches: &mut of_contacts };
                         let settings = &settings_of(settings);
-                        rank[0] = robot.solve_torques((q, qd, qdd), settings, results);
+                        rank[0] = robot.solve_torques(Motion { q, qd, qdd }, settings, outputs);
                         write(&of_contacts, wrenches);
                     };
 
@@ -488,7 +494,7 @@ macro_rules! quantities {
              `qd`, in the same axes.",
              "`{Self}` has no function `constraint_bias_acceleration`",
              batch ConstraintBiasAccelerationBatch "`{Self}` has no function `constraint_bias_acceleration_batch`"
-             => |robot, [accelerations]| fill(accelerations, |out| robot.constraint_bias_acceleration((q, qd), out))?;
+             => |robot, [accelerations]| fill(accelerations, |out| robot.constraint_bias_acceleration(State { q, qd }, out))?;
 
             OperationalInertia operational_inertia / operational_inertia_with(q, contacts, settings) -> operational_inertia, [constraints inertia],
              "Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T with the mass matrix M,\n\
@@ -499,7 +505,8 @@ macro_rules! quantities {
              batch OperationalInertiaBatch "`{Self}` has no function `operational_inertia_batch`"
              => |robot, [inverse, inertia, rank]| {
                         robot.activate(contacts);
-                        rank[0] = robot.solve_inertia(q, &settings_of(settings), (inverse, inertia));
+                        let outputs = OperationalInertiaOutputs { inverse, inertia };
+                        rank[0] = robot.solve_inertia(q, &settings_of(settings), outputs);
                     };
 
             Regressor regressor / regressor_with(q, qd, qdd) -> regressor, [],
@@ -547,7 +554,7 @@ macro_rules! quantities {
              centre of mass of gravity and of all forces from outside. At `qdd` = 0 it is the bias A' qd, with the centroidal\n\
              momentum matrix A.",
              "`{Self}` has no function `centroidal_momentum_rate`"
-             => |robot, [rate]| write(&[robot.centroidal_momentum_rate((q, qd, qdd))?], rate);
+             => |robot, [rate]| write(&[robot.centroidal_momentum_rate(Motion { q, qd, qdd })?], rate);
 
             CentroidalMomentumDerivatives centroidal_momentum_derivatives / centroidal_momentum_derivatives_with(q, qd, qdd) -> centroidal_derivatives as "derivatives", [inertia],
              "Returns the momentum of the moving links about their centre of mass, its time derivative at `qdd` (the rate), and the\n\
@@ -566,7 +573,7 @@ macro_rules! quantities {
                             rate_dq: rate_by_q,
                             rate_dqd: rate_by_qd,
                         };
-                        robot.centroidal_momentum_derivatives((q, qd, qdd), outputs)?;
+                        robot.centroidal_momentum_derivatives(Motion { q, qd, qdd }, outputs)?;
                         write(&values[..1], momentum);
                         write(&values[1..], rate);
                         let places = [momentum_dq, rate_dq, rate_dqd];

@@ -138,7 +138,8 @@ impl<S: Scalar> ContactFrame<S> {
         model: &Mechanism<S>,
         target: &ContactTarget<S>,
         surface: bool,
-        (columns, qd): (&[Twist<S>], &[S]),
+        columns: &[Twist<S>],
+        qd: &[S],
         workspace: &Workspace<S>,
     ) -> RelativeMotion<S> {
         let moves = columns.iter().zip(qd).map(|(&column, &rate)| column.scale(rate));

@@ -2,16 +2,15 @@
 
 use alloc::{vec, vec::Vec};
 
-use super::ConstraintWorkspace;
 use super::lanes::packed;
 use super::rows::constraint_rows;
+use super::{ConstraintInput, ConstraintWorkspace, ConstraintWorkspaces};
 use crate::Scalar;
 use crate::constraint_settings::{ConstraintSettings, ContactTarget};
-use crate::equations::Workspace;
-use crate::equations::brge;
 use crate::equations::dynamics::bias_in_free_fall;
 use crate::equations::factorization::limb_coupling::{Factorizable, LimbAccess};
 use crate::equations::factorization::{solve_lower_factor, solve_lower_within};
+use crate::equations::{State, StepInput, brge};
 use crate::spatial::{Matrix3, Vector3};
 
 /// The results of [`contact_problem`]. A contact has three rows: two directions in the plane of its
@@ -59,16 +58,16 @@ impl<S> ContactProblemOutputs<'_, S> {
 pub fn contact_problem<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
     tree: &T,
     layout: &T::Layout,
-    (q, qd, tau, dt): (&[S], &[S], &[S], S),
+    StepInput { q, qd, tau, dt }: StepInput<'_, S>,
     settings: &ConstraintSettings<S, C>,
-    (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
+    ConstraintWorkspaces { workspace, memory }: ConstraintWorkspaces<'_, S>,
     outputs: ContactProblemOutputs<'_, S>,
 ) {
     let model = tree.mechanism();
     let targets = settings.contacts.as_ref();
     // The acceleration without contacts.
     let rates = outputs.qd;
-    bias_in_free_fall(tree, (q, qd), workspace, rates);
+    bias_in_free_fall(tree, State { q, qd }, workspace, rates);
     for (rate, &tau) in rates.iter_mut().zip(tau) {
         *rate = tau - *rate;
     }
@@ -82,7 +81,7 @@ pub fn contact_problem<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>
         *rate = *rate + fall;
     }
 
-    constraint_rows(model, (q, qd), targets, workspace, memory, |_, component, motion| {
+    constraint_rows(model, State { q, qd }, targets, workspace, memory, |_, component, motion| {
         [component(motion.velocity), component(motion.displacement)]
     });
     memory.rotate_contact_rows(model, |contact| Matrix3(targets[contact].pose.rotation));
@@ -111,7 +110,11 @@ pub fn contact_problem<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>
     let rigid: Vec<ContactTarget<S>> =
         targets.iter().map(|target| ContactTarget { compliance: S::zero(), ..*target }).collect();
     let rigid = ConstraintSettings::from_numbers(settings.numbers(), rigid);
-    memory.fill(tree, layout, (&vec![S::one(); targets.len()], &rigid));
+    memory.fill(
+        tree,
+        layout,
+        ConstraintInput { active: &vec![S::one(); targets.len()], settings: &rigid },
+    );
     let rows = point_rows(memory, model.constraints.len() - targets.len());
     for (i, column) in outputs.mobility.chunks_mut(rows.len().max(1)).enumerate() {
         for (&j, entry) in rows.iter().zip(column) {

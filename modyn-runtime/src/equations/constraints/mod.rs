@@ -48,6 +48,7 @@
 //! linear^2 + (l angular)^2. Neither sum depends on the orientation of the mechanism.
 
 mod adjoint;
+mod arguments;
 mod contact;
 mod contact_problem;
 mod contact_step;
@@ -70,9 +71,9 @@ mod rows;
 
 pub use factorization::RowSystem;
 pub use {
-    adjoint::*, contact_problem::*, contact_step::*, derivatives::*, forward_dynamics::*,
-    impulse::*, inverse_dynamics::*, jacobian::*, operational_inertia::*, projection::*,
-    residual::*,
+    adjoint::*, arguments::*, contact_problem::*, contact_step::*, derivatives::*,
+    forward_dynamics::*, impulse::*, inverse_dynamics::*, jacobian::*, operational_inertia::*,
+    projection::*, residual::*,
 };
 
 use alloc::{vec, vec::Vec};
@@ -90,9 +91,6 @@ use derivative_terms::DerivativeWorkspace;
 use factorization::Factorization;
 use inverse_dynamics::Carried;
 use lanes::RowLanes;
-
-/// For each contact whether it is active (1 or 0), and the settings of all constraints.
-pub type Settings<'a, S, C> = (&'a [S], &'a ConstraintSettings<S, C>);
 
 /// The entries of qd in which the rows of a constraint, multiplied by W^-1, are not zero by
 /// structure.
@@ -225,10 +223,10 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         &mut self,
         tree: &T,
         limbs: &T::Layout,
-        (active, settings): Settings<'_, S, C>,
+        ConstraintInput { active, settings }: ConstraintInput<'_, S, C>,
         complete: impl FnOnce(&mut Self),
     ) {
-        self.fill(tree, limbs, (active, settings));
+        self.fill(tree, limbs, ConstraintInput { active, settings });
         self.factorize_filled(tree, settings);
         complete(self);
         let loops = tree.mechanism().constraints.len() - active.len();
@@ -246,9 +244,9 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         &mut self,
         tree: &T,
         limbs: &T::Layout,
-        (active, settings): Settings<'_, S, C>,
+        ConstraintInput { active, settings }: ConstraintInput<'_, S, C>,
     ) {
-        rows::mobilities(tree, limbs, (active, settings.contacts.as_ref()), self);
+        rows::mobilities(tree, limbs, active, settings.contacts.as_ref(), self);
     }
 
     fn factorize_filled<T: Factorizable<S>, C>(

@@ -1,12 +1,11 @@
 //! The operational-space inertia of the constraints.
 
 use super::rows::constraint_rows;
-use super::{ConstraintWorkspace, Settings};
+use super::{ConstraintInput, ConstraintWorkspaces, OperationalInertiaOutputs};
 use crate::Scalar;
 use crate::constraint_settings::ContactTarget;
-use crate::equations::Workspace;
-use crate::equations::brge;
 use crate::equations::factorization::limb_coupling::{Factorizable, LimbAccess};
+use crate::equations::{State, brge};
 use crate::spatial::{Matrix3, Pose};
 
 /// Computes the inverse operational-space inertia J M^-1 J^T of the constraint rows (the Delassus
@@ -23,18 +22,20 @@ pub fn operational_inertia<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarge
     tree: &T,
     layout: &T::Layout,
     q: &[S],
-    (active, settings): Settings<'_, S, C>,
-    (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
-    (inverse, inertia): (&mut [S], &mut [S]),
+    ConstraintInput { active, settings }: ConstraintInput<'_, S, C>,
+    ConstraintWorkspaces { workspace, memory }: ConstraintWorkspaces<'_, S>,
+    OperationalInertiaOutputs { inverse, inertia }: OperationalInertiaOutputs<'_, S>,
 ) -> S {
     let model = tree.mechanism();
     brge::factorize(tree, layout.layout(), q, workspace, &mut memory.factors);
     let contacts = settings.contacts.as_ref();
     let rest = core::mem::take(&mut memory.rest);
-    constraint_rows(model, (q, &rest), contacts, workspace, memory, |_, _, _| [S::zero(); 2]);
+    constraint_rows(model, State { q, qd: &rest }, contacts, workspace, memory, |_, _, _| {
+        [S::zero(); 2]
+    });
     memory.rest = rest;
     memory.rotate_contact_rows(model, |_| Matrix3(Pose::identity().rotation));
-    memory.fill(tree, layout, (active, settings));
+    memory.fill(tree, layout, ConstraintInput { active, settings });
     let rows = memory.rows;
     let length = |row: usize| memory.row_length(model, row);
     for (j, column) in inverse.chunks_mut(rows.max(1)).enumerate() {

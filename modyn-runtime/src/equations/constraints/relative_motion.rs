@@ -5,9 +5,9 @@
 use alloc::vec::Vec;
 
 use crate::Scalar;
-use crate::equations::Workspace;
 use crate::equations::kinematics::kinematic_path::{self, BodyMotion};
 use crate::equations::kinematics::links::{LinkInBody, add_columns};
+use crate::equations::{State, Workspace};
 use crate::mechanism::{BodyFrame, ConstrainedFrames, Mechanism};
 use crate::spatial::{Matrix3, Twist, Vector3};
 
@@ -133,7 +133,7 @@ impl<S: Scalar> RelativeMotion<S> {
         model: &Mechanism<S>,
         constraint: &ConstrainedFrames<S>,
         pose: &RelativePose<S>,
-        state: (&[S], &[S]),
+        state: State<'_, S>,
         workspace: &mut Workspace<S>,
     ) -> Self {
         let ancestor = common_ancestor(model, constraint);

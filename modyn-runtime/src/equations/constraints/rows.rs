@@ -18,9 +18,9 @@ use super::lanes::packed;
 use super::relative_motion::{RelativeMotion, relative_columns};
 use crate::Scalar;
 use crate::constraint_settings::ContactTarget;
-use crate::equations::Workspace;
 use crate::equations::factorization::limb_coupling::{Factorizable, LimbAccess};
 use crate::equations::factorization::solve_upper_within;
+use crate::equations::{State, Workspace};
 use crate::mechanism::{ConstrainedFrames, ConstraintRow, Mechanism};
 use crate::spatial::Twist;
 
@@ -66,7 +66,7 @@ impl<S: Scalar> ConstrainedFrames<S> {
 /// index, the function that returns the row's component of a twist, and the relative motion.
 pub(super) fn constraint_rows<S: Scalar>(
     model: &Mechanism<S>,
-    (q, qd): (&[S], &[S]),
+    State { q, qd }: State<'_, S>,
     contacts: &[ContactTarget<S>],
     workspace: &mut Workspace<S>,
     memory: &mut ConstraintWorkspace<S>,
@@ -84,7 +84,7 @@ pub(super) fn constraint_rows<S: Scalar>(
             let frame = ContactFrame::new(model, constraint.ends[1], q, workspace, first);
             let surface = constraint.holds_rotation();
             let target = &contacts[c - loops];
-            let motion = frame.motion(model, target, surface, (&*first, qd), workspace);
+            let motion = frame.motion(model, target, surface, &*first, qd, workspace);
             memory.frames.push(frame);
             motion
         } else {
@@ -93,7 +93,7 @@ pub(super) fn constraint_rows<S: Scalar>(
             for (a, &b) in first.iter_mut().zip(&*second) {
                 *a = pose.twist(*a, b);
             }
-            RelativeMotion::new(model, constraint, &pose, (q, qd), workspace)
+            RelativeMotion::new(model, constraint, &pose, State { q, qd }, workspace)
         };
         let first = &memory.columns[0];
         let component =
@@ -123,7 +123,8 @@ pub(super) fn constraint_rows<S: Scalar>(
 pub(super) fn mobilities<S: Scalar, T: Factorizable<S>>(
     tree: &T,
     limbs: &T::Layout,
-    (active, contacts): (&[S], &[ContactTarget<S>]),
+    active: &[S],
+    contacts: &[ContactTarget<S>],
     memory: &mut ConstraintWorkspace<S>,
 ) {
     let model = tree.mechanism();

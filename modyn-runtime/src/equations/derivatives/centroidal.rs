@@ -10,9 +10,9 @@ use super::composite::{accumulate_composites, accumulate_wrenches};
 use super::perturbation::{perturbations_by_coordinates, perturbations_by_rates};
 use super::projection::{Composite, displaced};
 use crate::Scalar;
-use crate::equations::Workspace;
 use crate::equations::dynamics::newton_euler::{Accelerations, link_wrenches};
 use crate::equations::kinematics::{kinematic_path, total_mass};
+use crate::equations::{Motion, Workspace};
 use crate::mechanism::{Dof, Mechanism};
 use crate::spatial::{Field, Momentum, Twist, Vector3, Wrench};
 
@@ -39,7 +39,7 @@ pub struct CentroidalOutputs<'a, S> {
 /// [`centroidal_momentum_matrix`](crate::equations::dynamics::centroidal_momentum_matrix).
 pub fn centroidal_momentum_derivatives<S: Scalar>(
     model: &Mechanism<S>,
-    (q, qd, qdd): (&[S], &[S], &[S]),
+    Motion { q, qd, qdd }: Motion<'_, S>,
     workspace: &mut Workspace<S>,
     outputs: CentroidalOutputs<'_, S>,
 ) {

@@ -4,7 +4,7 @@ use super::composite::{accumulate_composites, angular_velocities};
 use super::perturbation::perturbations_by_rates;
 use super::projection::{Variable, project};
 use crate::Scalar;
-use crate::equations::Workspace;
+use crate::equations::{State, Workspace};
 use crate::mechanism::Mechanism;
 use crate::spatial::Vector3;
 
@@ -19,7 +19,7 @@ use crate::spatial::Vector3;
 /// cross products (Marsden and Ratiu 1999, "Introduction to Mechanics and Symmetry").
 pub fn coriolis_matrix<S: Scalar>(
     model: &Mechanism<S>,
-    (q, qd): (&[S], &[S]),
+    State { q, qd }: State<'_, S>,
     workspace: &mut Workspace<S>,
     columns: &mut [S],
 ) {

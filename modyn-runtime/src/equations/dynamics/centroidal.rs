@@ -9,9 +9,9 @@
 //! mass.
 
 use crate::Scalar;
-use crate::equations::Workspace;
 use crate::equations::kinematics::acceleration::parent_motion_at_joint;
 use crate::equations::kinematics::{center_of_mass, kinematic_path, total_mass};
+use crate::equations::{Motion, State, Workspace};
 use crate::mechanism::Mechanism;
 use crate::spatial::{Field, Momentum, RigidInertia, Twist, Vector3, Wrench};
 
@@ -97,7 +97,7 @@ fn accumulate_composites<S: Scalar>(
 /// and kg m/s.
 pub fn centroidal_momentum<S: Scalar>(
     model: &Mechanism<S>,
-    (q, qd): (&[S], &[S]),
+    State { q, qd }: State<'_, S>,
     workspace: &mut Workspace<S>,
 ) -> Momentum<S> {
     workspace.move_to(model, q);
@@ -119,7 +119,7 @@ pub fn centroidal_momentum<S: Scalar>(
 /// bias A' qd.
 pub fn centroidal_momentum_rate<S: Scalar>(
     model: &Mechanism<S>,
-    (q, qd, qdd): (&[S], &[S], &[S]),
+    Motion { q, qd, qdd }: Motion<'_, S>,
     workspace: &mut Workspace<S>,
 ) -> Momentum<S> {
     workspace.move_to(model, q);

@@ -4,8 +4,8 @@
 //! (see [`Field`](crate::spatial::Field)). Gravity enters as an upward acceleration of the world.
 
 use crate::Scalar;
-use crate::equations::Workspace;
 use crate::equations::kinematics::acceleration::parent_motion;
+use crate::equations::{State, Workspace};
 use crate::joint::ElementaryJoint;
 use crate::mechanism::{BodyTree, Mechanism};
 use crate::spatial::Vector3;
@@ -94,7 +94,7 @@ pub fn free_bases<S: Scalar>(model: &Mechanism<S>) -> impl Iterator<Item = usize
 /// for the linear entries of each of the [`free_bases`], zero for all others.
 pub fn free_fall_accelerations<S: Scalar>(
     model: &Mechanism<S>,
-    (q, qd): (&[S], &[S]),
+    State { q, qd }: State<'_, S>,
     workspace: &mut Workspace<S>,
     qdd: &mut [S],
 ) {

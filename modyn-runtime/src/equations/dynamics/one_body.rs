@@ -10,8 +10,8 @@ use super::forward_dynamics::{accelerate, add_free_fall, eliminate_module};
 use super::inverse_dynamics::joint_torque;
 use super::newton_euler::{Accelerations, is_base, link_wrench};
 use crate::Scalar;
-use crate::equations::Workspace;
 use crate::equations::factorization::ModuleBlock;
+use crate::equations::{State, Workspace};
 use crate::mechanism::Mechanism;
 use crate::spatial::{ArticulatedInertia, Field, Matrix3, RigidInertia, Twist, Vector3, Wrench};
 
@@ -79,7 +79,8 @@ pub fn forward_dynamics_of_bodies<S: Scalar>() -> BodyRecursion<S> {
             let block = block(model);
             workspace.reserve(block.dofs.len() * block.dofs.len(), 0, 0);
             workspace.load_joint_forces(model, BODY, q, Some(qd));
-            let motion = move_body(model, (q, qd, Accelerations::FreeFall), received[0], workspace);
+            let motion =
+                move_body(model, State { q, qd }, Accelerations::FreeFall, received[0], workspace);
             let inertia = model.bodies[BODY].base_inertia.articulated();
             let own = load(&workspace.wrenches[BODY], &inertia);
 
@@ -87,7 +88,7 @@ pub fn forward_dynamics_of_bodies<S: Scalar>() -> BodyRecursion<S> {
             workspace.wrenches[BODY] = Wrench::from_components(array(wrench));
             workspace.articulated[BODY] = Some(inertia_from(inertia));
             workspace.composite[BODY] = RigidInertia::zero();
-            eliminate_module(model, &block, (qd, tau), workspace);
+            eliminate_module(model, &block, qd, tau, workspace);
             let nothing = RigidInertia::zero().articulated();
             let inertia = workspace.articulated[PARENT].unwrap_or(nothing);
             let at_parent = load(&workspace.wrenches[PARENT], &inertia);
@@ -120,14 +121,14 @@ pub fn inverse_dynamics_of_bodies<S: Scalar>() -> BodyRecursion<S> {
         body: |model, [q, qd, qdd], received| {
             let workspace = &mut Workspace::new(model);
             let accelerations = Accelerations::Given(qdd);
-            let motion = move_body(model, (q, qd, accelerations), received[0], workspace);
+            let motion = move_body(model, State { q, qd }, accelerations, received[0], workspace);
 
             let own = workspace.wrenches[BODY].components().to_vec();
 
             workspace.wrenches[BODY] = Wrench::from_components(array(received[1]));
             let mut tau = alloc::vec![S::zero(); model.nv];
             workspace.load_joint_forces(model, BODY, q, Some(qd));
-            joint_torque(model, BODY, (qd, Some(qdd)), workspace, &mut tau);
+            joint_torque(model, BODY, qd, Some(qdd), workspace, &mut tau);
             let at_parent = workspace.wrenches[PARENT].components().to_vec();
             BodyResults {
                 own: alloc::vec![Vec::new(), own],
@@ -142,7 +143,8 @@ pub fn inverse_dynamics_of_bodies<S: Scalar>() -> BodyRecursion<S> {
 /// Computes the body's motion and wrench from the parent's motion. Returns the body's motion.
 fn move_body<S: Scalar>(
     model: &Mechanism<S>,
-    (q, qd, accelerations): (&[S], &[S], Accelerations<'_, S>),
+    State { q, qd }: State<'_, S>,
+    accelerations: Accelerations<'_, S>,
     parent: &[S],
     workspace: &mut Workspace<S>,
 ) -> Vec<S> {

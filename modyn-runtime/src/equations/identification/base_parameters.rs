@@ -14,8 +14,8 @@ use alloc::{format, string::String, vec, vec::Vec};
 
 use super::regressor;
 use crate::Portable;
-use crate::equations::Workspace;
 use crate::equations::kinematics::coordinates;
+use crate::equations::{Motion, Workspace};
 use crate::mechanism::Mechanism;
 use crate::model::{INERTIAL_PARAMETERS, Model, PARAMETERS_PER_LINK, longest_path};
 use crate::spatial::Vector3;
@@ -191,8 +191,8 @@ fn stacked_regressors(model: &Model, unit: Unit) -> Vec<Vec<f64>> {
     for _ in 0..states {
         let [step, qd, qdd]: [Vec<Portable>; 3] =
             core::array::from_fn(|_| units.iter().map(|u| Portable(u * random.next())).collect());
-        coordinates::integrate(&mechanism, (&neutral, &step), &mut q);
-        regressor(&mechanism, (&q, &qd, &qdd), workspace, &mut one);
+        coordinates::integrate(&mechanism, &neutral, &step, &mut q);
+        regressor(&mechanism, Motion { q: &q, qd: &qd, qdd: &qdd }, workspace, &mut one);
         for (index, (column, part)) in columns.iter_mut().zip(one.chunks(nv)).enumerate() {
             let rows = part.iter().zip(&units);
             column.extend(rows.map(|(number, row)| number.0 * row / unit.of_parameter(index)));

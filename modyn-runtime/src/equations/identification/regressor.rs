@@ -1,8 +1,8 @@
 //! The regressor: inverse dynamics is linear in the links' inertial parameters.
 
 use crate::Scalar;
-use crate::equations::Workspace;
 use crate::equations::dynamics::newton_euler::{Accelerations, link_wrenches};
+use crate::equations::{Motion, Workspace};
 use crate::mechanism::{Body, Mechanism};
 use crate::model::PARAMETERS_PER_LINK;
 use crate::spatial::{Field, Matrix3, Twist, Vector3};
@@ -20,7 +20,7 @@ use crate::spatial::{Field, Matrix3, Twist, Vector3};
 /// towards the root.
 pub fn regressor<S: Scalar>(
     model: &Mechanism<S>,
-    (q, qd, qdd): (&[S], &[S], &[S]),
+    Motion { q, qd, qdd }: Motion<'_, S>,
     workspace: &mut Workspace<S>,
     columns: &mut [S],
 ) {

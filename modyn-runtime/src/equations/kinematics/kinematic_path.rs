@@ -4,7 +4,7 @@
 use alloc::vec::Vec;
 
 use crate::Scalar;
-use crate::equations::Workspace;
+use crate::equations::{State, Workspace};
 use crate::joint::JointTransform;
 use crate::mechanism::Mechanism;
 use crate::spatial::{Matrix3, Pose, Twist, Vector3};
@@ -99,7 +99,8 @@ impl<S: Scalar> OriginMotion<S> {
         self,
         model: &Mechanism<S>,
         i: usize,
-        (q, qd, qdd): (&[S], &[S], Option<&[S]>),
+        State { q, qd }: State<'_, S>,
+        qdd: Option<&[S]>,
     ) -> Self {
         let body = &model.bodies[i];
         let motion = body.motion(q);
@@ -167,7 +168,7 @@ impl<S: Scalar> BodyMotion<S> {
         self,
         model: &Mechanism<S>,
         i: usize,
-        (q, qd): (&[S], &[S]),
+        State { q, qd }: State<'_, S>,
     ) -> Self {
         let body = &model.bodies[i];
         let motion = body.motion(q);

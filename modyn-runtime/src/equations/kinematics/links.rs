@@ -3,7 +3,7 @@
 use super::acceleration::{parent_motion, parent_motion_at_joint};
 use super::kinematic_path::{self, BodyMotion, OriginMotion};
 use crate::Scalar;
-use crate::equations::Workspace;
+use crate::equations::{Motion, State, Workspace};
 use crate::mechanism::{Body, BodyFrame, Mechanism};
 use crate::spatial::{Field, Matrix3, Pose, Twist, Vector3};
 
@@ -92,11 +92,11 @@ pub fn link_pose_from_world<S: Scalar>(
 pub fn link_velocity<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
-    (q, qd): (&[S], &[S]),
+    State { q, qd }: State<'_, S>,
     axes: Axes,
     workspace: &mut Workspace<S>,
 ) -> Twist<S> {
-    velocity_and_bias(model, frame, (q, qd), axes, workspace).0
+    velocity_and_bias(model, frame, State { q, qd }, axes, workspace).0
 }
 
 /// Returns the acceleration of link `frame` relative to the world, in `axes`: the angular
@@ -106,12 +106,12 @@ pub fn link_velocity<S: Scalar>(
 pub fn link_acceleration<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
-    (q, qd, qdd): (&[S], &[S], &[S]),
+    Motion { q, qd, qdd }: Motion<'_, S>,
     axes: Axes,
     workspace: &mut Workspace<S>,
 ) -> Twist<S> {
     match axes {
-        Axes::World => in_world_axes(model, frame, (q, qd, Some(qdd))).acceleration,
+        Axes::World => in_world_axes(model, frame, State { q, qd }, Some(qdd)).acceleration,
         Axes::Link => {
             let BodyFrame { body, pose } = model.frames[frame];
             kinematic_path::from_world(model, body, &mut workspace.kinematic_path);
@@ -137,7 +137,8 @@ pub fn link_acceleration<S: Scalar>(
 pub fn link_acceleration_from_world<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
-    (q, qd, qdd): (&[S], &[S], Option<&[S]>),
+    State { q, qd }: State<'_, S>,
+    qdd: Option<&[S]>,
     workspace: &mut Workspace<S>,
 ) -> Twist<S> {
     let BodyFrame { body, pose } = model.frames[frame];
@@ -212,7 +213,7 @@ pub fn jacobian<S: Scalar>(
 pub fn jacobian_time_derivative<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
-    (q, qd): (&[S], &[S]),
+    State { q, qd }: State<'_, S>,
     axes: Axes,
     workspace: &mut Workspace<S>,
     columns: &mut [Twist<S>],
@@ -252,7 +253,7 @@ pub fn jacobian_time_derivative<S: Scalar>(
             *column = *column + dof.multiplier.map_or(along, |multiplier| along.scale(multiplier));
         }
         seen = seen.towards_world(&model.bodies[i], q);
-        link = link.towards_world(model, i, (q, qd, None));
+        link = link.towards_world(model, i, State { q, qd }, None);
     }
 }
 
@@ -265,28 +266,28 @@ pub fn jacobian_time_derivative<S: Scalar>(
 pub fn bias_acceleration<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
-    (q, qd): (&[S], &[S]),
+    State { q, qd }: State<'_, S>,
     axes: Axes,
     workspace: &mut Workspace<S>,
 ) -> Twist<S> {
-    velocity_and_bias(model, frame, (q, qd), axes, workspace).1
+    velocity_and_bias(model, frame, State { q, qd }, axes, workspace).1
 }
 
 /// Returns the velocity J qd and the bias acceleration dJ/dt qd of link `frame`.
 fn velocity_and_bias<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
-    (q, qd): (&[S], &[S]),
+    State { q, qd }: State<'_, S>,
     axes: Axes,
     workspace: &mut Workspace<S>,
 ) -> (Twist<S>, Twist<S>) {
     match axes {
         Axes::World => {
-            let motion = in_world_axes(model, frame, (q, qd, None));
+            let motion = in_world_axes(model, frame, State { q, qd }, None);
             (motion.velocity, motion.acceleration)
         }
         Axes::Link => {
-            let motion = in_link_axes(model, frame, (q, qd), workspace);
+            let motion = in_link_axes(model, frame, State { q, qd }, workspace);
             (motion.velocity, motion.rate)
         }
     }
@@ -297,12 +298,13 @@ fn velocity_and_bias<S: Scalar>(
 fn in_world_axes<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
-    motion: (&[S], &[S], Option<&[S]>),
+    state: State<'_, S>,
+    qdd: Option<&[S]>,
 ) -> OriginMotion<S> {
     let BodyFrame { body, pose } = model.frames[frame];
     let link = OriginMotion::fixed(Vector3(pose.translation));
     kinematic_path::towards_world(model, body)
-        .fold(link, |link, i| link.towards_world(model, i, motion))
+        .fold(link, |link, i| link.towards_world(model, i, state, qdd))
 }
 
 /// Computes the motion from the world towards the link, so that no axes have to be rotated for the
@@ -310,13 +312,13 @@ fn in_world_axes<S: Scalar>(
 fn in_link_axes<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
-    motion: (&[S], &[S]),
+    state: State<'_, S>,
     workspace: &mut Workspace<S>,
 ) -> BodyMotion<S> {
     let BodyFrame { body, pose } = model.frames[frame];
     kinematic_path::from_world(model, body, &mut workspace.kinematic_path);
     let bodies = workspace.kinematic_path.iter();
-    bodies.fold(BodyMotion::at_rest(), |own, &i| own.to_child(model, i, motion)).at(&pose)
+    bodies.fold(BodyMotion::at_rest(), |motion, &i| motion.to_child(model, i, state)).at(&pose)
 }
 
 /// The pose of a link, as seen from a body.
