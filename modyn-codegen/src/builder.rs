@@ -409,11 +409,13 @@ impl Builder {
         })
     }
 
-    /// Returns the programs of the robot's functions with its model and the warnings, for back ends that print no text.
-    /// Functions of many states have no programs of their own: [`Kernels`](crate::plan::Kernels) of one state can be
-    /// run on vectors with a state in each lane. Options about text have no effect. Programs of contacts and closed loops may have
+    /// Returns the programs of the robot's functions with its model and the warnings, for back ends
+    /// that print no text. Functions of many states have no programs of their own:
+    /// [`Kernels`](crate::plan::Kernels) of one state can be run on vectors with a state in each
+    /// lane. Options about text have no effect. Programs of contacts and closed loops may have
     /// [equations of dependent rows](crate::program::RowEquations), and that of `step` has
-    /// [loops](crate::program::Loops), which [`around_loops`](crate::program::Program::around_loops) sets apart.
+    /// [loops](crate::program::Loops), which
+    /// [`around_loops`](crate::program::Program::around_loops) sets apart.
     ///
     /// # Errors
     ///

@@ -16,7 +16,7 @@ use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::constraints::RowSystem;
 use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::equations::kinematics::coordinates::normalize;
-use modyn_runtime::equations::{ModulePartition, StepInput};
+use modyn_runtime::equations::{ModulePartition, TimeStepInput};
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 use modyn_runtime::{Interpreter, Scalar, StepOutputs};
@@ -130,7 +130,7 @@ fn derivatives_of_steps_are_those_of_the_interpreter() {
         let ((next_q, next_qd), (a, b)) = (next.split_at_mut(nq), rest.split_at_mut(4 * n * n));
         let outputs = StepOutputs { q: next_q, qd: next_qd, a, b };
         let (q, forces) = (&inputs[..nq], &inputs[nq + n..nq + 2 * n]);
-        let input = StepInput { q, qd: &inputs[nq..nq + n], tau: forces, dt: h };
+        let input = TimeStepInput { q, qd: &inputs[nq..nq + n], tau: forces, dt: h };
         let mut interpreter = Interpreter::new(model.clone());
         interpreter.step_semi_implicit_derivatives(input, outputs).expect("lengths");
         let scale = expected.iter().fold(0.0, |most: f64, x| most.max(x.abs()));

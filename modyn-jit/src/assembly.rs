@@ -143,8 +143,8 @@ impl<S: Real> Assembly<S> {
         CompiledKernels::Looped { single, batch }
     }
 
-    /// Compiles a program. The code for one state has vectors if the program has some and they are profitable; the code for
-    /// batches is the scalar program with a state in each lane.
+    /// Compiles a program. The code for one state has vectors if the program has some and they are
+    /// profitable; the code for batches is the scalar program with a state in each lane.
     fn kernel(
         &mut self,
         scalar: &Program,

@@ -1,8 +1,8 @@
 //! Programs with loops, whose iterations call machine code: the solver of a step.
 //!
-//! What runs before the loops, each routine, and what runs after them are functions of machine code. The loops
-//! themselves run here, over arrays. In a batch the lanes of each number are states. A state whose loop has ended
-//! keeps its numbers while others go on.
+//! What runs before the loops, each routine, and what runs after them are functions of machine
+//! code. The loops themselves run here, over arrays. In a batch the lanes of each number are
+//! states. A state whose loop has ended keeps its numbers while others go on.
 
 use modyn_codegen::program::{AroundLoops, Call, Loop, Loops, Place, Program, Read, Step, Table};
 
@@ -37,7 +37,8 @@ enum PlannedStep {
     Loop { count: usize, end: Option<usize>, steps: Vec<PlannedStep> },
 }
 
-/// A copy of consecutive numbers, by indices in the memory of all arrays or in an array of a routine.
+/// A copy of consecutive numbers, by indices in the memory of all arrays or in an array of a
+/// routine.
 #[derive(Clone, Copy, Debug)]
 struct Copied {
     from: usize,
@@ -156,7 +157,8 @@ fn runs(pairs: impl Iterator<Item = (usize, usize)>) -> Vec<Copied> {
 }
 
 impl LoopedCode {
-    /// Returns the code of a program with loops. `append` compiles a program with arguments in arrays of these lengths.
+    /// Returns the code of a program with loops. `append` compiles a program with arguments in
+    /// arrays of these lengths.
     pub fn new(
         program: &Program,
         parts: &AroundLoops<'_>,

@@ -459,27 +459,28 @@ impl Robot {
         self.call(py, 37, &[Some(q), Some(qd), Some(tau), Some(dt), Some(impulses), settings], None, out)
     }
 
-    /// Returns the state after a step of the time `dt` (s) under the joint forces `tau`, with contacts,
-    /// joint limits and dry joint friction by MuJoCo's law: soft constraints whose forces minimize a convex
-    /// function. The solver is Newton's method, to the tolerance of `settings`; `residual` says how far it
-    /// came, relative to the largest force. It starts from the accelerations `warm_start`: those of the
-    /// last step, or zeros. The integrator is semi-implicit Euler, implicit in joint damping. Closed loops
-    /// are not closed.
+    /// Returns the state after a step of the time `dt` (s) under the joint forces `tau`, with
+    /// contacts, joint limits and dry joint friction by MuJoCo's law: soft constraints whose forces
+    /// minimize a convex function. The solver is Newton's method, to the tolerance of `settings`;
+    /// `residual` says how far it came, relative to the largest force. It starts from the
+    /// accelerations `warm_start`: those of the last step, or zeros. The integrator is
+    /// semi-implicit Euler, implicit in joint damping. Closed loops are not closed.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `warm_start`: (nv,), by default
-    /// zeros; `settings`: `StepSettings`, by default with the ground at z = 0 under all contacts.
-    /// Result: `StepSolution`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (contacts, 3), `residual` a
-    /// number, `iterations` a number. Several states have one more axis, the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `warm_start`: (nv,), by
+    /// default zeros; `settings`: `StepSettings`, by default with the ground at z = 0 under all
+    /// contacts. Result: `StepSolution`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (contacts,
+    /// 3), `residual` a number, `iterations` a number. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, qd, tau, dt, warm_start=None, settings=None, *, out=None))]
     fn step<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, dt: &Bound<'py, PyAny>, warm_start: Argument<'_, 'py>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 38, &[Some(q), Some(qd), Some(tau), Some(dt), warm_start, settings], None, out)
     }
 
-    /// Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts that carry
-    /// the floating bases, and the rank of the contacts' columns of the bases. The wrenches have the
-    /// smallest sum of (force^2 + (moment / l)^2) / weight with the characteristic length l of each
-    /// contact. The joint forces of a base are the wrench on it that no contact can carry. The wrenches of
-    /// loop constraints are zero.
+    /// Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts
+    /// that carry the floating bases, and the rank of the contacts' columns of the bases. The
+    /// wrenches have the smallest sum of (force^2 + (moment / l)^2) / weight with the
+    /// characteristic length l of each contact. The joint forces of a base are the wrench on it
+    /// that no contact can carry. The wrenches of loop constraints are zero.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `contacts`: (contacts,), 1 for each active
     /// contact, else 0; by default all are; `settings`: `ConstraintSettings`, by default with the

@@ -186,8 +186,8 @@ pub fn check_settings<T: Copy + Into<f64>>(numbers: &[T]) -> Result<(), SettingE
     Ok(())
 }
 
-/// Checks the numbers of the settings of steps: [`StepSettings::numbers`], then [`ContactSurface::numbers`] for
-/// each contact.
+/// Checks the numbers of the settings of steps: [`StepSettings::numbers`], then
+/// [`ContactSurface::numbers`] for each contact.
 ///
 /// # Errors
 ///
@@ -244,8 +244,8 @@ impl<T: Copy + Into<f64>, C: AsRef<[ContactTarget<T>]>> ConstraintSettings<T, C>
 }
 
 impl<T: Copy + Into<f64>, C: AsRef<[ContactSurface<T>]>> StepSettings<T, C> {
-    /// Checks that all settings are finite and within their ranges: the tolerance and `impratio` are above zero, radii and
-    /// frictions are not negative, and rotations are rotations.
+    /// Checks that all settings are finite and within their ranges: the tolerance and `impratio`
+    /// are above zero, radii and frictions are not negative, and rotations are rotations.
     ///
     /// # Errors
     ///

@@ -1,7 +1,7 @@
 //! The implicit midpoint rule against its equations, which a plain Newton method with differences solves over textbook dynamics
 //! and matrix exponentials: the state, its order, A and B. Then its symmetry, its energy and its stability.
 
-use modyn_runtime::equations::StepInput;
+use modyn_runtime::equations::TimeStepInput;
 use modyn_runtime::joint::JointType;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Friction, JointDynamics, Model};
@@ -19,7 +19,7 @@ const LENGTHS: &str = "the lengths are right";
 fn step(robot: &mut Interpreter, [q, qd, tau]: [&[f64]; 3], dt: f64) -> [Vec<f64>; 2] {
     let (mut next_q, mut next_qd) = (q.to_vec(), qd.to_vec());
     robot
-        .step_implicit_midpoint(StepInput { q, qd, tau, dt }, &mut next_q, &mut next_qd)
+        .step_implicit_midpoint(TimeStepInput { q, qd, tau, dt }, &mut next_q, &mut next_qd)
         .expect(LENGTHS);
     [next_q, next_qd]
 }
@@ -30,7 +30,9 @@ fn derivatives(robot: &mut Interpreter, [q, qd, tau]: [&[f64]; 3], dt: f64) -> [
     let mut found = [q.len(), n, 4 * n * n, 2 * n * n].map(|length| vec![f64::NAN; length]);
     let [next_q, next_qd, a, b] = &mut found;
     let outputs = StepOutputs { q: next_q, qd: next_qd, a, b };
-    robot.step_implicit_midpoint_derivatives(StepInput { q, qd, tau, dt }, outputs).expect(LENGTHS);
+    robot
+        .step_implicit_midpoint_derivatives(TimeStepInput { q, qd, tau, dt }, outputs)
+        .expect(LENGTHS);
     found
 }
 
@@ -224,7 +226,7 @@ fn steps_are_of_second_order() {
         for _ in 0..256 {
             let [q, qd] = &fine;
             let (mut next_q, mut next_qd) = (q.clone(), qd.clone());
-            let input = StepInput { q, qd, tau: &tau, dt: time / 256.0 };
+            let input = TimeStepInput { q, qd, tau: &tau, dt: time / 256.0 };
             robot.step_rk4(input, &mut next_q, &mut next_qd).expect(LENGTHS);
             fine = [next_q, next_qd];
         }
@@ -321,7 +323,7 @@ fn energy_does_not_drift() {
                     state = step(robot, [q, qd, &tau], 1e-3);
                 } else {
                     let (mut next_q, mut next_qd) = (q.clone(), qd.clone());
-                    let input = StepInput { q, qd, tau: &tau, dt: 1e-3 };
+                    let input = TimeStepInput { q, qd, tau: &tau, dt: 1e-3 };
                     robot.step_semi_implicit(input, &mut next_q, &mut next_qd).expect(LENGTHS);
                     state = [next_q, next_qd];
                 }
@@ -373,7 +375,7 @@ fn stiff_damping_is_stable() {
         for _ in 0..3 {
             let (mut next_q, mut next_qd) = (q.clone(), qd.clone());
             let [q, qd] = &exploding;
-            let input = StepInput { q, qd, tau: &tau, dt: 0.01 };
+            let input = TimeStepInput { q, qd, tau: &tau, dt: 0.01 };
             robot.step_semi_implicit(input, &mut next_q, &mut next_qd).expect(LENGTHS);
             exploding = [next_q, next_qd];
         }
@@ -404,14 +406,14 @@ fn lengths_are_checked() {
     let mut robot = Interpreter::new(model);
     let (mut next_q, mut next_qd, n) = (q.clone(), qd.clone(), qd.len());
     let found = robot.step_implicit_midpoint(
-        StepInput { q: &q, qd: &qd, tau: &[], dt: 0.1 },
+        TimeStepInput { q: &q, qd: &qd, tau: &[], dt: 0.1 },
         &mut next_q,
         &mut next_qd,
     );
     assert_eq!(found, Err(ShapeError::new("tau", n, 0)));
     let outputs = StepOutputs { q: &mut next_q, qd: &mut next_qd, a: &mut [], b: &mut [] };
     let found = robot.step_implicit_midpoint_derivatives(
-        StepInput { q: &q, qd: &qd, tau: &tau, dt: 0.1 },
+        TimeStepInput { q: &q, qd: &qd, tau: &tau, dt: 0.1 },
         outputs,
     );
     assert_eq!(found, Err(ShapeError::new("a", 4 * n * n, 0)));

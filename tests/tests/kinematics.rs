@@ -9,7 +9,7 @@ use modyn_codegen::passes::optimize;
 use modyn_codegen::trace::{LinkFrame, Tracer};
 use modyn_runtime::equations::dynamics::inverse_dynamics;
 use modyn_runtime::equations::kinematics::Axes;
-use modyn_runtime::equations::{self, Forces, Motion, State, Workspace};
+use modyn_runtime::equations::{self, Forces, Motion, Workspace};
 use modyn_runtime::joint::JointType;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{DEFAULT_GRAVITY, Frame, Inertial, Joint, Link, Mimic, Model};

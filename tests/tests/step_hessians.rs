@@ -4,7 +4,7 @@
 use modyn_codegen::passes::optimize;
 use modyn_codegen::plan::COLUMN_LANES;
 use modyn_codegen::trace::{Parameters, Tracer};
-use modyn_runtime::equations::StepInput;
+use modyn_runtime::equations::TimeStepInput;
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::joint::JointType;
 use modyn_runtime::mechanism::Mechanism;
@@ -192,7 +192,7 @@ impl Step<'_> {
             StepHessianOutputs { q: next_q, qd: next_qd, dx, dtau, dx_dx, dx_dtau, dtau_dtau };
         let mut interpreter = Interpreter::new((*model).clone());
         interpreter
-            .step_semi_implicit_hessian(StepInput { q, qd, tau, dt: *dt }, costate, outputs)
+            .step_semi_implicit_hessian(TimeStepInput { q, qd, tau, dt: *dt }, costate, outputs)
             .expect("fits");
         found.concat()
     }
@@ -218,7 +218,7 @@ impl Step<'_> {
         let (mut next_q, mut next_qd) = (q.clone(), qd.clone());
         let mut robot = Interpreter::<f64>::new((*model).clone());
         robot
-            .step_semi_implicit(StepInput { q, qd, tau, dt: *dt }, &mut next_q, &mut next_qd)
+            .step_semi_implicit(TimeStepInput { q, qd, tau, dt: *dt }, &mut next_q, &mut next_qd)
             .expect("fits");
         let expected = self.expected();
         for (who, found) in
@@ -295,7 +295,7 @@ fn lengths_are_checked() {
     };
     let costate = vec![0.0; 2 * n];
     let found = robot.step_semi_implicit_hessian(
-        StepInput { q: &q, qd: &qd, tau: &tau, dt: 0.1 },
+        TimeStepInput { q: &q, qd: &qd, tau: &tau, dt: 0.1 },
         &costate,
         outputs,
     );

@@ -1,4 +1,5 @@
-//! A step with soft constraints as a program: what runs once, then the iterations of the solver as loops.
+//! A step with soft constraints as a program: what runs once, then the iterations of the solver as
+//! loops.
 //!
 //! ```text
 //! statements            what no iteration changes
@@ -9,9 +10,9 @@
 //! statements            the state after the step
 //! ```
 //!
-//! All parts are one graph. A node belongs to the part whose inputs it depends on. A node of the full step
-//! that only the results need, such as the acceleration of a limb that touches nothing, runs after the
-//! loops.
+//! All parts are one graph. A node belongs to the part whose inputs it depends on. A node of the
+//! full step that only the results need, such as the acceleration of a limb that touches nothing,
+//! runs after the loops.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -25,9 +26,9 @@ use super::{
 use crate::graph::{Graph, Id, Node};
 use crate::trace::{SEARCH, StepGraph};
 
-/// The arrays of the loops: numbers that no iteration changes; the accelerations and balances of the rows
-/// at the start of an iteration, at the end of its full step, and where the next iteration starts; the
-/// numbers of the solver; the numbers of the last full step that the results need.
+/// The arrays of the loops: numbers that no iteration changes; the accelerations and balances of
+/// the rows at the start of an iteration, at the end of its full step, and where the next iteration
+/// starts; the numbers of the solver; the numbers of the last full step that the results need.
 const FRONT: usize = 0;
 const START: usize = 1;
 const FULL: usize = 2;
@@ -35,8 +36,9 @@ const NEXT: usize = 3;
 const SOLVER: usize = 4;
 const AFTER: usize = 5;
 
-/// The numbers of the solver: the scale of the next iteration, the number of iterations, the residual, the
-/// end; the numbers of the search, of which the last is its end; the scale of this iteration.
+/// The numbers of the solver: the scale of the next iteration, the number of iterations, the
+/// residual, the end; the numbers of the search, of which the last is its end; the scale of this
+/// iteration.
 const SCALE: usize = 0;
 const ITERATIONS: usize = 1;
 const RESIDUAL: usize = 2;
@@ -105,8 +107,8 @@ impl<'a> Cut<'a> {
         &self.step.graph.outputs[range.clone()]
     }
 
-    /// Returns the piece with these outputs: nodes of which `is_inside` is false are its inputs, and so are
-    /// inputs of parts, except that signs of such nodes are inside.
+    /// Returns the piece with these outputs: nodes of which `is_inside` is false are its inputs,
+    /// and so are inputs of parts, except that signs of such nodes are inside.
     fn piece(&self, outputs: &[Id], is_inside: impl Fn(Zone) -> bool) -> Piece {
         let whole = &self.step.graph;
         let is_read = |id: Id| match whole.node(id) {
@@ -136,7 +138,8 @@ impl<'a> Cut<'a> {
         piece
     }
 
-    /// Returns the number of an input of a part, counted from the part's first one; `None` for other nodes.
+    /// Returns the number of an input of a part, counted from the part's first one; `None` for
+    /// other nodes.
     fn input(&self, inputs: &Range<usize>, id: Id) -> Option<usize> {
         match self.step.graph.node(id) {
             Node::Input(number) if inputs.contains(&(number as usize)) => {
@@ -169,8 +172,9 @@ impl Captured {
 }
 
 impl Program {
-    /// Returns the program of a step over `arguments` scalars. The results are those of the solution, then
-    /// the residual and the number of iterations. `pass` rewrites the graph of each routine.
+    /// Returns the program of a step over `arguments` scalars. The results are those of the
+    /// solution, then the residual and the number of iterations. `pass` rewrites the graph of each
+    /// routine.
     ///
     /// # Errors
     ///

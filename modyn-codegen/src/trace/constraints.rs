@@ -13,7 +13,7 @@ use modyn_runtime::equations::constraints::{
 use modyn_runtime::equations::factorization::{Factorizable, MergedUduLayout};
 use modyn_runtime::equations::kinematics::coordinates;
 use modyn_runtime::equations::{
-    ConstraintWorkspace, ForwardInput, State, StepInput, Workspace, constraints,
+    ConstraintWorkspace, ForwardInput, State, TimeStepInput, Workspace, constraints,
 };
 use modyn_runtime::mechanism::{Mechanism, MergedMechanism};
 use modyn_runtime::spatial::{Twist, Vector3, Wrench};
@@ -453,7 +453,7 @@ fn contact_problem<T: Factorizable<Expr>>(
     constraints::contact_problem(
         tree,
         layout,
-        StepInput { q: &q, qd: &qd, tau: &tau, dt },
+        TimeStepInput { q: &q, qd: &qd, tau: &tau, dt },
         &settings_of(&settings),
         ConstraintWorkspaces {
             workspace: &mut Workspace::new(tree),

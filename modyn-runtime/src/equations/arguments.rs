@@ -33,7 +33,7 @@ pub struct ForwardInput<'a, S> {
 
 /// The input of a time step: the state of a robot, its joint forces, and the time of the step.
 #[derive(Clone, Copy, Debug)]
-pub struct StepInput<'a, S> {
+pub struct TimeStepInput<'a, S> {
     /// The coordinates.
     pub q: &'a [S],
     /// The velocities.

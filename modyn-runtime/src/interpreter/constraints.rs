@@ -12,7 +12,9 @@ use crate::equations::constraints::{
     ConstrainedInverseOutputs, ConstrainedOutputs, ConstraintInput, ConstraintWorkspaces,
     ImpulseOutputs, OperationalInertiaOutputs, ProjectionOutputs, ResidualOutputs,
 };
-use crate::equations::{ConstraintWorkspace, ForwardInput, Motion, State, StepInput, constraints};
+use crate::equations::{
+    ConstraintWorkspace, ForwardInput, Motion, State, TimeStepInput, constraints,
+};
 use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
 use crate::spatial::{Twist, Vector3};
@@ -209,7 +211,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn contact_problem(
         &mut self,
-        StepInput { q, qd, tau, dt }: StepInput<'_, S>,
+        TimeStepInput { q, qd, tau, dt }: TimeStepInput<'_, S>,
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
         outputs: ContactProblemOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
@@ -227,7 +229,7 @@ impl<S: Scalar> Interpreter<S> {
         check("outputs.mobility", outputs.mobility, rows * rows)?;
         check("outputs.responses", outputs.responses, rows * n)?;
         let Constraints { mechanism, layout, workspaces, .. } = self.constraints();
-        let input = StepInput { q, qd, tau, dt };
+        let input = TimeStepInput { q, qd, tau, dt };
         constraints::contact_problem(mechanism, layout, input, settings, workspaces, outputs);
         Ok(())
     }
@@ -241,7 +243,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn contact_step(
         &mut self,
-        StepInput { q, qd, tau, dt }: StepInput<'_, S>,
+        TimeStepInput { q, qd, tau, dt }: TimeStepInput<'_, S>,
         impulses: &[S],
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
         outputs: ContactStepOutputs<'_, S>,
@@ -266,7 +268,7 @@ impl<S: Scalar> Interpreter<S> {
             mobility: &mut mobility,
             responses: &mut responses,
         };
-        self.contact_problem(StepInput { q, qd, tau, dt }, settings, problem.reborrow())?;
+        self.contact_problem(TimeStepInput { q, qd, tau, dt }, settings, problem.reborrow())?;
         outputs.impulses.copy_from_slice(impulses);
         *outputs.residual =
             constraints::sweep_contacts(&mut problem, dt, targets, outputs.impulses);

@@ -11,7 +11,9 @@ use crate::equations::brge::UduLayout;
 use crate::equations::dynamics::mass_matrix;
 use crate::equations::kinematics::coordinates::velocity_to_qdot;
 use crate::equations::steps::step_semi_implicit_derivatives;
-use crate::equations::{ForwardInput, Motion, StepInput, StepWorkspace, Workspace, derivatives};
+use crate::equations::{
+    ForwardInput, Motion, StepWorkspace, TimeStepInput, Workspace, derivatives,
+};
 use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
 use crate::scalar::Tangent;
@@ -165,7 +167,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn step_semi_implicit_hessian(
         &mut self,
-        StepInput { q, qd, tau, dt }: StepInput<'_, S>,
+        TimeStepInput { q, qd, tau, dt }: TimeStepInput<'_, S>,
         costate: &[S],
         outputs: StepHessianOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
@@ -178,7 +180,7 @@ impl<S: Scalar> Interpreter<S> {
         check("dx_dx", dx_dx, 4 * n * n)?;
         check("dx_dtau", dx_dtau, 2 * n * n)?;
         check("dtau_dtau", dtau_dtau, n * n)?;
-        self.step_semi_implicit(StepInput { q, qd, tau, dt }, next_q, next_qd)?;
+        self.step_semi_implicit(TimeStepInput { q, qd, tau, dt }, next_q, next_qd)?;
         let model = self.mechanism.map(Tangent::constant);
         let layout = UduLayout::new(&self.mechanism, &ModuleTree::links(&self.model));
         let workspace = &mut Workspace::new(&model);
@@ -200,7 +202,7 @@ impl<S: Scalar> Interpreter<S> {
             let tau = moved(tau, &unit[2 * n..]);
             let [next_q, next_qd, a, b] = &mut found;
             let outputs = StepOutputs { q: next_q, qd: next_qd, a, b };
-            let input = StepInput { q: &q, qd: &qd, tau: &tau, dt: Tangent::constant(dt) };
+            let input = TimeStepInput { q: &q, qd: &qd, tau: &tau, dt: Tangent::constant(dt) };
             step_semi_implicit_derivatives(&model, &layout, input, workspace, memory, outputs);
             let columns = found[2].chunks(2 * n).chain(found[3].chunks(2 * n));
             for (i, (column, change)) in columns.zip(changes).enumerate() {

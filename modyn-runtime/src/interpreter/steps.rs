@@ -7,7 +7,8 @@ use crate::equations::brge::UduLayout;
 use crate::equations::dynamics::Elimination;
 pub use crate::equations::steps::StepOutputs;
 use crate::equations::{
-    MidpointWorkspace, NextState, RungeKuttaWorkspace, StepInput, StepWorkspace, Workspace, steps,
+    MidpointWorkspace, NextState, RungeKuttaWorkspace, StepWorkspace, TimeStepInput, Workspace,
+    steps,
 };
 use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
@@ -16,7 +17,7 @@ use crate::model::ModuleTree;
 type Method<S> = fn(
     &Mechanism<S>,
     &Elimination,
-    StepInput<'_, S>,
+    TimeStepInput<'_, S>,
     &mut Workspace<S>,
     &mut StepWorkspace<S>,
     NextState<'_, S>,
@@ -32,11 +33,11 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn step_semi_implicit(
         &mut self,
-        input: StepInput<'_, S>,
+        input: TimeStepInput<'_, S>,
         next_q: &mut [S],
         next_qd: &mut [S],
     ) -> Result<(), ShapeError> {
-        self.step_by(steps::step_semi_implicit, (q, qd, tau, dt), (next_q, next_qd))
+        self.step_by(steps::step_semi_implicit, input, NextState { q: next_q, qd: next_qd })
     }
 
     /// Computes the state of [`step_semi_implicit`](Self::step_semi_implicit), and its derivatives
@@ -48,7 +49,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn step_semi_implicit_derivatives(
         &mut self,
-        input: StepInput<'_, S>,
+        input: TimeStepInput<'_, S>,
         outputs: StepOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
         self.check_linear_step(input, &outputs)?;
@@ -69,11 +70,11 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn step_rk4(
         &mut self,
-        input: StepInput<'_, S>,
+        input: TimeStepInput<'_, S>,
         next_q: &mut [S],
         next_qd: &mut [S],
     ) -> Result<(), ShapeError> {
-        self.step_by(steps::step_rk4, (q, qd, tau, dt), (next_q, next_qd))
+        self.step_by(steps::step_rk4, input, NextState { q: next_q, qd: next_qd })
     }
 
     /// Computes the state of [`step_rk4`](Self::step_rk4), and its derivatives A with respect to
@@ -85,7 +86,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn step_rk4_derivatives(
         &mut self,
-        input: StepInput<'_, S>,
+        input: TimeStepInput<'_, S>,
         outputs: StepOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
         self.check_linear_step(input, &outputs)?;
@@ -107,7 +108,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn step_implicit_midpoint(
         &mut self,
-        input: StepInput<'_, S>,
+        input: TimeStepInput<'_, S>,
         next_q: &mut [S],
         next_qd: &mut [S],
     ) -> Result<(), ShapeError> {
@@ -128,7 +129,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn step_implicit_midpoint_derivatives(
         &mut self,
-        input: StepInput<'_, S>,
+        input: TimeStepInput<'_, S>,
         outputs: StepOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
         self.check_linear_step(input, &outputs)?;
@@ -142,7 +143,7 @@ impl<S: Scalar> Interpreter<S> {
     fn step_by(
         &mut self,
         method: Method<S>,
-        input: StepInput<'_, S>,
+        input: TimeStepInput<'_, S>,
         next: NextState<'_, S>,
     ) -> Result<(), ShapeError> {
         self.check_step(input, next.q, next.qd)?;
@@ -154,7 +155,7 @@ impl<S: Scalar> Interpreter<S> {
 
     fn check_linear_step(
         &self,
-        input: StepInput<'_, S>,
+        input: TimeStepInput<'_, S>,
         outputs: &StepOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
         let n = self.model.nv();
@@ -165,7 +166,7 @@ impl<S: Scalar> Interpreter<S> {
 
     fn check_step(
         &self,
-        input: StepInput<'_, S>,
+        input: TimeStepInput<'_, S>,
         next_q: &[S],
         next_qd: &[S],
     ) -> Result<(), ShapeError> {

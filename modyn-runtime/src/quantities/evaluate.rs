@@ -11,6 +11,7 @@ use crate::equations::constraints::{
 };
 use crate::equations::derivatives::CentroidalOutputs;
 use crate::equations::soft_constraints::StepInput;
+use crate::equations::{Forces, ForwardInput, Motion, State, TimeStepInput};
 use crate::interpreter::{
     ConstrainedDerivatives, ConstrainedHessianOutputs, ContactProblemOutputs, ContactStepOutputs,
     ForwardDerivatives, FrameError, HessianOutputs, Interpreter, ShapeError, StepHessianOutputs,
@@ -121,7 +122,8 @@ fn step_settings_of<S: Scalar>(numbers: &[S]) -> StepSettings<S, Vec<ContactSurf
     StepSettings::from_numbers([settings[0], settings[1]], contacts)
 }
 
-/// Returns the parts of a result: the fields of a function with several results, else the whole result.
+/// Returns the parts of a result: the fields of a function with several results, else the whole
+/// result.
 fn parts<'a, S, const N: usize>(shape: &Shape, mut numbers: &'a mut [S]) -> [&'a mut [S]; N] {
     let Shape::Record(Record::Several(_) | Record::Each(_), fields) = shape else {
         let mut whole = Some(numbers);

@@ -233,7 +233,7 @@ macro_rules! quantities {
              "Returns the state after the time `dt` (s) under the joint forces `tau`, by the semi-implicit Euler method: the\n\
              new velocities are `qd` + `dt` qdd, and move the coordinates.",
              "`{Self}` has no function `step_semi_implicit`"
-             => |robot, [next_q, next_qd]| robot.step_semi_implicit(StepInput { q, qd, tau, dt: dt[0] }, next_q, next_qd)?;
+             => |robot, [next_q, next_qd]| robot.step_semi_implicit(TimeStepInput { q, qd, tau, dt: dt[0] }, next_q, next_qd)?;
 
             StepSemiImplicitDerivatives step_semi_implicit_derivatives / step_semi_implicit_derivatives_with(q, qd, tau, dt) -> step_derivatives, [inertia],
              "Returns the state after the time `dt` (s) by the semi-implicit Euler method, and its derivatives: `a` with\n\
@@ -241,7 +241,7 @@ macro_rules! quantities {
              (in tangent space), then those of qd.",
              "`{Self}` has no function `step_semi_implicit_derivatives`"
              => |robot, [next_q, next_qd, a, b]| robot.step_semi_implicit_derivatives(
-                        StepInput { q, qd, tau, dt: dt[0] }, StepOutputs { q: next_q, qd: next_qd, a, b },
+                        TimeStepInput { q, qd, tau, dt: dt[0] }, StepOutputs { q: next_q, qd: next_qd, a, b },
                     )?;
 
             StepSemiImplicitHessian step_semi_implicit_hessian / step_semi_implicit_hessian_with(q, qd, tau, dt, costate) -> step_hessian, [inertia],
@@ -254,21 +254,21 @@ macro_rules! quantities {
                         let outputs = StepHessianOutputs {
                             q: next_q, qd: next_qd, dx, dtau, dx_dx, dx_dtau, dtau_dtau,
                         };
-                        robot.step_semi_implicit_hessian(StepInput { q, qd, tau, dt: dt[0] }, costate, outputs)?;
+                        robot.step_semi_implicit_hessian(TimeStepInput { q, qd, tau, dt: dt[0] }, costate, outputs)?;
                     };
 
             StepRk4 step_rk4 / step_rk4_with(q, qd, tau, dt) -> step, [casadi inertia],
              "Returns the state after the time `dt` (s) under the constant joint forces `tau`, by a Runge-Kutta method of\n\
              fourth order. Rotations follow exponential maps, so quaternions keep length 1.",
              "`{Self}` has no function `step_rk4`"
-             => |robot, [next_q, next_qd]| robot.step_rk4(StepInput { q, qd, tau, dt: dt[0] }, next_q, next_qd)?;
+             => |robot, [next_q, next_qd]| robot.step_rk4(TimeStepInput { q, qd, tau, dt: dt[0] }, next_q, next_qd)?;
 
             StepRk4Derivatives step_rk4_derivatives / step_rk4_derivatives_with(q, qd, tau, dt) -> step_derivatives, [inertia],
              "Returns the state of `step_rk4`, and its derivatives: `a` with respect to the state before and `b` with respect\n\
              to `tau`, arrays of columns. A state has the entries of q (in tangent space), then those of qd.",
              "`{Self}` has no function `step_rk4_derivatives`"
              => |robot, [next_q, next_qd, a, b]| robot.step_rk4_derivatives(
-                        StepInput { q, qd, tau, dt: dt[0] }, StepOutputs { q: next_q, qd: next_qd, a, b },
+                        TimeStepInput { q, qd, tau, dt: dt[0] }, StepOutputs { q: next_q, qd: next_qd, a, b },
                     )?;
 
             StepImplicitMidpoint step_implicit_midpoint / step_implicit_midpoint_with(q, qd, tau, dt) -> step, [casadi inertia],
@@ -276,7 +276,7 @@ macro_rules! quantities {
              second order, symmetric, and stable under stiff damping. Three iterations of simplified Newton solve its\n\
              equations. Rotations follow exponential maps, so quaternions keep length 1.",
              "`{Self}` has no function `step_implicit_midpoint`"
-             => |robot, [next_q, next_qd]| robot.step_implicit_midpoint(StepInput { q, qd, tau, dt: dt[0] }, next_q, next_qd)?;
+             => |robot, [next_q, next_qd]| robot.step_implicit_midpoint(TimeStepInput { q, qd, tau, dt: dt[0] }, next_q, next_qd)?;
 
             StepImplicitMidpointDerivatives step_implicit_midpoint_derivatives / step_implicit_midpoint_derivatives_with(q, qd, tau, dt) -> step_derivatives, [inertia],
              "Returns the state of `step_implicit_midpoint`, and the derivatives of the implicit midpoint rule: `a` with respect\n\
@@ -284,7 +284,7 @@ macro_rules! quantities {
              space), then those of qd.",
              "`{Self}` has no function `step_implicit_midpoint_derivatives`"
              => |robot, [next_q, next_qd, a, b]| robot.step_implicit_midpoint_derivatives(
-                        StepInput { q, qd, tau, dt: dt[0] }, StepOutputs { q: next_q, qd: next_qd, a, b },
+                        TimeStepInput { q, qd, tau, dt: dt[0] }, StepOutputs { q: next_q, qd: next_qd, a, b },
                     )?;
 
             ConstrainedForwardDynamics constrained_forward_dynamics / constrained_forward_dynamics_with(q, qd, tau, contacts, settings) -> constrained, [default constraints inertia],
@@ -419,7 +419,7 @@ macro_rules! quantities {
                             mobility,
                             responses,
                         };
-                        let input = StepInput { q, qd, tau, dt: dt[0] };
+                        let input = TimeStepInput { q, qd, tau, dt: dt[0] };
                         robot.contact_problem(input, &settings_of(settings), results)?;
                         write(&moving, before);
                         write(&falling, free);
@@ -440,7 +440,7 @@ macro_rules! quantities {
                             impulses: impulses_after,
                             residual: &mut residual[0],
                         };
-                        let input = StepInput { q, qd, tau, dt: dt[0] };
+                        let input = TimeStepInput { q, qd, tau, dt: dt[0] };
                         robot.contact_step(input, impulses, &settings_of(settings), results)?;
                     };
 

@@ -180,7 +180,8 @@ fn wrap(text: &str, most: usize) -> Vec<String> {
     lines
 }
 
-/// Returns the name of an argument in Python, where `from` is a keyword, and each function has one kind of settings.
+/// Returns the name of an argument in Python, where `from` is a keyword, and each function has one
+/// kind of settings.
 fn python(name: &str) -> &str {
     match name {
         "from" => "from_",

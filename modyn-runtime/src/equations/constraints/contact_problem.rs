@@ -10,7 +10,7 @@ use crate::constraint_settings::{ConstraintSettings, ContactTarget};
 use crate::equations::dynamics::bias_in_free_fall;
 use crate::equations::factorization::limb_coupling::{Factorizable, LimbAccess};
 use crate::equations::factorization::{solve_lower_factor, solve_lower_within};
-use crate::equations::{State, StepInput, brge};
+use crate::equations::{State, TimeStepInput, brge};
 use crate::spatial::{Matrix3, Vector3};
 
 /// The results of [`contact_problem`]. A contact has three rows: two directions in the plane of its
@@ -58,7 +58,7 @@ impl<S> ContactProblemOutputs<'_, S> {
 pub fn contact_problem<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
     tree: &T,
     layout: &T::Layout,
-    StepInput { q, qd, tau, dt }: StepInput<'_, S>,
+    TimeStepInput { q, qd, tau, dt }: TimeStepInput<'_, S>,
     settings: &ConstraintSettings<S, C>,
     ConstraintWorkspaces { workspace, memory }: ConstraintWorkspaces<'_, S>,
     outputs: ContactProblemOutputs<'_, S>,

@@ -278,8 +278,8 @@ impl<'a, S: Scalar> StepProblem<'a, S> {
                 }
             }
         }
-        let forces = (self.input.qd, &*tau);
-        against_fall(*model, partition, forces, workspace, &mut self.accelerations);
+        let qd = self.input.qd;
+        against_fall(*model, partition, qd, &tau, workspace, &mut self.accelerations);
         body_twists(model, &self.accelerations, workspace);
         workspace.added_inertia.fill(None);
         workspace.added_armature.fill(None);

@@ -25,7 +25,7 @@ use crate::equations::derivatives::inverse_dynamics_derivatives_and_mass_matrix;
 use crate::equations::dynamics::inverse_dynamics;
 use crate::equations::factorization::{factor_ul, solve_ul};
 use crate::equations::kinematics::coordinates::{integrate, integrate_derivatives};
-use crate::equations::{ForwardInput, Motion, NextState, State, StepInput, Workspace};
+use crate::equations::{ForwardInput, Motion, NextState, State, TimeStepInput, Workspace};
 use crate::mechanism::Mechanism;
 
 /// The number of iterations. The error of the velocities that they leave is of order dt^7, far
@@ -163,7 +163,7 @@ fn block_products<'a, S: Scalar>(
 /// Computes the coordinates and velocities after the time `dt`.
 pub fn step_implicit_midpoint<S: Scalar>(
     model: &Mechanism<S>,
-    StepInput { q, qd, tau, dt }: StepInput<'_, S>,
+    TimeStepInput { q, qd, tau, dt }: TimeStepInput<'_, S>,
     workspace: &mut Workspace<S>,
     memory: &mut MidpointWorkspace<S>,
     next: NextState<'_, S>,
@@ -179,7 +179,7 @@ pub fn step_implicit_midpoint<S: Scalar>(
 /// was found.
 pub fn step_implicit_midpoint_derivatives<S: Scalar>(
     model: &Mechanism<S>,
-    StepInput { q, qd, tau, dt }: StepInput<'_, S>,
+    TimeStepInput { q, qd, tau, dt }: TimeStepInput<'_, S>,
     workspace: &mut Workspace<S>,
     memory: &mut MidpointWorkspace<S>,
     outputs: StepOutputs<'_, S>,

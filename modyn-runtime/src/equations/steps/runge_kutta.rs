@@ -15,14 +15,14 @@ use crate::equations::derivatives::{ForwardDerivatives, forward_dynamics_derivat
 use crate::equations::dynamics::{Elimination, forward_dynamics};
 use crate::equations::factorization::UduLayout;
 use crate::equations::kinematics::coordinates::{integrate, integrate_derivatives};
-use crate::equations::{ForwardInput, NextState, State, StepInput, Workspace};
+use crate::equations::{ForwardInput, NextState, State, TimeStepInput, Workspace};
 use crate::mechanism::Mechanism;
 
 /// Computes the coordinates and velocities after the time `dt`, with an error of order dt^5.
 pub fn step_rk4<S: Scalar>(
     model: &Mechanism<S>,
     elimination: &Elimination,
-    StepInput { q, qd, tau, dt }: StepInput<'_, S>,
+    TimeStepInput { q, qd, tau, dt }: TimeStepInput<'_, S>,
     workspace: &mut Workspace<S>,
     memory: &mut StepWorkspace<S>,
     next: NextState<'_, S>,
@@ -139,7 +139,7 @@ impl<S: Scalar> RungeKuttaWorkspace<S> {
 pub fn step_rk4_derivatives<S: Scalar>(
     model: &Mechanism<S>,
     layout: &UduLayout,
-    StepInput { q, qd, tau, dt }: StepInput<'_, S>,
+    TimeStepInput { q, qd, tau, dt }: TimeStepInput<'_, S>,
     workspace: &mut Workspace<S>,
     memory: &mut RungeKuttaWorkspace<S>,
     outputs: StepOutputs<'_, S>,

@@ -6,7 +6,7 @@ use crate::equations::derivatives::{ForwardDerivatives, forward_dynamics_derivat
 use crate::equations::dynamics::{Elimination, forward_dynamics};
 use crate::equations::factorization::UduLayout;
 use crate::equations::kinematics::coordinates;
-use crate::equations::{ForwardInput, NextState, StepInput, Workspace};
+use crate::equations::{ForwardInput, NextState, TimeStepInput, Workspace};
 use crate::mechanism::Mechanism;
 
 /// Computes the coordinates and velocities after the time `dt`: qd' = qd + dt qdd(q, qd, tau) and
@@ -14,7 +14,7 @@ use crate::mechanism::Mechanism;
 pub fn step_semi_implicit<S: Scalar>(
     model: &Mechanism<S>,
     elimination: &Elimination,
-    StepInput { q, qd, tau, dt }: StepInput<'_, S>,
+    TimeStepInput { q, qd, tau, dt }: TimeStepInput<'_, S>,
     workspace: &mut Workspace<S>,
     memory: &mut StepWorkspace<S>,
     NextState { q: next_q, qd: next_qd }: NextState<'_, S>,
@@ -34,7 +34,7 @@ pub fn step_semi_implicit<S: Scalar>(
 pub fn step_semi_implicit_derivatives<S: Scalar>(
     model: &Mechanism<S>,
     layout: &UduLayout,
-    StepInput { q, qd, tau, dt }: StepInput<'_, S>,
+    TimeStepInput { q, qd, tau, dt }: TimeStepInput<'_, S>,
     workspace: &mut Workspace<S>,
     memory: &mut StepWorkspace<S>,
     outputs: StepOutputs<'_, S>,

@@ -62,8 +62,11 @@ impl Printer<'_> {
         if table.is_empty() {
             return;
         }
-        let (name, float) = (self.table_name(number), self.float.name());
-        let (constants, places, rows) = (table.constants(), table.places(), table.rows.len());
+        let name = self.table_name(number);
+        let float = self.float.name();
+        let constants = table.constants();
+        let places = table.places();
+        let rows = table.rows.len();
         let index = index_type(table);
         let _ = writeln!(
             text,
