@@ -201,9 +201,9 @@ fn move_to_ground(
         }
         // The constraints of loops come before those of contacts.
         let heights = displacements.iter().skip(model.loop_constraints().len());
-        let own = model.contacts().iter().zip(heights);
-        let own = own.filter(|(contact, _)| base(contact.end.frame) == Some(i));
-        let lowest = own.map(|(_, height)| height.linear.0[2]).fold(f64::INFINITY, f64::min);
+        let all_heights = model.contacts().iter().zip(heights);
+        let touching = all_heights.filter(|(contact, _)| base(contact.end.frame) == Some(i));
+        let lowest = touching.map(|(_, height)| height.linear.0[2]).fold(f64::INFINITY, f64::min);
         if lowest.is_finite() && is_moved(lowest) {
             // The coordinates are in the axes of the joint's frame.
             let [.., up] = link.joint.origin.rotation;

@@ -508,7 +508,7 @@ impl Builder {
         match self.inputs() {
             Ok(inputs) if errors.is_empty() => return Ok(inputs),
             Ok(_) => {}
-            Err(found) => errors.extend(found),
+            Err(diagnostics) => errors.extend(diagnostics),
         }
         Err(Diagnostics::new(errors))
     }
@@ -522,9 +522,9 @@ impl Builder {
     fn inputs(&self) -> Result<Inputs, Diagnostics> {
         let code = &self.options.code;
         let mut errors = self.option_errors();
-        let reading = self.read().map_err(|found| errors.extend(found)).ok();
+        let reading = self.read().map_err(|diagnostics| errors.extend(diagnostics)).ok();
         let modules = reading.as_ref().and_then(|reading| {
-            self.module_tree(&reading.model).map_err(|found| errors.extend(found)).ok()
+            self.module_tree(&reading.model).map_err(|diagnostics| errors.extend(diagnostics)).ok()
         });
         let mut functions = self.selected().to_vec();
         let bundled: Vec<Function> = code.bundles.iter().flat_map(Bundle::functions).collect();
@@ -544,7 +544,7 @@ impl Builder {
         let [runtime_inertia, payload] = inertias.map(|(option, code, names)| {
             reading.as_ref().and_then(|reading| {
                 let frames = moving_frames(&reading.model, option, code, names);
-                frames.map_err(|found| errors.extend(found)).ok()
+                frames.map_err(|diagnostics| errors.extend(diagnostics)).ok()
             })
         });
         let mut choices = Choices {
@@ -563,12 +563,15 @@ impl Builder {
             // Options with errors may be those of the functions.
             let traced =
                 errors.is_empty().then(|| self.traced_functions(model, &singular, &choices));
-            let traced =
-                traced.and_then(|traced| traced.map_err(|found| errors.extend(found)).ok());
-            let of = |bundle: &Bundle| {
-                bundle.of(model, traced.as_deref()).map_err(|found| errors.extend(found)).ok()
+            let traced = traced
+                .and_then(|traced| traced.map_err(|diagnostics| errors.extend(diagnostics)).ok());
+            let planned = |bundle: &Bundle| {
+                bundle
+                    .of(model, traced.as_deref())
+                    .map_err(|diagnostics| errors.extend(diagnostics))
+                    .ok()
             };
-            choices.bundles = code.bundles.iter().filter_map(of).collect();
+            choices.bundles = code.bundles.iter().filter_map(planned).collect();
             choices.user_functions = traced.unwrap_or_default();
         }
         let (Some(Reading { model, mut warnings, files, .. }), Some(modules), true) =

@@ -104,7 +104,7 @@ impl fmt::Display for GpuError {
                  mesa-vulkan-drivers)"
             ),
             Self::NoDevice(why) => write!(f, "the graphics processor cannot be opened: {why}"),
-            Self::Description(found) => write!(f, "{found}"),
+            Self::Description(diagnostics) => write!(f, "{diagnostics}"),
             Self::NoKernel { name, kernels } => {
                 write!(f, "the robot has no kernel `{name}`; it has {}", kernels.join(", "))
             }
@@ -156,7 +156,7 @@ impl fmt::Display for GpuError {
 impl Error for GpuError {}
 
 impl From<Diagnostics> for GpuError {
-    fn from(found: Diagnostics) -> Self {
-        Self::Description(found)
+    fn from(diagnostics: Diagnostics) -> Self {
+        Self::Description(diagnostics)
     }
 }

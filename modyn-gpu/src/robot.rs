@@ -75,9 +75,11 @@ impl GpuRobot {
     fn find(&self, name: &str) -> Result<(usize, &GpuKernel), GpuError> {
         let source = &self.source;
         let own_names = || source.kernels.iter().map(|kernel| kernel.own_name(&source.prefix));
-        let index = own_names().position(|own| own == name).ok_or_else(|| GpuError::NoKernel {
-            name: name.into(),
-            kernels: own_names().map(String::from).collect(),
+        let index = own_names().position(|kernel_name| kernel_name == name).ok_or_else(|| {
+            GpuError::NoKernel {
+                name: name.into(),
+                kernels: own_names().map(String::from).collect(),
+            }
         })?;
         Ok((index, &source.kernels[index]))
     }

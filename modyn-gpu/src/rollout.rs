@@ -186,8 +186,8 @@ impl Rollout {
     fn fitting(&self, arguments: &RolloutArguments<'_>) -> Result<(usize, usize), GpuError> {
         let source = &self.source;
         let step = arguments.step.name();
-        let found = source.rollouts.iter().position(|rollout| rollout.step == step);
-        let index = found.ok_or_else(|| GpuError::NoKernel {
+        let place = source.rollouts.iter().position(|rollout| rollout.step == step);
+        let index = place.ok_or_else(|| GpuError::NoKernel {
             name: step.into(),
             kernels: source.rollouts.iter().map(|rollout| rollout.step.into()).collect(),
         })?;

@@ -52,9 +52,9 @@ pub fn guides(_: TokenStream) -> TokenStream {
 fn compile(Input { path, span, builder }: Input) -> Result<TokenStream> {
     let error = |message: &dyn Display| Error::new(span, message);
     let bug = |what| error(&format!("modyn {what}; please report this, with the description"));
-    let refused = |found: Diagnostics| {
+    let refused = |diagnostics: Diagnostics| {
         let (errors, warnings): (Vec<_>, Vec<_>) =
-            found.into_iter().partition(|one| one.severity == Severity::Error);
+            diagnostics.into_iter().partition(|one| one.severity == Severity::Error);
         warn(warnings);
         // Rustc writes `error: ` before each error, and an editor lists each.
         let mut errors = errors.iter().map(|one| error(&one.without_severity()));
@@ -66,7 +66,7 @@ fn compile(Input { path, span, builder }: Input) -> Result<TokenStream> {
     };
     let compiled = catch_unwind(AssertUnwindSafe(|| {
         let (builder, tracking) = match locate::locate(&path, span) {
-            Ok(found) => (builder.text(found.text, &path).folder(found.folder), found.tracking),
+            Ok(input) => (builder.text(input.text, &path).folder(input.folder), input.tracking),
             // The errors of the options are reported, too.
             Err(why) => (builder.failed_to_read(why), String::new()),
         };

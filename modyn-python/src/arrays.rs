@@ -55,14 +55,14 @@ impl<'py, S: Number> Given<'py, S> {
         }
         let array = in_order(function, name, object)?;
         let states = match array.shape() {
-            found if found == shape => None,
+            same if same == shape => None,
             [states, rest @ ..] if rest == shape => Some(*states),
-            found => {
+            other => {
                 let one = tuple(shape);
                 let many = batch(shape);
-                let found = tuple(found);
+                let given_shape = tuple(other);
                 return Err(PyValueError::new_err(format!(
-                    "`{name}` of `{function}` has the shape {found}; expected {one}, or {many} for n states"
+                    "`{name}` of `{function}` has the shape {given_shape}; expected {one}, or {many} for n states"
                 )));
             }
         };
@@ -277,18 +277,18 @@ impl<'py, S: Number> Output<'py, S> {
         })?;
         let shape = leaf.shape(states);
         if array.shape() != shape {
-            let found = tuple(array.shape());
+            let given_shape = tuple(array.shape());
             let expected = tuple(&shape);
             return Err(PyValueError::new_err(format!(
-                "`out` of `{function}` has the shape {found}; expected {expected}"
+                "`out` of `{function}` has the shape {given_shape}; expected {expected}"
             )));
         }
         let strides = leaf.strides::<S>(states, length);
         let fits = array.shape().iter().zip(array.strides()).zip(&strides);
         let fits = array.is_aligned()
-            && fits
-                .into_iter()
-                .all(|((&n, &found), &stride)| n <= 1 || usize::try_from(found) == Ok(stride));
+            && fits.into_iter().all(|((&n, &given_stride), &stride)| {
+                n <= 1 || usize::try_from(given_stride) == Ok(stride)
+            });
         let returned = out.clone();
         if fits {
             // The axes in the order of the memory, which is then in C order.
@@ -303,8 +303,8 @@ impl<'py, S: Number> Output<'py, S> {
         }
         // The caller's memory has another order: the call must not write what it cannot.
         drop(writable(function, array)?);
-        let own = Self::allocated(py, (&Layout::Array(leaf.clone()), length), states)?;
-        Ok(Self { copied_to: Some(returned), ..own })
+        let memory = Self::allocated(py, (&Layout::Array(leaf.clone()), length), states)?;
+        Ok(Self { copied_to: Some(returned), ..memory })
     }
 
     /// Returns the output in the memory of an earlier result of the same function.
@@ -324,10 +324,11 @@ impl<'py, S: Number> Output<'py, S> {
         let mut leaves = Vec::new();
         gather::<S>(fields, out, &mut leaves).map_err(|_| wrong())?;
         for (leaf, array) in leaves {
-            let own = array.getattr("base")?.cast_into::<PyArrayDyn<S>>().map_err(|_| wrong())?;
-            let base = base.get_or_insert_with(|| own.clone());
+            let array_of_struct =
+                array.getattr("base")?.cast_into::<PyArrayDyn<S>>().map_err(|_| wrong())?;
+            let base = base.get_or_insert_with(|| array_of_struct.clone());
             let strides = leaf.strides::<S>(states, length);
-            let is_view = own.is(&*base)
+            let is_view = array_of_struct.is(&*base)
                 && base.is_c_contiguous()
                 && base.is_aligned()
                 && base.shape() == shape

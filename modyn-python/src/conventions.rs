@@ -19,9 +19,9 @@ impl<'py, const N: usize> Rows<'py, N> {
         let array = in_order::<f64>(function, name, object)?;
         match array.shape() {
             [_, columns] if *columns == N => Ok(Self(array.try_readonly()?)),
-            found => Err(PyValueError::new_err(format!(
+            other => Err(PyValueError::new_err(format!(
                 "`{name}` of `{function}` has the shape {}; expected (n, {N})",
-                tuple(found)
+                tuple(other)
             ))),
         }
     }

@@ -124,8 +124,8 @@ impl<S: Number> Typed<S> {
         };
         let code = RwLock::new(code);
         let single = arrays::single(&result, length);
-        let own = Self { name, arguments, function, result, length, single, code };
-        Some((Box::new(own), reason))
+        let code = Self { name, arguments, function, result, length, single, code };
+        Some((Box::new(code), reason))
     }
 
     fn interpreted(function: Function, robot: Interpreter<f64>) -> Self {
@@ -134,7 +134,8 @@ impl<S: Number> Typed<S> {
         let shape = (row.result)(&sizes);
         let length = shape.len();
         let result = layout::of_result(&shape);
-        let argument = |own: &Argument| (*own, layout::of_argument(&own.shape(&sizes)));
+        let argument =
+            |argument: &Argument| (*argument, layout::of_argument(&argument.shape(&sizes)));
         Self {
             name: function.name(),
             arguments: row.arguments.iter().map(argument).collect(),
@@ -333,9 +334,9 @@ impl<S: Number> Typed<S> {
         let mut chunks = Vec::with_capacity(threads);
         for first in (0..states).step_by(share) {
             let count = share.min(states - first);
-            let own;
-            (own, rest) = rest.split_at_mut(count * self.length);
-            chunks.push(Mutex::new((first, count, own)));
+            let result;
+            (result, rest) = rest.split_at_mut(count * self.length);
+            chunks.push(Mutex::new((first, count, result)));
         }
         let failed = Mutex::new(None);
         pool.share(chunks.len(), &|chunk| {
@@ -349,10 +350,10 @@ impl<S: Number> Typed<S> {
                 let states = if piece == 1 { 1 } else { states };
                 let at = *first + done;
                 let arguments = arguments.iter().zip(&lengths);
-                let own: Vec<&[S]> =
+                let own_arguments: Vec<&[S]> =
                     arguments.map(|(all, n)| &all[at * n..][..states * n]).collect();
                 let results = &mut results[done * self.length..][..states * self.length];
-                if let Err(error) = run(&own, results) {
+                if let Err(error) = run(&own_arguments, results) {
                     *failed.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
                     return;
                 }
@@ -396,7 +397,7 @@ impl<S: Number> RobotFunction for Typed<S> {
     ) -> PyResult<Bound<'py, PyAny>> {
         let link = link.filter(|_| self.is_by_link());
         let given = self.arguments.iter().zip(arguments);
-        let given = given.map(|(own, argument)| self.given(py, own, *argument));
+        let given = given.map(|(declared, argument)| self.given(py, declared, *argument));
         let given = given.collect::<PyResult<Vec<_>>>()?;
         let mut states: Option<(usize, usize)> = None;
         for (i, count) in given.iter().enumerate().filter_map(|(i, one)| Some((i, one.states?))) {

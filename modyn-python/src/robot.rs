@@ -86,9 +86,9 @@ impl Robot {
             Some(wanted) => wanted.extract()?,
             None => true,
         };
-        for own in ["machine_code", "bundles"] {
-            if keywords.contains(own)? {
-                keywords.del_item(own)?;
+        for option in ["machine_code", "bundles"] {
+            if keywords.contains(option)? {
+                keywords.del_item(option)?;
             }
         }
         // A type's name has no meaning here, and no warning about it is due.
@@ -398,24 +398,24 @@ impl Robot {
     /// Returns the numbers of the joints that have coordinates of their own, one for each entry.
     fn entries(&self, count: fn(&Link) -> usize, number: impl Fn(usize, &Link) -> f64) -> Vec<f64> {
         let links = self.model.links().iter().enumerate();
-        let own = links.filter(|(_, link)| link.joint.mimic.is_none());
-        own.flat_map(|(i, link)| vec![number(i, link); count(link)]).collect()
+        let independent = links.filter(|(_, link)| link.joint.mimic.is_none());
+        independent.flat_map(|(i, link)| vec![number(i, link); count(link)]).collect()
     }
 }
 
 /// Returns the key of code that is known, or what `code` returns.
 fn known<K: PartialEq>(
     keys: &Mutex<Vec<(K, i64)>>,
-    own: K,
+    own_key: K,
     code: impl FnOnce() -> PyResult<i64>,
 ) -> PyResult<i64> {
     let keys = || keys.lock().unwrap_or_else(PoisonError::into_inner);
-    let known = keys().iter().find(|(other, _)| *other == own).map(|(_, key)| *key);
+    let known = keys().iter().find(|(other, _)| *other == own_key).map(|(_, key)| *key);
     if let Some(key) = known {
         return Ok(key);
     }
     let key = code()?;
-    keys().push((own, key));
+    keys().push((own_key, key));
     Ok(key)
 }
 
@@ -427,14 +427,14 @@ fn vector<const N: usize>(
 ) -> PyResult<[f64; N]> {
     let array = in_order::<f64>(function, name, object)?;
     if array.shape() != [N] {
-        let found = tuple(array.shape());
+        let given_shape = tuple(array.shape());
         let expected = tuple(&[N]);
         let entries = match (name, N) {
             ("inertia", 6) => ": ixx, ixy, ixz, iyy, iyz, izz",
             _ => "",
         };
         return Err(PyValueError::new_err(format!(
-            "`{name}` of `{function}` has the shape {found}; expected {expected}{entries}"
+            "`{name}` of `{function}` has the shape {given_shape}; expected {expected}{entries}"
         )));
     }
     let mut vector = [0.0; N];
@@ -558,16 +558,17 @@ impl Robot {
         // Without a step, as `slice(start, end)` has it.
         let slice = py.import("builtins")?.getattr("slice")?;
         let links = self.model.links().iter().enumerate();
-        let own = links.filter(|(_, link)| link.joint.mimic.is_none());
-        own.map(|(i, link)| {
-            let kind = link.joint.joint_type.name();
-            let q = self.model.q_range(i);
-            let v = self.model.v_range(i);
-            let q = slice.call1((q.start, q.end))?;
-            let v = slice.call1((v.start, v.end))?;
-            class.call1((link.joint.name.as_str(), kind, q, v))
-        })
-        .collect()
+        let independent = links.filter(|(_, link)| link.joint.mimic.is_none());
+        independent
+            .map(|(i, link)| {
+                let kind = link.joint.joint_type.name();
+                let q = self.model.q_range(i);
+                let v = self.model.v_range(i);
+                let q = slice.call1((q.start, q.end))?;
+                let v = slice.call1((v.start, v.end))?;
+                class.call1((link.joint.name.as_str(), kind, q, v))
+            })
+            .collect()
     }
 
     /// Returns the mimic joints that follow others: the name of each, the entries of `q` and `qd`
@@ -705,7 +706,9 @@ impl Robot {
         out: Option<&Bound<'py, PyAny>>,
         named: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let Some((_, bundle, slot)) = self.bundles.iter().find(|(own, ..)| own == name) else {
+        let Some((_, bundle, slot)) =
+            self.bundles.iter().find(|(bundle_name, ..)| bundle_name == name)
+        else {
             let names = self.bundle_names().join(", ");
             let message = format!("there is no bundle `{name}`; there are: {names}");
             return Err(PyValueError::new_err(message));
@@ -716,8 +719,8 @@ impl Robot {
                 self.compiled(py, (self.builder.clone().bundles([bundle.clone()]), None), slot)?
             }
         };
-        let own = function.arguments();
-        let count = own.len();
+        let parameters = function.arguments();
+        let count = parameters.len();
         if arguments.len() > count {
             let message =
                 format!("`{name}` takes {count} arguments, and {} were given", arguments.len());
@@ -725,12 +728,12 @@ impl Robot {
         }
         let mut given = Vec::with_capacity(count);
         let mut used = 0;
-        for (i, (own, _)) in own.iter().enumerate() {
-            let by_name = named.map(|named| named.get_item(own.name)).transpose()?.flatten();
+        for (i, (parameter, _)) in parameters.iter().enumerate() {
+            let by_name = named.map(|named| named.get_item(parameter.name)).transpose()?.flatten();
             used += usize::from(by_name.is_some());
             let argument = match (arguments.get_item(i).ok(), by_name) {
                 (Some(_), Some(_)) => {
-                    let message = format!("`{name}` has the argument `{}` twice", own.name);
+                    let message = format!("`{name}` has the argument `{}` twice", parameter.name);
                     return Err(PyTypeError::new_err(message));
                 }
                 (by_place, by_name) => by_place.or(by_name),
@@ -738,7 +741,7 @@ impl Robot {
             given.push(argument);
         }
         if let Some(named) = named.filter(|named| named.len() > used) {
-            let names: Vec<&str> = own.iter().map(|(own, _)| own.name).collect();
+            let names: Vec<&str> = parameters.iter().map(|(parameter, _)| parameter.name).collect();
             let message = format!("`{name}` takes {}, not {}", names.join(", "), named.keys());
             return Err(PyTypeError::new_err(message));
         }
@@ -748,7 +751,7 @@ impl Robot {
 
     /// Returns a bundle as a callable.
     fn __getattr__<'py>(slf: &Bound<'py, Self>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        if slf.get().bundles.iter().any(|(own, ..)| own == name) {
+        if slf.get().bundles.iter().any(|(bundle_name, ..)| bundle_name == name) {
             let partial = slf.py().import("functools")?.getattr("partial")?;
             return partial.call1((slf.getattr("bundle")?, name));
         }

@@ -92,7 +92,7 @@ impl Session {
             }
             "put" => {
                 let path = PathBuf::from(text(request, "file")?);
-                self.files.retain(|(own, _)| *own != path);
+                self.files.retain(|(file_name, _)| *file_name != path);
                 self.files.push((path, bytes.to_vec()));
                 Ok(json!({}))
             }
@@ -155,14 +155,14 @@ impl Session {
     fn read(&mut self, request: &Value) -> Answer {
         (self.robot, self.motion) = (None, None);
         let name = text(request, "file")?;
-        let found = self.files.iter().find(|(path, _)| path == Path::new(name));
-        let (_, bytes) = found.ok_or_else(|| format!("there is no file `{name}`"))?;
+        let file = self.files.iter().find(|(path, _)| path == Path::new(name));
+        let (_, bytes) = file.ok_or_else(|| format!("there is no file `{name}`"))?;
         let files = FileStore::in_memory(self.files.iter().cloned());
         let text = match String::from_utf8(bytes.clone()) {
             Ok(text) => text,
             Err(error) => {
-                let found = modyn_codegen::read::file::not_text(name, &error);
-                return Ok(refused(name, "", &files, &found));
+                let diagnostics = modyn_codegen::read::file::not_text(name, &error);
+                return Ok(refused(name, "", &files, &diagnostics));
             }
         };
         let folder = Path::new(name).parent().unwrap_or(Path::new(""));
@@ -181,7 +181,7 @@ impl Session {
         };
         let reading = match read(&builder) {
             Ok(reading) => reading,
-            Err(found) => return Ok(refused(name, &text, &files, &found)),
+            Err(diagnostics) => return Ok(refused(name, &text, &files, &diagnostics)),
         };
         // A robot that floats without contacts would fall forever.
         let contacts = tips(&reading.model);
@@ -191,8 +191,8 @@ impl Session {
             .filter(|_| !contacts.is_empty());
         let better = with_contacts.and_then(|builder| Some((read(&builder).ok()?, builder)));
         let (reading, contacts) = match better {
-            Some((better, own)) => {
-                builder = own;
+            Some((better, standing)) => {
+                builder = standing;
                 (better, contacts)
             }
             None => (reading, String::new()),
@@ -240,7 +240,7 @@ impl Robot {
         let named = Function::from_name(function);
         let named = named.ok_or_else(|| format!("there is no function `{function}`"))?;
         let plan = self.builder.clone().functions([named]).plan();
-        let planning = plan.map_err(|found| first(&found))?;
+        let planning = plan.map_err(|diagnostics| first(&diagnostics))?;
         let counts = planning.plan.operations_per_call();
         let (_, count) = counts.first().ok_or("the robot does not have it")?;
         Ok(json!({
@@ -260,7 +260,9 @@ impl Robot {
         let builder = self.builder.clone().set("functions", &value);
         let emitted = match builder.map_err(|fault| fault.message)?.emit(target) {
             Ok(emitted) => emitted,
-            Err(found) => return Ok(refused(&self.name, &self.text, &self.files, &found)),
+            Err(diagnostics) => {
+                return Ok(refused(&self.name, &self.text, &self.files, &diagnostics));
+            }
         };
         let files = emitted.files.iter();
         let files: Vec<_> =
@@ -270,14 +272,14 @@ impl Robot {
 }
 
 /// Returns the first error.
-fn first(found: &Diagnostics) -> String {
-    let error = found.iter().find(|one| one.severity == Severity::Error);
-    error.map_or_else(|| found.to_string(), |one| one.message.clone())
+fn first(diagnostics: &Diagnostics) -> String {
+    let error = diagnostics.iter().find(|one| one.severity == Severity::Error);
+    error.map_or_else(|| diagnostics.to_string(), |one| one.message.clone())
 }
 
 /// Returns the answer about a description with errors.
-fn refused(name: &str, text: &str, files: &FileStore, found: &Diagnostics) -> Value {
-    report(name, false, text, files, found.as_slice())
+fn refused(name: &str, text: &str, files: &FileStore, diagnostics: &Diagnostics) -> Value {
+    report(name, false, text, files, diagnostics.as_slice())
 }
 
 /// Returns what `modyn check` prints, and the place of each diagnostic.
@@ -286,9 +288,9 @@ fn report(
     is_usable: bool,
     text: &str,
     files: &FileStore,
-    found: &[Diagnostic],
+    diagnostics: &[Diagnostic],
 ) -> Value {
-    let shown = render(found, Some((name, text)), |file| files.text(Path::new(file)));
+    let shown = render(diagnostics, Some((name, text)), |file| files.text(Path::new(file)));
     let place = |one: &Diagnostic| {
         json!({
             "file": one.file,
@@ -299,8 +301,8 @@ fn report(
     };
     json!({
         "usable": is_usable,
-        "report": shown + &verdict(name, is_usable, found),
-        "diagnostics": found.iter().map(place).collect::<Vec<_>>(),
+        "report": shown + &verdict(name, is_usable, diagnostics),
+        "diagnostics": diagnostics.iter().map(place).collect::<Vec<_>>(),
     })
 }
 
@@ -317,8 +319,8 @@ fn tips(model: &Model) -> String {
         let distance = |frame: &&modyn_runtime::model::Frame| {
             frame.pose.translation.iter().map(|x| x * x).sum::<f64>()
         };
-        let own = model.frames().iter().filter(|frame| frame.link == Some(link));
-        own.max_by(|a, b| distance(a).total_cmp(&distance(b)))
+        let tips_of_link = model.frames().iter().filter(|frame| frame.link == Some(link));
+        tips_of_link.max_by(|a, b| distance(a).total_cmp(&distance(b)))
     };
     let tips = leaves.filter_map(tip).map(|frame| format!("{0:?}: point({0:?})", frame.name));
     tips.collect::<Vec<_>>().join(", ")

@@ -43,11 +43,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Arguments { robot, out, .. } = arguments;
     let description = robot.open()?;
     let reading = description.read(&robot.options.read_options());
-    let reading = reading.map_err(|found| description.failure(robot.named(found)))?;
+    let reading = reading.map_err(|diagnostics| description.failure(robot.named(diagnostics)))?;
     let inputs = description.inputs(Some(&reading));
     description.warn(robot.named(Diagnostics::new(reading.warnings)));
     let written = write(&reading.model, format);
-    let written = written.map_err(|found| Failure::Diagnostics(found, None))?;
+    let written = written.map_err(|diagnostics| Failure::Diagnostics(diagnostics, None))?;
     for note in &written.notes {
         to_stderr(&format!("note: {}\n", sanitize_for_display(note)));
     }

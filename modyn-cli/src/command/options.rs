@@ -192,12 +192,12 @@ mod tests {
         for wrong in [["--scalar", "f16"], ["--gravity", "1,2"], ["--functions", "fly"]] {
             assert!(matches(&wrong).is_err(), "{wrong:?}");
         }
-        let found =
+        let matched =
             matches(&["--gravity", "-1,0,0", "--payload", "a, b", "--payload", "c", "--share"]);
-        let found = found.expect("good");
-        let reading = ReadingOptions::from_arg_matches(&found).expect("good");
+        let matches = matched.expect("good");
+        let reading = ReadingOptions::from_arg_matches(&matches).expect("good");
         assert_eq!(reading.read_options().gravity, Some([-1.0, 0.0, 0.0]));
-        let code = CodeOptions::from_arg_matches(&found).expect("good");
+        let code = CodeOptions::from_arg_matches(&matches).expect("good");
         assert!(code.has("share") && code.has("payload") && !code.has("scalar"));
     }
 }

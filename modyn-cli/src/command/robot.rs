@@ -39,15 +39,15 @@ impl Description {
     }
 
     /// Returns the failure of a description with these diagnostics.
-    pub fn failure(&self, found: Diagnostics) -> Failure {
-        Failure::Diagnostics(found, Some(self.clone()))
+    pub fn failure(&self, diagnostics: Diagnostics) -> Failure {
+        Failure::Diagnostics(diagnostics, Some(self.clone()))
     }
 }
 
 impl Robot {
     /// Reads the text of the description.
     pub fn open(&self) -> Result<Description, Failure> {
-        Description::open(&self.path).map_err(|found| Failure::Diagnostics(found, None))
+        Description::open(&self.path).map_err(|diagnostics| Failure::Diagnostics(diagnostics, None))
     }
 
     /// Returns the builder with these options, for this description.
@@ -66,16 +66,16 @@ impl Robot {
 impl Robot {
     /// Returns the diagnostics with the file's name as the user wrote it; the builder receives the
     /// full path.
-    pub fn named(&self, found: Diagnostics) -> Diagnostics {
+    pub fn named(&self, diagnostics: Diagnostics) -> Diagnostics {
         let name = self.path.display().to_string();
         let absolute = std::path::absolute(&self.path).unwrap_or_else(|_| self.path.clone());
         let absolute = absolute.display().to_string();
-        let mut found = found.into_vec();
-        found
+        let mut renamed = diagnostics.into_vec();
+        renamed
             .iter_mut()
             .filter_map(|one| one.file.as_mut())
             .filter(|file| **file == absolute)
             .for_each(|file| file.clone_from(&name));
-        Diagnostics::new(found)
+        Diagnostics::new(renamed)
     }
 }

@@ -47,7 +47,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let description = arguments.robot.open()?;
     let options = arguments.robot.options.read_options();
     let reading = description.read(&ReadOptions { shapes: true, ..options.clone() });
-    let reading = reading.map_err(|found| description.failure(arguments.robot.named(found)))?;
+    let reading =
+        reading.map_err(|diagnostics| description.failure(arguments.robot.named(diagnostics)))?;
     let mut inputs = description.inputs(Some(&reading));
     inputs.extend(arguments.motion.iter().cloned());
     description.warn(arguments.robot.named(Diagnostics::new(reading.warnings)));

@@ -183,9 +183,9 @@ fn draw_tree(
 
 /// Returns the rows and columns of each module; none for a module of mimic joints.
 fn blocks(model: &Model, tree: &ModuleTree) -> Vec<std::ops::Range<usize>> {
-    let own = |link: &usize| model.mimic(*link).is_none();
+    let is_independent = |link: &usize| model.mimic(*link).is_none();
     let block = |links: std::ops::Range<usize>| {
-        let places: Vec<_> = links.filter(own).map(|link| model.v_range(link)).collect();
+        let places: Vec<_> = links.filter(is_independent).map(|link| model.v_range(link)).collect();
         match (places.first(), places.last()) {
             (Some(first), Some(last)) => first.start..last.end,
             _ => 0..0,

@@ -160,7 +160,7 @@ fn robot<'s>(out: &mut String, model: &Model, shapes: &'s Shapes, meshes: &mut V
     // The links that are fixed to the world, together.
     let fixed = model.frames().iter().filter(|frame| frame.link.is_none());
     let base = fixed.map(|frame| frame.inertial.transformed(&frame.pose));
-    let base = base.fold(Inertial::default(), |sum, own| sum.merged(&own));
+    let base = base.fold(Inertial::default(), |sum, inertial| sum.merged(&inertial));
     key(out, "base");
     out.push('{');
     mass(out, &base);
@@ -193,7 +193,7 @@ fn robot<'s>(out: &mut String, model: &Model, shapes: &'s Shapes, meshes: &mut V
     key(out, "shapes");
     let all = shapes.of_frames.iter().enumerate();
     let all = all.flat_map(|(frame, shapes)| shapes.iter().map(move |shape| (frame, shape)));
-    list(out, all, |out, (frame, own)| shape(out, frame, own, meshes));
+    list(out, all, |out, (frame, drawn)| shape(out, frame, drawn, meshes));
     out.push('}');
 }
 

@@ -278,7 +278,7 @@ impl Diagnostics {
 impl fmt::Debug for Diagnostics {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let count = |severity, one: &str| {
-            let count = self.0.iter().filter(|found| found.severity == severity).count();
+            let count = self.0.iter().filter(|diagnostic| diagnostic.severity == severity).count();
             let plural = if count == 1 { "" } else { "s" };
             (count > 0).then(|| format!("{count} {one}{plural}"))
         };

@@ -334,19 +334,19 @@ pub fn vjp(graph: &Graph, inputs: usize, wrt: Range<usize>) -> Graph {
                 continue;
             }
             let change = partial.apply(&mut result, gradient);
-            let of = &mut gradients[operand as usize];
+            let gradient = &mut gradients[operand as usize];
             if graph.width(operand) == width {
-                add(&mut result, &mut of.sum, change);
+                add(&mut result, &mut gradient.sum, change);
             } else if result.width(change) > 1 {
-                let sum = match of.over_lanes.get(&width) {
+                let sum = match gradient.over_lanes.get(&width) {
                     Some(&sum) => result.make(Node::Add(sum, change)),
                     None => change,
                 };
-                of.over_lanes.insert(width, sum);
+                gradient.over_lanes.insert(width, sum);
             } else {
                 let count = result.constant(f64::from(width));
                 let change = result.make(Node::Mul(count, change));
-                add(&mut result, &mut of.sum, change);
+                add(&mut result, &mut gradient.sum, change);
             }
         }
     }

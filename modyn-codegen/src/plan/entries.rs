@@ -87,8 +87,8 @@ impl Arrays {
         let changes: Vec<usize> = variables.iter().map(|&i| self.inputs[i]).collect();
         let mut graph = Graph::default();
         let mut given = graph.inputs(0..all + changes.iter().sum::<usize>());
-        let own = given.split_off(all);
-        let mut rest = own.into_iter();
+        let tail = given.split_off(all);
+        let mut rest = tail.into_iter();
         let mut change = vec![graph.constant(0.0); all];
         for &variable in variables {
             let entries = &mut change[places[variable].clone()];

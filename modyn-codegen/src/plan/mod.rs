@@ -290,7 +290,7 @@ impl Plan {
         if self.choices.machine_code {
             return Vec::new();
         }
-        let of = |planned: &Planned| {
+        let loops_of = |planned: &Planned| {
             let Kernels::Straight { scalar, .. } = &planned.kernels else { return None };
             if let Some(loops) = dense::loops(scalar) {
                 return Some((planned.name, loops));
@@ -309,7 +309,7 @@ impl Plan {
             };
             Some((planned.name, format!("loops over the bodies, since {why}")))
         };
-        self.functions.iter().filter_map(of).collect()
+        self.functions.iter().filter_map(loops_of).collect()
     }
 
     /// Returns the operations of all programs of each function and bundle of one state, by name.

@@ -116,10 +116,10 @@ impl Planned {
                 let poses = bodies.evaluate(arguments);
                 let pose = |link: &LinkProgram| {
                     let length = Shape::pose().len();
-                    let own = &poses[link.program * length..][..length];
+                    let pose = &poses[link.program * length..][..length];
                     match link.placement {
-                        None => own.to_vec(),
-                        Some(_) => placed(on_body, own, link.placement),
+                        None => pose.to_vec(),
+                        Some(_) => placed(on_body, pose, link.placement),
                     }
                 };
                 frames.programs().iter().flat_map(pose).collect()

@@ -68,9 +68,9 @@ impl Planned {
             _ if row.by_link => {
                 let graph = |tracer: &Tracer<'_>| optimize(context.evaluation(function, tracer));
                 let graphs = context.frames.kernels(graph);
-                let own = context.frames.links_with_own_program().count();
+                let known_count = context.frames.links_with_own_program().count();
                 let program = |(k, graph): (usize, &Graph)| {
-                    let placement = if k < own { 0 } else { Frames::PLACEMENT };
+                    let placement = if k < known_count { 0 } else { Frames::PLACEMENT };
                     context.program(graph, scalars + placement)
                 };
                 Kernels::ByLink(graphs.iter().enumerate().map(program).collect())
@@ -92,8 +92,8 @@ impl Planned {
             GraphSource::Traced(_) | GraphSource::Evaluation => {
                 let rows = dense::of_constraints(function, context, scalars);
                 rows.unwrap_or_else(|| {
-                    let (kernels, found) = context.traced(function, graphs, scalars);
-                    fault = found;
+                    let (kernels, invalid) = context.traced(function, graphs, scalars);
+                    fault = invalid;
                     kernels
                 })
             }

@@ -43,11 +43,11 @@ impl Program {
     ///
     /// Returns the first violation of a rule.
     pub fn with_dense_parts(
-        of: &DenseGraph,
+        parts: &DenseGraph,
         arguments: usize,
         execution: Execution,
     ) -> Result<Self, InvalidProgram> {
-        let DenseGraph { graph, rows, products } = of;
+        let DenseGraph { graph, rows, products } = parts;
         let rows = rows.as_ref().map(|form| {
             let results = graph.outputs.len() - RowEquations::count(&form.blocks, form.sides);
             Apart::new(ApartForm::Rows(form), results, arguments)
@@ -291,11 +291,11 @@ impl<'a> Lowering<'a> {
                 (operation, 1, used)
             }
             Item::Angles(angles) => {
-                let of = |&angle: &Id| self.operand(angle, self.graph.width(angle));
+                let operand_of = |&angle: &Id| self.operand(angle, self.graph.width(angle));
                 let both = |angle: &Id| [Node::Sin(*angle), Node::Cos(*angle)];
                 let used = angles.iter().flat_map(both).map(|node| self.is_live(node));
                 let lanes = self.graph.width(angles[0]);
-                (Operation::SinCos(angles.iter().map(of).collect()), lanes, used.collect())
+                (Operation::SinCos(angles.iter().map(operand_of).collect()), lanes, used.collect())
             }
             Item::Node(id) => {
                 let used = match self.graph.node(*id) {
@@ -424,13 +424,13 @@ impl<'a> Lowering<'a> {
 
     /// Returns the index of a node among its statement's results.
     fn place(&self, statement: usize, node: Node) -> usize {
-        let of = |angle: Id| match &self.order[statement] {
+        let place_of = |angle: Id| match &self.order[statement] {
             Item::Angles(angles) => 2 * angles.iter().position(|&a| a == angle).unwrap_or(0),
             Item::Node(_) | Item::Apart => 0,
         };
         match node {
-            Node::Sin(angle) => of(angle),
-            Node::Cos(angle) => of(angle) + 1,
+            Node::Sin(angle) => place_of(angle),
+            Node::Cos(angle) => place_of(angle) + 1,
             Node::ExtractLane(_, lane) => lane.into(),
             _ => 0,
         }

@@ -209,7 +209,8 @@ impl<'a> Parser<'a> {
         let words = head.strip_prefix("program ").and_then(|rest| rest.split_once(", "));
         let (execution, arguments) = words
             .and_then(|(name, rest)| {
-                let execution = Execution::NAMES.iter().find(|(own, _)| *own == name)?.1;
+                let execution =
+                    Execution::NAMES.iter().find(|(execution_name, _)| *execution_name == name)?.1;
                 Some((execution, rest.strip_suffix(" arguments")?.parse().ok()?))
             })
             .ok_or_else(|| {
@@ -377,8 +378,14 @@ impl<'a> Parser<'a> {
             _ => {
                 let operands = self.operands(program, inside, lanes)?;
                 match *operands {
-                    [a] => UNARY.iter().find(|(own, _)| *own == name).map(|(_, of)| of(a)),
-                    [a, b] => BINARY.iter().find(|(own, _)| *own == name).map(|(_, of)| of(a, b)),
+                    [a] => UNARY
+                        .iter()
+                        .find(|(operator, _)| *operator == name)
+                        .map(|(_, build)| build(a)),
+                    [a, b] => BINARY
+                        .iter()
+                        .find(|(operator, _)| *operator == name)
+                        .map(|(_, build)| build(a, b)),
                     [a, b, c] => (name == SELECT).then_some(Operation::Select(a, b, c)),
                     _ => None,
                 }

@@ -99,8 +99,8 @@ impl Program {
                 }
             }
         }
-        let own = self.lanes_of(operand.source);
-        (own != 1 && own != operand.lanes).then_some(COPIED)
+        let lanes = self.lanes_of(operand.source);
+        (lanes != 1 && lanes != operand.lanes).then_some(COPIED)
     }
 
     /// Returns the rule that the stores of results break.

@@ -185,12 +185,12 @@ impl Format {
             });
         let of_options = gravity.into_iter().chain(friction);
         let files = report.take_dependencies();
-        let found = Diagnostics::new(report.finish().into_iter().chain(of_options).collect());
+        let diagnostics = Diagnostics::new(report.finish().into_iter().chain(of_options).collect());
         match model {
-            Some(model) if !found.has_errors() => {
-                Ok(Reading { model, warnings: found.into_vec(), files, shapes })
+            Some(model) if !diagnostics.has_errors() => {
+                Ok(Reading { model, warnings: diagnostics.into_vec(), files, shapes })
             }
-            _ => Err(found),
+            _ => Err(diagnostics),
         }
     }
 }
@@ -236,10 +236,10 @@ pub fn expand_xacro(
     let mut report = Report::new(text, file);
     let expanded = xml::document::within_limits(text, 0, &mut report)
         .and_then(|text| xacro::expand(&text, options, &mut report));
-    let found = Diagnostics::new(report.finish());
+    let diagnostics = Diagnostics::new(report.finish());
     match expanded {
-        Some(expanded) if !found.has_errors() => Ok((expanded, found.into_vec())),
-        _ => Err(found),
+        Some(expanded) if !diagnostics.has_errors() => Ok((expanded, diagnostics.into_vec())),
+        _ => Err(diagnostics),
     }
 }
 

@@ -42,7 +42,9 @@ impl Packages {
 }
 
 fn find(name: &str, options: &ReadOptions) -> Option<PathBuf> {
-    if let Some(Package { folder, .. }) = options.packages.iter().find(|own| own.name == name) {
+    if let Some(Package { folder, .. }) =
+        options.packages.iter().find(|package| package.name == name)
+    {
         let root = std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default();
         return Some(Path::new(&root).join(folder));
     }

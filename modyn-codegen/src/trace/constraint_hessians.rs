@@ -60,8 +60,8 @@ impl Tracer<'_> {
         let parameters = all.inputs(self.parameters.len());
 
         let derivatives = self.constrained_forward_dynamics_derivatives(layout);
-        let found = all.add(&derivatives, &[&q, &qd, &tau, &active, &settings, &parameters]);
-        let (qdd, rest) = found.split_at(nv);
+        let results = all.add(&derivatives, &[&q, &qd, &tau, &active, &settings, &parameters]);
+        let (qdd, rest) = results.split_at(nv);
         let (wrenches, rest) = rest.split_at(count);
         let (accelerations, rest) = rest.split_at(3 * nv * nv);
         let (changes, rank) = rest.split_at(3 * nv * count);
@@ -250,9 +250,9 @@ fn relative_accelerations(
     }
     let frames = with_second_frames(model);
     for k in contacts(model) {
-        let found =
+        let acceleration =
             kinematics::link_acceleration(&frames, k, motion, Axes::World, workspaces.workspace);
-        accelerations[k] = found;
+        accelerations[k] = acceleration;
     }
     accelerations
 }

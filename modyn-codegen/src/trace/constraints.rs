@@ -552,8 +552,8 @@ impl Unknowns {
 
 /// Returns the settings of merged contacts, from those of the robot's.
 fn merged_settings(contacts: &ContactPacking, settings: &[Expr]) -> Vec<Expr> {
-    let (own, targets) = settings.split_at(ConstraintSettings::<Expr>::COUNT);
-    [own, &contacts.numbers(targets, ContactTarget::<Expr>::COUNT)].concat()
+    let (numbers, targets) = settings.split_at(ConstraintSettings::<Expr>::COUNT);
+    [numbers, &contacts.numbers(targets, ContactTarget::<Expr>::COUNT)].concat()
 }
 
 /// Returns the number of scalars of the settings.

@@ -321,8 +321,8 @@ impl Tracer<'_> {
         let mut all = Composition::new();
         let x = all.inputs(size);
         let weights = all.inputs(nv);
-        let found = all.add(closed, &[&x]);
-        let (qdd, d) = found.split_at(nv);
+        let results = all.add(closed, &[&x]);
+        let (qdd, d) = results.split_at(nv);
         let by_tau = &d[inputs.last.start * nv..inputs.last.end * nv];
         let mu: Vec<Id> = (by_tau.chunks(nv))
             .map(|column| {

@@ -48,9 +48,9 @@ impl Tracer<'_> {
             let arguments: Vec<&[Expr]> = lengths
                 .iter()
                 .map(|&length| {
-                    let (own, others) = rest.split_at(length);
+                    let (numbers, others) = rest.split_at(length);
                     rest = others;
-                    own
+                    numbers
                 })
                 .collect();
             let mut result = vec![Expr::zero(); (row.result)(&sizes).len()];

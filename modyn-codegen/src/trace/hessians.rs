@@ -83,12 +83,12 @@ impl Hessian {
     ) -> bool {
         let nq = tracer.model.nq;
         // On numbers of its own: among the composition's, the accelerations are functions of q.
-        let mut own = Composition::new();
-        let inputs = own.inputs(self.point.len());
+        let mut subgraph = Composition::new();
+        let inputs = subgraph.inputs(self.point.len());
         let mut point = inputs.clone();
         for (own_input, given) in point.iter_mut().zip(&self.point) {
             if let Some(value) = all.graph.value(*given) {
-                *own_input = own.constant(value);
+                *own_input = subgraph.constant(value);
             }
         }
         let parameters: Vec<Id> = point[point.len() - tracer.parameters.len()..].to_vec();
@@ -96,16 +96,16 @@ impl Hessian {
         let mut moved = Vec::new();
         for (direction, displacement) in (0..).zip(displacements) {
             let Some(((variable, k), _)) = *displacement else { continue };
-            let one = own.constant(1.0);
+            let one = subgraph.constant(1.0);
             if variable != Q {
                 let input = nq + (variable - 1) * self.nv + k;
                 moved.push(Displacement { input, direction, change: one });
                 continue;
             }
-            let unit = own.graph.unit_vector(self.nv, k);
-            let dq = own.add(&rates, &[&point[..nq], &unit, &parameters]);
+            let unit = subgraph.graph.unit_vector(self.nv, k);
+            let dq = subgraph.add(&rates, &[&point[..nq], &unit, &parameters]);
             let changes = dq.iter().enumerate();
-            let changes = changes.filter(|&(_, &change)| own.graph.value(change) != Some(0.0));
+            let changes = changes.filter(|&(_, &change)| subgraph.graph.value(change) != Some(0.0));
             moved.extend(changes.map(|(input, &change)| Displacement { input, direction, change }));
         }
         let mut entries: Vec<Entry> = Vec::new();
@@ -114,10 +114,10 @@ impl Hessian {
                 entries.push(*entry);
             }
         }
-        let outputs = own.add(&self.gradient, &[&point]);
-        own.graph.outputs =
+        let outputs = subgraph.add(&self.gradient, &[&point]);
+        subgraph.graph.outputs =
             entries.iter().map(|&(variable, entry)| outputs[variable * self.nv + entry]).collect();
-        let Some(Directional { graph, changes }) = along_directions(&own.graph, &moved) else {
+        let Some(Directional { graph, changes }) = along_directions(&subgraph.graph, &moved) else {
             return false;
         };
         let packs = all.add(&graph, &[&self.point]);
@@ -166,8 +166,10 @@ impl Hessian {
         let output = |&(variable, entry): &Entry| self.outputs[variable * nv + entry];
         self.changes.outputs = entries.iter().map(output).collect();
         let changes = all.add(&self.changes, &[&self.point, &dq, &change[nv..]]);
-        for (lane, (along, own)) in displacements.iter().enumerate() {
-            for (entry, &change) in entries.iter().zip(&changes).filter(|(e, _)| own.contains(e)) {
+        for (lane, (along, entries_of_lane)) in displacements.iter().enumerate() {
+            for (entry, &change) in
+                entries.iter().zip(&changes).filter(|(e, _)| entries_of_lane.contains(e))
+            {
                 self.found.insert((*along, *entry), all.lane(change, lane));
             }
         }
@@ -359,8 +361,8 @@ impl Tracer<'_> {
     #[must_use]
     pub fn forward_dynamics_hessian(&self, layout: &UduLayout) -> Graph {
         let (mut all, motion, weights) = self.weighted_motion(layout);
-        let found = self.weighted_accelerations(&mut all, layout, &motion, &weights);
-        let ForwardHessian { gradients, by_tau, blocks, by_q_tau, .. } = found;
+        let hessian = self.weighted_accelerations(&mut all, layout, &motion, &weights);
+        let ForwardHessian { gradients, by_tau, blocks, by_q_tau, .. } = hessian;
         all.with_outputs(&[&motion.qdd, &gradients, &by_tau, &blocks.concat(), &by_q_tau])
     }
 
@@ -417,8 +419,8 @@ impl Tracer<'_> {
         let none = vec![all.constant(0.0); nv * nv];
         let through_qdd = [by_q, by_qd, none];
         let blocks = std::array::from_fn(|k| {
-            let own = all.difference(&through_qdd[k], &phi[k]);
-            all.sums(&own, &fall[k])
+            let through_velocity = all.difference(&through_qdd[k], &phi[k]);
+            all.sums(&through_velocity, &fall[k])
         });
         let by_q_tau = all.negated(&b);
         let reduced = [u_by_q, u_by_qd];
@@ -482,10 +484,10 @@ impl Tracer<'_> {
         let (mut all, motion, weights) = self.weighted_motion(layout);
         let HessianFactors { gradients, by_tau, phi, fall, b, by_state, .. } =
             self.hessian_factors(&mut all, layout, &motion, &weights);
-        let own: [Vec<Id>; 3] = std::array::from_fn(|k| all.difference(&fall[k], &phi[k]));
+        let bias: [Vec<Id>; 3] = std::array::from_fn(|k| all.difference(&fall[k], &phi[k]));
         let by_q_tau = all.negated(&b);
         let [by_q, by_qd] = by_state.map(|columns| all.negated(&columns));
-        let results = [motion.qdd, gradients, by_tau, own.concat(), by_q_tau.clone()].concat();
+        let results = [motion.qdd, gradients, by_tau, bias.concat(), by_q_tau.clone()].concat();
         let of_qq = Target::square(4 * n, n);
         let of_qqd = Target::square(4 * n + n * n, n);
         let targets = vec![vec![of_qq.clone(), of_qq.transposed()], vec![of_qqd]];

@@ -32,8 +32,8 @@ impl Tracer<'_> {
     pub fn placed_pose() -> Graph {
         Graph::trace(|| {
             let mut next = 0;
-            let [body, own] = std::array::from_fn(|_| pose_input(&mut next));
-            numbers(&body.compose(&own))
+            let [body, placement] = std::array::from_fn(|_| pose_input(&mut next));
+            numbers(&body.compose(&placement))
         })
     }
 

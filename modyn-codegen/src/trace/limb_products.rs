@@ -79,11 +79,14 @@ impl LimbMatrices {
 
     /// Returns the place of `k` relative to the limb of an entry, the same for all lanes of a pack.
     fn relative(&self, (row, column): (usize, usize), k: usize) -> (usize, usize) {
-        let own = self.places[k];
-        let Some(group) = own.group else { return (own.merged, 0) };
+        let own_place = self.places[k];
+        let Some(group) = own_place.group else { return (own_place.merged, 0) };
         let entry = [row, column].map(|entry| self.places[entry]);
         let same = entry.iter().find(|place| place.group == Some(group));
-        (own.merged, same.map_or(own.limb, |place| self.distance(group, *place, own)))
+        (
+            own_place.merged,
+            same.map_or(own_place.limb, |place| self.distance(group, *place, own_place)),
+        )
     }
 
     /// Returns the product of two matrices, by columns.
@@ -142,8 +145,8 @@ impl LimbMatrices {
             let lanes = group.map_or(1, |group| self.limbs[&group]);
             let complete = of_joints.values().all(|factors| factors.len() == lanes);
             if lanes == 1 || !complete {
-                let own = all.graph.sum_of_products(of_joints.into_values().flatten());
-                sum = all.sum(sum, own);
+                let products = all.graph.sum_of_products(of_joints.into_values().flatten());
+                sum = all.sum(sum, products);
                 continue;
             }
             let factors = of_joints.values().map(|factors| {
@@ -153,8 +156,8 @@ impl LimbMatrices {
             let factors: Vec<(Id, Id)> = factors.collect();
             let packed = all.graph.sum_of_products(factors);
             let each: Vec<Id> = (0..lanes).map(|lane| all.lane(packed, lane)).collect();
-            let own = all.graph.pairwise_sum(&each);
-            sum = all.sum(sum, own);
+            let products = all.graph.pairwise_sum(&each);
+            sum = all.sum(sum, products);
         }
         sum
     }

@@ -41,10 +41,10 @@ impl Parameters {
             let alone = inertia_without(model, link, |frame| inertias.contains(&frame));
             (link, alone, kept.bodies[kept.links[link]].compensated)
         };
-        let own = |&frame: &usize| (frame, model.frames()[frame].inertial);
+        let described = |&frame: &usize| (frame, model.frames()[frame].inertial);
         Self {
             gravity,
-            inertias: inertias.iter().map(own).collect(),
+            inertias: inertias.iter().map(described).collect(),
             payloads: payloads.to_vec(),
             rest: carrying.into_iter().map(rest).collect(),
         }
@@ -98,9 +98,9 @@ impl Parameters {
             model.gravity = Vector3([input(), input(), input()]);
         }
         self.remove(model);
-        let own = self.inertias.iter().map(|(frame, _)| (frame, true));
+        let inertias = self.inertias.iter().map(|(frame, _)| (frame, true));
         let payloads = self.payloads.iter().map(|frame| (frame, false));
-        for (&frame, is_own) in own.chain(payloads) {
+        for (&frame, is_own) in inertias.chain(payloads) {
             let inertial = Inertial {
                 mass: input(),
                 center_of_mass: std::array::from_fn(|_| input()),

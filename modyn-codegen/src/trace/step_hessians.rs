@@ -82,8 +82,8 @@ impl Tracer<'_> {
         let weights = all.scaled(dt, by_displacement);
         let weights = all.sums(of_qd, &weights);
         let scaled = all.scaled(dt, &weights);
-        let found = self.weighted_accelerations(&mut all, layout, &motion, &scaled);
-        let (by_q, by_qd) = found.gradients.split_at(nv);
+        let gradient = self.weighted_accelerations(&mut all, layout, &motion, &scaled);
+        let (by_q, by_qd) = gradient.gradients.split_at(nv);
         let by_q = all.sums(by_q, by_start);
         let by_qd = all.sums(by_qd, &weights);
 
@@ -93,14 +93,14 @@ impl Tracer<'_> {
             .map(|group| group.into_iter().flatten().collect())
             .collect();
         let none = vec![all.constant(0.0); nv * nv];
-        let [q_q, q_qd, qd_qd] = found.blocks.clone();
-        let mut blocks = [q_q, q_qd, qd_qd, found.by_q_tau.clone(), none.clone(), none];
+        let [q_q, q_qd, qd_qd] = gradient.blocks.clone();
+        let mut blocks = [q_q, q_qd, qd_qd, gradient.by_q_tau.clone(), none.clone(), none];
         for block in &self.model.coordinates {
             if let CoordinateSpace::Line { .. } = block.space {
                 continue;
             }
             let rows = block.v..block.v + block.velocities();
-            let accelerations = self.acceleration_rows(&mut all, &motion, &found, rows.clone());
+            let accelerations = self.acceleration_rows(&mut all, &motion, &gradient, rows.clone());
             let [by_q, mut by_qd, by_tau] = accelerations.map(|rows| all.scaled(dt, &rows));
             let one = all.constant(1.0);
             for (k, j) in rows.clone().enumerate() {
@@ -122,7 +122,7 @@ impl Tracer<'_> {
             .collect();
         let of_tau: Vec<Id> =
             (0..nv).flat_map(|j| [column(&q_tau, j), column(&qd_tau, j)].concat()).collect();
-        let gradients = [&by_q[..], &by_qd, &found.by_tau].concat();
+        let gradients = [&by_q[..], &by_qd, &gradient.by_tau].concat();
         all.with_outputs(&[&next_q, &next_qd, &gradients, &of_state, &of_tau, &tau_tau])
     }
 

@@ -66,8 +66,8 @@ impl<'a> TangentGraphs<'a> {
         for (input, range) in self.variables() {
             let first = groups.len();
             if input.is_coordinates {
-                let own = self.tracer.groups().into_iter();
-                groups.extend(own.map(|group| first + group.start..first + group.end));
+                let tangent_groups = self.tracer.groups().into_iter();
+                groups.extend(tangent_groups.map(|group| first + group.start..first + group.end));
             } else {
                 groups.extend((first..first + range.len()).map(|entry| entry..entry + 1));
             }
@@ -84,8 +84,8 @@ impl<'a> TangentGraphs<'a> {
     pub fn depends_on_parameters(&self) -> bool {
         let live = self.value.live();
         let inputs = self.arguments..self.arguments + self.parameters();
-        let mut found = inputs.filter_map(|number| self.value.find(Node::input(number)));
-        found.any(|id| live[id as usize])
+        let mut inputs_of_value = inputs.filter_map(|number| self.value.find(Node::input(number)));
+        inputs_of_value.any(|id| live[id as usize])
     }
 
     /// Returns the inputs of a graph: the arguments, `further` inputs and the run-time parameters.
@@ -103,13 +103,13 @@ impl<'a> TangentGraphs<'a> {
         let rates = self.tracer.velocity_to_qdot();
         let mut rest = displacement;
         for ((input, range), len) in self.variables().zip(self.displacements()) {
-            let (own, others) = rest.split_at(len);
+            let (changes_of_input, others) = rest.split_at(len);
             rest = others;
-            let own = match input.is_coordinates {
-                true => all.add(&rates, &[&arguments[range.clone()], own, parameters]),
-                false => own.to_vec(),
+            let change = match input.is_coordinates {
+                true => all.add(&rates, &[&arguments[range.clone()], changes_of_input, parameters]),
+                false => changes_of_input.to_vec(),
             };
-            changes[range].copy_from_slice(&own);
+            changes[range].copy_from_slice(&change);
         }
         changes
     }
@@ -140,13 +140,13 @@ impl<'a> TangentGraphs<'a> {
         let gradient = all.add(&gradient, &[&arguments, &parameters, &weights]);
         let mut outputs = Vec::new();
         for (input, range) in self.variables() {
-            let own = &gradient[range.clone()];
+            let part = &gradient[range.clone()];
             match input.is_coordinates {
                 true => {
                     let q = &arguments[range];
-                    outputs.extend(self.tracer.in_tangent_space(&mut all, q, own));
+                    outputs.extend(self.tracer.in_tangent_space(&mut all, q, part));
                 }
-                false => outputs.extend(own),
+                false => outputs.extend(part),
             }
         }
         all.with_outputs(&[&outputs])

@@ -31,13 +31,13 @@ pub fn document(model: &Model) -> Document {
     for frame in frames {
         elements.push(link(&frame.name, &frame.inertial));
     }
-    for own in links.iter().filter(|own| model.frame_index(&own.name).is_none()) {
-        elements.push(link(&own.name, &own.inertial));
+    for moving in links.iter().filter(|moving| model.frame_index(&moving.name).is_none()) {
+        elements.push(link(&moving.name, &moving.inertial));
     }
     let mut joints = Names::new(links.iter().map(|link| &*link.joint.name));
-    for own in links {
-        let parent = own.parent.map_or(&*root, |parent| &links[parent].name);
-        elements.push(joint(model, &own.joint, parent, &own.name));
+    for moving in links {
+        let parent = moving.parent.map_or(&*root, |parent| &links[parent].name);
+        elements.push(joint(model, &moving.joint, parent, &moving.name));
     }
     for frame in frames {
         let carrier = frame.link.map_or(&*root, |link| &links[link].name);
@@ -61,8 +61,8 @@ pub fn document(model: &Model) -> Document {
         let kind = constraint.kind;
         let mut element =
             Element::new("loop_joint").with("name", &*constraint.name).with("type", kind.name());
-        for (name, own) in ["link1", "link2"].into_iter().zip(&constraint.ends) {
-            element.children.push(placed(end(name, frame_name(own)), &own.pose));
+        for (name, loop_end) in ["link1", "link2"].into_iter().zip(&constraint.ends) {
+            element.children.push(placed(end(name, frame_name(loop_end)), &loop_end.pose));
         }
         let axis = kind.axis().map(|axis| Element::new("axis").numbers("xyz", &axis));
         elements.push(element.maybe(axis));
@@ -87,11 +87,11 @@ fn refuse_passive_forces(model: &Model, errors: &mut Vec<Diagnostic>) {
             **factor != 0.0 && frame.link.is_some() && frame.inertial.mass != 0.0
         })
         .map(|(frame, _)| &*frame.name);
-    let found = [
+    let unwritten = [
         (listed("joint", joints.clone()), joints.count(), "a spring"),
         (listed("link", links.clone()), links.count(), "gravity compensation"),
     ];
-    for (names, count, what) in found.into_iter().filter(|(_, count, _)| *count > 0) {
+    for (names, count, what) in unwritten.into_iter().filter(|(_, count, _)| *count > 0) {
         let have = if count == 1 { "has" } else { "have" };
         let message = format!("{names} {have} {what}, which URDF has no words for");
         errors.push(Diagnostic::error(Code::Inexpressible, message).with_help("write an MJCF"));
@@ -178,9 +178,9 @@ fn limit(joint: &Joint) -> Option<Element> {
         let [lower, upper] = range(limits.as_ref()).unwrap_or([-UNLIMITED, UNLIMITED]);
         element = element.numbers("lower", &[lower]).numbers("upper", &[upper]);
     }
-    let of = |limit: Option<f64>| [limit.unwrap_or(UNLIMITED)];
-    let effort = of(limits.and_then(|limits| limits.effort));
-    let velocity = of(limits.and_then(|limits| limits.velocity));
+    let number = |limit: Option<f64>| [limit.unwrap_or(UNLIMITED)];
+    let effort = number(limits.and_then(|limits| limits.effort));
+    let velocity = number(limits.and_then(|limits| limits.velocity));
     Some(element.numbers("effort", &effort).numbers("velocity", &velocity))
 }
 

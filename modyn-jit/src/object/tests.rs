@@ -129,16 +129,16 @@ fn entries_of_windows_compute_the_same() {
             let arguments: Vec<&[f64]> = states.chunks(6).collect();
             let [q, qd, tau, last] = [0, 1, 2, 3].map(|k: usize| arguments[k].as_ptr());
             let compare = |function: Function,
-                           found: &[f64],
+                           results: &[f64],
                            arguments: &[&[f64]],
                            link: Option<usize>| {
-                let mut expected = vec![f64::NAN; found.len()];
+                let mut expected = vec![f64::NAN; results.len()];
                 let call = compiled.function(function).expect("compiled");
                 match link {
                     None => call.one(arguments, &mut expected).expect("fits"),
                     Some(link) => call.link(link, arguments, &mut expected).expect("fits"),
                 }
-                assert!(found.iter().zip(&expected).all(|(a, b)| a.is_same(*b)), "{function:?}");
+                assert!(results.iter().zip(&expected).all(|(a, b)| a.is_same(*b)), "{function:?}");
             };
             let mut out = vec![f64::NAN; 6];
             // SAFETY: the entries' types.
@@ -350,7 +350,7 @@ fn unwind_codes_describe_the_code() {
             // Windows' way back: the codes in their order, from the frame pointer.
             let base = rbp - 16 * i64::from(bytes[3] >> 4);
             assert_eq!(bytes[3] & 15, 5);
-            let mut found: BTreeMap<String, i64> = BTreeMap::new();
+            let mut offsets: BTreeMap<String, i64> = BTreeMap::new();
             let mut rsp = base;
             let codes: Vec<[u8; 2]> = bytes[4..][..2 * usize::from(bytes[2])]
                 .chunks_exact(2)
@@ -372,18 +372,18 @@ fn unwind_codes_describe_the_code() {
                 let mut used = 1;
                 match operation {
                     0 => {
-                        found.insert(general(operand), rsp);
+                        offsets.insert(general(operand), rsp);
                         rsp += 8;
                     }
                     1 => (rsp, used) = (rsp + 8 * more, 2),
                     2 => rsp += 8 * operand as i64 + 8,
                     3 => rsp = base,
                     4 => {
-                        found.insert(general(operand), base + 8 * more);
+                        offsets.insert(general(operand), base + 8 * more);
                         used = 2;
                     }
                     8 => {
-                        found.insert(format!("XMM{operand}"), base + 16 * more);
+                        offsets.insert(format!("XMM{operand}"), base + 16 * more);
                         used = 2;
                     }
                     other => panic!("{other}"),
@@ -392,7 +392,7 @@ fn unwind_codes_describe_the_code() {
             }
             // The return address is next.
             assert_eq!(rsp, 0);
-            assert_eq!(found, stored);
+            assert_eq!(offsets, stored);
         }
     }
 }

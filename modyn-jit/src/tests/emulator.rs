@@ -121,8 +121,8 @@ impl Emulator {
             (before, top + 8),
             "registers that the callee must preserve"
         );
-        let found = self.read(RESULTS, results * size);
-        let bits = (0..results).map(|i| lane(&found, size, i));
+        let memory = self.read(RESULTS, results * size);
+        let bits = (0..results).map(|i| lane(&memory, size, i));
         bits.map(|bits| F::of_bits(bits)).collect()
     }
 
@@ -424,12 +424,12 @@ impl Emulator {
             }
             _ if base.starts_with('f') => {
                 let (operation, form) = base.split_at(base.len() - 3);
-                let own = self.vectors[written][..length].to_vec();
+                let written_vector = self.vectors[written][..length].to_vec();
                 let second = self.source(instruction, 1, length);
                 let third = self.source(instruction, 2, width);
-                let mut result = own.clone();
+                let mut result = written_vector.clone();
                 for k in 0..lanes {
-                    let [a, b, c] = [&own, &second, &third].map(|x| lane(x, size, k));
+                    let [a, b, c] = [&written_vector, &second, &third].map(|x| lane(x, size, k));
                     let numbers = match form {
                         "132" => [a, c, b],
                         "213" => [b, a, c],

@@ -341,14 +341,14 @@ fn counts(size: &CodeSize) -> String {
 /// Compares a file of the documentation with the text that it should have, or writes it.
 fn check(path: &str, text: impl Fn(&str) -> String) {
     let path = root().join("docs").join(path);
-    let found = std::fs::read_to_string(&path).unwrap_or_default();
-    let expected = text(&found);
+    let present = std::fs::read_to_string(&path).unwrap_or_default();
+    let expected = text(&present);
     if std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
         std::fs::write(&path, expected).expect("writes");
         return;
     }
     let command = "UPDATE_SNAPSHOTS=1 cargo test -p modyn-jit --lib page";
-    assert!(found == expected, "{} is not current; `{command}` writes it", path.display());
+    assert!(present == expected, "{} is not current; `{command}` writes it", path.display());
 }
 
 #[test]

@@ -231,8 +231,8 @@ impl<'a, S: Number> Arrays<'a, S> {
         let count = rows.len() / lanes;
         for lane in 0..lanes {
             let state = (states.start + lane).min(self.broadcast.states() - 1);
-            let own = self.given(array, state, at, count).iter();
-            for (&number, place) in own.zip(rows.iter_mut().skip(lane).step_by(lanes)) {
+            let numbers = self.given(array, state, at, count).iter();
+            for (&number, place) in numbers.zip(rows.iter_mut().skip(lane).step_by(lanes)) {
                 each(place, number);
             }
         }
@@ -336,17 +336,17 @@ impl<S: Number> Kernel<'_, S> {
                 for state in states {
                     let mut rest = &mut *numbers;
                     for (k, &length) in inputs.iter().enumerate() {
-                        let own;
-                        (own, rest) = rest.split_at_mut(length);
-                        own.copy_from_slice(arrays.given(k, state, 0, length));
+                        let lane;
+                        (lane, rest) = rest.split_at_mut(length);
+                        lane.copy_from_slice(arrays.given(k, state, 0, length));
                     }
                     self.run(numbers, result, 1);
                     let mut rest = &*result;
                     for (k, &length) in outputs.iter().enumerate() {
-                        let own;
-                        (own, rest) = rest.split_at(length);
+                        let lane;
+                        (lane, rest) = rest.split_at(length);
                         let places = arrays.found(k, state, 0, length).iter();
-                        places.zip(own).for_each(|(place, &number)| place.set(number));
+                        places.zip(lane).for_each(|(place, &number)| place.set(number));
                     }
                     if questions.must_end(work) {
                         return;

@@ -134,7 +134,7 @@ impl Robot {
         cost: bool,
     ) -> PyResult<KeyAndShapes> {
         let (function, link) = self.array_function(name, link)?;
-        let of = |(mode, variables): (String, Vec<usize>)| {
+        let derivative = |(mode, variables): (String, Vec<usize>)| {
             let mode = match &*mode {
                 "forward" => DerivativeMode::Forward,
                 "reverse" => DerivativeMode::Reverse,
@@ -143,7 +143,7 @@ impl Robot {
             };
             Ok(Derivative { mode, variables })
         };
-        let derivatives = derivatives.into_iter().map(of).collect::<PyResult<Vec<_>>>()?;
+        let derivatives = derivatives.into_iter().map(derivative).collect::<PyResult<Vec<_>>>()?;
         let mut results = signature::places(self, function);
         let count = results.iter().map(Vec::len).sum();
         results.extend(cost.then(|| vec![count]));
@@ -308,8 +308,8 @@ impl Robot {
     ) -> PyResult<Bound<'py, PyAny>> {
         let given = [Some(q), Some(qd), Some(tau), Some(dt), settings];
         let arguments = named(slf.py(), &["q", "qd", "tau", "dt", "settings"], &given)?;
-        let of = slf.py().import("modyn._rollout")?.getattr("step_on_ground_derivatives")?;
-        of.call1((slf, arguments, last, ground))
+        let function = slf.py().import("modyn._rollout")?.getattr("step_on_ground_derivatives")?;
+        function.call1((slf, arguments, last, ground))
     }
 
     /// Returns the states after each of `steps` steps on the ground under the joint forces
@@ -469,11 +469,11 @@ pub fn rollout_code(
     let mut hasher = DefaultHasher::new();
     (step, steps, trajectory, &sequences, &reverse).hash(&mut hasher);
     let key = (hasher.finish() >> 1).cast_signed();
-    let of = |key: i64| find(key).ok_or_else(|| PyValueError::new_err(missing(key)));
+    let code_of = |key: i64| find(key).ok_or_else(|| PyValueError::new_err(missing(key)));
     let shape = (steps, trajectory);
-    let (code, arrays) = match of(step)? {
+    let (code, arrays) = match code_of(step)? {
         AnyCode::F64(step) => {
-            let reverse = reverse.map(|(key, variables)| match of(key)? {
+            let reverse = reverse.map(|(key, variables)| match code_of(key)? {
                 AnyCode::F64(step) => Ok((step, variables)),
                 AnyCode::F32(_) => Err(no_step()),
             });
@@ -481,7 +481,7 @@ pub fn rollout_code(
             (AnyCode::F64(ArrayCode::Rollout(rollout, arrays.clone())), arrays)
         }
         AnyCode::F32(step) => {
-            let reverse = reverse.map(|(key, variables)| match of(key)? {
+            let reverse = reverse.map(|(key, variables)| match code_of(key)? {
                 AnyCode::F32(step) => Ok((step, variables)),
                 AnyCode::F64(_) => Err(no_step()),
             });
@@ -570,11 +570,13 @@ fn missing(key: i64) -> String {
 }
 
 /// Returns the axes of states of an array whose axes for one state are `own`.
-fn leading<'a>(axes: &'a [usize], own: &[usize]) -> Result<&'a [usize], String> {
-    axes.strip_suffix(own).ok_or_else(|| {
-        let found = crate::arrays::tuple(axes);
-        let own = crate::arrays::tuple(own);
-        format!("modyn: an array has the shape {found}; expected {own}, after axes of states")
+fn leading<'a>(axes: &'a [usize], own_axes: &[usize]) -> Result<&'a [usize], String> {
+    axes.strip_suffix(own_axes).ok_or_else(|| {
+        let given_shape = crate::arrays::tuple(axes);
+        let expected = crate::arrays::tuple(own_axes);
+        format!(
+            "modyn: an array has the shape {given_shape}; expected {expected}, after axes of states"
+        )
     })
 }
 

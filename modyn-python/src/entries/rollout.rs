@@ -232,19 +232,19 @@ impl<S: Number> Ready<'_, S> {
         memory.numbers[weights..].fill(S::zero());
         let add = |place: &mut S, number: S| *place = *place + number;
         for k in (0..parts).rev() {
-            let own = k * part..((k + 1) * part).min(steps);
+            let part_steps = k * part..((k + 1) * part).min(steps);
             memory.numbers[..state].copy_from_slice(&starts[k * state..][..state]);
-            for step in own.clone() {
-                states[(step - own.start) * state..][..state]
+            for step in part_steps.clone() {
+                states[(step - part_steps.start) * state..][..state]
                     .copy_from_slice(&memory.numbers[..state]);
-                if step + 1 < own.end {
+                if step + 1 < part_steps.end {
                     self.advance(arrays, group, step, memory);
                 }
                 if memory.must_end(&self.step) {
                     return;
                 }
             }
-            for step in own.clone().rev() {
+            for step in part_steps.clone().rev() {
                 if trajectory || step + 1 == steps {
                     let mut row = weights;
                     for (j, &length) in self.state_lengths().iter().enumerate() {
@@ -255,7 +255,7 @@ impl<S: Number> Ready<'_, S> {
                     }
                 }
                 memory.numbers[..state]
-                    .copy_from_slice(&states[(step - own.start) * state..][..state]);
+                    .copy_from_slice(&states[(step - part_steps.start) * state..][..state]);
                 self.read(arrays, group, Some(step), memory);
                 kernel.run(&memory.numbers, &mut gradient, lanes);
                 if memory.must_end(kernel) {
@@ -305,15 +305,15 @@ impl<S: Number> Ready<'_, S> {
         lanes: usize,
     ) {
         for (k, result, rows) in self.variables(reverse) {
-            let own = rows.start * lanes..rows.end * lanes;
+            let own_rows = rows.start * lanes..rows.end * lanes;
             match result {
                 Some(result) if self.rollout.is_sequence[k] => {
                     let at = step * rows.len();
-                    arrays.scatter(result, (group, at), &gradient[own], end);
+                    arrays.scatter(result, (group, at), &gradient[own_rows], end);
                 }
                 Some(_) if k >= self.rollout.state => {
-                    let sums = sums[own.clone()].iter_mut();
-                    sums.zip(&gradient[own]).for_each(|(sum, &x)| *sum = *sum + x);
+                    let sums = sums[own_rows.clone()].iter_mut();
+                    sums.zip(&gradient[own_rows]).for_each(|(sum, &x)| *sum = *sum + x);
                 }
                 _ => {}
             }
@@ -331,8 +331,8 @@ impl<S: Number> Ready<'_, S> {
     ) {
         for (k, result, rows) in self.variables(reverse) {
             if let Some(result) = result.filter(|_| !self.rollout.is_sequence[k]) {
-                let own = &sums[rows.start * lanes..rows.end * lanes];
-                arrays.scatter(result, (group, 0), own, end);
+                let own_rows = &sums[rows.start * lanes..rows.end * lanes];
+                arrays.scatter(result, (group, 0), own_rows, end);
             }
         }
     }

@@ -146,8 +146,8 @@ pub fn shapes(robot: &Robot, function: &EntryFunction) -> Result<ArrayShapes, St
 
 /// Returns the shapes of the derivatives of each result by each variable.
 pub fn matrices(outputs: &[Vec<usize>], varying: &[Vec<usize>]) -> Vec<Vec<usize>> {
-    let of = |output| varying.iter().map(move |input| [output, &**input].concat());
-    outputs.iter().flat_map(|output| of(&**output)).collect()
+    let pairs = |output| varying.iter().map(move |input| [output, &**input].concat());
+    outputs.iter().flat_map(|output| pairs(&**output)).collect()
 }
 
 /// Calls `each` with the arrays of a layout, in order.

@@ -106,14 +106,14 @@ impl<S: Scalar> Interpreter<S> {
             ConstraintSettings::from_numbers(settings.numbers().map(Tangent::constant), contacts);
         let active: Vec<Tangent<S>> =
             self.active.iter().map(|&active| Tangent::constant(active)).collect();
-        let mut found = matrices(n);
+        let mut jacobians = matrices(n);
         let mut changes: [Vec<Wrench<Tangent<S>>>; 3] =
             core::array::from_fn(|_| vec![Wrench::zero(); n * count]);
         let mut qdd = vec![Tangent::zero(); n];
         let mut wrenches = vec![Wrench::zero(); count];
         let mut derive = |model: &Mechanism<_>, [q, qd, tau]: [&[_]; 3], by: &mut Gradients<S>| {
             let outputs =
-                ConstrainedDerivatives::new(&mut qdd, &mut wrenches, &mut found, &mut changes);
+                ConstrainedDerivatives::new(&mut qdd, &mut wrenches, &mut jacobians, &mut changes);
             let workspaces = ConstraintWorkspaces { workspace, memory: &mut memory };
             let constraints = ConstraintInput { active: &active, settings: &settings };
             let input = ForwardInput { q, qd, tau };
@@ -125,10 +125,10 @@ impl<S: Scalar> Interpreter<S> {
                 workspaces,
                 outputs,
             );
-            add_weighted(&found, cotangent.qdd, by);
+            add_weighted(&jacobians, cotangent.qdd, by);
             for (changes, gradient) in changes.iter().zip(by) {
-                for (own, weights) in changes.chunks(n.max(1)).zip(cotangent.wrenches) {
-                    for (change, entry) in own.iter().zip(&mut *gradient) {
+                for (of_constraint, weights) in changes.chunks(n.max(1)).zip(cotangent.wrenches) {
+                    for (change, entry) in of_constraint.iter().zip(&mut *gradient) {
                         let products = change.components().into_iter().zip(weights.components());
                         *entry =
                             products.fold(*entry, |sum, (x, w)| sum + x * Tangent::constant(w));
@@ -140,8 +140,8 @@ impl<S: Scalar> Interpreter<S> {
             |x: &[S]| -> Vec<Tangent<S>> { x.iter().map(|&x| Tangent::constant(x)).collect() };
         let mut by: Gradients<S> = core::array::from_fn(|_| vec![Tangent::zero(); n]);
         derive(&mechanism, [&constant(q), &constant(qd), &constant(tau)], &mut by);
-        for (gradient, found) in gradients.into_iter().zip(&by) {
-            gradient.iter_mut().zip(found).for_each(|(entry, found)| *entry = found.x);
+        for (gradient, jacobians) in gradients.into_iter().zip(&by) {
+            gradient.iter_mut().zip(jacobians).for_each(|(entry, value)| *entry = value.x);
         }
         self.differentiate([q, qd, tau], derive, hessian);
         rank

@@ -100,9 +100,9 @@ impl<S: Scalar> Interpreter<S> {
         let HessianOutputs { value, gradients, hessian } = outputs;
         self.check_hessian(&hessian)?;
         self.inverse_dynamics_vjp(Motion { q, qd, qdd }, cotangent, value, gradients)?;
-        let mut found = matrices(self.model.nv());
+        let mut jacobians = matrices(self.model.nv());
         let derive = |model: &Mechanism<_>, [q, qd, qdd]: [&[_]; 3], by: &mut Gradients<S>| {
-            let [dq, dqd, dqdd] = &mut found;
+            let [dq, dqd, dqdd] = &mut jacobians;
             let workspace = &mut Workspace::new(model);
             derivatives::inverse_dynamics_derivatives(
                 model,
@@ -112,7 +112,7 @@ impl<S: Scalar> Interpreter<S> {
                 dqd,
             );
             mass_matrix(model, q, workspace, dqdd);
-            add_weighted(&found, cotangent, by);
+            add_weighted(&jacobians, cotangent, by);
         };
         self.differentiate([q, qd, qdd], derive, hessian);
         Ok(())
@@ -139,15 +139,15 @@ impl<S: Scalar> Interpreter<S> {
         self.check_hessian(&hessian)?;
         self.forward_dynamics_vjp(ForwardInput { q, qd, tau }, cotangent, value, gradients)?;
         let layout = UduLayout::new(&self.mechanism, &ModuleTree::links(&self.model));
-        let mut found = matrices(self.model.nv());
+        let mut jacobians = matrices(self.model.nv());
         let derive = |model: &Mechanism<_>, [q, qd, tau]: [&[_]; 3], by: &mut Gradients<S>| {
-            let [dqdd_dq, dqdd_dqd, dqdd_dtau] = &mut found;
+            let [dqdd_dq, dqdd_dqd, dqdd_dtau] = &mut jacobians;
             let qdd = &mut vec![Tangent::zero(); model.nv];
             let outputs = ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau };
             let workspace = &mut Workspace::new(model);
             let input = ForwardInput { q, qd, tau };
             derivatives::forward_dynamics_derivatives(model, &layout, input, workspace, outputs);
-            add_weighted(&found, cotangent, by);
+            add_weighted(&jacobians, cotangent, by);
         };
         self.differentiate([q, qd, tau], derive, hessian);
         Ok(())
@@ -186,7 +186,7 @@ impl<S: Scalar> Interpreter<S> {
         let workspace = &mut Workspace::new(&model);
         let memory = &mut StepWorkspace::new(&model);
         let numbers = |n: usize| vec![Tangent::<S>::zero(); n];
-        let mut found = [numbers(q.len()), numbers(n), numbers(4 * n * n), numbers(2 * n * n)];
+        let mut results = [numbers(q.len()), numbers(n), numbers(4 * n * n), numbers(2 * n * n)];
         // The changes of the 3 nv entries of the gradient along each of the 3 nv displacements.
         let mut changes = vec![S::zero(); 9 * n * n];
         let mut rates = vec![S::zero(); q.len()];
@@ -200,11 +200,11 @@ impl<S: Scalar> Interpreter<S> {
             let q = moved(q, &rates);
             let qd = moved(qd, &unit[n..2 * n]);
             let tau = moved(tau, &unit[2 * n..]);
-            let [next_q, next_qd, a, b] = &mut found;
+            let [next_q, next_qd, a, b] = &mut results;
             let outputs = StepOutputs { q: next_q, qd: next_qd, a, b };
             let input = TimeStepInput { q: &q, qd: &qd, tau: &tau, dt: Tangent::constant(dt) };
             step_semi_implicit_derivatives(&model, &layout, input, workspace, memory, outputs);
-            let columns = found[2].chunks(2 * n).chain(found[3].chunks(2 * n));
+            let columns = results[2].chunks(2 * n).chain(results[3].chunks(2 * n));
             for (i, (column, change)) in columns.zip(changes).enumerate() {
                 let sum =
                     column.iter().zip(costate).fold(Tangent::zero(), |sum, (entry, &weight)| {

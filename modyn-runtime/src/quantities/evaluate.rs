@@ -216,12 +216,12 @@ impl<S: Scalar> Interpreter<S> {
         }
         if arguments.len() != row.arguments.len() {
             let expected = row.arguments.len();
-            let found = arguments.len();
-            return Err(ShapeError::new("arguments", expected, found).into());
+            let count = arguments.len();
+            return Err(ShapeError::new("arguments", expected, count).into());
         }
         let check = |name, numbers: &[S], expected| match numbers.len() {
-            found if found == expected => Ok(()),
-            found => Err(ShapeError::new(name, expected, found)),
+            length if length == expected => Ok(()),
+            length => Err(ShapeError::new(name, expected, length)),
         };
         for (argument, numbers) in row.arguments.iter().zip(arguments) {
             check(argument.name, numbers, argument.shape(&sizes).len())?;

@@ -115,8 +115,8 @@ fn is_configuration(format: Format, path: &Path, text: &str) -> bool {
 }
 
 /// Returns whether there is nothing that moves.
-fn is_static(found: &Diagnostics) -> bool {
-    found.iter().any(|one| matches!(one.code, Code::NoMovingJoint | Code::NoLink))
+fn is_static(diagnostics: &Diagnostics) -> bool {
+    diagnostics.iter().any(|one| matches!(one.code, Code::NoMovingJoint | Code::NoLink))
 }
 
 /// Adds the files in `folder` and below it that may be descriptions, in the order of their names.

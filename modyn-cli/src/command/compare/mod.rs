@@ -100,7 +100,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let rustc = arguments.rustc.then(harness::rustc).transpose()?;
     let description = arguments.robot.open()?;
     let reading = description.read(&arguments.robot.options.read_options());
-    let reading = reading.map_err(|found| description.failure(arguments.robot.named(found)))?;
+    let reading =
+        reading.map_err(|diagnostics| description.failure(arguments.robot.named(diagnostics)))?;
     let quantities = arguments.quantities(joints_without_inertia(&reading.model).is_empty())?;
     let mut builder = arguments.robot.builder(&description);
     builder = builder.functions(quantities.iter().map(|quantity| quantity.function));
@@ -108,7 +109,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         builder = builder.modules(choice.clone());
     }
     let mut progress = Progress::start("compiling");
-    let failure = |found| description.failure(arguments.robot.named(found));
+    let failure = |diagnostics| description.failure(arguments.robot.named(diagnostics));
     let warn = |warnings| description.warn(arguments.robot.named(Diagnostics::new(warnings)));
     let outcome = if let Some(rustc) = &rustc {
         let generated = builder.self_contained().generate().map_err(failure)?;

@@ -100,7 +100,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = arguments.robot.options.read_options();
     let options = ReadOptions { shapes: arguments.html.is_some(), ..options.clone() };
     let reading = description.read(&options);
-    let reading = reading.map_err(|found| description.failure(found))?;
+    let reading = reading.map_err(|diagnostics| description.failure(diagnostics))?;
     let mut inputs = description.inputs(Some(&reading));
     inputs.extend(arguments.torques.clone());
     description.warn(Diagnostics::new(reading.warnings));
@@ -223,16 +223,16 @@ fn summary(model: &Model, motion: &Motion, limits: bool) -> String {
     if let Some(singular) = &motion.singular {
         out += &format!("{singular}; the linkage stays in its assembly\n");
     }
-    let (found, remark) = match limits {
+    let (joints, remark) = match limits {
         true => (
             contradictory_limits(model),
             "mimic joints whose limits contradict their leaders', and are not enforced",
         ),
         false => (motion.beyond_limits(model), "beyond their limits, which are not enforced"),
     };
-    if !found.is_empty() {
-        let shown = &found[..found.len().min(MAX_NAMES)];
-        let more = match found.len() - shown.len() {
+    if !joints.is_empty() {
+        let shown = &joints[..joints.len().min(MAX_NAMES)];
+        let more = match joints.len() - shown.len() {
             0 => String::new(),
             more => format!(" and {more} more"),
         };

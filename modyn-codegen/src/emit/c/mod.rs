@@ -265,8 +265,8 @@ impl Printer {
                 self.function("", &item.own_name(), arguments, result.len(), program);
             }
             Programs::ByLink(programs) => {
-                let (own, shared) = programs.split_at(frames.links_with_own_program().count());
-                for (link, program) in frames.links_with_own_program().zip(own) {
+                let (known, shared) = programs.split_at(frames.links_with_own_program().count());
+                for (link, program) in frames.links_with_own_program().zip(known) {
                     let name = format!("{name}_{link}");
                     self.function("static ", &name, arguments, result.len(), program);
                 }
@@ -295,12 +295,12 @@ impl Printer {
                 format!("    {}({names}, out);\n", item.own_name())
             }
             Programs::ByLink(_) => {
-                let own = frames.links_with_own_program().count();
+                let known_count = frames.links_with_own_program().count();
                 let case = |(i, link): (usize, &LinkProgram)| match link.placement {
                     None => format!("    case {i}U: {name}_{i}({names}, out); return 1;\n"),
                     Some(row) => format!(
                         "    case {i}U: {name}_on_{}({names}, {table}[{row}], out); return 1;\n",
-                        link.program - own
+                        link.program - known_count
                     ),
                 };
                 let cases: String = frames.programs().iter().enumerate().map(case).collect();
@@ -345,10 +345,10 @@ impl Printer {
             if by_link { " Returns 0 and writes nothing if there is no such link." } else { "" };
         let docs = format!("/* {docs}\n   {layout}{link} */\n");
         let all = arguments.len();
-        let own = arguments.len() - usize::from(item.with_parameters);
+        let without_parameters = arguments.len() - usize::from(item.with_parameters);
         let out = self.output(result.len());
         let (returned, link) = if by_link { ("int", "unsigned int link, ") } else { ("void", "") };
-        let mut forms = vec![(name.clone(), own)];
+        let mut forms = vec![(name.clone(), without_parameters)];
         if item.with_parameters {
             forms.push((format!("{name}_with"), all));
         }

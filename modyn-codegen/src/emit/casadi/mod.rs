@@ -189,12 +189,12 @@ fn print_function(
         let names: String = names.enumerate().map(case).collect();
         let sparsities = matrices.iter().map(|matrix| patterns.name(matrix));
         let sparsities: String = sparsities.enumerate().map(case).collect();
-        for (of, kind, cases) in
+        for (what, kind, cases) in
             [("name", "const char*", names), ("sparsity", "const casadi_int*", sparsities)]
         {
             let _ = writeln!(
                 text,
-                "CASADI_SYMBOL_EXPORT {kind} {name}_{of}_{end}(casadi_int i)\n{{\n    switch (i) {{\n{cases}    default: return 0;\n    }}\n}}\n"
+                "CASADI_SYMBOL_EXPORT {kind} {name}_{what}_{end}(casadi_int i)\n{{\n    switch (i) {{\n{cases}    default: return 0;\n    }}\n}}\n"
             );
         }
     }

@@ -127,7 +127,7 @@ impl Dialect for Cuda {
     fn chunk(
         &self,
         kernel: &GpuKernel,
-        own: usize,
+        number: usize,
         live_in: &[usize],
         _: &[usize],
         body: &str,
@@ -136,23 +136,29 @@ impl Dialect for Cuda {
         let mut parameters = self.parameters(kernel);
         parameters.extend(self.count().map(|n| format!("size_t {n}")));
         parameters.extend(live_in.iter().map(|k| format!("const {real} *__restrict__ chunk{k}")));
-        parameters.push(format!("{real} *__restrict__ chunk{own}"));
+        parameters.push(format!("{real} *__restrict__ chunk{number}"));
         format!(
-            "static __device__ __noinline__ void {}_chunk{own}({})\n{{\n{body}}}\n\n",
+            "static __device__ __noinline__ void {}_chunk{number}({})\n{{\n{body}}}\n\n",
             kernel.name,
             parameters.join(", ")
         )
     }
 
-    fn call(&self, kernel: &GpuKernel, own: usize, live_in: &[usize], values: &[usize]) -> String {
+    fn call(
+        &self,
+        kernel: &GpuKernel,
+        number: usize,
+        live_in: &[usize],
+        values: &[usize],
+    ) -> String {
         let buffers = kernel.arguments.iter().map(|argument| argument.name.clone());
         let buffers = buffers.chain(["out".into()]).chain(self.count().map(String::from));
-        let chunks = live_in.iter().chain([&own]).map(|k| format!("chunk{k}"));
+        let chunks = live_in.iter().chain([&number]).map(|k| format!("chunk{k}"));
         let arguments: Vec<String> = buffers.chain(chunks).collect();
         format!(
-            "    {} chunk{own}[{}];\n    {}_chunk{own}({});\n",
+            "    {} chunk{number}[{}];\n    {}_chunk{number}({});\n",
             self.real(),
-            values[own].max(1),
+            values[number].max(1),
             kernel.name,
             arguments.join(", ")
         )

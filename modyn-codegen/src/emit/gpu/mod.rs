@@ -159,14 +159,20 @@ trait Dialect {
     fn chunk(
         &self,
         kernel: &GpuKernel,
-        own: usize,
+        number: usize,
         live_in: &[usize],
         values: &[usize],
         body: &str,
     ) -> String;
 
     /// Returns the statements by which the kernel calls a chunk.
-    fn call(&self, kernel: &GpuKernel, own: usize, live_in: &[usize], values: &[usize]) -> String;
+    fn call(
+        &self,
+        kernel: &GpuKernel,
+        number: usize,
+        live_in: &[usize],
+        values: &[usize],
+    ) -> String;
 
     /// Returns the kernel with this body; a function on a thread's own arrays, if [`Storage::Own`].
     fn kernel(&self, kernel: &GpuKernel, docs: &str, body: &str) -> String;

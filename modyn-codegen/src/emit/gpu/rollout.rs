@@ -280,12 +280,12 @@ fn constrained_step<'a>(
     plan: &Plan,
     options: &RolloutOptions,
 ) -> Option<ConstrainedStep<'a>> {
-    let of = |function: Function| {
+    let kernel_of = |function: Function| {
         let mut all = kernels.iter().map(|kernel| &kernel.description);
         all.find(|kernel| kernel.function == function.name())
     };
-    let dynamics = of(Function::ConstrainedForwardDynamics)?;
-    let integrate = of(Function::Integrate)?;
+    let dynamics = kernel_of(Function::ConstrainedForwardDynamics)?;
+    let integrate = kernel_of(Function::Integrate)?;
     let contacts = plan.sizes.contacts;
     let loops = plan.sizes.constraints - contacts;
     let step = ConstrainedStep { dynamics, integrate, loops, contacts };
@@ -319,8 +319,12 @@ fn body(
         (0..len).map(|j| format!("{buffer}[{}]", place(j))).collect::<Vec<String>>()
     };
     let in_step = |size: usize| move |j: usize| format!("(step * {size} + {j}) * n + state");
-    let arguments = |own: &[&str]| {
-        own.iter().map(|name| String::from(*name)).chain(shared.iter().cloned()).collect::<Vec<_>>()
+    let arguments = |names: &[&str]| {
+        names
+            .iter()
+            .map(|name| String::from(*name))
+            .chain(shared.iter().cloned())
+            .collect::<Vec<_>>()
     };
     let start = |j: usize| format!("{j} * starts + start");
     let states = [("q", RolloutBuffer::StartQ, nq), ("qd", RolloutBuffer::StartQd, nv)];

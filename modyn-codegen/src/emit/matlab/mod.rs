@@ -124,7 +124,8 @@ struct Printer<'a> {
 impl Printer<'_> {
     /// Returns the file of a function.
     fn function(&self, planned: &Planned) -> File {
-        let of_plan = planned.arguments.iter().map(|(own, shape)| Argument::new(own.name, shape));
+        let of_plan =
+            planned.arguments.iter().map(|(argument, shape)| Argument::new(argument.name, shape));
         let given: Vec<Argument> = of_plan.filter(|argument| argument.len > 0).collect();
         let names: Vec<&str> = given.iter().map(|argument| argument.name.as_str()).collect();
         let mut parameters = names.clone();
@@ -155,10 +156,12 @@ impl Printer<'_> {
                 let _ = writeln!(text, "    out = compute({passed});");
             }
             Kernels::ByLink(programs) => {
-                let own = self.frames.links_with_own_program().count();
+                let known_count = self.frames.links_with_own_program().count();
                 for (k, program) in programs.iter().enumerate() {
                     let mut arguments = arguments.clone();
-                    arguments.extend((k >= own).then(|| ("placement".into(), Frames::PLACEMENT)));
+                    arguments.extend(
+                        (k >= known_count).then(|| ("placement".into(), Frames::PLACEMENT)),
+                    );
                     locals.program(&format!("compute{k}"), &arguments, program);
                 }
                 text += "    switch link\n";
@@ -187,10 +190,10 @@ impl Printer<'_> {
                     self.frames.programs().iter().enumerate()
                 {
                     let rows = |k: usize| format!("{}:{}", pose * k + 1, pose * (k + 1));
-                    let own = format!("poses({}, :)", rows(*program));
+                    let rows_of_pose = format!("poses({}, :)", rows(*program));
                     let value = match placement {
-                        None => own,
-                        Some(_) => format!("placed({own}{})", self.placement(*placement)),
+                        None => rows_of_pose,
+                        Some(_) => format!("placed({rows_of_pose}{})", self.placement(*placement)),
                     };
                     let _ = writeln!(text, "    out({}, :) = {value};", rows(link));
                 }
@@ -203,7 +206,7 @@ impl Printer<'_> {
     fn factors(&self, function: &FactorFunction) -> File {
         let given = function.arguments.iter();
         let given: Vec<Argument> =
-            given.map(|(own, shape)| Argument::new(own.name, shape)).collect();
+            given.map(|(argument, shape)| Argument::new(argument.name, shape)).collect();
         let arguments: Vec<(String, usize)> =
             given.iter().map(|argument| (argument.name.clone(), argument.len)).collect();
         let names: Vec<&str> = given.iter().map(|argument| argument.name.as_str()).collect();
@@ -272,11 +275,11 @@ fn value(shape: &Shape, first: usize, whole: bool) -> String {
     };
     match shape {
         Shape::Scalar => rows,
-        Shape::Array(of, _, _) if **of == Shape::Scalar => rows,
-        Shape::Array(of, n, Elements::Rows) => {
-            format!("permute(reshape({rows}, {}, {n}, []), [2 1 3])", of.len())
+        Shape::Array(element, _, _) if **element == Shape::Scalar => rows,
+        Shape::Array(element, n, Elements::Rows) => {
+            format!("permute(reshape({rows}, {}, {n}, []), [2 1 3])", element.len())
         }
-        Shape::Array(of, n, _) => format!("reshape({rows}, {}, {n}, [])", of.len()),
+        Shape::Array(element, n, _) => format!("reshape({rows}, {}, {n}, [])", element.len()),
         Shape::Record(record, _) if record.result_type().is_none() => rows,
         Shape::Record(_, fields) => {
             let mut first = first;

@@ -156,12 +156,12 @@ impl Robot<'_> {
 
     /// Prints limits, armature, damping and friction, by coordinate or velocity.
     fn limits(&self, text: &mut String) {
-        let own = || {
+        let independent = || {
             let links = self.model.links().iter().enumerate();
             links.filter(|(_, link)| link.joint.mimic.is_none())
         };
         let list = |length: fn(&Link) -> usize, number: &dyn Fn(usize, &Link) -> f64| {
-            let numbers: Vec<String> = own()
+            let numbers: Vec<String> = independent()
                 .flat_map(|(i, link)| std::iter::repeat_n(number(i, link), length(link)))
                 .map(|x| match x {
                     x if x == f64::INFINITY => "f64::INFINITY".into(),
@@ -214,14 +214,14 @@ fn constant_name(keyframe: &str, text: &str) -> String {
         "LIMITS",
         "MODULES",
     ];
-    let own = names::snake(keyframe).to_ascii_uppercase();
+    let constant = names::snake(keyframe).to_ascii_uppercase();
     let is_taken = |name: &str| {
         LATER.contains(&name)
             || name.ends_with("_OPERATIONS")
             || text.contains(&format!("pub const {name}: "))
     };
-    let numbered = (2..).map(|n| format!("{own}_KEYFRAME_{n}"));
-    let mut all = [own.clone(), format!("{own}_KEYFRAME")].into_iter().chain(numbered);
+    let numbered = (2..).map(|n| format!("{constant}_KEYFRAME_{n}"));
+    let mut all = [constant.clone(), format!("{constant}_KEYFRAME")].into_iter().chain(numbered);
     all.find(|name| !is_taken(name)).unwrap_or_default()
 }
 

@@ -31,7 +31,7 @@ impl Robot<'_> {
             parameters.iter().map(|p| p.typed("T").replace('&', "&'a ")).collect();
         let typed: Vec<String> = parameters.iter().map(|p| p.typed("T")).collect();
         let names: Vec<&str> = parameters.iter().map(|p| p.name).collect();
-        let own: Vec<String> = names.iter().map(|name| format!("self.{name}")).collect();
+        let self_fields: Vec<String> = names.iter().map(|name| format!("self.{name}")).collect();
         let unpacked: Vec<String> =
             parameters.iter().map(|p| format!("    {}\n", unpacked(p))).collect();
         let ones: Vec<String> = parameters.iter().map(ones).collect();
@@ -55,7 +55,7 @@ impl Robot<'_> {
             unpacked.concat(),
             "_, ".repeat(types),
             ones.join(", "),
-            own.join(", "),
+            self_fields.join(", "),
             typed.join(", "),
         );
     }

@@ -29,8 +29,8 @@ impl Robot<'_> {
         let float = self.options.scalar;
         let name = quantity.name;
         let mut parameters = quantity.all_parameters();
-        let (own, shared) = programs.split_at(frames.links_with_own_program().count());
-        for (link, program) in frames.links_with_own_program().zip(own) {
+        let (known, shared) = programs.split_at(frames.links_with_own_program().count());
+        for (link, program) in frames.links_with_own_program().zip(known) {
             let name = format!("{name}_{link}");
             *text += &function(&name, &parameters, &quantity.shape, program, float);
         }

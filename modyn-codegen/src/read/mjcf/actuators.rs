@@ -102,9 +102,9 @@ impl<'e> Bodies<'e, '_, '_> {
                 let new = || LawOfActuators { places: Vec::new(), force };
                 laws.entry(name).or_insert_with(new).places.push(place);
             }
-            if let Some(&found) = joint.and_then(|name| joints.get(name.as_str())) {
+            if let Some(&index) = joint.and_then(|name| joints.get(name.as_str())) {
                 let effort = self.largest_force(&item);
-                efforts[found] = efforts[found].zip(effort).map(|(sum, effort)| sum + effort);
+                efforts[index] = efforts[index].zip(effort).map(|(sum, effort)| sum + effort);
             }
         }
         for (joint, effort) in self.description.joints.iter_mut().zip(efforts) {

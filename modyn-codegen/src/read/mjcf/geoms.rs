@@ -90,8 +90,8 @@ fn placed(
         let scale = geom.number("fitscale").unwrap_or(1.0);
         let (center, size) =
             fitted(kind, &principal, model.settings.fit_box.then(|| mesh.bounds(&principal)));
-        let own = Pose { rotation: principal.axes, translation: mesh.center_of_mass };
-        place = place.compose(&own).compose(&Pose { translation: center, ..Pose::identity() });
+        let on_mesh = Pose { rotation: principal.axes, translation: mesh.center_of_mass };
+        place = place.compose(&on_mesh).compose(&Pose { translation: center, ..Pose::identity() });
         size.map(|size| scale * size)
     } else if let Some(ends) = geom.numbers("fromto") {
         let (between, half) = between(ends).ok_or("the ends of a geom's `fromto` coincide")?;

@@ -108,12 +108,12 @@ pub fn to_z_axis([x, y, z]: [f64; 3]) -> [[f64; 3]; 3] {
 }
 
 /// Returns the pose of the frame `of` in the frame `from`.
-pub fn relative(from: &Pose<f64>, of: &Pose<f64>) -> Pose<f64> {
+pub fn relative(from: &Pose<f64>, pose: &Pose<f64>) -> Pose<f64> {
     let columns = from.rotation;
     let rotation = core::array::from_fn(|i| core::array::from_fn(|j| columns[j][i]));
     let inverse = Pose { rotation, translation: [0.0; 3] };
     let translation = inverse.transform_point(from.translation).map(|x| -x);
-    Pose { translation, ..inverse }.compose(of)
+    Pose { translation, ..inverse }.compose(pose)
 }
 
 /// Returns the cross product.

@@ -71,8 +71,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         }
         self.files.count += 1;
         let shown = path.display().to_string();
-        let found = read_named(&self.options.files, &path, &shown, uri.at, self.xml.report);
-        let Some((text, start)) = found else { return };
+        let file = read_named(&self.options.files, &path, &shown, uri.at, self.xml.report);
+        let Some((text, start)) = file else { return };
         let Some(text) = document::within_limits(&text, start, self.xml.report) else { return };
         let folder = path.parent().map(Path::to_owned);
         let outer = std::mem::replace(&mut self.files.folder, folder);

@@ -24,11 +24,11 @@ impl<'a> Reader<'a, '_, '_, '_> {
     /// Reads a `<world>`: its gravity, models, frames and joints.
     pub fn world(&mut self, node: Node<'a, '_>) {
         self.world.name = self.xml.optional(node, "name").map(trimmed);
-        let own = self.xml.single(node, "gravity", None);
+        let own_gravity = self.xml.single(node, "gravity", None);
         // Before SDF 1.6, gravity was in `<physics>`.
         let physics = self.xml.named(node, "physics").next();
         let old = physics.and_then(|physics| self.xml.named(physics, "gravity").next());
-        let gravity = own.or(old).map(|node| self.xml.content(node));
+        let gravity = own_gravity.or(old).map(|node| self.xml.content(node));
         let gravity = gravity.map(|text| self.xml.numbers::<3>(text, None));
         self.world.gravity = Some(gravity.flatten().unwrap_or(DEFAULT_GRAVITY));
         let known = [

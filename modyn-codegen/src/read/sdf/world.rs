@@ -54,12 +54,12 @@ impl World {
         // An enclosing scope comes first.
         for scope in 1..self.scopes.len() {
             let Scope { frame, outer, .. } = self.scopes[scope];
-            let own = match outer {
+            let qualification = match outer {
                 WORLD => format!("{}::", self.frames[frame].name.text),
                 _ => self.scopes[outer].qualification.clone(),
             };
-            self.scopes[scope].prefix.insert_str(0, &own);
-            self.scopes[scope].qualification = own;
+            self.scopes[scope].prefix.insert_str(0, &qualification);
+            self.scopes[scope].qualification = qualification;
         }
         for frame in &mut self.frames {
             frame.name.text.insert_str(0, &self.scopes[frame.scope].qualification);
@@ -69,16 +69,16 @@ impl World {
     /// Returns the frame that a name means in a scope: a sibling, or a part of a nested model, as
     /// in `model::link`.
     pub fn find(&self, scope: usize, name: &str) -> Option<usize> {
-        let own = &self.scopes[scope];
+        let scope_record = &self.scopes[scope];
         match (name, scope) {
             ("world", WORLD) => return Some(WORLD),
             ("__model__", WORLD) => return None,
-            ("__model__", _) => return Some(own.frame),
+            ("__model__", _) => return Some(scope_record.frame),
             _ => {}
         }
-        own.names.get(name).copied().or_else(|| {
+        scope_record.names.get(name).copied().or_else(|| {
             let (model, rest) = name.split_once("::")?;
-            match self.frames[*own.names.get(model)?].kind {
+            match self.frames[*scope_record.names.get(model)?].kind {
                 FrameKind::Model(inner) => self.find(inner, rest),
                 _ => None,
             }

@@ -81,8 +81,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
             return Kind::Fixed;
         }
         let types = if is_drakes { &DRAKES_TYPES[..] } else { &JointType::ALL.map(named) };
-        if let Some((_, found)) = types.iter().find(|(name, _)| *name == text.text) {
-            return Kind::Moving(*found);
+        if let Some((_, kind)) = types.iter().find(|(name, _)| *name == text.text) {
+            return Kind::Moving(*kind);
         }
         let mut names: Vec<&str> = types.iter().map(|(name, _)| *name).collect();
         let message = if is_drakes {

@@ -127,18 +127,18 @@ impl Scopes {
     /// Returns a macro by its name, which may begin with namespaces (`hand.finger`), and the scope
     /// that its call is in.
     pub fn find_macro(&self, scope: ScopeId, name: &str) -> Option<(ScopeId, Rc<Macro>)> {
-        let own = |scope: ScopeId, name: &str| {
+        let macro_in = |scope: ScopeId, name: &str| {
             self.around(scope).find_map(|scope| self.0[scope.0].macros.get(name).cloned())
         };
-        if let Some(found) = own(scope, name) {
-            return Some((scope, found));
+        if let Some(definition) = macro_in(scope, name) {
+            return Some((scope, definition));
         }
         let (namespaces, name) = name.rsplit_once('.')?;
         let mut scope = scope;
         for namespace in namespaces.split('.') {
             scope = self.namespace(scope, namespace)?;
         }
-        own(scope, name).map(|found| (scope, found))
+        macro_in(scope, name).map(|definition| (scope, definition))
     }
 
     /// Returns the names of the macros that can be called.

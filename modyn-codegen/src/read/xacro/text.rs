@@ -237,8 +237,8 @@ struct Scoped<'s, 'e, 'r> {
 }
 
 impl Scoped<'_, '_, '_> {
-    fn kept<T>(&mut self, found: Result<T, Fault>) -> Result<T, String> {
-        found.map_err(|fault| {
+    fn kept<T>(&mut self, result: Result<T, Fault>) -> Result<T, String> {
+        result.map_err(|fault| {
             self.fault = Some(fault);
             String::new()
         })
@@ -247,22 +247,22 @@ impl Scoped<'_, '_, '_> {
 
 impl Names for Scoped<'_, '_, '_> {
     fn name(&mut self, name: &str) -> Result<Option<Value>, String> {
-        let found = self.expander.lookup(self.scope, name);
-        let found = self.kept(found)?;
+        let looked_up = self.expander.lookup(self.scope, name);
+        let value = self.kept(looked_up)?;
         let namespace = || self.expander.scopes.namespace(self.scope, name).map(Value::Scope);
-        Ok(found.or_else(namespace))
+        Ok(value.or_else(namespace))
     }
 
     fn name_in(&mut self, namespace: &Value, name: &str) -> Result<Option<Value>, String> {
         let Value::Scope(scope) = namespace else { return Ok(None) };
-        let found = self.expander.lookup(*scope, name);
-        let found = self.kept(found)?;
-        Ok(found.or_else(|| self.expander.scopes.namespace(*scope, name).map(Value::Scope)))
+        let looked_up = self.expander.lookup(*scope, name);
+        let value = self.kept(looked_up)?;
+        Ok(value.or_else(|| self.expander.scopes.namespace(*scope, name).map(Value::Scope)))
     }
 
     fn call(&mut self, function: &str, arguments: &[Value]) -> Result<Value, String> {
-        let found = self.expander.call_function(function, arguments);
-        self.kept(found)
+        let result = self.expander.call_function(function, arguments);
+        self.kept(result)
     }
 
     fn spend(&mut self, work: usize) -> Result<(), String> {

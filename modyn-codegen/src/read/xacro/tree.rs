@@ -53,7 +53,7 @@ pub enum Node {
 impl Element {
     /// Returns an attribute by its name.
     pub fn attribute(&self, name: &str) -> Option<&Attribute> {
-        self.attributes.iter().find(|own| &*own.name == name)
+        self.attributes.iter().find(|attribute| &*attribute.name == name)
     }
 
     /// Returns the name behind `xacro:`; `None` if the element is no element of xacro.

@@ -58,7 +58,7 @@ impl<'t> Tags<'t> {
             (self.namespaces.len(), MAX_NAMESPACES, "namespaces in one document"),
         ];
         let excess = counted.into_iter().find(|(count, most, _)| count > most);
-        self.excess = excess.map(|(_, most, of)| (tag.start, format!("more than {most} {of}")));
+        self.excess = excess.map(|(_, most, unit)| (tag.start, format!("more than {most} {unit}")));
     }
 
     /// Returns whether the document, a file that starts at offset `start`, may be parsed; otherwise

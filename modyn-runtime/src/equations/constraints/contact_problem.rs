@@ -157,7 +157,7 @@ fn responses<S: Scalar, T: Factorizable<S>>(
     let mut on_trunk: Vec<Option<Vec<S>>> = vec![None; memory.rows];
     for (&row, response) in rows.iter().zip(responses.chunks_mut(n.max(1))) {
         let (row, lane) = memory.lanes.place(row);
-        let own = memory.supports[memory.owner[row]].limb;
+        let own_limb = memory.supports[memory.owner[row]].limb;
         let packs = on_trunk[row].get_or_insert_with(|| {
             let mut packs = memory.reduced[row * n..][..n].to_vec();
             memory.scale(limbs, &mut packs);
@@ -167,7 +167,7 @@ fn responses<S: Scalar, T: Factorizable<S>>(
         for (v, (x, &pack)) in response.iter_mut().zip(&*packs).enumerate() {
             *x = match limbs.limb_of_dof(v) {
                 None => tree.extract_lane(pack, lane),
-                Some(limb) if Some(limb) == own => packed(tree, 0..limb.count(), |other| {
+                Some(limb) if Some(limb) == own_limb => packed(tree, 0..limb.count(), |other| {
                     if other == lane { tree.extract_lane(pack, lane) } else { S::zero() }
                 }),
                 Some(_) => S::zero(),

@@ -55,11 +55,11 @@ impl<S: Scalar> FullRank<S> {
             }
         }
         let lower = inverse_of_triangle(&factor, rows);
-        let mut own = Self { factor, lower, reciprocals, present, excess };
+        let mut factors = Self { factor, lower, reciprocals, present, excess };
         for (i, &threshold) in thresholds.iter().enumerate() {
-            own.excess = own.excess.max(threshold * own.inverse_entry(i, i) - S::one());
+            factors.excess = factors.excess.max(threshold * factors.inverse_entry(i, i) - S::one());
         }
-        own
+        factors
     }
 
     /// Returns entry (i, j) of the inverse of the matrix, where j is at most i.

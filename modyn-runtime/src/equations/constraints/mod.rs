@@ -282,8 +282,8 @@ impl<S: Scalar> ConstraintWorkspace<S> {
                 let rotation = frame.root_to(&axes(contact));
                 for first in (next..next + count).step_by(3) {
                     let rotate = |three: &mut [S], stride: usize, k: usize| {
-                        let own = Vector3([0, 1, 2].map(|i| three[i * stride + k]));
-                        let rotated = rotation.mul_vector(own);
+                        let column = Vector3([0, 1, 2].map(|i| three[i * stride + k]));
+                        let rotated = rotation.mul_vector(column);
                         (0..3).for_each(|i| three[i * stride + k] = rotated[i]);
                     };
                     let rows = &mut self.jacobian[first * n..(first + 3) * n];

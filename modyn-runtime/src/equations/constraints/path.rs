@@ -148,8 +148,9 @@ impl<S: Scalar> Path<S> {
             point = body.placement.point_to_parent(at_joint);
         }
         for k in 1..bodies.len() {
-            let own = joints.iter().filter(|joint| joint.body == k);
-            let moves = own.map(|joint| joint.twist.linear.scale(model.dofs[joint.dof].rate(qd)));
+            let moving = joints.iter().filter(|joint| joint.body == k);
+            let moves =
+                moving.map(|joint| joint.twist.linear.scale(model.dofs[joint.dof].rate(qd)));
             bodies[k].velocity = moves.fold(bodies[k - 1].velocity, |sum, v| sum + v);
         }
     }
@@ -189,13 +190,13 @@ impl<S: Scalar> Path<S> {
     /// a joint's velocity.
     pub(super) fn by_rate(&self, joint: &PathJoint<S>) -> Twist<S> {
         let front = &self.bodies[joint.body - 1];
-        let own = &self.bodies[joint.body];
+        let body = &self.bodies[joint.body];
         let last = self.last();
         let Twist { angular, linear } = joint.twist;
-        let behind = (last.velocity - own.velocity) + (last.velocity - front.velocity);
+        let behind = (last.velocity - body.velocity) + (last.velocity - front.velocity);
         Twist {
-            angular: own.omega.cross(angular) + angular.cross(last.omega - front.omega),
-            linear: (own.omega + front.omega).cross(linear) + angular.cross(behind),
+            angular: body.omega.cross(angular) + angular.cross(last.omega - front.omega),
+            linear: (body.omega + front.omega).cross(linear) + angular.cross(behind),
         }
     }
 

@@ -142,7 +142,7 @@ impl<S: Scalar> RelativeMotion<S> {
             workspace.kinematic_path.extend(path(model, end, ancestor));
             let bodies = workspace.kinematic_path.iter().rev();
             bodies
-                .fold(BodyMotion::at_rest(), |own, &i| own.to_child(model, i, state))
+                .fold(BodyMotion::at_rest(), |motion, &i| motion.to_child(model, i, state))
                 .at(&end.pose)
         });
         let velocity = pose.twist(first.velocity, second.velocity);

@@ -106,12 +106,12 @@ pub fn centroidal_momentum_derivatives<S: Scalar>(
 fn columns<S: Scalar>(
     model: &Mechanism<S>,
     columns: &mut [Momentum<S>],
-    mut of: impl FnMut(usize, usize, usize) -> Momentum<S>,
+    mut entry: impl FnMut(usize, usize, usize) -> Momentum<S>,
 ) {
     columns.fill(Momentum::zero());
     for (d, dof) in model.dofs.iter().enumerate() {
         let Dof { body, component, v, multiplier, .. } = *dof;
-        let along = of(body, d, component);
+        let along = entry(body, d, component);
         columns[v] = columns[v] + multiplier.map_or(along, |multiplier| along.scale(multiplier));
     }
 }

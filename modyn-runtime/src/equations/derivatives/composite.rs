@@ -26,8 +26,8 @@ fn parent_angular_velocity<S: Scalar, T: BodyTree<S>>(
     body: usize,
     workspace: &Workspace<S>,
 ) -> Vector3<S> {
-    let of = |parent: usize| workspace.fields[parent].omega;
-    Vector3(tree.broadcast_from_parents(body, |parent| parent.map_or_else(Vector3::zero, of).0))
+    let omega = |parent: usize| workspace.fields[parent].omega;
+    Vector3(tree.broadcast_from_parents(body, |parent| parent.map_or_else(Vector3::zero, omega).0))
 }
 
 /// Computes composite inertias, the velocity moments of the composites relative to their bodies,

@@ -120,9 +120,9 @@ pub fn generalized_forces<S: Scalar>(
         let mut change = displaced(workspace.wrenches[first], column.component);
         if column.component < 3 && matches!(forces, Forces::InWorldAxes(_)) {
             let axis = Vector3::unit(column.component);
-            let own = rotated_back(workspace, first, axis);
-            change += own;
-            add(first, own);
+            let moment_change = rotated_back(workspace, first, axis);
+            change += moment_change;
+            add(first, moment_change);
             // Bodies are depth first: the descendants follow.
             workspace.points[first] = axis;
             for (i, body) in model.bodies.iter().enumerate().skip(first + 1) {

@@ -215,9 +215,10 @@ pub(super) fn accelerate<S: Scalar, T: BodyTree<S>>(
     let first = block.bodies.start;
     let body = &model.bodies[first];
     let from_parent = body.parent.is_some().then(|| {
-        let of = |p: Option<usize>| p.map_or_else(Twist::zero, |p| workspace.twists[p]);
-        let twist =
-            Twist::from_components(tree.broadcast_from_parents(first, |p| of(p).components()));
+        let twist_of = |p: Option<usize>| p.map_or_else(Twist::zero, |p| workspace.twists[p]);
+        let twist = Twist::from_components(
+            tree.broadcast_from_parents(first, |p| twist_of(p).components()),
+        );
         body.twist_to_child(&workspace.motions[first], twist)
     });
     let subspace = motion_subspace(model, block, workspace);

@@ -82,7 +82,7 @@ pub fn forward_dynamics_of_bodies<S: Scalar>() -> BodyRecursion<S> {
             let motion =
                 move_body(model, State { q, qd }, Accelerations::FreeFall, received[0], workspace);
             let inertia = model.bodies[BODY].base_inertia.articulated();
-            let own = load(&workspace.wrenches[BODY], &inertia);
+            let own_load = load(&workspace.wrenches[BODY], &inertia);
 
             let (wrench, inertia) = received[1].split_at(SPATIAL);
             workspace.wrenches[BODY] = Wrench::from_components(array(wrench));
@@ -101,7 +101,7 @@ pub fn forward_dynamics_of_bodies<S: Scalar>() -> BodyRecursion<S> {
             }
             let twist = workspace.twists[BODY].components().to_vec();
             BodyResults {
-                own: alloc::vec![Vec::new(), own, Vec::new()],
+                own: alloc::vec![Vec::new(), own_load, Vec::new()],
                 sent: alloc::vec![motion, at_parent, twist],
                 result: qdd,
             }
@@ -123,7 +123,7 @@ pub fn inverse_dynamics_of_bodies<S: Scalar>() -> BodyRecursion<S> {
             let accelerations = Accelerations::Given(qdd);
             let motion = move_body(model, State { q, qd }, accelerations, received[0], workspace);
 
-            let own = workspace.wrenches[BODY].components().to_vec();
+            let own_wrench = workspace.wrenches[BODY].components().to_vec();
 
             workspace.wrenches[BODY] = Wrench::from_components(array(received[1]));
             let mut tau = alloc::vec![S::zero(); model.nv];
@@ -131,7 +131,7 @@ pub fn inverse_dynamics_of_bodies<S: Scalar>() -> BodyRecursion<S> {
             joint_torque(model, BODY, qd, Some(qdd), workspace, &mut tau);
             let at_parent = workspace.wrenches[PARENT].components().to_vec();
             BodyResults {
-                own: alloc::vec![Vec::new(), own],
+                own: alloc::vec![Vec::new(), own_wrench],
                 sent: alloc::vec![motion, at_parent],
                 result: tau,
             }

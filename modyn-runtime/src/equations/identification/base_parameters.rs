@@ -339,8 +339,8 @@ mod tests {
                 for (row, expected) in expected.into_iter().enumerate() {
                     let terms =
                         columns.iter().zip(&values).map(|(c, value)| all[2 * c + row] * value);
-                    let found: f64 = terms.sum();
-                    assert!((found - expected).abs() < 1e-10, "{axes:?}: {found} {expected}");
+                    let sum: f64 = terms.sum();
+                    assert!((sum - expected).abs() < 1e-10, "{axes:?}: {sum} {expected}");
                 }
             }
         }

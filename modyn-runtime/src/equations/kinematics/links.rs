@@ -147,9 +147,10 @@ pub fn link_acceleration_from_world<S: Scalar>(
     for k in 0..workspace.kinematic_path.len() {
         let i = workspace.kinematic_path[k];
         let from_parent = parent_motion(model, i, workspace);
-        let own = qdd.map(|qdd| model.rates(i, qdd));
+        let accelerations = qdd.map(|qdd| model.rates(i, qdd));
         let rates = model.rates(i, qd);
-        workspace.fields[i] = workspace.motions[i].accelerate(from_parent, &rates, own.as_deref());
+        workspace.fields[i] =
+            workspace.motions[i].accelerate(from_parent, &rates, accelerations.as_deref());
     }
     let axes = &workspace.axes[last];
     let field = &workspace.fields[last];

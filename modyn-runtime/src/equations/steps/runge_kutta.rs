@@ -183,8 +183,14 @@ pub fn step_rk4_derivatives<S: Scalar>(
         let (qd, by_qd) = qd.split_at(n);
         let (qdd, columns) = qdd.split_at_mut(n);
         let [dqdd_dq, dqdd_dqd, dqdd_dtau] = &mut *derivatives;
-        let found = ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau };
-        forward_dynamics_derivatives(model, layout, ForwardInput { q, qd, tau }, workspace, found);
+        let outputs = ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau };
+        forward_dynamics_derivatives(
+            model,
+            layout,
+            ForwardInput { q, qd, tau },
+            workspace,
+            outputs,
+        );
         let (by_state, by_tau) = columns.split_at_mut(2 * n * n);
         by_state.fill(S::zero());
         by_tau.copy_from_slice(dqdd_dtau);

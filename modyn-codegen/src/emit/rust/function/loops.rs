@@ -194,8 +194,8 @@ impl Printer<'_> {
             }
         }
         for (window, stores) in windows.0.iter().zip(stores) {
-            let found = self.found(window, "_mut");
-            let _ = writeln!(text, "    if let Some(to) = {found} {{\n{stores}    }}");
+            let element_found = self.found(window, "_mut");
+            let _ = writeln!(text, "    if let Some(to) = {element_found} {{\n{stores}    }}");
         }
     }
 

@@ -186,7 +186,7 @@ fn vectors(
     (a, products): (&str, &[String]),
 ) {
     let list =
-        |of: &dyn Fn(usize) -> String, count| (0..count).map(of).collect::<Vec<_>>().join(", ");
+        |text: &dyn Fn(usize) -> String, count| (0..count).map(text).collect::<Vec<_>>().join(", ");
     let count = products.len();
     let factors = list(&|m| format!("V::Four::broadcast(V::one(b[{m}][term]))"), count);
     let rows = list(&|lane| format!("V::one({a}[term][row + {lane}])"), ROW_LANES);
@@ -289,7 +289,9 @@ impl Shape {
     fn place(&self, i: usize) -> String {
         match self {
             Self::Scalar => String::new(),
-            Self::Array(of, _) => format!("[{}]{}", i / of.len(), of.place(i % of.len())),
+            Self::Array(element, _) => {
+                format!("[{}]{}", i / element.len(), element.place(i % element.len()))
+            }
             Self::Struct { fields, .. } => {
                 let mut first = 0;
                 let starts = fields.iter().map(|(name, field)| {

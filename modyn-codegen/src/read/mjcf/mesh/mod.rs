@@ -79,7 +79,7 @@ impl<'e> Asset<'e> {
         let mut assets =
             model.source.root.in_sections("asset").filter(|asset| asset.name == "mesh");
         let asset = assets.find(|asset| match asset.text("name") {
-            Some(own) => own == name,
+            Some(name_attribute) => name_attribute == name,
             None => asset.text("file").map(stem).as_deref() == Some(name),
         });
         let asset = asset.ok_or_else(|| format!("the mesh `{name}` is not in the file"))?;
