@@ -85,9 +85,9 @@ impl Impulses {
             Some((v.start, joint.limits.as_ref()?.effort?)).filter(|_| is_own)
         };
         let joints = 0..if options.limits { model.links().len() } else { 0 };
-        let robot = GroundRobot::new(model, options.limits);
+        let whole = GroundRobot::new(model, options.limits);
         // Without ground no contact takes part.
-        let robot = if options.friction.is_some() { robot } else { robot.without_contacts() };
+        let robot = if options.friction.is_some() { whole } else { whole.without_contacts() };
         let last = [3 * robot.contacts(), model.nv()].map(|count| vec![0.0; count]);
         Self { options, robot, efforts: joints.filter_map(effort).collect(), last }
     }
@@ -120,15 +120,15 @@ impl Impulses {
     ) -> Result<Step, FrameError> {
         let model = interpreter.model();
         let mut problem = vec![0.0; GroundRobot::new(model, false).problem_length()];
-        let numbers = settings.contacts.iter().flat_map(ContactTarget::numbers);
-        let numbers: Vec<f64> = settings.numbers().into_iter().chain(numbers).collect();
+        let target_numbers = settings.contacts.iter().flat_map(ContactTarget::numbers);
+        let numbers: Vec<f64> = settings.numbers().into_iter().chain(target_numbers).collect();
         let arguments = [q, qd, tau, &[dt], &numbers];
         interpreter.evaluate(Function::ContactProblem, &arguments, 0, &mut problem)?;
         let factors = interpreter.brge(q)?;
         let friction = self.options.friction.unwrap_or_default();
-        let contacts = settings.contacts[..self.robot.contacts()].iter();
+        let targets = settings.contacts[..self.robot.contacts()].iter();
         let contacts: Vec<ContactTarget<f64>> =
-            contacts.map(|target| ContactTarget { friction, ..*target }).collect();
+            targets.map(|target| ContactTarget { friction, ..*target }).collect();
         let settings = ConstraintSettings::from_numbers(settings.numbers(), contacts);
         let mut next = vec![0.0; qd.len()];
         let [of_contacts, of_stops] = &mut self.last;
@@ -147,8 +147,8 @@ impl Impulses {
         let impulses = of_contacts.as_chunks::<3>().0;
         // Impulses are along the axes of the targets.
         let forces = settings.contacts.iter().zip(impulses);
-        let forces = forces.map(|(target, p)| target.pose.rotate(p.map(|x| x / dt)));
-        let forces = forces.collect();
+        let in_world = forces.map(|(target, p)| target.pose.rotate(p.map(|x| x / dt)));
+        let forces = in_world.collect();
         Ok(Step { qd: next, dissipated: energies[0] - energies[1], lowest, residual, forces })
     }
 }

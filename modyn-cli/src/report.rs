@@ -103,10 +103,10 @@ fn sanitize_line(line: &str) -> String {
 fn marked_range(line: &str, at: Position) -> std::ops::Range<usize> {
     let start = line.char_indices().nth(at.column - 1).map_or(line.len(), |(i, _)| i);
     let rest = &line[start..];
-    let name = rest.find(|c: char| !c.is_alphanumeric() && !"_:-.".contains(c));
-    let name = name.unwrap_or(rest.len());
+    let name_end = rest.find(|c: char| !c.is_alphanumeric() && !"_:-.".contains(c));
+    let name = name_end.unwrap_or(rest.len());
     let before = line[..start].chars().next_back();
-    let length = if let Some(quote) = before.filter(|c| matches!(c, '"' | '\'')) {
+    let found_length = if let Some(quote) = before.filter(|c| matches!(c, '"' | '\'')) {
         rest.find(quote)
     } else if rest.starts_with('<') {
         rest.find('>').map(|end| end + 1)
@@ -116,7 +116,7 @@ fn marked_range(line: &str, at: Position) -> std::ops::Range<usize> {
     } else {
         Some(name)
     };
-    let length = length.unwrap_or(rest.trim_end().len());
+    let length = found_length.unwrap_or(rest.trim_end().len());
     let one = rest.chars().next().map_or(0, char::len_utf8);
     start..start + length.max(one)
 }

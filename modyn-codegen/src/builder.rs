@@ -181,8 +181,8 @@ impl Inputs {
     /// Returns the plan for machine code, after adding its warnings to those of the description.
     fn machine_code(&mut self) -> Result<Plan, Diagnostics> {
         self.choices = std::mem::take(&mut self.choices).of_machine_code();
-        let plan = Plan::new(&self.model, &self.modules, &self.choices, Execution::Simd);
-        let plan = plan.map_err(|reason| self.too_long(&reason))?;
+        let planned = Plan::new(&self.model, &self.modules, &self.choices, Execution::Simd);
+        let plan = planned.map_err(|reason| self.too_long(&reason))?;
         self.options.warnings.extend(invalid_programs(&plan));
         Ok(plan)
     }
@@ -374,8 +374,8 @@ impl Builder {
         let builder = self.clone().scalar(backend.scalar(self.options.code.scalar));
         let mut inputs = builder.inputs_without(backend.refused())?;
         let robot = (&inputs.model, &inputs.modules);
-        let plan = backend.plan(robot, &inputs.choices, &inputs.options);
-        let plan = plan.map_err(|reason| inputs.too_long(&reason))?;
+        let planned = backend.plan(robot, &inputs.choices, &inputs.options);
+        let plan = planned.map_err(|reason| inputs.too_long(&reason))?;
         let lacking = left_out(target, self.selected());
         let casadi = without_hessian(&plan.casadi.without_hessian, &inputs.options.prefix(robot.0));
         inputs.options.warnings.extend(lacking.into_iter().chain(casadi));
@@ -445,8 +445,8 @@ impl Builder {
         }
         let Inputs { model, modules, choices, options, files } =
             self.clone().functions([]).inputs()?;
-        let plan = Plan::for_entries(&model, &modules, &choices.of_machine_code(), function);
-        let plan = plan.map_err(|reason| {
+        let planned = Plan::for_entries(&model, &modules, &choices.of_machine_code(), function);
+        let plan = planned.map_err(|reason| {
             let derivatives = function.derivatives.len();
             Diagnostics::new(vec![too_long_entries(&model, &modules, &reason, derivatives)])
         })?;
@@ -561,9 +561,9 @@ impl Builder {
         };
         if let Some(Reading { model, .. }) = &reading {
             // Options with errors may be those of the functions.
-            let traced =
+            let functions =
                 errors.is_empty().then(|| self.traced_functions(model, &singular, &choices));
-            let traced = traced
+            let traced = functions
                 .and_then(|traced| traced.map_err(|diagnostics| errors.extend(diagnostics)).ok());
             let planned = |bundle: &Bundle| {
                 bundle

@@ -65,8 +65,8 @@ impl GpuRobot {
         let result = self.gpu.empty(kernel.result, states)?;
         let count = self.gpu.uniform(&[self.gpu.count(states)?, 0, 0, 0]);
         let pipeline = self.pipeline(index)?;
-        let buffers = arguments.iter().map(|array| &array.buffer);
-        let buffers: Vec<&wgpu::Buffer> = buffers.chain([&result.buffer, &count]).collect();
+        let of_arguments = arguments.iter().map(|array| &array.buffer);
+        let buffers: Vec<&wgpu::Buffer> = of_arguments.chain([&result.buffer, &count]).collect();
         self.gpu.launch(&pipeline, &buffers, states);
         Ok(result)
     }

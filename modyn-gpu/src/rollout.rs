@@ -165,7 +165,7 @@ impl Rollout {
             RolloutBuffer::Trajectory => trajectory.as_ref().or(Some(unwritten)),
             _ => None,
         });
-        let sizes = [
+        let numbers = [
             gpu.count(count)?,
             gpu.count(steps)?,
             gpu.count(arguments.q.states)?,
@@ -175,7 +175,7 @@ impl Rollout {
             0,
             0,
         ];
-        let sizes = gpu.uniform(&sizes);
+        let sizes = gpu.uniform(&numbers);
         let buffers: Vec<&wgpu::Buffer> =
             buffers.flatten().map(|array| &array.buffer).chain([&sizes]).collect();
         gpu.launch(&self.pipeline(index)?, &buffers, count);

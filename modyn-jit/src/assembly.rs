@@ -109,8 +109,8 @@ impl<S: Real> Assembly<S> {
                 links: plan.frames.programs().to_vec(),
             },
         };
-        let arguments = planned.arguments.iter();
-        let arguments = arguments.map(|(argument, shape)| (argument.name, shape.clone()));
+        let declared = planned.arguments.iter();
+        let arguments = declared.map(|(argument, shape)| (argument.name, shape.clone()));
         CompiledFunction {
             function: planned.function,
             name: planned.name,
@@ -167,8 +167,8 @@ impl<S: Real> Assembly<S> {
     pub fn append(&mut self, program: &Program, arrays: &[usize], batch: bool) -> (Code, CodeSize) {
         let lower = |rows| lower::<S>(program, arrays, self.instruction_set, batch, rows);
         let all = lower(Rows::All);
-        let independent = program.has_row_equations().then(|| lower(Rows::Independent));
-        let independent = independent.filter(|few| 8 * few.steps.len() <= 7 * all.steps.len());
+        let alternative = program.has_row_equations().then(|| lower(Rows::Independent));
+        let independent = alternative.filter(|few| 8 * few.steps.len() <= 7 * all.steps.len());
         let (any_rank, size) = self.write(&all, arrays, batch, None);
         let Some(independent) = independent else { return (any_rank, size) };
         let (code, mut total) = self.write(&independent, arrays, batch, Some(any_rank.entry));

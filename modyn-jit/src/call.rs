@@ -63,8 +63,8 @@ impl<S: Real> Call<'_, S> {
         if !self.has_batch() {
             return Err(CallError::NoBatch { function });
         }
-        let given = self.arguments().iter().zip(arguments);
-        let given = given.map(|((name, shape), argument)| (*name, shape, argument.len()));
+        let pairs = self.arguments().iter().zip(arguments);
+        let given = pairs.map(|((name, shape), argument)| (*name, shape, argument.len()));
         for (name, shape, length) in given.chain([("result", self.result(), results.len())]) {
             let expected = shape.len() * self.lanes;
             if length != expected {
@@ -172,8 +172,8 @@ impl<S: Real> Call<'_, S> {
     ) -> Result<(), CallError> {
         self.check_link(link)?;
         self.check_count(arguments.len())?;
-        let given = self.arguments().iter().zip(arguments);
-        let given = given.map(|((name, shape), argument)| (*name, shape, argument.len()));
+        let pairs = self.arguments().iter().zip(arguments);
+        let given = pairs.map(|((name, shape), argument)| (*name, shape, argument.len()));
         for (name, shape, length) in given.chain([("result", self.result(), result.len())]) {
             let expected = shape.len();
             if length != expected {

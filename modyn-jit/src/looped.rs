@@ -67,10 +67,11 @@ impl LoopPlan {
             starts.push(starts[starts.len() - 1] + array.len());
         }
         let mut planning = Planning { starts: &starts, arguments, tables: &program.tables };
-        let stored = loops.stored.iter().enumerate();
-        let stored = stored.map(|(k, stored)| (k, starts[stored.entry.array] + stored.entry.index));
-        let results = loops.results.iter().enumerate();
-        let results = results.map(|(k, entry)| (starts[entry.array] + entry.index, k));
+        let stored_entries = loops.stored.iter().enumerate();
+        let stored =
+            stored_entries.map(|(k, stored)| (k, starts[stored.entry.array] + stored.entry.index));
+        let entries = loops.results.iter().enumerate();
+        let results = entries.map(|(k, entry)| (starts[entry.array] + entry.index, k));
         Self {
             stored: runs(stored),
             stored_count: loops.stored.len(),

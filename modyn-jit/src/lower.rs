@@ -505,8 +505,8 @@ impl<S: Real> Lowering<'_, S> {
                 Some(sum) => self.product_and_sum([angle, angle], sum, (false, false)),
             });
         }
-        let limit = trig_steps::limit::<S>();
-        let limit = self.values.constants(vec![(limit * limit).bits(); lanes.into()], lanes);
+        let angle = trig_steps::limit::<S>();
+        let limit = self.values.constants(vec![(angle * angle).bits(); lanes.into()], lanes);
         if let Some(squares) = squares {
             let check = FarCheck { squares, limit, angles: reduced.clone() };
             self.values.steps.push(Step::Check(check));
@@ -530,8 +530,8 @@ impl<S: Real> Lowering<'_, S> {
                     self.product_and_sum([values[a], values[b]], values[c], (false, false))
                 }
                 SineStep::FlipSign(a, b) => {
-                    let sign = [values[b]];
-                    let sign = self.values.operation(Operation::ShiftToSign, &sign, lanes);
+                    let bits = [values[b]];
+                    let sign = self.values.operation(Operation::ShiftToSign, &bits, lanes);
                     self.binary(Operation::Xor, values[a], sign)
                 }
             };

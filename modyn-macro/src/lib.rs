@@ -43,9 +43,8 @@ pub fn modyn(input: TokenStream) -> TokenStream {
 #[proc_macro]
 pub fn guides(_: TokenStream) -> TokenStream {
     let root = std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default();
-    let modules = guides::modules(&std::path::Path::new(&root).join("docs"));
-    let modules =
-        modules.unwrap_or_else(|error| format!("compile_error!({:?});", error.to_string()));
+    let read = guides::modules(&std::path::Path::new(&root).join("docs"));
+    let modules = read.unwrap_or_else(|error| format!("compile_error!({:?});", error.to_string()));
     modules.parse().unwrap_or_default()
 }
 

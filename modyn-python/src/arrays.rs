@@ -284,9 +284,9 @@ impl<'py, S: Number> Output<'py, S> {
             )));
         }
         let strides = leaf.strides::<S>(states, length);
-        let fits = array.shape().iter().zip(array.strides()).zip(&strides);
+        let axes_with_strides = array.shape().iter().zip(array.strides()).zip(&strides);
         let fits = array.is_aligned()
-            && fits.into_iter().all(|((&n, &given_stride), &stride)| {
+            && axes_with_strides.into_iter().all(|((&n, &given_stride), &stride)| {
                 n <= 1 || usize::try_from(given_stride) == Ok(stride)
             });
         let returned = out.clone();
@@ -407,8 +407,9 @@ pub fn single(layout: &Layout, length: usize) -> Option<(Vec<usize>, bool)> {
 /// Returns whether an array that is all numbers of a result is in Fortran's order; `None` if it is
 /// in neither order.
 fn order(leaf: &Leaf, states: Option<usize>, length: usize) -> Option<bool> {
-    let axes = states.map(|states| (states, length)).into_iter().chain(leaf.axes.iter().copied());
-    let axes: Vec<(usize, usize)> = axes.collect();
+    let all_axes =
+        states.map(|states| (states, length)).into_iter().chain(leaf.axes.iter().copied());
+    let axes: Vec<(usize, usize)> = all_axes.collect();
     // The numbers so far, from the axis of the smallest stride; `None` after an axis with another
     // stride.
     let next = |sum: Option<usize>, &(n, stride): &(usize, usize)| {
@@ -442,8 +443,8 @@ fn views<'py, S: Number>(
         }
         Layout::Tuple(class, fields) => {
             let names = PyTuple::new(py, fields.iter().map(|(name, _)| *name))?;
-            let fields = fields.iter().map(|(_, layout)| views(base, layout, states, length));
-            let fields = fields.collect::<PyResult<Vec<_>>>()?;
+            let of_fields = fields.iter().map(|(_, layout)| views(base, layout, states, length));
+            let fields = of_fields.collect::<PyResult<Vec<_>>>()?;
             let class = match class {
                 Class::Package(name) => py.import("modyn._results")?.getattr(*name)?,
                 Class::Bundle(name) => {

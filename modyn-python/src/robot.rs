@@ -93,11 +93,11 @@ impl Robot {
         }
         // A type's name has no meaning here, and no warning about it is due.
         let builder = Builder::new().text(&*text, &*file).type_name("Robot");
-        let builder = match &folder {
+        let in_folder = match &folder {
             Some(folder) => builder.folder(folder),
             None => builder,
         };
-        let builder = options::apply(builder, &keywords)?.functions([]);
+        let builder = options::apply(in_folder, &keywords)?.functions([]);
         let bundles = match arguments.get_item("bundles")? {
             Some(wanted) if !wanted.is_none() => options::bundles(&wanted)?,
             _ => Vec::new(),
@@ -277,9 +277,8 @@ impl Robot {
     /// Returns the interpreter of the robot with its present parameters.
     pub fn interpreter(&self) -> PyResult<Interpreter<f64>> {
         let modules = self.modules.clone();
-        let interpreter = Interpreter::with_modules(self.model.clone(), modules);
-        let mut interpreter =
-            interpreter.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let created = Interpreter::with_modules(self.model.clone(), modules);
+        let mut interpreter = created.map_err(|error| PyValueError::new_err(error.to_string()))?;
         for change in &*self.changes.lock().unwrap_or_else(PoisonError::into_inner) {
             change.set(&mut interpreter).map_err(PyValueError::new_err)?;
         }
@@ -538,7 +537,7 @@ impl Robot {
         let nq = |link: &Link| link.joint.joint_type.nq();
         let nv = |link: &Link| link.joint.joint_type.nv();
         let limits = |link: &Link| link.joint.limits;
-        let all = [
+        let limits = [
             self.entries(nq, |i, _| self.model.coordinate_range(i)[0]),
             self.entries(nq, |i, _| self.model.coordinate_range(i)[1]),
             self.entries(nv, |i, _| self.model.velocity_limit(i)),
@@ -546,7 +545,7 @@ impl Robot {
                 limits(link).and_then(|l| l.effort).unwrap_or(f64::INFINITY)
             }),
         ];
-        let all = all.map(|numbers| PyArray1::from_vec(py, numbers));
+        let all = limits.map(|numbers| PyArray1::from_vec(py, numbers));
         py.import("modyn._types")?.getattr("JointLimits")?.call1(PyTuple::new(py, all)?)
     }
 
@@ -598,8 +597,8 @@ impl Robot {
     fn base_parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let base = py.detach(|| BaseParameters::new(&self.model));
         let names: Vec<&str> = base.parameters.iter().map(BaseParameter::name).collect();
-        let columns = base.regressor_columns().into_iter().map(|column| column as i64);
-        let columns = PyArray1::from_iter(py, columns);
+        let indices = base.regressor_columns().into_iter().map(|column| column as i64);
+        let columns = PyArray1::from_iter(py, indices);
         let values = PyArray1::from_vec(py, base.values_of(&self.present_parameters()?));
         let class = py.import("modyn._types")?.getattr("BaseParameters")?;
         class.call1((names, columns, values))
@@ -785,7 +784,7 @@ impl Robot {
         let robot = slf.get();
         let ((text, file, folder), options) = &robot.source;
         let changes = robot.changes.lock().unwrap_or_else(PoisonError::into_inner);
-        let changes = changes.iter().map(|change| match change {
+        let calls = changes.iter().map(|change| match change {
             Change::Gravity(gravity) => ("set_gravity", (*gravity,)).into_pyobject(py),
             Change::Inertia(link, Inertial { mass, center_of_mass, inertia }) => {
                 ("set_inertia", (link, *mass, *center_of_mass, *inertia)).into_pyobject(py)
@@ -794,7 +793,7 @@ impl Robot {
                 ("set_payload", (link, *mass, *center_of_mass, *inertia)).into_pyobject(py)
             }
         });
-        let changes = changes.collect::<PyResult<Vec<_>>>()?;
+        let changes = calls.collect::<PyResult<Vec<_>>>()?;
         let restore = py.import("modyn")?.getattr("_restore")?;
         (restore, (text, file, folder, options, changes)).into_pyobject(py)
     }

@@ -322,8 +322,8 @@ mod tests {
 
     /// Returns the name and the place of each number.
     fn names() -> [(&'static str, SettingPlace); COUNT] {
-        let settings = ["alpha", "beta", "tolerance", "rounding"];
-        let settings = settings.into_iter().map(|name| (name, SettingPlace::Settings));
+        let names = ["alpha", "beta", "tolerance", "rounding"];
+        let settings = names.into_iter().map(|name| (name, SettingPlace::Settings));
         let target = |contact| {
             TARGET.iter().flat_map(move |&(name, _, count)| {
                 core::iter::repeat_n((name, SettingPlace::Contact(contact)), count)

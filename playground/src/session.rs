@@ -106,8 +106,8 @@ impl Session {
             "cost" => self.robot()?.cost(text(request, "function")?),
             "text" => self.robot()?.text(text(request, "target")?, text(request, "functions")?),
             "start" => {
-                let q = request["q"].as_array().map(Vec::as_slice).unwrap_or_default();
-                let q: Vec<f64> = q.iter().map(|x| x.as_f64().unwrap_or(f64::NAN)).collect();
+                let array = request["q"].as_array().map(Vec::as_slice).unwrap_or_default();
+                let q: Vec<f64> = array.iter().map(|x| x.as_f64().unwrap_or(f64::NAN)).collect();
                 let options = MotionOptions {
                     friction: request["friction"].as_f64(),
                     limits: request["limits"] == true,
@@ -118,8 +118,8 @@ impl Session {
                 self.moved()
             }
             "step" => {
-                let dt = request["dt"].as_f64().filter(|dt| *dt > 0.0);
-                let dt = dt.ok_or("the request has no time step `dt`")?;
+                let positive = request["dt"].as_f64().filter(|dt| *dt > 0.0);
+                let dt = positive.ok_or("the request has no time step `dt`")?;
                 let motion = self.motion.as_mut().ok_or("the motion has not been started")?;
                 for _ in 0..request["count"].as_u64().unwrap_or(1) {
                     motion.step(dt)?;
@@ -200,8 +200,8 @@ impl Session {
         let Reading { model, warnings, shapes, .. } = reading;
         let has_loops = !model.loop_constraints().is_empty();
         let closed = has_loops.then(|| closed_start(&model)).flatten();
-        let functions = Function::ALL.iter().filter(|one| one.batched().is_none());
-        let functions: Vec<_> = functions
+        let single = Function::ALL.iter().filter(|one| one.batched().is_none());
+        let functions: Vec<_> = single
             .map(|one| {
                 let row = one.row();
                 let summary = row.docs.split(". ").next().unwrap_or_default();
@@ -237,8 +237,8 @@ impl Robot {
     /// Returns the operations of a call of a function, or the reason why the robot does not have
     /// it.
     fn cost(&self, function: &str) -> Answer {
-        let named = Function::from_name(function);
-        let named = named.ok_or_else(|| format!("there is no function `{function}`"))?;
+        let known = Function::from_name(function);
+        let named = known.ok_or_else(|| format!("there is no function `{function}`"))?;
         let plan = self.builder.clone().functions([named]).plan();
         let planning = plan.map_err(|diagnostics| first(&diagnostics))?;
         let counts = planning.plan.operations_per_call();
@@ -254,8 +254,8 @@ impl Robot {
 
     /// Returns the generated files of functions in a language.
     fn text(&self, target: &str, functions: &str) -> Answer {
-        let target = Target::ALL.into_iter().find(|one| one.name() == target);
-        let target = target.ok_or("there is no such language")?;
+        let wanted = Target::ALL.into_iter().find(|one| one.name() == target);
+        let target = wanted.ok_or("there is no such language")?;
         let value = OptionText::parse(functions).map_err(|fault| fault.message)?;
         let builder = self.builder.clone().set("functions", &value);
         let emitted = match builder.map_err(|fault| fault.message)?.emit(target) {
@@ -264,9 +264,9 @@ impl Robot {
                 return Ok(refused(&self.name, &self.text, &self.files, &diagnostics));
             }
         };
-        let files = emitted.files.iter();
+        let emitted_files = emitted.files.iter();
         let files: Vec<_> =
-            files.map(|file| json!({ "name": file.name, "text": file.text })).collect();
+            emitted_files.map(|file| json!({ "name": file.name, "text": file.text })).collect();
         Ok(json!({ "files": files }))
     }
 }

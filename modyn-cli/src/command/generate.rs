@@ -410,8 +410,8 @@ impl Arguments {
             return Ok(builder);
         }
         // Without a prefix the functions for C begin with the robot's name.
-        let reading = description.read(&self.robot.options.read_options());
-        let reading = reading.map_err(|diagnostics| description.failure(diagnostics))?;
+        let read = description.read(&self.robot.options.read_options());
+        let reading = read.map_err(|diagnostics| description.failure(diagnostics))?;
         Ok(builder.c_functions(names::snake(reading.model.name())))
     }
 }

@@ -169,10 +169,10 @@ mod tests {
             let long = row.name.replace('_', "-");
             let argument = command.get_arguments().find(|one| one.get_long() == Some(&long));
             assert!(argument.expect(row.name).get_help().is_some(), "{}", row.name);
-            let given = format!("--{long}");
-            let given = if row.is_flag() { vec![&*given] } else { vec![&*given, row.example] };
-            let matches = command.clone().try_get_matches_from([&["modyn"], &given[..]].concat());
-            let matches = matches.unwrap_or_else(|error| panic!("{error}"));
+            let flag = format!("--{long}");
+            let given = if row.is_flag() { vec![&*flag] } else { vec![&*flag, row.example] };
+            let parsed = command.clone().try_get_matches_from([&["modyn"], &given[..]].concat());
+            let matches = parsed.unwrap_or_else(|error| panic!("{error}"));
             let reading = Given::from_matches(&matches, Stage::Reading);
             let code = Given::from_matches(&matches, Stage::Code);
             let names: Vec<&str> =

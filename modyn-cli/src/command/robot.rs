@@ -53,11 +53,11 @@ impl Robot {
     /// Returns the builder with these options, for this description.
     pub fn builder(&self, description: &Description) -> Builder {
         let Description { name, text, path } = description;
-        let builder = Builder::new();
+        let empty = Builder::new();
         // The path makes the comment of a generated file the same as that of a build script.
         let builder = match path {
-            Some(path) => builder.file(path),
-            None => builder.text(text, name),
+            Some(path) => empty.file(path),
+            None => empty.text(text, name),
         };
         self.options.configure(builder)
     }
@@ -68,8 +68,8 @@ impl Robot {
     /// full path.
     pub fn named(&self, diagnostics: Diagnostics) -> Diagnostics {
         let name = self.path.display().to_string();
-        let absolute = std::path::absolute(&self.path).unwrap_or_else(|_| self.path.clone());
-        let absolute = absolute.display().to_string();
+        let path = std::path::absolute(&self.path).unwrap_or_else(|_| self.path.clone());
+        let absolute = path.display().to_string();
         let mut renamed = diagnostics.into_vec();
         renamed
             .iter_mut()

@@ -37,8 +37,8 @@ impl Sparsity {
             return Err(format!("{why}; {MAX_VELOCITIES} are the most"));
         }
         let wrong = |error: &dyn std::fmt::Display| error.to_string();
-        let interpreter = Interpreter::<f64>::with_modules(model.clone(), modules.clone());
-        let mut interpreter = interpreter.map_err(|error| wrong(&error))?;
+        let created = Interpreter::<f64>::with_modules(model.clone(), modules.clone());
+        let mut interpreter = created.map_err(|error| wrong(&error))?;
         let mut sparsity = Self { n, mass_matrix: vec![], u: vec![], d: vec![] };
         let mut q = vec![0.0; model.nq()];
         let mut matrix = vec![0.0; n * n];

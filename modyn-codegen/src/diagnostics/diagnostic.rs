@@ -282,8 +282,8 @@ impl fmt::Debug for Diagnostics {
             let plural = if count == 1 { "" } else { "s" };
             (count > 0).then(|| format!("{count} {one}{plural}"))
         };
-        let counts = [count(Severity::Error, "error"), count(Severity::Warning, "warning")];
-        let counts: Vec<String> = counts.into_iter().flatten().collect();
+        let both = [count(Severity::Error, "error"), count(Severity::Warning, "warning")];
+        let counts: Vec<String> = both.into_iter().flatten().collect();
         writeln!(f, "{}", if counts.is_empty() { "none".into() } else { counts.join(", ") })?;
         fmt::Display::fmt(self, f)
     }

@@ -140,8 +140,8 @@ pub(super) fn partials(graph: &mut Graph, id: Id) -> Vec<(Id, Partial)> {
             let square = graph.make(Node::Add(xx, yy));
             let inverse = graph.make(Node::Recip(square));
             let by_y = graph.make(Node::Mul(x, inverse));
-            let by_x = graph.make(Node::Mul(y, inverse));
-            let by_x = graph.make(Node::Neg(by_x));
+            let quotient = graph.make(Node::Mul(y, inverse));
+            let by_x = graph.make(Node::Neg(quotient));
             vec![(y, Partial::Factor(by_y)), (x, Partial::Factor(by_x))]
         }
         Node::Sqrt(a) => {
@@ -204,11 +204,11 @@ pub fn jvp(graph: &Graph, inputs: usize, wrt: Range<usize>) -> Graph {
             Node::Pack(a, b, _) => {
                 let zero = result.constant(0.0);
                 let halves = [a, b].map(|half| (half, changes[half as usize].unwrap_or(zero)));
-                let lanes = (0..graph.width(id)).map(|lane| {
+                let halves_of_lanes = (0..graph.width(id)).map(|lane| {
                     let (half, lane) = half_of(graph, halves, lane, graph.width(id));
                     result.make(Node::ExtractLane(half, lane))
                 });
-                let lanes: Vec<Id> = lanes.collect();
+                let lanes: Vec<Id> = halves_of_lanes.collect();
                 changes[at] = Some(result.pack(&lanes));
                 continue;
             }
@@ -273,8 +273,8 @@ impl Gradient {
             add(graph, &mut sum, pack);
         }
         for (&width, &wide) in &self.over_lanes {
-            let lanes = (0..width).map(|lane| graph.make(Node::ExtractLane(wide, lane)));
-            let lanes: Vec<Id> = lanes.collect();
+            let extracted = (0..width).map(|lane| graph.make(Node::ExtractLane(wide, lane)));
+            let lanes: Vec<Id> = extracted.collect();
             let over_lanes = graph.pairwise_sum(&lanes);
             add(graph, &mut sum, over_lanes);
         }

@@ -118,13 +118,13 @@ pub fn along_directions(graph: &Graph, displacements: &[Displacement]) -> Option
         let next = outputs.len();
         *outputs.entry(pack).or_insert(next)
     };
-    let changes = graph.outputs.iter().map(|&id| match &changes[id as usize] {
+    let of_outputs = graph.outputs.iter().map(|&id| match &changes[id as usize] {
         Some(Change::OfScalar(terms)) => {
             terms.iter().map(|term| (output(term.pack), term.lanes)).collect()
         }
         _ => Vec::new(),
     });
-    let changes = changes.collect();
+    let changes = of_outputs.collect();
     result.outputs = vec![0; outputs.len()];
     for (id, place) in outputs {
         result.outputs[place] = id;

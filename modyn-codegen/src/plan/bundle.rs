@@ -190,8 +190,8 @@ impl<'a> Graphs<'a> {
             };
             let Some(link) = link else { return vec![context.graph(function, &context.tracer)] };
             let evaluation = |tracer: &Tracer<'_>| context.evaluation(function, tracer);
-            let other = Lowering::of(function).in_bundles;
-            let other = other.map(|trace| context.frames.of_link(link, trace));
+            let in_bundles = Lowering::of(function).in_bundles;
+            let other = in_bundles.map(|trace| context.frames.of_link(link, trace));
             [context.frames.of_link(link, evaluation)].into_iter().chain(other).collect()
         };
         let candidates: Vec<Vec<Graph>> = bundle.members.iter().map(graphs).collect();

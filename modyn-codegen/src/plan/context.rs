@@ -114,8 +114,8 @@ impl<'a> PlanContext<'a> {
         let others = uniform
             .iter()
             .filter(|modules| !limbs.is_empty() && **modules != forward_dynamics.modules);
-        let partitions = [&forward_dynamics.modules].into_iter().chain(others);
-        let partitions = partitions.map(|m| ModulePartition::new(mechanism, m)).collect();
+        let module_trees = [&forward_dynamics.modules].into_iter().chain(others);
+        let partitions = module_trees.map(|m| ModulePartition::new(mechanism, m)).collect();
         let layout = UduLayout::new(mechanism, modules);
         Self {
             model,

@@ -257,8 +257,8 @@ impl EntryFunction {
                 Some((value.derivative(first, graph), 1))
             }
             (Function::ForwardDynamics, DerivativeMode::Reverse) => {
-                let second = self.derivatives.get(1);
-                let second = second.filter(|second| second.mode == DerivativeMode::Matrix);
+                let next = self.derivatives.get(1);
+                let second = next.filter(|second| second.mode == DerivativeMode::Matrix);
                 let Some(second) = second else {
                     let graph = forward_dynamics(EntryForm::Adjoint)?;
                     return Some((value.derivative(first, graph), 1));

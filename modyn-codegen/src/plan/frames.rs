@@ -104,8 +104,8 @@ impl Frames {
 
     /// Returns the table of placements: the pose on its body of each link with a shared program.
     pub fn placements(&self) -> impl Iterator<Item = [f64; Self::PLACEMENT]> {
-        let shared = self.frames.iter().zip(&self.programs);
-        let shared = shared.filter(|(_, link)| link.placement.is_some());
+        let placed = self.frames.iter().zip(&self.programs);
+        let shared = placed.filter(|(_, link)| link.placement.is_some());
         shared.map(|(BodyFrame { pose, .. }, _)| {
             let mut numbers = pose.rotation.iter().flatten().chain(&pose.translation);
             std::array::from_fn(|_| *numbers.next().expect("twelve"))

@@ -179,14 +179,14 @@ impl Plan {
         let form = (choices.share, choices.code, choices.machine_code);
         let context = PlanContext::new(&robot, (model, modules), execution, form);
         let sizes = context.sizes;
-        let selected = |function: &Function| {
+        let is_selected = |function: &Function| {
             let row = function.row();
             choices.functions.contains(function)
                 && (batches || row.batch_of.is_none())
                 && function.fits(sizes.constraints)
                 && (*function != Function::Step || choices.has_loops(execution))
         };
-        let selected: Vec<Function> = Function::ALL.iter().copied().filter(selected).collect();
+        let selected: Vec<Function> = Function::ALL.iter().copied().filter(is_selected).collect();
         let mut graphs = ScalarGraphs::new(&selected);
         let mut many = Vec::new();
         let mut functions = Vec::new();
@@ -200,8 +200,8 @@ impl Plan {
             one.length() + of_many.as_ref().map_or(0, Planned::length)
         };
         for bundle in &choices.bundles {
-            let members = bundle.members.iter().filter_map(|member| member.function.of_table());
-            let members = members.filter(|function| !function.row().by_link);
+            let of_table = bundle.members.iter().filter_map(|member| member.function.of_table());
+            let members = of_table.filter(|function| !function.row().by_link);
             let least = members.map(|function| context.least_operations(function)).sum();
             let plan = || Planned::bundle(bundle, &context, batches && bundle.batch);
             let (one, of_many) = budget.spend(bundle.name, least, plan, length)?;
@@ -216,8 +216,8 @@ impl Plan {
                 many.extend(of_many);
             }
         }
-        let bundled = choices.bundles.iter().flat_map(|bundle| &bundle.members);
-        let bundled = bundled.filter_map(|member| member.function.of_table());
+        let members = choices.bundles.iter().flat_map(|bundle| &bundle.members);
+        let bundled = members.filter_map(|member| member.function.of_table());
         let mut all = selected.iter().copied().chain(bundled);
         let factorizes = all.any(|f| matches!(f, Function::Brge | Function::BrgeBatch));
         let factorization = match factorizes {

@@ -95,13 +95,13 @@ pub(super) fn packed_bundle(
         })
     });
     let has_columns = context.has_vectors() && operations(scalar) <= MAX_COLUMNS;
-    let columns = || {
+    let traced = || {
         graphs.packed(|function| {
             let columns = Lowering::of(function).packing.has_columns();
             columns.then(|| context.graph(function, &context.tracer.column_lanes(COLUMN_LANES)))
         })
     };
-    let columns = has_columns.then(columns).flatten();
+    let columns = has_columns.then(traced).flatten();
     profitable(by_limbs.chain(columns), bundle.any(|function| function.row().hot), context, scalar)
 }
 

@@ -102,8 +102,8 @@ impl Planned {
     #[must_use]
     pub fn evaluate<S: Scalar>(&self, frames: &Frames, link: usize, arguments: &[S]) -> Vec<S> {
         let placed = |program: &Program, arguments: &[S], placement: Option<usize>| {
-            let row = placement.and_then(|row| frames.placements().nth(row));
-            let row = row.iter().flatten().map(|&x| S::from_f64(x));
+            let placements = placement.and_then(|row| frames.placements().nth(row));
+            let row = placements.iter().flatten().map(|&x| S::from_f64(x));
             program.evaluate(&arguments.iter().copied().chain(row).collect::<Vec<S>>())
         };
         match &self.kernels {

@@ -92,8 +92,8 @@ impl Program {
         let results = apart.as_ref().map_or(graph.outputs.len(), |apart| apart.results);
         let lowering = Lowering::new(graph, apart);
         let statements = lowering.order.iter().map(|item| lowering.statement(item)).collect();
-        let results = graph.outputs[..results].iter();
-        let results = results.map(|&id| lowering.operand(id, 1)).collect();
+        let outputs = graph.outputs[..results].iter();
+        let results = outputs.map(|&id| lowering.operand(id, 1)).collect();
         Self { statements, results, ..Self::without_statements(execution, arguments) }
     }
 
@@ -160,8 +160,8 @@ impl<'a> Apart<'a> {
                 (Operation::RowEquations(equations), results)
             }
             ApartForm::Loops(LoopForm { loops, stored }) => {
-                let stored = stored.iter().zip(operands);
-                let stored = stored.map(|(&entry, value)| Stored { entry, value }).collect();
+                let entries = stored.iter().zip(operands);
+                let stored = entries.map(|(&entry, value)| Stored { entry, value }).collect();
                 let results = loops.results.len();
                 (Operation::Loops(Loops { stored, ..loops.clone() }), results)
             }
@@ -212,8 +212,8 @@ impl<'a> Lowering<'a> {
         let graph = self.graph;
         let early = early_angles(graph, &self.live);
         for &angle in early.iter().flatten() {
-            let packs = graph.node(angle).operands();
-            let packs = packs.filter(|&id| matches!(graph.node(id), Node::Pack(..)));
+            let operands = graph.node(angle).operands();
+            let packs = operands.filter(|&id| matches!(graph.node(id), Node::Pack(..)));
             for id in packs.chain([angle]) {
                 let index = id as usize;
                 let is_operand = matches!(graph.node(id), Node::Input(_)) || fused[index];

@@ -88,8 +88,8 @@ impl Products {
         }
         let terms = self.terms;
         let columns = self.columns();
-        let others = (0..self.targets.len()).map(|m| format!("b{m}"));
-        let others = others.map(|name| ProductMatrix { name, columns, rows: terms });
+        let names = (0..self.targets.len()).map(|m| format!("b{m}"));
+        let others = names.map(|name| ProductMatrix { name, columns, rows: terms });
         let a = ProductMatrix { name: "a".into(), columns: terms, rows: self.rows };
         [a].into_iter().chain(others).collect()
     }
@@ -317,8 +317,8 @@ impl Products {
         let are_results = self.targets.iter().flatten().all(|target| {
             let Target { rows: Range { start, end }, first, by_row, by_column } = *target;
             let extent = |count: usize, by: usize| count.checked_sub(1)?.checked_mul(by);
-            let last = extent(end.saturating_sub(start), by_row).zip(extent(columns, by_column));
-            let last = last.and_then(|(a, b)| first.checked_add(a)?.checked_add(b));
+            let extents = extent(end.saturating_sub(start), by_row).zip(extent(columns, by_column));
+            let last = extents.and_then(|(a, b)| first.checked_add(a)?.checked_add(b));
             end <= rows && last.is_some_and(|last| last < program.results.len())
         });
         if !are_results {

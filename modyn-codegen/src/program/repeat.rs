@@ -234,8 +234,8 @@ impl Stage {
             _ => Some(Input::Own(id)),
         };
         let operands = ids.iter().flat_map(|&id| graph.node(id).operands());
-        let all: BTreeSet<Input> = operands.filter_map(input).collect();
-        let all: Vec<Input> = all.into_iter().collect();
+        let distinct: BTreeSet<Input> = operands.filter_map(input).collect();
+        let all: Vec<Input> = distinct.into_iter().collect();
         let mut made = Graph::default();
         let mut ids_made: BTreeMap<Id, Id> = BTreeMap::new();
         for (place, input) in all.iter().enumerate() {

@@ -193,8 +193,8 @@ impl Program {
 
         // The results of loops, in the order in which the program reads them.
         let is_argument = |id: Id| cut.zones[id as usize] == Zone::Front;
-        let needed = cut.piece(solution, is_main).reads;
-        let needed: Vec<Id> = needed.into_iter().filter(|&id| !is_argument(id)).collect();
+        let read = cut.piece(solution, is_main).reads;
+        let needed: Vec<Id> = read.into_iter().filter(|&id| !is_argument(id)).collect();
         let is_after = |id: Id| cut.input(&step.solution.inputs, id).is_none();
         let after: Vec<Id> = needed.iter().copied().filter(|&id| is_after(id)).collect();
 

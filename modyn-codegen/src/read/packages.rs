@@ -61,8 +61,8 @@ fn find(name: &str, options: &ReadOptions) -> Option<PathBuf> {
     let near = absolute.ancestors().flat_map(|folder| [folder.to_owned(), folder.join(name)]);
     let of_ros = || {
         PACKAGE_PATHS.iter().find_map(|variable| {
-            let folders = std::env::var_os(variable)?;
-            let folders: Vec<PathBuf> = std::env::split_paths(&folders).collect();
+            let list = std::env::var_os(variable)?;
+            let folders: Vec<PathBuf> = std::env::split_paths(&list).collect();
             let usual = folders.iter().flat_map(|folder| {
                 [folder.clone(), folder.join(name), folder.join("share").join(name)]
             });

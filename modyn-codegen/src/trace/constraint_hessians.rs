@@ -65,8 +65,8 @@ impl Tracer<'_> {
         let (wrenches, rest) = rest.split_at(count);
         let (accelerations, rest) = rest.split_at(3 * nv * nv);
         let (changes, rank) = rest.split_at(3 * nv * count);
-        let adjoint = self.constraint_adjoint(layout);
-        let adjoint = all.add(&adjoint, &[&q, &active, &settings, &x, &y, &parameters]);
+        let graph = self.constraint_adjoint(layout);
+        let adjoint = all.add(&graph, &[&q, &active, &settings, &x, &y, &parameters]);
         let (a, b) = adjoint.split_at(nv);
 
         let phi = TangentGraphs::new(self, self.phi_inputs(), optimize(self.phi(layout)));
@@ -102,8 +102,8 @@ impl Tracer<'_> {
         let by_q = all.sums(&block(0, nv, 0, nv), &by_q);
         let by_qd = all.sums(&block(0, nv, nv, nv), &by_qd);
         let by_tau = through(&mut all, 2);
-        let blocks = [by_q, by_qd, block(nv, nv, nv, nv), by_tau].concat();
-        let blocks = all.negated(&blocks);
+        let upper = [by_q, by_qd, block(nv, nv, nv, nv), by_tau].concat();
+        let blocks = all.negated(&upper);
         let gradients = all.negated(&gradient[..2 * nv]);
         all.with_outputs(&[qdd, wrenches, &gradients, a, &blocks, rank])
     }

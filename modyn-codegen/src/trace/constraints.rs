@@ -201,11 +201,11 @@ impl Tracer<'_> {
     ) -> DenseGraph {
         let mut products = None;
         let form = (inputs, 1 + self.rows());
-        let dense =
+        let around =
             DenseGraph::new(form, |apart| self.by_products(layout, Some(apart), &mut products));
-        let dense = match dense.rows {
-            Some(_) => dense,
-            None => DenseGraph { graph: self.by_products(layout, None, &mut products), ..dense },
+        let dense = match around.rows {
+            Some(_) => around,
+            None => DenseGraph { graph: self.by_products(layout, None, &mut products), ..around },
         };
         DenseGraph { products, ..dense }
     }

@@ -182,14 +182,14 @@ impl Tracer<'_> {
         let x = all.inputs(inputs.all);
         let (q, rest) = x.split_at(inputs.q.end);
         let unit = all.add(&self.normalize(), &[q]);
-        let derivatives = optimize(self.inverse_dynamics_derivatives());
-        let derivatives = all.add(&derivatives, &[&unit, rest]);
+        let derivative_graph = optimize(self.inverse_dynamics_derivatives());
+        let derivatives = all.add(&derivative_graph, &[&unit, rest]);
         let (dq, dqd) = derivatives.split_at(nv * nv);
         let dq = self.by_entries(&mut all, q, &unit, dq);
         let parameters = &x[inputs.last.end..];
         let mass = all.add(&optimize(self.mass_matrix()), &[&unit, parameters]);
-        let by_parameters = jacobian(value, inputs.all, inputs.last.end..inputs.all);
-        let by_parameters = all.add(&by_parameters, &[&x]);
+        let graph = jacobian(value, inputs.all, inputs.last.end..inputs.all);
+        let by_parameters = all.add(&graph, &[&x]);
         all.with_outputs(&[&dq, dqd, &mass, &by_parameters])
     }
 
@@ -263,8 +263,8 @@ impl Tracer<'_> {
         let x = all.inputs(inputs.all);
         let (q, rest) = x.split_at(inputs.q.end);
         let unit = all.add(&self.normalize(), &[q]);
-        let derivatives = optimize(self.forward_dynamics_derivatives(layout));
-        let derivatives = all.add(&derivatives, &[&unit, rest]);
+        let graph = optimize(self.forward_dynamics_derivatives(layout));
+        let derivatives = all.add(&graph, &[&unit, rest]);
         let (qdd, matrices) = derivatives.split_at(nv);
         let (dq, matrices) = matrices.split_at(nv * nv);
         let (_, dtau) = matrices.split_at(nv * nv);
@@ -383,11 +383,11 @@ impl Tracer<'_> {
     fn by_entries(&self, all: &mut Composition, q: &[Id], unit: &[Id], dq: &[Id]) -> Vec<Id> {
         let nq = self.model.nq;
         let nv = self.model.nv;
-        let rates = self.velocity_to_qdot();
+        let graph = self.velocity_to_qdot();
         let rates: Vec<Vec<Id>> = (0..nv)
             .map(|k| {
                 let velocity = all.graph.unit_vector(nv, k);
-                all.add(&rates, &[unit, &velocity])
+                all.add(&graph, &[unit, &velocity])
             })
             .collect();
         let mut scales = vec![None; nq];

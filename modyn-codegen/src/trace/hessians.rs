@@ -104,8 +104,8 @@ impl Hessian {
             }
             let unit = subgraph.graph.unit_vector(self.nv, k);
             let dq = subgraph.add(&rates, &[&point[..nq], &unit, &parameters]);
-            let changes = dq.iter().enumerate();
-            let changes = changes.filter(|&(_, &change)| subgraph.graph.value(change) != Some(0.0));
+            let entries = dq.iter().enumerate();
+            let changes = entries.filter(|&(_, &change)| subgraph.graph.value(change) != Some(0.0));
             moved.extend(changes.map(|(input, &change)| Displacement { input, direction, change }));
         }
         let mut entries: Vec<Entry> = Vec::new();
@@ -124,8 +124,9 @@ impl Hessian {
         for (lane, displacement) in displacements.iter().enumerate() {
             let Some((along, wanted)) = displacement else { continue };
             for (entry, terms) in entries.iter().zip(&changes).filter(|(e, _)| wanted.contains(e)) {
-                let terms = terms.iter().filter(|&&(_, lanes)| lanes >> lane & 1 == 1);
-                let terms: Vec<Id> = terms.map(|&(pack, _)| all.lane(packs[pack], lane)).collect();
+                let along_lane = terms.iter().filter(|&&(_, lanes)| lanes >> lane & 1 == 1);
+                let terms: Vec<Id> =
+                    along_lane.map(|&(pack, _)| all.lane(packs[pack], lane)).collect();
                 if !terms.is_empty() {
                     let change = all.graph.pairwise_sum(&terms);
                     self.found.insert((*along, *entry), change);
@@ -147,13 +148,13 @@ impl Hessian {
         let nv = self.nv;
         let zero = all.constant(0.0);
         let one = all.constant(1.0);
-        let change = (0..self.outputs.len()).map(|entry| {
+        let of_outputs = (0..self.outputs.len()).map(|entry| {
             let is_along = |&((variable, k), _): &(Entry, _)| entry == variable * nv + k;
             let lanes =
                 displacements.iter().map(|one_of| if is_along(one_of) { one } else { zero });
             all.pack(&lanes.collect::<Vec<_>>())
         });
-        let change: Vec<Id> = change.collect();
+        let change: Vec<Id> = of_outputs.collect();
         let rates = tracer.velocity_to_qdot();
         let rest = vec![all.constant(0.0); tracer.parameters.len()];
         let dq = all.add(&rates, &[&self.point[..nq], &change[..nv], &rest]);
@@ -285,8 +286,8 @@ impl Tracer<'_> {
             self.weighted_inverse_dynamics();
         let mut hessian = Hessian::new(self, gradient, 2, point);
         self.second_derivatives(&mut all, &mut hessian, |_| true);
-        let blocks = [(Q, Q), (Q, QD), (QD, QD), (Q, QDD)];
-        let blocks = blocks.map(|(rows, columns)| hessian.block(&mut all, rows, columns));
+        let places = [(Q, Q), (Q, QD), (QD, QD), (Q, QDD)];
+        let blocks = places.map(|(rows, columns)| hessian.block(&mut all, rows, columns));
         all.with_outputs(&[&tau, &gradients, &blocks.concat()])
     }
 
@@ -303,8 +304,8 @@ impl Tracer<'_> {
         let groups = self.groups();
         let by_q = |j: usize| {
             // The rows of descendants take fewer operations than those of ancestors.
-            let rows = all_of(Q).filter(|&(_, i)| i >= j || groups[j].contains(&i));
-            let rows = rows.chain(all_of(QD)).filter(|&row| varies(row)).chain(all_of(QDD));
+            let in_groups = all_of(Q).filter(|&(_, i)| i >= j || groups[j].contains(&i));
+            let rows = in_groups.chain(all_of(QD)).filter(|&row| varies(row)).chain(all_of(QDD));
             varies((Q, j)).then(|| ((Q, j), rows.collect::<Vec<Entry>>()))
         };
         let by_qd = |j: usize| {
@@ -394,8 +395,8 @@ impl Tracer<'_> {
         let free_fall = self.free_fall();
         let qdd = all.add(&free_fall, &[q, qd, parameters]);
         let neutral_fall = all.add(&free_fall, &[&neutral.q, &neutral.qd, parameters]);
-        let qdd = all.difference(&qdd, &neutral_fall);
-        let qdd = all.sums(&relative, &qdd);
+        let relative_to_fall = all.difference(&qdd, &neutral_fall);
+        let qdd = all.sums(&relative, &relative_to_fall);
         let [q, qd, parameters] = [q, qd, parameters].map(<[Id]>::to_vec);
         Motion { q, qd, parameters, neutral, factors, relative, qdd }
     }
@@ -449,9 +450,9 @@ impl Tracer<'_> {
         let point = [&neutral.q[..], &neutral.qd, relative, &by_tau, parameters].concat();
         let gradients = all.add(&gradient, &[&point]);
         let zero = all.constant(0.0);
-        let varying = gradients[..2 * nv].iter().enumerate();
+        let all_gradients = gradients[..2 * nv].iter().enumerate();
         let varying =
-            varying.map(|(k, &x)| if neutral.varies((k / nv, k % nv)) { x } else { zero });
+            all_gradients.map(|(k, &x)| if neutral.varies((k / nv, k % nv)) { x } else { zero });
         let gradients = all.difference(&of_fall, &varying.collect::<Vec<_>>());
         let mut phi = Hessian::new(self, gradient, 2, point);
         self.second_derivatives(all, &mut phi, |entry| neutral.varies(entry));
@@ -460,11 +461,11 @@ impl Tracer<'_> {
         let u = all.add(&self.u_inverse(layout), &[factors]);
         let d = all.add(&self.d_inverse(layout), &[factors]);
         let w = phi.block(all, Q, QDD);
-        let w = self.multiply(all, &w, &transposed(&u, nv));
-        let w = self.multiply(all, &w, &d);
+        let left = self.multiply(all, &w, &transposed(&u, nv));
+        let w = self.multiply(all, &left, &d);
         let b = self.multiply(all, &w, &u);
-        let derivatives = self.inverse_dynamics_derivatives();
-        let derivatives = all.add(&derivatives, &[&neutral.q, &neutral.qd, relative, parameters]);
+        let graph = self.inverse_dynamics_derivatives();
+        let derivatives = all.add(&graph, &[&neutral.q, &neutral.qd, relative, parameters]);
         let by_state = [Q, QD].map(|variable| {
             let columns = derivatives[variable * nv * nv..][..nv * nv].iter().enumerate();
             let varies = |k: usize| neutral.varies((variable, k / nv));

@@ -114,11 +114,11 @@ impl LimbMatrices {
                 product[column * n + row] = self.sum_over_limbs(all, &terms);
                 continue;
             }
-            let factors = terms.values().map(|factors| {
+            let packed = terms.values().map(|factors| {
                 let (a, b): (Vec<Id>, Vec<Id>) = factors.iter().copied().unzip();
                 (all.pack(&a), all.pack(&b))
             });
-            let factors: Vec<(Id, Id)> = factors.collect();
+            let factors: Vec<(Id, Id)> = packed.collect();
             let sum = all.graph.sum_of_products(factors);
             for (lane, &(row, column)) in pack.iter().enumerate() {
                 product[column * n + row] = all.lane(sum, lane);
@@ -149,11 +149,11 @@ impl LimbMatrices {
                 sum = all.sum(sum, products);
                 continue;
             }
-            let factors = of_joints.values().map(|factors| {
+            let packed_factors = of_joints.values().map(|factors| {
                 let (a, b): (Vec<Id>, Vec<Id>) = factors.iter().copied().unzip();
                 (all.pack(&a), all.pack(&b))
             });
-            let factors: Vec<(Id, Id)> = factors.collect();
+            let factors: Vec<(Id, Id)> = packed_factors.collect();
             let packed = all.graph.sum_of_products(factors);
             let each: Vec<Id> = (0..lanes).map(|lane| all.lane(packed, lane)).collect();
             let products = all.graph.pairwise_sum(&each);

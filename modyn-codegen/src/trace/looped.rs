@@ -138,9 +138,10 @@ impl Tracer<'_> {
             };
             let [q, a, b] = [nq, nv, nv].map(&mut inputs);
             inputs(self.parameters.len());
-            let received: Vec<Vec<Expr>> =
+            let received_numbers: Vec<Vec<Expr>> =
                 recursion.sweeps.iter().map(|(_, numbers)| inputs(*numbers)).collect();
-            let received: Vec<&[Expr]> = received.iter().map(|numbers| &**numbers).collect();
+            let received: Vec<&[Expr]> =
+                received_numbers.iter().map(|numbers| &**numbers).collect();
             let results = (recursion.body)(&model, [&q, &a, &b], &received);
             let lengths = |numbers: &[Vec<Expr>]| numbers.iter().map(Vec::len).collect();
             (kept, sent) = (lengths(&results.own), lengths(&results.sent));

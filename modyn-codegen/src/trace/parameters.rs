@@ -35,8 +35,8 @@ impl Parameters {
         carrying.dedup();
         let factors = model.gravity_compensation().iter().enumerate();
         let kept = factors.map(|(i, factor)| if inertias.contains(&i) { 0.0 } else { *factor });
-        let kept = model.clone().with_gravity_compensation(kept.collect());
-        let kept = Mechanism::new(&kept.expect("as many finite factors"));
+        let model_kept = model.clone().with_gravity_compensation(kept.collect());
+        let kept = Mechanism::new(&model_kept.expect("as many finite factors"));
         let rest = |link: usize| {
             let alone = inertia_without(model, link, |frame| inertias.contains(&frame));
             (link, alone, kept.bodies[kept.links[link]].compensated)
@@ -120,8 +120,8 @@ impl Parameters {
             return;
         }
         for (link, rest, compensated) in &self.rest {
-            let body = model.links[*link];
-            let body = &mut model.bodies[body];
+            let index = model.links[*link];
+            let body = &mut model.bodies[index];
             body.compensated = compensated.map(|mass| mass.map(S::from_f64));
             body.inertia = rest.map(S::from_f64).placed(&body.link);
         }

@@ -70,8 +70,8 @@ impl<'a> ForwardDynamics<'a> {
         (wrt, dz): (Range<usize>, &[Id]),
     ) -> Vec<Id> {
         let motion = self.inputs.with_accelerations(&self.point, &self.qdd);
-        let change = jvp(self.inverse, self.inputs.all, wrt);
-        let change = all.add(&change, &[&motion, dz]);
+        let graph = jvp(self.inverse, self.inputs.all, wrt);
+        let change = all.add(&graph, &[&motion, dz]);
         let unmet = all.difference(dtau, &change);
         self.solve(all, &unmet)
     }
@@ -88,8 +88,8 @@ impl<'a> ForwardDynamics<'a> {
         let by_tau = self.solve(all, weights);
         let motion = self.inputs.with_accelerations(&self.point, &self.qdd);
         let gradients = vjp(self.inverse, self.inputs.all, wrt);
-        let gradients = all.add(&gradients, &[&motion, &by_tau]);
-        let gradients = all.negated(&gradients);
+        let along_motion = all.add(&gradients, &[&motion, &by_tau]);
+        let gradients = all.negated(&along_motion);
         (by_tau, gradients)
     }
 }
@@ -153,8 +153,8 @@ impl Tracer<'_> {
         let mut all = Composition::new();
         let [q, state, weights] = [nq, vectors * nv, nv].map(|count| all.inputs(count));
         let parameters = all.inputs(self.parameters.len());
-        let gradients = vjp(function, self.inputs(vectors), self.state(vectors));
-        let gradients = all.add(&gradients, &[&q, &state, &parameters, &weights]);
+        let graph = vjp(function, self.inputs(vectors), self.state(vectors));
+        let gradients = all.add(&graph, &[&q, &state, &parameters, &weights]);
         let (by_q, rest) = gradients.split_at(nq);
         let by_q = self.in_tangent_space(&mut all, &q, by_q);
         all.with_outputs(&[&by_q, rest])

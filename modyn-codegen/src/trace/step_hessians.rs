@@ -79,8 +79,8 @@ impl Tracer<'_> {
         let (by_start, by_displacement) = transported.split_at(nv);
 
         // The weights of qd', and those of the accelerations.
-        let weights = all.scaled(dt, by_displacement);
-        let weights = all.sums(of_qd, &weights);
+        let through_displacement = all.scaled(dt, by_displacement);
+        let weights = all.sums(of_qd, &through_displacement);
         let scaled = all.scaled(dt, &weights);
         let gradient = self.weighted_accelerations(&mut all, layout, &motion, &scaled);
         let (by_q, by_qd) = gradient.gradients.split_at(nv);
@@ -160,12 +160,12 @@ impl Tracer<'_> {
         let inputs = nq + 2 * nv + parameters.len();
         let mut changes = jvp(&transported, inputs, nq..nq + nv);
         changes.outputs = changes.outputs[nv..][group.clone()].to_vec();
-        let slopes = group.clone().flat_map(|j| {
+        let along_group = group.clone().flat_map(|j| {
             let mut unit = vec![zero; nv];
             unit[j] = one;
             all.add(&changes, &[q, displacement, costate, parameters, &unit])
         });
-        let slopes: Vec<Id> = slopes.collect();
+        let slopes: Vec<Id> = along_group.collect();
         let quadratic: Vec<Id> = (0..size * size)
             .map(|k| {
                 let sum = all.sum(slopes[k], slopes[k % size * size + k / size]);

@@ -72,8 +72,8 @@ impl Tracer<'_> {
         let [q, qd, tau, dt] = [nq, nv, nv, 1].map(|count| all.inputs(count));
         let dt = dt[0];
         let parameters = all.inputs(self.parameters.len());
-        let dynamics = self.forward_dynamics_derivatives(layout);
-        let dynamics = all.add(&dynamics, &[&q, &qd, &tau, &parameters]);
+        let graph = self.forward_dynamics_derivatives(layout);
+        let dynamics = all.add(&graph, &[&q, &qd, &tau, &parameters]);
         let (qdd, changes) = dynamics.split_at(nv);
         let [by_q, by_qd, by_tau] = [0, 1, 2].map(|m| &changes[m * nv * nv..][..nv * nv]);
 

@@ -123,8 +123,8 @@ impl<'a> TangentGraphs<'a> {
         let displacement = all.inputs(self.displacements().iter().sum());
         let changes = self.changes(&mut all, [&arguments, &displacement, &parameters]);
         let inputs = self.arguments + self.parameters();
-        let change = jvp(&self.value, inputs, 0..self.arguments);
-        let change = all.add(&change, &[&arguments, &parameters, &changes]);
+        let graph = jvp(&self.value, inputs, 0..self.arguments);
+        let change = all.add(&graph, &[&arguments, &parameters, &changes]);
         all.with_outputs(&[&change])
     }
 
@@ -136,8 +136,8 @@ impl<'a> TangentGraphs<'a> {
             [self.arguments, self.parameters(), self.value.outputs.len()]
                 .map(|count| all.inputs(count));
         let inputs = self.arguments + self.parameters();
-        let gradient = vjp(&self.value, inputs, 0..self.arguments);
-        let gradient = all.add(&gradient, &[&arguments, &parameters, &weights]);
+        let graph = vjp(&self.value, inputs, 0..self.arguments);
+        let gradient = all.add(&graph, &[&arguments, &parameters, &weights]);
         let mut outputs = Vec::new();
         for (input, range) in self.variables() {
             let part = &gradient[range.clone()];
@@ -192,9 +192,9 @@ impl<'a> TangentGraphs<'a> {
         let value = all.add(&self.value, &[&arguments, &parameters]);
         let inputs = self.arguments + self.parameters();
         let columns = self.displacements().iter().sum();
-        let jacobian =
+        let graph =
             matrix(&self.change(), &self.gradient(), inputs, (self.value.outputs.len(), columns));
-        let jacobian = all.add(&jacobian, &[&arguments, &parameters]);
+        let jacobian = all.add(&graph, &[&arguments, &parameters]);
         all.with_outputs(&[&value, &jacobian])
     }
 
@@ -212,8 +212,8 @@ impl<'a> TangentGraphs<'a> {
                 .map(|count| along.inputs(count));
         let changes = self.changes(&mut along, [&arguments, &displacement, &parameters]);
         let inputs = self.arguments + self.parameters() + self.value.outputs.len();
-        let change = jvp(&gradient, inputs, 0..self.arguments);
-        let change = along.add(&change, &[&arguments, &parameters, &weights, &changes]);
+        let graph = jvp(&gradient, inputs, 0..self.arguments);
+        let change = along.add(&graph, &[&arguments, &parameters, &weights, &changes]);
         let along = along.with_outputs(&[&change]);
         let hessian = symmetric_matrix(along, inputs, &self.groups(), max_operations)?;
         Some([gradient, hessian])

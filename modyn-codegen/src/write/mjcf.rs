@@ -79,8 +79,8 @@ pub fn document(model: &Model) -> Document {
 fn bodies(model: &Model) -> Vec<Vec<usize>> {
     let links = model.links();
     let children = model.children();
-    let ends = model.loop_constraints().iter().flat_map(|constraint| &constraint.ends);
-    let ends = ends.chain(model.contacts().iter().map(|contact| &contact.end));
+    let of_loops = model.loop_constraints().iter().flat_map(|constraint| &constraint.ends);
+    let ends = of_loops.chain(model.contacts().iter().map(|contact| &contact.end));
     let carries =
         |link: usize, frame: &Frame| frame.link == Some(link) && frame.name != links[link].name;
     let mut is_needed = vec![false; links.len()];

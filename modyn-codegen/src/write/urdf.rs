@@ -19,8 +19,9 @@ pub fn document(model: &Model) -> Document {
     let mut names = Names::new(
         frames.iter().map(|frame| &*frame.name).chain(links.iter().map(|link| &*link.name)),
     );
-    let root = frames.iter().find(|frame| frame.link.is_none() && frame.pose == Pose::identity());
-    let root = root.map_or_else(|| names.unique("world".into()), |frame| frame.name.clone());
+    let fixed_frame =
+        frames.iter().find(|frame| frame.link.is_none() && frame.pose == Pose::identity());
+    let root = fixed_frame.map_or_else(|| names.unique("world".into()), |frame| frame.name.clone());
     let elements = &mut document.root.children;
     if model.frame_index(&root).is_none() {
         elements.push(Element::new("link").with("name", &*root));
@@ -101,7 +102,7 @@ fn refuse_passive_forces(model: &Model, errors: &mut Vec<Diagnostic>) {
 /// Notes the parts of a robot that other readers of URDF do not know.
 fn note_extensions(model: &Model, notes: &mut Vec<String>) {
     let has = |joint_type| model.links().iter().any(|link| link.joint.joint_type == joint_type);
-    let used = [
+    let features = [
         (has(JointType::Spherical), "joints of type `spherical`"),
         (has(JointType::Universal), "joints of type `universal`"),
         (!model.loop_constraints().is_empty(), "`<loop_joint>`"),
@@ -109,7 +110,7 @@ fn note_extensions(model: &Model, notes: &mut Vec<String>) {
         (model.links().iter().any(|link| link.joint.dynamics.armature != 0.0), "`armature`"),
     ];
     let used: Vec<&str> =
-        used.into_iter().filter(|(used, _)| *used).map(|(_, what)| what).collect();
+        features.into_iter().filter(|(used, _)| *used).map(|(_, what)| what).collect();
     if !used.is_empty() {
         notes.push(format!(
             "Extensions of URDF, which other software may not read: {}.",
@@ -131,8 +132,8 @@ fn link(name: &str, inertial: &Inertial) -> Element {
     let Inertial { mass, center_of_mass, inertia } = *inertial;
     let at = Pose { translation: center_of_mass, ..Pose::identity() };
     let names = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
-    let moments = names.into_iter().zip(inertia);
-    let moments = moments
+    let named = names.into_iter().zip(inertia);
+    let moments = named
         .fold(Element::new("inertia"), |element, (name, moment)| element.numbers(name, &[moment]));
     element.child(
         Element::new("inertial")
@@ -188,8 +189,8 @@ fn limit(joint: &Joint) -> Option<Element> {
 fn dynamics(joint: &Joint) -> Option<Element> {
     let JointDynamics { armature, damping, friction } = joint.dynamics;
     let forces = [("damping", damping), ("friction", friction), ("armature", armature)];
-    let acting = forces.into_iter().filter(|(_, number)| *number != 0.0);
-    let mut acting = acting.peekable();
+    let nonzero = forces.into_iter().filter(|(_, number)| *number != 0.0);
+    let mut acting = nonzero.peekable();
     acting.peek()?;
     Some(acting.fold(Element::new("dynamics"), |element, (name, x)| element.numbers(name, &[x])))
 }

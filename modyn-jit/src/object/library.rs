@@ -77,8 +77,7 @@ fn options_of_cargo() -> Result<ObjectOptions, CompileError> {
     let features = variable("TARGET_FEATURE");
     let has = |names: &[&str]| names.iter().all(|name| features.split(',').any(|f| f == *name));
     let mut sets = InstructionSet::ALL.into_iter().rev();
-    let instruction_set =
-        sets.find(|set| set.architecture() == architecture && has(set.features()));
-    let instruction_set = instruction_set.unwrap_or(InstructionSet::Sse2);
+    let best = sets.find(|set| set.architecture() == architecture && has(set.features()));
+    let instruction_set = best.unwrap_or(InstructionSet::Sse2);
     Ok(ObjectOptions { instruction_set, format, prefix: None })
 }

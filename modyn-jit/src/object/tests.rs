@@ -117,9 +117,9 @@ fn entries_of_windows_compute_the_same() {
     let planning = plan("arm6", &functions);
     let frames = planning.model.frames().len();
     for instruction_set in InstructionSet::available() {
-        let text =
+        let planned =
             text::<f64>(&planning.plan, &planning.model, instruction_set, Convention::Windows);
-        let text = text.expect("code");
+        let text = planned.expect("code");
         let pages = Pages::new(&text.code).expect("memory");
         let options = Options { instruction_set: Some(instruction_set), ..Options::default() };
         let compiled = Compiled::<f64>::from_plan(&planning, options).expect("code");
@@ -313,9 +313,9 @@ fn unwind_codes_describe_the_code() {
     let builder = robot("arm6").functions(functions).bundles([bundle]);
     let planning = builder.plan().expect("good");
     for instruction_set in sets_of_x86_64() {
-        let text =
+        let planned =
             text::<f64>(&planning.plan, &planning.model, instruction_set, Convention::Windows);
-        let text = text.expect("code");
+        let text = planned.expect("code");
         for frame in &text.frames {
             let Some(bytes) = unwind_information(frame) else {
                 assert!(matches!(frame.kind, FrameKind::Leaf));
@@ -356,9 +356,9 @@ fn unwind_codes_describe_the_code() {
                 .chunks_exact(2)
                 .map(|c| [c[0], c[1]])
                 .collect();
-            let general = ["RAX", "RCX", "RDX", "RBX", "RSP", "RBP", "RSI", "RDI"];
+            let names = ["RAX", "RCX", "RDX", "RBX", "RSP", "RBP", "RSI", "RDI"];
             let general = |number: usize| {
-                general.get(number).map_or_else(|| format!("R{number}"), |&name| name.into())
+                names.get(number).map_or_else(|| format!("R{number}"), |&name| name.into())
             };
             let mut k = 0;
             let mut after = u8::MAX;

@@ -42,8 +42,8 @@ fn compare<F: Fuse>(
             state
         })
         .collect();
-    let given: Vec<F> = (0..state.len()).flat_map(|i| states.iter().map(move |s| s[i])).collect();
-    let given = split(&given, &code.arguments);
+    let flat: Vec<F> = (0..state.len()).flat_map(|i| states.iter().map(move |s| s[i])).collect();
+    let given = split(&flat, &code.arguments);
     let results = if instruction_set.architecture() == "x86_64" {
         Emulator::default().run((&assembly.code, code.entry), &given, code.results)
     } else {

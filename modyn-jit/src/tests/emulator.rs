@@ -131,8 +131,8 @@ impl Emulator {
             let end = region.start + region.bytes.len() as u64;
             region.start <= address && address + length as u64 <= end
         };
-        let region = self.regions.iter_mut().find(holds);
-        let region = region.unwrap_or_else(|| panic!("{length} bytes at {address:x}"));
+        let holder = self.regions.iter_mut().find(holds);
+        let region = holder.unwrap_or_else(|| panic!("{length} bytes at {address:x}"));
         let offset = (address - region.start) as usize;
         (region, offset)
     }
@@ -294,8 +294,8 @@ impl Emulator {
                 && instruction.op_register(operand).is_vector_register()
         };
         let length = (0..operands).filter(|&operand| is_vector(operand));
-        let length = length.map(|operand| instruction.op_register(operand).size()).max();
-        let length = length.unwrap_or(16);
+        let longest = length.map(|operand| instruction.op_register(operand).size()).max();
+        let length = longest.unwrap_or(16);
         let (base, suffix) = name.split_at(name.len() - 2);
         let size = if suffix.ends_with('d') && suffix != "ld" || suffix == "lq" { 8 } else { 4 };
         let scalar = suffix.starts_with('s');
@@ -316,8 +316,8 @@ impl Emulator {
                 };
                 let second = self.source(instruction, last, width);
                 for k in 0..lanes {
-                    let numbers = [lane(&result, size, k), lane(&second, size, k)];
-                    let numbers = if unary { &numbers[1..] } else { &numbers };
+                    let both = [lane(&result, size, k), lane(&second, size, k)];
+                    let numbers = if unary { &both[1..] } else { &both };
                     put(&mut result, size, k, number(base, size, numbers));
                 }
                 self.put(written, &result, avx);

@@ -115,10 +115,10 @@ fn three_operands_are_decoded_unchanged() {
         for (opcode, mnemonic, _) in three_operands(size, scalar) {
             for &vector in vectors {
                 let memory = if scalar { size } else { vector };
-                let places = BASES.iter().flat_map(|(base, _)| {
+                let in_memory = BASES.iter().flat_map(|(base, _)| {
                     DISTANCES.iter().map(|&distance| Place::Memory(*base, distance))
                 });
-                let places = places.chain(REGISTERS.map(Place::Register));
+                let places = in_memory.chain(REGISTERS.map(Place::Register));
                 for place in places {
                     for (first, source) in REGISTERS.into_iter().zip([3, 31, 0, 15, 9, 23, 16, 7]) {
                         let last = if let Place::Register(last) = place { last } else { 0 };

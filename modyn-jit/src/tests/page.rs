@@ -233,8 +233,10 @@ impl Code {
     /// Returns the register in which a step leaves its value: the destination of its last
     /// instruction that is no store.
     fn register(&self, step: usize) -> Option<usize> {
-        let written = self.of_step(Some(step)).iter().rev().map(|(instruction, _)| instruction);
-        let mut written = written.filter(|instruction| instruction.op0_kind() == OpKind::Register);
+        let instructions =
+            self.of_step(Some(step)).iter().rev().map(|(instruction, _)| instruction);
+        let mut written =
+            instructions.filter(|instruction| instruction.op0_kind() == OpKind::Register);
         let register = written.next()?.op0_register();
         register.is_vector_register().then(|| register.number())
     }

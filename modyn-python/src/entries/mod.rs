@@ -364,8 +364,8 @@ impl Robot {
         link: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<(Function, Option<usize>)> {
         let one = |function: &&Function| function.batched().is_none() && function.name() == name;
-        let function = Function::ALL.iter().find(one).copied();
-        let function = function
+        let named = Function::ALL.iter().find(one).copied();
+        let function = named
             .filter(|function| *function != Function::Brge)
             .ok_or_else(|| PyValueError::new_err(signature::unknown(name)))?;
         self.check_has(function)?;
@@ -394,7 +394,7 @@ impl Robot {
         function: fn(&'static AnyCode) -> Option<&'static StateFunction<S>>,
     ) -> PyResult<KeyAndShapes> {
         let step = ground::Step::new(self, options, feedback);
-        let derivative = derivative.map(|(mode, variables)| match &*mode {
+        let parsed = derivative.map(|(mode, variables)| match &*mode {
             "forward" => Ok(Derivative { mode: DerivativeMode::Forward, variables }),
             "reverse" => Ok(Derivative { mode: DerivativeMode::Reverse, variables }),
             "matrix" => Ok(Derivative { mode: DerivativeMode::Matrix, variables }),
@@ -402,7 +402,7 @@ impl Robot {
                 Err(PyValueError::new_err(format!("no mode `{other}` of a step on the ground")))
             }
         });
-        let derivative = derivative.transpose()?;
+        let derivative = parsed.transpose()?;
         let arrays = step.shapes(derivative.as_ref()).map_err(PyValueError::new_err)?;
         let key = self.ground_key(step.key(derivative.as_ref()), || {
             let mut hasher = DefaultHasher::new();
@@ -433,8 +433,8 @@ impl Robot {
         function: &EntryFunction,
         arrays: &ArrayShapes,
     ) -> PyResult<i64> {
-        let planning = self.builder().plan_entries(function);
-        let planning = planning.map_err(|errors| description_error(py, &errors))?;
+        let result_of_planning = self.builder().plan_entries(function);
+        let planning = result_of_planning.map_err(|errors| description_error(py, &errors))?;
         let planned = planning.plan.functions.first();
         let none = || PyValueError::new_err("there is no such function");
         let planned = planned.ok_or_else(none)?;
@@ -598,11 +598,11 @@ fn called<'py, S: Number>(
         numbers.push(array.as_slice()?.into());
     }
     let all = common(&axes).map_err(wrong)?;
-    let results = code.shapes().outputs().iter().map(|shape| {
+    let allocated = code.shapes().outputs().iter().map(|shape| {
         let shape = [&*all, shape].concat();
         zeros::<S>(py, &shape, false)
     });
-    let results: Vec<Bound<'py, PyArrayDyn<S>>> = results.collect::<PyResult<_>>()?;
+    let results: Vec<Bound<'py, PyArrayDyn<S>>> = allocated.collect::<PyResult<_>>()?;
     let broadcast =
         Broadcast::new(&axes, code.shapes().lengths()[0]).map_err(|fault| match fault {
             Fault::Memory => PyMemoryError::new_err(fault.to_string()),

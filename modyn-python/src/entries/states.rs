@@ -56,8 +56,8 @@ impl<'a> Broadcast<'a> {
     /// If the axes do not fit, or the places of the states do not fit in memory.
     pub fn new(axes: &[&[usize]], lengths: &'a [usize]) -> Result<Self, Fault> {
         let all = common(axes)?;
-        let states = all.iter().try_fold(1_usize, |states, &n| states.checked_mul(n));
-        let states = states.ok_or(Fault::Memory)?;
+        let product = all.iter().try_fold(1_usize, |states, &n| states.checked_mul(n));
+        let states = product.ok_or(Fault::Memory)?;
         let offsets =
             axes.iter().map(|array| offsets(array, &all, states)).collect::<Result<_, _>>()?;
         Ok(Self { states, lengths, offsets })

@@ -43,12 +43,12 @@ unsafe extern "C" fn handler(frame: *mut CallFrame) -> Error {
     let Some(api) = (unsafe { frame.api.as_ref() }) else { return null_mut() };
     // SAFETY: see the header.
     let called = catch_unwind(AssertUnwindSafe(|| unsafe { call(frame, api) }));
-    let message = match called {
+    let text = match called {
         Ok(Ok(())) => return null_mut(),
         Ok(Err(message)) => message,
         Err(_) => "modyn: a call failed, which is a fault of modyn".into(),
     };
-    let message = CString::new(message).unwrap_or_default();
+    let message = CString::new(text).unwrap_or_default();
     let mut arguments = ErrorCreate {
         size: size_of::<ErrorCreate>(),
         extension: null_mut(),
@@ -118,10 +118,10 @@ unsafe fn typed<S: Number>(
     }
     let axes = arguments.iter().zip(code.shapes().inputs());
     // SAFETY: see the header.
-    let axes = axes.map(|(array, own_axes)| leading(unsafe { dims(array) }, own_axes));
-    let axes = axes.collect::<Result<Vec<&[usize]>, String>>()?;
-    let broadcast = Broadcast::new(&axes, code.shapes().lengths()[0]);
-    let broadcast = broadcast.map_err(|fault| fault.to_string())?;
+    let leading_axes = axes.map(|(array, own_axes)| leading(unsafe { dims(array) }, own_axes));
+    let axes = leading_axes.collect::<Result<Vec<&[usize]>, String>>()?;
+    let combined = Broadcast::new(&axes, code.shapes().lengths()[0]);
+    let broadcast = combined.map_err(|fault| fault.to_string())?;
     // SAFETY: see the header.
     let given: Vec<Numbers<'_, S>> = unsafe {
         arguments.iter().map(|array| {

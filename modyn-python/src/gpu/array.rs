@@ -84,8 +84,8 @@ pub(super) fn any(
     gpu: &Gpu,
     object: &Bound<'_, PyAny>,
 ) -> PyResult<(modyn_gpu::GpuArray, Vec<usize>)> {
-    let array = py.import("numpy")?.call_method1("ascontiguousarray", (object, "float32"))?;
-    let array = in_order::<f32>("upload", "array", &array)?.try_readonly()?;
+    let contiguous = py.import("numpy")?.call_method1("ascontiguousarray", (object, "float32"))?;
+    let array = in_order::<f32>("upload", "array", &contiguous)?.try_readonly()?;
     let [states, shape @ ..] = array.shape() else {
         let shape = tuple(array.shape());
         return Err(PyValueError::new_err(format!(

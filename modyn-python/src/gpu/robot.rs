@@ -47,8 +47,8 @@ impl GpuRobot {
             return Ok(known.clone());
         }
         self.robot.get().check_has(function)?;
-        let builder = self.robot.get().builder().clone().scalar(FloatType::F32);
-        let builder = builder.functions([function]);
+        let base = self.robot.get().builder().clone().scalar(FloatType::F32);
+        let builder = base.functions([function]);
         let Planning { plan, model, .. } =
             builder.plan().map_err(|errors| description_error(py, &errors))?;
         let Some(planned) = plan.functions.first() else {
@@ -111,14 +111,14 @@ impl GpuRobot {
             return Err(PyTypeError::new_err(message));
         }
         let given = kernels.arguments.iter().zip(arguments.iter());
-        let given = given.map(|((parameter, shape), object)| {
+        let read = given.map(|((parameter, shape), object)| {
             let check = Check::of(Some(function), parameter);
             Argument::read(function.name(), parameter.name, check, shape, &object)
         });
-        let given = given.collect::<PyResult<Vec<_>>>()?;
+        let given = read.collect::<PyResult<Vec<_>>>()?;
         let states = given.iter().find_map(Argument::states).unwrap_or(1);
-        let uploaded = given.into_iter().map(|argument| argument.uploaded(py, &self.gpu, states));
-        let mut uploaded = uploaded.collect::<PyResult<Vec<_>>>()?;
+        let each = given.into_iter().map(|argument| argument.uploaded(py, &self.gpu, states));
+        let mut uploaded = each.collect::<PyResult<Vec<_>>>()?;
         let source = kernels.kernels.source();
         let kernel = source.kernels.iter().find(|kernel| kernel.link == link);
         let Some(kernel) = kernel else {
@@ -130,8 +130,8 @@ impl GpuRobot {
         }
         let kernel = kernel.own_name(&source.prefix).to_owned();
         let arguments: Vec<&modyn_gpu::GpuArray> = uploaded.iter().collect();
-        let result = py.detach(|| kernels.kernels.run(&kernel, &arguments));
-        let result = result.map_err(|error| exception(py, error))?;
+        let computed = py.detach(|| kernels.kernels.run(&kernel, &arguments));
+        let result = computed.map_err(|error| exception(py, error))?;
         Ok(GpuArray::new(result, kernels.result.clone()))
     }
 

@@ -50,13 +50,13 @@ impl GpuRollout {
             }
         };
         let cpu_robot = robot.get();
-        let builder = cpu_robot.builder().clone().scalar(FloatType::F32);
+        let base = cpu_robot.builder().clone().scalar(FloatType::F32);
         let builder =
-            builder.functions(functions.iter().copied()).bundles(cpu_robot.bundles().cloned());
+            base.functions(functions.iter().copied()).bundles(cpu_robot.bundles().cloned());
         let planning = builder.plan().map_err(|errors| description_error(py, &errors))?;
         let options = RolloutOptions { cost, forces, contacts };
-        let rollout = py.detach(|| Rollout::new(gpu, &builder, &options));
-        let rollout = rollout.map_err(|error| exception(py, error))?;
+        let created = py.detach(|| Rollout::new(gpu, &builder, &options));
+        let rollout = created.map_err(|error| exception(py, error))?;
         let has_parameters = rollout.source().parameters > 0;
         let plan = &planning.plan;
         let gravity = planning.model.gravity();
@@ -142,8 +142,8 @@ impl GpuRollout {
             trajectory,
             ..RolloutArguments::new(&q, &qd, &controls, dt)
         };
-        let results = py.detach(|| self.rollout.run(&arguments));
-        let results = results.map_err(|error| exception(py, error))?;
+        let computed = py.detach(|| self.rollout.run(&arguments));
+        let results = computed.map_err(|error| exception(py, error))?;
         let size = source.nq + source.nv;
         let state = GpuArray::new(results.state, layout(&[size]));
         let cost = results.cost.map(|cost| GpuArray::new(cost, layout(&[])));

@@ -98,8 +98,8 @@ impl<S: Scalar> Interpreter<S> {
         let layout = UduLayout::new(&mechanism, &ModuleTree::links(&self.model));
         let mut memory = ConstraintWorkspace::new(&mechanism, &layout);
         let workspace = &mut Workspace::new(&mechanism);
-        let targets = settings.contacts.as_ref().iter();
-        let targets = targets
+        let described = settings.contacts.as_ref().iter();
+        let targets = described
             .map(|target| ContactTarget::from_numbers(target.numbers().map(Tangent::constant)));
         let contacts: Vec<ContactTarget<Tangent<S>>> = targets.collect();
         let settings =

@@ -89,8 +89,8 @@ impl Frames {
             // Rz(q) Rz(by): the new frame is ahead of the old frame by `by`.
             self.offset[i] = combine(self.offset[i], by);
             let back = rotation_by(inverse(by));
-            let columns = Matrix3(self.link[i].rotation).transposed().0;
-            let columns = columns.map(|c| back.vector(Axis::Z, Vector3(c)).0);
+            let rotation = Matrix3(self.link[i].rotation).transposed().0;
+            let columns = rotation.map(|c| back.vector(Axis::Z, Vector3(c)).0);
             self.link[i].rotation = Matrix3(columns).transposed().0;
             for &child in &self.children[i] {
                 let azimuth = combine(self.azimuth[child], inverse(by));
@@ -158,8 +158,8 @@ fn split(rotation: &Matrix3<f64>) -> [Direction; 3] {
     } else {
         direction_of(Vector3([-r[1][2], r[0][2], 0.0]), 0.0)
     };
-    let first = Vector3([r[0][0], r[1][0], r[2][0]]);
-    let first = rotation_by(inverse(azimuth)).vector(Axis::Z, first);
+    let axis = Vector3([r[0][0], r[1][0], r[2][0]]);
+    let first = rotation_by(inverse(azimuth)).vector(Axis::Z, axis);
     [azimuth, tilt, direction_of(rotation_by(inverse(tilt)).vector(Axis::X, first), 0.0)]
 }
 

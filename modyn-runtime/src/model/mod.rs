@@ -409,8 +409,8 @@ impl Model {
     pub fn coordinate_range(&self, link: usize) -> [f64; 2] {
         let leader = self.mimic(link).map_or(link, |mimic| mimic.leader);
         let limits = self.position_limits(leader);
-        let followers = self.joint_indices.get(leader).map_or(&[][..], |place| &place.followers);
-        let followers = followers.iter().filter_map(|&i| Some((i, self.mimic(i)?)));
+        let indices = self.joint_indices.get(leader).map_or(&[][..], |place| &place.followers);
+        let followers = indices.iter().filter_map(|&i| Some((i, self.mimic(i)?)));
         followers.fold(limits, |[low, high], (i, mimic)| {
             let bounds = self.position_limits(i);
             let [a, b] = bounds.map(|bound| (bound - mimic.offset) / mimic.multiplier);
@@ -430,9 +430,9 @@ impl Model {
     pub fn velocity_limit(&self, link: usize) -> f64 {
         let leader = self.mimic(link).map_or(link, |mimic| mimic.leader);
         let limit = |link: usize| self.links.get(link)?.joint.limits?.velocity;
-        let followers = self.joint_indices.get(leader).map_or(&[][..], |place| &place.followers);
+        let indices = self.joint_indices.get(leader).map_or(&[][..], |place| &place.followers);
         // A joint with the multiplier 0 does not move.
-        let followers = followers.iter().filter_map(|&i| {
+        let followers = indices.iter().filter_map(|&i| {
             let multiplier = self.mimic(i)?.multiplier.abs();
             Some(limit(i)? / multiplier).filter(|_| multiplier > 0.0)
         });
@@ -443,8 +443,8 @@ impl Model {
     /// limit.
     fn position_limits(&self, link: usize) -> [f64; 2] {
         let joint = self.links.get(link).map(|link| &link.joint);
-        let limits = joint.filter(|joint| joint.joint_type.nq() == 1);
-        let limits = limits.and_then(|joint| joint.limits.as_ref());
+        let single = joint.filter(|joint| joint.joint_type.nq() == 1);
+        let limits = single.and_then(|joint| joint.limits.as_ref());
         [
             limits.and_then(|limits| limits.lower).unwrap_or(f64::NEG_INFINITY),
             limits.and_then(|limits| limits.upper).unwrap_or(f64::INFINITY),

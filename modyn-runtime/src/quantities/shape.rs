@@ -266,7 +266,7 @@ pub mod shapes {
         let scalars = |names: &[&'static str]| -> Vec<(&'static str, Shape)> {
             names.iter().map(|&name| (name, Shape::Scalar)).collect()
         };
-        let target = [
+        let target_fields = [
             vec![("pose", Shape::pose()), ("velocity", Shape::twist())],
             scalars(&[
                 "tangential",
@@ -278,14 +278,14 @@ pub mod shapes {
                 "friction",
             ]),
         ];
-        let target = Shape::Record(Record::Plain("ContactTarget"), target.concat());
+        let target = Shape::Record(Record::Plain("ContactTarget"), target_fields.concat());
         let mut fields = scalars(&["alpha", "beta", "tolerance", "rounding"]);
         fields.push(("contacts", target.array(s.contacts)));
         named_fields("ConstraintSettings", fields)
     }
 
     pub fn step_settings(s: &Sizes) -> Shape {
-        let surface = vec![
+        let surface_fields = vec![
             ("plane", Shape::pose()),
             ("radius", Shape::Scalar),
             ("friction", Shape::Scalar),
@@ -293,7 +293,7 @@ pub mod shapes {
             ("solref", Shape::vector(2)),
             ("solimp", Shape::vector(4)),
         ];
-        let surface = Shape::Record(Record::Plain("ContactSurface"), surface);
+        let surface = Shape::Record(Record::Plain("ContactSurface"), surface_fields);
         let fields = vec![
             ("tolerance", Shape::Scalar),
             ("impratio", Shape::Scalar),

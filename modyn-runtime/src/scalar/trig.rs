@@ -210,8 +210,8 @@ impl Precision for f64 {
         let n = shifted - round;
         let [first, second, third] = SIN_COS_F64.minus_pi;
         // pi in three parts, the first two with 36 bits.
-        let r = n.mul_add(k(first), x);
-        let r = n.mul_add(k(second), r);
+        let high = n.mul_add(k(first), x);
+        let r = n.mul_add(k(second), high);
         (n.mul_add(k(third), r), shifted)
     }
 
@@ -262,8 +262,8 @@ impl Precision for f32 {
         let [first, second, third, fourth] = SIN_COS_F32.minus_pi;
         // pi in four parts, the first three with 13 bits.
         let r = n.mul_add(k(first), x);
-        let r = n.mul_add(k(second), r);
-        let r = n.mul_add(k(third), r);
+        let middle = n.mul_add(k(second), r);
+        let r = n.mul_add(k(third), middle);
         (n.mul_add(k(fourth), r), shifted)
     }
 

@@ -85,9 +85,9 @@ pub fn run(arguments: &Arguments, options: &ReadOptions) -> Result<(), Failure> 
             others += 1;
             continue;
         };
-        let outcome = check_one(description, options, arguments);
+        let checked = check_one(description, options, arguments);
         // The text is kept for the display of single files alone.
-        let outcome = Outcome { description: None, ..outcome };
+        let outcome = Outcome { description: None, ..checked };
         let verdict = match () {
             () if outcome.usable => Verdict::Accepted,
             () if is_made_part => Verdict::Part,

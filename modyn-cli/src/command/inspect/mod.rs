@@ -79,8 +79,8 @@ struct Cost {
 /// Prints the inspection.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let description = arguments.robot.open()?;
-    let reading = description.read(&arguments.robot.options.read_options());
-    let reading = match reading {
+    let read = description.read(&arguments.robot.options.read_options());
+    let reading = match read {
         Err(diagnostics) if arguments.json => {
             let refused = serde_json::json!({
                 "usable": false,
@@ -144,8 +144,8 @@ fn costs(
     let mut builder = builder.functions(match &arguments.functions {
         Some(Functions(functions)) => functions.clone(),
         None => {
-            let all = Function::ALL.iter().copied();
-            let all = all.filter(|one| has_dynamics || !one.row().needs_inertia);
+            let functions = Function::ALL.iter().copied();
+            let all = functions.filter(|one| has_dynamics || !one.row().needs_inertia);
             all.filter(|one| one.batched().is_none() && !LONGEST.contains(one)).collect()
         }
     });

@@ -84,9 +84,9 @@ impl<'a> Dynamics<'a> {
     /// Returns the equations of motion under these joint forces, with the ground and the joint
     /// limits.
     pub fn new(model: &Model, torques: &'a Torques, unilateral: Options) -> Result<Self, Failure> {
-        let smooth = (model.friction() != Friction::None)
+        let without_friction = (model.friction() != Friction::None)
             .then(|| model.clone().with_friction(Friction::None).map(Interpreter::new));
-        let smooth = smooth.transpose().map_err(|errors| Failure::usage(&errors[0]))?;
+        let smooth = without_friction.transpose().map_err(|errors| Failure::usage(&errors[0]))?;
         let interpreter = Interpreter::new(model.clone());
         let tau = vec![0.0; model.nv()];
         let count = model.constraints();

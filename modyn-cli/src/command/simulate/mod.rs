@@ -97,10 +97,10 @@ struct Numbers(Vec<f64>);
 /// Simulates, and writes the requested files.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let description = arguments.robot.open()?;
-    let options = arguments.robot.options.read_options();
-    let options = ReadOptions { shapes: arguments.html.is_some(), ..options.clone() };
-    let reading = description.read(&options);
-    let reading = reading.map_err(|diagnostics| description.failure(diagnostics))?;
+    let given = arguments.robot.options.read_options();
+    let options = ReadOptions { shapes: arguments.html.is_some(), ..given.clone() };
+    let read = description.read(&options);
+    let reading = read.map_err(|diagnostics| description.failure(diagnostics))?;
     let mut inputs = description.inputs(Some(&reading));
     inputs.extend(arguments.torques.clone());
     description.warn(Diagnostics::new(reading.warnings));
@@ -184,8 +184,8 @@ impl Arguments {
             None => Ok(None),
         };
         let q = given("q", &self.q, model.coordinate_names())?;
-        let qd = given("qd", &self.qd, model.velocity_names())?;
-        let qd = qd.unwrap_or_else(|| vec![0.0; model.nv()]);
+        let given = given("qd", &self.qd, model.velocity_names())?;
+        let qd = given.unwrap_or_else(|| vec![0.0; model.nv()]);
         let is_placed = q.is_some() || self.ground.is_none();
         let mut q = motion::place(model, q, self.random)?;
         if !is_placed {

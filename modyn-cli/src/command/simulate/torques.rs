@@ -30,13 +30,13 @@ impl Torques {
         let bad = |line: u64, message: String| {
             Failure::usage(format!("error: {name}:{line}: {}", sanitize_for_display(&message)))
         };
-        let reader = ReaderBuilder::new()
+        let opened = ReaderBuilder::new()
             .has_headers(false)
             .flexible(true)
             .trim(Trim::All)
             .comment(Some(b'#'))
             .from_path(path);
-        let mut reader = reader
+        let mut reader = opened
             .map_err(|error| Failure::usage(format!("error: `{name}` cannot be read: {error}")))?;
         let names = model.velocity_names();
         let mut columns: Vec<usize> = (0..names.len()).collect();
@@ -55,8 +55,8 @@ impl Torques {
                     format!("expected a time and {count} torques, there are {cells} cells");
                 return Err(bad(line, expected));
             }
-            let numbers: Result<Vec<f64>, String> = record.iter().map(number).collect();
-            let numbers = numbers.map_err(|message| bad(line, message))?;
+            let parsed: Result<Vec<f64>, String> = record.iter().map(number).collect();
+            let numbers = parsed.map_err(|message| bad(line, message))?;
             if torques.times.last().is_some_and(|&last| numbers[0] <= last) {
                 return Err(bad(line, "times must ascend".into()));
             }
@@ -101,11 +101,11 @@ fn columns_by_name(head: &StringRecord, names: &[String]) -> Result<Vec<usize>, 
     let mut columns = Vec::new();
     for heading in head.iter().skip(1) {
         // Tables of `modyn simulate` have the unit after the name.
-        let bare = heading
+        let without_unit = heading
             .strip_suffix(" (N m)")
             .or_else(|| heading.strip_suffix(" (N)"))
             .unwrap_or(heading);
-        let bare = bare.strip_prefix("tau ").unwrap_or(bare);
+        let bare = without_unit.strip_prefix("tau ").unwrap_or(without_unit);
         let column = names.iter().position(|name| name == bare || cell(name) == bare);
         match column {
             Some(column) if columns.contains(&column) => {

@@ -188,10 +188,11 @@ impl Printer {
             let _ = writeln!(self.header, "/* {docs} */\n#define {upper}_{name} {value}");
         }
         let links: Vec<&str> = model.frames().iter().map(|frame| frame.name.as_str()).collect();
-        let links = names::fields(&links, &[]);
-        let links = links.iter().enumerate();
-        let links = links.map(|(i, name)| format!("{upper}_LINK_{} = {i}", name.to_uppercase()));
-        let links = links.collect::<Vec<_>>().join(",\n    ");
+        let fields = names::fields(&links, &[]);
+        let links = fields.iter().enumerate();
+        let constants =
+            links.map(|(i, name)| format!("{upper}_LINK_{} = {i}", name.to_uppercase()));
+        let links = constants.collect::<Vec<_>>().join(",\n    ");
         let _ = writeln!(
             self.header,
             "/* Links, in the description's order. */\nenum {{\n    {links}\n}};\n"
@@ -370,9 +371,9 @@ impl Printer {
         for (head, count) in self.declarations(item) {
             let defaults = format!("{}_default_parameters", self.prefix);
             let names = arguments.iter().enumerate();
-            let names =
+            let passed_names =
                 names.map(|(i, a)| if i < count { a.name.clone() } else { defaults.clone() });
-            let names = names.collect::<Vec<_>>().join(", ");
+            let names = passed_names.collect::<Vec<_>>().join(", ");
             if item.programs.are_one() && count == arguments.len() {
                 continue;
             }

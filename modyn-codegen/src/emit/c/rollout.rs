@@ -35,11 +35,11 @@ impl Printer {
             step.name
         );
         let forces = format!("&controls[step * {nv}]");
-        let arguments = step.arguments.iter().map(|array| match &*array.name {
+        let passed = step.arguments.iter().map(|array| match &*array.name {
             "tau" => &*forces,
             name => name,
         });
-        let arguments = arguments.collect::<Vec<&str>>().join(", ");
+        let arguments = passed.collect::<Vec<&str>>().join(", ");
         let mut text = format!(
             "{head}\n{{\n    {real} next[{}];\n    unsigned int step;\n    int i;\n    \
              for (step = 0; step < steps; ++step) {{\n        {}({arguments}, next);\n",

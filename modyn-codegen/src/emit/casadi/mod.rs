@@ -159,9 +159,9 @@ fn print_function(
     (name, function): (&str, &CasadiFunction),
 ) {
     let CasadiFunction { docs, inputs, outputs, program, .. } = function;
-    let given = inputs.iter().filter(|input| !input.is_empty());
+    let nonempty = inputs.iter().filter(|input| !input.is_empty());
     let given: Vec<Array> =
-        given.map(|input| Array { name: input.name.clone(), len: input.len() }).collect();
+        nonempty.map(|input| Array { name: input.name.clone(), len: input.len() }).collect();
     let results: usize = outputs.iter().map(CasadiMatrix::len).sum();
     if results > 0 {
         printer.function("static ", &format!("{name}_values"), &given, results, program);
@@ -185,10 +185,10 @@ fn print_function(
             "CASADI_SYMBOL_EXPORT casadi_int {name}_n_{end}(void) {{ return {count}; }}\n"
         );
         let case = |(i, value): (usize, String)| format!("    case {i}: return {value};\n");
-        let names = matrices.iter().map(|matrix| format!("\"{}\"", matrix.name));
-        let names: String = names.enumerate().map(case).collect();
-        let sparsities = matrices.iter().map(|matrix| patterns.name(matrix));
-        let sparsities: String = sparsities.enumerate().map(case).collect();
+        let quoted = matrices.iter().map(|matrix| format!("\"{}\"", matrix.name));
+        let names: String = quoted.enumerate().map(case).collect();
+        let patterns_of_matrices = matrices.iter().map(|matrix| patterns.name(matrix));
+        let sparsities: String = patterns_of_matrices.enumerate().map(case).collect();
         for (what, kind, cases) in
             [("name", "const char*", names), ("sparsity", "const casadi_int*", sparsities)]
         {
@@ -236,9 +236,9 @@ fn nonempty(matrices: &[CasadiMatrix]) -> impl Iterator<Item = (usize, &CasadiMa
 /// Returns the body of a function: a call on the inputs, and copies of the results that are wanted.
 fn body(name: &str, inputs: &[CasadiMatrix], outputs: &[CasadiMatrix]) -> String {
     let mut text = String::from("    (void)iw;\n    (void)mem;\n");
-    let given =
+    let pointers =
         nonempty(inputs).map(|(i, _)| format!("(arg[{i}] != 0) ? arg[{i}] : modyn_zeros, "));
-    let given: String = given.collect();
+    let given: String = pointers.collect();
     let results: Vec<(usize, &CasadiMatrix)> = nonempty(outputs).collect();
     if given.is_empty() || results.is_empty() {
         text += "    (void)arg;\n";
@@ -255,8 +255,8 @@ fn body(name: &str, inputs: &[CasadiMatrix], outputs: &[CasadiMatrix]) -> String
             );
         }
         several => {
-            let none = several.iter().map(|(k, _)| format!("(res[{k}] == 0)"));
-            let none = none.collect::<Vec<_>>().join(" && ");
+            let null_checks = several.iter().map(|(k, _)| format!("(res[{k}] == 0)"));
+            let none = null_checks.collect::<Vec<_>>().join(" && ");
             let _ = writeln!(
                 text,
                 "    int i;\n    if ({none}) {{\n        return 0;\n    }}\n    {name}_values({given}w);"

@@ -57,8 +57,8 @@ impl Cuda {
     /// Returns the parameters for the arguments and the result, from the index of the state on.
     fn parameters(&self, kernel: &GpuKernel) -> Vec<String> {
         let real = self.real();
-        let arguments = kernel.arguments.iter();
-        let arguments = arguments.map(|a| format!("const {real} *__restrict__ {}", a.name));
+        let arrays = kernel.arguments.iter();
+        let arguments = arrays.map(|a| format!("const {real} *__restrict__ {}", a.name));
         arguments.chain([format!("{real} *__restrict__ out")]).collect()
     }
 }
@@ -151,8 +151,8 @@ impl Dialect for Cuda {
         live_in: &[usize],
         values: &[usize],
     ) -> String {
-        let buffers = kernel.arguments.iter().map(|argument| argument.name.clone());
-        let buffers = buffers.chain(["out".into()]).chain(self.count().map(String::from));
+        let names = kernel.arguments.iter().map(|argument| argument.name.clone());
+        let buffers = names.chain(["out".into()]).chain(self.count().map(String::from));
         let chunks = live_in.iter().chain([&number]).map(|k| format!("chunk{k}"));
         let arguments: Vec<String> = buffers.chain(chunks).collect();
         format!(

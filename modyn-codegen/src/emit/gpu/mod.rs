@@ -296,8 +296,8 @@ fn list(title: &str, names: &[impl AsRef<str>]) -> String {
 
 /// Returns the kernels of all functions.
 fn kernels<'a>(plan: &'a Plan, model: &Model, prefix: &str) -> Vec<Kernel<'a>> {
-    let links: Vec<&str> = model.frames().iter().map(|frame| frame.name.as_str()).collect();
-    let links = names::fields(&links, &[]);
+    let frames: Vec<&str> = model.frames().iter().map(|frame| frame.name.as_str()).collect();
+    let links = names::fields(&frames, &[]);
     let placements: Vec<[f64; Frames::PLACEMENT]> = plan.frames.placements().collect();
     let mut kernels = Vec::new();
     for planned in plan.functions.iter().filter(|planned| !planned.result.is_empty()) {
@@ -343,7 +343,7 @@ fn kernel<'a>(
         result: planned.result.len(),
         statements: program.statements.len(),
     };
-    let docs = planned.docs.replace('\n', "\n// ");
-    let docs = format!("// {docs}\n// `out`: {}.\n", planned.result.in_words());
+    let lines = planned.docs.replace('\n', "\n// ");
+    let docs = format!("// {lines}\n// `out`: {}.\n", planned.result.in_words());
     Kernel { description, docs, program, placement_numbers }
 }

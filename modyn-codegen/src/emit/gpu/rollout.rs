@@ -171,12 +171,13 @@ pub(in crate::emit) fn print(
         Some((&kernel.description, planned.rollout()?))
     });
     let contacts = sizes.contacts;
-    let steps =
+    let rollouts_of_table =
         of_table.map(|(step, rollout)| match step.function == Function::ContactStep.name() {
             true => Step::Ground { step, contacts, rollout },
             false => Step::Free { step, rollout },
         });
-    let steps: Vec<Step<'_>> = steps.chain(constrained.map(Step::Constrained)).collect();
+    let steps: Vec<Step<'_>> =
+        rollouts_of_table.chain(constrained.map(Step::Constrained)).collect();
     let has_settings = steps.iter().any(|step| step.contacts().is_some());
     let settings = if has_settings { settings_count(contacts) } else { 0 };
     let optional = [
@@ -192,8 +193,8 @@ pub(in crate::emit) fn print(
     ];
     let buffers: Vec<RolloutBuffer> =
         optional.into_iter().filter_map(|(buffer, has)| has.then_some(buffer)).collect();
-    let shared = dialect.shared_buffers().iter().filter(|buffer| buffers.contains(buffer));
-    let shared: Vec<String> = shared.map(|buffer| dialect.buffer(*buffer)).collect();
+    let used_buffers = dialect.shared_buffers().iter().filter(|buffer| buffers.contains(buffer));
+    let shared: Vec<String> = used_buffers.map(|buffer| dialect.buffer(*buffer)).collect();
     let mut rollouts = Vec::new();
     let mut loops = String::new();
     for step in &steps {
@@ -360,14 +361,14 @@ fn body(
     let state = |j: usize| if j < nq { format!("q[{j}]") } else { format!("qd[{}]", j - nq) };
     match step {
         Step::Free { step, .. } => {
-            let of_step = ["q", "qd", forces, "dt"].map(String::from).into_iter();
-            let of_step: Vec<String> = of_step.chain(passed(step)).collect();
+            let names = ["q", "qd", forces, "dt"].map(String::from).into_iter();
+            let of_step: Vec<String> = names.chain(passed(step)).collect();
             line(dialect.call_into("next", nq + nv, &step.name, &of_step));
             (0..nq + nv).for_each(|j| line(format!("{} = next[{j}];", state(j))));
         }
         Step::Ground { step, contacts, .. } => {
-            let of_step = ["q", "qd", forces, "dt", "impulses", "settings"].map(String::from);
-            let of_step: Vec<String> = of_step.into_iter().chain(passed(step)).collect();
+            let names = ["q", "qd", forces, "dt", "impulses", "settings"].map(String::from);
+            let of_step: Vec<String> = names.into_iter().chain(passed(step)).collect();
             line(dialect.call_into("next", step.result, &step.name, &of_step));
             (0..nq + nv).for_each(|j| line(format!("{} = next[{j}];", state(j))));
             let first = nq + nv;

@@ -184,9 +184,9 @@ impl Dialect for Wgsl {
         values: &[usize],
         body: &str,
     ) -> String {
-        let chunks = live_in.iter().chain([&number]);
-        let chunks =
-            chunks.map(|&k| format!(", chunk{k}: ptr<function, array<f32, {}>>", values[k].max(1)));
+        let read_chunks = live_in.iter().chain([&number]);
+        let chunks = read_chunks
+            .map(|&k| format!(", chunk{k}: ptr<function, array<f32, {}>>", values[k].max(1)));
         let of_state = match self.storage {
             Storage::Buffers => "n: u32, state: u32".into(),
             Storage::Own => {

@@ -148,8 +148,8 @@ impl Printer<'_> {
             let Argument { name, len, .. } = argument;
             let _ = writeln!(text, "    {name} = reshape({name}, {len}, []);");
         }
-        let passed: Vec<&str> = arguments.iter().map(|(name, _)| name.as_str()).collect();
-        let passed = passed.join(", ");
+        let names: Vec<&str> = arguments.iter().map(|(name, _)| name.as_str()).collect();
+        let passed = names.join(", ");
         match &planned.kernels {
             Kernels::Straight { scalar, .. } => {
                 locals.program("compute", &arguments, scalar);
@@ -204,9 +204,9 @@ impl Printer<'_> {
 
     /// Returns the file of a function of the mass matrix's factors.
     fn factors(&self, function: &FactorFunction) -> File {
-        let given = function.arguments.iter();
+        let declared = function.arguments.iter();
         let given: Vec<Argument> =
-            given.map(|(argument, shape)| Argument::new(argument.name, shape)).collect();
+            declared.map(|(argument, shape)| Argument::new(argument.name, shape)).collect();
         let arguments: Vec<(String, usize)> =
             given.iter().map(|argument| (argument.name.clone(), argument.len)).collect();
         let names: Vec<&str> = given.iter().map(|argument| argument.name.as_str()).collect();

@@ -112,8 +112,8 @@ impl Robot<'_> {
             table_name(quantity),
             table.join(", ")
         );
-        let summary: Vec<&str> = quantity.docs.lines().collect();
-        let summary = summary.join("\n/// ");
+        let lines: Vec<&str> = quantity.docs.lines().collect();
+        let summary = lines.join("\n/// ");
         let columns = |p: &Parameter, reference: &str| {
             format!("{}: {}", p.name, p.shape.type_of(&format!("{reference}[{float}]")))
         };
@@ -149,11 +149,11 @@ impl Robot<'_> {
         };
         let mut by_states: Vec<String> = quantity.parameters.iter().map(of_state).collect();
         by_states.push(format!("{result}: &mut [{}]", quantity.shape.type_of(float)));
-        let flat = |p: &Parameter| match p.shape {
+        let flattened = |p: &Parameter| match p.shape {
             Shape::Scalar => p.name.into(),
             _ => format!("{}.as_flattened()", p.name),
         };
-        let mut flat = list(number_arguments().map(flat).collect());
+        let mut flat = list(number_arguments().map(flattened).collect());
         if has_sets {
             let of_set = |p: &Parameter| match p.shape.len() {
                 0 => format!("{}, |()| []", p.name),

@@ -28,8 +28,8 @@ impl Robot<'_> {
         }
         let name = self.name;
         let vis = &self.options.visibility;
-        let fields = names::fields(&names, &[]).into_iter().zip(&names);
-        let fields: Vec<String> = fields
+        let named = names::fields(&names, &[]).into_iter().zip(&names);
+        let fields: Vec<String> = named
             .map(|(field, contact)| {
                 format!(
                     "    /// Whether contact {} is active.\n    pub {field}: bool,\n",

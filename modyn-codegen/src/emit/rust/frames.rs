@@ -74,8 +74,8 @@ impl Robot<'_> {
             None => format!("bodies[{program}],\n"),
             Some(row) => format!("{name}_placed(&bodies[{program}], &{TABLE}[{row}]),\n"),
         };
-        let poses = frames.programs().iter().map(pose);
-        let poses: String = poses.collect();
+        let each = frames.programs().iter().map(pose);
+        let poses: String = each.collect();
         let typed: Vec<String> = parameters.iter().map(|p| p.typed("T")).collect();
         let names: Vec<&str> = parameters.iter().map(|p| p.name).collect();
         let _ = writeln!(
@@ -91,11 +91,11 @@ impl Robot<'_> {
     pub(super) fn placements(&self, text: &mut String) {
         let frames = &self.plan.frames;
         let float = self.options.scalar;
-        let rows = frames.placements().map(|numbers| {
+        let lines = frames.placements().map(|numbers| {
             let numbers: Vec<String> = numbers.iter().map(|&x| literal(x, float)).collect();
             format!("[{}],\n", numbers.join(", "))
         });
-        let rows: String = rows.collect();
+        let rows: String = lines.collect();
         let _ = writeln!(
             text,
             "static {TABLE}: [[{}; {}]; {}] = [\n{rows}];\n",

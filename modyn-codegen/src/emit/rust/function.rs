@@ -113,8 +113,8 @@ impl Printer<'_> {
         self.scopes(text, chunk);
         let products = self.program.products.as_ref();
         let before = products.map(|products| products.before(&self.program.results));
-        let results = before.as_ref().unwrap_or(&self.program.results).iter();
-        let results = results.map(|result| self.number(result));
+        let operands = before.as_ref().unwrap_or(&self.program.results).iter();
+        let results = operands.map(|result| self.number(result));
         let value = match execution {
             Execution::Batch => String::new(),
             _ => self.result.value(&results.collect::<Vec<_>>()),
@@ -279,8 +279,8 @@ impl Printer<'_> {
             return statements(text, scope, "    ");
         }
         for scope in &chunk.scopes {
-            let live = scope.live_out.iter().map(|&value| format!("{}, ", self.name(value)));
-            let live: String = live.collect();
+            let names = scope.live_out.iter().map(|&value| format!("{}, ", self.name(value)));
+            let live: String = names.collect();
             let _ = writeln!(text, "    let ({live}) = {{");
             statements(text, scope, "        ");
             let _ = writeln!(text, "        ({live})\n    }};");

@@ -83,9 +83,9 @@ fn declaration(
     let by_link = matches!(quantity.kernels, Kernels::ByLink(_));
     let array =
         |name: &str, shape: &Shape| format!("{number} {name}[{upper}_AT_LEAST({})]", shape.len());
-    let parameters = quantity.parameters.iter().filter(|p| !p.shape.is_empty());
+    let nonempty = quantity.parameters.iter().filter(|p| !p.shape.is_empty());
     let mut parameters: Vec<String> =
-        parameters.map(|p| format!("const {}", array(p.name, &p.shape))).collect();
+        nonempty.map(|p| format!("const {}", array(p.name, &p.shape))).collect();
     if by_link {
         parameters.push("size_t link".into());
     }

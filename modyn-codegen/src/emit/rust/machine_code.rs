@@ -42,8 +42,8 @@ impl Robot<'_> {
         let float = self.options.scalar.name();
         let prefix = &code.prefix;
         let declarations = quantities.iter().map(|quantity| {
-            let parameters = quantity.all_parameters();
-            let parameters = parameters.iter().filter(|p| !p.shape.is_empty());
+            let all = quantity.all_parameters();
+            let parameters = all.iter().filter(|p| !p.shape.is_empty());
             let pointers = parameters.map(|p| format!("{}: *const {float}, ", p.name));
             let by_link = quantity.is_by_link();
             let link = if by_link { "link: ::core::ffi::c_uint, " } else { "" };

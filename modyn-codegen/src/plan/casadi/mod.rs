@@ -70,8 +70,8 @@ impl CasadiPlan {
         budget: &mut Budget,
     ) -> Result<Self, TooLong> {
         let tracer = &context.tracer;
-        let links: Vec<&str> = model.frames().iter().map(|frame| frame.name.as_str()).collect();
-        let links = names::fields(&links, &[]);
+        let frames: Vec<&str> = model.frames().iter().map(|frame| frame.name.as_str()).collect();
+        let links = names::fields(&frames, &[]);
         let mut plan = Self::default();
         let has_form = |f: &&Function| f.row().casadi && selected.contains(f);
         for function in Function::ALL.iter().filter(has_form) {

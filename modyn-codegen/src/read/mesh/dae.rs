@@ -22,15 +22,15 @@ type Transform = [[f64; 4]; 3];
 /// Returns the mesh in m, with z upwards; `None` if the file is not sound.
 pub fn read(bytes: &[u8]) -> Option<Mesh> {
     // Names may have any encoding.
-    let text = String::from_utf8_lossy(bytes);
-    let text = within_limits(&text, 0, &mut Report::without_file())?;
+    let decoded = String::from_utf8_lossy(bytes);
+    let text = within_limits(&decoded, 0, &mut Report::without_file())?;
     let document = Document::parse(&text).ok()?;
     let root = document.root_element();
     let ids = root.descendants().filter_map(|node| Some((node.attribute("id")?, node)));
     let mut scene = Scene { ids: ids.collect(), mesh: Mesh::default(), tests: 0 };
     let asset = child(root, "asset");
-    let unit = asset.and_then(|asset| child(asset, "unit")?.attribute("meter"));
-    let unit: f64 = unit.map_or(Some(1.0), |text| text.trim().parse().ok())?;
+    let attribute = asset.and_then(|asset| child(asset, "unit")?.attribute("meter"));
+    let unit: f64 = attribute.map_or(Some(1.0), |text| text.trim().parse().ok())?;
     let up = asset.and_then(|asset| child(asset, "up_axis")?.text()).unwrap_or("Y_UP");
     // The axis that points upwards becomes z, the one to the right x.
     let rows = match up.trim() {
@@ -141,8 +141,8 @@ impl<'a, 't> Scene<'a, 't> {
                 indices.map(|corner| (corner < count).then_some(start + corner)).collect()
             };
             let lists = elements(part).filter(|one| one.tag_name().name() == "p");
-            let lists = lists.map(|list| corners(list.text().unwrap_or_default()));
-            let lists: Vec<Vec<usize>> = lists.collect::<Option<_>>()?;
+            let indices = lists.map(|list| corners(list.text().unwrap_or_default()));
+            let lists: Vec<Vec<usize>> = indices.collect::<Option<_>>()?;
             match kind {
                 "triangles" => {
                     self.mesh.faces.extend(lists.iter().flat_map(|list| list.as_chunks().0))

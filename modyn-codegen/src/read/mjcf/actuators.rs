@@ -93,8 +93,8 @@ impl<'e> Bodies<'e, '_, '_> {
         let joints = self.description.joints_by_name();
         for item in self.of_section("actuator") {
             let element = item.element();
-            let joint = element.attribute("joint").or(element.attribute("jointinparent"));
-            let joint = joint.map(|joint| item.naming.name(&joint.value));
+            let attribute = element.attribute("joint").or(element.attribute("jointinparent"));
+            let joint = attribute.map(|joint| item.naming.name(&joint.value));
             let place: Place = (Some(element.at), joint.clone().map(Subject::Joint));
             if element.name == "adhesion" {
                 on_contacts.push(place);
@@ -138,12 +138,12 @@ impl<'e> Bodies<'e, '_, '_> {
             |name| item.text(name).and_then(list).and_then(|numbers| numbers.first().copied());
         let gear = first("gear").unwrap_or(1.0);
         // The force is a multiple of the control.
-        let gain = match item.element().name.as_str() {
+        let described = match item.element().name.as_str() {
             "motor" => Some(1.0),
             "general" if is_motor(item) => Some(first("gainprm").unwrap_or(1.0)),
             _ => None,
         };
-        let gain = gain.filter(|_| self.models[0].settings.flags.clamps_controls);
+        let gain = described.filter(|_| self.models[0].settings.flags.clamps_controls);
         let ranges =
             [("forcelimited", "forcerange", Some(1.0)), ("ctrllimited", "ctrlrange", gain)];
         let bounds = ranges.into_iter().filter_map(|(limited, range, factor)| {

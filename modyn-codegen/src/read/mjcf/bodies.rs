@@ -454,10 +454,10 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
     fn sites(&mut self, sites: &[Item<'e>], link: usize) {
         for site in sites {
             let Some(name) = site.name() else { continue };
-            let pose = site.pose(&self.models[site.model].settings, self.report);
+            let described = site.pose(&self.models[site.model].settings, self.report);
             let pose = match site.numbers("fromto").and_then(geoms::between) {
                 Some((between, _)) => site.frame.compose(&between),
-                None => pose,
+                None => described,
             };
             self.sites.entry(name).or_insert((link, pose, site.element().at));
         }

@@ -172,8 +172,8 @@ impl<'r, 'f> Elements<'r, 'f> {
         // `<include>`.
         let beside = file.folder.unwrap_or(main);
         let place = [main.join(&path), beside.join(&path)];
-        let place = place.iter().find(|place| self.store.is_file(place)).unwrap_or(&place[1]);
-        let place = self.store.named(normalized(place));
+        let existing = place.iter().find(|place| self.store.is_file(place)).unwrap_or(&place[1]);
+        let place = self.store.named(normalized(existing));
         if !self.included.insert(place.clone()) {
             let help = "include each file once; what several parts need belongs into a class or a model for `<attach>`";
             return error(format!("`{name}` is included twice"), help);

@@ -160,8 +160,8 @@ impl<'e> Bodies<'e, '_, '_> {
             return BTreeSet::new();
         }
         let names = self.names();
-        let constraints = self.of_section("equality").into_iter();
-        let constraints = constraints.filter(|item| {
+        let all = self.of_section("equality").into_iter();
+        let constraints = all.filter(|item| {
             item.element().name == "tendon"
                 && is_active(item)
                 && item.element().text("tendon2").is_none()
@@ -252,10 +252,10 @@ impl<'e> Bodies<'e, '_, '_> {
             (anchor, at_point(relative(&other.drawn, &drawn).translation))
         } else {
             let written: Option<[f64; 7]> = item.numbers("relpose");
-            let written = written.and_then(|[x, y, z, a, b, c, d]| {
+            let given = written.and_then(|[x, y, z, a, b, c, d]| {
                 Some(Pose { rotation: from_quaternion([a, b, c, d])?, translation: [x, y, z] })
             });
-            let written = written.unwrap_or_else(|| relative(&one.drawn, &other.drawn));
+            let written = given.unwrap_or_else(|| relative(&one.drawn, &other.drawn));
             let anchor = at_point(item.numbers("anchor").unwrap_or([0.0; 3]));
             (written.compose(&anchor), anchor)
         };

@@ -105,7 +105,7 @@ fn placed(
     } else if kind == "hfield" {
         // The mass of a height field is that of the box with its half lengths and its mean height,
         // about the geom's origin.
-        let field = geom.text("hfield").and_then(|name| {
+        let asset = geom.text("hfield").and_then(|name| {
             let assets = model.source.root.in_sections("asset");
             let mut fields = assets.filter(|asset| asset.name == "hfield");
             let name_of = |field: &super::element::Element| {
@@ -114,7 +114,7 @@ fn placed(
             };
             fields.find(|field| name_of(field).as_deref() == Some(name))
         });
-        let field = field.and_then(|field| field.text("size")).and_then(super::check::numbers);
+        let field = asset.and_then(|field| field.text("size")).and_then(super::check::numbers);
         let [x, y, top, bottom] = field.ok_or("the height field of a geom is not in the file")?;
         [x, y, 0.25 * top + 0.5 * bottom]
     } else {

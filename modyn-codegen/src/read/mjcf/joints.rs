@@ -82,8 +82,8 @@ pub fn joint(
             refuse(Code::NotRead, &message, help);
         }
     }
-    let numbers = ["armature", "damping", "frictionloss", "stiffness"];
-    let numbers = numbers.map(|name| polynomial(item, name).0);
+    let names = ["armature", "damping", "frictionloss", "stiffness"];
+    let numbers = names.map(|name| polynomial(item, name).0);
     let [armature, damping, friction, stiffness] = numbers;
     if numbers.iter().any(|&number| number < 0.0) {
         let help = "write numbers of at least 0: damping and friction oppose the motion, and springs pull back";
@@ -114,9 +114,9 @@ pub fn joint(
             "write the direction of the axis, such as `0 0 1`",
         );
     }
-    let range =
+    let described =
         item.numbers("range").filter(|_| single && is_limited(item, "limited", "range", model));
-    let range = range.map(|range: [f64; 2]| range.map(|bound| angle * bound));
+    let range = described.map(|range: [f64; 2]| range.map(|bound| angle * bound));
     let joint_type = match kind {
         "slide" => JointType::Prismatic,
         "ball" => JointType::Spherical,
@@ -134,8 +134,8 @@ pub fn joint(
         velocity: None,
         effort,
     });
-    let axis = axis.unwrap_or([0.0, 0.0, 1.0]);
-    let axis = if single { item.frame.rotate(axis) } else { axis };
+    let given = axis.unwrap_or([0.0, 0.0, 1.0]);
+    let axis = if single { item.frame.rotate(given) } else { given };
     let sound = model.is_sound(&item.chain) && report.errors() == errors;
     let kind = Kind::Moving(joint_type);
     let record = fixed(name.into(), at);

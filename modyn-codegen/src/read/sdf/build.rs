@@ -50,8 +50,8 @@ pub fn describe(
         keyframes: Vec::new(),
         shape_notes: world.shape_notes.clone(),
     };
-    let names = world.frames.iter().filter(|frame| !matches!(frame.kind, FrameKind::Joint(_)));
-    let names = Names::new(names.map(|frame| frame.name.text.clone()));
+    let named = world.frames.iter().filter(|frame| !matches!(frame.kind, FrameKind::Joint(_)));
+    let names = Names::new(named.map(|frame| frame.name.text.clone()));
     let near = Suggestions::new();
     let mut build = Build { world, frames, inside, options, names, near, description, report };
     build.links();
@@ -152,9 +152,9 @@ impl Build<'_, '_, '_> {
                         inertial_record.as_ref().map_or((name.at, name.at, true), |record| {
                             (record.at, record.mass_at, record.sound)
                         });
-                    let inertial =
+                    let described =
                         inertial_record.as_ref().map_or(DEFAULT_INERTIA, |record| record.inertial);
-                    let inertial = Some(InertialRecord { inertial, at, mass_at, sound });
+                    let inertial = Some(InertialRecord { inertial: described, at, mass_at, sound });
                     let shapes = world.links[*link].shapes.clone();
                     let record = LinkRecord { shapes, ..LinkRecord::new(name, inertial) };
                     self.description.links.push(record);

@@ -36,8 +36,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let has_pose = self.xml.named(node, "pose").next().is_some();
         let pose = self.pose(node, None);
         let name = self.xml.single(node, "name", None).map(|name| trimmed(self.xml.content(name)));
-        let placement = self.xml.single(node, "placement_frame", None);
-        let placement = placement.map(|name| trimmed(self.xml.content(name)));
+        let element = self.xml.single(node, "placement_frame", None);
+        let placement = element.map(|name| trimmed(self.xml.content(name)));
         let merge = self.xml.optional(node, "merge");
         let overrides = Overrides {
             name: name.filter(|name| !name.text.is_empty()),
@@ -139,7 +139,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         };
         let (scheme, rest) = uri.split_once("://").unwrap_or(("", uri));
         let beside = folder.join(rest);
-        let place = match scheme {
+        let path = match scheme {
             "" | "file" if !rest.is_empty() && store.exists(&beside) => beside,
             "" | "file" | "model" | "package" => self.model_path(rest).ok_or_else(|| {
                 format!(
@@ -150,10 +150,10 @@ impl<'a> Reader<'a, '_, '_, '_> {
             })?,
             _ => return Err("download the model, and write `model://` and its name".into()),
         };
-        let place = if store.is_folder(&place) && !store.is_file(&place) {
-            self.file_in(&place)
+        let place = if store.is_folder(&path) && !store.is_file(&path) {
+            self.file_in(&path)
         } else {
-            place
+            path
         };
         if store.is_file(&place) {
             Ok(place)
@@ -172,10 +172,9 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let absolute = std::path::absolute(first).unwrap_or_else(|_| first.into());
         // The folders around the file, whose names may be part of the path.
         let around = absolute.ancestors().map(Path::to_owned);
-        let of_variables = MODEL_PATHS.iter().filter_map(std::env::var_os);
-        let of_variables: Vec<PathBuf> = of_variables
-            .flat_map(|value| std::env::split_paths(&value).collect::<Vec<_>>())
-            .collect();
+        let values = MODEL_PATHS.iter().filter_map(std::env::var_os);
+        let of_variables: Vec<PathBuf> =
+            values.flat_map(|value| std::env::split_paths(&value).collect::<Vec<_>>()).collect();
         let mut places = around.chain(of_variables).map(|folder| folder.join(path));
         places.find(|place| self.options.files.exists(place))
     }

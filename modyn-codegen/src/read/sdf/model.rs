@@ -28,8 +28,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         // Before SDF 1.6, gravity was in `<physics>`.
         let physics = self.xml.named(node, "physics").next();
         let old = physics.and_then(|physics| self.xml.named(physics, "gravity").next());
-        let gravity = own_gravity.or(old).map(|node| self.xml.content(node));
-        let gravity = gravity.map(|text| self.xml.numbers::<3>(text, None));
+        let element = own_gravity.or(old).map(|node| self.xml.content(node));
+        let gravity = element.map(|text| self.xml.numbers::<3>(text, None));
         self.world.gravity = Some(gravity.flatten().unwrap_or(DEFAULT_GRAVITY));
         let known = [
             "audio",
@@ -59,8 +59,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
     /// Reads a `<model>` of a scope.
     pub fn model(&mut self, node: Node<'a, '_>, outer: usize, depth: usize, overrides: Overrides) {
         let at = self.xml.at(node);
-        let name = self.xml.attribute(node, "name", None).map(trimmed);
-        let name = overrides.name.or(name).unwrap_or(Located { text: "model".into(), at });
+        let attribute = self.xml.attribute(node, "name", None).map(trimmed);
+        let name = overrides.name.or(attribute).unwrap_or(Located { text: "model".into(), at });
         let merge = overrides.merge && outer != WORLD;
         let before = self.world.scopes[outer].prefix.clone();
         // The names of the world's models are no part of the full names, unless several move.
@@ -76,12 +76,12 @@ impl<'a> Reader<'a, '_, '_, '_> {
             self.xml.report.error(Code::Excessive, at, None, message, help);
             return;
         }
-        let subject = Subject::Robot(name.text.clone());
-        let subject = Some(&subject);
+        let own_subject = Subject::Robot(name.text.clone());
+        let subject = Some(&own_subject);
         let own_pose = self.pose(node, subject);
         let (pose, relative_to) = overrides.pose.unwrap_or(own_pose);
-        let own_static = self.flag(node, "static", subject);
-        let own_static = overrides.is_static.or(own_static) == Some(true);
+        let flag = self.flag(node, "static", subject);
+        let own_static = overrides.is_static.or(flag) == Some(true);
         let filled =
             |name| self.xml.optional(node, name).map(trimmed).filter(|name| !name.text.is_empty());
         let scope = self.world.scopes.len();
@@ -163,8 +163,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
             let of_point = format!("{BALL_CONSTRAINT}_{point}");
             let shown = shown(&of_point);
             let example = format!("<{shown}>0 0 0</{shown}>");
-            let point = self.xml.required(node, &of_point, &example, None);
-            let point = point.and_then(|point| self.xml.numbers(self.xml.content(point), None));
+            let element = self.xml.required(node, &of_point, &example, None);
+            let point = element.and_then(|point| self.xml.numbers(self.xml.content(point), None));
             BallConstraintEnd { link, point: point.unwrap_or_default() }
         });
         self.world.ball_constraints.push(BallConstraint { scope, at, ends });
@@ -181,10 +181,10 @@ impl<'a> Reader<'a, '_, '_, '_> {
 
     /// Reads a `<link>`.
     fn link(&mut self, node: Node<'a, '_>, scope: usize) {
-        let name = self.xml.attribute(node, "name", None).map(trimmed);
-        let name = name.unwrap_or(Located { text: String::new(), at: self.xml.at(node) });
-        let subject = Subject::Link(name.text.clone());
-        let subject = Some(&subject);
+        let attribute = self.xml.attribute(node, "name", None).map(trimmed);
+        let name = attribute.unwrap_or(Located { text: String::new(), at: self.xml.at(node) });
+        let own_subject = Subject::Link(name.text.clone());
+        let subject = Some(&own_subject);
         let known = [
             "gravity",
             "enable_wind",

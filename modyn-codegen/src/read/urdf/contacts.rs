@@ -14,8 +14,8 @@ use crate::diagnostics::{Code, Severity, Subject};
 impl<'a> Reader<'a, '_, '_, '_> {
     pub fn contact_frame(&mut self, node: Node<'a, '_>) -> ContactRecord {
         let name = self.xml.attribute(node, "name", None);
-        let subject = name.map(|name| Subject::Contact(name.text.into()));
-        let subject = subject.as_ref();
+        let own_subject = name.map(|name| Subject::Contact(name.text.into()));
+        let subject = own_subject.as_ref();
         let read = ["name", "type", "link", "xyz", "rpy", "quat_xyzw"];
         self.xml.warn_of_unknown_attributes(node, &read, subject);
         for child in node.children().filter(Node::is_element) {

@@ -13,8 +13,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let name = self.xml.attribute(node, "name", None);
         let subject = name.map(|name| Subject::Link(name.text.into()));
         self.unread_elements(node, KNOWN_IN_LINK, &["inertial"], subject.as_ref());
-        let inertial = self.xml.single(node, "inertial", subject.as_ref());
-        let inertial = inertial.and_then(|node| self.inertial(node, subject.as_ref()));
+        let element = self.xml.single(node, "inertial", subject.as_ref());
+        let inertial = element.and_then(|node| self.inertial(node, subject.as_ref()));
         let name = name?.located();
         let shapes = if self.options.shapes { self.shapes(node, &name.text) } else { Vec::new() };
         Some(LinkRecord { shapes, ..LinkRecord::new(name, inertial) })

@@ -16,8 +16,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let mut shapes = Vec::new();
         for visual in self.xml.named(link, "visual").collect::<Vec<_>>() {
             let part = |name: &str| visual.children().find(|node| is(*node, name));
-            let geometry = part("geometry").and_then(|node| node.children().find(Node::is_element));
-            let geometry = geometry.ok_or_else(|| "has no `<geometry>`".into());
+            let element = part("geometry").and_then(|node| node.children().find(Node::is_element));
+            let geometry = element.ok_or_else(|| "has no `<geometry>`".into());
             match geometry.and_then(|geometry| self.geometry(geometry)) {
                 Ok(geometry) => shapes.push(Shape {
                     pose: part("origin").map_or_else(Pose::identity, pose),

@@ -228,8 +228,8 @@ impl Evaluator<'_> {
                 let [left, right] = arguments.as_slice() else {
                     return Err("`divmod` has two numbers".into());
                 };
-                let parts = [arithmetic("//", left, right)?, arithmetic("%", left, right)?];
-                let parts = parts.into_iter().flatten().collect::<Vec<_>>();
+                let results = [arithmetic("//", left, right)?, arithmetic("%", left, right)?];
+                let parts = results.into_iter().flatten().collect::<Vec<_>>();
                 if parts.len() < 2 {
                     return Err(format!("`divmod` of {} and {}", left.kind(), right.kind()));
                 }
@@ -277,8 +277,9 @@ impl Evaluator<'_> {
                     Some(inner) => self.comprehension(comprehension, inner, out)?,
                     None => {
                         let key = self.value(&comprehension.item)?;
-                        let value = comprehension.value.as_ref();
-                        let value = value.map_or(Ok(Value::None), |value| self.value(value))?;
+                        let expression = comprehension.value.as_ref();
+                        let value =
+                            expression.map_or(Ok(Value::None), |value| self.value(value))?;
                         out.push((key, value));
                     }
                 }
@@ -386,8 +387,8 @@ impl Evaluator<'_> {
     }
 
     fn repeated(&mut self, value: &Value, count: &Value) -> Evaluated {
-        let count = count.integer().ok_or("`*` of a text or a list needs an integer")?;
-        let count = usize::try_from(count).unwrap_or(0);
+        let integer = count.integer().ok_or("`*` of a text or a list needs an integer")?;
+        let count = usize::try_from(integer).unwrap_or(0);
         let length = functions::length(value).max(1).saturating_mul(count);
         if length > MAX_LENGTH {
             return Err(format!("a value is longer than {MAX_LENGTH}"));
@@ -564,12 +565,12 @@ fn item(value: &Value, index: &Value) -> Evaluated {
     };
     let index = index.integer().ok_or_else(|| format!("{} is not an index", index.repr()))?;
     let length = functions::length(value);
-    let place = if index < 0 {
+    let counted = if index < 0 {
         usize::try_from(index.unsigned_abs()).ok().and_then(|back| length.checked_sub(back))
     } else {
         usize::try_from(index).ok().filter(|place| *place < length)
     };
-    let place = place.ok_or_else(|| format!("there is no item {index} of {length}"))?;
+    let place = counted.ok_or_else(|| format!("there is no item {index} of {length}"))?;
     Ok(match (items, value) {
         (Some(items), _) => items[place].clone(),
         (None, Value::Text(text)) => {

@@ -100,9 +100,9 @@ type Expanded<T = ()> = Result<T, Refused>;
 
 impl<'e, 'r> Expander<'e, 'r> {
     pub fn new(file: PathBuf, options: &'e ReadOptions, report: &'e mut Report<'r>) -> Self {
-        let arguments = options.xacro_args.iter();
-        let arguments = arguments
-            .map(|argument| (argument.name.as_str().into(), argument.value.as_str().into()));
+        let given = options.xacro_args.iter();
+        let arguments =
+            given.map(|argument| (argument.name.as_str().into(), argument.value.as_str().into()));
         Self {
             options,
             arguments: arguments.collect(),
@@ -370,8 +370,8 @@ impl<'e, 'r> Expander<'e, 'r> {
 
     fn property(&mut self, element: &Rc<Element>, scope: ScopeId, call: Call) -> Expanded {
         let place = element.place.expanded_by(call);
-        let name = self.required(element, "name", call)?;
-        let name = self.evaluated_text(&name.value, name.place, scope)?;
+        let name_attribute = self.required(element, "name", call)?;
+        let name = self.evaluated_text(&name_attribute.value, name_attribute.place, scope)?;
         if !is_identifier(&name) || name.starts_with("__") {
             let reason = format!("`{name}` is not a name of a property");
             let help = "write letters, digits and underscores, and no word of the language";
@@ -531,8 +531,8 @@ impl<'e, 'r> Expander<'e, 'r> {
         }
         let absolute = self.absolute(path);
         // Relative as the name of the description is.
-        let shown = self.report.file_name(0).map(Path::new).and_then(Path::parent);
-        let shown = shown.unwrap_or(Path::new("")).join(path).display().to_string();
+        let folder = self.report.file_name(0).map(Path::new).and_then(Path::parent);
+        let shown = folder.unwrap_or(Path::new("")).join(path).display().to_string();
         read_named(&self.options.files, &absolute, &shown, place.at, self.report)
     }
 
@@ -866,8 +866,8 @@ fn parameter(text: &str) -> (Parameter, &str) {
 fn with_default(text: &str) -> Option<(Parameter, &str)> {
     let end = text.find(|c: char| c.is_whitespace() || ":=".contains(c))?;
     let (name, rest) = text.split_at(end);
-    let rest = rest.trim_start();
-    let rest = rest.strip_prefix(":=").or_else(|| rest.strip_prefix('='))?.trim_start();
+    let trimmed = rest.trim_start();
+    let rest = trimmed.strip_prefix(":=").or_else(|| trimmed.strip_prefix('='))?.trim_start();
     let forwarded = rest.strip_prefix('^');
     let rest = forwarded.map_or(rest, |rest| rest.strip_prefix('|').unwrap_or(rest));
     let ends = |at: usize| rest[at..].is_empty() || rest[at..].starts_with(char::is_whitespace);

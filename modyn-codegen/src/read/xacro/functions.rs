@@ -260,9 +260,9 @@ pub fn call(name: &str, arguments: &[Value]) -> Called {
         ("float", [x]) => to_float(x),
         ("int", [x]) => to_int(x),
         ("int", [Value::Text(text), base]) => {
-            let base = base.integer().and_then(|base| u32::try_from(base).ok());
+            let integer = base.integer().and_then(|base| u32::try_from(base).ok());
             let base =
-                base.filter(|base| (2..=36).contains(base)).ok_or("the base is not 2 to 36")?;
+                integer.filter(|base| (2..=36).contains(base)).ok_or("the base is not 2 to 36")?;
             let digits = text.trim();
             let prefixed = digits.strip_prefix("0x").or_else(|| digits.strip_prefix("0X"));
             let digits = prefixed
@@ -320,8 +320,8 @@ pub fn call(name: &str, arguments: &[Value]) -> Called {
             sum(&if is_exact { numbers } else { items(all)? })
         }
         ("enumerate", [all]) => {
-            let pairs = items(all)?.into_iter().zip(0_i64..);
-            let pairs = pairs.map(|(item, i)| Value::Tuple(Rc::new(vec![Value::Int(i), item])));
+            let numbered = items(all)?.into_iter().zip(0_i64..);
+            let pairs = numbered.map(|(item, i)| Value::Tuple(Rc::new(vec![Value::Int(i), item])));
             Ok(Value::iterator(pairs.collect()))
         }
         ("zip", lists) => {
@@ -449,16 +449,16 @@ pub fn literal_float(text: &str) -> Option<f64> {
 }
 
 fn extreme(arguments: &[Value], wanted: Ordering) -> Called {
-    let all = match arguments {
+    let given = match arguments {
         [all] => members(all)?,
         several => several.to_vec(),
     };
-    let mut all = all.into_iter();
+    let mut all = given.into_iter();
     let mut best = all.next().ok_or("`min` and `max` need a value")?;
     for item in all {
-        let order = item.compare(&best);
+        let compared = item.compare(&best);
         let order =
-            order.ok_or_else(|| format!("{} and {} have no order", item.kind(), best.kind()))?;
+            compared.ok_or_else(|| format!("{} and {} have no order", item.kind(), best.kind()))?;
         if order == wanted {
             best = item;
         }
@@ -844,15 +844,15 @@ pub fn percent(text: &str, values: &Value) -> Called {
     while let Some(at) = rest.find('%') {
         out += &rest[..at];
         let after = &rest[at + 1..];
-        let end = after.find(|c: char| c.is_ascii_alphabetic() || c == '%');
-        let end = end.ok_or("a `%` in the text has no format")?;
+        let letter = after.find(|c: char| c.is_ascii_alphabetic() || c == '%');
+        let end = letter.ok_or("a `%` in the text has no format")?;
         if &after[end..=end] == "%" {
             out.push('%');
         } else {
-            let value = values.next().ok_or("`%` has too few values")?;
-            let value = match (&after[end..=end], value) {
+            let next = values.next().ok_or("`%` has too few values")?;
+            let value = match (&after[end..=end], next) {
                 ("d" | "i", Value::Float(x)) => &truncated(x.trunc())?,
-                _ => value,
+                _ => next,
             };
             out += &formatted(value, &after[..=end].replace('i', "d"))?;
         }

@@ -134,8 +134,8 @@ fn tokens(text: &str) -> Result<Vec<Token>, String> {
             }
             length
         } else {
-            let symbol = SYMBOLS.iter().find(|symbol| rest.starts_with(**symbol));
-            let symbol = symbol.ok_or_else(|| format!("unexpected `{first}`"))?;
+            let longest = SYMBOLS.iter().find(|symbol| rest.starts_with(**symbol));
+            let symbol = longest.ok_or_else(|| format!("unexpected `{first}`"))?;
             tokens.push(Token::Symbol(symbol));
             symbol.len()
         };
@@ -153,8 +153,8 @@ fn number(text: &str) -> Result<(Token, usize), String> {
     for (prefix, radix) in [("0x", 16), ("0X", 16), ("0b", 2), ("0o", 8)] {
         if let Some(rest) = text.strip_prefix(prefix) {
             let end = rest.find(|c: char| !c.is_ascii_alphanumeric()).unwrap_or(rest.len());
-            let value = i64::from_str_radix(&rest[..end], radix);
-            let value = value.map_err(|_| format!("`{}` is not a number", &text[..2 + end]))?;
+            let number = i64::from_str_radix(&rest[..end], radix);
+            let value = number.map_err(|_| format!("`{}` is not a number", &text[..2 + end]))?;
             return Ok((Token::Int(value), 2 + end));
         }
     }

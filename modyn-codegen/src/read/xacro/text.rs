@@ -182,8 +182,8 @@ impl Expander<'_, '_> {
             }
             ("xacro.dotify", [value @ Value::Dict(_)]) => Ok(value.clone()),
             ("xacro.tokenize", [value]) => {
-                let words = text(value)?;
-                let words = words.split([',', ';', ' ']).filter(|word| !word.is_empty());
+                let written = text(value)?;
+                let words = written.split([',', ';', ' ']).filter(|word| !word.is_empty());
                 Ok(Value::list(words.map(Value::text).collect()))
             }
             ("xacro.message" | "xacro.print_location", _) => Ok(Value::text("")),

@@ -115,12 +115,12 @@ fn element(node: roxmltree::Node<'_, '_>, start: usize) -> Element {
             place: place(at),
         })
     });
-    let attributes = node.attributes().map(|attribute| Attribute {
+    let written = node.attributes().map(|attribute| Attribute {
         name: named(attribute.range().start),
         value: attribute.value().into(),
         place: place(attribute.range().start),
     });
-    let attributes = declared.chain(attributes).collect();
+    let attributes = declared.chain(written).collect();
     let children = node.children().filter_map(|child| {
         if child.is_element() {
             return Some(Node::Element(Rc::new(element(child, start))));

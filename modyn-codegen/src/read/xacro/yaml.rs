@@ -167,18 +167,18 @@ impl Reader<'_> {
             let key = key.to_owned();
             let (anchor, rest) = anchor(rest);
             let key = self.scalar(&key, number)?;
-            let value = if rest.is_empty() {
+            let given = if rest.is_empty() {
                 self.at += 1;
                 // The items of a list may have the indent of their key.
-                let list = self.lines.get(self.at);
-                let list = list.is_some_and(|line| line.indent == indent && is_item(&line.text));
+                let next = self.lines.get(self.at);
+                let list = next.is_some_and(|line| line.indent == indent && is_item(&line.text));
                 if list { self.items(indent, depth + 1)? } else { self.nested(indent + 1, depth)? }
             } else {
                 self.lines[self.at].text = rest;
                 let text = self.joined();
                 self.inline(&text, number)?
             };
-            let value = self.named(anchor, value);
+            let value = self.named(anchor, given);
             if let (Value::Text(merge), Value::Dict(others)) = (&key, &value)
                 && &**merge == "<<"
             {

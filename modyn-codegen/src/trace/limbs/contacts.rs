@@ -71,7 +71,7 @@ impl ContactPacking {
         model: &Mechanism<f64>,
     ) -> MergedMechanism<Expr> {
         let mut places = vec![(0, 0); model.constraints.len()];
-        let contacts = self.0.iter().enumerate().map(|(contact, lanes)| {
+        let frames = self.0.iter().enumerate().map(|(contact, lanes)| {
             for (lane, c) in lanes.iter().enumerate() {
                 if let Some(c) = *c {
                     places[c] = (contact, lane);
@@ -79,7 +79,7 @@ impl ContactPacking {
             }
             packed(lanes, limbs, model)
         });
-        let contacts = contacts.collect();
+        let contacts = frames.collect();
         merged.with_contacts(contacts, places)
     }
 

@@ -274,8 +274,8 @@ impl Generator<'_, Encoder> {
             (0..3).map(can_overwrite).sum::<u32>()
         };
         let from_memory = (0..3).filter(|&i| !in_register(self, i)).map(Some).chain([None]);
-        let choices = from_memory.flat_map(|memory| (0..3).map(move |over| (over, memory)));
-        let choices = choices.filter(|&(over, memory)| Some(over) != memory);
+        let all = from_memory.flat_map(|memory| (0..3).map(move |over| (over, memory)));
+        let choices = all.filter(|&(over, memory)| Some(over) != memory);
         let (over, memory) = choices
             .min_by_key(|&(over, memory)| {
                 (cost(self, over, memory), over, memory.is_none(), memory)

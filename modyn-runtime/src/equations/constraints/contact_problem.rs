@@ -107,9 +107,9 @@ pub fn contact_problem<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>
     }
 
     // All contacts are active and rigid.
-    let rigid: Vec<ContactTarget<S>> =
+    let rigid_targets: Vec<ContactTarget<S>> =
         targets.iter().map(|target| ContactTarget { compliance: S::zero(), ..*target }).collect();
-    let rigid = ConstraintSettings::from_numbers(settings.numbers(), rigid);
+    let rigid = ConstraintSettings::from_numbers(settings.numbers(), rigid_targets);
     memory.fill(
         tree,
         layout,

@@ -48,8 +48,8 @@ pub fn contact_impulse<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>
         // The displacements are the last three rows.
         let first = stops.len() - 3;
         let stops = &mut stops[first..];
-        let rebound = (0..3).fold(S::zero(), |sum, k| sum + normal[k] * stops[k]);
-        let rebound = target.restitution * rebound;
+        let approach = (0..3).fold(S::zero(), |sum, k| sum + normal[k] * stops[k]);
+        let rebound = target.restitution * approach;
         stops.iter_mut().zip(normal.0).for_each(|(stop, n)| *stop = *stop + rebound * n);
     }
     memory.factorize(tree, layout, ConstraintInput { active, settings }, |_| {});

@@ -168,8 +168,8 @@ impl<S: Scalar> ConstraintWorkspace<S> {
             moving.iter().map(|moving| Support::new(limbs, moving)).collect();
         let of_limbs = supports.iter().map(|support| support.limb.map_or(1, Limb::count));
         let lanes = RowLanes::new(tree, of_limbs);
-        let blocks = lanes.constraints().iter();
-        let blocks = blocks.map(|&(c, _)| {
+        let of_constraints = lanes.constraints().iter();
+        let blocks = of_constraints.map(|&(c, _)| {
             let constraint = &model.constraints[c];
             let rows = constraint.rows.len();
             // Every row of a compliant contact is independent.

@@ -56,8 +56,8 @@ pub(super) fn accumulate_composites<S: Scalar, T: BodyTree<S>>(
         tree.rigid_to_parents(i, motion, &composite, |parent, at_parent| {
             workspace.composite[parent] = workspace.composite[parent] + at_parent;
         });
-        let velocities = &workspace.velocities[i];
-        let velocities = body.velocities_to_parent(motion, velocities, &composite, &rates);
+        let own_velocities = &workspace.velocities[i];
+        let velocities = body.velocities_to_parent(motion, own_velocities, &composite, &rates);
         tree.to_parents(
             i,
             |sum| velocities.map(sum),

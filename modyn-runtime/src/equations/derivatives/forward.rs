@@ -141,12 +141,12 @@ fn subtract_forces<S: Scalar, T: BodyTree<S>>(
         }
     }
     for (i, body) in model.bodies.iter().enumerate() {
-        let a = Vector3(tree.broadcast_from_parents(i, |parent| match parent {
+        let in_parent = Vector3(tree.broadcast_from_parents(i, |parent| match parent {
             Some(parent) => workspace.twists[parent].linear.0,
             None if is_base(model, i) => Vector3::zero().0,
             None => (-model.gravity).0,
         }));
-        let a = body.to_child(&workspace.motions[i], a);
+        let a = body.to_child(&workspace.motions[i], in_parent);
         workspace.twists[i].linear = a;
         for d in body.dofs.clone() {
             let dof = &model.dofs[d];

@@ -25,8 +25,8 @@ pub fn centroidal_momentum_matrix<S: Scalar>(
 ) {
     workspace.move_to(model, q);
     columns.fill(Momentum::zero());
-    let center = accumulate_composites(model, workspace).first_moment;
-    let center = center.scale(total_mass(model).recip());
+    let first_moment = accumulate_composites(model, workspace).first_moment;
+    let center = first_moment.scale(total_mass(model).recip());
     for (i, body) in model.bodies.iter().enumerate() {
         kinematic_path::rotate_axes(model, i, workspace);
         let axes = kinematic_path::joint_axes(model, i, workspace);

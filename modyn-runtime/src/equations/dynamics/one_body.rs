@@ -179,8 +179,8 @@ fn block<S: Scalar>(model: &Mechanism<S>) -> ModuleBlock {
 
 /// Returns the numbers of a wrench, then the upper triangle of an articulated inertia by rows.
 fn load<S: Scalar>(wrench: &Wrench<S>, inertia: &ArticulatedInertia<S>) -> Vec<S> {
-    let entries = (0..6).flat_map(|row| (row..6).map(move |column| (row, column)));
-    let entries = entries.map(|(row, column)| inertia.entry(row, column));
+    let indices = (0..6).flat_map(|row| (row..6).map(move |column| (row, column)));
+    let entries = indices.map(|(row, column)| inertia.entry(row, column));
     wrench.components().into_iter().chain(entries).collect()
 }
 

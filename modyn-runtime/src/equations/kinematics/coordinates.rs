@@ -180,8 +180,8 @@ impl<S: Scalar> Tangent<S> {
             CoordinateSpace::Rotation => Self::Rotation(displacement(block.q)),
             CoordinateSpace::Pose => {
                 let w = displacement(block.q + 3);
-                let moved = vector(to, block.q) - vector(from, block.q);
-                let moved = rotation(from, block.q + 3).conjugate().rotate(moved);
+                let in_world = vector(to, block.q) - vector(from, block.q);
+                let moved = rotation(from, block.q + 3).conjugate().rotate(in_world);
                 Self::Pose(screw_velocity(w, moved), w)
             }
         }

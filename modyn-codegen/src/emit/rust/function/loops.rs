@@ -48,8 +48,8 @@ impl Printer<'_> {
         if *never_inline {
             *text += "#[inline(never)]\n";
         }
-        let table = Shape::vector(*constants);
-        let table = Parameter::constants("table", table, self.float.name());
+        let shape = Shape::vector(*constants);
+        let table = Parameter::constants("table", shape, self.float.name());
         let read = Parameter::new("read", Shape::vector(program.arguments - constants));
         let parameters: Vec<Parameter> =
             (*constants > 0).then_some(table).into_iter().chain([read]).collect();

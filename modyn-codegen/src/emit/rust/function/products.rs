@@ -117,8 +117,8 @@ impl Printer<'_> {
             return print(rows, format!("outputs.{name}({place}, {number})"));
         }
         for rows in self.result.arrays_of(target, rows) {
-            let place = self.result.place_in_loops(target, &rows, products.columns());
-            let place = format!("result{place}");
+            let indices = self.result.place_in_loops(target, &rows, products.columns());
+            let place = format!("result{indices}");
             let sum = if replaces { number.clone() } else { self.sum(&place, &self.one(&number)) };
             print(rows, format!("{place} = {sum}"));
         }
