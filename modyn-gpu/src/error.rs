@@ -144,7 +144,8 @@ impl fmt::Display for GpuError {
             Self::OutOfMemory { bytes } => {
                 write!(
                     f,
-                    "the processor has no memory left for an array of {bytes} bytes; drop arrays that are not needed, or \
+                    "the processor has no memory left for an array of {bytes} bytes; drop arrays \
+                     that are not needed, or \
                      compute fewer states at a time"
                 )
             }

@@ -43,13 +43,15 @@ impl fmt::Display for CompileError {
                 let system = std::env::consts::OS;
                 write!(
                     f,
-                    "machine code is made for x86-64, and for aarch64 except on Windows, and this is {architecture} with \
+                    "machine code is made for x86-64, and for aarch64 except on Windows, and this \
+                     is {architecture} with \
                      {system}; {instead}"
                 )
             }
             Self::InstructionSet { wanted, available } => write!(
                 f,
-                "this processor has no {wanted:?}, its best is {available:?}; leave `instruction_set` out to have the best"
+                "this processor has no {wanted:?}, its best is {available:?}; leave \
+                 `instruction_set` out to have the best"
             ),
             Self::Arguments { function, arrays } => write!(
                 f,

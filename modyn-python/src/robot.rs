@@ -208,7 +208,8 @@ impl Robot {
             let joint = self.without_inertia.as_ref().filter(|_| function.row().needs_inertia);
             let message = |joint| {
                 format!(
-                    "`{}` needs inertia, and joint `{joint}` moves none, since its link has none: the robot has kinematic \
+                    "`{}` needs inertia, and joint `{joint}` moves none, since its link has none: \
+                     the robot has kinematic \
                      functions alone; write the `<inertial>` of the link, or give the joint a rotor, \
                      `rotors={{\"{joint}\": (1, 1)}}`",
                     function.name()

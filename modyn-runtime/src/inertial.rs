@@ -72,7 +72,8 @@ impl<S: fmt::Display + fmt::LowerExp> fmt::Display for InertialDefect<S> {
             }
             Self::NotPositiveSemidefinite([a, b, c]) => write!(
                 f,
-                "the rotational inertia is not positive semidefinite (principal moments {a:.6e}, {b:.6e}, {c:.6e} kg m^2)"
+                "the rotational inertia is not positive semidefinite (principal moments {a:.6e}, \
+                 {b:.6e}, {c:.6e} kg m^2)"
             ),
             Self::TriangleInequality([a, b, c]) => write!(
                 f,

@@ -62,7 +62,8 @@ impl Arguments {
             (Some(To::Urdf), _) | (None, Some("urdf")) => Ok(Format::Urdf),
             (Some(To::Mjcf), _) | (None, Some("xml" | "mjcf")) => Ok(Format::Mjcf),
             (None, _) => Err(Failure::usage(format!(
-                "error: the format of `{}` is not known: name the file `.urdf` or `.xml`, or add `--to urdf` or `--to mjcf`",
+                "error: the format of `{}` is not known: name the file `.urdf` or `.xml`, or add \
+                 `--to urdf` or `--to mjcf`",
                 sanitize_for_display(&self.out.display().to_string())
             ))),
         }

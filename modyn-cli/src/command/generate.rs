@@ -326,7 +326,8 @@ fn object(
         Some("o" | "obj") => false,
         Some("a" | "lib") => true,
         _ => {
-            let message = "error: `--target object` writes three files: name the first with `--output FILE.o` (`.obj` on \
+            let message = "error: `--target object` writes three files: name the first with \
+                           `--output FILE.o` (`.obj` on \
                            Windows), or `--output FILE.a` (`.lib`) for a static library";
             return Err(Failure::usage(message));
         }

@@ -27,7 +27,8 @@ pub fn needs_dynamics(model: &Model, command: &str) -> Result<(), Failure> {
     let Some(&joint) = joints_without_inertia(model).first() else { return Ok(()) };
     let joint = sanitize_for_display(&model.links()[joint].joint.name);
     Err(Failure::usage(format!(
-        "error: `{command}` needs dynamics, and joint `{joint}` moves no inertia: write the `<inertial>` of its link, or give \
+        "error: `{command}` needs dynamics, and joint `{joint}` moves no inertia: write the \
+         `<inertial>` of its link, or give \
          it a rotor, `--rotors '\"{joint}\": (1, 1)'`"
     )))
 }

@@ -134,7 +134,8 @@ fn ends(
                     first.name.text,
                     report.position(first.child.as_ref().map_or(first.name.at, |end| end.at)),
                 );
-                let help = "a link has one parent; to describe a closed loop, make one joint of the loop a `<loop_joint>`";
+                let help = "a link has one parent; to describe a closed loop, make one joint of \
+                            the loop a `<loop_joint>`";
                 report.error(
                     Code::SeveralParents,
                     at,

@@ -211,7 +211,8 @@ pub(super) fn needs_inertia(
         listed("joint", joints),
         if singular.len() == 1 { "moves" } else { "move" },
     );
-    let help = "select kinematic functions, such as `link_pose` and `jacobian`; or write the `<inertial>` of the links, or \
+    let help = "select kinematic functions, such as `link_pose` and `jacobian`; or write the \
+                `<inertial>` of the links, or \
                 give each joint a rotor by the option `rotors`";
     Diagnostic::error(Code::KinematicsOnly, message).with_help(help)
 }

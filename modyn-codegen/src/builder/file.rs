@@ -134,7 +134,8 @@ impl Builder {
     fn file_text(&self, generated: &Generated) -> String {
         let mut text = format!(
             "// {ORIGIN} {} from the robot description {:?} (FNV-1a {:016x}). Do not edit.\n\
-             // Its module is made again by `modyn generate` with the same options, or by\n//\n//     modyn_codegen::Builder::new()\n",
+             // Its module is made again by `modyn generate` with the same options, or \
+             by\n//\n//     modyn_codegen::Builder::new()\n",
             env!("CARGO_PKG_VERSION"),
             generated.model.name(),
             self.description_hash(),

@@ -307,7 +307,8 @@ impl Member {
 /// `"name": (function, function("link"), ...)`, or `"name": batch(...)`
 impl OptionValue for Bundle {
     fn read(value: &Value) -> Result<Self, OptionError> {
-        let expected = "expected `name: (function, function(\"link\"), ...)`, or `name: batch(...)` for many states as well";
+        let expected = "expected `name: (function, function(\"link\"), ...)`, or `name: \
+                        batch(...)` for many states as well";
         let (name, list) = pair(value, expected)?;
         let (items, batch) = match &list.kind {
             ValueKind::List(items) => (items, false),

@@ -202,7 +202,10 @@ impl Robot {
     /// the cost of its forces and of the state after it. Leading axes are those of motions, and are
     /// broadcast. Result: `RolloutStates`: `q` and `qd`; with a cost `RolloutCosts`, on the ground
     /// `GroundStates`.
-    #[pyo3(signature = (q, qd, controls, dt, *, step="semi_implicit", gains=None, q_ref=None, qd_ref=None, cost=None, settings=None, ground=None, trajectory=true))]
+    #[pyo3(signature = (
+        q, qd, controls, dt, *, step="semi_implicit", gains=None, q_ref=None, qd_ref=None,
+        cost=None, settings=None, ground=None, trajectory=true,
+    ))]
     #[allow(clippy::too_many_arguments)]
     fn rollout<'py>(
         slf: &Bound<'py, Self>,
@@ -233,7 +236,11 @@ impl Robot {
     /// (nq,) and (nv,) with `trajectory=False`; `None` for zeros; `cost_weights`: (steps,), or ()
     /// with `trajectory=False`, the weights of the cost. Result: `RolloutGradients`, with the names
     /// and the shapes of the arguments.
-    #[pyo3(signature = (q, qd, controls, dt, q_weights, qd_weights, *, step="semi_implicit", gains=None, q_ref=None, qd_ref=None, cost=None, cost_weights=None, settings=None, ground=None, trajectory=true))]
+    #[pyo3(signature = (
+        q, qd, controls, dt, q_weights, qd_weights, *, step="semi_implicit", gains=None,
+        q_ref=None, qd_ref=None, cost=None, cost_weights=None, settings=None, ground=None,
+        trajectory=true,
+    ))]
     #[allow(clippy::too_many_arguments)]
     fn rollout_vjp<'py>(
         slf: &Bound<'py, Self>,

@@ -38,8 +38,12 @@ pub struct ElementaryNumbers<const L: usize, const A: usize> {
 }
 
 macro_rules! elementary {
-    ($ln:ident, $atan2:ident, $float:ident, $bits:ty, $(#[$docs:meta])* $numbers:ident, terms: $ln_terms:literal $atan_terms:literal,
-     ln_2: $ln_2:literal + $ln_2_rest:literal, two_up: $two_up:literal, rests of pi: $pi:literal $half:literal $sixth:literal) => {
+    (
+        $ln:ident, $atan2:ident, $float:ident, $bits:ty, $(#[$docs:meta])* $numbers:ident,
+        terms: $ln_terms:literal $atan_terms:literal,
+        ln_2: $ln_2:literal + $ln_2_rest:literal, two_up: $two_up:literal,
+        rests of pi: $pi:literal $half:literal $sixth:literal
+    ) => {
         $(#[$docs])*
         pub const $numbers: ElementaryNumbers<$ln_terms, $atan_terms> = ElementaryNumbers {
             logarithm: {

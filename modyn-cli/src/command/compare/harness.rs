@@ -142,7 +142,8 @@ impl Harness<'_> {
                 "flat!(robot::runtime::InverseDynamicsDerivatives<[[f64; NV]; NV]>, dq, dqd);\n";
         }
         if has(Function::ForwardDynamicsDerivatives) {
-            types += "flat!(robot::runtime::ForwardDynamicsDerivatives<[f64; NV], [[f64; NV]; NV]>, qdd, dq, dqd, dtau);\n";
+            types += "flat!(robot::runtime::ForwardDynamicsDerivatives<[f64; NV], [[f64; NV]; \
+                      NV]>, qdd, dq, dqd, dtau);\n";
         }
         MAIN.replace("__ROBOT__", self.type_name)
             .replace("__NQ__", &model.nq().to_string())

@@ -215,7 +215,8 @@ fn summary(model: &Model, motion: &Motion, limits: bool) -> String {
     }
     if motion.lowest.is_finite() || limits {
         out += &format!(
-            "the impulses of a step leave velocities wrong by at most {:.1e} m/s at contacts and {:.1e} rad/s or m/s at joint \
+            "the impulses of a step leave velocities wrong by at most {:.1e} m/s at contacts and \
+             {:.1e} rad/s or m/s at joint \
              stops\n",
             motion.residual.contacts, motion.residual.stops
         );

@@ -60,7 +60,8 @@ pub fn of(model: &Model, motion: &Motion) -> String {
         top = draw_energies(&mut body, &energies, &times, end, top);
     }
     format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {top:.0}\" width=\"{WIDTH}\" height=\"{top:.0}\" \
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {top:.0}\" \
+         width=\"{WIDTH}\" height=\"{top:.0}\" \
          font-family=\"Helvetica, Arial, sans-serif\" fill=\"{INK}\" role=\"img\">\n\
          <title>A motion of {name}</title>\n\
          <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n\

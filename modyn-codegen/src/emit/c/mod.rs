@@ -206,9 +206,12 @@ impl Printer {
         let numbers: Vec<String> = numbers.iter().map(|&x| literal(x, self.float)).collect();
         let _ = writeln!(
             self.header,
-            "/* The parameters that functions `.._with` take, by default as in the description: the acceleration of free\n   \
-             fall if that is one; then for each link with a run-time inertia its mass, centre of mass, and inertia Ixx, Ixy,\n   \
-             Ixz, Iyy, Iyz, Izz about that in the link's axes; then the same of each payload, by default none. Nothing\n   \
+            "/* The parameters that functions `.._with` take, by default as in the description: \
+             the acceleration of free\n   \
+             fall if that is one; then for each link with a run-time inertia its mass, centre of \
+             mass, and inertia Ixx, Ixy,\n   \
+             Ixz, Iyy, Iyz, Izz about that in the link's axes; then the same of each payload, by \
+             default none. Nothing\n   \
              checks them. */\n\
              #define {upper}_PARAMETERS {count}\nextern const {real} {}_default_parameters[{count}];\n",
             self.prefix

@@ -56,7 +56,8 @@ pub(super) fn print(
         for Range { start, end } in &block.terms {
             let _ = writeln!(
                 text,
-                "            for (k = {start}; k < {end}; k++) {{\n                {is_row} {{{added} }}\n            }}"
+                "            for (k = {start}; k < {end}; k++) {{\n                {is_row} \
+                 {{{added} }}\n            }}"
             );
         }
         for (m, targets) in products.targets.iter().enumerate() {
@@ -91,7 +92,8 @@ pub(super) fn print(
     for first in products.transposed() {
         let _ = writeln!(
             text,
-            "    {{\n        int i, j;\n        for (j = 0; j < {n}; j++) {{\n            for (i = 0; i <= j; i++) {{\n                \
+            "    {{\n        int i, j;\n        for (j = 0; j < {n}; j++) {{\n            for (i = \
+             0; i <= j; i++) {{\n                \
              const {real} sum = out[{first} + {n} * j + i] + out[{first} + {n} * i + j];\n                \
              out[{first} + {n} * j + i] = sum;\n                out[{first} + {n} * i + j] = sum;\n            \
              }}\n        }}\n    }}"

@@ -30,8 +30,10 @@ impl Printer {
         };
         let _ = writeln!(
             self.header,
-            "/* Moves the state `q`, `qd` by `steps` steps of `{}`. `controls` has {nv} joint forces for each step.\n   \
-             `trajectory` receives {state} numbers for each step, q and qd after it; it may be null.{impulses} */\n{head};\n",
+            "/* Moves the state `q`, `qd` by `steps` steps of `{}`. `controls` has {nv} joint \
+             forces for each step.\n   \
+             `trajectory` receives {state} numbers for each step, q and qd after it; it may be \
+             null.{impulses} */\n{head};\n",
             step.name
         );
         let forces = format!("&controls[step * {nv}]");

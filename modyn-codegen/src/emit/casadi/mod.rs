@@ -114,8 +114,10 @@ fn print(robot: &PlannedRobot<'_>) -> String {
         print_function(&mut printer, &mut patterns, (&function.full_name(&prefix), function));
     }
     format!(
-        "/* Dynamics of a robot, compiled by modyn for CasADi. SI units, radians; gravity {:?} m/s^2 in world axes.\n   \
-         Vectors are in the order of the description's joints, depth first. Quaternions of any length but 0 are scaled to\n   \
+        "/* Dynamics of a robot, compiled by modyn for CasADi. SI units, radians; gravity {:?} \
+         m/s^2 in world axes.\n   \
+         Vectors are in the order of the description's joints, depth first. Quaternions of any \
+         length but 0 are scaled to\n   \
          length 1; one of length 0 is the identity, without derivatives. Results must not overlap inputs. */\n\
          #include <math.h>\n\n{HEAD}{}{}\
          /* The inputs that are null. */\nstatic const double modyn_zeros[{zeros}] = {{ 0 }};\n\n{}",
@@ -173,7 +175,8 @@ fn print_function(
     }
     let _ = writeln!(
         text,
-        "CASADI_SYMBOL_EXPORT int {name}(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem)\n{{"
+        "CASADI_SYMBOL_EXPORT int {name}(const casadi_real** arg, casadi_real** res, casadi_int* \
+         iw, casadi_real* w, int mem)\n{{"
     );
     *text += &body(name, inputs, outputs);
     *text += "}\n\n";
@@ -194,7 +197,8 @@ fn print_function(
         {
             let _ = writeln!(
                 text,
-                "CASADI_SYMBOL_EXPORT {kind} {name}_{what}_{end}(casadi_int i)\n{{\n    switch (i) {{\n{cases}    default: return 0;\n    }}\n}}\n"
+                "CASADI_SYMBOL_EXPORT {kind} {name}_{what}_{end}(casadi_int i)\n{{\n    switch (i) \
+                 {{\n{cases}    default: return 0;\n    }}\n}}\n"
             );
         }
     }
@@ -208,7 +212,8 @@ fn print_function(
         let end = if in_bytes { "_bytes" } else { "" };
         let _ = writeln!(
             text,
-            "CASADI_SYMBOL_EXPORT int {name}_work{end}(casadi_int* sz_arg, casadi_int* sz_res, casadi_int* sz_iw, casadi_int* sz_w)\n{{"
+            "CASADI_SYMBOL_EXPORT int {name}_work{end}(casadi_int* sz_arg, casadi_int* sz_res, \
+             casadi_int* sz_iw, casadi_int* sz_w)\n{{"
         );
         for (array, size, kind) in sizes {
             let factor =
@@ -266,7 +271,8 @@ fn body(name: &str, inputs: &[CasadiMatrix], outputs: &[CasadiMatrix]) -> String
                 let len = matrix.len();
                 let _ = writeln!(
                     text,
-                    "    if (res[{k}] != 0) {{\n        for (i = 0; i < {len}; i++) {{ res[{k}][i] = w[{first} + i]; }}\n    }}"
+                    "    if (res[{k}] != 0) {{\n        for (i = 0; i < {len}; i++) {{ res[{k}][i] \
+                     = w[{first} + i]; }}\n    }}"
                 );
                 first += len;
             }

@@ -177,7 +177,8 @@ impl Dialect for Cuda {
             let _ = writeln!(head, "    {} += state;", argument.name);
         }
         format!(
-            "{docs}extern \"C\" __global__ void __launch_bounds__({BLOCK}, 1) {}({parameters}, unsigned int count)\n{{\n\
+            "{docs}extern \"C\" __global__ void __launch_bounds__({BLOCK}, 1) {}({parameters}, \
+             unsigned int count)\n{{\n\
              {THREAD}{head}    out += state;\n{body}}}\n\n",
             kernel.name,
         )

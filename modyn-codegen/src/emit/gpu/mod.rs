@@ -267,8 +267,10 @@ fn head(dialect: &dyn Dialect, model: &Model, prefix: &str) -> String {
     let [x, y, z] = model.gravity();
     let mut text = format!(
         "// Dynamics of a robot, compiled by modyn: a kernel a function, a thread a state. SI units, radians;\n\
-         // gravity ({x:?}, {y:?}, {z:?}) m/s^2 in world axes. Scalar j of state i of n states is number j n + i of its\n\
-         // buffer. Vectors are in the order of the description's joints, depth first; matrices are arrays of columns.\n"
+         // gravity ({x:?}, {y:?}, {z:?}) m/s^2 in world axes. Scalar j of state i of n states is \
+         number j n + i of its\n\
+         // buffer. Vectors are in the order of the description's joints, depth first; matrices \
+         are arrays of columns.\n"
     );
     text += &list("Coordinates q", &model.coordinate_names());
     text += &list("Velocities qd, accelerations and joint forces", &model.velocity_names());

@@ -296,8 +296,10 @@ fn constrained_step<'a>(
 /// Returns the documentation of a kernel.
 fn docs(options: &RolloutOptions) -> String {
     let mut text = String::from(
-        "// Integrates the motion of one state in each thread, over many steps. Rollout i starts from initial state i modulo\n\
-         // `starts`. Number j of step k of n rollouts is number (k size + j) n + i of `controls` and of `trajectory`. `out`\n\
+        "// Integrates the motion of one state in each thread, over many steps. Rollout i starts \
+         from initial state i modulo\n\
+         // `starts`. Number j of step k of n rollouts is number (k size + j) n + i of `controls` \
+         and of `trajectory`. `out`\n\
          // and the sets of `trajectory` are the coordinates, then the velocities, after a step.\n",
     );
     if options.cost.is_some() {

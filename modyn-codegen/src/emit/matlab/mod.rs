@@ -234,7 +234,8 @@ impl Printer<'_> {
             value => format!("    out = {value};\n"),
         };
         let text = format!(
-            "function out = {name}({})\n%{} {docs}\n%   Numbers of the result: {}. Arguments and results have a column for each state.\n\
+            "function out = {name}({})\n%{} {docs}\n%   Numbers of the result: {}. Arguments and \
+             results have a column for each state.\n\
              {body}{value}end\n{}{}",
             parameters.join(", "),
             name.to_uppercase(),
@@ -249,7 +250,8 @@ impl Printer<'_> {
     fn default_parameters(&self, numbers: &[f64]) -> File {
         let numbers: Vec<String> = numbers.iter().map(|&x| literal(x)).collect();
         let text = format!(
-            "function params = default_parameters()\n%DEFAULT_PARAMETERS Returns the run-time parameters of the description.\n    \
+            "function params = default_parameters()\n%DEFAULT_PARAMETERS Returns the run-time \
+             parameters of the description.\n    \
              params = [{}];\nend\n",
             numbers.join("; ")
         );

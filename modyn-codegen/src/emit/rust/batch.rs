@@ -188,7 +188,8 @@ impl Robot<'_> {
                 format!(
                     "/// {summary}\n///\n/// {docs}{for_all}\n///\n/// # Errors\n///\n\
                      /// If the arguments hold different numbers of states.\n\
-                     pub fn {name}_{suffix}{with}({first}{}) -> ::core::result::Result<(), __modyn::BatchError> {{\n{body}}}\n",
+                     pub fn {name}_{suffix}{with}({first}{}) -> ::core::result::Result<(), \
+                     __modyn::BatchError> {{\n{body}}}\n",
                     arguments.join(", ")
                 )
             };
@@ -196,7 +197,8 @@ impl Robot<'_> {
             *text += &form(
                 "batch",
                 &by_columns,
-                "Computes many states: each slice holds one entry for each state. Results are written to the last arguments.",
+                "Computes many states: each slice holds one entry for each state. Results are \
+                 written to the last arguments.",
                 &format!(
                     "{unpacked}    __modyn::batch::run{flagged}({kernel}, {inputs}, {outputs})\n"
                 ),
@@ -204,7 +206,8 @@ impl Robot<'_> {
             let parallel = form(
                 "batch_par",
                 &by_columns,
-                "Computes many states on all cores: each slice holds one entry for each state. Results are written to the\n/// last arguments.",
+                "Computes many states on all cores: each slice holds one entry for each state. \
+                 Results are written to the\n/// last arguments.",
                 &format!(
                     "{unpacked}    __modyn::batch::run_parallel{flagged}({kernel}, {inputs}, {outputs})\n"
                 ),

@@ -64,7 +64,8 @@ impl Robot<'_> {
         if by_link {
             parameters.push("link: usize".into());
             arguments.push("link".into());
-            notes += "///\n/// `link` is an index in the description's order. Returns false, and writes nothing, if there is no such link.\n";
+            notes += "///\n/// `link` is an index in the description's order. Returns false, and \
+                      writes nothing, if there is no such link.\n";
         }
         let returned = match (scalar, by_link) {
             (true, _) => format!(" -> {float}"),

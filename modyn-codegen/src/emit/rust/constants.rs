@@ -39,14 +39,17 @@ impl Robot<'_> {
              pub const JOINT_NAMES: [&'static str; {}] = {joints:?};\n\
              /// The names of all links of the description, in its order.\n\
              pub const LINK_NAMES: [&'static str; {links}] = {link_names:?};\n\
-             /// For each link of `LINK_NAMES`, the index there of its parent: for a moving link, the moving link that its\n\
+             /// For each link of `LINK_NAMES`, the index there of its parent: for a moving link, \
+             the moving link that its\n\
              /// joint is on; for a link that is fixed to a moving link, that link. `None` is the world.\n\
              pub const LINK_PARENTS: [::core::option::Option<usize>; {links}] = [{link_parents}];\n\
-             /// The name of each entry of `q`: the joint's name, and the component for joints with several coordinates.\n\
+             /// The name of each entry of `q`: the joint's name, and the component for joints \
+             with several coordinates.\n\
              pub const COORDINATE_NAMES: [&'static str; {nq}] = {:?};\n\
              /// The name of each entry of `qd`.\n\
              pub const VELOCITY_NAMES: [&'static str; {nv}] = {:?};\n\
-             /// The quaternions in `q`, which must have length 1: each joint's name, and the index in `q` of the quaternion's\n\
+             /// The quaternions in `q`, which must have length 1: each joint's name, and the \
+             index in `q` of the quaternion's\n\
              /// x.\n\
              pub const QUATERNIONS: [(&'static str, usize); {}] = {quaternions:?};\n\
              /// The neutral coordinates: zero for every joint, the identity for quaternions.\n\
@@ -92,8 +95,10 @@ impl Robot<'_> {
             let OperationCount { multiplications, additions, divisions, sin_cos, others } = count;
             let _ = writeln!(
                 text,
-                "/// The operations of a call of `{quantity}`; for a function of one link, those of the most expensive link.\n\
-                 pub const {}_OPERATIONS: __modyn::OperationCount = __modyn::OperationCount {{ multiplications: {multiplications}, \
+                "/// The operations of a call of `{quantity}`; for a function of one link, those \
+                 of the most expensive link.\n\
+                 pub const {}_OPERATIONS: __modyn::OperationCount = __modyn::OperationCount {{ \
+                 multiplications: {multiplications}, \
                  additions: {additions}, divisions: {divisions}, sin_cos: {sin_cos}, others: {others} }};",
                 quantity.to_uppercase()
             );

@@ -80,7 +80,8 @@ impl Robot<'_> {
         let names: Vec<&str> = parameters.iter().map(|p| p.name).collect();
         let _ = writeln!(
             text,
-            "fn {name}<T: __modyn::Scalar>({}) -> {} {{\n    let bodies = {name}_of_bodies({});\n    [\n{poses}    ]\n}}\n",
+            "fn {name}<T: __modyn::Scalar>({}) -> {} {{\n    let bodies = \
+             {name}_of_bodies({});\n    [\n{poses}    ]\n}}\n",
             typed.join(", "),
             quantity.shape.type_of("T"),
             names.join(", "),

@@ -75,7 +75,8 @@ impl Robot<'_> {
         let _ = writeln!(
             text,
             "impl {name} {{\n\
-             /// Returns whether this processor has the instructions of the machine code: {needs}. All other functions that\n\
+             /// Returns whether this processor has the instructions of the machine code: {needs}. \
+             All other functions that\n\
              /// compute panic without them.\n\
              #[must_use]\n\
              pub fn is_supported() -> bool {{\n    {OBJECT}::__is_supported() != 0\n}}\n}}\n"
@@ -153,7 +154,8 @@ impl Robot<'_> {
         let call = |out: &str| format!("let _ = {OBJECT}::{name}({pointers}{out});");
         let direct = format!(
             "let mut result = ::core::mem::MaybeUninit::<{returned}>::uninit();\n\
-             // SAFETY: the object's function reads and writes as many numbers as the types have, and writes all of the\n\
+             // SAFETY: the object's function reads and writes as many numbers as the types have, \
+             and writes all of the\n\
              // result. The processor has its instructions.\n\
              #[allow(unsafe_code)]\n\
              unsafe {{\n{}\nresult.assume_init()\n}}\n",

@@ -93,7 +93,8 @@ impl Robot<'_> {
         }
         let _ = writeln!(
             text,
-            "/// Checks that the quaternions of spherical and floating joints in `q` have length 1, to half of the scalar's\n\
+            "/// Checks that the quaternions of spherical and floating joints in `q` have length \
+             1, to half of the scalar's\n\
              /// digits. No other function checks them, and accelerations are wrong with other lengths.\n///\n\
              /// # Errors\n///\n/// Names the first joint whose quaternion does not have length 1.\n\
              pub fn check_configuration(q: &[{float}; {nq}]) -> \

@@ -150,7 +150,8 @@ impl Robot<'_> {
         let path = &self.options.crate_path;
         let _ = writeln!(
             text,
-            "#[allow(clippy::all, clippy::pedantic, clippy::nursery, dead_code, unused_imports, unused_variables, non_snake_case)]\n\
+            "#[allow(clippy::all, clippy::pedantic, clippy::nursery, dead_code, unused_imports, \
+             unused_variables, non_snake_case)]\n\
              const _: () = {{\n\
              use {path} as __modyn;\n"
         );

@@ -97,7 +97,8 @@ impl Robot<'_> {
              impl<T: __modyn::Scalar> ::core::default::Default for {name}Params<T> {{\n\
              fn default() -> Self {{\n    Self {{ numbers: [{}] }}\n}}\n}}\n\
              impl<T> {name}Params<T> {{\n\
-             /// Returns the parameters with `f` applied to each number, for example to convert to another scalar. The\n\
+             /// Returns the parameters with `f` applied to each number, for example to convert to \
+             another scalar. The\n\
              /// results of `f` are not checked.\n\
              #[must_use]\n\
              pub fn map<U>(self, f: impl ::core::ops::FnMut(T) -> U) -> {name}Params<U> {{\n    \

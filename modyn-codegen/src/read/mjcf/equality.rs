@@ -117,7 +117,8 @@ impl<'e> Bodies<'e, '_, '_> {
         let subject = joint.map(|joint| self.description.joints[joint].subject());
         let message =
             "it follows another joint by a polynomial of a degree above one, which is not read";
-        let help = "write `polycoef=\"offset multiplier 0 0 0\"` for a linear relation, or `active=\"false\"`: both joints \
+        let help = "write `polycoef=\"offset multiplier 0 0 0\"` for a linear relation, or \
+                    `active=\"false\"`: both joints \
                     then move freely";
         self.report.error(Code::NotRead, at, subject.as_ref(), message, help);
     }

@@ -70,7 +70,8 @@ pub fn bounded(inertial: Option<Inertial>, settings: &Settings) -> Option<Inerti
 /// Reports a body whose inertia is not computed.
 pub fn report_missing(name: &str, at: usize, why: &str, report: &mut Report<'_>) {
     let message = format!("it has no `<inertial>`, and {why}");
-    let help = "write `<inertial>`, or give the geoms `mass=\"0\"`; MuJoCo writes each `<inertial>` if it reads the file with \
+    let help = "write `<inertial>`, or give the geoms `mass=\"0\"`; MuJoCo writes each \
+                `<inertial>` if it reads the file with \
                 `<compiler saveinertial=\"true\"/>` and `mj_saveLastXML` saves the model";
     let subject = Subject::Link(name.into());
     report.error(Code::MissingElement, at, Some(&subject), message, help);

@@ -45,7 +45,8 @@ pub fn check_free(
     if is_leaf && (align == "true" || align == "auto" && model.settings.align_free) {
         let message =
             "its frame would be moved to the principal axes of inertia, which is not read";
-        let help = "write `align=\"false\"`: the coordinates are then those of the body's frame, not of the frame along its \
+        let help = "write `align=\"false\"`: the coordinates are then those of the body's frame, \
+                    not of the frame along its \
                     principal axes of inertia";
         report.error(Code::NotRead, at, Some(&subject), message, help);
     }

@@ -282,7 +282,8 @@ impl Build<'_, '_, '_> {
                 tree.push(edge);
             }
         }
-        let message = "it connects links that other joints connect, so it closes a loop: it is a constraint, and has no \
+        let message = "it connects links that other joints connect, so it closes a loop: it is a \
+                       constraint, and has no \
                        coordinate";
         let help = "to choose another joint of the loop for this, write \
                     `<physics><simbody><must_be_loop_joint>true</must_be_loop_joint></simbody></physics>` in it";

@@ -143,7 +143,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
             "" | "file" if !rest.is_empty() && store.exists(&beside) => beside,
             "" | "file" | "model" | "package" => self.model_path(rest).ok_or_else(|| {
                 format!(
-                    "files are looked for beside this file, in the folders around the first file, and in the folders of \
+                    "files are looked for beside this file, in the folders around the first file, \
+                     and in the folders of \
                      the variable {}",
                     MODEL_PATHS[..2].join(" or ")
                 )

@@ -192,7 +192,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
             let value = self.number(node, name, subject).unwrap_or(0.0);
             if value < 0.0 {
                 let message = format!("`<{name}>` is {value}");
-                let help = "write a number of at least 0: damping and friction oppose the motion, and springs pull back";
+                let help = "write a number of at least 0: damping and friction oppose the motion, \
+                            and springs pull back";
                 let code = Code::NegativeJointDynamics;
                 self.xml.report.error(code, at, subject, message, help);
             }

@@ -29,7 +29,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         if is_weightless(node) {
             let message =
                 "`<inertial>` has no `<mass>`, and its inertia is zero: the link has no mass";
-            let help = "write `<mass value=\"1.5\"/>` and its inertia, or remove `<inertial>`; urdfdom does not read it either";
+            let help = "write `<mass value=\"1.5\"/>` and its inertia, or remove `<inertial>`; \
+                        urdfdom does not read it either";
             let at = node.range().start;
             self.xml.report.add(
                 Severity::Warning,

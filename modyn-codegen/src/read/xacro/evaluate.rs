@@ -506,7 +506,8 @@ fn compare(operator: &str, left: &Value, right: &Value) -> Result<bool, String> 
         "in" => contains(left, right)?,
         "not in" => !contains(left, right)?,
         _ => {
-            let comparable = !matches!((left, right), (Value::Text(_), other) | (other, Value::Text(_)) if !matches!(other, Value::Text(_)));
+            let is_text = |value: &Value| matches!(value, Value::Text(_));
+            let comparable = is_text(left) == is_text(right);
             let order = left.compare(right);
             if order.is_none()
                 && (!comparable || left.number().is_none() || right.number().is_none())

@@ -132,7 +132,8 @@ impl Expander<'_, '_> {
                 let default =
                     rest.split_once(char::is_whitespace).map_or("", |(_, default)| default);
                 self.warn(&format!(
-                    "`$({text})` is \"{default}\": variables of the environment are not read, so that every build is the same"
+                    "`$({text})` is \"{default}\": variables of the environment are not read, so \
+                     that every build is the same"
                 ));
                 Ok(Value::text(default.trim()))
             }
@@ -157,7 +158,8 @@ impl Expander<'_, '_> {
         Err(Fault::with_help(
             format!("the argument `{name}` has no value{}", meant.unwrap_or_default()),
             format!(
-                "give it by the option `xacro_args = [\"{name}\": \"value\"]`, or write `<xacro:arg name=\"{name}\" default=\"...\"/>`"
+                "give it by the option `xacro_args = [\"{name}\": \"value\"]`, or write \
+                 `<xacro:arg name=\"{name}\" default=\"...\"/>`"
             ),
         ))
     }

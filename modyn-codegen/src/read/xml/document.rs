@@ -160,7 +160,8 @@ pub fn parse<'t>(
 }
 
 /// The advice for files of Universal Scene Description.
-pub const USD_HELP: &str = "convert it to URDF: `pip install nvidia-srl-usd-to-urdf`, then `usd_to_urdf robot.usd -o FOLDER`";
+pub const USD_HELP: &str = "convert it to URDF: `pip install nvidia-srl-usd-to-urdf`, then \
+                            `usd_to_urdf robot.usd -o FOLDER`";
 
 /// The character that replaces the colon after a prefix. No name of URDF and SDF contains it.
 pub const PREFIX_END: char = '.';

@@ -70,4 +70,5 @@ impl<'t> Tags<'t> {
     }
 }
 
-const HELP: &str = "remove everything that is not part of the robot's dynamics; valid descriptions stay below the limit";
+const HELP: &str = "remove everything that is not part of the robot's dynamics; valid descriptions \
+                    stay below the limit";

@@ -75,8 +75,10 @@ impl Printer<'_> {
             let sum = self.sum(&entries[0], &self.one(&entries[1]));
             let _ = writeln!(
                 text,
-                "    let mut column = 0;\n    while column < {} {{\n        let mut row = 0;\n        while row <= column {{\n            \
-                 let sum = {sum};\n            {} = sum;\n            {} = sum;\n            row += 1;\n        }}\n        \
+                "    let mut column = 0;\n    while column < {} {{\n        let mut row = \
+                 0;\n        while row <= column {{\n            \
+                 let sum = {sum};\n            {} = sum;\n            {} = sum;\n            row \
+                 += 1;\n        }}\n        \
                  column += 1;\n    }}",
                 products.rows, entries[0], entries[1]
             );
@@ -105,7 +107,8 @@ impl Printer<'_> {
         let mut print = |Range { start, end }: Range<usize>, statement: String| {
             let _ = writeln!(
                 text,
-                "        let mut row = {start};\n        while row < {end} {{\n            {statement};\n            row += 1;\n        }}"
+                "        let mut row = {start};\n        while row < {end} {{\n            \
+                 {statement};\n            row += 1;\n        }}"
             );
         };
         let rows = target.rows_of(block);
@@ -194,7 +197,8 @@ fn vectors(
     for Range { start, end } in &block.terms {
         let _ = writeln!(
             text,
-            "        let mut term = {start};\n        while term < {end} {{\n            let factors = [{factors}];\n            \
+            "        let mut term = {start};\n        while term < {end} {{\n            let \
+             factors = [{factors}];\n            \
              let (mut row, mut r) = ({first}, 0);\n            while r < {vectors} {{\n                \
              let a = V::Four::pack([{rows}]);"
         );
