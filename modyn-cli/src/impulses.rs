@@ -114,7 +114,9 @@ impl Impulses {
     pub fn step(
         &mut self,
         interpreter: &mut Interpreter<f64>,
-        (q, qd, tau): (&[f64], &[f64], &[f64]),
+        q: &[f64],
+        qd: &[f64],
+        tau: &[f64],
         settings: &ConstraintSettings<f64, Vec<ContactTarget<f64>>>,
         dt: f64,
     ) -> Result<Step, FrameError> {
@@ -233,7 +235,7 @@ pub fn closed_start(model: &Model) -> Option<Vec<f64>> {
     let interpreter = Interpreter::<f64>::new(model.clone());
     let mut q = vec![0.0; model.nq()];
     interpreter.neutral(&mut q).ok()?;
-    let close = |q: Vec<f64>| close_loops(model, (q, vec![0.0; model.nv()])).ok().map(|(q, _)| q);
+    let close = |q: Vec<f64>| close_loops(model, q, vec![0.0; model.nv()]).ok().map(|(q, _)| q);
     let mut random = Random::new(1);
     close(q.clone()).or_else(|| {
         (0..MAX_STARTS).find_map(|_| {
@@ -266,7 +268,8 @@ pub enum OpenLoop {
 /// If a length is not the model's, or a loop cannot be closed from there.
 pub fn close_loops(
     model: &Model,
-    (mut q, mut qd): (Vec<f64>, Vec<f64>),
+    mut q: Vec<f64>,
+    mut qd: Vec<f64>,
 ) -> Result<(Vec<f64>, Vec<f64>), OpenLoop> {
     if model.loop_constraints().is_empty() {
         return Ok((q, qd));

@@ -373,11 +373,11 @@ impl Builder {
         let backend = target.backend();
         let builder = self.clone().scalar(backend.scalar(self.options.code.scalar));
         let mut inputs = builder.inputs_without(backend.refused())?;
-        let robot = (&inputs.model, &inputs.modules);
-        let planned = backend.plan(robot, &inputs.choices, &inputs.options);
+        let Inputs { model, modules, choices, options, .. } = &inputs;
+        let planned = backend.plan(model, modules, choices, options);
         let plan = planned.map_err(|reason| inputs.too_long(&reason))?;
         let lacking = left_out(target, self.selected());
-        let casadi = without_hessian(&plan.casadi.without_hessian, &inputs.options.prefix(robot.0));
+        let casadi = without_hessian(&plan.casadi.without_hessian, &options.prefix(model));
         inputs.options.warnings.extend(lacking.into_iter().chain(casadi));
         inputs.options.warnings.extend(invalid_programs(&plan));
         Ok((plan, inputs))

@@ -87,7 +87,7 @@ impl GpuRobot {
     fn pipeline(&self, index: usize) -> Result<wgpu::ComputePipeline, GpuError> {
         let kernel = &self.source.kernels[index];
         let written = kernel.arguments.iter().map(|_| false).chain([true]);
-        self.pipelines.get(&self.gpu, &self.module, (index, &kernel.name), written)
+        self.pipelines.get(&self.gpu, &self.module, index, &kernel.name, written)
     }
 }
 

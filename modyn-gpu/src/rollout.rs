@@ -255,7 +255,7 @@ impl Rollout {
     fn pipeline(&self, index: usize) -> Result<wgpu::ComputePipeline, GpuError> {
         let written = self.source.buffers.iter().map(|buffer| buffer.is_result());
         let name = &self.source.rollouts[index].name;
-        self.pipelines.get(&self.gpu, &self.module, (index, name), written)
+        self.pipelines.get(&self.gpu, &self.module, index, name, written)
     }
 }
 

@@ -223,12 +223,12 @@ impl<'py, S: Number> Output<'py, S> {
         (out, given): (Option<&Bound<'py, PyAny>>, &[Given<'py, S>]),
     ) -> PyResult<Self> {
         let output = match (layout, out) {
-            (_, None) => return Self::allocated(py, (layout, length), states),
+            (_, None) => return Self::allocated(py, layout, length, states),
             (Layout::Array(leaf), Some(out)) => {
-                Self::array(py, function, (leaf, length), states, out)?
+                Self::array(py, function, leaf, length, states, out)?
             }
             (Layout::Tuple(class, fields), Some(out)) => {
-                Self::tuple(function, (class.name(), fields, length), states, out)?
+                Self::tuple(function, class.name(), fields, length, states, out)?
             }
         };
         // Arrays without a common base can have the same memory, by NumPy's `frombuffer`.
@@ -249,7 +249,8 @@ impl<'py, S: Number> Output<'py, S> {
 
     fn allocated(
         py: Python<'py>,
-        (layout, length): (&Layout, usize),
+        layout: &Layout,
+        length: usize,
         states: Option<usize>,
     ) -> PyResult<Self> {
         if let Layout::Array(leaf) = layout
@@ -268,7 +269,8 @@ impl<'py, S: Number> Output<'py, S> {
     fn array(
         py: Python<'py>,
         function: &str,
-        (leaf, length): (&Leaf, usize),
+        leaf: &Leaf,
+        length: usize,
         states: Option<usize>,
         out: &Bound<'py, PyAny>,
     ) -> PyResult<Self> {
@@ -303,14 +305,16 @@ impl<'py, S: Number> Output<'py, S> {
         }
         // The caller's memory has another order: the call must not write what it cannot.
         drop(writable(function, array)?);
-        let memory = Self::allocated(py, (&Layout::Array(leaf.clone()), length), states)?;
+        let memory = Self::allocated(py, &Layout::Array(leaf.clone()), length, states)?;
         Ok(Self { copied_to: Some(returned), ..memory })
     }
 
     /// Returns the output in the memory of an earlier result of the same function.
     fn tuple(
         function: &str,
-        (class, fields, length): (&str, &[(&'static str, Layout)], usize),
+        class: &str,
+        fields: &[(&'static str, Layout)],
+        length: usize,
         states: Option<usize>,
         out: &Bound<'py, PyAny>,
     ) -> PyResult<Self> {

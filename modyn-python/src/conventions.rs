@@ -36,7 +36,7 @@ fn array<'py, const N: usize>(
     py: Python<'py>,
     rows: impl ExactSizeIterator<Item = [f64; N]>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let array = filled(py, (&[rows.len(), N], false), |numbers| {
+    let array = filled(py, &[rows.len(), N], false, |numbers| {
         let places = numbers.as_chunks_mut::<N>().0.iter_mut();
         places.zip(rows).for_each(|(place, row)| *place = row);
         Ok(())

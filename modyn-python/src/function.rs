@@ -218,7 +218,7 @@ impl<S: Number> Typed<S> {
             }
             (Some((shape, is_fortran)), None) => {
                 let fill = |result: &mut [S]| self.one(&code, link, arguments, result);
-                Ok(filled(py, (shape, *is_fortran), fill)?.into_any())
+                Ok(filled(py, shape, *is_fortran, fill)?.into_any())
             }
             _ => {
                 let mut output =
@@ -251,7 +251,7 @@ impl<S: Number> Typed<S> {
         });
         let arguments = slices.collect::<PyResult<Vec<&[S]>>>()?;
         let threads = StartedThreads::new();
-        py.detach(|| self.many(link, &arguments, (states, result), &threads))?;
+        py.detach(|| self.many(link, &arguments, states, result, &threads))?;
         threads.finish()?;
         output.finish()
     }
@@ -294,7 +294,8 @@ impl<S: Number> Typed<S> {
         &self,
         link: Option<usize>,
         arguments: &[&[S]],
-        (states, result): (usize, &mut [S]),
+        states: usize,
+        result: &mut [S],
         pool: &dyn Pool,
     ) -> PyResult<()> {
         let code = self.code.read().unwrap_or_else(PoisonError::into_inner);

@@ -195,7 +195,7 @@ impl Robot {
         }
         let function = Function::ALL[index];
         self.check_has(function)?;
-        self.compiled(py, (self.builder.clone().functions([function]), Some(function)), slot)
+        self.compiled(py, self.builder.clone().functions([function]), Some(function), slot)
     }
 
     /// Checks that the robot has a function.
@@ -227,7 +227,8 @@ impl Robot {
     fn compiled<'s>(
         &self,
         py: Python<'_>,
-        (builder, function): (Builder, Option<Function>),
+        builder: Builder,
+        function: Option<Function>,
         slot: &'s Slot,
     ) -> PyResult<&'s dyn RobotFunction> {
         let planning = match (builder.plan(), function) {
@@ -716,7 +717,7 @@ impl Robot {
         let function = match slot.get() {
             Some(function) => &**function,
             None => {
-                self.compiled(py, (self.builder.clone().bundles([bundle.clone()]), None), slot)?
+                self.compiled(py, self.builder.clone().bundles([bundle.clone()]), None, slot)?
             }
         };
         let parameters = function.arguments();

@@ -189,7 +189,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let rollouts = arguments.rollout.options()?;
     if let (Some(language), Some(rollouts)) = (arguments.target.gpu(), &rollouts) {
-        return rollout(arguments, &builder, (language, rollouts), &description, &named);
+        return rollout(arguments, &builder, language, rollouts, &description, &named);
     }
     if target != Target::Rust {
         return source(arguments, &builder, target, &description, &named);
@@ -247,7 +247,8 @@ fn refuse_rust_options(arguments: &Arguments) -> Result<(), Failure> {
 fn rollout(
     arguments: &Arguments,
     builder: &Builder,
-    (language, rollouts): (GpuLanguage, &RolloutOptions),
+    language: GpuLanguage,
+    rollouts: &RolloutOptions,
     description: &Description,
     named: &impl Fn(Diagnostics) -> Failure,
 ) -> Result<(), Failure> {

@@ -255,7 +255,7 @@ struct Gradient {
 
 impl Gradient {
     /// Adds the part of one lane of a node with `width` lanes.
-    fn add_to_lane(&mut self, graph: &mut Graph, (lane, width): (u8, u8), change: Id) {
+    fn add_to_lane(&mut self, graph: &mut Graph, lane: u8, width: u8, change: Id) {
         if width == 1 {
             return add(graph, &mut self.sum, change);
         }
@@ -316,15 +316,21 @@ pub fn vjp(graph: &Graph, inputs: usize, wrt: Range<usize>) -> Graph {
                     let half = if lane < width / 2 { a } else { b };
                     if reached[half as usize] {
                         let change = result.make(Node::ExtractLane(gradient, lane));
-                        let place = (lane % (width / 2), graph.width(half));
-                        gradients[half as usize].add_to_lane(&mut result, place, change);
+                        let place = lane % (width / 2);
+                        let half_width = graph.width(half);
+                        gradients[half as usize].add_to_lane(
+                            &mut result,
+                            place,
+                            half_width,
+                            change,
+                        );
                     }
                 }
                 continue;
             }
             Node::ExtractLane(pack, lane) => {
-                let place = (lane, graph.width(pack));
-                gradients[pack as usize].add_to_lane(&mut result, place, gradient);
+                let width = graph.width(pack);
+                gradients[pack as usize].add_to_lane(&mut result, lane, width, gradient);
                 continue;
             }
             _ => {}

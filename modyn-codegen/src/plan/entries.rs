@@ -138,9 +138,9 @@ impl Arrays {
             DerivativeMode::Forward => forward(),
             DerivativeMode::Reverse => reverse(),
             DerivativeMode::Matrix => {
-                let columns = variables.iter().map(|&i| self.inputs[i]).sum();
-                let size = (self.outputs.iter().sum(), columns);
-                let columns = matrix(&forward().graph, &reverse().graph, all, size);
+                let width = variables.iter().map(|&i| self.inputs[i]).sum();
+                let height = self.outputs.iter().sum();
+                let columns = matrix(&forward().graph, &reverse().graph, all, height, width);
                 self.matrices(columns, variables)
             }
         }
@@ -217,8 +217,8 @@ impl EntryFunction {
             None if *feedback || *cost => {
                 let step = packing::on_scalars(*function, context);
                 let difference = packing::on_scalars(Function::Difference, context);
-                let extras = (*feedback, *cost);
-                optimize(context.tracer.with_extras(extras, settings, &step, &difference))
+                let tracer = &context.tracer;
+                optimize(tracer.with_extras(*feedback, *cost, settings, &step, &difference))
             }
             None => packing::on_scalars(*function, context),
         };

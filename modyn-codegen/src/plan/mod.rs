@@ -176,8 +176,7 @@ impl Plan {
         }
         let robot = SymbolicRobot::new(model, choices.parameters(model));
         let mut budget = Budget::new();
-        let form = (choices.share, choices.code, choices.machine_code);
-        let context = PlanContext::new(&robot, (model, modules), execution, form);
+        let context = PlanContext::new(&robot, model, modules, execution, choices);
         let sizes = context.sizes;
         let is_selected = |function: &Function| {
             let row = function.row();

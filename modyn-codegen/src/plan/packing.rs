@@ -70,7 +70,7 @@ pub(super) fn packed_by<'a>(
     let packing = Lowering::of(function).packing;
     let by_limbs = context.limbs.iter().flat_map(|limbs| {
         let tracer = context.tracer.packed(limbs);
-        candidates(function, context, (limbs, &tracer), trace)
+        candidates(function, context, limbs, &tracer, trace)
     });
     let has_columns =
         packing.has_columns() && context.has_vectors() && operations(scalar) <= MAX_COLUMNS;
@@ -90,7 +90,7 @@ pub(super) fn packed_bundle(
         let tracer = context.tracer.packed(limbs);
         graphs.packed(|function| {
             let trace = |tracer: &Tracer<'_>| context.graph(function, tracer);
-            let all = candidates(function, context, (limbs, &tracer), &trace);
+            let all = candidates(function, context, limbs, &tracer, &trace);
             all.into_iter().min_by_key(operations)
         })
     });
@@ -130,7 +130,8 @@ fn profitable(
 fn candidates(
     function: Function,
     context: &PlanContext<'_>,
-    (limbs, tracer): (&LimbPacking, &Tracer<'_>),
+    limbs: &LimbPacking,
+    tracer: &Tracer<'_>,
     trace: &dyn Fn(&Tracer<'_>) -> Graph,
 ) -> Vec<Graph> {
     match Lowering::of(function).packing {

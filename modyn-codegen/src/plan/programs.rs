@@ -208,7 +208,7 @@ impl PlanContext<'_> {
         }
         let packed = packing::packed(function, self, &graph);
         let straight = (&graph, packed.as_ref());
-        let looped = looped::recursion(function, self, straight).map(Kernels::of);
+        let looped = looped::recursion(function, self, &graph, packed.as_ref()).map(Kernels::of);
         let products = || dense::by_products(function, self, straight, scalars);
         match looped.or_else(products) {
             Some(kernels) => (kernels, None),
@@ -242,7 +242,7 @@ impl PlanContext<'_> {
         packed: Option<Graph>,
         scalars: usize,
     ) -> (Kernels, Option<InvalidProgram>) {
-        Kernels::lowered(graph, packed, scalars, (self.execution, self.share))
+        Kernels::lowered(graph, packed, scalars, self.execution, self.share)
     }
 }
 
@@ -255,7 +255,8 @@ impl Kernels {
         graph: &Graph,
         packed: Option<Graph>,
         scalars: usize,
-        (execution, share): (Execution, bool),
+        execution: Execution,
+        share: bool,
     ) -> (Self, Option<InvalidProgram>) {
         let packed = packed.map(|packed| match share {
             true => Program::repeated(&packed, scalars),

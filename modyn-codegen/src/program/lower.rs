@@ -231,11 +231,11 @@ impl<'a> Lowering<'a> {
         if let Some(apart) = &self.apart {
             let operands = &graph.outputs[apart.results..];
             let is_before = graph.live_from(operands);
-            self.push_nodes(fused, |i| is_before[i], (&mut angles, &mut unpacked));
+            self.push_nodes(fused, |i| is_before[i], &mut angles, &mut unpacked);
             let statement = self.push(Item::Apart);
             self.apart.iter_mut().for_each(|apart| apart.statement = statement);
         }
-        self.push_nodes(fused, |_| true, (&mut angles, &mut unpacked));
+        self.push_nodes(fused, |_| true, &mut angles, &mut unpacked);
     }
 
     /// Appends the statements of nodes that have none, of those that are `taken`.
@@ -243,7 +243,8 @@ impl<'a> Lowering<'a> {
         &mut self,
         fused: &[bool],
         taken: impl Fn(usize) -> bool,
-        (angles, unpacked): (&mut BTreeMap<Id, usize>, &mut BTreeMap<Id, usize>),
+        angles: &mut BTreeMap<Id, usize>,
+        unpacked: &mut BTreeMap<Id, usize>,
     ) {
         let graph = self.graph;
         for (i, node) in graph.nodes().iter().enumerate() {
@@ -321,13 +322,13 @@ impl<'a> Lowering<'a> {
         let at = |id| self.operand(id, width);
         match self.graph.node(id) {
             Node::Add(a, b) => match (self.product(a), self.product(b)) {
-                (Some(factors), _) => self.multiply_add(factors, false, (b, false), width),
-                (None, Some(factors)) => self.multiply_add(factors, false, (a, false), width),
+                (Some(factors), _) => self.multiply_add(factors, false, b, false, width),
+                (None, Some(factors)) => self.multiply_add(factors, false, a, false, width),
                 (None, None) => Operation::Add(at(a), at(b)),
             },
             Node::Sub(a, b) => match (self.product(a), self.product(b)) {
-                (_, Some(factors)) => self.multiply_add(factors, true, (a, false), width),
-                (Some(factors), None) => self.multiply_add(factors, false, (b, true), width),
+                (_, Some(factors)) => self.multiply_add(factors, true, a, false, width),
+                (Some(factors), None) => self.multiply_add(factors, false, b, true, width),
                 (None, None) => Operation::Subtract(at(a), at(b)),
             },
             Node::Mul(a, b) => Operation::Multiply(at(a), at(b)),
@@ -358,7 +359,8 @@ impl<'a> Lowering<'a> {
         &self,
         [mut a, b]: [Operand; 2],
         mut negative_product: bool,
-        (addend, mut negative_addend): (Id, bool),
+        addend: Id,
+        mut negative_addend: bool,
         lanes: u8,
     ) -> Operation {
         let cancel = |operand: &mut Operand, negative: &mut bool| {

@@ -203,7 +203,7 @@ fn stages(graph: &Graph) -> Vec<Stage> {
     let mut stages: Vec<Stage> = Vec::new();
     for ((_, width), ids) in &members {
         let outputs = ids.iter().copied().filter(|&id| needed[id as usize]).collect();
-        stages.push(Stage::new(graph, (*width, lanes(*width)), ids, outputs));
+        stages.push(Stage::new(graph, *width, lanes(*width), ids, outputs));
     }
     stages
 }
@@ -224,7 +224,7 @@ fn levels(graph: &Graph) -> Vec<usize> {
 }
 
 impl Stage {
-    fn new(graph: &Graph, (width, calls): (u8, u8), ids: &[Id], outputs: Vec<Id>) -> Self {
+    fn new(graph: &Graph, width: u8, calls: u8, ids: &[Id], outputs: Vec<Id>) -> Self {
         let members: BTreeSet<Id> = ids.iter().copied().collect();
         let input = |id: Id| match graph.node(id) {
             _ if members.contains(&id) => None,

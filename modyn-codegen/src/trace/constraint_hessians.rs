@@ -93,7 +93,7 @@ impl Tracer<'_> {
                     y.extend(&changes[first * WRENCH..][..WRENCH]);
                 }
             }
-            all.multiply_rows((&by_y, nv), &y, ny, 0..nv)
+            all.multiply_rows(&by_y, nv, &y, ny, 0..nv)
         };
         let by_q = through(&mut all, 0);
         let transposed: Vec<Id> = (0..nv * nv).map(|k| by_q[k % nv * nv + k / nv]).collect();

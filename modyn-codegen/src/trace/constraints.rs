@@ -37,7 +37,7 @@ struct ApartRows<'a> {
 impl DenseGraph {
     /// Returns the graph that `trace` makes with its dependent rows apart, which has this number of
     /// inputs and of right-hand sides.
-    fn new((first, sides): (usize, usize), trace: impl FnOnce(ApartRows<'_>) -> Graph) -> Self {
+    fn new(first: usize, sides: usize, trace: impl FnOnce(ApartRows<'_>) -> Graph) -> Self {
         let mut blocks = None;
         let graph = trace(ApartRows { first, sides, blocks: &mut blocks });
         let rows = blocks.map(|blocks| RowForm { blocks, sides });
@@ -95,8 +95,9 @@ impl Tracer<'_> {
     }
 
     fn around_rows(&self, layout: &UduLayout, unknowns: Unknowns, inputs: usize) -> DenseGraph {
-        let form = (inputs, unknowns.sides());
-        DenseGraph::new(form, |apart| self.solution(layout, unknowns, Some(apart)))
+        DenseGraph::new(inputs, unknowns.sides(), |apart| {
+            self.solution(layout, unknowns, Some(apart))
+        })
     }
 
     /// Returns the number of constrained rows of the robot.
@@ -132,9 +133,9 @@ impl Tracer<'_> {
         self.trace_groups(groups, |model, [q, qd, tau, active, settings]| {
             let apart = apart.map(|apart| (apart, self.rows()));
             let Some(limbs) = self.limbs else {
-                let sizes = (nv, model.constraints.len());
+                let count = model.constraints.len();
                 let inputs = [q, qd, tau, active, settings];
-                return unknowns.solve(model, layout, inputs, sizes, apart).concat();
+                return unknowns.solve(model, layout, inputs, nv, count, apart).concat();
             };
             let (contacts, merged) = self.merged_contacts(limbs, model.gravity);
             let partition = limbs.partition(layout.partition());
@@ -148,7 +149,7 @@ impl Tracer<'_> {
             ];
             let n = merged.nv();
             let count = contacts.count();
-            let [vectors, sixes, rest] = unknowns.solve(&merged, layout, inputs, (n, count), apart);
+            let [vectors, sixes, rest] = unknowns.solve(&merged, layout, inputs, n, count, apart);
             let vectors = vectors.chunks(n.max(1)).flat_map(|x| limbs.unpack_vector(x, nv));
             let sixes = sixes.chunks((6 * count).max(1)).flat_map(|x| contacts.unpack(x, 6));
             vectors.chain(sixes).chain(rest).collect()
@@ -189,7 +190,7 @@ impl Tracer<'_> {
         inputs: usize,
     ) -> DenseGraph {
         let sides = 1 + self.rows();
-        DenseGraph::new((inputs, sides), |apart| self.derivatives(layout, Some(apart)))
+        DenseGraph::new(inputs, sides, |apart| self.derivatives(layout, Some(apart)))
     }
 
     /// Returns the same graph with the derivatives with respect to q and qd as products.
@@ -200,9 +201,9 @@ impl Tracer<'_> {
         inputs: usize,
     ) -> DenseGraph {
         let mut products = None;
-        let form = (inputs, 1 + self.rows());
-        let around =
-            DenseGraph::new(form, |apart| self.by_products(layout, Some(apart), &mut products));
+        let around = DenseGraph::new(inputs, 1 + self.rows(), |apart| {
+            self.by_products(layout, Some(apart), &mut products)
+        });
         let dense = match around.rows {
             Some(_) => around,
             None => DenseGraph { graph: self.by_products(layout, None, &mut products), ..around },
@@ -315,8 +316,7 @@ impl Tracer<'_> {
     /// [`constrained_forward_dynamics_around_rows`](Self::constrained_forward_dynamics_around_rows).
     #[must_use]
     pub fn operational_inertia_around_rows(&self, layout: &UduLayout, inputs: usize) -> DenseGraph {
-        let form = (inputs, self.rows());
-        DenseGraph::new(form, |apart| self.inertia(layout, Some(apart)))
+        DenseGraph::new(inputs, self.rows(), |apart| self.inertia(layout, Some(apart)))
     }
 
     fn inertia(&self, layout: &UduLayout, apart: Option<ApartRows<'_>>) -> Graph {
@@ -355,7 +355,7 @@ impl Tracer<'_> {
         let count = self.model.contacts();
         let groups = [nq, nv, nv, 1, settings_count(self.model)];
         self.trace_groups(groups, |model, [q, qd, tau, dt, settings]| {
-            self.problem(layout, model, (&[q, qd, tau, settings], dt[0]), [nv, count]).concat()
+            self.problem(layout, model, &[q, qd, tau, settings], dt[0], [nv, count]).concat()
         })
     }
 
@@ -370,7 +370,7 @@ impl Tracer<'_> {
         let groups = [nq, nv, nv, 1, 3 * count, settings_count(self.model)];
         self.trace_groups(groups, |model, [q, qd, tau, dt, mut impulses, settings]| {
             let inputs = [q, qd, tau, settings];
-            let mut parts = self.problem(layout, model, (&inputs, dt[0]), [nv, count]);
+            let mut parts = self.problem(layout, model, &inputs, dt[0], [nv, count]);
             let [qd, heights, before, free, mobility, responses] = &mut parts;
             let [q, .., settings] = &inputs;
             let vectors = |numbers: &[Expr]| -> Vec<Vector3<Expr>> {
@@ -401,7 +401,8 @@ impl Tracer<'_> {
         &self,
         layout: &UduLayout,
         model: &Mechanism<Expr>,
-        ([q, qd, tau, settings], dt): (&[Vec<Expr>; 4], Expr),
+        [q, qd, tau, settings]: &[Vec<Expr>; 4],
+        dt: Expr,
         [nv, count]: [usize; 2],
     ) -> [Vec<Expr>; 6] {
         let Some(limbs) = self.limbs else {
@@ -500,7 +501,8 @@ impl Unknowns {
         tree: &T,
         layout: &T::Layout,
         [q, qd, tau, active, settings]: [Vec<Expr>; 5],
-        (nv, count): (usize, usize),
+        nv: usize,
+        count: usize,
         apart: Option<(ApartRows<'_>, usize)>,
     ) -> [Vec<Expr>; 3] {
         let vector = || vec![Expr::zero(); nv];

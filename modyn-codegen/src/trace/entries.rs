@@ -119,7 +119,8 @@ impl Tracer<'_> {
     #[must_use]
     pub fn with_extras(
         &self,
-        (feedback, cost): (bool, bool),
+        feedback: bool,
+        cost: bool,
         settings: usize,
         step: &Graph,
         difference: &Graph,
@@ -288,10 +289,10 @@ impl Tracer<'_> {
         let mut all = Composition::new();
         let x = all.inputs(inputs.all);
         let dx = all.inputs(inputs.all);
-        let dynamics = ForwardDynamics::new(&mut all, inputs.clone(), (value, inverse), x);
+        let dynamics = ForwardDynamics::new(&mut all, inputs.clone(), value, inverse, x);
         let zeros = vec![all.constant(0.0); dynamics.qdd.len()];
         let dz = inputs.with_accelerations(&dx, &zeros);
-        let change = dynamics.change(&mut all, &dx[inputs.last], (0..inputs.all, &dz));
+        let change = dynamics.change(&mut all, &dx[inputs.last], 0..inputs.all, &dz);
         all.with_outputs(&[&change])
     }
 
@@ -301,7 +302,7 @@ impl Tracer<'_> {
         let mut all = Composition::new();
         let x = all.inputs(inputs.all);
         let weights = all.inputs(self.model.nv);
-        let dynamics = ForwardDynamics::new(&mut all, inputs.clone(), (value, inverse), x);
+        let dynamics = ForwardDynamics::new(&mut all, inputs.clone(), value, inverse, x);
         let (by_tau, gradients) = dynamics.gradients(&mut all, &weights, 0..inputs.all);
         all.with_outputs(&[&inputs.with_accelerations(&gradients, &by_tau)])
     }

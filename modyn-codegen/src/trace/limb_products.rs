@@ -78,7 +78,7 @@ impl LimbMatrices {
     }
 
     /// Returns the place of `k` relative to the limb of an entry, the same for all lanes of a pack.
-    fn relative(&self, (row, column): (usize, usize), k: usize) -> (usize, usize) {
+    fn relative(&self, row: usize, column: usize, k: usize) -> (usize, usize) {
         let own_place = self.places[k];
         let Some(group) = own_place.group else { return (own_place.merged, 0) };
         let entry = [row, column].map(|entry| self.places[entry]);
@@ -101,7 +101,7 @@ impl LimbMatrices {
                 for k in 0..n {
                     let factors = (a[k * n + row], b[column * n + k]);
                     if factors.0 != zero && factors.1 != zero {
-                        let lanes = terms.entry(self.relative((row, column), k)).or_default();
+                        let lanes = terms.entry(self.relative(row, column, k)).or_default();
                         lanes.resize(lanes.len().max(lane + 1), (zero, zero));
                         lanes[lane] = factors;
                     }

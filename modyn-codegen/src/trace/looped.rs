@@ -160,7 +160,7 @@ impl Tracer<'_> {
         let each: Vec<&Body<f64>> = members.iter().map(|&i| &model.bodies[i]).collect();
         let nq = each[0].elementary_joint.nq();
         let nv = each[0].dofs.len();
-        let mut body = merged_body(&each, (0..nv, 0), column);
+        let mut body = merged_body(&each, 0..nv, 0, column);
         body.parent = (!is_base(model, members[0])).then_some(0);
         let dof = |k: usize| {
             let dofs: Vec<&Dof<f64>> = each.iter().map(|b| &model.dofs[b.dofs.start + k]).collect();

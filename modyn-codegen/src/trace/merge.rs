@@ -43,7 +43,8 @@ pub(super) fn optional(
 /// this entry of q.
 pub(super) fn merged_body(
     each: &[&Body<f64>],
-    (dofs, q): (Range<usize>, usize),
+    dofs: Range<usize>,
+    q: usize,
     merge: Merge<'_>,
 ) -> Body<Expr> {
     let first = each[0];

@@ -47,7 +47,8 @@ impl<'a> ForwardDynamics<'a> {
     pub fn new(
         all: &mut Composition,
         inputs: DynamicsInputs,
-        (forward, inverse): (&'a Graph, &'a Graph),
+        forward: &'a Graph,
+        inverse: &'a Graph,
         point: Vec<Id>,
     ) -> Self {
         let qdd = all.add(forward, &[&point]);
@@ -67,7 +68,8 @@ impl<'a> ForwardDynamics<'a> {
         &self,
         all: &mut Composition,
         dtau: &[Id],
-        (wrt, dz): (Range<usize>, &[Id]),
+        wrt: Range<usize>,
+        dz: &[Id],
     ) -> Vec<Id> {
         let motion = self.inputs.with_accelerations(&self.point, &self.qdd);
         let graph = jvp(self.inverse, self.inputs.all, wrt);
@@ -214,7 +216,7 @@ impl Tracer<'_> {
         let inverse = optimize(self.inverse_dynamics());
         let point = [&q[..], &qd, &tau, &parameters].concat();
         let dynamics =
-            ForwardDynamics::new(&mut all, self.dynamics_inputs(), (forward, &inverse), point);
+            ForwardDynamics::new(&mut all, self.dynamics_inputs(), forward, &inverse, point);
         let (by_tau, gradients) = dynamics.gradients(&mut all, &weights, self.state(1));
         let (by_q, by_qd) = gradients.split_at(nq);
         let by_q = self.in_tangent_space(&mut all, &q, by_q);
@@ -233,10 +235,10 @@ impl Tracer<'_> {
         let inverse = optimize(self.inverse_dynamics());
         let point = [&q[..], &qd, &tau, &parameters].concat();
         let dynamics =
-            ForwardDynamics::new(&mut all, self.dynamics_inputs(), (forward, &inverse), point);
+            ForwardDynamics::new(&mut all, self.dynamics_inputs(), forward, &inverse, point);
         let dq = all.add(&self.velocity_to_qdot(), &[&q, &dq, &parameters]);
         let changes = [dq, dqd].concat();
-        let dqdd = dynamics.change(&mut all, &dtau, (self.state(1), &changes));
+        let dqdd = dynamics.change(&mut all, &dtau, self.state(1), &changes);
         all.with_outputs(&[&dynamics.qdd, &dqdd])
     }
 }

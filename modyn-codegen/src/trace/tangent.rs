@@ -193,7 +193,7 @@ impl<'a> TangentGraphs<'a> {
         let inputs = self.arguments + self.parameters();
         let columns = self.displacements().iter().sum();
         let graph =
-            matrix(&self.change(), &self.gradient(), inputs, (self.value.outputs.len(), columns));
+            matrix(&self.change(), &self.gradient(), inputs, self.value.outputs.len(), columns);
         let jacobian = all.add(&graph, &[&arguments, &parameters]);
         all.with_outputs(&[&value, &jacobian])
     }

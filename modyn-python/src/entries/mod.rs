@@ -171,16 +171,17 @@ impl Robot {
         feedback: bool,
     ) -> PyResult<KeyAndShapes> {
         self.check_has(Function::ContactProblem)?;
-        let options = (options, feedback);
         match self.scalar() {
             FloatType::F64 => {
-                self.ground_code(py, options, derivative, AnyCode::F64, |code| match code {
+                self.ground_code(py, options, feedback, derivative, AnyCode::F64, |code| match code
+                {
                     AnyCode::F64(ArrayCode::Function(function)) => Some(function),
                     _ => None,
                 })
             }
             FloatType::F32 => {
-                self.ground_code(py, options, derivative, AnyCode::F32, |code| match code {
+                self.ground_code(py, options, feedback, derivative, AnyCode::F32, |code| match code
+                {
                     AnyCode::F32(ArrayCode::Function(function)) => Some(function),
                     _ => None,
                 })
@@ -395,7 +396,8 @@ impl Robot {
     fn ground_code<S: Number>(
         &self,
         py: Python<'_>,
-        (options, feedback): (GroundOptions, bool),
+        options: GroundOptions,
+        feedback: bool,
         derivative: Option<(String, Vec<usize>)>,
         code: fn(ArrayCode<S>) -> AnyCode,
         function: fn(&'static AnyCode) -> Option<&'static StateFunction<S>>,
@@ -477,14 +479,14 @@ pub fn rollout_code(
     (step, steps, trajectory, &sequences, &reverse).hash(&mut hasher);
     let key = (hasher.finish() >> 1).cast_signed();
     let code_of = |key: i64| find(key).ok_or_else(|| PyValueError::new_err(missing(key)));
-    let shape = (steps, trajectory);
     let (code, arrays) = match code_of(step)? {
         AnyCode::F64(step) => {
             let reverse = reverse.map(|(key, variables)| match code_of(key)? {
                 AnyCode::F64(step) => Ok((step, variables)),
                 AnyCode::F32(_) => Err(no_step()),
             });
-            let (rollout, arrays) = rolled_out(step, shape, &sequences, reverse.transpose()?)?;
+            let (rollout, arrays) =
+                rolled_out(step, steps, trajectory, &sequences, reverse.transpose()?)?;
             (AnyCode::F64(ArrayCode::Rollout(rollout, arrays.clone())), arrays)
         }
         AnyCode::F32(step) => {
@@ -492,7 +494,8 @@ pub fn rollout_code(
                 AnyCode::F32(step) => Ok((step, variables)),
                 AnyCode::F64(_) => Err(no_step()),
             });
-            let (rollout, arrays) = rolled_out(step, shape, &sequences, reverse.transpose()?)?;
+            let (rollout, arrays) =
+                rolled_out(step, steps, trajectory, &sequences, reverse.transpose()?)?;
             (AnyCode::F32(ArrayCode::Rollout(rollout, arrays.clone())), arrays)
         }
     };
@@ -509,7 +512,8 @@ fn no_step() -> PyErr {
 /// Returns the rollout of a step with the shapes of its arrays.
 fn rolled_out<S: Number>(
     step: &'static ArrayCode<S>,
-    (steps, trajectory): (usize, bool),
+    steps: usize,
+    trajectory: bool,
     sequences: &[usize],
     reverse: Option<(&'static ArrayCode<S>, Vec<usize>)>,
 ) -> PyResult<(Rollout<S>, ArrayShapes)> {

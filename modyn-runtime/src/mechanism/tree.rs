@@ -125,7 +125,8 @@ pub trait TreeAccess<S: Scalar> {
         &self,
         body: usize,
         motion: &JointTransform<S>,
-        (mass, first_moment): (S, Vector3<S>),
+        mass: S,
+        first_moment: Vector3<S>,
         add: impl FnMut(usize, (S, Vector3<S>)),
     ) {
         let body_record = &self.mechanism().bodies[body];

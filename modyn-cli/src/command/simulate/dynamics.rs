@@ -152,9 +152,8 @@ impl<'a> Dynamics<'a> {
     pub fn impulse_step(&mut self, time: f64, dt: f64, state: &State) -> Result<State, FrameError> {
         self.set_torques(time);
         let State { q, qd, energy: [work, dissipated] } = state;
-        let motion = (&**q, &**qd, &*self.tau);
         let settings = &self.constraint_settings;
-        let step = self.impulses.step(&mut self.interpreter, motion, settings, dt)?;
+        let step = self.impulses.step(&mut self.interpreter, q, qd, &self.tau, settings, dt)?;
         self.lowest = self.lowest.min(step.lowest);
         self.residual = self.residual.max(step.residual);
         self.forces = step.forces;

@@ -113,7 +113,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = arguments.settings(&model)?;
     let (q, qd) = motion::closed(&model, arguments.start(&model)?)?;
     let mut progress = Progress::start("simulating");
-    let motion = Motion::simulate(&model, (q, qd), &torques, &settings)?;
+    let motion = Motion::simulate(&model, q, qd, &torques, &settings)?;
     progress.stop();
     if let Some(path) = &arguments.csv {
         to_file(path, &table::of(&model, &motion)?, &inputs)?;

@@ -101,7 +101,7 @@ impl Printer {
             }
             if let Some(products) = products {
                 let operand = |operand: &Operand| body.operand(operand);
-                products::print(&mut text, (products, &program.results), self, &operand);
+                products::print(&mut text, products, &program.results, self, &operand);
             }
             let mut unread = String::new();
             let calls = k == last && last > 0;

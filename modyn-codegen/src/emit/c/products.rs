@@ -16,7 +16,8 @@ pub(super) fn arrays(products: &Products) -> impl Iterator<Item = Array> {
 /// Prints the statements that add products to the stored results.
 pub(super) fn print(
     text: &mut String,
-    (products, results): (&Products, &[Operand]),
+    products: &Products,
+    results: &[Operand],
     printer: &Printer,
     operand: &dyn Fn(&Operand) -> String,
 ) {

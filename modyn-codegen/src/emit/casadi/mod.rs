@@ -32,7 +32,8 @@ impl Backend for Casadi {
 
     fn plan(
         &self,
-        (model, modules): (&Model, &ModuleTree),
+        model: &Model,
+        modules: &ModuleTree,
         choices: &Choices,
         _: &EmitOptions,
     ) -> Result<Plan, TooLong> {
@@ -111,7 +112,7 @@ fn print(robot: &PlannedRobot<'_>) -> String {
     let mut printer = Printer::new(&prefix, FloatType::F64);
     let mut patterns = Patterns::default();
     for function in functions {
-        print_function(&mut printer, &mut patterns, (&function.full_name(&prefix), function));
+        print_function(&mut printer, &mut patterns, &function.full_name(&prefix), function);
     }
     format!(
         "/* Dynamics of a robot, compiled by modyn for CasADi. SI units, radians; gravity {:?} \
@@ -158,7 +159,8 @@ impl Patterns {
 fn print_function(
     printer: &mut Printer,
     patterns: &mut Patterns,
-    (name, function): (&str, &CasadiFunction),
+    name: &str,
+    function: &CasadiFunction,
 ) {
     let CasadiFunction { docs, inputs, outputs, program, .. } = function;
     let nonempty = inputs.iter().filter(|input| !input.is_empty());

@@ -306,7 +306,7 @@ fn kernels<'a>(plan: &'a Plan, model: &Model, prefix: &str) -> Vec<Kernel<'a>> {
         let name = format!("{prefix}_{}", planned.name);
         match &planned.kernels {
             Kernels::Straight { scalar, .. } => {
-                kernels.push(kernel(planned, (name, None), scalar, Vec::new()));
+                kernels.push(kernel(planned, name, None, scalar, Vec::new()));
             }
             Kernels::ByLink(programs) => {
                 for (link, LinkProgram { program, placement }) in
@@ -314,8 +314,9 @@ fn kernels<'a>(plan: &'a Plan, model: &Model, prefix: &str) -> Vec<Kernel<'a>> {
                 {
                     let placement_numbers =
                         placement.map_or(Vec::new(), |row| placements[row].to_vec());
-                    let named = (format!("{name}_{}", links[link]), Some(link));
-                    kernels.push(kernel(planned, named, &programs[*program], placement_numbers));
+                    let own_name = format!("{name}_{}", links[link]);
+                    let program = &programs[*program];
+                    kernels.push(kernel(planned, own_name, Some(link), program, placement_numbers));
                 }
             }
             Kernels::Poses { .. } => unreachable!("threads share no poses"),
@@ -326,7 +327,8 @@ fn kernels<'a>(plan: &'a Plan, model: &Model, prefix: &str) -> Vec<Kernel<'a>> {
 
 fn kernel<'a>(
     planned: &Planned,
-    (name, link): (String, Option<usize>),
+    name: String,
+    link: Option<usize>,
     program: &'a Program,
     placement_numbers: Vec<f64>,
 ) -> Kernel<'a> {

@@ -54,7 +54,8 @@ impl Backend for Matlab {
     /// Straight-line code: a loop or a call of a routine takes the interpreter longer.
     fn plan(
         &self,
-        (model, modules): (&Model, &ModuleTree),
+        model: &Model,
+        modules: &ModuleTree,
         choices: &Choices,
         options: &EmitOptions,
     ) -> Result<Plan, TooLong> {
@@ -199,7 +200,7 @@ impl Printer<'_> {
                 }
             }
         }
-        self.file((planned.name, planned.docs), &parameters, (&planned.result, &text), &locals)
+        self.file(planned.name, planned.docs, &parameters, &planned.result, &text, &locals)
     }
 
     /// Returns the file of a function of the mass matrix's factors.
@@ -214,15 +215,17 @@ impl Printer<'_> {
         locals.program("compute", &arguments, &function.program);
         let text = format!("    out = compute({});\n", names.join(", "));
         let name = format!("{}_{}", Function::Brge.name(), function.name);
-        self.file((&name, function.docs), &names, (&function.result, &text), &locals)
+        self.file(&name, function.docs, &names, &function.result, &text, &locals)
     }
 
     /// Returns the file of a function with this body, which computes the numbers of its result.
     fn file(
         &self,
-        (name, docs): (&str, &str),
+        name: &str,
+        docs: &str,
         parameters: &[&str],
-        (result, body): (&Shape, &str),
+        result: &Shape,
+        body: &str,
         locals: &Locals,
     ) -> File {
         let mut docs = docs.replace('\n', "\n%   ");

@@ -17,7 +17,8 @@ impl Robot<'_> {
         text: &mut String,
         quantity: &Quantity<'_>,
         parameters: &[Parameter],
-        (scalars, vectors): (&Program, &Program),
+        scalars: &Program,
+        vectors: &Program,
     ) {
         let name = quantity.name;
         let shape = &quantity.shape;

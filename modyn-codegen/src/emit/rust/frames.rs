@@ -59,7 +59,8 @@ impl Robot<'_> {
         &self,
         text: &mut String,
         quantity: &Quantity<'_>,
-        (bodies, placed): (&Program, &Program),
+        bodies: &Program,
+        placed: &Program,
     ) {
         let frames = &self.plan.frames;
         let float = self.options.scalar;

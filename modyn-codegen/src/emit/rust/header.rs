@@ -49,7 +49,7 @@ impl Robot<'_> {
         self.enum_of_links(&mut text, prefix, &upper);
         text += "#ifdef __cplusplus\nextern \"C\" {\n#endif\n";
         for quantity in quantities {
-            declaration(&mut text, quantity, (prefix, &upper), number);
+            declaration(&mut text, quantity, prefix, &upper, number);
         }
         text += "\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n";
         text
@@ -76,7 +76,8 @@ impl Robot<'_> {
 fn declaration(
     text: &mut String,
     quantity: &Quantity<'_>,
-    (prefix, upper): (&str, &str),
+    prefix: &str,
+    upper: &str,
     number: &str,
 ) {
     let function = quantity.name;

@@ -188,11 +188,11 @@ impl Robot<'_> {
         match quantity.kernels {
             Kernels::Straight { scalar, simd: None } => *text += &function(name, scalar),
             Kernels::Straight { scalar, simd: Some(simd) } => {
-                self.dispatched(text, quantity, &parameters, (scalar, simd));
+                self.dispatched(text, quantity, &parameters, scalar, simd);
             }
             Kernels::ByLink(programs) => self.link_functions(text, quantity, programs),
             Kernels::Poses { bodies, placed, .. } => {
-                self.poses_function(text, quantity, (bodies, placed));
+                self.poses_function(text, quantity, bodies, placed);
             }
         }
     }

@@ -98,14 +98,15 @@ impl<'r, 'f> Elements<'r, 'f> {
     fn document(&mut self, text: &str, start: usize, file: &File, depth: usize) -> Option<Element> {
         let text = xml::document::within_limits(text, start, self.report)?;
         let document = xml::document::parse(&text, start, "mujoco", self.report)?;
-        self.element(document.root_element(), (&text, start), file, depth)
+        self.element(document.root_element(), &text, start, file, depth)
     }
 
     /// Returns an element; `None` with an error in the report.
     fn element(
         &mut self,
         node: Node,
-        (text, start): (&str, usize),
+        text: &str,
+        start: usize,
         file: &File,
         depth: usize,
     ) -> Option<Element> {
@@ -130,7 +131,7 @@ impl<'r, 'f> Elements<'r, 'f> {
             children: Vec::new(),
         };
         for child in node.children().filter(Node::is_element) {
-            let child = self.element(child, (text, start), file, depth + 1)?;
+            let child = self.element(child, text, start, file, depth + 1)?;
             if child.name == "include" {
                 element.children.extend(self.include(&child, file, depth)?);
             } else {

@@ -38,7 +38,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let kind = self.joint_kind(node, subject);
         let parent = self.name_in(node, "parent", subject);
         let child = self.name_in(node, "child", subject);
-        let pose = self.pose(node, subject);
+        let (pose, relative_to) = self.pose(node, subject);
         let mut axes = match kind {
             None | Some(JointKind::Fixed | JointKind::Ball) => [None, None],
             Some(JointKind::Universal) => {
@@ -61,7 +61,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let cut = element
             .and_then(|cut| self.truth(self.xml.content(cut), "must_be_loop_joint", subject));
         let index = self.world.joints.len();
-        let frame = self.push(scope, &name, FrameKind::Joint(index), pose);
+        let frame = self.push(scope, &name, FrameKind::Joint(index), pose, relative_to);
         let sound = self.xml.report.errors() == errors;
         let closes_loop = cut == Some(true);
         self.world.joints.push(Joint {

@@ -176,7 +176,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let (pose, relative_to) = self.pose(node, None);
         let attached_to = self.xml.optional(node, "attached_to").map(trimmed);
         let kind = FrameKind::Frame(attached_to.filter(|name| !name.text.is_empty()));
-        self.push(scope, &name, kind, (pose, relative_to));
+        self.push(scope, &name, kind, pose, relative_to);
     }
 
     /// Reads a `<link>`.
@@ -205,7 +205,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             "particle_emitter",
         ];
         self.warn_of_unknown(node, &known, subject);
-        let pose = self.pose(node, subject);
+        let (pose, relative_to) = self.pose(node, subject);
         let weightless = self.flag(node, "gravity", subject) == Some(false);
         if self.flag(node, "kinematic", subject) == Some(true) {
             let message =
@@ -221,7 +221,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         }
         let inertial = self.inertial(node, subject);
         let index = self.world.links.len();
-        let frame = self.push(scope, &name, FrameKind::Link(index), pose);
+        let frame = self.push(scope, &name, FrameKind::Link(index), pose, relative_to);
         let shapes = if self.options.shapes { self.shapes(node, &name.text) } else { Vec::new() };
         self.world.links.push(Link { frame, inertial, shapes, weightless });
     }
@@ -232,7 +232,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         scope: usize,
         name: &Located,
         kind: FrameKind,
-        (pose, relative_to): (Pose<f64>, Option<Located>),
+        pose: Pose<f64>,
+        relative_to: Option<Located>,
     ) -> usize {
         let frame = self.world.frames.len();
         let text = format!("{}{}", self.world.scopes[scope].prefix, name.text);

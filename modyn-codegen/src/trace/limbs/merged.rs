@@ -54,7 +54,7 @@ impl LimbPacking {
                     friction: optional(&each, |dof| dof.friction, &lanes),
                 });
             }
-            let mut body = merged_body(&each, (start..dofs.len(), q), &lanes);
+            let mut body = merged_body(&each, start..dofs.len(), q, &lanes);
             q += body.elementary_joint.nq();
             body.parent = representative.parent.and_then(new);
             roots.push(first.then(|| {

@@ -36,11 +36,16 @@ pub(in crate::equations) fn accumulate_masses<S: Scalar, T: BodyTree<S>>(
     for i in (0..model.bodies.len()).rev() {
         let whole = workspace.composite[i];
         let motion = &workspace.motions[i];
-        let of_body = (whole.mass, whole.first_moment);
-        tree.mass_to_parents(i, motion, of_body, |parent, (mass, moment)| {
-            let composite = &mut workspace.composite[parent];
-            composite.mass = composite.mass + mass;
-            composite.first_moment += moment;
-        });
+        tree.mass_to_parents(
+            i,
+            motion,
+            whole.mass,
+            whole.first_moment,
+            |parent, (mass, moment)| {
+                let composite = &mut workspace.composite[parent];
+                composite.mass = composite.mass + mass;
+                composite.first_moment += moment;
+            },
+        );
     }
 }

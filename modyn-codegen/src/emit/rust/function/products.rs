@@ -53,16 +53,16 @@ impl Printer<'_> {
                 columns.join(", ")
             );
             if execution == Execution::Simd {
-                for group in block.vectors(products.rows) {
-                    vectors(text, block, group, (&a, &sums));
+                for (first, width) in block.vectors(products.rows) {
+                    vectors(text, block, first, width, &a, &sums);
                 }
             } else {
-                rows(text, block, (&a, &sums));
+                rows(text, block, &a, &sums);
             }
             if products.in_place.is_none() {
                 for (sum, targets) in sums.iter().zip(&products.targets) {
                     for target in targets {
-                        self.add_product(text, (products, block), (sum, target));
+                        self.add_product(text, products, block, sum, target);
                     }
                 }
             }
@@ -99,8 +99,10 @@ impl Printer<'_> {
     fn add_product(
         &self,
         text: &mut String,
-        (products, block): (&Products, &ProductBlock),
-        (product, target): (&str, &Target),
+        products: &Products,
+        block: &ProductBlock,
+        product: &str,
+        target: &Target,
     ) {
         let number = format!("{product}[row]");
         let replaces = products.replaces(block, target, &self.program.results);
@@ -146,7 +148,7 @@ impl Printer<'_> {
 }
 
 /// Prints the sums of a block's rows, some at a time. The last ones may be among those before them.
-fn rows(text: &mut String, block: &ProductBlock, (a, products): (&str, &[String])) {
+fn rows(text: &mut String, block: &ProductBlock, a: &str, products: &[String]) {
     let Range { start, end } = block.rows;
     let count = products.len();
     let at_a_time = (end - start).min(ROW_LANES);
@@ -185,8 +187,10 @@ fn rows(text: &mut String, block: &ProductBlock, (a, products): (&str, &[String]
 fn vectors(
     text: &mut String,
     block: &ProductBlock,
-    (first, vectors): (usize, usize),
-    (a, products): (&str, &[String]),
+    first: usize,
+    vectors: usize,
+    a: &str,
+    products: &[String],
 ) {
     let list =
         |text: &dyn Fn(usize) -> String, count| (0..count).map(text).collect::<Vec<_>>().join(", ");
