@@ -256,13 +256,13 @@ pub fn read_urdf(text: &str, file: &str, options: &ReadOptions) -> Result<Readin
 /// and meshes are read if the options have the [`folder`](ReadOptions::folder).
 ///
 /// - Bodies become links of a tree whose root link is `world`. If a body has several joints, there
-///   are massless links between them. A body's frame is its link's frame. Coordinates are those of
-///   `docs/conventions.md`, not `MuJoCo`'s; `modyn::conventions::mujoco` converts them. Named sites
-///   are frames.
+///   are massless links between them. A body's frame is its link's frame. Coordinates are the
+///   coordinates of `docs/conventions.md`, not `MuJoCo`'s; `modyn::conventions::mujoco` converts
+///   them. Named sites are frames.
 /// - A body without `<inertial>` has the inertia of its geoms. A mesh is only read if its mass is
 ///   needed.
 /// - Constraints of `<equality>` are exact: mimic joints and loops.
-/// - Gravity is that of `<option>`, unless the options set another one.
+/// - Gravity is the gravity of `<option>`, unless the options set another one.
 /// - Contacts, sensors and visual elements are ignored. Controllers of actuators do not act, with a
 ///   warning. Springs of joints and `gravcomp` act. Damping and friction act if the options say so,
 ///   as in a URDF.

@@ -1,9 +1,9 @@
 //! The graph of the contracted Hessian of forward dynamics with loop constraints and contacts.
 //!
 //! The accelerations qdd and the wrenches l solve N(q, qd, tau, qdd, l) = 0: the equations of
-//! motion, and those of the constrained accelerations. N is linear in qdd and l. With the solution
-//! z = (a, b) of the adjoint equations for the weights, and Phi = z^T N at constant z, the gradient
-//! by x = (q, qd) is -Phi_x. With y = (qdd, l) and its derivatives Y, the Hessian is
+//! motion, and the derivatives of the constrained accelerations. N is linear in qdd and l. With the
+//! solution z = (a, b) of the adjoint equations for the weights, and Phi = z^T N at constant z, the
+//! gradient by x = (q, qd) is -Phi_x. With y = (qdd, l) and its derivatives Y, the Hessian is
 //!
 //! ```text
 //! H_{q q}   = -(Phi_{q q} + Phi_{q y} Y_q + (Phi_{q y} Y_q)^T)    H_{q tau} = -Phi_{q y} Y_tau

@@ -230,7 +230,7 @@ impl Tracer<'_> {
             let n = self.model.nv;
             let count = self.model.constraints.len();
             let height = n + 6 * count;
-            // Some rows are zero, such as those of moments of points.
+            // Some rows are zero, such as the rows of moments of points.
             let is_zero =
                 |row: usize| map.iter().skip(row).step_by(height).all(|x| x.is_constant_zero());
             let rows: Vec<usize> = (0..height).filter(|&row| !is_zero(row)).collect();
@@ -552,7 +552,7 @@ impl Unknowns {
     }
 }
 
-/// Returns the settings of merged contacts, from those of the robot's.
+/// Returns the settings of merged contacts, from the settings of the robot's contacts.
 fn merged_settings(contacts: &ContactPacking, settings: &[Expr]) -> Vec<Expr> {
     let (numbers, targets) = settings.split_at(ConstraintSettings::<Expr>::COUNT);
     [numbers, &contacts.numbers(targets, ContactTarget::<Expr>::COUNT)].concat()

@@ -4,8 +4,8 @@
 //! Other graphs of derivatives are in tangent space. A library that differentiates by plain
 //! numbers, as `CasADi` does, has four entries for a quaternion, whose length is 1 at a solution
 //! only. Here a function scales quaternions to length 1 first. So it has a value at any length, and
-//! its derivatives by all four entries are those of this value: the derivative along the quaternion
-//! is zero.
+//! its derivatives by all four entries are the derivatives of this value: the derivative along the
+//! quaternion is zero.
 
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::mechanism::coordinates::CoordinateSpace;
@@ -109,9 +109,10 @@ impl Tracer<'_> {
     /// the graphs of the step and of the difference of coordinates.
     ///
     /// With a feedback, the forces are `controls` + `gains` (x_ref - x), where the difference of
-    /// states has that of the coordinates in tangent space, then that of the velocities. With a
-    /// cost, the state has one number more, which grows by the sum of `state_weights` (x_goal -
-    /// x)^2 over the state after the step and of `control_weights` forces^2.
+    /// states has the difference of the coordinates in tangent space, then the difference of the
+    /// velocities. With a cost, the state has one number more, which grows by the sum of
+    /// `state_weights` (x_goal - x)^2 over the state after the step and of `control_weights`
+    /// forces^2.
     ///
     /// Inputs: `q`, `qd`; of a cost `cost`; `controls`, `dt`, and as many `settings`; of a feedback
     /// `gains` (nv rows of 2 nv numbers), `q_ref`, `qd_ref`; of a cost `q_goal`, `qd_goal`,

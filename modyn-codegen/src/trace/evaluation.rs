@@ -21,9 +21,9 @@ pub struct Solvers<'a> {
 }
 
 impl Tracer<'_> {
-    /// Returns the graph of a function of `model` on scalars, by these solvers or those of the
-    /// interpreter. Inputs: its arguments. A function of one link is that of the tracer's first
-    /// link.
+    /// Returns the graph of a function of `model` on scalars, by these solvers or the solvers of
+    /// the interpreter. Inputs: its arguments. A function of one link is the function of the
+    /// tracer's first link.
     ///
     /// # Panics
     ///

@@ -303,7 +303,7 @@ impl Tracer<'_> {
         let all_of = |variable: usize| (0..nv).map(move |i| (variable, i));
         let groups = self.groups();
         let by_q = |j: usize| {
-            // The rows of descendants take fewer operations than those of ancestors.
+            // The rows of descendants take fewer operations than the rows of ancestors.
             let in_groups = all_of(Q).filter(|&(_, i)| i >= j || groups[j].contains(&i));
             let rows = in_groups.chain(all_of(QD)).filter(|&row| varies(row)).chain(all_of(QDD));
             varies((Q, j)).then(|| ((Q, j), rows.collect::<Vec<Entry>>()))
@@ -332,8 +332,8 @@ impl Tracer<'_> {
         }
     }
 
-    /// Returns the entries of qd whose displacements share the lanes of one pack: those of equal
-    /// limbs, else of consecutive joints of a chain.
+    /// Returns the entries of qd whose displacements share the lanes of one pack: the entries of
+    /// equal limbs, else of consecutive joints of a chain.
     pub(super) fn column_groups(&self) -> Vec<Vec<Option<usize>>> {
         if let Some(limbs) = self.limbs {
             return limbs.velocities().map(|(lanes, _)| lanes.to_vec()).collect();

@@ -14,7 +14,8 @@ use crate::graph::Id;
 /// The factors of the terms of a sum of products.
 type Factors = Vec<(Id, Id)>;
 
-/// A degree of freedom of the robot: that of the merged robot, the group of limbs, and the limb.
+/// A degree of freedom of the robot: the degree of freedom of the merged robot, the group of limbs,
+/// and the limb.
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct Place {
     merged: usize,
@@ -52,7 +53,7 @@ impl LimbMatrices {
                 let c = all.places[column];
                 let relation = match (r.group, c.group) {
                     (Some(one), Some(other)) if one == other => all.distance(one, r, c),
-                    // Of limbs of two groups: lanes are those of the row.
+                    // Of limbs of two groups: the lanes of the row.
                     (Some(_), Some(_)) => c.limb,
                     _ => 0,
                 };
@@ -127,8 +128,8 @@ impl LimbMatrices {
         product
     }
 
-    /// Returns the sum of products of an entry of the trunk: those of a group of limbs are computed
-    /// in lanes, then added.
+    /// Returns the sum of products of an entry of the trunk: the products of a group of limbs are
+    /// computed in lanes, then added.
     fn sum_over_limbs(
         &self,
         all: &mut Composition,

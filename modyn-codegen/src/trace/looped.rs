@@ -52,8 +52,8 @@ pub struct LoopedBody {
     pub row: usize,
     /// The parent; `None` for the world.
     pub parent: Option<usize>,
-    /// The index of the body's first entry of q, and that of its first entry of the other joint
-    /// vectors.
+    /// The index of the body's first entry of q, and the index of its first entry of the other
+    /// joint vectors.
     pub starts: [usize; 2],
 }
 
@@ -76,7 +76,7 @@ impl Tracer<'_> {
         let mut members: Vec<Vec<usize>> = Vec::new();
         let mut bodies = Vec::with_capacity(model.bodies.len());
         for (i, body) in model.bodies.iter().enumerate() {
-            // The azimuth is that of roots and of branches. In a kind without it, its products are
+            // Roots and branches have an azimuth. In a kind without it, its products are
             // folded.
             let has_azimuth = body.placement.azimuth != AxisRotation::Quarters(0);
             let key = (body.elementary_joint, is_base(model, i), has_azimuth);

@@ -1,5 +1,5 @@
-//! Several bodies as one body, whose numbers stand for those of each: lanes of limbs, or columns of
-//! a table.
+//! Several bodies as one body, whose numbers stand for the numbers of each: lanes of limbs, or
+//! columns of a table.
 
 use std::ops::Range;
 

@@ -84,7 +84,8 @@ impl Parameters {
         self.len() == 0
     }
 
-    /// Returns the index of the ten numbers of run-time inertia `k`; those of payloads follow.
+    /// Returns the index of the ten numbers of run-time inertia `k`; the numbers of payloads
+    /// follow.
     #[must_use]
     pub fn inertial(&self, k: usize) -> usize {
         k * PARAMETERS_PER_LINK + if self.gravity { 3 } else { 0 }

@@ -187,7 +187,7 @@ impl Tracer<'_> {
     }
 
     /// Returns the graph of the joint forces, and of their change. Inputs: `q`, `qd`, `qdd` and
-    /// their changes, that of `q` in tangent space.
+    /// their changes, the change of `q` in tangent space.
     #[must_use]
     pub fn inverse_dynamics_jvp(&self) -> Graph {
         let nq = self.model.nq;
@@ -224,7 +224,8 @@ impl Tracer<'_> {
     }
 
     /// Returns the graph of the accelerations, and of their change. Inputs: `q`, `qd`, `tau` and
-    /// their changes, that of `q` in tangent space. `forward` is the graph of forward dynamics.
+    /// their changes, the change of `q` in tangent space. `forward` is the graph of forward
+    /// dynamics.
     #[must_use]
     pub fn forward_dynamics_jvp(&self, forward: &Graph) -> Graph {
         let nq = self.model.nq;

@@ -1,10 +1,10 @@
 //! The graph of the contracted Hessian of a time step.
 //!
 //! A semi-implicit Euler step is qd' = qd + h qdd and q' = q (+) h qd'. Multiplied by the costate
-//! (l_q, l_qd), its Hessian is that of h (l_qd + h J^T l_q)^T qdd, with the derivative J of (+) by
-//! the displacement, and a correction for each rotation and each pose, whose displacements do not
-//! commute. For a group of coordinates, let E be the motion of the displacement x = h qd', and P
-//! the derivative of (+) by q. Displacements d of q and y of x displace q' by
+//! (l_q, l_qd), its Hessian is the Hessian of h (l_qd + h J^T l_q)^T qdd, with the derivative J of
+//! (+) by the displacement, and a correction for each rotation and each pose, whose displacements
+//! do not commute. For a group of coordinates, let E be the motion of the displacement x = h qd',
+//! and P the derivative of (+) by q. Displacements d of q and y of x displace q' by
 //!
 //! ```text
 //! log(E^-1 exp(d) exp(x + y)) = P d + J y + 1/2 y^T (D J) y + 1/2 [P d, J y] + ...
@@ -57,8 +57,8 @@ impl Tracer<'_> {
     /// Returns the graph of the coordinates and velocities after a semi-implicit Euler step, and of
     /// the gradients and the Hessian of their sum with the costate as weights: gradients by the
     /// state and by tau, then second derivatives by state and state, state and tau, tau and tau, by
-    /// columns. A state has the entries of q (in tangent space), then those of qd. Inputs: `q`,
-    /// `qd`, `tau`, the time and the costate. The mass matrix is factorized with `layout`.
+    /// columns. A state has the entries of q (in tangent space), then the entries of qd. Inputs:
+    /// `q`, `qd`, `tau`, the time and the costate. The mass matrix is factorized with `layout`.
     #[must_use]
     pub fn step_semi_implicit_hessian(&self, layout: &UduLayout) -> Graph {
         let nq = self.model.nq;
@@ -78,7 +78,7 @@ impl Tracer<'_> {
         let transported = all.add(&self.transported(), &inputs);
         let (by_start, by_displacement) = transported.split_at(nv);
 
-        // The weights of qd', and those of the accelerations.
+        // The weights of qd', and the weights of the accelerations.
         let through_displacement = all.scaled(dt, by_displacement);
         let weights = all.sums(of_qd, &through_displacement);
         let scaled = all.scaled(dt, &weights);

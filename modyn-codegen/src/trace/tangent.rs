@@ -22,7 +22,7 @@ pub struct TangentInput {
 ///
 /// The inputs of all graphs are the arguments, further inputs of the graph, then the robot's
 /// run-time parameters. A *displacement* has the entries of all variables one after the other,
-/// those of coordinates in tangent space.
+/// changes of coordinates in tangent space.
 pub struct TangentGraphs<'a> {
     tracer: &'a Tracer<'a>,
     inputs: Vec<TangentInput>,
@@ -204,8 +204,8 @@ impl<'a> TangentGraphs<'a> {
     pub(super) fn gradient_and_hessian(&self, max_operations: usize) -> Option<[Graph; 2]> {
         let size: usize = self.displacements().iter().sum();
         let gradient = optimize(self.gradient());
-        // The changes of the gradient along a displacement. Inputs: those of the gradient, and the
-        // displacement.
+        // The changes of the gradient along a displacement. Inputs: the inputs of the gradient, and
+        // the displacement.
         let mut along = Composition::new();
         let [arguments, parameters, weights, displacement] =
             [self.arguments, self.parameters(), self.value.outputs.len(), size]
@@ -220,9 +220,9 @@ impl<'a> TangentGraphs<'a> {
     }
 
     /// Returns the graph of the results, of the gradients of their weighted sum, and of the blocks
-    /// of its Hessian, by columns: those of the first variable and itself, of the first and the
-    /// second, and so on, then of the second and itself. Inputs as of [`vjp`](Self::vjp). Returns
-    /// `None` if it takes more than `max_operations`.
+    /// of its Hessian, by columns: the blocks of the first variable and itself, of the first and
+    /// the second, and so on, then of the second and itself. Inputs as of [`vjp`](Self::vjp).
+    /// Returns `None` if it takes more than `max_operations`.
     #[must_use]
     pub fn hessian(&self, max_operations: usize) -> Option<Graph> {
         let displacements = self.displacements();

@@ -17,7 +17,7 @@ pub enum UserTraceError {
     Foreign(ForeignExpr),
 }
 
-/// The graphs of a user's function, with those of its derivatives.
+/// The graphs of a user's function, with the graphs of its derivatives.
 pub struct UserGraphs<'a> {
     /// After all passes.
     pub optimized: TangentGraphs<'a>,

@@ -44,7 +44,7 @@ impl<S: Scalar> Interpreter<S> {
     /// tau, and of tau and tau, are zero.
     ///
     /// The rank is assumed constant, and rows not to contradict each other at this state and near
-    /// it to first order. Rows may depend on others, as those of a hinge of a planar loop or of
+    /// it to first order. Rows may depend on others, as the rows of a hinge of a planar loop or of
     /// four feet on one body, where `wrench_cotangent` is zero: the accelerations do not depend on
     /// how such rows share the load. Weights of wrenches need independent rows, or compliance.
     /// Takes more than 2 nv times as long as the first derivatives, and allocates memory at each

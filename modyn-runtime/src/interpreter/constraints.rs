@@ -52,9 +52,10 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// `wrenches` receives the wrench on each constraint's second link (N m, N), and `residuals`
     /// the residual of its acceleration (rad/s^2, m/s^2). Those of loop constraints are at the
-    /// second frame's origin, in the first frame's axes; those of contacts at the frame's origin,
-    /// in world axes: see [`ConstrainedForwardDynamics`](crate::ConstrainedForwardDynamics). The
-    /// first call allocates memory. Source: Featherstone 2008, chapter 8.
+    /// second frame's origin, in the first frame's axes; the wrenches of contacts at the frame's
+    /// origin, in world axes: see
+    /// [`ConstrainedForwardDynamics`](crate::ConstrainedForwardDynamics). The first call allocates
+    /// memory. Source: Featherstone 2008, chapter 8.
     ///
     /// # Errors
     ///

@@ -35,7 +35,7 @@ pub struct HessianOutputs<'a, S> {
 }
 
 /// The results of [`Interpreter::step_semi_implicit_hessian`]. A state has the nv entries of q (in
-/// the tangent space), then those of qd. Matrices are stored by columns.
+/// the tangent space), then the entries of qd. Matrices are stored by columns.
 #[derive(Debug)]
 pub struct StepHessianOutputs<'a, S> {
     /// The coordinates after the step.
@@ -59,8 +59,8 @@ pub struct StepHessianOutputs<'a, S> {
 /// The gradients of a weighted sum with respect to q, qd and the third variable.
 pub(super) type Gradients<S> = [Vec<Tangent<S>>; 3];
 
-/// Adds to the gradients those of the sum of a function's results with these weights; `matrices`
-/// are the derivatives of the function with respect to each variable, by columns.
+/// Adds to the gradients the gradients of the sum of a function's results with these weights;
+/// `matrices` are the derivatives of the function with respect to each variable, by columns.
 pub(super) fn add_weighted<S: Scalar>(
     matrices: &[Vec<Tangent<S>>; 3],
     weights: &[S],
@@ -155,9 +155,9 @@ impl<S: Scalar> Interpreter<S> {
 
     /// Computes the state after the time `dt` (s) by the semi-implicit Euler method, and the
     /// gradients and the Hessian of `costate`^T state with respect to the state before the step and
-    /// tau. The 2 nv entries of the costate are those of q, then those of qd.
+    /// tau. The 2 nv entries of the costate are the weights of q, then the weights of qd.
     ///
-    /// The Hessian is that of displacements along [`integrate`](Self::integrate) before the step
+    /// The Hessian is taken for displacements along [`integrate`](Self::integrate) before the step
     /// and along [`difference`](Self::difference) after it, both in the tangent space, and
     /// symmetric. Takes more than 3 nv times as long as the first derivatives, and allocates memory
     /// at each call.

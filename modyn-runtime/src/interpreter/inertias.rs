@@ -184,7 +184,7 @@ pub(super) fn joint_without_inertia<S: Scalar + PartialOrd>(
     })
 }
 
-/// Returns whether a pivot is that of a joint that moves inertia.
+/// Returns whether a pivot belongs to a joint that moves inertia.
 fn is_positive<S: Scalar + PartialOrd>(pivot: S) -> bool {
     pivot.partial_cmp(&S::zero()) == Some(Ordering::Greater)
 }
@@ -197,8 +197,8 @@ fn link_of(model: &Model, v: usize) -> Option<usize> {
 
 impl<S: Scalar + PartialOrd> Interpreter<S> {
     /// Returns the ten inertial parameters of moving link `link` with the present inertias and
-    /// payloads, as [`Model::inertial_parameters`] does with those of the description; `None` if
-    /// there is no such link.
+    /// payloads, as [`Model::inertial_parameters`] does with the inertias of the description;
+    /// `None` if there is no such link.
     #[must_use]
     pub fn inertial_parameters(&self, link: usize) -> Option<[S; PARAMETERS_PER_LINK]> {
         let mut parameters = self.model.inertial_parameters(link)?.map(S::from_f64);

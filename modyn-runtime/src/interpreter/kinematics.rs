@@ -10,8 +10,8 @@ use crate::spatial::{Pose, Twist};
 /// Functions of one link. `frame` is the link's index in
 /// [`Model::frames`](crate::model::Model::frames), which
 /// [`Model::frame_index`](crate::model::Model::frame_index) finds by name; fixed links have one,
-/// too. Motion is that of the link's origin; a link that is fixed to the world does not move. A
-/// call takes time linear in the depth of the link, apart from zero columns.
+/// too. Motion is the motion of the link's origin; a link that is fixed to the world does not move.
+/// A call takes time linear in the depth of the link, apart from zero columns.
 impl<S: Scalar> Interpreter<S> {
     fn check_frame(&self, frame: usize) -> Result<(), FrameError> {
         let count = self.mechanism.frames.len();

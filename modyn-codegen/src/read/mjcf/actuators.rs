@@ -163,8 +163,8 @@ fn kind<'e>(item: &Item<'e>, part: &str, default: &'static str) -> &'e str {
     item.text(part).unwrap_or(default)
 }
 
-/// Returns whether the force of a `<general>` is a multiple of its control, as that of a `<motor>`,
-/// which MuJoCo saves so.
+/// Returns whether the force of a `<general>` is a multiple of its control, like the force of a
+/// `<motor>`, which MuJoCo saves so.
 fn is_motor(item: &Item) -> bool {
     let kinds = [("dyntype", "none"), ("gaintype", "fixed"), ("biastype", "none")];
     kinds.into_iter().all(|(part, default)| kind(item, part, default) == default)

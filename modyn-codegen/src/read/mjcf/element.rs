@@ -1,4 +1,4 @@
-//! The elements of a model, with those of included files in place of each `<include>`.
+//! The elements of a model, with the elements of included files in place of each `<include>`.
 
 use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};

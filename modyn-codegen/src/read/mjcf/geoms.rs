@@ -14,7 +14,7 @@ use super::pose::to_z_axis;
 use crate::description::{Geometry, Shape, normalized};
 use crate::diagnostics::Report;
 
-/// The default density, that of water, kg/m^3.
+/// The default density, the density of water, kg/m^3.
 const DENSITY: f64 = 1000.0;
 
 /// Returns whether a geom has a mass.
@@ -103,8 +103,8 @@ fn placed(
             [radius, radius, half]
         }
     } else if kind == "hfield" {
-        // The mass of a height field is that of the box with its half lengths and its mean height,
-        // about the geom's origin.
+        // The mass of a height field is the mass of the box with its half lengths and its mean
+        // height, about the geom's origin.
         let asset = geom.text("hfield").and_then(|name| {
             let assets = model.source.root.in_sections("asset");
             let mut fields = assets.filter(|asset| asset.name == "hfield");

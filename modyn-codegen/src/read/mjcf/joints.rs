@@ -53,7 +53,7 @@ pub fn check_free(
 }
 
 /// Returns a joint without its links and origin, and its coordinate in the pose in which the model
-/// is drawn. `pose` is that of the body.
+/// is drawn. `pose` is the body's pose.
 pub fn joint(
     item: &Item,
     name: &str,
@@ -92,7 +92,7 @@ pub fn joint(
         refuse(Code::NegativeJointDynamics, message, help);
     }
     if kind == "free" && friction != 0.0 {
-        // MuJoCo's acts along the axes of the world, that of modyn along the axes of the body.
+        // MuJoCo's acts along the axes of the world, modyn's along the axes of the body.
         let message = "`frictionloss` of a free joint is not read";
         refuse(Code::NotRead, message, "write 0, or the class that the joint should have");
     }
@@ -150,7 +150,7 @@ pub fn spring_damper(item: &Item) -> Option<[f64; 2]> {
     item.numbers("springdamper").filter(|numbers| *numbers != [0.0; 2])
 }
 
-/// Returns the coordinates of the spring of a joint at rest; `pose` is that of the body, in which
+/// Returns the coordinates of the spring of a joint at rest; `pose` is the body's pose, in which
 /// the model is drawn.
 fn spring_reference(item: &Item, kind: &str, angle: f64, pose: &Pose<f64>) -> Vec<f64> {
     match kind {

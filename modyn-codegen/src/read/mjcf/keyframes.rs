@@ -16,7 +16,7 @@ use crate::diagnostics::Code;
 const MAX_COORDINATES: usize = 1_000_000;
 
 impl<'e> Bodies<'e, '_, '_> {
-    /// Adds the keyframes of the main model, while the joints are those of the text: before
+    /// Adds the keyframes of the main model, while the joints are the joints of the text: before
     /// constraints fix some.
     pub fn keyframes(&mut self) {
         let items = self.of_section("keyframe");

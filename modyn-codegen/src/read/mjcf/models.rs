@@ -1,4 +1,4 @@
-//! The files of a model: its main file, and those of models that it attaches.
+//! The files of a model: its main file, and the files of models that it attaches.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

@@ -134,7 +134,7 @@ const TABLE: &[Row] = &[
                 ("actuation", SWITCH),
                 ("clampctrl", SWITCH),
             ],
-            // Limits and contacts are those of the caller's steps.
+            // The caller's steps decide limits and contacts.
             "limit contact warmstart filterparent refsafe sensor midphase eulerdamp autoreset \
              nativeccd island multiccd override \
              energy fwdinv invdiscrete sensornoise sleep diagexact ipc speculative",

@@ -348,7 +348,7 @@ impl Build<'_, '_, '_> {
         Some(self.end(self.frames.links[parent]?))
     }
 
-    /// Returns the frame of a link, or that of the world for a link of a static model.
+    /// Returns the frame of a link, or the frame of the world for a link of a static model.
     fn end(&self, link: usize) -> usize {
         let frame = self.world.links[link].frame;
         if self.inside[self.world.frames[frame].scope] { frame } else { WORLD }

@@ -15,7 +15,7 @@ pub struct Frames {
 }
 
 impl Frames {
-    /// Returns the pose of a frame in that of a scope around it.
+    /// Returns the pose of a frame in the frame of a scope around it.
     pub fn pose(&self, world: &World, scope: usize, frame: usize) -> Pose<f64> {
         compose(&self.poses, &world.path(scope, frame))
     }

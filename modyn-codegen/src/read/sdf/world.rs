@@ -108,9 +108,9 @@ pub struct Scope {
     pub frame: usize,
     /// The enclosing scope.
     pub outer: usize,
-    /// The frames by their names, with those of models that are merged into this one.
+    /// The frames by their names, with the frames of models that are merged into this one.
     pub names: FxHashMap<String, usize>,
-    /// The frames in the order of the text, with those of merged models.
+    /// The frames in the order of the text, with the frames of merged models.
     pub content: Vec<usize>,
     /// The start of the full names, such as `arm::hand::`.
     pub prefix: String,
@@ -240,7 +240,7 @@ pub struct Axis {
     pub mimic: Option<Mimic>,
 }
 
-/// The relation of an axis to that of another joint.
+/// The relation of an axis to the axis of another joint.
 pub struct Mimic {
     pub leader: Located,
     pub multiplier: f64,
@@ -255,6 +255,6 @@ pub struct Overrides {
     pub pose: Option<(Pose<f64>, Option<Located>)>,
     pub placement: Option<Located>,
     pub is_static: Option<bool>,
-    /// Whether the elements of the model become those of the enclosing model.
+    /// Whether the elements of the model become elements of the enclosing model.
     pub merge: bool,
 }

@@ -21,8 +21,8 @@ pub trait Names {
     /// Counts work; an error if the description does too much of it.
     fn spend(&mut self, work: usize) -> Result<(), String>;
 
-    /// Enters an operation in others, those of the properties that it needs included; an error if
-    /// they are too many for the call stack.
+    /// Enters an operation in others, with the operations of the properties that it needs; an error
+    /// if they are too many for the call stack.
     fn enter(&mut self) -> Result<(), String>;
 
     /// Leaves an operation.

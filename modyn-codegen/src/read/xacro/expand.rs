@@ -1,8 +1,8 @@
 //! Expands the elements of xacro: properties, macros, conditions, includes and blocks.
 //!
-//! The order is that of the reference: elements are expanded in the order of the text, a macro sees
-//! the properties of its caller, and the block of a caller is expanded once where it is written and
-//! once where it is inserted.
+//! The order is the order of the reference: elements are expanded in the order of the text, a macro
+//! sees the properties of its caller, and the block of a caller is expanded once where it is
+//! written and once where it is inserted.
 
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
@@ -159,7 +159,7 @@ impl<'e, 'r> Expander<'e, 'r> {
     }
 
     /// Returns the tree of a document whose text starts at offset `start` of the report.
-    /// The call is that of the include.
+    /// The call is the call of the include.
     pub fn tree(&mut self, document: &Document<'_>, start: usize, call: Call) -> Expanded<Element> {
         let tree = tree::of_document(document, start);
         tree.or_else(|at| self.refuse_depth(Place { at, call: Some(call) }))
@@ -321,8 +321,8 @@ impl<'e, 'r> Expander<'e, 'r> {
         }
     }
 
-    /// Expands an element under its evaluated name, which can be that of a macro, or of an element
-    /// of xacro.
+    /// Expands an element under its evaluated name, which can be the name of a macro, or of an
+    /// element of xacro.
     fn again(
         &mut self,
         renamed: Element,
@@ -749,7 +749,7 @@ impl<'e, 'r> Expander<'e, 'r> {
         }
         self.scopes.set(holder, name.into(), Property::Open);
         let value = self.text(&text, holder).map_err(|fault| match fault {
-            // The innermost property is that of the fault.
+            // The fault is in the innermost property.
             Fault { reason, .. } if reason.starts_with("in the property") => {
                 Fault { reason, ..fault }
             }

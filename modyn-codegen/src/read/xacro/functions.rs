@@ -1,5 +1,5 @@
-//! The functions of expressions: those of Python and of its module `math` that xacro has, and the
-//! methods of values.
+//! The functions of expressions: the functions of Python and of its module `math` that xacro has,
+//! and the methods of values.
 
 use std::cmp::Ordering;
 use std::f64::consts::{E, PI, TAU};

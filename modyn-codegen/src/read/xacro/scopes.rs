@@ -26,7 +26,7 @@ pub struct Macro {
 /// A parameter of a macro.
 #[derive(Debug)]
 pub struct Parameter {
-    /// The name; that of a block begins with `*`.
+    /// The name; the name of a block begins with `*`.
     pub name: Rc<str>,
     /// Whether the caller's property of this name is the default.
     pub forwards: bool,
@@ -45,8 +45,8 @@ struct Scope {
     namespaces: BTreeMap<Rc<str>, ScopeId>,
 }
 
-/// All scopes. Properties are found in the scope of the caller, macros in that of their definition
-/// or its callers.
+/// All scopes. Properties are found in the scope of the caller, macros in the scope of their
+/// definition or its callers.
 pub struct Scopes(Vec<Scope>);
 
 impl Scopes {

@@ -284,7 +284,7 @@ impl Names for Scoped<'_, '_, '_> {
     }
 }
 
-/// No names but those of Python and `math`, for numbers of YAML.
+/// Only the names of Python and `math`, for numbers of YAML.
 struct Constants {
     work: usize,
 }
@@ -307,7 +307,7 @@ impl Names for Constants {
         if self.work > 10_000 { Err("the number takes too long".into()) } else { Ok(()) }
     }
 
-    // The depth of one expression is that of its text.
+    // The depth of one expression is the depth of its text.
     fn enter(&mut self) -> Result<(), String> {
         Ok(())
     }

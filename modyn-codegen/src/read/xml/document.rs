@@ -180,7 +180,7 @@ pub fn with_prefixes_in_names(text: &str) -> String {
                 (Some(open), close) if open == close => quote = None,
                 (None, b'/') => start = at + 1,
                 (None, byte) if byte.is_ascii_whitespace() => start = at + 1,
-                // These two prefixes are those of XML itself.
+                // XML itself declares these two prefixes.
                 (None, b':') if !["xml", "xmlns"].contains(&&text[start..at]) => {
                     bytes[at] = PREFIX_END as u8;
                 }

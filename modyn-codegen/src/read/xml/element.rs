@@ -215,7 +215,7 @@ impl<'a> Elements<'a, '_, '_, '_> {
         }
     }
 
-    /// Warns of elements whose names are similar to that of an optional element, which would
+    /// Warns of elements whose names are similar to the name of an optional element, which would
     /// silently be missing. (Other elements are extensions.)
     pub fn warn_of_misspelt_elements(
         &mut self,

@@ -83,8 +83,8 @@ impl ContactPacking {
         merged.with_contacts(contacts, places)
     }
 
-    /// Returns the numbers of the merged contacts, `count` numbers each, from those of the robot's
-    /// contacts. They are zero for a limb without the contact.
+    /// Returns the numbers of the merged contacts, `count` numbers each, from the numbers of the
+    /// robot's contacts. They are zero for a limb without the contact.
     pub(in crate::trace) fn numbers(&self, numbers: &[Expr], count: usize) -> Vec<Expr> {
         let number = |c: &Option<usize>, k| c.map_or(constant(0.0), |c| numbers[c * count + k]);
         let merged = self.0.iter();
@@ -93,8 +93,8 @@ impl ContactPacking {
             .collect()
     }
 
-    /// Returns the numbers of the robot's contacts, `count` numbers each, from those of the merged
-    /// contacts.
+    /// Returns the numbers of the robot's contacts, `count` numbers each, from the numbers of the
+    /// merged contacts.
     pub(in crate::trace) fn unpack(&self, packs: &[Expr], count: usize) -> Vec<Expr> {
         let robots = self.0.iter().flatten().flatten().count();
         let mut numbers = vec![constant(0.0); robots * count];

@@ -30,7 +30,7 @@ pub struct ConstraintAdjoint<S> {
 /// where E is the compliance of the contacts, x the weights of the joint accelerations, and y the
 /// weights of the components of the constraints' wrenches. With K, L and A of
 /// the [derivatives](super::ConstrainedDerivatives), a = K x - L y and b = L^T x + A^+ y. The
-/// derivative of x^T qdd + y^T lambda is that of -a^T (I qdd + h - tau - J^T lambda)
+/// derivative of x^T qdd + y^T lambda is the derivative of -a^T (I qdd + h - tau - J^T lambda)
 /// - b^T (J qdd - gamma) at constant a, b, qdd and lambda.
 ///
 /// Where rows depend on others, b has the smallest norm, and y counts along the rows' range alone.

@@ -96,9 +96,9 @@ impl<'a, S> ConstrainedDerivatives<'a, S> {
 /// with respect to q (in tangent space), qd and tau. Returns the number of independent rows.
 ///
 /// Wrenches and their derivatives are in the axes of
-/// [`constrained_forward_dynamics`](super::constrained_forward_dynamics): a derivative is that of
-/// the components. The rank is assumed constant; redundant rows get the derivatives of smallest
-/// norm.
+/// [`constrained_forward_dynamics`](super::constrained_forward_dynamics): a derivative is the
+/// derivative of the components. The rank is assumed constant; redundant rows get the derivatives
+/// of smallest norm.
 ///
 /// The columns of the derivatives are computed several at a time where the scalars have lanes.
 pub fn constrained_forward_dynamics_derivatives<
@@ -205,7 +205,7 @@ pub struct ColumnMap<S> {
     /// For each entry of a column of -F, then of -c: its part of the accelerations, then of each
     /// constraint's wrench.
     pub map: Vec<S>,
-    /// The columns of -F with those of -c below them, with respect to q and qd.
+    /// The columns of -F, with the columns of -c below them, with respect to q and qd.
     pub columns: [Vec<S>; 2],
     /// The number of independent rows.
     pub rank: S,

@@ -259,7 +259,7 @@ impl<S: Scalar> Factorization<S> {
             self.by_rank().solve_gram();
             self.expansion[first * pivots..][..pivots].copy_from_slice(&self.reduced[..pivots]);
         }
-        // The columns of a group of rows are stored as that of its first row.
+        // The columns of a group of rows are stored as the column of its first row.
         let packs = |r: usize| &self.expansion[(r - r % count) * pivots..][..pivots];
         for i in 0..rows {
             let packs_of_row = packs(i).iter().zip(&self.reciprocals);

@@ -13,7 +13,7 @@ use crate::spatial::Matrix3;
 /// [wrench](super::constrained_forward_dynamics). Returns the number of independent rows.
 ///
 /// Along the normal of its target, a contact's frame leaves with `restitution` times its speed
-/// before the impact. In all other directions its velocity is that of the target.
+/// before the impact. In all other directions it has the velocity of the target.
 ///
 /// Limbs of `tree` may be merged, as in
 /// [`constrained_forward_dynamics`](super::constrained_forward_dynamics).

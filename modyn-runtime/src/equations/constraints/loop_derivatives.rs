@@ -187,7 +187,8 @@ impl<S: Scalar> Relative<'_, S> {
     }
 
     /// Calls `add` with the change of each joint force of the constraint's wrench for each
-    /// coordinate: the change, the degree of freedom of the force and that of the coordinate.
+    /// coordinate: the change, the degree of freedom of the force, and the degree of freedom of the
+    /// coordinate.
     fn forces_under(
         &self,
         wrench: Wrench<S>,

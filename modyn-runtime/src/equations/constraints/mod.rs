@@ -131,7 +131,7 @@ pub struct ConstraintWorkspace<S> {
     rest: Vec<S>,
     /// For each constraint, the trace of J M^-1 J^T over all six directions.
     mobilities: Vec<S>,
-    /// The constrained rows of the robot among those of merged limbs.
+    /// The constrained rows of the robot among the rows of merged limbs.
     lanes: RowLanes,
     /// The factorization of J M^-1 J^T, the robot's constrained rows only.
     factorization: Factorization<S>,
@@ -218,7 +218,7 @@ impl<S: Scalar> ConstraintWorkspace<S> {
     }
 
     /// Factorizes J M^-1 J^T of the current rows, lets `complete` change the right-hand sides, and
-    /// sets those of inactive contacts to zero.
+    /// sets the sides of inactive contacts to zero.
     fn factorize<T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
         &mut self,
         tree: &T,
@@ -270,7 +270,7 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         if constraint.rows[row - first].angular { constraint.length } else { S::one() }
     }
 
-    /// Expresses the Jacobian's rows of contacts in other axes: those of world axes, rotated to the
+    /// Expresses the Jacobian's rows of contacts in other axes: world axes, rotated to the
     /// axes that are the columns of the contact's matrix.
     fn rotate_contact_rows(&mut self, model: &Mechanism<S>, axes: impl Fn(usize) -> Matrix3<S>) {
         let n = model.nv.max(1);
@@ -393,7 +393,7 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         }
     }
 
-    /// Computes the wrenches of the multipliers of right-hand side `side`; their axes are those of
+    /// Computes the wrenches of the multipliers of right-hand side `side`; in the axes of
     /// [`by_constraint`](Self::by_constraint).
     fn wrenches(&self, model: &Mechanism<S>, side: usize, wrenches: &mut [Wrench<S>]) {
         self.wrenches_of(model, &self.right_hand_sides[side], wrenches);
@@ -407,7 +407,7 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         });
     }
 
-    /// Computes the residuals of the last solution; their axes are those of
+    /// Computes the residuals of the last solution; in the axes of
     /// [`by_constraint`](Self::by_constraint).
     fn missed(&self, model: &Mechanism<S>, residuals: &mut [Twist<S>]) {
         self.by_constraint(model, &self.residuals, |c, constraint, sum| {

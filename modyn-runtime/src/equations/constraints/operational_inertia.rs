@@ -14,8 +14,8 @@ use crate::spatial::{Matrix3, Pose};
 ///
 /// Each constraint has its constrained rotations, then its constrained displacements: in the first
 /// frame's axes for a loop constraint, in world axes for a contact. The rows and columns of
-/// inactive contacts are zero. Where rows are redundant, the pseudo-inverse is that of the rows in
-/// units of length: rotations are multiplied by the characteristic length.
+/// inactive contacts are zero. Where rows are redundant, the pseudo-inverse is computed from the
+/// rows in units of length: rotations are multiplied by the characteristic length.
 ///
 /// The columns of the pseudo-inverse are computed several at a time where the scalars have lanes.
 pub fn operational_inertia<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(

@@ -76,7 +76,7 @@ impl<S: Scalar> PathBody<S> {
 
 /// Computes the accelerations of the bodies between a frame and its ancestor, relative to this
 /// ancestor, in each body's axes; and the axes of the bodies in the ancestor's. The workspace's
-/// path becomes that of these bodies.
+/// path becomes the path of these bodies.
 pub(super) fn relative_fields<S: Scalar>(
     model: &Mechanism<S>,
     end: BodyFrame<S>,
@@ -110,7 +110,7 @@ impl<S: Scalar> Path<S> {
     /// Computes the motion of the bodies of the workspace's path at the velocities `qd`, for the
     /// point `origin` of the last body.
     ///
-    /// Expects the joint transforms, the axes of the bodies in those of the path's root, and the
+    /// Expects the joint transforms, the bodies' axes in the axes of the path's root, and the
     /// bodies' accelerations `fields`.
     pub(super) fn fill(
         &mut self,

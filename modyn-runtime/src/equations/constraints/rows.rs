@@ -6,7 +6,7 @@
 //! of the six directions of the relative twist, constrained or free, in the same units. The
 //! mobility therefore depends neither on the axes nor on which directions are constrained. It is
 //! the scale that decides whether a row is independent. (The mobility of a contact on a floating
-//! robot is that of the constrained rows: the origin of its frame moves in all directions.)
+//! robot is the mobility of the constrained rows: the origin of its frame moves in all directions.)
 //!
 //! With M = W Delta W^T, the rows of J W^-T are stored. They have the zeros of J: the columns of
 //! joints that do not carry the constraint. So J M^-1 J^T needs products over common ancestors
@@ -118,7 +118,7 @@ pub(super) fn constraint_rows<S: Scalar>(
 /// the rows of inactive contacts are zero, and the mobility of each constraint. Expects the rows
 /// and the factors of the mass matrix.
 ///
-/// Where limbs are merged, the rows of one limb are multiplied in lanes, and so are those of two
+/// Where limbs are merged, the rows of one limb are multiplied in lanes, and so are the rows of two
 /// limbs of one merged limb, which have the trunk's entries in common.
 pub(super) fn mobilities<S: Scalar, T: Factorizable<S>>(
     tree: &T,

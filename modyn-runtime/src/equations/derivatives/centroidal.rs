@@ -17,7 +17,7 @@ use crate::mechanism::{Dof, Mechanism};
 use crate::spatial::{Field, Momentum, Twist, Vector3, Wrench};
 
 /// The results of [`centroidal_momentum_derivatives`], in world axes about the centre of mass.
-/// Columns are of the entries of qd; those of coordinates are in tangent space.
+/// Columns are of the entries of qd; columns of coordinates are in tangent space.
 #[derive(Debug)]
 pub struct CentroidalOutputs<'a, S> {
     /// The momentum, kg m^2/s and kg m/s.

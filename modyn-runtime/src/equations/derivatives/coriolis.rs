@@ -45,7 +45,7 @@ pub fn coriolis_matrix<S: Scalar>(
 
 /// Adds the mass matrix times the Lie brackets of the velocity of body `i`'s joint and the joint's
 /// unit velocities. Rotors are left out: they have Coriolis forces at floating joints alone, where
-/// their part is that of `armature_coriolis`.
+/// their part is `armature_coriolis`.
 fn add_brackets<S: Scalar>(
     model: &Mechanism<S>,
     i: usize,

@@ -1,11 +1,11 @@
 //! Derivatives under external wrenches.
 //!
 //! External wrenches f add the generalized forces J^T f to the joint forces. The derivatives of
-//! inverse and forward dynamics follow from those of J^T f by the chain rule. A displacement of one
-//! degree of freedom displaces the wrenches on its body and on the body's descendants, which
-//! changes the forces on the joints of the ancestors. Wrenches in world axes do not rotate with
-//! their links: relative to the links they rotate back, which changes the forces on all joints
-//! between.
+//! inverse and forward dynamics follow from the derivatives of J^T f by the chain rule. A
+//! displacement of one degree of freedom displaces the wrenches on its body and on the body's
+//! descendants, which changes the forces on the joints of the ancestors. Wrenches in world axes do
+//! not rotate with their links: relative to the links they rotate back, which changes the forces on
+//! all joints between.
 
 use alloc::vec::Vec;
 use core::mem;
@@ -77,7 +77,7 @@ pub fn forward_dynamics_external_derivatives<S: Scalar>(
 }
 
 /// Returns the results of [`generalized_forces`], the derivatives after the forces. The memory is
-/// that of `workspace.external`.
+/// the memory of `workspace.external`.
 fn in_memory<S: Scalar>(
     model: &Mechanism<S>,
     q: &[S],

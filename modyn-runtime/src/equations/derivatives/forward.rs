@@ -31,8 +31,8 @@ pub struct ForwardDerivatives<'a, S> {
 /// Computes the joint accelerations under the joint forces `tau`, and their derivatives with
 /// respect to q, qd and tau.
 ///
-/// The derivatives are those of inverse dynamics at these accelerations, multiplied by -M^-1
-/// (Carpentier and Mansard 2018). Products with M^-1 use the factors of the mass matrix.
+/// The derivatives are the derivatives of inverse dynamics at these accelerations, multiplied by
+/// -M^-1 (Carpentier and Mansard 2018). Products with M^-1 use the factors of the mass matrix.
 ///
 /// d tau / d qd does not depend on the accelerations. The velocity-dependent forces are quadratic
 /// in qd, so they are half of (d tau / d qd) qd by Euler's theorem. No pass without accelerations

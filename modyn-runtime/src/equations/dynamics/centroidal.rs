@@ -3,7 +3,7 @@
 //!
 //! The momentum of rotors is not included. The armature I of a joint adds I qd^2 / 2 to the kinetic
 //! energy, but the description has no axis for the rotor. The momentum that the dynamics conserve
-//! without external forces is that of the links.
+//! without external forces is the momentum of the links.
 //!
 //! Base inertias suffice for the momentum. Together with the static inertia they give the centre of
 //! mass.

@@ -123,8 +123,8 @@ fn recursion<S: Scalar, T: BodyTree<S>>(
     }
 }
 
-/// Solves for the accelerations, those of floating bases relative to free fall. Expects the
-/// wrenches at zero joint accelerations.
+/// Solves for the accelerations; the accelerations of floating bases are relative to free fall.
+/// Expects the wrenches at zero joint accelerations.
 pub(in crate::equations) fn against_fall<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     partition: &ModulePartition,
@@ -142,8 +142,8 @@ pub(in crate::equations) fn against_fall<S: Scalar, T: BodyTree<S>>(
     }
 }
 
-/// Adds the acceleration of free fall to those of floating base `i`, which are relative to it until
-/// then.
+/// Adds the acceleration of free fall to the accelerations of floating base `i`, which are relative
+/// to it until then.
 pub(super) fn add_free_fall<S: Scalar>(
     model: &Mechanism<S>,
     i: usize,

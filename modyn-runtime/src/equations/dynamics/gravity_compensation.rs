@@ -43,8 +43,8 @@ pub(in crate::equations) fn compensation_forces<S: Scalar, T: BodyTree<S>>(
     }
 }
 
-/// Adds the derivatives of the [`compensation_forces`] to those of the joint forces with respect to
-/// the coordinates, an nv x nv matrix by columns. Expects the joint transforms at q.
+/// Adds the derivatives of the [`compensation_forces`] to the derivatives of the joint forces with
+/// respect to the coordinates, an nv x nv matrix by columns. Expects the joint transforms at q.
 pub(in crate::equations) fn add_compensation_derivatives<S: Scalar>(
     model: &Mechanism<S>,
     workspace: &mut Workspace<S>,

@@ -79,7 +79,7 @@ fn joint_torques<S: Scalar, T: BodyTree<S>>(
     }
 }
 
-/// Adds the forces of body `i`'s joint to `tau`, and the body's wrench to that of its parent.
+/// Adds the forces of body `i`'s joint to `tau`, and the body's wrench to its parent's wrench.
 pub(super) fn joint_torque<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     i: usize,

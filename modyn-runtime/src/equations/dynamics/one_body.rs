@@ -52,7 +52,7 @@ pub struct BodyResults<S> {
     pub result: Vec<S>,
 }
 
-/// The index of the parent, and that of the body.
+/// The indices of the parent and of the body.
 const PARENT: usize = 0;
 const BODY: usize = 1;
 

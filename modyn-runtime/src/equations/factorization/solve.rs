@@ -235,8 +235,8 @@ pub fn inverse<S: Scalar, L: FactorLayout<S>>(layout: &L, factors: &[S], columns
     symmetrize(n, 0..n, columns);
 }
 
-/// Returns the natural logarithm of the mass matrix's determinant. It is that of D, since det
-/// U = 1.
+/// Returns the natural logarithm of the mass matrix's determinant. It is the logarithm of det D,
+/// since det U = 1.
 pub fn log_determinant<S: Scalar>(layout: &UduLayout, factors: &[S]) -> S {
     let reciprocals = &factors[layout.reciprocals()];
     -reciprocals.iter().fold(S::zero(), |sum, reciprocal| sum + reciprocal.ln())

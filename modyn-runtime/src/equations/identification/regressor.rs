@@ -13,7 +13,7 @@ use crate::spatial::{Field, Matrix3, Twist, Vector3};
 /// Gravity is included; rotors, damping and friction are not (Atkeson, An and Hollerbach 1986,
 /// "Estimation of inertial parameters of manipulator loads and links").
 ///
-/// pi has ten parameters for each moving link of the model, those of
+/// pi has ten parameters for each moving link of the model, the parameters of
 /// [`Model::inertial_parameters`](crate::model::Model::inertial_parameters). An entry of Y is the
 /// power of the wrench of a unit parameter under a unit motion of the joint. The unit motion of
 /// each joint is therefore transformed towards the links, instead of ten wrenches from each link

@@ -42,7 +42,7 @@ pub fn integrate<S: Scalar>(model: &Mechanism<S>, q: &[S], v: &[S], out: &mut [S
 
 /// Computes the coordinates after the time `dt` from `q`: origins of floating joints move straight
 /// at their velocities at `q`, rotations follow the exponential map. Turns the linear velocities in
-/// `qd` from the axes at `q` to those of the result.
+/// `qd` from the axes at `q` to the axes at the result.
 pub fn move_straight<S: Scalar>(model: &Mechanism<S>, q: &[S], qd: &mut [S], dt: S, out: &mut [S]) {
     for block in &model.coordinates {
         match block.space {

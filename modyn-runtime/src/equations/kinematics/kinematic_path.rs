@@ -163,7 +163,7 @@ impl<S: Scalar> BodyMotion<S> {
         Self { velocity: Twist::zero(), rate: Twist::zero() }
     }
 
-    /// Returns the motion of body `i`, from that of its parent.
+    /// Returns the motion of body `i`, from its parent's motion.
     pub(in crate::equations) fn to_child(
         self,
         model: &Mechanism<S>,

@@ -67,8 +67,8 @@ pub fn link_pose<S: Scalar>(model: &Mechanism<S>, frame: usize, q: &[S]) -> Pose
 /// Returns the pose of link `frame` in the world, as [`link_pose`] does, by the axes of the bodies
 /// in the world.
 ///
-/// It takes more operations than [`link_pose`], but fewer beyond those of [`jacobian`] in world
-/// axes.
+/// It takes more operations than [`link_pose`], but fewer beyond the operations of [`jacobian`] in
+/// world axes.
 pub fn link_pose_from_world<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
@@ -132,8 +132,8 @@ pub fn link_acceleration<S: Scalar>(
 /// [`link_acceleration`] does; without `qdd` the bias acceleration.
 ///
 /// The method uses the axes of the bodies in the world and the accelerations of the bodies, as
-/// Newton-Euler passes do. Alone it takes more operations, but few beyond those of [`jacobian`] and
-/// of inverse dynamics.
+/// Newton-Euler passes do. Alone it takes more operations, but few beyond the operations of
+/// [`jacobian`] and of inverse dynamics.
 pub fn link_acceleration_from_world<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
@@ -209,8 +209,8 @@ pub fn jacobian<S: Scalar>(
 /// each entry of qd: dJ/dt qd is [`bias_acceleration`].
 ///
 /// A column of J is fixed to its body, except for the lever to the link's origin. The axes of the
-/// components rotate relative to the body: those of the world with minus the body's angular
-/// velocity, those of the link with the link's angular velocity relative to the body.
+/// components rotate relative to the body: the axes of the world with minus the body's angular
+/// velocity, the link's axes with the link's angular velocity relative to the body.
 pub fn jacobian_time_derivative<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,

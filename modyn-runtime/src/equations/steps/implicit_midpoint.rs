@@ -29,7 +29,7 @@ use crate::equations::{ForwardInput, Motion, NextState, State, TimeStepInput, Wo
 use crate::mechanism::Mechanism;
 
 /// The number of iterations. The error of the velocities that they leave is of order dt^7, far
-/// below that of the rule.
+/// below the rule's error.
 const ITERATIONS: usize = 3;
 
 /// The memory of the implicit midpoint rule.
@@ -125,7 +125,7 @@ impl<S: Scalar> MidpointWorkspace<S> {
     }
 
     /// Computes the state after a step from the accelerations at its midpoint. `displacement`
-    /// becomes that of the whole step.
+    /// becomes the displacement of the whole step.
     fn finish(
         &mut self,
         model: &Mechanism<S>,

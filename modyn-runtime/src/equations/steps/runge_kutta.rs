@@ -135,7 +135,7 @@ impl<S: Scalar> RungeKuttaWorkspace<S> {
 ///
 /// With the derivatives F of forward dynamics at a stage, the derivatives of its accelerations are
 /// F_q Q + F_qd V + F_tau T. Q and V are the derivatives of the stage's coordinates and velocities,
-/// and T those of tau.
+/// and T the derivatives of tau.
 pub fn step_rk4_derivatives<S: Scalar>(
     model: &Mechanism<S>,
     layout: &UduLayout,

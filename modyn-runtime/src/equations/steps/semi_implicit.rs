@@ -29,8 +29,9 @@ pub fn step_semi_implicit<S: Scalar>(
 /// Computes the coordinates and velocities after the time `dt`, and their derivatives in tangent
 /// space.
 ///
-/// With the derivatives F of the accelerations, those of the velocities are 1 + dt F. Those of the
-/// coordinates follow from them by the derivatives of [`coordinates::integrate`].
+/// With the derivatives F of the accelerations, the derivatives of the velocities are 1 + dt F. The
+/// derivatives of the coordinates follow from them by the derivatives of
+/// [`coordinates::integrate`].
 pub fn step_semi_implicit_derivatives<S: Scalar>(
     model: &Mechanism<S>,
     layout: &UduLayout,

@@ -32,9 +32,9 @@ impl Facet {
     }
 }
 
-/// The largest number of facets that are made, most of which are removed again. A hull of a
-/// scanned mesh makes some ten for each of its corners; that of many points on a circle makes half
-/// as many for each point as there are points.
+/// The largest number of facets that are made, most of which are removed again. A hull of a scanned
+/// mesh makes some ten for each of its corners; the hull of many points on a circle makes half as
+/// many for each point as there are points.
 const MAX_FACETS: usize = 5_000_000;
 
 const IN_ONE_PLANE: &str = "has all vertices in one plane";
