@@ -3,6 +3,8 @@
 //!
 //! `modyn::simulate::State::step_on_ground` is the same step for generated robots.
 
+use modyn_runtime::equations::State;
+use modyn_runtime::equations::constraints::{ProjectionOutputs, ResidualOutputs};
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::Model;
 use modyn_runtime::quantities::Function;
@@ -83,9 +85,9 @@ impl Impulses {
             Some((v.start, joint.limits.as_ref()?.effort?)).filter(|_| is_own)
         };
         let joints = 0..if options.limits { model.links().len() } else { 0 };
-        let robot = GroundRobot::new(model, options.limits);
+        let whole = GroundRobot::new(model, options.limits);
         // Without ground no contact takes part.
-        let robot = if options.friction.is_some() { robot } else { robot.without_contacts() };
+        let robot = if options.friction.is_some() { whole } else { whole.without_contacts() };
         let last = [3 * robot.contacts(), model.nv()].map(|count| vec![0.0; count]);
         Self { options, robot, efforts: joints.filter_map(effort).collect(), last }
     }
@@ -112,21 +114,23 @@ impl Impulses {
     pub fn step(
         &mut self,
         interpreter: &mut Interpreter<f64>,
-        (q, qd, tau): (&[f64], &[f64], &[f64]),
+        q: &[f64],
+        qd: &[f64],
+        tau: &[f64],
         settings: &ConstraintSettings<f64, Vec<ContactTarget<f64>>>,
         dt: f64,
     ) -> Result<Step, FrameError> {
         let model = interpreter.model();
         let mut problem = vec![0.0; GroundRobot::new(model, false).problem_length()];
-        let numbers = settings.contacts.iter().flat_map(ContactTarget::numbers);
-        let numbers: Vec<f64> = settings.numbers().into_iter().chain(numbers).collect();
+        let target_numbers = settings.contacts.iter().flat_map(ContactTarget::numbers);
+        let numbers: Vec<f64> = settings.numbers().into_iter().chain(target_numbers).collect();
         let arguments = [q, qd, tau, &[dt], &numbers];
         interpreter.evaluate(Function::ContactProblem, &arguments, 0, &mut problem)?;
         let factors = interpreter.brge(q)?;
         let friction = self.options.friction.unwrap_or_default();
-        let contacts = settings.contacts[..self.robot.contacts()].iter();
+        let targets = settings.contacts[..self.robot.contacts()].iter();
         let contacts: Vec<ContactTarget<f64>> =
-            contacts.map(|target| ContactTarget { friction, ..*target }).collect();
+            targets.map(|target| ContactTarget { friction, ..*target }).collect();
         let settings = ConstraintSettings::from_numbers(settings.numbers(), contacts);
         let mut next = vec![0.0; qd.len()];
         let [of_contacts, of_stops] = &mut self.last;
@@ -145,8 +149,8 @@ impl Impulses {
         let impulses = of_contacts.as_chunks::<3>().0;
         // Impulses are along the axes of the targets.
         let forces = settings.contacts.iter().zip(impulses);
-        let forces = forces.map(|(target, p)| target.pose.rotate(p.map(|x| x / dt)));
-        let forces = forces.collect();
+        let in_world = forces.map(|(target, p)| target.pose.rotate(p.map(|x| x / dt)));
+        let forces = in_world.collect();
         Ok(Step { qd: next, dissipated: energies[0] - energies[1], lowest, residual, forces })
     }
 }
@@ -182,8 +186,13 @@ fn move_to_ground(
     let twists = || vec![Twist::zero(); model.constraints()];
     let mut displacements = twists();
     let mut velocities = twists();
-    let found = (&mut *displacements, &mut *velocities);
-    interpreter.constraint_residual((q, &vec![0.0; model.nv()]), &settings_of(model), found)?;
+    let outputs =
+        ResidualOutputs { displacements: &mut displacements, velocities: &mut velocities };
+    interpreter.constraint_residual(
+        State { q, qd: &vec![0.0; model.nv()] },
+        &settings_of(model),
+        outputs,
+    )?;
     let base = |frame: usize| {
         let links = std::iter::successors(model.frames()[frame].link, |&i| model.links()[i].parent);
         links.last()
@@ -194,9 +203,9 @@ fn move_to_ground(
         }
         // The constraints of loops come before those of contacts.
         let heights = displacements.iter().skip(model.loop_constraints().len());
-        let own = model.contacts().iter().zip(heights);
-        let own = own.filter(|(contact, _)| base(contact.end.frame) == Some(i));
-        let lowest = own.map(|(_, height)| height.linear.0[2]).fold(f64::INFINITY, f64::min);
+        let all_heights = model.contacts().iter().zip(heights);
+        let touching = all_heights.filter(|(contact, _)| base(contact.end.frame) == Some(i));
+        let lowest = touching.map(|(_, height)| height.linear.0[2]).fold(f64::INFINITY, f64::min);
         if lowest.is_finite() && is_moved(lowest) {
             // The coordinates are in the axes of the joint's frame.
             let [.., up] = link.joint.origin.rotation;
@@ -226,7 +235,7 @@ pub fn closed_start(model: &Model) -> Option<Vec<f64>> {
     let interpreter = Interpreter::<f64>::new(model.clone());
     let mut q = vec![0.0; model.nq()];
     interpreter.neutral(&mut q).ok()?;
-    let close = |q: Vec<f64>| close_loops(model, (q, vec![0.0; model.nv()])).ok().map(|(q, _)| q);
+    let close = |q: Vec<f64>| close_loops(model, q, vec![0.0; model.nv()]).ok().map(|(q, _)| q);
     let mut random = Random::new(1);
     close(q.clone()).or_else(|| {
         (0..MAX_STARTS).find_map(|_| {
@@ -259,7 +268,8 @@ pub enum OpenLoop {
 /// If a length is not the model's, or a loop cannot be closed from there.
 pub fn close_loops(
     model: &Model,
-    (mut q, mut qd): (Vec<f64>, Vec<f64>),
+    mut q: Vec<f64>,
+    mut qd: Vec<f64>,
 ) -> Result<(Vec<f64>, Vec<f64>), OpenLoop> {
     if model.loop_constraints().is_empty() {
         return Ok((q, qd));
@@ -271,20 +281,25 @@ pub fn close_loops(
     let mut dq = vec![0.0; qd.len()];
     let mut dqd = vec![0.0; qd.len()];
     for _ in 0..PROJECTIONS {
-        let into = (&mut *dq, &mut *dqd);
-        interpreter.project_constraints((&q, &qd), &inactive, &settings, into).map_err(shape)?;
+        let outputs = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
+        interpreter
+            .project_constraints(State { q: &q, qd: &qd }, &inactive, &settings, outputs)
+            .map_err(shape)?;
         let before = q.clone();
         interpreter.integrate(&before, &dq, &mut q).map_err(shape)?;
     }
     // Velocities come last: a redundant loop that is open can be locked.
-    let into = (&mut *dq, &mut *dqd);
-    interpreter.project_constraints((&q, &qd), &inactive, &settings, into).map_err(shape)?;
+    let outputs = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
+    interpreter
+        .project_constraints(State { q: &q, qd: &qd }, &inactive, &settings, outputs)
+        .map_err(shape)?;
     qd.iter_mut().zip(&dqd).for_each(|(v, d)| *v += d);
     let twists = || vec![Twist::zero(); model.constraints()];
     let mut displacements = twists();
     let mut velocities = twists();
-    let results = (&mut *displacements, &mut *velocities);
-    interpreter.constraint_residual((&q, &qd), &settings, results).map_err(shape)?;
+    let outputs =
+        ResidualOutputs { displacements: &mut displacements, velocities: &mut velocities };
+    interpreter.constraint_residual(State { q: &q, qd: &qd }, &settings, outputs).map_err(shape)?;
     // NaN is not closed.
     let is_open =
         |displacement: &Twist<f64>| !displacement.components().iter().all(|x| x.abs() < CLOSED);

@@ -14,26 +14,26 @@ const MAX_LINE_LENGTH: usize = 10_000;
 /// diagnostics name.
 #[must_use]
 pub fn render(
-    found: &[Diagnostic],
-    own: Option<(&str, &str)>,
+    diagnostics: &[Diagnostic],
+    main_file: Option<(&str, &str)>,
     other: impl Fn(&str) -> String,
 ) -> String {
-    let (name, lines): (_, Vec<&str>) = match own {
+    let (name, lines): (_, Vec<&str>) = match main_file {
         Some((name, text)) => (Some(name), text.lines().collect()),
         None => (None, Vec::new()),
     };
     let is_other = |file: &&str| name.is_some_and(|name| name != *file);
     let renderer = Renderer::styled();
     let mut out = String::new();
-    for diagnostic in found.iter().take(Diagnostics::SHOWN) {
+    for diagnostic in diagnostics.iter().take(Diagnostics::SHOWN) {
         // A file that the description names.
         let text = diagnostic.file.as_deref().filter(is_other).map(&other);
         let others = text.as_deref().map(|text| text.lines().collect::<Vec<_>>());
         out += &renderer.render(&[group(diagnostic, others.as_ref().unwrap_or(&lines))]);
         out += "\n\n";
     }
-    if found.len() > Diagnostics::SHOWN {
-        out += &format!("... and {} more\n\n", found.len() - Diagnostics::SHOWN);
+    if diagnostics.len() > Diagnostics::SHOWN {
+        out += &format!("... and {} more\n\n", diagnostics.len() - Diagnostics::SHOWN);
     }
     out
 }
@@ -41,9 +41,9 @@ pub fn render(
 /// Returns the line that says whether a description of this name can be used, and how many errors
 /// and warnings it has.
 #[must_use]
-pub fn verdict(name: &str, is_usable: bool, found: &[Diagnostic]) -> String {
+pub fn verdict(name: &str, is_usable: bool, diagnostics: &[Diagnostic]) -> String {
     let count = |severity, what: &str| {
-        let count = found.iter().filter(|one| one.severity == severity).count();
+        let count = diagnostics.iter().filter(|one| one.severity == severity).count();
         match count {
             0 => String::new(),
             1 => format!(", 1 {what}"),
@@ -103,10 +103,10 @@ fn sanitize_line(line: &str) -> String {
 fn marked_range(line: &str, at: Position) -> std::ops::Range<usize> {
     let start = line.char_indices().nth(at.column - 1).map_or(line.len(), |(i, _)| i);
     let rest = &line[start..];
-    let name = rest.find(|c: char| !c.is_alphanumeric() && !"_:-.".contains(c));
-    let name = name.unwrap_or(rest.len());
+    let name_end = rest.find(|c: char| !c.is_alphanumeric() && !"_:-.".contains(c));
+    let name = name_end.unwrap_or(rest.len());
     let before = line[..start].chars().next_back();
-    let length = if let Some(quote) = before.filter(|c| matches!(c, '"' | '\'')) {
+    let found_length = if let Some(quote) = before.filter(|c| matches!(c, '"' | '\'')) {
         rest.find(quote)
     } else if rest.starts_with('<') {
         rest.find('>').map(|end| end + 1)
@@ -116,7 +116,7 @@ fn marked_range(line: &str, at: Position) -> std::ops::Range<usize> {
     } else {
         Some(name)
     };
-    let length = length.unwrap_or(rest.trim_end().len());
+    let length = found_length.unwrap_or(rest.trim_end().len());
     let one = rest.chars().next().map_or(0, char::len_utf8);
     start..start + length.max(one)
 }

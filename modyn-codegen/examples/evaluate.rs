@@ -19,6 +19,8 @@ use std::path::Path;
 
 use modyn_codegen::diagnostics::Severity;
 use modyn_codegen::{Base, Mimic, ReadOptions, read};
+use modyn_runtime::equations::constraints::{ConstrainedOutputs, ResidualOutputs};
+use modyn_runtime::equations::{ForwardInput, State};
 use modyn_runtime::{ConstraintSettings, Interpreter, Twist, Wrench};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -78,10 +80,20 @@ fn main() -> Result<(), Box<dyn Error>> {
         interpreter.bias_forces(q, qd, &mut bias)?;
         interpreter.mass_matrix(q, &mut matrix)?;
         if loops > 0 {
-            let results = (&mut closed[..], &mut wrenches[..], &mut residuals[..]);
-            interpreter.constrained_forward_dynamics((q, qd, tau), &[], &settings, results)?;
-            let results = (&mut displacements[..], &mut velocities[..]);
-            interpreter.constraint_residual((q, qd), &settings, results)?;
+            let results = ConstrainedOutputs {
+                qdd: &mut closed,
+                wrenches: &mut wrenches,
+                residuals: &mut residuals,
+            };
+            interpreter.constrained_forward_dynamics(
+                ForwardInput { q, qd, tau },
+                &[],
+                &settings,
+                results,
+            )?;
+            let results =
+                ResidualOutputs { displacements: &mut displacements, velocities: &mut velocities };
+            interpreter.constraint_residual(State { q, qd }, &settings, results)?;
         }
         let displacements: Vec<f64> = displacements.iter().flat_map(Twist::components).collect();
         let numbers = [&qdd[..], &bias, &matrix, &closed, &displacements].concat();

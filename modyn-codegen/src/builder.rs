@@ -181,8 +181,8 @@ impl Inputs {
     /// Returns the plan for machine code, after adding its warnings to those of the description.
     fn machine_code(&mut self) -> Result<Plan, Diagnostics> {
         self.choices = std::mem::take(&mut self.choices).of_machine_code();
-        let plan = Plan::new(&self.model, &self.modules, &self.choices, Execution::Simd);
-        let plan = plan.map_err(|reason| self.too_long(&reason))?;
+        let planned = Plan::new(&self.model, &self.modules, &self.choices, Execution::Simd);
+        let plan = planned.map_err(|reason| self.too_long(&reason))?;
         self.options.warnings.extend(invalid_programs(&plan));
         Ok(plan)
     }
@@ -373,11 +373,11 @@ impl Builder {
         let backend = target.backend();
         let builder = self.clone().scalar(backend.scalar(self.options.code.scalar));
         let mut inputs = builder.inputs_without(backend.refused())?;
-        let robot = (&inputs.model, &inputs.modules);
-        let plan = backend.plan(robot, &inputs.choices, &inputs.options);
-        let plan = plan.map_err(|reason| inputs.too_long(&reason))?;
+        let Inputs { model, modules, choices, options, .. } = &inputs;
+        let planned = backend.plan(model, modules, choices, options);
+        let plan = planned.map_err(|reason| inputs.too_long(&reason))?;
         let lacking = left_out(target, self.selected());
-        let casadi = without_hessian(&plan.casadi.without_hessian, &inputs.options.prefix(robot.0));
+        let casadi = without_hessian(&plan.casadi.without_hessian, &options.prefix(model));
         inputs.options.warnings.extend(lacking.into_iter().chain(casadi));
         inputs.options.warnings.extend(invalid_programs(&plan));
         Ok((plan, inputs))
@@ -409,11 +409,13 @@ impl Builder {
         })
     }
 
-    /// Returns the programs of the robot's functions with its model and the warnings, for back ends that print no text.
-    /// Functions of many states have no programs of their own: [`Kernels`](crate::plan::Kernels) of one state can be
-    /// run on vectors with a state in each lane. Options about text have no effect. Programs of contacts and closed loops may have
+    /// Returns the programs of the robot's functions with its model and the warnings, for back ends
+    /// that print no text. Functions of many states have no programs of their own:
+    /// [`Kernels`](crate::plan::Kernels) of one state can be run on vectors with a state in each
+    /// lane. Options about text have no effect. Programs of contacts and closed loops may have
     /// [equations of dependent rows](crate::program::RowEquations), and that of `step` has
-    /// [loops](crate::program::Loops), which [`around_loops`](crate::program::Program::around_loops) sets apart.
+    /// [loops](crate::program::Loops), which
+    /// [`around_loops`](crate::program::Program::around_loops) sets apart.
     ///
     /// # Errors
     ///
@@ -443,8 +445,8 @@ impl Builder {
         }
         let Inputs { model, modules, choices, options, files } =
             self.clone().functions([]).inputs()?;
-        let plan = Plan::for_entries(&model, &modules, &choices.of_machine_code(), function);
-        let plan = plan.map_err(|reason| {
+        let planned = Plan::for_entries(&model, &modules, &choices.of_machine_code(), function);
+        let plan = planned.map_err(|reason| {
             let derivatives = function.derivatives.len();
             Diagnostics::new(vec![too_long_entries(&model, &modules, &reason, derivatives)])
         })?;
@@ -506,7 +508,7 @@ impl Builder {
         match self.inputs() {
             Ok(inputs) if errors.is_empty() => return Ok(inputs),
             Ok(_) => {}
-            Err(found) => errors.extend(found),
+            Err(diagnostics) => errors.extend(diagnostics),
         }
         Err(Diagnostics::new(errors))
     }
@@ -520,9 +522,9 @@ impl Builder {
     fn inputs(&self) -> Result<Inputs, Diagnostics> {
         let code = &self.options.code;
         let mut errors = self.option_errors();
-        let reading = self.read().map_err(|found| errors.extend(found)).ok();
+        let reading = self.read().map_err(|diagnostics| errors.extend(diagnostics)).ok();
         let modules = reading.as_ref().and_then(|reading| {
-            self.module_tree(&reading.model).map_err(|found| errors.extend(found)).ok()
+            self.module_tree(&reading.model).map_err(|diagnostics| errors.extend(diagnostics)).ok()
         });
         let mut functions = self.selected().to_vec();
         let bundled: Vec<Function> = code.bundles.iter().flat_map(Bundle::functions).collect();
@@ -542,7 +544,7 @@ impl Builder {
         let [runtime_inertia, payload] = inertias.map(|(option, code, names)| {
             reading.as_ref().and_then(|reading| {
                 let frames = moving_frames(&reading.model, option, code, names);
-                frames.map_err(|found| errors.extend(found)).ok()
+                frames.map_err(|diagnostics| errors.extend(diagnostics)).ok()
             })
         });
         let mut choices = Choices {
@@ -559,14 +561,17 @@ impl Builder {
         };
         if let Some(Reading { model, .. }) = &reading {
             // Options with errors may be those of the functions.
-            let traced =
+            let functions =
                 errors.is_empty().then(|| self.traced_functions(model, &singular, &choices));
-            let traced =
-                traced.and_then(|traced| traced.map_err(|found| errors.extend(found)).ok());
-            let of = |bundle: &Bundle| {
-                bundle.of(model, traced.as_deref()).map_err(|found| errors.extend(found)).ok()
+            let traced = functions
+                .and_then(|traced| traced.map_err(|diagnostics| errors.extend(diagnostics)).ok());
+            let planned = |bundle: &Bundle| {
+                bundle
+                    .of(model, traced.as_deref())
+                    .map_err(|diagnostics| errors.extend(diagnostics))
+                    .ok()
             };
-            choices.bundles = code.bundles.iter().filter_map(of).collect();
+            choices.bundles = code.bundles.iter().filter_map(planned).collect();
             choices.user_functions = traced.unwrap_or_default();
         }
         let (Some(Reading { model, mut warnings, files, .. }), Some(modules), true) =

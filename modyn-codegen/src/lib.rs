@@ -40,6 +40,7 @@ pub use emit::{
     File, FloatType, GpuLanguage, MachineCode, MachineTarget, RolloutForces, RolloutOptions,
     RolloutSource, Target,
 };
+pub use modyn_runtime::equations::{ForwardInput, Motion, State, TimeStepInput};
 pub use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
 pub use modyn_runtime::{
     Interpreter, Scalar, UserArgument, UserArgumentKind, UserDerivatives, UserError, UserFunction,

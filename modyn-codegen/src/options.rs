@@ -118,18 +118,22 @@ macro_rules! option_table {
                 /// origin.
                 "loops" loops(loops: impl IntoIterator<Item = Loop>)
                     loops: Vec<Loop>, field => field.extend(loops),
-                    "[\"name\": type(\"link\", [x, y, z], \"link\", [x, y, z]), ...]", "the description's", "[\"pin\": revolute(\"rod\", [0.5, 0, 0], \"crank\", [0.4, 0, 0], axis = [0, 1, 0])]";
+                    "[\"name\": type(\"link\", [x, y, z], \"link\", [x, y, z]), \
+                     ...]", "the description's", "[\"pin\": revolute(\"rod\", [0.5, 0, 0], \
+                                                  \"crank\", [0.4, 0, 0], axis = [0, 1, 0])]";
                 /// Frames of links that can touch the world, besides the `<contact_frame>`s of the
                 /// description: of type `point`, which stops the motion of the frame's origin, or
                 /// `surface`, which stops rotations too. The frame's origin may follow the link,
                 /// and its roll, pitch and yaw may follow the origin.
                 "contacts" contacts(contacts: impl IntoIterator<Item = Contact>)
                     contacts: Vec<Contact>, field => field.extend(contacts),
-                    "[\"name\": type(\"link\", [x, y, z]), ...]", "the description's", "[\"fingertip\": point(\"hand\", [0, 0, 0.2])]";
+                    "[\"name\": type(\"link\", [x, y, z]), \
+                     ...]", "the description's", "[\"fingertip\": point(\"hand\", [0, 0, 0.2])]";
                 /// The damping and friction of the description that act on the joints.
                 "friction" friction(friction: Friction)
                     friction: Option<Friction>, field => *field = Some(friction),
-                    "none | viscous | coulomb | smooth(velocity)", "`none`, with a warning if there are some", "smooth(0.01)";
+                    "none | viscous | coulomb | \
+                     smooth(velocity)", "`none`, with a warning if there are some", "smooth(0.01)";
                 /// How inertias that no rigid body has are reported. A negative mass is always an
                 /// error.
                 "unphysical_inertia" unphysical_inertia(severity: Severity)
@@ -165,7 +169,8 @@ macro_rules! option_table {
                 /// code, `name: batch(..)` makes the form for many states as well.
                 "bundles" bundles(bundles: impl IntoIterator<Item = Bundle>)
                     bundles: Vec<Bundle>, field => field.extend(bundles),
-                    "[\"name\": (function, function(\"link\"), ...), ...]", "none", "[\"control\": (mass_matrix, bias_forces, jacobian(\"hand\"))]";
+                    "[\"name\": (function, function(\"link\"), ...), \
+                     ...]", "none", "[\"control\": (mass_matrix, bias_forces, jacobian(\"hand\"))]";
                 /// The kinematic modules: maximal serial chains, links, or lists of link names,
                 /// each from its parent outwards.
                 "modules" modules(modules: ModuleChoice)

@@ -41,16 +41,16 @@ pub fn write_file(
         return Err(refused("it is an input, which would be overwritten; name another file"));
     }
     match fs::metadata(&place) {
-        Ok(found) if !found.is_file() => {
+        Ok(metadata) if !metadata.is_file() => {
             OpenOptions::new().write(true).open(&place)?.write_all(content)
         }
-        Ok(found) => {
+        Ok(metadata) => {
             if replaces == Replaces::Generated && !is_generated(&place)? {
                 return Err(refused(
                     "modyn did not write the file that is there; remove it, or name another file",
                 ));
             }
-            replace(&place, content, Some(found.permissions()))
+            replace(&place, content, Some(metadata.permissions()))
         }
         Err(_) => replace(&place, content, None),
     }
@@ -59,17 +59,17 @@ pub fn write_file(
 /// Returns whether a regular file has this content; line endings may differ where it is a text.
 #[must_use]
 pub fn has_content(path: &Path, content: &[u8]) -> bool {
-    let Ok(found) = fs::metadata(path) else { return false };
+    let Ok(metadata) = fs::metadata(path) else { return false };
     // With other line endings a file is longer, but no more than twice as long.
-    let may_be_equal = (content.len()..=2 * content.len()).contains(&(found.len() as usize));
-    if !found.is_file() || !may_be_equal {
+    let may_be_equal = (content.len()..=2 * content.len()).contains(&(metadata.len() as usize));
+    if !metadata.is_file() || !may_be_equal {
         return false;
     }
-    let Ok(found) = fs::read(path) else { return false };
+    let Ok(existing) = fs::read(path) else { return false };
     let is_text = |bytes: &[u8]| std::str::from_utf8(bytes).is_ok();
-    found == content
+    existing == content
         || is_text(content)
-            && String::from_utf8(found)
+            && String::from_utf8(existing)
                 .is_ok_and(|text| text.replace("\r\n", "\n").as_bytes() == content)
 }
 
@@ -79,10 +79,11 @@ fn refused(why: &str) -> io::Error {
 
 /// Returns whether a regular file is empty or has a mark.
 fn is_generated(path: &Path) -> io::Result<bool> {
-    let mut found = Vec::new();
-    File::open(path)?.read_to_end(&mut found)?;
-    let has = |words: &&str| found.windows(words.len()).any(|window| window == words.as_bytes());
-    Ok(found.is_empty() || MARKS.iter().any(has))
+    let mut beginning = Vec::new();
+    File::open(path)?.read_to_end(&mut beginning)?;
+    let has =
+        |words: &&str| beginning.windows(words.len()).any(|window| window == words.as_bytes());
+    Ok(beginning.is_empty() || MARKS.iter().any(has))
 }
 
 /// Writes the content beside the file, and renames it.

@@ -10,6 +10,10 @@ use modyn_codegen::trace::Tracer;
 use modyn_codegen::{Base, Loop, LoopConstraintKind, LoopEnd, ReadOptions, read};
 use modyn_codegen::{Builder, Function};
 use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::equations::constraints::{
+    ConstrainedInverseOutputs, ConstrainedOutputs, ProjectionOutputs, ResidualOutputs,
+};
+use modyn_runtime::equations::{ForwardInput, Motion, State};
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{LoopConstraint, Model, ModelErrorKind, ModuleTree};
 use modyn_runtime::spatial::{Pose, Twist, Wrench};
@@ -253,9 +257,10 @@ fn constrained_with_rank(
     let mut qdd = vec![0.0; qd.len()];
     let loops = interpreter.model().loop_constraints().len();
     let (mut wrenches, mut residuals) = (vec![Wrench::zero(); loops], vec![Twist::zero(); loops]);
-    let into = (&mut *qdd, &mut *wrenches, &mut *residuals);
+    let into =
+        ConstrainedOutputs { qdd: &mut qdd, wrenches: &mut wrenches, residuals: &mut residuals };
     let solve = Interpreter::constrained_forward_dynamics;
-    let rank = solve(interpreter, (q, qd, tau), &[], settings, into).expect("fits");
+    let rank = solve(interpreter, ForwardInput { q, qd, tau }, &[], settings, into).expect("fits");
     (qdd, wrenches, residuals, rank)
 }
 
@@ -264,8 +269,8 @@ fn errors(interpreter: &mut Interpreter, q: &[f64], qd: &[f64]) -> [Vec<f64>; 2]
     let twists = || vec![Twist::zero(); interpreter.model().loop_constraints().len()];
     let (mut displacements, mut velocities) = (twists(), twists());
     let settings = ConstraintSettings::<f64>::DEFAULT;
-    let into = (&mut *displacements, &mut *velocities);
-    interpreter.constraint_residual((q, qd), &settings, into).expect("fits");
+    let into = ResidualOutputs { displacements: &mut displacements, velocities: &mut velocities };
+    interpreter.constraint_residual(State { q, qd }, &settings, into).expect("fits");
     [displacements, velocities].map(|twists| twists.iter().flat_map(Twist::components).collect())
 }
 
@@ -659,7 +664,8 @@ fn a_floating_base_without_contacts_is_carried_by_nothing() {
     interpreter.inverse_dynamics(&q, &qd, &qdd, &mut expected).expect("fits");
     let settings = ConstraintSettings::<f64>::DEFAULT;
     let mut wrenches = [Wrench::zero(); 2];
-    let (motion, into) = ((&*q, &*qd, &*qdd), (&mut *tau, &mut wrenches[..]));
+    let motion = Motion { q: &q, qd: &qd, qdd: &qdd };
+    let into = ConstrainedInverseOutputs { tau: &mut tau, wrenches: &mut wrenches };
     let rank = interpreter.constrained_inverse_dynamics(motion, &[], &settings, into);
     assert_eq!(rank.expect("fits").to_bits(), 0.0_f64.to_bits());
     assert_near(&tau, &expected, 1e-12);
@@ -703,9 +709,10 @@ fn what_gets_compiled_is_what_the_interpreter_computes() {
             let found = graphs[1].evaluate(&[&*q, &qd].concat());
             assert_near(&found, &errors(&mut interpreter, &q, &qd).concat(), 1e-12);
             let (mut dq, mut dqd) = (vec![0.0; qd.len()], vec![0.0; qd.len()]);
-            let into = (&mut *dq, &mut *dqd);
-            let rank =
-                interpreter.project_constraints((&q, &qd), &[], &settings, into).expect("fits");
+            let into = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
+            let rank = interpreter
+                .project_constraints(State { q: &q, qd: &qd }, &[], &settings, into)
+                .expect("fits");
             let found = graphs[2].evaluate(&[&*q, &qd, &numbers].concat());
             assert_near(&found, &[dq, dqd, vec![rank]].concat(), 1e-8);
         }
@@ -731,8 +738,8 @@ fn steps_close_the_loops() {
         let mut qd = random.vector(n, 1.0);
         let mut step = |q: &mut Vec<f64>, qd: &mut Vec<f64>| {
             let (mut dq, mut dqd) = (vec![0.0; n], vec![0.0; n]);
-            let into = (&mut *dq, &mut *dqd);
-            interpreter.project_constraints((q, qd), &[], &settings, into).expect("fits");
+            let into = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
+            interpreter.project_constraints(State { q, qd }, &[], &settings, into).expect("fits");
             let [displacements, velocities] = errors(&mut interpreter, q, qd);
             let norm = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
             // The smallest change in the metric of kinetic energy only removes kinetic energy.
@@ -767,9 +774,20 @@ fn single_precision_closes_loops_too() {
         let [q, qd] = [q, qd].map(|x| x.iter().map(|x| *x as f32).collect::<Vec<f32>>());
         let (mut qdd, mut wrenches, mut residuals) = ([0.0; 3], [Wrench::zero()], [Twist::zero()]);
         let settings = ConstraintSettings::<f32>::EXACT;
-        let into = (&mut qdd[..], &mut wrenches[..], &mut residuals[..]);
+        let into = ConstrainedOutputs {
+            qdd: &mut qdd,
+            wrenches: &mut wrenches,
+            residuals: &mut residuals,
+        };
         let solve = Interpreter::constrained_forward_dynamics;
-        solve(&mut interpreter, (&q, &qd, &[0.0; 3]), &[], &settings, into).expect("fits");
+        solve(
+            &mut interpreter,
+            ForwardInput { q: &q, qd: &qd, tau: &[0.0; 3] },
+            &[],
+            &settings,
+            into,
+        )
+        .expect("fits");
         assert_near(&qdd.map(f64::from), &expected, 1e-3);
     }
 }

@@ -12,11 +12,11 @@ use modyn_codegen::trace::{DenseGraph, LimbPacking, Tracer};
 use modyn_codegen::{
     Base, Builder, CodeForm, Contact, ContactKind, Function, LoopEnd, ReadOptions, read,
 };
-use modyn_runtime::equations::ModulePartition;
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::constraints::RowSystem;
 use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::equations::kinematics::coordinates::normalize;
+use modyn_runtime::equations::{ModulePartition, TimeStepInput};
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 use modyn_runtime::{Interpreter, Scalar, StepOutputs};
@@ -130,9 +130,9 @@ fn derivatives_of_steps_are_those_of_the_interpreter() {
         let ((next_q, next_qd), (a, b)) = (next.split_at_mut(nq), rest.split_at_mut(4 * n * n));
         let outputs = StepOutputs { q: next_q, qd: next_qd, a, b };
         let (q, forces) = (&inputs[..nq], &inputs[nq + n..nq + 2 * n]);
-        let state = (q, &inputs[nq..nq + n], forces);
+        let input = TimeStepInput { q, qd: &inputs[nq..nq + n], tau: forces, dt: h };
         let mut interpreter = Interpreter::new(model.clone());
-        interpreter.step_semi_implicit_derivatives(state, h, outputs).expect("lengths");
+        interpreter.step_semi_implicit_derivatives(input, outputs).expect("lengths");
         let scale = expected.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let agree = |found: Vec<f64>| {
             assert_eq!(found.len(), expected.len());

@@ -5,6 +5,8 @@ use modyn_codegen::passes::optimize;
 use modyn_codegen::plan::COLUMN_LANES;
 use modyn_codegen::trace::{Parameters, Tracer};
 use modyn_codegen::{Base, Function, ReadOptions, read_urdf};
+use modyn_runtime::equations::Motion;
+use modyn_runtime::equations::constraints::ConstrainedInverseOutputs;
 use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Inertial, Model, ModuleTree, Spring};
@@ -272,9 +274,14 @@ fn carrying(walker: &mut Interpreter<f64>) -> Vec<[f64; 6]> {
     let q = [0.1, -0.2, 0.6, 0.0, 0.0, 0.28, 0.96, 0.3, -0.2];
     let (qd, qdd) = ([0.0; 8], [0.3, -0.2, 0.4, 0.1, 0.2, -0.3, 0.5, -0.6]);
     let (mut tau, mut wrenches) = ([0.0; 8], [Wrench::zero(); 2]);
-    let found = (&mut tau[..], &mut wrenches[..]);
+    let found = ConstrainedInverseOutputs { tau: &mut tau, wrenches: &mut wrenches };
     walker
-        .constrained_inverse_dynamics((&q, &qd, &qdd), &[true; 2], &settings, found)
+        .constrained_inverse_dynamics(
+            Motion { q: &q, qd: &qd, qdd: &qdd },
+            &[true; 2],
+            &settings,
+            found,
+        )
         .expect("the lengths fit");
     let numbers = |w: &Wrench<f64>| [w.moment.0, w.force.0].concat().try_into().expect("six");
     wrenches.iter().map(numbers).collect()

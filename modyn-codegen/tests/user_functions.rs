@@ -1,5 +1,6 @@
 //! Functions of users: their errors, and the text that they become. `tests/tests/user_functions.rs` has their numbers.
 
+use modyn_codegen::TimeStepInput;
 use modyn_codegen::graph::Expr;
 use modyn_codegen::{
     Builder, Bundle, Function, Interpreter, Rotor, Scalar, Target, UserArgument, UserDerivatives,
@@ -342,7 +343,11 @@ impl UserFunction<4> for Step {
         [q, qd, tau, time_step]: [&[S]; 4],
     ) -> Result<Vec<S>, UserError> {
         let (mut next_q, mut next_qd) = (q.to_vec(), qd.to_vec());
-        robot.step_rk4((q, qd, tau), time_step[0], &mut next_q, &mut next_qd)?;
+        robot.step_rk4(
+            TimeStepInput { q, qd, tau, dt: time_step[0] },
+            &mut next_q,
+            &mut next_qd,
+        )?;
         Ok(next_qd)
     }
 }

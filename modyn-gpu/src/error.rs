@@ -104,7 +104,7 @@ impl fmt::Display for GpuError {
                  mesa-vulkan-drivers)"
             ),
             Self::NoDevice(why) => write!(f, "the graphics processor cannot be opened: {why}"),
-            Self::Description(found) => write!(f, "{found}"),
+            Self::Description(diagnostics) => write!(f, "{diagnostics}"),
             Self::NoKernel { name, kernels } => {
                 write!(f, "the robot has no kernel `{name}`; it has {}", kernels.join(", "))
             }
@@ -144,7 +144,8 @@ impl fmt::Display for GpuError {
             Self::OutOfMemory { bytes } => {
                 write!(
                     f,
-                    "the processor has no memory left for an array of {bytes} bytes; drop arrays that are not needed, or \
+                    "the processor has no memory left for an array of {bytes} bytes; drop arrays \
+                     that are not needed, or \
                      compute fewer states at a time"
                 )
             }
@@ -156,7 +157,7 @@ impl fmt::Display for GpuError {
 impl Error for GpuError {}
 
 impl From<Diagnostics> for GpuError {
-    fn from(found: Diagnostics) -> Self {
-        Self::Description(found)
+    fn from(diagnostics: Diagnostics) -> Self {
+        Self::Description(diagnostics)
     }
 }

@@ -23,7 +23,8 @@ impl Pipelines {
         &self,
         gpu: &Gpu,
         module: &wgpu::ShaderModule,
-        (index, entry): (usize, &str),
+        index: usize,
+        entry: &str,
         written: impl Iterator<Item = bool>,
     ) -> Result<wgpu::ComputePipeline, GpuError> {
         let mut compiled = self.compiled.lock().unwrap_or_else(PoisonError::into_inner);

@@ -35,8 +35,8 @@ impl Gpu {
             power_preference: wgpu::PowerPreference::HighPerformance,
             ..Default::default()
         };
-        let adapter = pollster::block_on(instance.request_adapter(&options));
-        let adapter = adapter.map_err(|error| GpuError::NoAdapter(error.to_string()))?;
+        let requested = pollster::block_on(instance.request_adapter(&options));
+        let adapter = requested.map_err(|error| GpuError::NoAdapter(error.to_string()))?;
         let limits = adapter.limits();
         let descriptor =
             wgpu::DeviceDescriptor { required_limits: limits.clone(), ..Default::default() };

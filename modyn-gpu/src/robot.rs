@@ -65,8 +65,8 @@ impl GpuRobot {
         let result = self.gpu.empty(kernel.result, states)?;
         let count = self.gpu.uniform(&[self.gpu.count(states)?, 0, 0, 0]);
         let pipeline = self.pipeline(index)?;
-        let buffers = arguments.iter().map(|array| &array.buffer);
-        let buffers: Vec<&wgpu::Buffer> = buffers.chain([&result.buffer, &count]).collect();
+        let of_arguments = arguments.iter().map(|array| &array.buffer);
+        let buffers: Vec<&wgpu::Buffer> = of_arguments.chain([&result.buffer, &count]).collect();
         self.gpu.launch(&pipeline, &buffers, states);
         Ok(result)
     }
@@ -75,9 +75,11 @@ impl GpuRobot {
     fn find(&self, name: &str) -> Result<(usize, &GpuKernel), GpuError> {
         let source = &self.source;
         let own_names = || source.kernels.iter().map(|kernel| kernel.own_name(&source.prefix));
-        let index = own_names().position(|own| own == name).ok_or_else(|| GpuError::NoKernel {
-            name: name.into(),
-            kernels: own_names().map(String::from).collect(),
+        let index = own_names().position(|kernel_name| kernel_name == name).ok_or_else(|| {
+            GpuError::NoKernel {
+                name: name.into(),
+                kernels: own_names().map(String::from).collect(),
+            }
         })?;
         Ok((index, &source.kernels[index]))
     }
@@ -85,7 +87,7 @@ impl GpuRobot {
     fn pipeline(&self, index: usize) -> Result<wgpu::ComputePipeline, GpuError> {
         let kernel = &self.source.kernels[index];
         let written = kernel.arguments.iter().map(|_| false).chain([true]);
-        self.pipelines.get(&self.gpu, &self.module, (index, &kernel.name), written)
+        self.pipelines.get(&self.gpu, &self.module, index, &kernel.name, written)
     }
 }
 

@@ -165,7 +165,7 @@ impl Rollout {
             RolloutBuffer::Trajectory => trajectory.as_ref().or(Some(unwritten)),
             _ => None,
         });
-        let sizes = [
+        let numbers = [
             gpu.count(count)?,
             gpu.count(steps)?,
             gpu.count(arguments.q.states)?,
@@ -175,7 +175,7 @@ impl Rollout {
             0,
             0,
         ];
-        let sizes = gpu.uniform(&sizes);
+        let sizes = gpu.uniform(&numbers);
         let buffers: Vec<&wgpu::Buffer> =
             buffers.flatten().map(|array| &array.buffer).chain([&sizes]).collect();
         gpu.launch(&self.pipeline(index)?, &buffers, count);
@@ -186,8 +186,8 @@ impl Rollout {
     fn fitting(&self, arguments: &RolloutArguments<'_>) -> Result<(usize, usize), GpuError> {
         let source = &self.source;
         let step = arguments.step.name();
-        let found = source.rollouts.iter().position(|rollout| rollout.step == step);
-        let index = found.ok_or_else(|| GpuError::NoKernel {
+        let place = source.rollouts.iter().position(|rollout| rollout.step == step);
+        let index = place.ok_or_else(|| GpuError::NoKernel {
             name: step.into(),
             kernels: source.rollouts.iter().map(|rollout| rollout.step.into()).collect(),
         })?;
@@ -255,7 +255,7 @@ impl Rollout {
     fn pipeline(&self, index: usize) -> Result<wgpu::ComputePipeline, GpuError> {
         let written = self.source.buffers.iter().map(|buffer| buffer.is_result());
         let name = &self.source.rollouts[index].name;
-        self.pipelines.get(&self.gpu, &self.module, (index, name), written)
+        self.pipelines.get(&self.gpu, &self.module, index, name, written)
     }
 }
 

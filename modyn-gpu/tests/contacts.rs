@@ -1,6 +1,8 @@
 //! Rollouts that hold contacts: a quadruped falls on its feet and stands, as the interpreter's constrained dynamics say.
 
 use crate::common;
+use modyn_runtime::equations::ForwardInput;
+use modyn_runtime::equations::constraints::ConstrainedOutputs;
 
 use modyn_codegen::{
     Base, Builder, Bundle, Contact, ContactKind, Function, LoopEnd, RolloutForces, RolloutOptions,
@@ -81,9 +83,18 @@ fn expected(q: &[f64], goals: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let mut qdd = vec![0.0; 18];
         for _ in 0..2 {
             let (mut wrenches, mut residuals) = ([Wrench::zero(); 4], [Twist::zero(); 4]);
-            let outputs = (&mut *qdd, &mut wrenches[..], &mut residuals[..]);
+            let outputs = ConstrainedOutputs {
+                qdd: &mut qdd,
+                wrenches: &mut wrenches,
+                residuals: &mut residuals,
+            };
             interpreter
-                .constrained_forward_dynamics((&q, &qd, &tau), &held, &settings, outputs)
+                .constrained_forward_dynamics(
+                    ForwardInput { q: &q, qd: &qd, tau: &tau },
+                    &held,
+                    &settings,
+                    outputs,
+                )
                 .expect("lengths");
             for (held, wrench) in held.iter_mut().zip(&wrenches) {
                 *held &= wrench.force.0[2] >= 0.0;

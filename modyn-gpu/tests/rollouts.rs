@@ -4,6 +4,7 @@
 //! come from the interpreter: from the distance of motions that are disturbed in each step by errors of single precision.
 
 use crate::common;
+use modyn_runtime::equations::TimeStepInput;
 
 use modyn_codegen::{Base, Builder, Function, RolloutForces, RolloutOptions};
 use modyn_gpu::{Gpu, GpuError, Rollout, RolloutArguments};
@@ -53,10 +54,8 @@ fn motion(
             *x += draw() * scale;
         }
         let (mut next_q, mut next_qd) = (vec![0.0; nq], vec![0.0; nv]);
-        let step = (&*q, &*qd, &*tau);
-        interpreter
-            .step_semi_implicit(step, f64::from(DT), &mut next_q, &mut next_qd)
-            .expect("lengths");
+        let input = TimeStepInput { q: &q, qd: &qd, tau: &tau, dt: f64::from(DT) };
+        interpreter.step_semi_implicit(input, &mut next_q, &mut next_qd).expect("lengths");
         for x in next_q.iter_mut().chain(&mut next_qd) {
             *x += draw() * x.abs().max(1.0);
         }

@@ -97,8 +97,8 @@ impl<S: Real> Assembly<S> {
                 None => CompiledKernels::One(kernel(scalar, simd.as_ref(), &arrays)),
             },
             Kernels::ByLink(programs) => {
-                let own = plan.frames.links_with_own_program().count();
-                let arrays = |k: usize| if k < own { &arrays } else { &placed };
+                let known_count = plan.frames.links_with_own_program().count();
+                let arrays = |k: usize| if k < known_count { &arrays } else { &placed };
                 let programs = programs.iter().enumerate();
                 let kernels = programs.map(|(k, program)| kernel(program, None, arrays(k)));
                 CompiledKernels::ByLink(plan.frames.programs().to_vec(), kernels.collect())
@@ -109,8 +109,8 @@ impl<S: Real> Assembly<S> {
                 links: plan.frames.programs().to_vec(),
             },
         };
-        let arguments = planned.arguments.iter();
-        let arguments = arguments.map(|(argument, shape)| (argument.name, shape.clone()));
+        let declared = planned.arguments.iter();
+        let arguments = declared.map(|(argument, shape)| (argument.name, shape.clone()));
         CompiledFunction {
             function: planned.function,
             name: planned.name,
@@ -142,8 +142,8 @@ impl<S: Real> Assembly<S> {
         CompiledKernels::Looped { single, batch }
     }
 
-    /// Compiles a program. The code for one state has vectors if the program has some and they are profitable; the code for
-    /// batches is the scalar program with a state in each lane.
+    /// Compiles a program. The code for one state has vectors if the program has some and they are
+    /// profitable; the code for batches is the scalar program with a state in each lane.
     fn kernel(
         &mut self,
         scalar: &Program,
@@ -166,15 +166,15 @@ impl<S: Real> Assembly<S> {
     pub fn append(&mut self, program: &Program, arrays: &[usize], batch: bool) -> (Code, CodeSize) {
         let lower = |rows| lower::<S>(program, arrays, self.instruction_set, batch, rows);
         let all = lower(Rows::All);
-        let independent = program.has_row_equations().then(|| lower(Rows::Independent));
-        let independent = independent.filter(|few| 8 * few.steps.len() <= 7 * all.steps.len());
+        let alternative = program.has_row_equations().then(|| lower(Rows::Independent));
+        let independent = alternative.filter(|few| 8 * few.steps.len() <= 7 * all.steps.len());
         let (any_rank, size) = self.write(&all, arrays, batch, None);
         let Some(independent) = independent else { return (any_rank, size) };
-        let (code, mut own) = self.write(&independent, arrays, batch, Some(any_rank.entry));
-        own.bytes += size.bytes;
-        own.constants += size.constants;
-        own.frame += size.frame;
-        (code, own)
+        let (code, mut total) = self.write(&independent, arrays, batch, Some(any_rank.entry));
+        total.bytes += size.bytes;
+        total.constants += size.constants;
+        total.frame += size.frame;
+        (code, total)
     }
 
     /// Writes the code of values. `any_rank` is the start of the code which its guards call.

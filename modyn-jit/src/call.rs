@@ -63,12 +63,12 @@ impl<S: Real> Call<'_, S> {
         if !self.has_batch() {
             return Err(CallError::NoBatch { function });
         }
-        let given = self.arguments().iter().zip(arguments);
-        let given = given.map(|((name, shape), argument)| (*name, shape, argument.len()));
-        for (name, shape, found) in given.chain([("result", self.result(), results.len())]) {
+        let pairs = self.arguments().iter().zip(arguments);
+        let given = pairs.map(|((name, shape), argument)| (*name, shape, argument.len()));
+        for (name, shape, length) in given.chain([("result", self.result(), results.len())]) {
             let expected = shape.len() * self.lanes;
-            if found != expected {
-                return Err(CallError::Length { function, name, expected, found });
+            if length != expected {
+                return Err(CallError::Length { function, name, expected, found: length });
             }
         }
         self.run(None, arguments, results, self.lanes);
@@ -155,13 +155,13 @@ impl<S: Real> Call<'_, S> {
         if fits { Ok(()) } else { Err(CallError::Link { function, link, links }) }
     }
 
-    fn check_count(&self, found: usize) -> Result<(), CallError> {
+    fn check_count(&self, count: usize) -> Result<(), CallError> {
         let expected = self.arguments().iter().map(|(name, _)| *name);
-        if found == expected.len() {
+        if count == expected.len() {
             return Ok(());
         }
         let function = self.name();
-        Err(CallError::Arguments { function, expected: expected.collect(), found })
+        Err(CallError::Arguments { function, expected: expected.collect(), found: count })
     }
 
     fn check(
@@ -172,12 +172,17 @@ impl<S: Real> Call<'_, S> {
     ) -> Result<(), CallError> {
         self.check_link(link)?;
         self.check_count(arguments.len())?;
-        let given = self.arguments().iter().zip(arguments);
-        let given = given.map(|((name, shape), argument)| (*name, shape, argument.len()));
-        for (name, shape, found) in given.chain([("result", self.result(), result.len())]) {
+        let pairs = self.arguments().iter().zip(arguments);
+        let given = pairs.map(|((name, shape), argument)| (*name, shape, argument.len()));
+        for (name, shape, length) in given.chain([("result", self.result(), result.len())]) {
             let expected = shape.len();
-            if found != expected {
-                return Err(CallError::Length { function: self.name(), name, expected, found });
+            if length != expected {
+                return Err(CallError::Length {
+                    function: self.name(),
+                    name,
+                    expected,
+                    found: length,
+                });
             }
         }
         Ok(())
@@ -241,22 +246,22 @@ impl<S: Real> Call<'_, S> {
             self.arguments().iter().zip(arguments.iter().zip(&lengths))
         {
             let name = *name;
-            let found = argument.len();
-            let states = found.checked_div(one).unwrap_or_default();
-            if states * one != found {
-                return Err(CallError::States { function, name, one, found });
+            let length = argument.len();
+            let states = length.checked_div(one).unwrap_or_default();
+            if states * one != length {
+                return Err(CallError::States { function, name, one, found: length });
             }
             let expected = *count.get_or_insert(states) * one;
-            if expected != found {
-                return Err(CallError::Length { function, name, expected, found });
+            if expected != length {
+                return Err(CallError::Length { function, name, expected, found: length });
             }
         }
         let count = count.unwrap_or_default();
         let one = self.result().len();
         if results.len() != count * one {
             let expected = count * one;
-            let found = results.len();
-            return Err(CallError::Length { function, name: "result", expected, found });
+            let length = results.len();
+            return Err(CallError::Length { function, name: "result", expected, found: length });
         }
         let lanes = self.lanes;
         let mut columns: Vec<Vec<S>> =

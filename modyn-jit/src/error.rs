@@ -39,17 +39,19 @@ impl fmt::Display for CompileError {
         match self {
             Self::Description(diagnostics) => diagnostics.fmt(f),
             Self::Architecture => {
-                let found = std::env::consts::ARCH;
+                let architecture = std::env::consts::ARCH;
                 let system = std::env::consts::OS;
                 write!(
                     f,
-                    "machine code is made for x86-64, and for aarch64 except on Windows, and this is {found} with \
+                    "machine code is made for x86-64, and for aarch64 except on Windows, and this \
+                     is {architecture} with \
                      {system}; {instead}"
                 )
             }
             Self::InstructionSet { wanted, available } => write!(
                 f,
-                "this processor has no {wanted:?}, its best is {available:?}; leave `instruction_set` out to have the best"
+                "this processor has no {wanted:?}, its best is {available:?}; leave \
+                 `instruction_set` out to have the best"
             ),
             Self::Arguments { function, arrays } => write!(
                 f,
@@ -147,16 +149,19 @@ impl fmt::Display for CallError {
                 f,
                 "`{function}` was compiled for one state at a time; set `Options::batches`"
             ),
-            Self::Arguments { function, expected, found } => {
+            Self::Arguments { function, expected, found: count } => {
                 let expected = expected.join(", ");
-                write!(f, "`{function}` takes the arguments {expected}, and {found} were given")
+                write!(f, "`{function}` takes the arguments {expected}, and {count} were given")
             }
-            Self::Length { function, name, expected, found } => {
-                write!(f, "`{name}` of `{function}` has {expected} numbers, and {found} were given")
+            Self::Length { function, name, expected, found: length } => {
+                write!(
+                    f,
+                    "`{name}` of `{function}` has {expected} numbers, and {length} were given"
+                )
             }
-            Self::States { function, name, one, found } => write!(
+            Self::States { function, name, one, found: length } => write!(
                 f,
-                "`{name}` of `{function}` has {one} numbers a state, and {found} are no multiple of that"
+                "`{name}` of `{function}` has {one} numbers a state, and {length} are no multiple of that"
             ),
             Self::Link { function, link: Some(_), links: None } => {
                 write!(f, "`{function}` is not about one link; call it without")

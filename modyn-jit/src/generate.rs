@@ -218,8 +218,8 @@ impl<'a, A: Architecture> Generator<'a, A> {
         let leave = self.encoder.position();
         A::leave(&mut self);
         let end = self.encoder.position();
-        let frame = A::HEADER + self.saved + self.registers.frame as usize;
-        let frame = frame.next_multiple_of(A::ALIGNMENT);
+        let unaligned = A::HEADER + self.saved + self.registers.frame as usize;
+        let frame = unaligned.next_multiple_of(A::ALIGNMENT);
         let (entry, constants_at) = A::entry(&self, frame as u32);
         let instructions = entry.instructions() + self.encoder.instructions();
         self.slow_paths();

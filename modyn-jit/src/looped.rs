@@ -1,8 +1,8 @@
 //! Programs with loops, whose iterations call machine code: the solver of a step.
 //!
-//! What runs before the loops, each routine, and what runs after them are functions of machine code. The loops
-//! themselves run here, over arrays. In a batch the lanes of each number are states. A state whose loop has ended
-//! keeps its numbers while others go on.
+//! What runs before the loops, each routine, and what runs after them are functions of machine
+//! code. The loops themselves run here, over arrays. In a batch the lanes of each number are
+//! states. A state whose loop has ended keeps its numbers while others go on.
 
 use modyn_codegen::program::{Call, Loop, Loops, Place, Program, Read, Step, Table};
 
@@ -37,7 +37,8 @@ enum PlannedStep {
     Loop { count: usize, end: Option<usize>, steps: Vec<PlannedStep> },
 }
 
-/// A copy of consecutive numbers, by indices in the memory of all arrays or in an array of a routine.
+/// A copy of consecutive numbers, by indices in the memory of all arrays or in an array of a
+/// routine.
 #[derive(Clone, Copy, Debug)]
 struct Copied {
     from: usize,
@@ -66,10 +67,11 @@ impl LoopPlan {
             starts.push(starts[starts.len() - 1] + array.len());
         }
         let mut planning = Planning { starts: &starts, arguments, tables: &program.tables };
-        let stored = loops.stored.iter().enumerate();
-        let stored = stored.map(|(k, stored)| (k, starts[stored.entry.array] + stored.entry.index));
-        let results = loops.results.iter().enumerate();
-        let results = results.map(|(k, entry)| (starts[entry.array] + entry.index, k));
+        let stored_entries = loops.stored.iter().enumerate();
+        let stored =
+            stored_entries.map(|(k, stored)| (k, starts[stored.entry.array] + stored.entry.index));
+        let entries = loops.results.iter().enumerate();
+        let results = entries.map(|(k, entry)| (starts[entry.array] + entry.index, k));
         Self {
             stored: runs(stored),
             stored_count: loops.stored.len(),
@@ -156,7 +158,8 @@ fn runs(pairs: impl Iterator<Item = (usize, usize)>) -> Vec<Copied> {
 }
 
 impl LoopedCode {
-    /// Returns the code of a program with loops. `append` compiles a program with arguments in arrays of these lengths.
+    /// Returns the code of a program with loops. `append` compiles a program with arguments in
+    /// arrays of these lengths.
     pub fn new(
         program: &Program,
         arguments: &[usize],

@@ -131,20 +131,22 @@ impl<S: Real> Lowering<'_, S> {
     /// Adds the values of a statement, and returns its results by place.
     fn statement(&mut self, operation: &Statement, lanes: u8) -> Vec<Registers> {
         let (count, width) = self.split(lanes);
-        let of = |result: Registers| vec![result];
+        let single = |result: Registers| vec![result];
         match operation {
-            Statement::Add(a, b) => of(self.each(lanes, |this, k| this.sum(a, b, false, k))),
-            Statement::Subtract(a, b) => of(self.each(lanes, |this, k| this.sum(a, b, true, k))),
-            Statement::Multiply(a, b) => of(self.each(lanes, |this, k| {
+            Statement::Add(a, b) => single(self.each(lanes, |this, k| this.sum(a, b, false, k))),
+            Statement::Subtract(a, b) => {
+                single(self.each(lanes, |this, k| this.sum(a, b, true, k)))
+            }
+            Statement::Multiply(a, b) => single(self.each(lanes, |this, k| {
                 let negated = a.negated != b.negated;
                 let [a, b] = [a, b].map(|x| this.magnitude(x, k));
                 let product = this.binary(Operation::Multiply, a, b);
                 this.signed(product, negated)
             })),
             Statement::MultiplyAdd(fused) => {
-                of(self.each(lanes, |this, k| this.multiply_add(fused, k)))
+                single(self.each(lanes, |this, k| this.multiply_add(fused, k)))
             }
-            Statement::Reciprocal(a) => of(self.each(lanes, |this, k| {
+            Statement::Reciprocal(a) => single(self.each(lanes, |this, k| {
                 let one = this.constant(1.0, width);
                 let a = this.register(a, k);
                 this.binary(Operation::Divide, one, a)
@@ -156,23 +158,23 @@ impl<S: Real> Lowering<'_, S> {
                     .collect();
                 self.sines_and_cosines(&angles)
             }
-            Statement::Atan2(a, b) => of(self.each(lanes, |this, k| {
+            Statement::Atan2(a, b) => single(self.each(lanes, |this, k| {
                 let [a, b] = [a, b].map(|x| this.register(x, k));
                 this.binary(Operation::Atan2, a, b)
             })),
             Statement::SquareRoot(a) => {
-                of(self.each(lanes, |this, k| this.unary(Operation::SquareRoot, a, k)))
+                single(self.each(lanes, |this, k| this.unary(Operation::SquareRoot, a, k)))
             }
             Statement::Logarithm(a) => {
-                of(self.each(lanes, |this, k| this.unary(Operation::Logarithm, a, k)))
+                single(self.each(lanes, |this, k| this.unary(Operation::Logarithm, a, k)))
             }
-            Statement::Absolute(a) => of(self.each(lanes, |this, k| {
+            Statement::Absolute(a) => single(self.each(lanes, |this, k| {
                 let a = this.magnitude(a, k);
                 let bits = !this.sign();
                 let mask = this.mask(bits, width);
                 this.binary(Operation::And, a, mask)
             })),
-            Statement::Maximum(a, b) => of(self.each(lanes, |this, k| {
+            Statement::Maximum(a, b) => single(self.each(lanes, |this, k| {
                 let [a, b] = [a, b].map(|x| this.register(x, k));
                 // If one operand is NaN, the instruction returns its second operand.
                 let larger = this.binary(Operation::Maximum, b, a);
@@ -180,9 +182,9 @@ impl<S: Real> Lowering<'_, S> {
                 this.choose(nan, b, larger)
             })),
             Statement::Select(a, b, _) if self.is_known_nonnegative(a) => {
-                of(self.each(lanes, |this, k| this.register(b, k)))
+                single(self.each(lanes, |this, k| this.register(b, k)))
             }
-            Statement::Select(a, b, c) => of(self.each(lanes, |this, k| {
+            Statement::Select(a, b, c) => single(self.each(lanes, |this, k| {
                 let [a, b, c] = [a, b, c].map(|x| this.register(x, k));
                 let zero = this.constant(0.0, width);
                 let nonnegative = this.binary(Operation::LessOrEqual, zero, a);
@@ -190,14 +192,14 @@ impl<S: Real> Lowering<'_, S> {
             })),
             Statement::Pack(packed) => {
                 let scalars: Vec<Value> = packed.iter().map(|x| self.scalar(x)).collect();
-                of(scalars.chunks(width.into()).map(|scalars| self.pack(scalars)).collect())
+                single(scalars.chunks(width.into()).map(|scalars| self.pack(scalars)).collect())
             }
             Statement::Constants(packed) => {
                 let constants = |chunk: &[f64]| {
                     let bits = chunk.iter().map(|&x| S::from_f64(x).bits()).collect();
                     self.values.constants(bits, width)
                 };
-                of(packed.chunks(width.into()).map(constants).collect())
+                single(packed.chunks(width.into()).map(constants).collect())
             }
             Statement::Unpack(vector) => {
                 let (_, width) = self.split(vector.lanes);
@@ -457,11 +459,11 @@ impl<S: Real> Lowering<'_, S> {
         if !scalars || angles.len() == 1 || angles[0].len() > 1 {
             let all: Registers = angles.concat();
             let both = self.reduced_and_evaluated(&all);
-            let of = |place: usize| {
+            let part = |place: usize| {
                 move |chunk: &[[Value; 2]]| chunk.iter().map(|both| both[place]).collect()
             };
             let chunks = both.chunks(angles[0].len());
-            return chunks.flat_map(|chunk| [of(0)(chunk), of(1)(chunk)]).collect();
+            return chunks.flat_map(|chunk| [part(0)(chunk), part(1)(chunk)]).collect();
         }
         let shortest = 16 / size_of::<S>();
         let lanes = angles.len().next_power_of_two().clamp(shortest, self.native.into());
@@ -503,8 +505,8 @@ impl<S: Real> Lowering<'_, S> {
                 Some(sum) => self.product_and_sum([angle, angle], sum, (false, false)),
             });
         }
-        let limit = trig_steps::limit::<S>();
-        let limit = self.values.constants(vec![(limit * limit).bits(); lanes.into()], lanes);
+        let angle = trig_steps::limit::<S>();
+        let limit = self.values.constants(vec![(angle * angle).bits(); lanes.into()], lanes);
         if let Some(squares) = squares {
             let check = FarCheck { squares, limit, angles: reduced.clone() };
             self.values.steps.push(Step::Check(check));
@@ -528,8 +530,8 @@ impl<S: Real> Lowering<'_, S> {
                     self.product_and_sum([values[a], values[b]], values[c], (false, false))
                 }
                 SineStep::FlipSign(a, b) => {
-                    let sign = [values[b]];
-                    let sign = self.values.operation(Operation::ShiftToSign, &sign, lanes);
+                    let bits = [values[b]];
+                    let sign = self.values.operation(Operation::ShiftToSign, &bits, lanes);
                     self.binary(Operation::Xor, values[a], sign)
                 }
             };

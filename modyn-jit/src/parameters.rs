@@ -80,8 +80,9 @@ impl<S: Real> RunTimeParameters<S> {
     pub fn new(plan: &Plan, model: &Model) -> Self {
         let numbers = plan.parameters.described(model.gravity());
         let joint = |v: &usize| {
-            let own = |i: &usize| model.mimic(*i).is_none() && model.v_range(*i).contains(v);
-            let link = (0..model.links().len()).find(own);
+            let is_independent =
+                |i: &usize| model.mimic(*i).is_none() && model.v_range(*i).contains(v);
+            let link = (0..model.links().len()).find(is_independent);
             link.map_or(String::new(), |link| model.links()[link].joint.name.clone())
         };
         let pivots = plan.inertia_pivots.as_ref();
@@ -114,13 +115,13 @@ impl<S: Real> RunTimeParameters<S> {
         inertial: &Inertial<S>,
     ) -> Result<(), ParameterError<S>> {
         let frame = model.frames().iter().position(|frame| frame.name == link);
-        let own = self.parameters.inertias.iter().map(|(frame, _)| *frame);
+        let inertias = self.parameters.inertias.iter().map(|(frame, _)| *frame);
         let payloads = self.parameters.payloads.iter().copied();
         let (option, place) = if is_payload {
             let place = payloads.into_iter().position(|other| Some(other) == frame);
             ("payload", place.map(|place| self.parameters.inertias.len() + place))
         } else {
-            ("runtime_inertia", own.into_iter().position(|other| Some(other) == frame))
+            ("runtime_inertia", inertias.into_iter().position(|other| Some(other) == frame))
         };
         let Some(place) = place else {
             return Err(ParameterError::NotAParameter { option, link: Some(link.into()) });

@@ -5,6 +5,10 @@ use modyn_codegen::diagnostics::Code;
 use modyn_codegen::plan::Kernels;
 use modyn_codegen::{Base, Builder, ContactKind, Function};
 use modyn_jit::{Compiled, InstructionSet, Options};
+use modyn_runtime::equations::constraints::{
+    ConstrainedCotangent, ConstrainedOutputs, ImpulseOutputs, ResidualOutputs,
+};
+use modyn_runtime::equations::{ForwardInput, State};
 use modyn_runtime::model::{self, LoopConstraintEnd, Model};
 use modyn_runtime::spatial::{Pose, Twist, Vector3, Wrench};
 use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter};
@@ -35,15 +39,27 @@ fn expected(
     let (mut first, mut second) = (vec![Twist::zero(); count], vec![Twist::zero(); count]);
     let rank = match function {
         Function::ConstrainedForwardDynamics => {
-            let into = (&mut *qdd, &mut *wrenches, &mut *first);
-            interpreter.constrained_forward_dynamics((q, qd, tau), active, settings, into)
+            let into = ConstrainedOutputs {
+                qdd: &mut qdd,
+                wrenches: &mut wrenches,
+                residuals: &mut first,
+            };
+            interpreter.constrained_forward_dynamics(
+                ForwardInput { q, qd, tau },
+                active,
+                settings,
+                into,
+            )
         }
-        Function::ContactImpulse => {
-            interpreter.contact_impulse((q, qd), active, settings, (&mut qdd, &mut wrenches))
-        }
+        Function::ContactImpulse => interpreter.contact_impulse(
+            State { q, qd },
+            active,
+            settings,
+            ImpulseOutputs { qd: &mut qdd, impulses: &mut wrenches },
+        ),
         _ => {
-            let into = (&mut *first, &mut *second);
-            interpreter.constraint_residual((q, qd), settings, into).expect("fits");
+            let into = ResidualOutputs { displacements: &mut first, velocities: &mut second };
+            interpreter.constraint_residual(State { q, qd }, settings, into).expect("fits");
             let twists = first.iter().chain(&second);
             return twists.flat_map(Twist::components).collect();
         }
@@ -146,7 +162,7 @@ fn hessians_of_an_arm_on_a_moving_frame() {
     let (cotangent, weights) = (random::state(4, model).qd, [0.3, -0.2, 0.5, 1.1, -0.7, 0.4]);
     let expected = Interpreter::new(model.clone()).constrained_hessian(
         [&state.q, &state.qd, &state.tau],
-        (&cotangent, &[Wrench::from_components(weights)]),
+        ConstrainedCotangent { qdd: &cotangent, wrenches: &[Wrench::from_components(weights)] },
         &[true],
         &settings,
     );

@@ -98,11 +98,11 @@ struct Text {
 impl Text {
     /// The tokens up to the next comma.
     fn of_value(input: ParseStream<'_>) -> Result<Self> {
-        let mut found = Self { text: String::new(), spans: vec![(0, input.span())] };
+        let mut collected = Self { text: String::new(), spans: vec![(0, input.span())] };
         while !input.is_empty() && !input.peek(Token![,]) {
-            found.token(input.parse()?);
+            collected.token(input.parse()?);
         }
-        Ok(found)
+        Ok(collected)
     }
 
     fn token(&mut self, token: TokenTree) {
@@ -184,10 +184,10 @@ mod tests {
     fn the_macro_knows_each_option() {
         for row in OPTIONS {
             let text = format!("\"a.urdf\", {} = {}", row.name, row.example);
-            let found = syn::parse_str::<Input>(&text);
+            let parsed = syn::parse_str::<Input>(&text);
             match row.entries {
-                Entries::All => drop(found.unwrap_or_else(|error| panic!("{text}: {error}"))),
-                Entries::Files => assert!(found.is_err(), "{text}"),
+                Entries::All => drop(parsed.unwrap_or_else(|error| panic!("{text}: {error}"))),
+                Entries::Files => assert!(parsed.is_err(), "{text}"),
             }
         }
     }

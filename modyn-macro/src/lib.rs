@@ -43,18 +43,17 @@ pub fn modyn(input: TokenStream) -> TokenStream {
 #[proc_macro]
 pub fn guides(_: TokenStream) -> TokenStream {
     let root = std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default();
-    let modules = guides::modules(&std::path::Path::new(&root).join("docs"));
-    let modules =
-        modules.unwrap_or_else(|error| format!("compile_error!({:?});", error.to_string()));
+    let read = guides::modules(&std::path::Path::new(&root).join("docs"));
+    let modules = read.unwrap_or_else(|error| format!("compile_error!({:?});", error.to_string()));
     modules.parse().unwrap_or_default()
 }
 
 fn compile(Input { path, span, builder }: Input) -> Result<TokenStream> {
     let error = |message: &dyn Display| Error::new(span, message);
     let bug = |what| error(&format!("modyn {what}; please report this, with the description"));
-    let refused = |found: Diagnostics| {
+    let refused = |diagnostics: Diagnostics| {
         let (errors, warnings): (Vec<_>, Vec<_>) =
-            found.into_iter().partition(|one| one.severity == Severity::Error);
+            diagnostics.into_iter().partition(|one| one.severity == Severity::Error);
         warn(warnings);
         // Rustc writes `error: ` before each error, and an editor lists each.
         let mut errors = errors.iter().map(|one| error(&one.without_severity()));
@@ -66,7 +65,7 @@ fn compile(Input { path, span, builder }: Input) -> Result<TokenStream> {
     };
     let compiled = catch_unwind(AssertUnwindSafe(|| {
         let (builder, tracking) = match locate::locate(&path, span) {
-            Ok(found) => (builder.text(found.text, &path).folder(found.folder), found.tracking),
+            Ok(input) => (builder.text(input.text, &path).folder(input.folder), input.tracking),
             // The errors of the options are reported, too.
             Err(why) => (builder.failed_to_read(why), String::new()),
         };

@@ -55,14 +55,14 @@ impl<'py, S: Number> Given<'py, S> {
         }
         let array = in_order(function, name, object)?;
         let states = match array.shape() {
-            found if found == shape => None,
+            same if same == shape => None,
             [states, rest @ ..] if rest == shape => Some(*states),
-            found => {
+            other => {
                 let one = tuple(shape);
                 let many = batch(shape);
-                let found = tuple(found);
+                let given_shape = tuple(other);
                 return Err(PyValueError::new_err(format!(
-                    "`{name}` of `{function}` has the shape {found}; expected {one}, or {many} for n states"
+                    "`{name}` of `{function}` has the shape {given_shape}; expected {one}, or {many} for n states"
                 )));
             }
         };
@@ -223,12 +223,12 @@ impl<'py, S: Number> Output<'py, S> {
         (out, given): (Option<&Bound<'py, PyAny>>, &[Given<'py, S>]),
     ) -> PyResult<Self> {
         let output = match (layout, out) {
-            (_, None) => return Self::allocated(py, (layout, length), states),
+            (_, None) => return Self::allocated(py, layout, length, states),
             (Layout::Array(leaf), Some(out)) => {
-                Self::array(py, function, (leaf, length), states, out)?
+                Self::array(py, function, leaf, length, states, out)?
             }
             (Layout::Tuple(class, fields), Some(out)) => {
-                Self::tuple(function, (class.name(), fields, length), states, out)?
+                Self::tuple(function, class.name(), fields, length, states, out)?
             }
         };
         // Arrays without a common base can have the same memory, by NumPy's `frombuffer`.
@@ -249,7 +249,8 @@ impl<'py, S: Number> Output<'py, S> {
 
     fn allocated(
         py: Python<'py>,
-        (layout, length): (&Layout, usize),
+        layout: &Layout,
+        length: usize,
         states: Option<usize>,
     ) -> PyResult<Self> {
         if let Layout::Array(leaf) = layout
@@ -268,7 +269,8 @@ impl<'py, S: Number> Output<'py, S> {
     fn array(
         py: Python<'py>,
         function: &str,
-        (leaf, length): (&Leaf, usize),
+        leaf: &Leaf,
+        length: usize,
         states: Option<usize>,
         out: &Bound<'py, PyAny>,
     ) -> PyResult<Self> {
@@ -277,18 +279,18 @@ impl<'py, S: Number> Output<'py, S> {
         })?;
         let shape = leaf.shape(states);
         if array.shape() != shape {
-            let found = tuple(array.shape());
+            let given_shape = tuple(array.shape());
             let expected = tuple(&shape);
             return Err(PyValueError::new_err(format!(
-                "`out` of `{function}` has the shape {found}; expected {expected}"
+                "`out` of `{function}` has the shape {given_shape}; expected {expected}"
             )));
         }
         let strides = leaf.strides::<S>(states, length);
-        let fits = array.shape().iter().zip(array.strides()).zip(&strides);
+        let axes_with_strides = array.shape().iter().zip(array.strides()).zip(&strides);
         let fits = array.is_aligned()
-            && fits
-                .into_iter()
-                .all(|((&n, &found), &stride)| n <= 1 || usize::try_from(found) == Ok(stride));
+            && axes_with_strides.into_iter().all(|((&n, &given_stride), &stride)| {
+                n <= 1 || usize::try_from(given_stride) == Ok(stride)
+            });
         let returned = out.clone();
         if fits {
             // The axes in the order of the memory, which is then in C order.
@@ -303,14 +305,16 @@ impl<'py, S: Number> Output<'py, S> {
         }
         // The caller's memory has another order: the call must not write what it cannot.
         drop(writable(function, array)?);
-        let own = Self::allocated(py, (&Layout::Array(leaf.clone()), length), states)?;
-        Ok(Self { copied_to: Some(returned), ..own })
+        let memory = Self::allocated(py, &Layout::Array(leaf.clone()), length, states)?;
+        Ok(Self { copied_to: Some(returned), ..memory })
     }
 
     /// Returns the output in the memory of an earlier result of the same function.
     fn tuple(
         function: &str,
-        (class, fields, length): (&str, &[(&'static str, Layout)], usize),
+        class: &str,
+        fields: &[(&'static str, Layout)],
+        length: usize,
         states: Option<usize>,
         out: &Bound<'py, PyAny>,
     ) -> PyResult<Self> {
@@ -324,10 +328,11 @@ impl<'py, S: Number> Output<'py, S> {
         let mut leaves = Vec::new();
         gather::<S>(fields, out, &mut leaves).map_err(|_| wrong())?;
         for (leaf, array) in leaves {
-            let own = array.getattr("base")?.cast_into::<PyArrayDyn<S>>().map_err(|_| wrong())?;
-            let base = base.get_or_insert_with(|| own.clone());
+            let array_of_struct =
+                array.getattr("base")?.cast_into::<PyArrayDyn<S>>().map_err(|_| wrong())?;
+            let base = base.get_or_insert_with(|| array_of_struct.clone());
             let strides = leaf.strides::<S>(states, length);
-            let is_view = own.is(&*base)
+            let is_view = array_of_struct.is(&*base)
                 && base.is_c_contiguous()
                 && base.is_aligned()
                 && base.shape() == shape
@@ -406,8 +411,9 @@ pub fn single(layout: &Layout, length: usize) -> Option<(Vec<usize>, bool)> {
 /// Returns whether an array that is all numbers of a result is in Fortran's order; `None` if it is
 /// in neither order.
 fn order(leaf: &Leaf, states: Option<usize>, length: usize) -> Option<bool> {
-    let axes = states.map(|states| (states, length)).into_iter().chain(leaf.axes.iter().copied());
-    let axes: Vec<(usize, usize)> = axes.collect();
+    let all_axes =
+        states.map(|states| (states, length)).into_iter().chain(leaf.axes.iter().copied());
+    let axes: Vec<(usize, usize)> = all_axes.collect();
     // The numbers so far, from the axis of the smallest stride; `None` after an axis with another
     // stride.
     let next = |sum: Option<usize>, &(n, stride): &(usize, usize)| {
@@ -441,8 +447,8 @@ fn views<'py, S: Number>(
         }
         Layout::Tuple(class, fields) => {
             let names = PyTuple::new(py, fields.iter().map(|(name, _)| *name))?;
-            let fields = fields.iter().map(|(_, layout)| views(base, layout, states, length));
-            let fields = fields.collect::<PyResult<Vec<_>>>()?;
+            let of_fields = fields.iter().map(|(_, layout)| views(base, layout, states, length));
+            let fields = of_fields.collect::<PyResult<Vec<_>>>()?;
             let class = match class {
                 Class::Package(name) => py.import("modyn._results")?.getattr(*name)?,
                 Class::Bundle(name) => {

@@ -19,9 +19,9 @@ impl<'py, const N: usize> Rows<'py, N> {
         let array = in_order::<f64>(function, name, object)?;
         match array.shape() {
             [_, columns] if *columns == N => Ok(Self(array.try_readonly()?)),
-            found => Err(PyValueError::new_err(format!(
+            other => Err(PyValueError::new_err(format!(
                 "`{name}` of `{function}` has the shape {}; expected (n, {N})",
-                tuple(found)
+                tuple(other)
             ))),
         }
     }
@@ -36,7 +36,7 @@ fn array<'py, const N: usize>(
     py: Python<'py>,
     rows: impl ExactSizeIterator<Item = [f64; N]>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let array = filled(py, (&[rows.len(), N], false), |numbers| {
+    let array = filled(py, &[rows.len(), N], false, |numbers| {
         let places = numbers.as_chunks_mut::<N>().0.iter_mut();
         places.zip(rows).for_each(|(place, row)| *place = row);
         Ok(())

@@ -46,20 +46,20 @@ pub fn warn_of_machine_code(py: Python<'_>, reason: &str) -> PyResult<()> {
     Ok(())
 }
 
-fn diagnostic<'py>(py: Python<'py>, found: &Diagnostic) -> PyResult<Bound<'py, PyAny>> {
+fn diagnostic<'py>(py: Python<'py>, diagnostic: &Diagnostic) -> PyResult<Bound<'py, PyAny>> {
     let class = py.import("modyn._errors")?.getattr("Diagnostic")?;
-    let severity = match found.severity {
+    let severity = match diagnostic.severity {
         Severity::Error => "error",
         Severity::Warning => "warning",
     };
     class.call1((
         severity,
-        found.code.to_string(),
-        found.file.as_deref(),
-        found.position.map(|position| position.line),
-        found.position.map(|position| position.column),
-        found.subject.as_ref().map(ToString::to_string),
-        found.message.as_str(),
-        found.help.as_deref(),
+        diagnostic.code.to_string(),
+        diagnostic.file.as_deref(),
+        diagnostic.position.map(|position| position.line),
+        diagnostic.position.map(|position| position.column),
+        diagnostic.subject.as_ref().map(ToString::to_string),
+        diagnostic.message.as_str(),
+        diagnostic.help.as_deref(),
     ))
 }

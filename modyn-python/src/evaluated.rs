@@ -63,8 +63,8 @@ impl<S: Number> Evaluated<S> {
             }
             Self::Interpreted(function, robot) => {
                 let wide = |numbers: &&[S]| numbers.iter().map(|&x| x.into()).collect();
-                let arguments: Vec<Vec<f64>> = arguments.iter().map(wide).collect();
-                let arguments: Vec<&[f64]> = arguments.iter().map(Vec::as_slice).collect();
+                let wide_arguments: Vec<Vec<f64>> = arguments.iter().map(wide).collect();
+                let arguments: Vec<&[f64]> = wide_arguments.iter().map(Vec::as_slice).collect();
                 let mut numbers = vec![0.0; result.len()];
                 let mut robot = robot.lock().unwrap_or_else(PoisonError::into_inner);
                 let done = robot.evaluate(*function, &arguments, link, &mut numbers);

@@ -77,8 +77,8 @@ impl Robot {
     fn brge(&self, q: &Bound<'_, PyAny>) -> PyResult<Factorization> {
         self.check_has(Function::Brge)?;
         let q = Given::<f64>::read("brge", "q", &[self.model().nq()], q)?;
-        let factors = self.interpreter()?.brge(q.as_slice()?);
-        let factors = factors.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let factorized = self.interpreter()?.brge(q.as_slice()?);
+        let factors = factorized.map_err(|error| PyValueError::new_err(error.to_string()))?;
         Ok(Factorization { factors, nv: self.model().nv() })
     }
 }

@@ -107,9 +107,9 @@ impl<S: Number> Typed<S> {
         let planned = planning.plan.functions.first()?;
         let name = planned.name;
         let function = planned.function;
-        let arguments = planned.arguments.iter();
+        let declared = planned.arguments.iter();
         let arguments =
-            arguments.map(|(argument, shape)| (*argument, layout::of_argument(shape))).collect();
+            declared.map(|(argument, shape)| (*argument, layout::of_argument(shape))).collect();
         let length = planned.result.len();
         let result = layout::of_result(&planned.result);
         let mut options = Options::default();
@@ -124,8 +124,8 @@ impl<S: Number> Typed<S> {
         };
         let code = RwLock::new(code);
         let single = arrays::single(&result, length);
-        let own = Self { name, arguments, function, result, length, single, code };
-        Some((Box::new(own), reason))
+        let code = Self { name, arguments, function, result, length, single, code };
+        Some((Box::new(code), reason))
     }
 
     fn interpreted(function: Function, robot: Interpreter<f64>) -> Self {
@@ -134,7 +134,8 @@ impl<S: Number> Typed<S> {
         let shape = (row.result)(&sizes);
         let length = shape.len();
         let result = layout::of_result(&shape);
-        let argument = |own: &Argument| (*own, layout::of_argument(&own.shape(&sizes)));
+        let argument =
+            |argument: &Argument| (*argument, layout::of_argument(&argument.shape(&sizes)));
         Self {
             name: function.name(),
             arguments: row.arguments.iter().map(argument).collect(),
@@ -217,7 +218,7 @@ impl<S: Number> Typed<S> {
             }
             (Some((shape, is_fortran)), None) => {
                 let fill = |result: &mut [S]| self.one(&code, link, arguments, result);
-                Ok(filled(py, (shape, *is_fortran), fill)?.into_any())
+                Ok(filled(py, shape, *is_fortran, fill)?.into_any())
             }
             _ => {
                 let mut output =
@@ -239,18 +240,18 @@ impl<S: Number> Typed<S> {
         let layout = (&self.result, self.length);
         let mut output = Output::new(py, self.name, layout, Some(states), (out, given))?;
         let result = output.as_mut_slice()?;
-        let copies = given.iter().map(|given| match given.states {
+        let repeated_copies = given.iter().map(|given| match given.states {
             None => repeated(given.as_slice()?, states).map(Some),
             Some(_) => Ok(None),
         });
-        let copies: Vec<Option<Vec<S>>> = copies.collect::<PyResult<_>>()?;
-        let arguments = given.iter().zip(&copies).map(|(given, copy)| match copy {
+        let copies: Vec<Option<Vec<S>>> = repeated_copies.collect::<PyResult<_>>()?;
+        let slices = given.iter().zip(&copies).map(|(given, copy)| match copy {
             Some(copy) => Ok(copy.as_slice()),
             None => given.as_slice(),
         });
-        let arguments = arguments.collect::<PyResult<Vec<&[S]>>>()?;
+        let arguments = slices.collect::<PyResult<Vec<&[S]>>>()?;
         let threads = StartedThreads::new();
-        py.detach(|| self.many(link, &arguments, (states, result), &threads))?;
+        py.detach(|| self.many(link, &arguments, states, result, &threads))?;
         threads.finish()?;
         output.finish()
     }
@@ -293,7 +294,8 @@ impl<S: Number> Typed<S> {
         &self,
         link: Option<usize>,
         arguments: &[&[S]],
-        (states, result): (usize, &mut [S]),
+        states: usize,
+        result: &mut [S],
         pool: &dyn Pool,
     ) -> PyResult<()> {
         let code = self.code.read().unwrap_or_else(PoisonError::into_inner);
@@ -325,17 +327,17 @@ impl<S: Number> Typed<S> {
             false => 1,
         };
         let useful = (states.saturating_mul(cost)).div_ceil(INSTRUCTIONS_PER_THREAD);
-        let threads = pool.threads().min(useful).min(states.div_ceil(lanes)).max(1);
-        let threads = if self.length == 0 { 1 } else { threads };
+        let useful_threads = pool.threads().min(useful).min(states.div_ceil(lanes)).max(1);
+        let threads = if self.length == 0 { 1 } else { useful_threads };
         let share = states.div_ceil(threads).next_multiple_of(lanes).max(1);
         // The results of each chunk; nothing is written for a result without numbers.
         let mut rest = result;
         let mut chunks = Vec::with_capacity(threads);
         for first in (0..states).step_by(share) {
             let count = share.min(states - first);
-            let own;
-            (own, rest) = rest.split_at_mut(count * self.length);
-            chunks.push(Mutex::new((first, count, own)));
+            let result;
+            (result, rest) = rest.split_at_mut(count * self.length);
+            chunks.push(Mutex::new((first, count, result)));
         }
         let failed = Mutex::new(None);
         pool.share(chunks.len(), &|chunk| {
@@ -345,14 +347,14 @@ impl<S: Number> Typed<S> {
             while done < *count {
                 // The last piece is not shorter than a vector.
                 let left = *count - done;
-                let states = if left < 2 * piece { left } else { piece };
-                let states = if piece == 1 { 1 } else { states };
+                let whole = if left < 2 * piece { left } else { piece };
+                let states = if piece == 1 { 1 } else { whole };
                 let at = *first + done;
                 let arguments = arguments.iter().zip(&lengths);
-                let own: Vec<&[S]> =
+                let own_arguments: Vec<&[S]> =
                     arguments.map(|(all, n)| &all[at * n..][..states * n]).collect();
                 let results = &mut results[done * self.length..][..states * self.length];
-                if let Err(error) = run(&own, results) {
+                if let Err(error) = run(&own_arguments, results) {
                     *failed.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
                     return;
                 }
@@ -396,8 +398,8 @@ impl<S: Number> RobotFunction for Typed<S> {
     ) -> PyResult<Bound<'py, PyAny>> {
         let link = link.filter(|_| self.is_by_link());
         let given = self.arguments.iter().zip(arguments);
-        let given = given.map(|(own, argument)| self.given(py, own, *argument));
-        let given = given.collect::<PyResult<Vec<_>>>()?;
+        let read = given.map(|(declared, argument)| self.given(py, declared, *argument));
+        let given = read.collect::<PyResult<Vec<_>>>()?;
         let mut states: Option<(usize, usize)> = None;
         for (i, count) in given.iter().enumerate().filter_map(|(i, one)| Some((i, one.states?))) {
             let (first, expected) = *states.get_or_insert((i, count));

@@ -102,7 +102,8 @@ fn loads(
     };
     let is_path = !text.trim().is_empty() && !text.contains(['<', '\n', '\0', '#']);
     if is_path {
-        let message = "`loads` takes the text of a description, and this is none: use `modyn.load` for the path of a file";
+        let message = "`loads` takes the text of a description, and this is none: use `modyn.load` \
+                       for the path of a file";
         return Err(PyValueError::new_err(format!("{message}, {text:?}")));
     }
     read(py, text, file.into(), folder, options)

@@ -55,7 +55,8 @@ pub fn zeros<'py, S: Number>(
 /// Those of `fill`; `MemoryError` if the array does not fit in memory.
 pub fn filled<'py, S: Number>(
     py: Python<'py>,
-    (shape, is_fortran): (&[usize], bool),
+    shape: &[usize],
+    is_fortran: bool,
     fill: impl FnOnce(&mut [S]) -> PyResult<()>,
 ) -> PyResult<Bound<'py, PyArrayDyn<S>>> {
     let array = zeros::<S>(py, shape, is_fortran)?;

@@ -20,7 +20,14 @@ impl Robot {
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,).
     /// Result: (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, *, out=None))]
-    fn forward_dynamics<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn forward_dynamics<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 0, &[Some(q), Some(qd), Some(tau)], None, out)
     }
 
@@ -30,7 +37,14 @@ impl Robot {
     /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
     /// Result: (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, *, out=None))]
-    fn inverse_dynamics<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn inverse_dynamics<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        qdd: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 1, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
@@ -41,7 +55,13 @@ impl Robot {
     /// Arguments: `q`: (nq,); `qd`: (nv,).
     /// Result: (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, *, out=None))]
-    fn bias_forces<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn bias_forces<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 2, &[Some(q), Some(qd)], None, out)
     }
 
@@ -51,7 +71,12 @@ impl Robot {
     /// Arguments: `q`: (nq,).
     /// Result: (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
-    fn gravity_torques<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn gravity_torques<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 3, &[Some(q)], None, out)
     }
 
@@ -60,7 +85,12 @@ impl Robot {
     /// Arguments: `q`: (nq,).
     /// Result: (nv, nv). Several states have one more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
-    fn mass_matrix<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn mass_matrix<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 4, &[Some(q)], None, out)
     }
 
@@ -70,7 +100,13 @@ impl Robot {
     /// Arguments: `q`: (nq,); `qd`: (nv,).
     /// Result: (nv, nv). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, *, out=None))]
-    fn coriolis_matrix<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn coriolis_matrix<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 5, &[Some(q), Some(qd)], None, out)
     }
 
@@ -79,7 +115,13 @@ impl Robot {
     /// Arguments: `q`: (nq,); `qd`: (nv,).
     /// Result: a number. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, *, out=None))]
-    fn kinetic_energy<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn kinetic_energy<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 7, &[Some(q), Some(qd)], None, out)
     }
 
@@ -89,7 +131,12 @@ impl Robot {
     /// Arguments: `q`: (nq,).
     /// Result: a number. Several states have one more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
-    fn potential_energy<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn potential_energy<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 8, &[Some(q)], None, out)
     }
 
@@ -97,9 +144,18 @@ impl Robot {
     /// `link_names`), at the link's origin in the link's own axes.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `forces`: (links, 6), moments before
-    /// forces. Result: (nv,). Several states have one more axis, the first.
+    /// forces.
+    /// Result: (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, forces, *, out=None))]
-    fn forward_dynamics_external<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, forces: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn forward_dynamics_external<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        forces: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 9, &[Some(q), Some(qd), Some(tau), Some(forces)], None, out)
     }
 
@@ -107,9 +163,18 @@ impl Robot {
     /// `link_names`), at the link's origin in world axes.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `forces`: (links, 6), moments before
-    /// forces. Result: (nv,). Several states have one more axis, the first.
+    /// forces.
+    /// Result: (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, forces, *, out=None))]
-    fn forward_dynamics_external_world<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, forces: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn forward_dynamics_external_world<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        forces: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 10, &[Some(q), Some(qd), Some(tau), Some(forces)], None, out)
     }
 
@@ -117,9 +182,18 @@ impl Robot {
     /// `link_names`), at the link's origin in the link's own axes.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `forces`: (links, 6), moments before
-    /// forces. Result: (nv,). Several states have one more axis, the first.
+    /// forces.
+    /// Result: (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, forces, *, out=None))]
-    fn inverse_dynamics_external<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, forces: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn inverse_dynamics_external<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        qdd: &Bound<'py, PyAny>,
+        forces: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 11, &[Some(q), Some(qd), Some(qdd), Some(forces)], None, out)
     }
 
@@ -127,9 +201,18 @@ impl Robot {
     /// `link_names`), at the link's origin in world axes.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `forces`: (links, 6), moments before
-    /// forces. Result: (nv,). Several states have one more axis, the first.
+    /// forces.
+    /// Result: (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, forces, *, out=None))]
-    fn inverse_dynamics_external_world<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, forces: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn inverse_dynamics_external_world<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        qdd: &Bound<'py, PyAny>,
+        forces: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 12, &[Some(q), Some(qd), Some(qdd), Some(forces)], None, out)
     }
 
@@ -137,11 +220,17 @@ impl Robot {
     /// `link_names`), at the link's origin in the link's own axes, and their derivative with
     /// respect to `q` (in tangent space). The wrenches rotate with their links.
     ///
-    /// Arguments: `q`: (nq,); `forces`: (links, 6), moments before forces. Result:
-    /// `GeneralizedForces`: `tau` (nv,), `dq` (nv, nv). Several states have one more axis, the
-    /// first.
+    /// Arguments: `q`: (nq,); `forces`: (links, 6), moments before forces.
+    /// Result: `GeneralizedForces`: `tau` (nv,), `dq` (nv, nv). Several states have one more axis,
+    /// the first.
     #[pyo3(signature = (q, forces, *, out=None))]
-    fn generalized_forces<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, forces: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn generalized_forces<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        forces: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 13, &[Some(q), Some(forces)], None, out)
     }
 
@@ -149,32 +238,53 @@ impl Robot {
     /// `link_names`), at the link's origin in world axes, and their derivative with respect to `q`
     /// (in tangent space). The wrenches keep their directions.
     ///
-    /// Arguments: `q`: (nq,); `forces`: (links, 6), moments before forces. Result:
-    /// `GeneralizedForces`: `tau` (nv,), `dq` (nv, nv). Several states have one more axis, the
-    /// first.
+    /// Arguments: `q`: (nq,); `forces`: (links, 6), moments before forces.
+    /// Result: `GeneralizedForces`: `tau` (nv,), `dq` (nv, nv). Several states have one more axis,
+    /// the first.
     #[pyo3(signature = (q, forces, *, out=None))]
-    fn generalized_forces_world<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, forces: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn generalized_forces_world<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        forces: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 14, &[Some(q), Some(forces)], None, out)
     }
 
     /// Returns the derivatives of inverse dynamics with respect to `q` (in tangent space) and `qd`.
     /// The derivative with respect to `qdd` is the mass matrix.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,). Result: `InverseDynamicsDerivatives`: `dq`
-    /// (nv, nv), `dqd` (nv, nv). Several states have one more axis, the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
+    /// Result: `InverseDynamicsDerivatives`: `dq` (nv, nv), `dqd` (nv, nv). Several states have one
+    /// more axis, the first.
     #[pyo3(signature = (q, qd, qdd, *, out=None))]
-    fn inverse_dynamics_derivatives<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn inverse_dynamics_derivatives<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        qdd: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 15, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the joint accelerations, and the derivatives of forward dynamics with respect to `q`
     /// (in tangent space), `qd` and `tau`.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,). Result: `ForwardDynamicsDerivatives`:
-    /// `qdd` (nv,), `dq` (nv, nv), `dqd` (nv, nv), `dtau` (nv, nv). Several states have one more
-    /// axis, the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,).
+    /// Result: `ForwardDynamicsDerivatives`: `qdd` (nv,), `dq` (nv, nv), `dqd` (nv, nv), `dtau`
+    /// (nv, nv). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, *, out=None))]
-    fn forward_dynamics_derivatives<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn forward_dynamics_derivatives<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 16, &[Some(q), Some(qd), Some(tau)], None, out)
     }
 
@@ -182,11 +292,19 @@ impl Robot {
     /// derivatives: the gradients of `cotangent`^T tau with respect to `q` (in tangent space), `qd`
     /// and `qdd`.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `cotangent`: (nv,). Result:
-    /// `InverseDynamicsVjp`: `tau` (nv,), `dq` (nv,), `dqd` (nv,), `dqdd` (nv,). Several states
-    /// have one more axis, the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `cotangent`: (nv,).
+    /// Result: `InverseDynamicsVjp`: `tau` (nv,), `dq` (nv,), `dqd` (nv,), `dqdd` (nv,). Several
+    /// states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, cotangent, *, out=None))]
-    fn inverse_dynamics_vjp<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, cotangent: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn inverse_dynamics_vjp<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        qdd: &Bound<'py, PyAny>,
+        cotangent: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 17, &[Some(q), Some(qd), Some(qdd), Some(cotangent)], None, out)
     }
 
@@ -197,18 +315,36 @@ impl Robot {
     /// Result: `InverseDynamicsJvp`: `tau` (nv,), `dtau` (nv,). Several states have one more axis,
     /// the first.
     #[pyo3(signature = (q, qd, qdd, dq, dqd, dqdd, *, out=None))]
-    fn inverse_dynamics_jvp<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, dq: &Bound<'py, PyAny>, dqd: &Bound<'py, PyAny>, dqdd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn inverse_dynamics_jvp<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        qdd: &Bound<'py, PyAny>,
+        dq: &Bound<'py, PyAny>,
+        dqd: &Bound<'py, PyAny>,
+        dqdd: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 18, &[Some(q), Some(qd), Some(qdd), Some(dq), Some(dqd), Some(dqdd)], None, out)
     }
 
     /// Returns the accelerations qdd, and the products of `cotangent` with their derivatives: the
     /// gradients of `cotangent`^T qdd with respect to `q` (in tangent space), `qd` and `tau`.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `cotangent`: (nv,). Result:
-    /// `ForwardDynamicsVjp`: `qdd` (nv,), `dq` (nv,), `dqd` (nv,), `dtau` (nv,). Several states
-    /// have one more axis, the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `cotangent`: (nv,).
+    /// Result: `ForwardDynamicsVjp`: `qdd` (nv,), `dq` (nv,), `dqd` (nv,), `dtau` (nv,). Several
+    /// states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, cotangent, *, out=None))]
-    fn forward_dynamics_vjp<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, cotangent: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn forward_dynamics_vjp<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        cotangent: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 19, &[Some(q), Some(qd), Some(tau), Some(cotangent)], None, out)
     }
 
@@ -219,7 +355,17 @@ impl Robot {
     /// Result: `ForwardDynamicsJvp`: `qdd` (nv,), `dqdd` (nv,). Several states have one more axis,
     /// the first.
     #[pyo3(signature = (q, qd, tau, dq, dqd, dtau, *, out=None))]
-    fn forward_dynamics_jvp<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, dq: &Bound<'py, PyAny>, dqd: &Bound<'py, PyAny>, dtau: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn forward_dynamics_jvp<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        dq: &Bound<'py, PyAny>,
+        dqd: &Bound<'py, PyAny>,
+        dtau: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 20, &[Some(q), Some(qd), Some(tau), Some(dq), Some(dqd), Some(dtau)], None, out)
     }
 
@@ -227,12 +373,20 @@ impl Robot {
     /// tau with respect to `q` (in tangent space), `qd` and `qdd`. The blocks of `qd` and `qdd` and
     /// of `qdd` and `qdd` are zero.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `cotangent`: (nv,). Result:
-    /// `InverseDynamicsHessian`: `tau` (nv,), `dq` (nv,), `dqd` (nv,), `dqdd` (nv,), `dq_dq` (nv,
-    /// nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv), `dq_dqdd` (nv, nv). Several states have one more
-    /// axis, the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `cotangent`: (nv,).
+    /// Result: `InverseDynamicsHessian`: `tau` (nv,), `dq` (nv,), `dqd` (nv,), `dqdd` (nv,),
+    /// `dq_dq` (nv, nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv), `dq_dqdd` (nv, nv). Several states
+    /// have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, cotangent, *, out=None))]
-    fn inverse_dynamics_hessian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, cotangent: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn inverse_dynamics_hessian<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        qdd: &Bound<'py, PyAny>,
+        cotangent: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 21, &[Some(q), Some(qd), Some(qdd), Some(cotangent)], None, out)
     }
 
@@ -240,12 +394,20 @@ impl Robot {
     /// respect to `q` (in tangent space), `qd` and `tau`. The blocks of `qd` and `tau` and of `tau`
     /// and `tau` are zero.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `cotangent`: (nv,). Result:
-    /// `ForwardDynamicsHessian`: `qdd` (nv,), `dq` (nv,), `dqd` (nv,), `dtau` (nv,), `dq_dq` (nv,
-    /// nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv), `dq_dtau` (nv, nv). Several states have one more
-    /// axis, the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `cotangent`: (nv,).
+    /// Result: `ForwardDynamicsHessian`: `qdd` (nv,), `dq` (nv,), `dqd` (nv,), `dtau` (nv,),
+    /// `dq_dq` (nv, nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv), `dq_dtau` (nv, nv). Several states
+    /// have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, cotangent, *, out=None))]
-    fn forward_dynamics_hessian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, cotangent: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn forward_dynamics_hessian<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        cotangent: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 22, &[Some(q), Some(qd), Some(tau), Some(cotangent)], None, out)
     }
 
@@ -255,7 +417,15 @@ impl Robot {
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
     /// Result: `Step`: `q` (nq,), `qd` (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, dt, *, out=None))]
-    fn step_semi_implicit<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, dt: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn step_semi_implicit<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 23, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
     }
 
@@ -263,11 +433,19 @@ impl Robot {
     /// derivatives: `a` with respect to the state before and `b` with respect to `tau`. A state has
     /// the entries of q (in tangent space), then those of qd.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number. Result: `StepDerivatives`:
-    /// `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several states have one more axis,
-    /// the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
+    /// Result: `StepDerivatives`: `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several
+    /// states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, dt, *, out=None))]
-    fn step_semi_implicit_derivatives<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, dt: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn step_semi_implicit_derivatives<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 24, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
     }
 
@@ -282,7 +460,16 @@ impl Robot {
     /// nv), `dx_dtau` (2 nv, nv), `dtau_dtau` (nv, nv). Several states have one more axis, the
     /// first.
     #[pyo3(signature = (q, qd, tau, dt, costate, *, out=None))]
-    fn step_semi_implicit_hessian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, dt: &Bound<'py, PyAny>, costate: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn step_semi_implicit_hessian<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        costate: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 25, &[Some(q), Some(qd), Some(tau), Some(dt), Some(costate)], None, out)
     }
 
@@ -293,7 +480,15 @@ impl Robot {
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
     /// Result: `Step`: `q` (nq,), `qd` (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, dt, *, out=None))]
-    fn step_rk4<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, dt: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn step_rk4<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 26, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
     }
 
@@ -301,11 +496,19 @@ impl Robot {
     /// and `b` with respect to `tau`. A state has the entries of q (in tangent space), then those
     /// of qd.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number. Result: `StepDerivatives`:
-    /// `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several states have one more axis,
-    /// the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
+    /// Result: `StepDerivatives`: `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several
+    /// states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, dt, *, out=None))]
-    fn step_rk4_derivatives<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, dt: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn step_rk4_derivatives<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 27, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
     }
 
@@ -317,7 +520,15 @@ impl Robot {
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
     /// Result: `Step`: `q` (nq,), `qd` (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, dt, *, out=None))]
-    fn step_implicit_midpoint<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, dt: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn step_implicit_midpoint<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 28, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
     }
 
@@ -325,11 +536,19 @@ impl Robot {
     /// rule: `a` with respect to the state before and `b` with respect to `tau`. A state has the
     /// entries of q (in tangent space), then those of qd.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number. Result: `StepDerivatives`:
-    /// `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several states have one more axis,
-    /// the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
+    /// Result: `StepDerivatives`: `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several
+    /// states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, dt, *, out=None))]
-    fn step_implicit_midpoint_derivatives<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, dt: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn step_implicit_midpoint_derivatives<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 29, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
     }
 
@@ -342,11 +561,21 @@ impl Robot {
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `contacts`: (contacts,), 1 for each active
     /// contact, else 0; by default all are; `settings`: `ConstraintSettings`, by default with the
-    /// ground at z = 0 under all contacts. Result: `ConstrainedForwardDynamics`: `qdd` (nv,),
-    /// `wrenches` (constraints, 6), `residuals` (constraints, 6), `rank` a number, angular before
-    /// linear components. Several states have one more axis, the first.
+    /// ground at z = 0 under all contacts.
+    /// Result: `ConstrainedForwardDynamics`: `qdd` (nv,), `wrenches` (constraints, 6), `residuals`
+    /// (constraints, 6), `rank` a number, angular before linear components. Several states have one
+    /// more axis, the first.
     #[pyo3(signature = (q, qd, tau, contacts=None, settings=None, *, out=None))]
-    fn constrained_forward_dynamics<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, contacts: Argument<'_, 'py>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn constrained_forward_dynamics<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        contacts: Argument<'_, 'py>,
+        settings: Argument<'_, 'py>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 30, &[Some(q), Some(qd), Some(tau), contacts, settings], None, out)
     }
 
@@ -356,11 +585,18 @@ impl Robot {
     /// axis times the sine of its angle.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `settings`: `ConstraintSettings`, by default with the
-    /// ground at z = 0 under all contacts. Result: `ConstraintResidual`: `displacements`
-    /// (constraints, 6), `velocities` (constraints, 6), angular before linear components. Several
-    /// states have one more axis, the first.
+    /// ground at z = 0 under all contacts.
+    /// Result: `ConstraintResidual`: `displacements` (constraints, 6), `velocities` (constraints,
+    /// 6), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, settings=None, *, out=None))]
-    fn constraint_residual<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn constraint_residual<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        settings: Argument<'_, 'py>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 31, &[Some(q), Some(qd), settings], None, out)
     }
 
@@ -371,10 +607,19 @@ impl Robot {
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `contacts`: (contacts,), 1 for each active contact, else
     /// 0; by default all are; `settings`: `ConstraintSettings`, by default with the ground at z = 0
-    /// under all contacts. Result: `ConstraintProjection`: `dq` (nv,), `dqd` (nv,), `rank` a
-    /// number. Several states have one more axis, the first.
+    /// under all contacts.
+    /// Result: `ConstraintProjection`: `dq` (nv,), `dqd` (nv,), `rank` a number. Several states
+    /// have one more axis, the first.
     #[pyo3(signature = (q, qd, contacts=None, settings=None, *, out=None))]
-    fn project_constraints<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, contacts: Argument<'_, 'py>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn project_constraints<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        contacts: Argument<'_, 'py>,
+        settings: Argument<'_, 'py>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 32, &[Some(q), Some(qd), contacts, settings], None, out)
     }
 
@@ -385,13 +630,22 @@ impl Robot {
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `contacts`: (contacts,), 1 for each active
     /// contact, else 0; by default all are; `settings`: `ConstraintSettings`, by default with the
-    /// ground at z = 0 under all contacts. Result: `ConstrainedForwardDynamicsDerivatives`: `qdd`
-    /// (nv,), `wrenches` (constraints, 6), `dq` (nv, nv), `dqd` (nv, nv), `dtau` (nv, nv),
-    /// `wrenches_dq` (constraints, 6, nv), `wrenches_dqd` (constraints, 6, nv), `wrenches_dtau`
-    /// (constraints, 6, nv), `rank` a number, moments before forces. Several states have one more
-    /// axis, the first.
+    /// ground at z = 0 under all contacts.
+    /// Result: `ConstrainedForwardDynamicsDerivatives`: `qdd` (nv,), `wrenches` (constraints, 6),
+    /// `dq` (nv, nv), `dqd` (nv, nv), `dtau` (nv, nv), `wrenches_dq` (constraints, 6, nv),
+    /// `wrenches_dqd` (constraints, 6, nv), `wrenches_dtau` (constraints, 6, nv), `rank` a number,
+    /// moments before forces. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, contacts=None, settings=None, *, out=None))]
-    fn constrained_forward_dynamics_derivatives<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, contacts: Argument<'_, 'py>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn constrained_forward_dynamics_derivatives<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        contacts: Argument<'_, 'py>,
+        settings: Argument<'_, 'py>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 33, &[Some(q), Some(qd), Some(tau), contacts, settings], None, out)
     }
 
@@ -404,12 +658,24 @@ impl Robot {
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `cotangent`: (nv,); `wrench_cotangent`:
     /// (constraints, 6), moments before forces; `contacts`: (contacts,), 1 for each active contact,
     /// else 0; by default all are; `settings`: `ConstraintSettings`, by default with the ground at
-    /// z = 0 under all contacts. Result: `ConstrainedForwardDynamicsHessian`: `qdd` (nv,),
-    /// `wrenches` (constraints, 6), `dq` (nv,), `dqd` (nv,), `dtau` (nv,), `dq_dq` (nv, nv),
-    /// `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv), `dq_dtau` (nv, nv), `rank` a number, moments before
-    /// forces. Several states have one more axis, the first.
+    /// z = 0 under all contacts.
+    /// Result: `ConstrainedForwardDynamicsHessian`: `qdd` (nv,), `wrenches` (constraints, 6), `dq`
+    /// (nv,), `dqd` (nv,), `dtau` (nv,), `dq_dq` (nv, nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv),
+    /// `dq_dtau` (nv, nv), `rank` a number, moments before forces. Several states have one more
+    /// axis, the first.
     #[pyo3(signature = (q, qd, tau, cotangent, wrench_cotangent, contacts=None, settings=None, *, out=None))]
-    fn constrained_forward_dynamics_hessian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, cotangent: &Bound<'py, PyAny>, wrench_cotangent: &Bound<'py, PyAny>, contacts: Argument<'_, 'py>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn constrained_forward_dynamics_hessian<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        cotangent: &Bound<'py, PyAny>,
+        wrench_cotangent: &Bound<'py, PyAny>,
+        contacts: Argument<'_, 'py>,
+        settings: Argument<'_, 'py>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 34, &[Some(q), Some(qd), Some(tau), Some(cotangent), Some(wrench_cotangent), contacts, settings], None, out)
     }
 
@@ -420,10 +686,19 @@ impl Robot {
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `contacts`: (contacts,), 1 for each active contact, else
     /// 0; by default all are; `settings`: `ConstraintSettings`, by default with the ground at z = 0
-    /// under all contacts. Result: `ContactImpulse`: `qd` (nv,), `impulses` (constraints, 6),
-    /// `rank` a number, moments before forces. Several states have one more axis, the first.
+    /// under all contacts.
+    /// Result: `ContactImpulse`: `qd` (nv,), `impulses` (constraints, 6), `rank` a number, moments
+    /// before forces. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, contacts=None, settings=None, *, out=None))]
-    fn contact_impulse<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, contacts: Argument<'_, 'py>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn contact_impulse<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        contacts: Argument<'_, 'py>,
+        settings: Argument<'_, 'py>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 35, &[Some(q), Some(qd), contacts, settings], None, out)
     }
 
@@ -433,12 +708,21 @@ impl Robot {
     /// `velocity` count. Closed loops are not closed. `solve::ground` has the solver.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `settings`:
-    /// `ConstraintSettings`, by default with the ground at z = 0 under all contacts. Result:
-    /// `ContactProblem`: `qd` (nv,), `heights` (contacts,), `before` (contacts, 3), `free`
+    /// `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
+    /// Result: `ContactProblem`: `qd` (nv,), `heights` (contacts,), `before` (contacts, 3), `free`
     /// (contacts, 3), `mobility` (3 contacts, 3 contacts), `responses` (nv, 3 contacts). Several
     /// states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, dt, settings=None, *, out=None))]
-    fn contact_problem<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, dt: &Bound<'py, PyAny>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn contact_problem<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        settings: Argument<'_, 'py>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 36, &[Some(q), Some(qd), Some(tau), Some(dt), settings], None, out)
     }
 
@@ -455,39 +739,69 @@ impl Robot {
     /// Result: `ContactStep`: `q` (nq,), `qd` (nv,), `impulses` (contacts, 3), `residual` a number.
     /// Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, dt, impulses, settings=None, *, out=None))]
-    fn contact_step<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, dt: &Bound<'py, PyAny>, impulses: &Bound<'py, PyAny>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn contact_step<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        impulses: &Bound<'py, PyAny>,
+        settings: Argument<'_, 'py>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 37, &[Some(q), Some(qd), Some(tau), Some(dt), Some(impulses), settings], None, out)
     }
 
-    /// Returns the state after a step of the time `dt` (s) under the joint forces `tau`, with contacts,
-    /// joint limits and dry joint friction by MuJoCo's law: soft constraints whose forces minimize a convex
-    /// function. The solver is Newton's method, to the tolerance of `settings`; `residual` says how far it
-    /// came, relative to the largest force. It starts from the accelerations `warm_start`: those of the
-    /// last step, or zeros. The integrator is semi-implicit Euler, implicit in joint damping. Closed loops
-    /// are not closed.
+    /// Returns the state after a step of the time `dt` (s) under the joint forces `tau`, with
+    /// contacts, joint limits and dry joint friction by MuJoCo's law: soft constraints whose forces
+    /// minimize a convex function. The solver is Newton's method, to the tolerance of `settings`;
+    /// `residual` says how far it came, relative to the largest force. It starts from the
+    /// accelerations `warm_start`: those of the last step, or zeros. The integrator is
+    /// semi-implicit Euler, implicit in joint damping. Closed loops are not closed.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `warm_start`: (nv,), by default
-    /// zeros; `settings`: `StepSettings`, by default with the ground at z = 0 under all contacts.
-    /// Result: `StepSolution`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (contacts, 3), `residual` a
-    /// number, `iterations` a number. Several states have one more axis, the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `warm_start`: (nv,), by
+    /// default zeros; `settings`: `StepSettings`, by default with the ground at z = 0 under all
+    /// contacts.
+    /// Result: `StepSolution`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (contacts, 3),
+    /// `residual` a number, `iterations` a number. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, dt, warm_start=None, settings=None, *, out=None))]
-    fn step<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, dt: &Bound<'py, PyAny>, warm_start: Argument<'_, 'py>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn step<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        warm_start: Argument<'_, 'py>,
+        settings: Argument<'_, 'py>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 38, &[Some(q), Some(qd), Some(tau), Some(dt), warm_start, settings], None, out)
     }
 
-    /// Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts that carry
-    /// the floating bases, and the rank of the contacts' columns of the bases. The wrenches have the
-    /// smallest sum of (force^2 + (moment / l)^2) / weight with the characteristic length l of each
-    /// contact. The joint forces of a base are the wrench on it that no contact can carry. The wrenches of
-    /// loop constraints are zero.
+    /// Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts
+    /// that carry the floating bases, and the rank of the contacts' columns of the bases. The
+    /// wrenches have the smallest sum of (force^2 + (moment / l)^2) / weight with the
+    /// characteristic length l of each contact. The joint forces of a base are the wrench on it
+    /// that no contact can carry. The wrenches of loop constraints are zero.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `contacts`: (contacts,), 1 for each active
     /// contact, else 0; by default all are; `settings`: `ConstraintSettings`, by default with the
-    /// ground at z = 0 under all contacts. Result: `ConstrainedInverseDynamics`: `tau` (nv,),
-    /// `wrenches` (constraints, 6), `rank` a number, moments before forces. Several states have one
-    /// more axis, the first.
+    /// ground at z = 0 under all contacts.
+    /// Result: `ConstrainedInverseDynamics`: `tau` (nv,), `wrenches` (constraints, 6), `rank` a
+    /// number, moments before forces. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, contacts=None, settings=None, *, out=None))]
-    fn constrained_inverse_dynamics<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, contacts: Argument<'_, 'py>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn constrained_inverse_dynamics<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        qdd: &Bound<'py, PyAny>,
+        contacts: Argument<'_, 'py>,
+        settings: Argument<'_, 'py>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 39, &[Some(q), Some(qd), Some(qdd), contacts, settings], None, out)
     }
 
@@ -496,20 +810,33 @@ impl Robot {
     /// frame's axes; for a contact, active or not, the constrained part of its frame's twist in
     /// world axes.
     ///
-    /// Arguments: `q`: (nq,). Result: (constraints, 6, nv), angular before linear components.
-    /// Several states have one more axis, the first.
+    /// Arguments: `q`: (nq,).
+    /// Result: (constraints, 6, nv), angular before linear components. Several states have one more
+    /// axis, the first.
     #[pyo3(signature = (q, *, out=None))]
-    fn constraint_jacobian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn constraint_jacobian<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 40, &[Some(q)], None, out)
     }
 
     /// Returns the bias acceleration of each constraint: the time derivative of
     /// `constraint_jacobian` times `qd`, in the same axes.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,). Result: (constraints, 6), angular before linear
-    /// components. Several states have one more axis, the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,).
+    /// Result: (constraints, 6), angular before linear components. Several states have one more
+    /// axis, the first.
     #[pyo3(signature = (q, qd, *, out=None))]
-    fn constraint_bias_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn constraint_bias_acceleration<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 41, &[Some(q), Some(qd)], None, out)
     }
 
@@ -520,11 +847,19 @@ impl Robot {
     ///
     /// Arguments: `q`: (nq,); `contacts`: (contacts,), 1 for each active contact, else 0; by
     /// default all are; `settings`: `ConstraintSettings`, by default with the ground at z = 0 under
-    /// all contacts. Result: `OperationalInertia`: `inverse` (constraint rows, constraint rows),
-    /// `inertia` (constraint rows, constraint rows), `rank` a number. Several states have one more
-    /// axis, the first.
+    /// all contacts.
+    /// Result: `OperationalInertia`: `inverse` (constraint rows, constraint rows), `inertia`
+    /// (constraint rows, constraint rows), `rank` a number. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, contacts=None, settings=None, *, out=None))]
-    fn operational_inertia<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, contacts: Argument<'_, 'py>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn operational_inertia<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        contacts: Argument<'_, 'py>,
+        settings: Argument<'_, 'py>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 42, &[Some(q), contacts, settings], None, out)
     }
 
@@ -535,7 +870,14 @@ impl Robot {
     /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
     /// Result: (nv, 10 moving links). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, *, out=None))]
-    fn regressor<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn regressor<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        qdd: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 43, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
@@ -544,7 +886,12 @@ impl Robot {
     /// Arguments: `q`: (nq,).
     /// Result: (3,). Several states have one more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
-    fn center_of_mass<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn center_of_mass<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 44, &[Some(q)], None, out)
     }
 
@@ -554,7 +901,12 @@ impl Robot {
     /// Arguments: `q`: (nq,).
     /// Result: (3, nv). Several states have one more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
-    fn center_of_mass_jacobian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn center_of_mass_jacobian<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 45, &[Some(q)], None, out)
     }
 
@@ -562,10 +914,16 @@ impl Robot {
     /// centre of mass, in world axes. Rotors have energy, but no momentum: their axes are not
     /// described.
     ///
-    /// Arguments: `q`: (nq,). Result: (6, nv), angular before linear components. Several states
-    /// have one more axis, the first.
+    /// Arguments: `q`: (nq,).
+    /// Result: (6, nv), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, *, out=None))]
-    fn centroidal_momentum_matrix<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn centroidal_momentum_matrix<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 46, &[Some(q)], None, out)
     }
 
@@ -573,20 +931,33 @@ impl Robot {
     /// centre of mass, in world axes, of all moving links as one rigid body with this twist at the
     /// centre of mass.
     ///
-    /// Arguments: `q`: (nq,). Result: (6, 6), angular before linear components. Several states have
-    /// one more axis, the first.
+    /// Arguments: `q`: (nq,).
+    /// Result: (6, 6), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, *, out=None))]
-    fn centroidal_composite_inertia<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn centroidal_composite_inertia<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 47, &[Some(q)], None, out)
     }
 
     /// Returns the momentum of the moving links about their centre of mass, in world axes. Rotors
     /// have energy, but no momentum: their axes are not described.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,). Result: (6,), angular before linear components. Several
-    /// states have one more axis, the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,).
+    /// Result: (6,), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, qd, *, out=None))]
-    fn centroidal_momentum<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn centroidal_momentum<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 48, &[Some(q), Some(qd)], None, out)
     }
 
@@ -594,10 +965,18 @@ impl Robot {
     /// the force (N) about the centre of mass of gravity and of all forces from outside. At `qdd` =
     /// 0 it is the bias A' qd, with the centroidal momentum matrix A.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,). Result: (6,), angular before linear
-    /// components. Several states have one more axis, the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
+    /// Result: (6,), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, qd, qdd, *, out=None))]
-    fn centroidal_momentum_rate<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn centroidal_momentum_rate<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        qdd: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 49, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
@@ -606,30 +985,51 @@ impl Robot {
     /// `qd`, in world axes. The derivatives of the momentum with respect to `qd`, and of the rate
     /// with respect to `qdd`, are the centroidal momentum matrix.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,). Result: `CentroidalMomentumDerivatives`:
-    /// `momentum` (6,), `rate` (6,), `momentum_dq` (6, nv), `rate_dq` (6, nv), `rate_dqd` (6, nv),
-    /// angular before linear components. Several states have one more axis, the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
+    /// Result: `CentroidalMomentumDerivatives`: `momentum` (6,), `rate` (6,), `momentum_dq` (6,
+    /// nv), `rate_dq` (6, nv), `rate_dqd` (6, nv), angular before linear components. Several states
+    /// have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, *, out=None))]
-    fn centroidal_momentum_derivatives<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn centroidal_momentum_derivatives<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        qdd: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 50, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the poses in the world of all links of the description, fixed links included, in the
     /// order of `link_names`.
     ///
-    /// Arguments: `q`: (nq,). Result: `Pose`: `rotation` (links, 3, 3), `translation` (links, 3).
-    /// Several states have one more axis, the first.
+    /// Arguments: `q`: (nq,).
+    /// Result: `Pose`: `rotation` (links, 3, 3), `translation` (links, 3). Several states have one
+    /// more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
-    fn link_poses<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn link_poses<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 51, &[Some(q)], None, out)
     }
 
     /// Returns the pose of a link in the world. Computes the link's kinematic path only.
     ///
-    /// Arguments: `q`: (nq,); `link`: the name of a link, or its index in `link_names`. Result:
-    /// `Pose`: `rotation` (3, 3), `translation` (3,). Several states have one more axis, the first.
+    /// Arguments: `q`: (nq,); `link`: the name of a link, or its index in `link_names`.
+    /// Result: `Pose`: `rotation` (3, 3), `translation` (3,). Several states have one more axis,
+    /// the first.
     #[pyo3(signature = (q, link, *, out=None))]
-    fn link_pose<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn link_pose<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        link: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 52, &[Some(q)], Some(link), out)
     }
 
@@ -637,10 +1037,18 @@ impl Robot {
     /// axes. Computes the link's kinematic path only.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
-    /// `link_names`. Result: (6,), angular before linear components. Several states have one more
-    /// axis, the first.
+    /// `link_names`.
+    /// Result: (6,), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
-    fn link_velocity<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn link_velocity<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        link: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 53, &[Some(q), Some(qd)], Some(link), out)
     }
 
@@ -648,10 +1056,18 @@ impl Robot {
     /// link's own axes. Computes the link's kinematic path only.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
-    /// `link_names`. Result: (6,), angular before linear components. Several states have one more
-    /// axis, the first.
+    /// `link_names`.
+    /// Result: (6,), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
-    fn local_link_velocity<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn local_link_velocity<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        link: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 54, &[Some(q), Some(qd)], Some(link), out)
     }
 
@@ -659,10 +1075,19 @@ impl Robot {
     /// (rad/s^2), in world axes. Gravity is not included. Computes the link's kinematic path only.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `link`: the name of a link, or its index
-    /// in `link_names`. Result: (6,), angular before linear components. Several states have one
-    /// more axis, the first.
+    /// in `link_names`.
+    /// Result: (6,), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, qd, qdd, link, *, out=None))]
-    fn link_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn link_acceleration<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        qdd: &Bound<'py, PyAny>,
+        link: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 55, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
     }
 
@@ -671,30 +1096,53 @@ impl Robot {
     /// path only.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `link`: the name of a link, or its index
-    /// in `link_names`. Result: (6,), angular before linear components. Several states have one
-    /// more axis, the first.
+    /// in `link_names`.
+    /// Result: (6,), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, qd, qdd, link, *, out=None))]
-    fn local_link_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn local_link_acceleration<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        qdd: &Bound<'py, PyAny>,
+        link: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 56, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
     }
 
     /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its
     /// origin, in world axes. Computes the link's kinematic path only.
     ///
-    /// Arguments: `q`: (nq,); `link`: the name of a link, or its index in `link_names`. Result: (6,
-    /// nv), angular before linear components. Several states have one more axis, the first.
+    /// Arguments: `q`: (nq,); `link`: the name of a link, or its index in `link_names`.
+    /// Result: (6, nv), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, link, *, out=None))]
-    fn jacobian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn jacobian<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        link: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 57, &[Some(q)], Some(link), out)
     }
 
     /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its
     /// origin, in the link's own axes. Computes the link's kinematic path only.
     ///
-    /// Arguments: `q`: (nq,); `link`: the name of a link, or its index in `link_names`. Result: (6,
-    /// nv), angular before linear components. Several states have one more axis, the first.
+    /// Arguments: `q`: (nq,); `link`: the name of a link, or its index in `link_names`.
+    /// Result: (6, nv), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, link, *, out=None))]
-    fn local_jacobian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn local_jacobian<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        link: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 58, &[Some(q)], Some(link), out)
     }
 
@@ -702,10 +1150,18 @@ impl Robot {
     /// Computes the link's kinematic path only.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
-    /// `link_names`. Result: (6, nv), angular before linear components. Several states have one
-    /// more axis, the first.
+    /// `link_names`.
+    /// Result: (6, nv), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
-    fn jacobian_time_derivative<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn jacobian_time_derivative<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        link: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 59, &[Some(q), Some(qd)], Some(link), out)
     }
 
@@ -713,10 +1169,18 @@ impl Robot {
     /// `local_bias_acceleration`. Computes the link's kinematic path only.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
-    /// `link_names`. Result: (6, nv), angular before linear components. Several states have one
-    /// more axis, the first.
+    /// `link_names`.
+    /// Result: (6, nv), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
-    fn local_jacobian_time_derivative<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn local_jacobian_time_derivative<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        link: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 60, &[Some(q), Some(qd)], Some(link), out)
     }
 
@@ -725,10 +1189,18 @@ impl Robot {
     /// link's kinematic path only.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
-    /// `link_names`. Result: (6,), angular before linear components. Several states have one more
-    /// axis, the first.
+    /// `link_names`.
+    /// Result: (6,), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
-    fn bias_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn bias_acceleration<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        link: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 61, &[Some(q), Some(qd)], Some(link), out)
     }
 
@@ -736,10 +1208,18 @@ impl Robot {
     /// `local_jacobian` times `qd`. Computes the link's kinematic path only.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
-    /// `link_names`. Result: (6,), angular before linear components. Several states have one more
-    /// axis, the first.
+    /// `link_names`.
+    /// Result: (6,), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
-    fn local_bias_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn local_bias_acceleration<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        link: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 62, &[Some(q), Some(qd)], Some(link), out)
     }
 
@@ -748,7 +1228,13 @@ impl Robot {
     /// Arguments: `q`: (nq,); `v`: (nv,).
     /// Result: (nq,). Several states have one more axis, the first.
     #[pyo3(signature = (q, v, *, out=None))]
-    fn integrate<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, v: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn integrate<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        v: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 63, &[Some(q), Some(v)], None, out)
     }
 
@@ -758,27 +1244,47 @@ impl Robot {
     /// Arguments: `from_`: (nq,); `to`: (nq,).
     /// Result: (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (from_, to, *, out=None))]
-    fn difference<'py>(&self, py: Python<'py>, from_: &Bound<'py, PyAny>, to: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn difference<'py>(
+        &self,
+        py: Python<'py>,
+        from_: &Bound<'py, PyAny>,
+        to: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 64, &[Some(from_), Some(to)], None, out)
     }
 
     /// Returns the derivatives of `integrate` with respect to `q` and `v` in tangent space:
     /// displacements of `q` and of the result are in the axes at each of them.
     ///
-    /// Arguments: `q`: (nq,); `v`: (nv,). Result: `IntegrateDerivatives`: `dq` (nv, nv), `dv` (nv,
-    /// nv). Several states have one more axis, the first.
+    /// Arguments: `q`: (nq,); `v`: (nv,).
+    /// Result: `IntegrateDerivatives`: `dq` (nv, nv), `dv` (nv, nv). Several states have one more
+    /// axis, the first.
     #[pyo3(signature = (q, v, *, out=None))]
-    fn integrate_derivatives<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, v: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn integrate_derivatives<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        v: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 65, &[Some(q), Some(v)], None, out)
     }
 
     /// Returns the derivatives of `difference` with respect to `from_` and `to` in tangent space:
     /// displacements are in the axes at `from_` and at `to`.
     ///
-    /// Arguments: `from_`: (nq,); `to`: (nq,). Result: `DifferenceDerivatives`: `dfrom` (nv, nv),
-    /// `dto` (nv, nv). Several states have one more axis, the first.
+    /// Arguments: `from_`: (nq,); `to`: (nq,).
+    /// Result: `DifferenceDerivatives`: `dfrom` (nv, nv), `dto` (nv, nv). Several states have one
+    /// more axis, the first.
     #[pyo3(signature = (from_, to, *, out=None))]
-    fn difference_derivatives<'py>(&self, py: Python<'py>, from_: &Bound<'py, PyAny>, to: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn difference_derivatives<'py>(
+        &self,
+        py: Python<'py>,
+        from_: &Bound<'py, PyAny>,
+        to: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 66, &[Some(from_), Some(to)], None, out)
     }
 
@@ -787,7 +1293,13 @@ impl Robot {
     /// Arguments: `q`: (nq,); `qd`: (nv,).
     /// Result: (nq,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, *, out=None))]
-    fn velocity_to_qdot<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn velocity_to_qdot<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 67, &[Some(q), Some(qd)], None, out)
     }
 
@@ -796,7 +1308,12 @@ impl Robot {
     /// Arguments: `q`: (nq,).
     /// Result: (nq,). Several states have one more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
-    fn normalize<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn normalize<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 68, &[Some(q)], None, out)
     }
 
@@ -807,7 +1324,12 @@ impl Robot {
     /// Arguments: `uniforms`: (nv,).
     /// Result: (nq,). Several states have one more axis, the first.
     #[pyo3(signature = (uniforms, *, out=None))]
-    fn random<'py>(&self, py: Python<'py>, uniforms: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn random<'py>(
+        &self,
+        py: Python<'py>,
+        uniforms: &Bound<'py, PyAny>,
+        out: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.call(py, 69, &[Some(uniforms)], None, out)
     }
     // <!-- end -->

@@ -110,11 +110,11 @@ pub fn scalar(options: &Bound<'_, PyDict>) -> PyResult<FloatType> {
 pub fn modules(options: &Bound<'_, PyDict>, model: &Model) -> PyResult<ModuleTree> {
     let wrong = |message: &str| PyValueError::new_err(format!("option `modules`: {message}"));
     let wanted = options.get_item("modules")?.filter(|wanted| !wanted.is_none());
-    let choice = match &wanted {
+    let parsed = match &wanted {
         Some(wanted) => ModuleChoice::read(&parsed("modules", wanted)?),
         None => Ok(ModuleChoice::Chains),
     };
-    let choice = choice.map_err(|fault| wrong(&fault.message))?;
+    let choice = parsed.map_err(|fault| wrong(&fault.message))?;
     match choice {
         ModuleChoice::Links => Ok(ModuleTree::links(model)),
         ModuleChoice::List(names) => ModuleTree::from_names(model, &names).map_err(|errors| {

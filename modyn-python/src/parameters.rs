@@ -44,8 +44,8 @@ impl<S: Number> ParameterNumbers<S> {
         let (place, new) = match change {
             Change::Gravity(gravity) => (self.parameters.gravity.then_some(0), gravity.to_vec()),
             Change::Inertia(link, inertial) => {
-                let mut own = self.parameters.inertias.iter();
-                let place = own.position(|(other, _)| *other == frame(link));
+                let mut inertias = self.parameters.inertias.iter();
+                let place = inertias.position(|(other, _)| *other == frame(link));
                 (place.map(|k| self.parameters.inertial(k)), numbers(inertial))
             }
             Change::Payload(link, inertial) => {

@@ -86,18 +86,18 @@ impl Robot {
             Some(wanted) => wanted.extract()?,
             None => true,
         };
-        for own in ["machine_code", "bundles"] {
-            if keywords.contains(own)? {
-                keywords.del_item(own)?;
+        for option in ["machine_code", "bundles"] {
+            if keywords.contains(option)? {
+                keywords.del_item(option)?;
             }
         }
         // A type's name has no meaning here, and no warning about it is due.
         let builder = Builder::new().text(&*text, &*file).type_name("Robot");
-        let builder = match &folder {
+        let in_folder = match &folder {
             Some(folder) => builder.folder(folder),
             None => builder,
         };
-        let builder = options::apply(builder, &keywords)?.functions([]);
+        let builder = options::apply(in_folder, &keywords)?.functions([]);
         let bundles = match arguments.get_item("bundles")? {
             Some(wanted) if !wanted.is_none() => options::bundles(&wanted)?,
             _ => Vec::new(),
@@ -195,7 +195,7 @@ impl Robot {
         }
         let function = Function::ALL[index];
         self.check_has(function)?;
-        self.compiled(py, (self.builder.clone().functions([function]), Some(function)), slot)
+        self.compiled(py, self.builder.clone().functions([function]), Some(function), slot)
     }
 
     /// Checks that the robot has a function.
@@ -208,7 +208,8 @@ impl Robot {
             let joint = self.without_inertia.as_ref().filter(|_| function.row().needs_inertia);
             let message = |joint| {
                 format!(
-                    "`{}` needs inertia, and joint `{joint}` moves none, since its link has none: the robot has kinematic \
+                    "`{}` needs inertia, and joint `{joint}` moves none, since its link has none: \
+                     the robot has kinematic \
                      functions alone; write the `<inertial>` of the link, or give the joint a rotor, \
                      `rotors={{\"{joint}\": (1, 1)}}`",
                     function.name()
@@ -226,7 +227,8 @@ impl Robot {
     fn compiled<'s>(
         &self,
         py: Python<'_>,
-        (builder, function): (Builder, Option<Function>),
+        builder: Builder,
+        function: Option<Function>,
         slot: &'s Slot,
     ) -> PyResult<&'s dyn RobotFunction> {
         let planning = match (builder.plan(), function) {
@@ -277,9 +279,8 @@ impl Robot {
     /// Returns the interpreter of the robot with its present parameters.
     pub fn interpreter(&self) -> PyResult<Interpreter<f64>> {
         let modules = self.modules.clone();
-        let interpreter = Interpreter::with_modules(self.model.clone(), modules);
-        let mut interpreter =
-            interpreter.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let created = Interpreter::with_modules(self.model.clone(), modules);
+        let mut interpreter = created.map_err(|error| PyValueError::new_err(error.to_string()))?;
         for change in &*self.changes.lock().unwrap_or_else(PoisonError::into_inner) {
             change.set(&mut interpreter).map_err(PyValueError::new_err)?;
         }
@@ -398,24 +399,24 @@ impl Robot {
     /// Returns the numbers of the joints that have coordinates of their own, one for each entry.
     fn entries(&self, count: fn(&Link) -> usize, number: impl Fn(usize, &Link) -> f64) -> Vec<f64> {
         let links = self.model.links().iter().enumerate();
-        let own = links.filter(|(_, link)| link.joint.mimic.is_none());
-        own.flat_map(|(i, link)| vec![number(i, link); count(link)]).collect()
+        let independent = links.filter(|(_, link)| link.joint.mimic.is_none());
+        independent.flat_map(|(i, link)| vec![number(i, link); count(link)]).collect()
     }
 }
 
 /// Returns the key of code that is known, or what `code` returns.
 fn known<K: PartialEq>(
     keys: &Mutex<Vec<(K, i64)>>,
-    own: K,
+    own_key: K,
     code: impl FnOnce() -> PyResult<i64>,
 ) -> PyResult<i64> {
     let keys = || keys.lock().unwrap_or_else(PoisonError::into_inner);
-    let known = keys().iter().find(|(other, _)| *other == own).map(|(_, key)| *key);
+    let known = keys().iter().find(|(other, _)| *other == own_key).map(|(_, key)| *key);
     if let Some(key) = known {
         return Ok(key);
     }
     let key = code()?;
-    keys().push((own, key));
+    keys().push((own_key, key));
     Ok(key)
 }
 
@@ -427,14 +428,14 @@ fn vector<const N: usize>(
 ) -> PyResult<[f64; N]> {
     let array = in_order::<f64>(function, name, object)?;
     if array.shape() != [N] {
-        let found = tuple(array.shape());
+        let given_shape = tuple(array.shape());
         let expected = tuple(&[N]);
         let entries = match (name, N) {
             ("inertia", 6) => ": ixx, ixy, ixz, iyy, iyz, izz",
             _ => "",
         };
         return Err(PyValueError::new_err(format!(
-            "`{name}` of `{function}` has the shape {found}; expected {expected}{entries}"
+            "`{name}` of `{function}` has the shape {given_shape}; expected {expected}{entries}"
         )));
     }
     let mut vector = [0.0; N];
@@ -538,7 +539,7 @@ impl Robot {
         let nq = |link: &Link| link.joint.joint_type.nq();
         let nv = |link: &Link| link.joint.joint_type.nv();
         let limits = |link: &Link| link.joint.limits;
-        let all = [
+        let limits = [
             self.entries(nq, |i, _| self.model.coordinate_range(i)[0]),
             self.entries(nq, |i, _| self.model.coordinate_range(i)[1]),
             self.entries(nv, |i, _| self.model.velocity_limit(i)),
@@ -546,7 +547,7 @@ impl Robot {
                 limits(link).and_then(|l| l.effort).unwrap_or(f64::INFINITY)
             }),
         ];
-        let all = all.map(|numbers| PyArray1::from_vec(py, numbers));
+        let all = limits.map(|numbers| PyArray1::from_vec(py, numbers));
         py.import("modyn._types")?.getattr("JointLimits")?.call1(PyTuple::new(py, all)?)
     }
 
@@ -558,16 +559,17 @@ impl Robot {
         // Without a step, as `slice(start, end)` has it.
         let slice = py.import("builtins")?.getattr("slice")?;
         let links = self.model.links().iter().enumerate();
-        let own = links.filter(|(_, link)| link.joint.mimic.is_none());
-        own.map(|(i, link)| {
-            let kind = link.joint.joint_type.name();
-            let q = self.model.q_range(i);
-            let v = self.model.v_range(i);
-            let q = slice.call1((q.start, q.end))?;
-            let v = slice.call1((v.start, v.end))?;
-            class.call1((link.joint.name.as_str(), kind, q, v))
-        })
-        .collect()
+        let independent = links.filter(|(_, link)| link.joint.mimic.is_none());
+        independent
+            .map(|(i, link)| {
+                let kind = link.joint.joint_type.name();
+                let q = self.model.q_range(i);
+                let v = self.model.v_range(i);
+                let q = slice.call1((q.start, q.end))?;
+                let v = slice.call1((v.start, v.end))?;
+                class.call1((link.joint.name.as_str(), kind, q, v))
+            })
+            .collect()
     }
 
     /// Returns the mimic joints that follow others: the name of each, the entries of `q` and `qd`
@@ -597,8 +599,8 @@ impl Robot {
     fn base_parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let base = py.detach(|| BaseParameters::new(&self.model));
         let names: Vec<&str> = base.parameters.iter().map(BaseParameter::name).collect();
-        let columns = base.regressor_columns().into_iter().map(|column| column as i64);
-        let columns = PyArray1::from_iter(py, columns);
+        let indices = base.regressor_columns().into_iter().map(|column| column as i64);
+        let columns = PyArray1::from_iter(py, indices);
         let values = PyArray1::from_vec(py, base.values_of(&self.present_parameters()?));
         let class = py.import("modyn._types")?.getattr("BaseParameters")?;
         class.call1((names, columns, values))
@@ -705,7 +707,9 @@ impl Robot {
         out: Option<&Bound<'py, PyAny>>,
         named: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let Some((_, bundle, slot)) = self.bundles.iter().find(|(own, ..)| own == name) else {
+        let Some((_, bundle, slot)) =
+            self.bundles.iter().find(|(bundle_name, ..)| bundle_name == name)
+        else {
             let names = self.bundle_names().join(", ");
             let message = format!("there is no bundle `{name}`; there are: {names}");
             return Err(PyValueError::new_err(message));
@@ -713,11 +717,11 @@ impl Robot {
         let function = match slot.get() {
             Some(function) => &**function,
             None => {
-                self.compiled(py, (self.builder.clone().bundles([bundle.clone()]), None), slot)?
+                self.compiled(py, self.builder.clone().bundles([bundle.clone()]), None, slot)?
             }
         };
-        let own = function.arguments();
-        let count = own.len();
+        let parameters = function.arguments();
+        let count = parameters.len();
         if arguments.len() > count {
             let message =
                 format!("`{name}` takes {count} arguments, and {} were given", arguments.len());
@@ -725,12 +729,12 @@ impl Robot {
         }
         let mut given = Vec::with_capacity(count);
         let mut used = 0;
-        for (i, (own, _)) in own.iter().enumerate() {
-            let by_name = named.map(|named| named.get_item(own.name)).transpose()?.flatten();
+        for (i, (parameter, _)) in parameters.iter().enumerate() {
+            let by_name = named.map(|named| named.get_item(parameter.name)).transpose()?.flatten();
             used += usize::from(by_name.is_some());
             let argument = match (arguments.get_item(i).ok(), by_name) {
                 (Some(_), Some(_)) => {
-                    let message = format!("`{name}` has the argument `{}` twice", own.name);
+                    let message = format!("`{name}` has the argument `{}` twice", parameter.name);
                     return Err(PyTypeError::new_err(message));
                 }
                 (by_place, by_name) => by_place.or(by_name),
@@ -738,7 +742,7 @@ impl Robot {
             given.push(argument);
         }
         if let Some(named) = named.filter(|named| named.len() > used) {
-            let names: Vec<&str> = own.iter().map(|(own, _)| own.name).collect();
+            let names: Vec<&str> = parameters.iter().map(|(parameter, _)| parameter.name).collect();
             let message = format!("`{name}` takes {}, not {}", names.join(", "), named.keys());
             return Err(PyTypeError::new_err(message));
         }
@@ -748,7 +752,7 @@ impl Robot {
 
     /// Returns a bundle as a callable.
     fn __getattr__<'py>(slf: &Bound<'py, Self>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        if slf.get().bundles.iter().any(|(own, ..)| own == name) {
+        if slf.get().bundles.iter().any(|(bundle_name, ..)| bundle_name == name) {
             let partial = slf.py().import("functools")?.getattr("partial")?;
             return partial.call1((slf.getattr("bundle")?, name));
         }
@@ -782,7 +786,7 @@ impl Robot {
         let robot = slf.get();
         let ((text, file, folder), options) = &robot.source;
         let changes = robot.changes.lock().unwrap_or_else(PoisonError::into_inner);
-        let changes = changes.iter().map(|change| match change {
+        let calls = changes.iter().map(|change| match change {
             Change::Gravity(gravity) => ("set_gravity", (*gravity,)).into_pyobject(py),
             Change::Inertia(link, Inertial { mass, center_of_mass, inertia }) => {
                 ("set_inertia", (link, *mass, *center_of_mass, *inertia)).into_pyobject(py)
@@ -791,7 +795,7 @@ impl Robot {
                 ("set_payload", (link, *mass, *center_of_mass, *inertia)).into_pyobject(py)
             }
         });
-        let changes = changes.collect::<PyResult<Vec<_>>>()?;
+        let changes = calls.collect::<PyResult<Vec<_>>>()?;
         let restore = py.import("modyn")?.getattr("_restore")?;
         (restore, (text, file, folder, options, changes)).into_pyobject(py)
     }

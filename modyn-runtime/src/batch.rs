@@ -160,12 +160,13 @@ impl<F: Float, K: Kernel<F, I, O, B>, const I: usize, const O: usize, const B: u
 /// [`states`] checks.
 fn compute<F: Float, K: Kernel<F, I, O, B>, const I: usize, const O: usize, const B: usize>(
     kernel: &K,
-    (inputs, flags): ([&[F]; I], [&[bool]; B]),
+    inputs: [&[F]; I],
+    flags: [&[bool]; B],
     mut outputs: [&mut [F]; O],
     states: usize,
 ) {
     if states < MAX_LANES {
-        return padded(kernel, (inputs, flags), outputs, states);
+        return padded(kernel, inputs, flags, outputs, states);
     }
     let columns = &Columns::new(&inputs, &flags, &mut outputs);
     F::dispatch(Blocks { kernel, columns, states: 0..states });
@@ -175,7 +176,8 @@ fn compute<F: Float, K: Kernel<F, I, O, B>, const I: usize, const O: usize, cons
 #[cold]
 fn padded<F: Float, K: Kernel<F, I, O, B>, const I: usize, const O: usize, const B: usize>(
     kernel: &K,
-    (inputs, flags): ([&[F]; I], [&[bool]; B]),
+    inputs: [&[F]; I],
+    flags: [&[bool]; B],
     outputs: [&mut [F]; O],
     states: usize,
 ) {
@@ -236,7 +238,8 @@ pub struct Argument {
 /// slice.
 fn states<F>(
     arguments: &'static [Argument],
-    (inputs, flags): (&[&[F]], &[&[bool]]),
+    inputs: &[&[F]],
+    flags: &[&[bool]],
     outputs: &[&mut [F]],
 ) -> Result<usize, BatchError> {
     let inputs = || inputs.iter().map(|c| c.len()).chain(flags.iter().map(|c| c.len()));
@@ -267,8 +270,9 @@ pub fn run_flagged<F: Float, const I: usize, const O: usize, const B: usize>(
     inputs: ([&[F]; I], [&[bool]; B]),
     outputs: [&mut [F]; O],
 ) -> Result<(), BatchError> {
-    let states = states(arguments, (&inputs.0, &inputs.1), &outputs)?;
-    compute(kernel, inputs, outputs, states);
+    let (inputs, flags) = inputs;
+    let states = states(arguments, &inputs, &flags, &outputs)?;
+    compute(kernel, inputs, flags, outputs, states);
     Ok(())
 }
 
@@ -298,12 +302,13 @@ pub fn run_parallel_flagged<F: Float, const I: usize, const O: usize, const B: u
 
     /// A multiple of the number of lanes, so that only the last range overlaps.
     const STATES_PER_TASK: usize = 16 * MAX_LANES;
-    let states = states(arguments, (&inputs.0, &inputs.1), &outputs)?;
+    let (inputs, flags) = inputs;
+    let states = states(arguments, &inputs, &flags, &outputs)?;
     if states < 2 * STATES_PER_TASK {
-        compute(kernel, inputs, outputs, states);
+        compute(kernel, inputs, flags, outputs, states);
         return Ok(());
     }
-    let columns = &Columns::new(&inputs.0, &inputs.1, &mut outputs);
+    let columns = &Columns::new(&inputs, &flags, &mut outputs);
     let ranges = states / STATES_PER_TASK;
     (0..ranges).into_par_iter().for_each(|i| {
         let end = if i + 1 == ranges { states } else { (i + 1) * STATES_PER_TASK };

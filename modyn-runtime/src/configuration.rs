@@ -32,8 +32,8 @@ impl<S: fmt::Display, Name: fmt::Display> fmt::Display for ConfigurationError<S,
                 f,
                 "the quaternion of joint `{joint}` has length {length}, not 1; `normalize` makes it 1"
             ),
-            Self::Shape { expected, found } => {
-                write!(f, "`q` must hold {expected} numbers but holds {found}")
+            Self::Shape { expected, found: length } => {
+                write!(f, "`q` must hold {expected} numbers but holds {length}")
             }
         }
     }

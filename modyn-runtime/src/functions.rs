@@ -71,20 +71,24 @@ macro_rules! declare_traits {
 macro_rules! function_trait {
     ([constraints $($flag:ident)*] $name:ident $function:ident $message:literal;) => {
         traits! {
-            "a robot has this function if it has closed loops (`<loop_joint>`, option `loops`) or contacts (option `contacts`) and its option `functions` does not leave it out":
+            "a robot has this function if it has closed loops (`<loop_joint>`, option `loops`) or \
+             contacts (option `contacts`) and its option `functions` does not leave it out":
             $name $function $message;
         }
     };
     ([inertia] $name:ident $function:ident $message:literal;) => {
         traits! {
-            "add the function to the option `functions` of the robot, as in `functions = [default, regressor]`; without this option it has the default functions, or if its links have no inertia those of kinematics":
+            "add the function to the option `functions` of the robot, as in `functions = [default, \
+             regressor]`; without this option it has the default functions, or if its links have \
+             no inertia those of kinematics":
             $name $function $message;
         }
     };
     ([$other:ident $($flag:ident)*] $($row:tt)*) => { function_trait! { [$($flag)*] $($row)* } };
     ([] $name:ident $function:ident $message:literal;) => {
         traits! {
-            "add the function to the option `functions` of the robot, as in `functions = [default, regressor]`; without this option it has the default functions":
+            "add the function to the option `functions` of the robot, as in `functions = [default, \
+             regressor]`; without this option it has the default functions":
             $name $function $message;
         }
     };

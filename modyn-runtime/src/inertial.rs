@@ -72,7 +72,8 @@ impl<S: fmt::Display + fmt::LowerExp> fmt::Display for InertialDefect<S> {
             }
             Self::NotPositiveSemidefinite([a, b, c]) => write!(
                 f,
-                "the rotational inertia is not positive semidefinite (principal moments {a:.6e}, {b:.6e}, {c:.6e} kg m^2)"
+                "the rotational inertia is not positive semidefinite (principal moments {a:.6e}, \
+                 {b:.6e}, {c:.6e} kg m^2)"
             ),
             Self::TriangleInequality([a, b, c]) => write!(
                 f,
@@ -227,8 +228,8 @@ impl<S: Scalar> Inertial<S> {
             let [x, y, z]: [S; 3] =
                 core::array::from_fn(|i| body.center_of_mass[i] - center_of_mass[i]);
             let shift = [y * y + z * z, -x * y, -x * z, x * x + z * z, -y * z, x * x + y * y];
-            for (sum, (&own, s)) in inertia.iter_mut().zip(body.inertia.iter().zip(shift)) {
-                *sum = *sum + (own + body.mass * s);
+            for (sum, (&number, s)) in inertia.iter_mut().zip(body.inertia.iter().zip(shift)) {
+                *sum = *sum + (number + body.mass * s);
             }
         }
         Self { mass, center_of_mass, inertia }

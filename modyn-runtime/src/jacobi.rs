@@ -87,16 +87,16 @@ mod tests {
     #[test]
     fn scale_does_not_matter() {
         for scale in [1e-30_f32, 1e-23, 1.0, 1e30] {
-            let found = condition_number(&mut [2.0 * scale, scale, scale, 2.0 * scale], 2);
-            assert!((found - 3.0).abs() < 1e-5, "{scale:e}: {found}");
+            let number = condition_number(&mut [2.0 * scale, scale, scale, 2.0 * scale], 2);
+            assert!((number - 3.0).abs() < 1e-5, "{scale:e}: {number}");
         }
     }
 
     #[test]
     fn a_singular_matrix_has_no_finite_one() {
         assert_eq!(condition_number(&mut [1.0_f64, 0.0, 0.0, 0.0], 2), f64::INFINITY);
-        let found = condition_number(&mut [1.0_f32, 1.0, 1.0, 1.0 + 1e-9], 2);
-        assert!(found > 1e6, "{found}");
+        let number = condition_number(&mut [1.0_f32, 1.0, 1.0, 1.0 + 1e-9], 2);
+        assert!(number > 1e6, "{number}");
     }
 
     #[test]

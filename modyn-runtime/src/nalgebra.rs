@@ -159,8 +159,8 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         R: Robot<Q<T> = [T; NQ], V<T> = [T; NV], M<T> = [[T; NV]; NV]>
             + functions::InverseDynamicsDerivatives,
     {
-        let found = R::inverse_dynamics_derivatives::<T>(array(q), array(qd), array(qdd));
-        InverseDynamicsDerivatives { dq: found.dq.into(), dqd: found.dqd.into() }
+        let derivatives = R::inverse_dynamics_derivatives::<T>(array(q), array(qd), array(qdd));
+        InverseDynamicsDerivatives { dq: derivatives.dq.into(), dqd: derivatives.dqd.into() }
     }
 
     /// Returns the derivatives of forward dynamics with respect to `q` (in tangent space), `qd` and
@@ -175,12 +175,12 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         R: Robot<Q<T> = [T; NQ], V<T> = [T; NV], M<T> = [[T; NV]; NV]>
             + functions::ForwardDynamicsDerivatives,
     {
-        let found = R::forward_dynamics_derivatives::<T>(array(q), array(qd), array(tau));
+        let derivatives = R::forward_dynamics_derivatives::<T>(array(q), array(qd), array(tau));
         ForwardDynamicsDerivatives {
-            qdd: found.qdd.into(),
-            dq: found.dq.into(),
-            dqd: found.dqd.into(),
-            dtau: found.dtau.into(),
+            qdd: derivatives.qdd.into(),
+            dq: derivatives.dq.into(),
+            dqd: derivatives.dqd.into(),
+            dtau: derivatives.dtau.into(),
         }
     }
 
@@ -200,8 +200,8 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         let q = array(q);
         let qd = array(qd);
         let tau = array(tau);
-        let found = R::constrained_forward_dynamics::<T>(q, qd, tau, contacts, settings);
-        let ConstrainedForwardDynamics { qdd, wrenches, residuals, rank } = found;
+        let results = R::constrained_forward_dynamics::<T>(q, qd, tau, contacts, settings);
+        let ConstrainedForwardDynamics { qdd, wrenches, residuals, rank } = results;
         ConstrainedForwardDynamics { qdd: qdd.into(), wrenches, residuals, rank }
     }
 
@@ -230,8 +230,8 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
     where
         R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]> + functions::ProjectConstraints,
     {
-        let found = R::project_constraints::<T>(array(q), array(qd), contacts, settings);
-        ConstraintProjection { dq: found.dq.into(), dqd: found.dqd.into(), rank: found.rank }
+        let steps = R::project_constraints::<T>(array(q), array(qd), contacts, settings);
+        ConstraintProjection { dq: steps.dq.into(), dqd: steps.dqd.into(), rank: steps.rank }
     }
 
     /// Returns the pose of a link in the world.
@@ -341,8 +341,9 @@ mod tests {
     fn all_functions_that_are_generated_by_default_are_here() {
         let (code, _) =
             include_str!("nalgebra.rs").split_once("#[cfg(all(test").expect("this line");
-        let own = |line: &'static str| line.trim_start().strip_prefix("pub fn ")?.split('<').next();
-        let has = |name: &str| code.lines().filter_map(own).any(|own| own == name);
+        let name_of =
+            |line: &'static str| line.trim_start().strip_prefix("pub fn ")?.split('<').next();
+        let has = |name: &str| code.lines().filter_map(name_of).any(|function| function == name);
         for function in Function::DEFAULT {
             assert!(has(function.name()), "{function:?}");
         }

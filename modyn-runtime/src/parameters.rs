@@ -39,7 +39,8 @@ impl<S: fmt::Display + fmt::LowerExp> fmt::Display for ParameterError<S> {
 pub(crate) fn write_no_inertia(f: &mut fmt::Formatter<'_>, joint: &str) -> fmt::Result {
     write!(
         f,
-        "no inertia would oppose the motion of joint `{joint}` while the joints after it are free, so its acceleration would be \
+        "no inertia would oppose the motion of joint `{joint}` while the joints after it are free, \
+         so its acceleration would be \
          infinite; give a link that it moves a mass, and a rotational inertia if it turns"
     )
 }

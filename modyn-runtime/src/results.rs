@@ -309,7 +309,8 @@ pub struct StepSolution<Q, V, A, P, R, I> {
     pub iterations: I,
 }
 
-/// The joint forces of accelerations, and the wrenches of the contacts that carry the floating bases.
+/// The joint forces of accelerations, and the wrenches of the contacts that carry the floating
+/// bases.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstrainedInverseDynamics<V, W, T> {
     /// The joint forces, N m or N. The joint forces of a floating base are the wrench on it that no

@@ -186,8 +186,8 @@ pub fn check_settings<T: Copy + Into<f64>>(numbers: &[T]) -> Result<(), SettingE
     Ok(())
 }
 
-/// Checks the numbers of the settings of steps: [`StepSettings::numbers`], then [`ContactSurface::numbers`] for
-/// each contact.
+/// Checks the numbers of the settings of steps: [`StepSettings::numbers`], then
+/// [`ContactSurface::numbers`] for each contact.
 ///
 /// # Errors
 ///
@@ -244,8 +244,8 @@ impl<T: Copy + Into<f64>, C: AsRef<[ContactTarget<T>]>> ConstraintSettings<T, C>
 }
 
 impl<T: Copy + Into<f64>, C: AsRef<[ContactSurface<T>]>> StepSettings<T, C> {
-    /// Checks that all settings are finite and within their ranges: the tolerance and `impratio` are above zero, radii and
-    /// frictions are not negative, and rotations are rotations.
+    /// Checks that all settings are finite and within their ranges: the tolerance and `impratio`
+    /// are above zero, radii and frictions are not negative, and rotations are rotations.
     ///
     /// # Errors
     ///
@@ -322,8 +322,8 @@ mod tests {
 
     /// Returns the name and the place of each number.
     fn names() -> [(&'static str, SettingPlace); COUNT] {
-        let settings = ["alpha", "beta", "tolerance", "rounding"];
-        let settings = settings.into_iter().map(|name| (name, SettingPlace::Settings));
+        let names = ["alpha", "beta", "tolerance", "rounding"];
+        let settings = names.into_iter().map(|name| (name, SettingPlace::Settings));
         let target = |contact| {
             TARGET.iter().flat_map(move |&(name, _, count)| {
                 core::iter::repeat_n((name, SettingPlace::Contact(contact)), count)

@@ -2,8 +2,8 @@
 
 use crate::spatial::Pose;
 
-/// The settings of [`step`](crate::Robot::step). Names and defaults are MuJoCo's. `C` is an array with the
-/// surface of each contact, or a slice.
+/// The settings of [`step`](crate::Robot::step). Names and defaults are MuJoCo's. `C` is an array
+/// with the surface of each contact, or a slice.
 ///
 /// ```
 /// use modyn_runtime::{ContactSurface, StepSettings};
@@ -14,8 +14,8 @@ use crate::spatial::Pose;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepSettings<T, C = [ContactSurface<T>; 0]> {
-    /// The largest mismatch between the forces and their laws at which the solver ends, divided by the sum of
-    /// the robot's weight and the largest force.
+    /// The largest mismatch between the forces and their laws at which the solver ends, divided by
+    /// the sum of the robot's weight and the largest force.
     pub tolerance: T,
     /// How many times stiffer friction is than the normal direction.
     pub impratio: T,
@@ -34,11 +34,11 @@ pub struct ContactSurface<T> {
     pub friction: T,
     /// The distance from which on the contact acts, m.
     pub margin: T,
-    /// How a violation decays: the time constant (s) and the damping ratio; if the first number is negative,
-    /// minus the stiffness and minus the damping.
+    /// How a violation decays: the time constant (s) and the damping ratio; if the first number is
+    /// negative, minus the stiffness and minus the damping.
     pub solref: [T; 2],
-    /// The impedance: at the surface and at the depth `width`, from 0 to 1; the width, m; the share of the
-    /// width at which the curve between them, of two parabolas, changes its direction.
+    /// The impedance: at the surface and at the depth `width`, from 0 to 1; the width, m; the share
+    /// of the width at which the curve between them, of two parabolas, changes its direction.
     pub solimp: [T; 4],
 }
 
@@ -52,7 +52,8 @@ impl<T: Copy, C> StepSettings<T, C> {
         Self { tolerance, impratio, contacts }
     }
 
-    /// Returns the tolerance and `impratio`. In an array of all settings, the numbers of the surfaces follow.
+    /// Returns the tolerance and `impratio`. In an array of all settings, the numbers of the
+    /// surfaces follow.
     #[must_use]
     pub fn numbers(&self) -> [T; 2] {
         [self.tolerance, self.impratio]
@@ -63,8 +64,8 @@ impl<T: Copy> ContactSurface<T> {
     /// The number of numbers of a surface.
     pub const COUNT: usize = 21;
 
-    /// Returns the surface from its numbers: the rotation of the plane by rows, its translation, the radius,
-    /// the friction, the margin, `solref` and `solimp`.
+    /// Returns the surface from its numbers: the rotation of the plane by rows, its translation,
+    /// the radius, the friction, the margin, `solref` and `solimp`.
     ///
     /// ```
     /// use modyn_runtime::ContactSurface;
@@ -105,7 +106,8 @@ impl<T: Copy> ContactSurface<T> {
 macro_rules! defaults {
     ($float:ty, $tolerance:literal) => {
         impl ContactSurface<$float> {
-            /// A point and the plane z = 0 of the world, with friction 1 and MuJoCo's default softness.
+            /// A point and the plane z = 0 of the world, with friction 1 and MuJoCo's default
+            /// softness.
             pub const GROUND: Self = Self {
                 plane: Pose {
                     rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
@@ -126,7 +128,8 @@ macro_rules! defaults {
         }
 
         impl<const N: usize> StepSettings<$float, [ContactSurface<$float>; N]> {
-            /// The plane z = 0 of the world, `impratio` 1, and a tolerance that the number type reaches.
+            /// The plane z = 0 of the world, `impratio` 1, and a tolerance that the number type
+            /// reaches.
             pub const DEFAULT: Self = Self {
                 tolerance: $tolerance,
                 impratio: 1.0,

@@ -1,8 +1,12 @@
 //! No call panics, for any sizes, indices, numbers and models: it returns an error or a result.
 #![cfg(feature = "alloc")]
 
+use modyn_runtime::equations::constraints::{
+    ConstrainedOutputs, ProjectionOutputs, ResidualOutputs,
+};
 use modyn_runtime::equations::derivatives::CentroidalOutputs;
 use modyn_runtime::equations::identification::BaseParameters;
+use modyn_runtime::equations::{ForwardInput, Motion, State};
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{
     Frame, Friction, Joint, JointDynamics, Limits, Link, LoopConstraint, LoopConstraintEnd,
@@ -202,10 +206,20 @@ fn call(interpreter: &mut Interpreter<f64>, dice: &mut Dice) {
         r.kinetic_energy(&q, &qd).ok();
         r.potential_energy(&q).ok();
         let settings = ConstraintSettings::<f64>::DEFAULT;
-        let results = (&mut a[..], &mut loop_wrenches[..], &mut displacements[..]);
-        r.constrained_forward_dynamics((&q, &qd, &tau), &[], &settings, results).ok();
-        r.constraint_residual((&q, &qd), &settings, (&mut displacements, &mut velocities)).ok();
-        r.project_constraints((&q, &qd), &[], &settings, (&mut a, &mut b)).ok();
+        let input = ForwardInput { q: &q, qd: &qd, tau: &tau };
+        let state = State { q: &q, qd: &qd };
+        let motion = Motion { q: &q, qd: &qd, qdd: &qdd };
+        let outputs = ConstrainedOutputs {
+            qdd: &mut a,
+            wrenches: &mut loop_wrenches,
+            residuals: &mut displacements,
+        };
+        r.constrained_forward_dynamics(input, &[], &settings, outputs).ok();
+        let outputs =
+            ResidualOutputs { displacements: &mut displacements, velocities: &mut velocities };
+        r.constraint_residual(state, &settings, outputs).ok();
+        let outputs = ProjectionOutputs { dq: &mut a, dqd: &mut b };
+        r.project_constraints(state, &[], &settings, outputs).ok();
         r.inverse_dynamics_derivatives(&q, &qd, &qdd, &mut c, &mut d).ok();
         let outputs = ForwardDerivatives {
             qdd: &mut a,
@@ -228,12 +242,12 @@ fn call(interpreter: &mut Interpreter<f64>, dice: &mut Dice) {
         r.center_of_mass(&q).ok();
         r.center_of_mass_jacobian(&q, &mut points).ok();
         r.centroidal_momentum(&q, &qd).ok();
-        r.centroidal_momentum_rate((&q, &qd, &qd)).ok();
+        r.centroidal_momentum_rate(motion).ok();
         let (mut values, mut columns) =
             ([Momentum::zero(); 2], [0; 3].map(|_| vec![Momentum::zero(); qd.len()]));
         let ([momentum, rate], [momentum_dq, rate_dq, rate_dqd]) = (&mut values, &mut columns);
         let outputs = CentroidalOutputs { momentum, rate, momentum_dq, rate_dq, rate_dqd };
-        r.centroidal_momentum_derivatives((&q, &qd, &qdd), outputs).ok();
+        r.centroidal_momentum_derivatives(motion, outputs).ok();
         r.integrate(&q, &qd, &mut moved).ok();
         r.difference(&q, &other, &mut a).ok();
         r.velocity_to_qdot(&q, &qd, &mut moved).ok();

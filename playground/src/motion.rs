@@ -4,6 +4,8 @@ use modyn_cli::impulses::{
     Impulses, OpenLoop, Options, close_loops, lift_out_of_ground, settings_of,
 };
 use modyn_codegen::diagnostics::sanitize_for_display;
+use modyn_runtime::equations::ForwardInput;
+use modyn_runtime::equations::constraints::ConstrainedOutputs;
 use modyn_runtime::model::{Limits, Model};
 use modyn_runtime::spatial::{Twist, Wrench};
 use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter};
@@ -106,10 +108,14 @@ impl Motion {
         let mut wrenches = vec![Wrench::zero(); constraints];
         let mut residuals = vec![Twist::zero(); constraints];
         self.interpreter.constrained_forward_dynamics(
-            (&self.q, &self.qd, &tau),
+            ForwardInput { q: &self.q, qd: &self.qd, tau: &tau },
             &vec![false; contacts],
             &self.settings,
-            (&mut qdd, &mut wrenches, &mut residuals),
+            ConstrainedOutputs {
+                qdd: &mut qdd,
+                wrenches: &mut wrenches,
+                residuals: &mut residuals,
+            },
         )?;
         Ok(self.qd.iter().zip(&qdd).map(|(rate, change)| rate + dt * change).collect())
     }

@@ -92,7 +92,7 @@ impl Session {
             }
             "put" => {
                 let path = PathBuf::from(text(request, "file")?);
-                self.files.retain(|(own, _)| *own != path);
+                self.files.retain(|(file_name, _)| *file_name != path);
                 self.files.push((path, bytes.to_vec()));
                 Ok(json!({}))
             }
@@ -106,8 +106,8 @@ impl Session {
             "cost" => self.robot()?.cost(text(request, "function")?),
             "text" => self.robot()?.text(text(request, "target")?, text(request, "functions")?),
             "start" => {
-                let q = request["q"].as_array().map(Vec::as_slice).unwrap_or_default();
-                let q: Vec<f64> = q.iter().map(|x| x.as_f64().unwrap_or(f64::NAN)).collect();
+                let array = request["q"].as_array().map(Vec::as_slice).unwrap_or_default();
+                let q: Vec<f64> = array.iter().map(|x| x.as_f64().unwrap_or(f64::NAN)).collect();
                 let options = MotionOptions {
                     friction: request["friction"].as_f64(),
                     limits: request["limits"] == true,
@@ -118,8 +118,8 @@ impl Session {
                 self.moved()
             }
             "step" => {
-                let dt = request["dt"].as_f64().filter(|dt| *dt > 0.0);
-                let dt = dt.ok_or("the request has no time step `dt`")?;
+                let positive = request["dt"].as_f64().filter(|dt| *dt > 0.0);
+                let dt = positive.ok_or("the request has no time step `dt`")?;
                 let motion = self.motion.as_mut().ok_or("the motion has not been started")?;
                 for _ in 0..request["count"].as_u64().unwrap_or(1) {
                     motion.step(dt)?;
@@ -155,14 +155,14 @@ impl Session {
     fn read(&mut self, request: &Value) -> Answer {
         (self.robot, self.motion) = (None, None);
         let name = text(request, "file")?;
-        let found = self.files.iter().find(|(path, _)| path == Path::new(name));
-        let (_, bytes) = found.ok_or_else(|| format!("there is no file `{name}`"))?;
+        let file = self.files.iter().find(|(path, _)| path == Path::new(name));
+        let (_, bytes) = file.ok_or_else(|| format!("there is no file `{name}`"))?;
         let files = FileStore::in_memory(self.files.iter().cloned());
         let text = match String::from_utf8(bytes.clone()) {
             Ok(text) => text,
             Err(error) => {
-                let found = modyn_codegen::read::file::not_text(name, &error);
-                return Ok(refused(name, "", &files, &found));
+                let diagnostics = modyn_codegen::read::file::not_text(name, &error);
+                return Ok(refused(name, "", &files, &diagnostics));
             }
         };
         let folder = Path::new(name).parent().unwrap_or(Path::new(""));
@@ -181,7 +181,7 @@ impl Session {
         };
         let reading = match read(&builder) {
             Ok(reading) => reading,
-            Err(found) => return Ok(refused(name, &text, &files, &found)),
+            Err(diagnostics) => return Ok(refused(name, &text, &files, &diagnostics)),
         };
         // A robot that floats without contacts would fall forever.
         let contacts = tips(&reading.model);
@@ -191,8 +191,8 @@ impl Session {
             .filter(|_| !contacts.is_empty());
         let better = with_contacts.and_then(|builder| Some((read(&builder).ok()?, builder)));
         let (reading, contacts) = match better {
-            Some((better, own)) => {
-                builder = own;
+            Some((better, standing)) => {
+                builder = standing;
                 (better, contacts)
             }
             None => (reading, String::new()),
@@ -200,8 +200,8 @@ impl Session {
         let Reading { model, warnings, shapes, .. } = reading;
         let has_loops = !model.loop_constraints().is_empty();
         let closed = has_loops.then(|| closed_start(&model)).flatten();
-        let functions = Function::ALL.iter().filter(|one| one.batched().is_none());
-        let functions: Vec<_> = functions
+        let single = Function::ALL.iter().filter(|one| one.batched().is_none());
+        let functions: Vec<_> = single
             .map(|one| {
                 let row = one.row();
                 let summary = row.docs.split(". ").next().unwrap_or_default();
@@ -237,10 +237,10 @@ impl Robot {
     /// Returns the operations of a call of a function, or the reason why the robot does not have
     /// it.
     fn cost(&self, function: &str) -> Answer {
-        let named = Function::from_name(function);
-        let named = named.ok_or_else(|| format!("there is no function `{function}`"))?;
+        let known = Function::from_name(function);
+        let named = known.ok_or_else(|| format!("there is no function `{function}`"))?;
         let plan = self.builder.clone().functions([named]).plan();
-        let planning = plan.map_err(|found| first(&found))?;
+        let planning = plan.map_err(|diagnostics| first(&diagnostics))?;
         let counts = planning.plan.operations_per_call();
         let (_, count) = counts.first().ok_or("the robot does not have it")?;
         Ok(json!({
@@ -254,30 +254,32 @@ impl Robot {
 
     /// Returns the generated files of functions in a language.
     fn text(&self, target: &str, functions: &str) -> Answer {
-        let target = Target::ALL.into_iter().find(|one| one.name() == target);
-        let target = target.ok_or("there is no such language")?;
+        let wanted = Target::ALL.into_iter().find(|one| one.name() == target);
+        let target = wanted.ok_or("there is no such language")?;
         let value = OptionText::parse(functions).map_err(|fault| fault.message)?;
         let builder = self.builder.clone().set("functions", &value);
         let emitted = match builder.map_err(|fault| fault.message)?.emit(target) {
             Ok(emitted) => emitted,
-            Err(found) => return Ok(refused(&self.name, &self.text, &self.files, &found)),
+            Err(diagnostics) => {
+                return Ok(refused(&self.name, &self.text, &self.files, &diagnostics));
+            }
         };
-        let files = emitted.files.iter();
+        let emitted_files = emitted.files.iter();
         let files: Vec<_> =
-            files.map(|file| json!({ "name": file.name, "text": file.text })).collect();
+            emitted_files.map(|file| json!({ "name": file.name, "text": file.text })).collect();
         Ok(json!({ "files": files }))
     }
 }
 
 /// Returns the first error.
-fn first(found: &Diagnostics) -> String {
-    let error = found.iter().find(|one| one.severity == Severity::Error);
-    error.map_or_else(|| found.to_string(), |one| one.message.clone())
+fn first(diagnostics: &Diagnostics) -> String {
+    let error = diagnostics.iter().find(|one| one.severity == Severity::Error);
+    error.map_or_else(|| diagnostics.to_string(), |one| one.message.clone())
 }
 
 /// Returns the answer about a description with errors.
-fn refused(name: &str, text: &str, files: &FileStore, found: &Diagnostics) -> Value {
-    report(name, false, text, files, found.as_slice())
+fn refused(name: &str, text: &str, files: &FileStore, diagnostics: &Diagnostics) -> Value {
+    report(name, false, text, files, diagnostics.as_slice())
 }
 
 /// Returns what `modyn check` prints, and the place of each diagnostic.
@@ -286,9 +288,9 @@ fn report(
     is_usable: bool,
     text: &str,
     files: &FileStore,
-    found: &[Diagnostic],
+    diagnostics: &[Diagnostic],
 ) -> Value {
-    let shown = render(found, Some((name, text)), |file| files.text(Path::new(file)));
+    let shown = render(diagnostics, Some((name, text)), |file| files.text(Path::new(file)));
     let place = |one: &Diagnostic| {
         json!({
             "file": one.file,
@@ -299,8 +301,8 @@ fn report(
     };
     json!({
         "usable": is_usable,
-        "report": shown + &verdict(name, is_usable, found),
-        "diagnostics": found.iter().map(place).collect::<Vec<_>>(),
+        "report": shown + &verdict(name, is_usable, diagnostics),
+        "diagnostics": diagnostics.iter().map(place).collect::<Vec<_>>(),
     })
 }
 
@@ -317,8 +319,8 @@ fn tips(model: &Model) -> String {
         let distance = |frame: &&modyn_runtime::model::Frame| {
             frame.pose.translation.iter().map(|x| x * x).sum::<f64>()
         };
-        let own = model.frames().iter().filter(|frame| frame.link == Some(link));
-        own.max_by(|a, b| distance(a).total_cmp(&distance(b)))
+        let tips_of_link = model.frames().iter().filter(|frame| frame.link == Some(link));
+        tips_of_link.max_by(|a, b| distance(a).total_cmp(&distance(b)))
     };
     let tips = leaves.filter_map(tip).map(|frame| format!("{0:?}: point({0:?})", frame.name));
     tips.collect::<Vec<_>>().join(", ")

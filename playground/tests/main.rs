@@ -3,6 +3,8 @@
 use modyn_codegen::Builder;
 use modyn_playground::{Motion, MotionOptions, Session};
 use modyn_runtime::Interpreter;
+use modyn_runtime::equations::State;
+use modyn_runtime::equations::constraints::ResidualOutputs;
 use modyn_runtime::model::Model;
 use serde_json::{Value, json};
 
@@ -180,9 +182,9 @@ fn joints_that_are_held_stay_and_loops_stay_closed() {
     let (mut apart, mut velocities) = (twists(), twists());
     let settings = modyn_cli::impulses::settings_of(&model);
     let found = interpreter.constraint_residual(
-        (&motion.q, &motion.qd),
+        State { q: &motion.q, qd: &motion.qd },
         &settings,
-        (&mut apart, &mut velocities),
+        ResidualOutputs { displacements: &mut apart, velocities: &mut velocities },
     );
     found.expect("the lengths");
     let gap = apart[0].components().iter().map(|x| x.abs()).fold(0.0, f64::max);

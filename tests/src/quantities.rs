@@ -1,6 +1,8 @@
 //! The quantities of an interpreter as returned values, for tests that may allocate.
 
+use modyn_runtime::equations::constraints::ConstrainedCotangent;
 use modyn_runtime::equations::derivatives::CentroidalOutputs;
+use modyn_runtime::equations::{ForwardInput, Motion};
 use modyn_runtime::spatial::{Momentum, Pose, Wrench};
 use modyn_runtime::{
     ConstrainedHessianOutputs, ConstraintSettings, ContactTarget, Forces, Interpreter, Scalar,
@@ -23,12 +25,12 @@ pub trait Quantities<S> {
     fn poses(&mut self, q: &[S]) -> Vec<Pose<S>>;
     fn factors(&self, q: &[S]) -> UduFactorization<S>;
     /// The centroidal momentum and its rate, then their derivatives: of the momentum by q, of the rate by q and by qd.
-    fn centroidal_derivatives(&mut self, state: (&[S], &[S], &[S])) -> Vec<S>;
+    fn centroidal_derivatives(&mut self, motion: Motion<'_, S>) -> Vec<S>;
     /// The accelerations, the wrenches, the gradients, the blocks of the Hessian and the rank.
     fn constrained_hessian(
         &mut self,
         state: [&[S]; 3],
-        weights: (&[S], &[Wrench<S>]),
+        weights: ConstrainedCotangent<'_, S>,
         active: &[bool],
         settings: &ConstraintSettings<S, Vec<ContactTarget<S>>>,
     ) -> Vec<S>;
@@ -97,19 +99,19 @@ impl<S: Scalar> Quantities<S> for Interpreter<S> {
         self.brge(q).expect(LENGTHS)
     }
 
-    fn centroidal_derivatives(&mut self, state: (&[S], &[S], &[S])) -> Vec<S> {
+    fn centroidal_derivatives(&mut self, motion: Motion<'_, S>) -> Vec<S> {
         let mut values = [Momentum::zero(); 2];
         let mut columns = [0; 3].map(|_| vec![Momentum::zero(); self.model().nv()]);
         let ([momentum, rate], [momentum_dq, rate_dq, rate_dqd]) = (&mut values, &mut columns);
         let outputs = CentroidalOutputs { momentum, rate, momentum_dq, rate_dq, rate_dqd };
-        self.centroidal_momentum_derivatives(state, outputs).expect(LENGTHS);
+        self.centroidal_momentum_derivatives(motion, outputs).expect(LENGTHS);
         values.iter().chain(columns.iter().flatten()).flat_map(Momentum::components).collect()
     }
 
     fn constrained_hessian(
         &mut self,
         [q, qd, tau]: [&[S]; 3],
-        weights: (&[S], &[Wrench<S>]),
+        weights: ConstrainedCotangent<'_, S>,
         active: &[bool],
         settings: &ConstraintSettings<S, Vec<ContactTarget<S>>>,
     ) -> Vec<S> {
@@ -124,9 +126,9 @@ impl<S: Scalar> Quantities<S> for Interpreter<S> {
             gradients: [dq, dqd, dtau],
             hessian: matrices.each_mut().map(Vec::as_mut_slice),
         };
-        let state = (q, qd, tau);
+        let input = ForwardInput { q, qd, tau };
         let rank = self
-            .constrained_forward_dynamics_hessian(state, weights, active, settings, outputs)
+            .constrained_forward_dynamics_hessian(input, weights, active, settings, outputs)
             .expect(LENGTHS);
         let wrenches: Vec<S> = wrenches.iter().flat_map(Wrench::components).collect();
         let [qdd, gradients @ ..] = vectors;

@@ -1,6 +1,7 @@
 //! The interpreter allocates memory when it is made, and not in calls. The memory for derivatives, closed loops and
 //! changed inertias is allocated by the first call that needs it.
 
+use modyn_runtime::equations::{ForwardInput, Motion};
 use modyn_runtime::model::{Inertial, Model, ModuleTree};
 use modyn_runtime::spatial::{Pose, Wrench};
 use modyn_runtime::{Forces, ForwardDerivatives, Interpreter, ShapeError};
@@ -74,7 +75,8 @@ fn derivatives_allocate_at_their_first_call_alone() {
             };
             interpreter.forward_dynamics_derivatives(&q, &qd, &tau, outputs)?;
             let forces = Forces::InWorldAxes(&wrenches);
-            let motion = (&*q, &*qd, &*tau);
+            let motion = Motion { q: &q, qd: &qd, qdd: &tau };
+            let input = ForwardInput { q: &q, qd: &qd, tau: &tau };
             interpreter.inverse_dynamics_external_derivatives(motion, forces, &mut dq, &mut dqd)?;
             let outputs = ForwardDerivatives {
                 qdd: &mut qdd,
@@ -82,7 +84,7 @@ fn derivatives_allocate_at_their_first_call_alone() {
                 dqdd_dqd: &mut dqd,
                 dqdd_dtau: &mut dtau,
             };
-            interpreter.forward_dynamics_external_derivatives(motion, forces, outputs)
+            interpreter.forward_dynamics_external_derivatives(input, forces, outputs)
         };
         assert_eq!(derive(), Ok(()));
         let (result, allocated) = measure(derive);

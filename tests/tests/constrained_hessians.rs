@@ -6,6 +6,10 @@ use modyn_codegen::graph::Graph;
 use modyn_codegen::passes::{hessian, optimize, vjp};
 use modyn_codegen::trace::{Parameters, Tracer};
 use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::equations::constraints::{
+    ConstrainedCotangent, ConstrainedOutputs, ResidualOutputs,
+};
+use modyn_runtime::equations::{self, ForwardInput};
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{
     Contact, ContactKind, Frame, LoopConstraint, LoopConstraintEnd, LoopConstraintKind, Model,
@@ -104,7 +108,7 @@ fn point(model: &Model, seed: u64, active: Vec<bool>, wrenches: f64) -> Point {
 /// Returns the accelerations, the wrenches, the gradients, the blocks of the Hessian and the rank.
 fn interpreted(model: &Model, point: &Point) -> Vec<f64> {
     let Point { q, qd, tau, cotangent, wrench_cotangent, active, settings } = point;
-    let weights = (&cotangent[..], &wrench_cotangent[..]);
+    let weights = ConstrainedCotangent { qdd: cotangent, wrenches: wrench_cotangent };
     let mut interpreter = Interpreter::<f64>::new(model.clone());
     interpreter.constrained_hessian([q, qd, tau], weights, active, settings)
 }
@@ -166,9 +170,15 @@ fn second(
     let mut qdd = vec![HyperDual64::from(0.0); n];
     let (mut wrenches, mut residuals) =
         (vec![Wrench::zero(); constraints], vec![Twist::zero(); constraints]);
-    let results = (&mut *qdd, &mut *wrenches, &mut *residuals);
+    let results =
+        ConstrainedOutputs { qdd: &mut qdd, wrenches: &mut wrenches, residuals: &mut residuals };
     interpreter
-        .constrained_forward_dynamics((&q, &qd, &tau), &point.active, settings, results)
+        .constrained_forward_dynamics(
+            ForwardInput { q: &q, qd: &qd, tau: &tau },
+            &point.active,
+            settings,
+            results,
+        )
         .expect("fits");
     let wrenches = wrenches.iter().flat_map(Wrench::components);
     let weights = point.wrench_cotangent.iter().flat_map(Wrench::components);
@@ -353,9 +363,9 @@ fn rigid_contacts_share_a_body() {
         let (mut places, mut velocities) = (zeros(), zeros());
         Interpreter::<f64>::new(model.clone())
             .constraint_residual(
-                (&point.q, &point.qd),
+                equations::State { q: &point.q, qd: &point.qd },
                 &point.settings,
-                (&mut places, &mut velocities),
+                ResidualOutputs { displacements: &mut places, velocities: &mut velocities },
             )
             .expect("fits");
         for (target, place) in point.settings.contacts[..3].iter_mut().zip(&places) {

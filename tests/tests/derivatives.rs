@@ -6,7 +6,7 @@ use modyn_codegen::passes::optimize;
 use modyn_codegen::plan::COLUMN_LANES;
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::equations::brge::UduLayout;
-use modyn_runtime::equations::{Workspace, dynamics::inverse_dynamics};
+use modyn_runtime::equations::{self, ForwardInput, Motion, Workspace, dynamics::inverse_dynamics};
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Inertial, Model, ModuleTree};
 use modyn_runtime::spatial::Wrench;
@@ -154,10 +154,13 @@ fn derivatives_under_external_wrenches_agree_with_tangents_of_the_dynamics() {
             let mut found = [n, n * n, n * n, n * n, n * n, n * n].map(|size| vec![f64::NAN; size]);
             let [at, dqdd_dq, dqdd_dqd, dqdd_dtau, dtau_dq, dtau_dqd] = &mut found;
             let outputs = ForwardDerivatives { qdd: at, dqdd_dq, dqdd_dqd, dqdd_dtau };
-            let derived =
-                interpreter.forward_dynamics_external_derivatives((&q, &qd, &tau), forces, outputs);
+            let derived = interpreter.forward_dynamics_external_derivatives(
+                ForwardInput { q: &q, qd: &qd, tau: &tau },
+                forces,
+                outputs,
+            );
             assert_eq!(derived, Ok(()));
-            let motion = (&*q, &*qd, &*qdd);
+            let motion = Motion { q: &q, qd: &qd, qdd: &qdd };
             let derived = interpreter
                 .inverse_dynamics_external_derivatives(motion, forces, dtau_dq, dtau_dqd);
             assert_eq!(derived, Ok(()));
@@ -290,8 +293,14 @@ fn tangents(model: &Model) -> Graph {
         let mut derive = |q: &[Tangent<Expr>], qd: &[Tangent<Expr>]| {
             let mut tau = vec![Tangent::zero(); n];
             let (workspace, qdd) = (&mut Workspace::new(&mechanism), constant(&qdd));
-            let motion = (q, qd, Some(&*qdd));
-            inverse_dynamics(&mechanism, motion, None, workspace, &mut tau);
+            inverse_dynamics(
+                &mechanism,
+                equations::State { q, qd },
+                Some(&qdd),
+                None,
+                workspace,
+                &mut tau,
+            );
             derivatives.extend(tau.into_iter().map(|tau| tau.dx));
         };
         for k in 0..n {

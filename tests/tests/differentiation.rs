@@ -5,6 +5,7 @@ use modyn_codegen::graph::{Expr, Graph};
 use modyn_codegen::passes::{jvp, optimize, vjp};
 use modyn_codegen::trace::{Parameters, Tracer};
 use modyn_runtime::equations::dynamics::Elimination;
+use modyn_runtime::equations::{ForwardInput, Motion};
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Inertial, Model, ModuleTree};
 use modyn_runtime::{Interpreter, Scalar};
@@ -116,24 +117,43 @@ fn compare(name: &str, model: &Model, seed: u64) {
     let (mut value, mut change) = (vec![0.0; n], vec![0.0; n]);
     let mut gradients = [0, 1, 2].map(|_| vec![0.0; n]);
     let into = gradients.each_mut().map(Vec::as_mut_slice);
-    interpreter.inverse_dynamics_vjp((&q, &qd, &qdd), &cotangent, &mut value, into).expect("fits");
+    interpreter
+        .inverse_dynamics_vjp(Motion { q: &q, qd: &qd, qdd: &qdd }, &cotangent, &mut value, into)
+        .expect("fits");
     let found = evaluate(tracer.inverse_dynamics_vjp(), &[&q, &qd, &qdd, &cotangent]);
     let expected = [&value[..], &gradients.concat()].concat();
     assert_close(&format!("{name}: inverse_dynamics_vjp"), &found, &expected, 1e-9);
     let into = gradients.each_mut().map(Vec::as_mut_slice);
-    interpreter.forward_dynamics_vjp((&q, &qd, &tau), &cotangent, &mut value, into).expect("fits");
+    interpreter
+        .forward_dynamics_vjp(
+            ForwardInput { q: &q, qd: &qd, tau: &tau },
+            &cotangent,
+            &mut value,
+            into,
+        )
+        .expect("fits");
     let found = evaluate(tracer.forward_dynamics_vjp(&forward), &[&q, &qd, &tau, &cotangent]);
     let expected = [&value[..], &gradients.concat()].concat();
     assert_close(&format!("{name}: forward_dynamics_vjp"), &found, &expected, 1e-8);
     let changes = [&*dq, &*dqd, &*du];
     interpreter
-        .inverse_dynamics_jvp((&q, &qd, &qdd), changes, &mut value, &mut change)
+        .inverse_dynamics_jvp(
+            Motion { q: &q, qd: &qd, qdd: &qdd },
+            changes,
+            &mut value,
+            &mut change,
+        )
         .expect("fits");
     let found = evaluate(tracer.inverse_dynamics_jvp(), &[&q, &qd, &qdd, &dq, &dqd, &du]);
     let expected = [&*value, &change].concat();
     assert_close(&format!("{name}: inverse_dynamics_jvp"), &found, &expected, 1e-9);
     interpreter
-        .forward_dynamics_jvp((&q, &qd, &tau), changes, &mut value, &mut change)
+        .forward_dynamics_jvp(
+            ForwardInput { q: &q, qd: &qd, tau: &tau },
+            changes,
+            &mut value,
+            &mut change,
+        )
         .expect("fits");
     let found = evaluate(tracer.forward_dynamics_jvp(&forward), &[&q, &qd, &tau, &dq, &dqd, &du]);
     let expected = [&*value, &change].concat();

@@ -1,6 +1,8 @@
 //! Contacts of floating robots against Pinocchio's `constraintDynamics`, `impulseDynamics` and
 //! `computeConstraintDynamicsDerivatives`: see the reference data's README for the proximal settings.
 
+use modyn_runtime::equations::constraints::{ConstrainedOutputs, ImpulseOutputs};
+use modyn_runtime::equations::{ForwardInput, State};
 use modyn_runtime::model::Model;
 use modyn_runtime::spatial::{Twist, Wrench};
 use modyn_runtime::{ConstrainedDerivatives, ConstraintSettings, ContactTarget, Interpreter};
@@ -56,10 +58,14 @@ fn accelerations_and_wrenches() {
         let (mut wrenches, mut residuals) =
             (vec![Wrench::zero(); count], vec![Twist::zero(); count]);
         let called = interpreter.constrained_forward_dynamics(
-            (&state.q(), &state.vector("v"), &state.vector("tau")),
+            ForwardInput { q: &state.q(), qd: &state.vector("v"), tau: &state.vector("tau") },
             active,
             &settings(model, 0.0),
-            (&mut qdd, &mut wrenches, &mut residuals),
+            ConstrainedOutputs {
+                qdd: &mut qdd,
+                wrenches: &mut wrenches,
+                residuals: &mut residuals,
+            },
         );
         assert_eq!(called, Ok(active_rows(model, active)), "{what}");
         assert_close(what, &qdd, &state.vector("qdd"), TOLERANCE);
@@ -78,10 +84,10 @@ fn impulses_with_and_without_restitution() {
             let mut found = vec![0.0; model.nv()];
             let mut wrenches = vec![Wrench::zero(); model.contacts().len()];
             let called = interpreter.contact_impulse(
-                (&state.q(), &state.vector(before)),
+                State { q: &state.q(), qd: &state.vector(before) },
                 active,
                 &settings(model, restitution),
-                (&mut found, &mut wrenches),
+                ImpulseOutputs { qd: &mut found, impulses: &mut wrenches },
             );
             assert_eq!(called, Ok(active_rows(model, active)), "{what}");
             assert_close(what, &found, &state.vector(after), TOLERANCE);
@@ -100,9 +106,9 @@ fn derivatives_of_accelerations_and_wrenches() {
         let mut matrices = [0; 3].map(|_| vec![0.0; n * n]);
         let mut changes = [0; 3].map(|_| vec![Wrench::zero(); n * count]);
         let outputs =
-            ConstrainedDerivatives::new((&mut qdd, &mut wrenches), &mut matrices, &mut changes);
+            ConstrainedDerivatives::new(&mut qdd, &mut wrenches, &mut matrices, &mut changes);
         let called = interpreter.constrained_forward_dynamics_derivatives(
-            (&state.q(), &state.vector("v"), &state.vector("tau")),
+            ForwardInput { q: &state.q(), qd: &state.vector("v"), tau: &state.vector("tau") },
             active,
             &settings(model, 0.0),
             outputs,

@@ -1,5 +1,7 @@
 //! Closed loops in general position compared with Pinocchio's `constraintDynamics`.
 
+use modyn_runtime::equations::constraints::{ConstrainedOutputs, ResidualOutputs};
+use modyn_runtime::equations::{ForwardInput, State};
 use modyn_runtime::spatial::{Twist, Wrench};
 use modyn_runtime::{ConstraintSettings, Interpreter};
 use modyn_tests::close::assert_close;
@@ -19,9 +21,9 @@ fn states_are_closed() {
                 (vec![Twist::zero(); loop_constraints], vec![Twist::zero(); loop_constraints]);
             let mut interpreter = Interpreter::<f64>::new(golden.model.clone());
             let called = interpreter.constraint_residual(
-                (&state.q(), &state.vector("v")),
+                State { q: &state.q(), qd: &state.vector("v") },
                 &ConstraintSettings::<f64>::EXACT,
-                (&mut displacement, &mut velocity),
+                ResidualOutputs { displacements: &mut displacement, velocities: &mut velocity },
             );
             called.expect("the lengths are right");
             assert_close(name, &displacement[0].components(), &[0.0; 6], 1e-12);
@@ -39,10 +41,14 @@ fn accelerations(name: &str) {
         let mut qdd = vec![0.0; golden.model.nv()];
         let (mut wrenches, mut residuals) = ([Wrench::zero()], [Twist::zero()]);
         let called = interpreter.constrained_forward_dynamics(
-            (&state.q(), &state.vector("v"), &state.vector("tau")),
+            ForwardInput { q: &state.q(), qd: &state.vector("v"), tau: &state.vector("tau") },
             &[],
             &ConstraintSettings::<f64>::EXACT,
-            (&mut qdd, &mut wrenches, &mut residuals),
+            ConstrainedOutputs {
+                qdd: &mut qdd,
+                wrenches: &mut wrenches,
+                residuals: &mut residuals,
+            },
         );
         let rank = called.expect("the lengths are right");
         assert_eq!(rank, state.number("rank"), "{name}");

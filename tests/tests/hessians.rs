@@ -6,6 +6,7 @@ use modyn_codegen::passes::optimize;
 use modyn_codegen::plan::COLUMN_LANES;
 use modyn_codegen::trace::{Parameters, Tracer};
 use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::equations::{ForwardInput, Motion};
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Inertial, Model, ModuleTree};
 use modyn_runtime::num_dual::HyperDual64;
@@ -38,8 +39,8 @@ fn interpreted(model: &Model, dynamics: Dynamics, [q, qd, x, w]: [&[f64]; 4]) ->
     let outputs = HessianOutputs { value, gradients: [dq, dqd, dx], hessian };
     let mut interpreter = Interpreter::new(model.clone());
     match dynamics {
-        Inverse => interpreter.inverse_dynamics_hessian((q, qd, x), w, outputs),
-        Forward => interpreter.forward_dynamics_hessian((q, qd, x), w, outputs),
+        Inverse => interpreter.inverse_dynamics_hessian(Motion { q, qd, qdd: x }, w, outputs),
+        Forward => interpreter.forward_dynamics_hessian(ForwardInput { q, qd, tau: x }, w, outputs),
     }
     .expect("fits");
     [vectors.concat(), matrices.concat()].concat()

@@ -1,6 +1,7 @@
 //! The implicit midpoint rule against its equations, which a plain Newton method with differences solves over textbook dynamics
 //! and matrix exponentials: the state, its order, A and B. Then its symmetry, its energy and its stability.
 
+use modyn_runtime::equations::TimeStepInput;
 use modyn_runtime::joint::JointType;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Friction, JointDynamics, Model};
@@ -17,7 +18,9 @@ const LENGTHS: &str = "the lengths are right";
 /// Returns the coordinates and velocities after a step.
 fn step(robot: &mut Interpreter, [q, qd, tau]: [&[f64]; 3], dt: f64) -> [Vec<f64>; 2] {
     let (mut next_q, mut next_qd) = (q.to_vec(), qd.to_vec());
-    robot.step_implicit_midpoint((q, qd, tau), dt, &mut next_q, &mut next_qd).expect(LENGTHS);
+    robot
+        .step_implicit_midpoint(TimeStepInput { q, qd, tau, dt }, &mut next_q, &mut next_qd)
+        .expect(LENGTHS);
     [next_q, next_qd]
 }
 
@@ -27,7 +30,9 @@ fn derivatives(robot: &mut Interpreter, [q, qd, tau]: [&[f64]; 3], dt: f64) -> [
     let mut found = [q.len(), n, 4 * n * n, 2 * n * n].map(|length| vec![f64::NAN; length]);
     let [next_q, next_qd, a, b] = &mut found;
     let outputs = StepOutputs { q: next_q, qd: next_qd, a, b };
-    robot.step_implicit_midpoint_derivatives((q, qd, tau), dt, outputs).expect(LENGTHS);
+    robot
+        .step_implicit_midpoint_derivatives(TimeStepInput { q, qd, tau, dt }, outputs)
+        .expect(LENGTHS);
     found
 }
 
@@ -221,8 +226,8 @@ fn steps_are_of_second_order() {
         for _ in 0..256 {
             let [q, qd] = &fine;
             let (mut next_q, mut next_qd) = (q.clone(), qd.clone());
-            let state = (&q[..], &qd[..], &tau[..]);
-            robot.step_rk4(state, time / 256.0, &mut next_q, &mut next_qd).expect(LENGTHS);
+            let input = TimeStepInput { q, qd, tau: &tau, dt: time / 256.0 };
+            robot.step_rk4(input, &mut next_q, &mut next_qd).expect(LENGTHS);
             fine = [next_q, next_qd];
         }
         let [coarse, middle, best] = found.map(|state| error(&model, &state, &fine));
@@ -318,8 +323,8 @@ fn energy_does_not_drift() {
                     state = step(robot, [q, qd, &tau], 1e-3);
                 } else {
                     let (mut next_q, mut next_qd) = (q.clone(), qd.clone());
-                    let now = (&q[..], &qd[..], &tau[..]);
-                    robot.step_semi_implicit(now, 1e-3, &mut next_q, &mut next_qd).expect(LENGTHS);
+                    let input = TimeStepInput { q, qd, tau: &tau, dt: 1e-3 };
+                    robot.step_semi_implicit(input, &mut next_q, &mut next_qd).expect(LENGTHS);
                     state = [next_q, next_qd];
                 }
                 let (kinetic, now) = energy(robot, &state);
@@ -369,8 +374,9 @@ fn stiff_damping_is_stable() {
         let mut exploding = [q.clone(), qd.clone()];
         for _ in 0..3 {
             let (mut next_q, mut next_qd) = (q.clone(), qd.clone());
-            let before = (&exploding[0][..], &exploding[1][..], &tau[..]);
-            robot.step_semi_implicit(before, 0.01, &mut next_q, &mut next_qd).expect(LENGTHS);
+            let [q, qd] = &exploding;
+            let input = TimeStepInput { q, qd, tau: &tau, dt: 0.01 };
+            robot.step_semi_implicit(input, &mut next_q, &mut next_qd).expect(LENGTHS);
             exploding = [next_q, next_qd];
         }
         let energy = robot.kinetic(&exploding[0], &exploding[1]);
@@ -399,9 +405,16 @@ fn lengths_are_checked() {
     let (model, State { q, qd, tau, .. }) = robots(1).next().expect("a robot");
     let mut robot = Interpreter::new(model);
     let (mut next_q, mut next_qd, n) = (q.clone(), qd.clone(), qd.len());
-    let found = robot.step_implicit_midpoint((&q, &qd, &[]), 0.1, &mut next_q, &mut next_qd);
+    let found = robot.step_implicit_midpoint(
+        TimeStepInput { q: &q, qd: &qd, tau: &[], dt: 0.1 },
+        &mut next_q,
+        &mut next_qd,
+    );
     assert_eq!(found, Err(ShapeError::new("tau", n, 0)));
     let outputs = StepOutputs { q: &mut next_q, qd: &mut next_qd, a: &mut [], b: &mut [] };
-    let found = robot.step_implicit_midpoint_derivatives((&q, &qd, &tau), 0.1, outputs);
+    let found = robot.step_implicit_midpoint_derivatives(
+        TimeStepInput { q: &q, qd: &qd, tau: &tau, dt: 0.1 },
+        outputs,
+    );
     assert_eq!(found, Err(ShapeError::new("a", 4 * n * n, 0)));
 }

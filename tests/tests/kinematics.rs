@@ -7,8 +7,9 @@ use modyn_codegen::Function;
 use modyn_codegen::graph::Node;
 use modyn_codegen::passes::optimize;
 use modyn_codegen::trace::{LinkFrame, Tracer};
+use modyn_runtime::equations::dynamics::inverse_dynamics;
 use modyn_runtime::equations::kinematics::Axes;
-use modyn_runtime::equations::{Forces, Workspace, dynamics::inverse_dynamics};
+use modyn_runtime::equations::{self, Forces, Motion, Workspace};
 use modyn_runtime::joint::JointType;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{DEFAULT_GRAVITY, Frame, Inertial, Joint, Link, Mimic, Model};
@@ -430,7 +431,8 @@ fn external_forces_act_through_the_jacobian() {
                 let workspace = &mut Workspace::new(&mechanism);
                 inverse_dynamics(
                     &mechanism,
-                    (q, qd, Some(qdd)),
+                    equations::State { q, qd },
+                    Some(qdd),
                     Some(forces),
                     workspace,
                     &mut found,
@@ -525,14 +527,18 @@ fn the_rate_of_the_momentum_is_its_derivative() {
     everywhere(|interpreter, state| {
         let State { q, qd, qdd } = state;
         let model = interpreter.model().clone();
-        let found = interpreter.centroidal_momentum_rate((q, qd, qdd)).expect(FINE).components();
+        let found =
+            interpreter.centroidal_momentum_rate(Motion { q, qd, qdd }).expect(FINE).components();
         let expected = derivative(|time| {
             let State { q, qd, .. } = state.after(&model, time);
             summed(interpreter, &q, &qd).momentum
         });
         assert_close("rate", &found, &expected, DIFFERENCES);
         let none = vec![0.0; model.nv()];
-        let bias = interpreter.centroidal_momentum_rate((q, qd, &none)).expect(FINE).components();
+        let bias = interpreter
+            .centroidal_momentum_rate(Motion { q, qd, qdd: &none })
+            .expect(FINE)
+            .components();
         let mut columns = vec![Momentum::zero(); model.nv()];
         interpreter.centroidal_momentum_matrix(q, &mut columns).expect(FINE);
         let product = times(columns.iter().map(Momentum::components), qdd);
@@ -547,11 +553,11 @@ fn derivatives_of_the_momentum_and_of_its_rate_are_differences() {
     everywhere(|interpreter, State { q, qd, qdd }| {
         let model = interpreter.model().clone();
         let n = model.nv();
-        let found = interpreter.centroidal_derivatives((q, qd, qdd));
+        let found = interpreter.centroidal_derivatives(Motion { q, qd, qdd });
         let [momentum, rate] = [&found[..6], &found[6..12]];
         let columns = |matrix: usize| found[12..].chunks(6).skip(matrix * n).take(n);
         assert_close("momentum", momentum, &summed(interpreter, q, qd).momentum, EXACT);
-        let expected = interpreter.centroidal_momentum_rate((q, qd, qdd)).expect(FINE);
+        let expected = interpreter.centroidal_momentum_rate(Motion { q, qd, qdd }).expect(FINE);
         assert_close("rate", rate, &expected.components(), EXACT);
         let matrices = columns(0).zip(columns(1)).zip(columns(2));
         for (j, ((momentum_dq, rate_dq), rate_dqd)) in matrices.enumerate() {
@@ -564,7 +570,10 @@ fn derivatives_of_the_momentum_and_of_its_rate_are_differences() {
                 derivative(|t| summed(interpreter, &moved(&model, q, t, &unit), qd).momentum);
             assert_close("momentum by q", momentum_dq, &expected, DIFFERENCES);
             let mut rate = |q: &[f64], qd: &[f64]| {
-                interpreter.centroidal_momentum_rate((q, qd, qdd)).expect(FINE).components()
+                interpreter
+                    .centroidal_momentum_rate(Motion { q, qd, qdd })
+                    .expect(FINE)
+                    .components()
             };
             let expected = derivative(|t| rate(&moved(&model, q, t, &unit), qd));
             assert_close("rate by q", rate_dq, &expected, DIFFERENCES);
@@ -660,7 +669,7 @@ fn calls_allocate_nothing() {
             interpreter.center_of_mass_jacobian(q, &mut vectors)?;
             interpreter.centroidal_momentum_matrix(q, &mut momenta)?;
             interpreter.centroidal_momentum(q, qd)?;
-            interpreter.centroidal_momentum_rate((q, qd, qdd))?;
+            interpreter.centroidal_momentum_rate(Motion { q, qd, qdd })?;
             Ok::<_, FrameError>(())
         });
         assert_eq!((result, allocated.calls), (Ok(()), 0));

@@ -2,6 +2,8 @@
 //! position, against dual numbers; on closed mechanisms with redundant rows, along motions that keep them closed; and
 //! against Pinocchio.
 
+use modyn_runtime::equations::ForwardInput;
+use modyn_runtime::equations::constraints::ConstrainedOutputs;
 use modyn_runtime::model::{
     Contact, ContactKind, LoopConstraint, LoopConstraintEnd, LoopConstraintKind, Model,
 };
@@ -34,11 +36,10 @@ fn derivatives(
     let (mut qdd, mut wrenches) = (vec![0.0; n], vec![Wrench::zero(); count]);
     let mut matrices = [0; 3].map(|_| vec![0.0; n * n]);
     let mut changes = [0; 3].map(|_| vec![Wrench::zero(); n * count]);
-    let outputs =
-        ConstrainedDerivatives::new((&mut qdd, &mut wrenches), &mut matrices, &mut changes);
+    let outputs = ConstrainedDerivatives::new(&mut qdd, &mut wrenches, &mut matrices, &mut changes);
     let mut interpreter = Interpreter::new(model.clone());
     let rank = interpreter.constrained_forward_dynamics_derivatives(
-        (q, qd, tau),
+        ForwardInput { q, qd, tau },
         active,
         settings,
         outputs,
@@ -62,9 +63,12 @@ fn value<S: Scalar>(
     let count = model.constraints();
     let (mut qdd, mut wrenches) = (vec![S::zero(); model.nv()], vec![Wrench::zero(); count]);
     let mut residuals = vec![Twist::zero(); count];
-    let into = (&mut *qdd, &mut *wrenches, &mut *residuals);
+    let into =
+        ConstrainedOutputs { qdd: &mut qdd, wrenches: &mut wrenches, residuals: &mut residuals };
     let mut interpreter = Interpreter::new(model.clone());
-    interpreter.constrained_forward_dynamics((q, qd, tau), active, settings, into).expect("fits");
+    interpreter
+        .constrained_forward_dynamics(ForwardInput { q, qd, tau }, active, settings, into)
+        .expect("fits");
     qdd.into_iter().chain(wrenches.iter().flat_map(Wrench::components)).collect()
 }
 

@@ -4,6 +4,7 @@
 use modyn_codegen::passes::optimize;
 use modyn_codegen::plan::COLUMN_LANES;
 use modyn_codegen::trace::{Parameters, Tracer};
+use modyn_runtime::equations::TimeStepInput;
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::joint::JointType;
 use modyn_runtime::mechanism::Mechanism;
@@ -190,7 +191,9 @@ impl Step<'_> {
         let outputs =
             StepHessianOutputs { q: next_q, qd: next_qd, dx, dtau, dx_dx, dx_dtau, dtau_dtau };
         let mut interpreter = Interpreter::new((*model).clone());
-        interpreter.step_semi_implicit_hessian((q, qd, tau), *dt, costate, outputs).expect("fits");
+        interpreter
+            .step_semi_implicit_hessian(TimeStepInput { q, qd, tau, dt: *dt }, costate, outputs)
+            .expect("fits");
         found.concat()
     }
 
@@ -214,7 +217,9 @@ impl Step<'_> {
         let in_lanes = self.compiled(true);
         let (mut next_q, mut next_qd) = (q.clone(), qd.clone());
         let mut robot = Interpreter::<f64>::new((*model).clone());
-        robot.step_semi_implicit((q, qd, tau), *dt, &mut next_q, &mut next_qd).expect("fits");
+        robot
+            .step_semi_implicit(TimeStepInput { q, qd, tau, dt: *dt }, &mut next_q, &mut next_qd)
+            .expect("fits");
         let expected = self.expected();
         for (who, found) in
             [("interpreter", interpreted), ("compiler", compiled), ("lanes", in_lanes)]
@@ -289,6 +294,10 @@ fn lengths_are_checked() {
         dtau_dtau: &mut [],
     };
     let costate = vec![0.0; 2 * n];
-    let found = robot.step_semi_implicit_hessian((&q, &qd, &tau), 0.1, &costate, outputs);
+    let found = robot.step_semi_implicit_hessian(
+        TimeStepInput { q: &q, qd: &qd, tau: &tau, dt: 0.1 },
+        &costate,
+        outputs,
+    );
     assert_eq!(found, Err(ShapeError::new("dx_dx", 4 * n * n, 0)));
 }

@@ -1,6 +1,7 @@
 //! Discrete dynamics: steps against the accelerations, the order of the Runge-Kutta method, and derivatives against dual
 //! numbers and differences.
 
+use modyn_runtime::equations::TimeStepInput;
 use modyn_runtime::model::Model;
 use modyn_runtime::{Interpreter, Scalar, ShapeError, StepOutputs};
 use modyn_tests::close::assert_close;
@@ -28,10 +29,10 @@ fn step<S: Scalar>(
 ) -> [Vec<S>; 2] {
     let [q, qd, tau] = state;
     let (mut next_q, mut next_qd) = (q.to_vec(), qd.to_vec());
-    let state = (q, qd, tau);
+    let input = TimeStepInput { q, qd, tau, dt };
     let done = match method {
-        Method::SemiImplicit => robot.step_semi_implicit(state, dt, &mut next_q, &mut next_qd),
-        Method::Rk4 => robot.step_rk4(state, dt, &mut next_q, &mut next_qd),
+        Method::SemiImplicit => robot.step_semi_implicit(input, &mut next_q, &mut next_qd),
+        Method::Rk4 => robot.step_rk4(input, &mut next_q, &mut next_qd),
     };
     done.expect(LENGTHS);
     [next_q, next_qd]
@@ -49,8 +50,10 @@ fn derivatives(
     let [next_q, next_qd, a, b] = &mut found;
     let outputs = StepOutputs { q: next_q, qd: next_qd, a, b };
     let done = match method {
-        Method::SemiImplicit => robot.step_semi_implicit_derivatives((q, qd, tau), dt, outputs),
-        Method::Rk4 => robot.step_rk4_derivatives((q, qd, tau), dt, outputs),
+        Method::SemiImplicit => {
+            robot.step_semi_implicit_derivatives(TimeStepInput { q, qd, tau, dt }, outputs)
+        }
+        Method::Rk4 => robot.step_rk4_derivatives(TimeStepInput { q, qd, tau, dt }, outputs),
     };
     done.expect(LENGTHS);
     found
@@ -226,15 +229,27 @@ fn lengths_are_checked() {
     let (mut next_q, mut next_qd, n) = (q.clone(), qd.clone(), qd.len());
     let short = [0.0; 0];
     let error = |name, expected| Err(ShapeError::new(name, expected, 0));
-    let found = robot.step_rk4((&q, &short, &tau), 0.1, &mut next_q, &mut next_qd);
+    let found = robot.step_rk4(
+        TimeStepInput { q: &q, qd: &short, tau: &tau, dt: 0.1 },
+        &mut next_q,
+        &mut next_qd,
+    );
     assert_eq!(found, error("qd", n));
-    let found = robot.step_semi_implicit((&q, &qd, &tau), 0.1, &mut next_q, &mut []);
+    let found = robot.step_semi_implicit(
+        TimeStepInput { q: &q, qd: &qd, tau: &tau, dt: 0.1 },
+        &mut next_q,
+        &mut [],
+    );
     assert_eq!(found, error("next_qd", n));
     let outputs = StepOutputs { q: &mut next_q, qd: &mut next_qd, a: &mut [], b: &mut [] };
-    let found = robot.step_semi_implicit_derivatives((&q, &qd, &tau), 0.1, outputs);
+    let found = robot.step_semi_implicit_derivatives(
+        TimeStepInput { q: &q, qd: &qd, tau: &tau, dt: 0.1 },
+        outputs,
+    );
     assert_eq!(found, error("a", 4 * n * n));
     let a = &mut vec![0.0; 4 * n * n];
     let outputs = StepOutputs { q: &mut next_q, qd: &mut next_qd, a, b: &mut [] };
-    let found = robot.step_rk4_derivatives((&q, &qd, &tau), 0.1, outputs);
+    let found =
+        robot.step_rk4_derivatives(TimeStepInput { q: &q, qd: &qd, tau: &tau, dt: 0.1 }, outputs);
     assert_eq!(found, error("b", 2 * n * n));
 }

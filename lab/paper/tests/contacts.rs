@@ -1,5 +1,7 @@
 //! Contacts of a compiled robot: what the interpreter computes, and a robot that stands.
 
+use modyn::equations::constraints::{ConstrainedOutputs, ProjectionOutputs, ResidualOutputs};
+use modyn::equations::{ForwardInput, State};
 use modyn::spatial::{Twist, Wrench};
 use modyn::{ConstraintSettings, ContactSet, ContactTarget, Interpreter, Robot, functions};
 
@@ -74,10 +76,14 @@ fn compiled_contacts_are_the_interpreters() {
     ] {
         let (mut qdd, mut wrenches, mut residuals) =
             ([0.0; 18], [Wrench::zero(); 4], [Twist::zero(); 4]);
-        let into = (&mut qdd[..], &mut wrenches[..], &mut residuals[..]);
+        let into = ConstrainedOutputs {
+            qdd: &mut qdd,
+            wrenches: &mut wrenches,
+            residuals: &mut residuals,
+        };
         let active = contacts.to_array();
         assert_eq!(QuadrupedContacts::from_array(active), contacts);
-        let state = (&q[..], &qd[..], &tau[..]);
+        let state = ForwardInput { q: &q, qd: &qd, tau: &tau };
         let rank = interpreter.constrained_forward_dynamics(state, &active, &settings, into);
         let found = Quadruped::constrained_forward_dynamics(&q, &qd, &tau, contacts, &settings);
         assert_near(&found.qdd, &qdd);
@@ -87,16 +93,17 @@ fn compiled_contacts_are_the_interpreters() {
         assert_eq!(Ok(found.rank), rank);
 
         let (mut dq, mut dqd) = ([0.0; 18], [0.0; 18]);
-        let into = (&mut dq[..], &mut dqd[..]);
-        let rank = interpreter.project_constraints((&q, &qd), &active, &settings, into);
+        let into = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
+        let rank =
+            interpreter.project_constraints(State { q: &q, qd: &qd }, &active, &settings, into);
         let found = Quadruped::project_constraints(&q, &qd, contacts, &settings);
         assert_near(&found.dq, &dq);
         assert_near(&found.dqd, &dqd);
         assert_eq!(Ok(found.rank), rank);
     }
     let (mut displacements, mut velocities) = ([Twist::zero(); 4], [Twist::zero(); 4]);
-    let into = (&mut displacements[..], &mut velocities[..]);
-    interpreter.constraint_residual((&q, &qd), &settings, into).expect("fits");
+    let into = ResidualOutputs { displacements: &mut displacements, velocities: &mut velocities };
+    interpreter.constraint_residual(State { q: &q, qd: &qd }, &settings, into).expect("fits");
     let found = Quadruped::constraint_residual(&q, &qd, &settings);
     for k in 0..4 {
         assert_near(&found.displacements[k].components(), &displacements[k].components());

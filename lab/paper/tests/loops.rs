@@ -1,6 +1,7 @@
 //! Closed loops (Conclusions of the paper: cut joints): compiled results equal interpreted ones, through the type's own
 //! functions, the trait and nalgebra's types.
 
+use modyn::equations::constraints::{ProjectionOutputs, ResidualOutputs};
 use modyn::simulate::State;
 use modyn::spatial::{Twist, Wrench};
 use modyn::{ConstraintSettings, ContactTarget, Interpreter, Nalgebra, Robot, functions};
@@ -58,7 +59,11 @@ where
 
     let (mut displacements, mut velocities) = ([Twist::zero()], [Twist::zero()]);
     interpreter
-        .constraint_residual((&q, &qd), &settings, (&mut displacements, &mut velocities))
+        .constraint_residual(
+            State { q: &q, qd: &qd },
+            &settings,
+            ResidualOutputs { displacements: &mut displacements, velocities: &mut velocities },
+        )
         .expect("fits");
     let found = R::constraint_residual(&q, &qd, &settings);
     assert_near(&found.displacements[0].components(), &displacements[0].components());
@@ -66,8 +71,10 @@ where
     assert_eq!(Nalgebra::<R>::constraint_residual(x, v, &settings), found);
 
     let (mut dq, mut dqd) = ([0.0; N], [0.0; N]);
-    let into = (&mut dq[..], &mut dqd[..]);
-    let rank = interpreter.project_constraints((&q, &qd), &[], &settings, into).expect("fits");
+    let into = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
+    let rank = interpreter
+        .project_constraints(State { q: &q, qd: &qd }, &[], &settings, into)
+        .expect("fits");
     let found = R::project_constraints(&q, &qd, (), &settings);
     assert_near(&found.dq, &dq);
     assert_near(&found.dqd, &dqd);

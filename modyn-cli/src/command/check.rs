@@ -71,11 +71,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     for path in &arguments.paths {
         match Description::open(path) {
             Ok(description) => outcomes.push(check_one(description, &options, arguments)),
-            Err(found) => {
-                let refused = found.iter().any(|one| one.position.is_some());
+            Err(diagnostics) => {
+                let refused = diagnostics.iter().any(|one| one.position.is_some());
                 unread |= !refused;
                 let name = path.display().to_string();
-                outcomes.push(Outcome { name, description: None, found, usable: false });
+                outcomes.push(Outcome {
+                    name,
+                    description: None,
+                    found: diagnostics,
+                    usable: false,
+                });
             }
         }
     }
@@ -87,21 +92,26 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 fn check_one(description: Description, options: &ReadOptions, arguments: &Arguments) -> Outcome {
-    let (found, usable) = match description.read(options) {
+    let (diagnostics, usable) = match description.read(options) {
         Ok(reading) => {
             let usable = !arguments.deny_warnings || reading.warnings.is_empty();
             (Diagnostics::new(reading.warnings), usable)
         }
-        Err(found) => (found, false),
+        Err(diagnostics) => (diagnostics, false),
     };
-    Outcome { name: description.name.clone(), description: Some(description), found, usable }
+    Outcome {
+        name: description.name.clone(),
+        description: Some(description),
+        found: diagnostics,
+        usable,
+    }
 }
 
 fn as_text(outcomes: &[Outcome]) -> String {
     let mut out = String::new();
-    for Outcome { name, description, found, usable } in outcomes {
-        out += &diagnostics::render(found.as_slice(), description.as_ref());
-        out += &report::verdict(name, *usable, found.as_slice());
+    for Outcome { name, description, found: diagnostics, usable } in outcomes {
+        out += &diagnostics::render(diagnostics.as_slice(), description.as_ref());
+        out += &report::verdict(name, *usable, diagnostics.as_slice());
     }
     out
 }

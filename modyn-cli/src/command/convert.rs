@@ -42,12 +42,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let format = arguments.format()?;
     let Arguments { robot, out, .. } = arguments;
     let description = robot.open()?;
-    let reading = description.read(&robot.options.read_options());
-    let reading = reading.map_err(|found| description.failure(robot.named(found)))?;
+    let read = description.read(&robot.options.read_options());
+    let reading = read.map_err(|diagnostics| description.failure(robot.named(diagnostics)))?;
     let inputs = description.inputs(Some(&reading));
     description.warn(robot.named(Diagnostics::new(reading.warnings)));
-    let written = write(&reading.model, format);
-    let written = written.map_err(|found| Failure::Diagnostics(found, None))?;
+    let text = write(&reading.model, format);
+    let written = text.map_err(|diagnostics| Failure::Diagnostics(diagnostics, None))?;
     for note in &written.notes {
         to_stderr(&format!("note: {}\n", sanitize_for_display(note)));
     }
@@ -56,13 +56,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 impl Arguments {
     fn format(&self) -> Result<Format, Failure> {
-        let extension = self.out.extension().and_then(|extension| extension.to_str());
-        let extension = extension.map(str::to_ascii_lowercase);
+        let given = self.out.extension().and_then(|extension| extension.to_str());
+        let extension = given.map(str::to_ascii_lowercase);
         match (self.to, extension.as_deref()) {
             (Some(To::Urdf), _) | (None, Some("urdf")) => Ok(Format::Urdf),
             (Some(To::Mjcf), _) | (None, Some("xml" | "mjcf")) => Ok(Format::Mjcf),
             (None, _) => Err(Failure::usage(format!(
-                "error: the format of `{}` is not known: name the file `.urdf` or `.xml`, or add `--to urdf` or `--to mjcf`",
+                "error: the format of `{}` is not known: name the file `.urdf` or `.xml`, or add \
+                 `--to urdf` or `--to mjcf`",
                 sanitize_for_display(&self.out.display().to_string())
             ))),
         }

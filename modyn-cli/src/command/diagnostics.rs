@@ -7,14 +7,14 @@ use crate::command::description::Description;
 use crate::report;
 
 /// Returns diagnostics as compilers show them, one below the other.
-pub fn render(found: &[Diagnostic], description: Option<&Description>) -> String {
-    let own = description.map(|own| (&*own.name, &*own.text));
-    report::render(found, own, |file| std::fs::read_to_string(file).unwrap_or_default())
+pub fn render(diagnostics: &[Diagnostic], description: Option<&Description>) -> String {
+    let main_file = description.map(|description| (&*description.name, &*description.text));
+    report::render(diagnostics, main_file, |file| std::fs::read_to_string(file).unwrap_or_default())
 }
 
 /// Returns diagnostics for programs, with the field names of [`Diagnostic`].
-pub fn to_json(found: &[Diagnostic]) -> Value {
-    found.iter().map(one_to_json).collect()
+pub fn to_json(diagnostics: &[Diagnostic]) -> Value {
+    diagnostics.iter().map(one_to_json).collect()
 }
 
 fn one_to_json(diagnostic: &Diagnostic) -> Value {

@@ -171,7 +171,7 @@ enum Format {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let description = arguments.robot.open()?;
     let builder = arguments.builder(&description)?;
-    let named = |found: Diagnostics| description.failure(arguments.robot.named(found));
+    let named = |diagnostics: Diagnostics| description.failure(arguments.robot.named(diagnostics));
     if arguments.rollout.rollout && arguments.target.gpu().is_none() {
         let message = "error: `--rollout` is about `--target cuda` and `--target wgsl`";
         return Err(Failure::usage(message));
@@ -189,7 +189,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let rollouts = arguments.rollout.options()?;
     if let (Some(language), Some(rollouts)) = (arguments.target.gpu(), &rollouts) {
-        return rollout(arguments, &builder, (language, rollouts), &description, &named);
+        return rollout(arguments, &builder, language, rollouts, &description, &named);
     }
     if target != Target::Rust {
         return source(arguments, &builder, target, &description, &named);
@@ -247,7 +247,8 @@ fn refuse_rust_options(arguments: &Arguments) -> Result<(), Failure> {
 fn rollout(
     arguments: &Arguments,
     builder: &Builder,
-    (language, rollouts): (GpuLanguage, &RolloutOptions),
+    language: GpuLanguage,
+    rollouts: &RolloutOptions,
     description: &Description,
     named: &impl Fn(Diagnostics) -> Failure,
 ) -> Result<(), Failure> {
@@ -305,8 +306,8 @@ fn source(
 
 /// Reports whether a file is stale.
 fn checked(output: &Path, stale: bool) -> Result<(), Failure> {
-    let found = if stale { STALE } else { "up to date" };
-    to_stderr(&format!("{} is {found}\n", sanitize_for_display(&output.display().to_string())));
+    let verdict = if stale { STALE } else { "up to date" };
+    to_stderr(&format!("{} is {verdict}\n", sanitize_for_display(&output.display().to_string())));
     if stale { Err(Failure::Reported) } else { Ok(()) }
 }
 
@@ -326,7 +327,8 @@ fn object(
         Some("o" | "obj") => false,
         Some("a" | "lib") => true,
         _ => {
-            let message = "error: `--target object` writes three files: name the first with `--output FILE.o` (`.obj` on \
+            let message = "error: `--target object` writes three files: name the first with \
+                           `--output FILE.o` (`.obj` on \
                            Windows), or `--output FILE.a` (`.lib`) for a static library";
             return Err(Failure::usage(message));
         }
@@ -346,7 +348,7 @@ fn object(
     }
     let mut progress = Progress::start("compiling");
     let object = builder.generate_object(&options).map_err(|error| match error {
-        CompileError::Description(found) => named(found),
+        CompileError::Description(diagnostics) => named(diagnostics),
         error => Failure::usage(format!("error: {error}")),
     })?;
     let bytes = match library {
@@ -375,8 +377,11 @@ fn object(
         }
     }
     if arguments.check {
-        let found = if stale { "stale" } else { "up to date" };
-        to_stderr(&format!("{} is {found}\n", sanitize_for_display(&output.display().to_string())));
+        let verdict = if stale { "stale" } else { "up to date" };
+        to_stderr(&format!(
+            "{} is {verdict}\n",
+            sanitize_for_display(&output.display().to_string())
+        ));
     }
     if stale { Err(Failure::Reported) } else { Ok(()) }
 }
@@ -407,8 +412,8 @@ impl Arguments {
             return Ok(builder);
         }
         // Without a prefix the functions for C begin with the robot's name.
-        let reading = description.read(&self.robot.options.read_options());
-        let reading = reading.map_err(|found| description.failure(found))?;
+        let read = description.read(&self.robot.options.read_options());
+        let reading = read.map_err(|diagnostics| description.failure(diagnostics))?;
         Ok(builder.c_functions(names::snake(reading.model.name())))
     }
 }

@@ -169,10 +169,10 @@ mod tests {
             let long = row.name.replace('_', "-");
             let argument = command.get_arguments().find(|one| one.get_long() == Some(&long));
             assert!(argument.expect(row.name).get_help().is_some(), "{}", row.name);
-            let given = format!("--{long}");
-            let given = if row.is_flag() { vec![&*given] } else { vec![&*given, row.example] };
-            let matches = command.clone().try_get_matches_from([&["modyn"], &given[..]].concat());
-            let matches = matches.unwrap_or_else(|error| panic!("{error}"));
+            let flag = format!("--{long}");
+            let given = if row.is_flag() { vec![&*flag] } else { vec![&*flag, row.example] };
+            let parsed = command.clone().try_get_matches_from([&["modyn"], &given[..]].concat());
+            let matches = parsed.unwrap_or_else(|error| panic!("{error}"));
             let reading = Given::from_matches(&matches, Stage::Reading);
             let code = Given::from_matches(&matches, Stage::Code);
             let names: Vec<&str> =
@@ -192,12 +192,12 @@ mod tests {
         for wrong in [["--scalar", "f16"], ["--gravity", "1,2"], ["--functions", "fly"]] {
             assert!(matches(&wrong).is_err(), "{wrong:?}");
         }
-        let found =
+        let matched =
             matches(&["--gravity", "-1,0,0", "--payload", "a, b", "--payload", "c", "--share"]);
-        let found = found.expect("good");
-        let reading = ReadingOptions::from_arg_matches(&found).expect("good");
+        let matches = matched.expect("good");
+        let reading = ReadingOptions::from_arg_matches(&matches).expect("good");
         assert_eq!(reading.read_options().gravity, Some([-1.0, 0.0, 0.0]));
-        let code = CodeOptions::from_arg_matches(&found).expect("good");
+        let code = CodeOptions::from_arg_matches(&matches).expect("good");
         assert!(code.has("share") && code.has("payload") && !code.has("scalar"));
     }
 }

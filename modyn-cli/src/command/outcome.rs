@@ -34,8 +34,8 @@ impl Failure {
     /// Prints the failure, and returns the exit code.
     pub fn report(&self) -> ExitCode {
         let text = match self {
-            Self::Diagnostics(found, description) => {
-                diagnostics::render(found.as_slice(), description.as_ref())
+            Self::Diagnostics(diagnostics, description) => {
+                diagnostics::render(diagnostics.as_slice(), description.as_ref())
             }
             Self::Negative(message) | Self::Usage(message) => format!("{message}\n"),
             Self::Reported => String::new(),
@@ -46,7 +46,7 @@ impl Failure {
 
     fn code(&self) -> u8 {
         match self {
-            Self::Diagnostics(found, _) => {
+            Self::Diagnostics(diagnostics, _) => {
                 let options = [
                     Code::MissingFile,
                     Code::Gravity,
@@ -57,7 +57,7 @@ impl Failure {
                     Code::Option,
                     Code::Output,
                 ];
-                if found.iter().all(|one| options.contains(&one.code)) { 2 } else { 1 }
+                if diagnostics.iter().all(|one| options.contains(&one.code)) { 2 } else { 1 }
             }
             Self::Negative(_) | Self::Reported => 1,
             Self::Usage(_) => 2,

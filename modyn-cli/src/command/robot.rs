@@ -27,7 +27,8 @@ pub fn needs_dynamics(model: &Model, command: &str) -> Result<(), Failure> {
     let Some(&joint) = joints_without_inertia(model).first() else { return Ok(()) };
     let joint = sanitize_for_display(&model.links()[joint].joint.name);
     Err(Failure::usage(format!(
-        "error: `{command}` needs dynamics, and joint `{joint}` moves no inertia: write the `<inertial>` of its link, or give \
+        "error: `{command}` needs dynamics, and joint `{joint}` moves no inertia: write the \
+         `<inertial>` of its link, or give \
          it a rotor, `--rotors '\"{joint}\": (1, 1)'`"
     )))
 }
@@ -39,25 +40,25 @@ impl Description {
     }
 
     /// Returns the failure of a description with these diagnostics.
-    pub fn failure(&self, found: Diagnostics) -> Failure {
-        Failure::Diagnostics(found, Some(self.clone()))
+    pub fn failure(&self, diagnostics: Diagnostics) -> Failure {
+        Failure::Diagnostics(diagnostics, Some(self.clone()))
     }
 }
 
 impl Robot {
     /// Reads the text of the description.
     pub fn open(&self) -> Result<Description, Failure> {
-        Description::open(&self.path).map_err(|found| Failure::Diagnostics(found, None))
+        Description::open(&self.path).map_err(|diagnostics| Failure::Diagnostics(diagnostics, None))
     }
 
     /// Returns the builder with these options, for this description.
     pub fn builder(&self, description: &Description) -> Builder {
         let Description { name, text, path } = description;
-        let builder = Builder::new();
+        let empty = Builder::new();
         // The path makes the comment of a generated file the same as that of a build script.
         let builder = match path {
-            Some(path) => builder.file(path),
-            None => builder.text(text, name),
+            Some(path) => empty.file(path),
+            None => empty.text(text, name),
         };
         self.options.configure(builder)
     }
@@ -66,16 +67,16 @@ impl Robot {
 impl Robot {
     /// Returns the diagnostics with the file's name as the user wrote it; the builder receives the
     /// full path.
-    pub fn named(&self, found: Diagnostics) -> Diagnostics {
+    pub fn named(&self, diagnostics: Diagnostics) -> Diagnostics {
         let name = self.path.display().to_string();
-        let absolute = std::path::absolute(&self.path).unwrap_or_else(|_| self.path.clone());
-        let absolute = absolute.display().to_string();
-        let mut found = found.into_vec();
-        found
+        let path = std::path::absolute(&self.path).unwrap_or_else(|_| self.path.clone());
+        let absolute = path.display().to_string();
+        let mut renamed = diagnostics.into_vec();
+        renamed
             .iter_mut()
             .filter_map(|one| one.file.as_mut())
             .filter(|file| **file == absolute)
             .for_each(|file| file.clone_from(&name));
-        Diagnostics::new(found)
+        Diagnostics::new(renamed)
     }
 }

@@ -46,8 +46,9 @@ pub fn note_shapes(shapes: &Shapes) {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let description = arguments.robot.open()?;
     let options = arguments.robot.options.read_options();
-    let reading = description.read(&ReadOptions { shapes: true, ..options.clone() });
-    let reading = reading.map_err(|found| description.failure(arguments.robot.named(found)))?;
+    let read = description.read(&ReadOptions { shapes: true, ..options.clone() });
+    let reading =
+        read.map_err(|diagnostics| description.failure(arguments.robot.named(diagnostics)))?;
     let mut inputs = description.inputs(Some(&reading));
     inputs.extend(arguments.motion.iter().cloned());
     description.warn(arguments.robot.named(Diagnostics::new(reading.warnings)));
@@ -63,8 +64,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return to_file(path, &page, &inputs);
     }
     let file = tempfile::Builder::new().prefix("modyn-").suffix(".html").tempfile();
-    let kept = file.map_err(|error| error.to_string());
-    let kept = kept.and_then(|file| file.keep().map_err(|error| error.to_string()));
+    let written = file.map_err(|error| error.to_string());
+    let kept = written.and_then(|file| file.keep().map_err(|error| error.to_string()));
     let (_, path) = kept.map_err(|error| {
         Failure::usage(format!(
             "error: no temporary file can be made: {error}; name a file by `-o`"

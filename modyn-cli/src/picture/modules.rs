@@ -166,9 +166,11 @@ fn draw_tree(
         let [dark, grey] = INK;
         let _ = writeln!(
             out,
-            "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{box_width:.1}\" height=\"{}\" rx=\"9\" fill=\"{}\" stroke=\"{dark}\" \
+            "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{box_width:.1}\" height=\"{}\" rx=\"9\" \
+             fill=\"{}\" stroke=\"{dark}\" \
              stroke-width=\"1.2\"/>\n\
-             <text x=\"{:.1}\" y=\"{:.1}\" font-size=\"19\" font-weight=\"bold\" fill=\"{dark}\" text-anchor=\"middle\">{m}</text>\n\
+             <text x=\"{:.1}\" y=\"{:.1}\" font-size=\"19\" font-weight=\"bold\" fill=\"{dark}\" \
+             text-anchor=\"middle\">{m}</text>\n\
              <text x=\"{x_text:.1}\" y=\"{:.1}\" font-size=\"12\" fill=\"{dark}\">{first}</text>\n\
              <text x=\"{x_text:.1}\" y=\"{:.1}\" font-size=\"11\" fill=\"{grey}\">{last}</text>",
             BOX.1,
@@ -183,9 +185,9 @@ fn draw_tree(
 
 /// Returns the rows and columns of each module; none for a module of mimic joints.
 fn blocks(model: &Model, tree: &ModuleTree) -> Vec<std::ops::Range<usize>> {
-    let own = |link: &usize| model.mimic(*link).is_none();
+    let is_independent = |link: &usize| model.mimic(*link).is_none();
     let block = |links: std::ops::Range<usize>| {
-        let places: Vec<_> = links.filter(own).map(|link| model.v_range(link)).collect();
+        let places: Vec<_> = links.filter(is_independent).map(|link| model.v_range(link)).collect();
         match (places.first(), places.last()) {
             (Some(first), Some(last)) => first.start..last.end,
             _ => 0..0,
@@ -219,7 +221,8 @@ fn draw_matrix(
         for (i, _) in column.iter().enumerate().filter(|(_, entry)| **entry) {
             let _ = write!(
                 out,
-                "<rect x=\"{:.2}\" y=\"{:.2}\" width=\"{side:.2}\" height=\"{side:.2}\" rx=\"{gap:.2}\" fill=\"{ENTRY}\"/>",
+                "<rect x=\"{:.2}\" y=\"{:.2}\" width=\"{side:.2}\" height=\"{side:.2}\" \
+                 rx=\"{gap:.2}\" fill=\"{ENTRY}\"/>",
                 j as f64 * cell + gap,
                 i as f64 * cell + gap,
             );

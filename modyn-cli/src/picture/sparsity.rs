@@ -37,9 +37,9 @@ impl Sparsity {
             return Err(format!("{why}; {MAX_VELOCITIES} are the most"));
         }
         let wrong = |error: &dyn std::fmt::Display| error.to_string();
-        let interpreter = Interpreter::<f64>::with_modules(model.clone(), modules.clone());
-        let mut interpreter = interpreter.map_err(|error| wrong(&error))?;
-        let mut found = Self { n, mass_matrix: vec![], u: vec![], d: vec![] };
+        let created = Interpreter::<f64>::with_modules(model.clone(), modules.clone());
+        let mut interpreter = created.map_err(|error| wrong(&error))?;
+        let mut sparsity = Self { n, mass_matrix: vec![], u: vec![], d: vec![] };
         let mut q = vec![0.0; model.nq()];
         let mut matrix = vec![0.0; n * n];
         let mut random = Random::new(0);
@@ -47,11 +47,11 @@ impl Sparsity {
             interpreter.random(|| random.uniform(), &mut q).map_err(|error| wrong(&error))?;
             interpreter.mass_matrix(&q, &mut matrix).map_err(|error| wrong(&error))?;
             let factors = interpreter.brge(&q).map_err(|error| wrong(&error))?;
-            mark(&mut found.mass_matrix, &matrix);
-            mark(&mut found.u, &factors.u());
-            mark(&mut found.d, &factors.d());
+            mark(&mut sparsity.mass_matrix, &matrix);
+            mark(&mut sparsity.u, &factors.u());
+            mark(&mut sparsity.d, &factors.d());
         }
-        Ok(found)
+        Ok(sparsity)
     }
 }
 

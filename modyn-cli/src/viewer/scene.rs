@@ -159,8 +159,8 @@ fn robot<'s>(out: &mut String, model: &Model, shapes: &'s Shapes, meshes: &mut V
     numbers(out, &neutral);
     // The links that are fixed to the world, together.
     let fixed = model.frames().iter().filter(|frame| frame.link.is_none());
-    let base = fixed.map(|frame| frame.inertial.transformed(&frame.pose));
-    let base = base.fold(Inertial::default(), |sum, own| sum.merged(&own));
+    let inertials = fixed.map(|frame| frame.inertial.transformed(&frame.pose));
+    let base = inertials.fold(Inertial::default(), |sum, inertial| sum.merged(&inertial));
     key(out, "base");
     out.push('{');
     mass(out, &base);
@@ -191,9 +191,9 @@ fn robot<'s>(out: &mut String, model: &Model, shapes: &'s Shapes, meshes: &mut V
         out.push('}');
     });
     key(out, "shapes");
-    let all = shapes.of_frames.iter().enumerate();
-    let all = all.flat_map(|(frame, shapes)| shapes.iter().map(move |shape| (frame, shape)));
-    list(out, all, |out, (frame, own)| shape(out, frame, own, meshes));
+    let of_frames = shapes.of_frames.iter().enumerate();
+    let all = of_frames.flat_map(|(frame, shapes)| shapes.iter().map(move |shape| (frame, shape)));
+    list(out, all, |out, (frame, drawn)| shape(out, frame, drawn, meshes));
     out.push('}');
 }
 
@@ -269,8 +269,8 @@ fn shape<'s>(out: &mut String, frame: usize, shape: &'s Shape, meshes: &mut Vec<
         Geometry::Capsule { radius, length } => lengths(out, "capsule", &[*radius, *length]),
         Geometry::Mesh(mesh) => {
             // Most equal meshes are one.
-            let known = meshes.iter().position(|known| std::ptr::eq(*known, &**mesh));
-            let known = known.or_else(|| meshes.iter().position(|known| **known == **mesh));
+            let same_place = meshes.iter().position(|known| std::ptr::eq(*known, &**mesh));
+            let known = same_place.or_else(|| meshes.iter().position(|known| **known == **mesh));
             let index = known.unwrap_or_else(|| {
                 meshes.push(mesh);
                 meshes.len() - 1

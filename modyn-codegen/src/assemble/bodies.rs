@@ -86,9 +86,9 @@ impl Assembly {
         let (Some(carrier), pose) = self.place[link] else { return };
         let body = &mut self.bodies[carrier];
         body.links.push(link);
-        if let Some(own) = &record.inertial {
+        if let Some(record) = &record.inertial {
             let sum = &mut self.links[carrier].inertial;
-            *sum = sum.merged(&own.inertial.transformed(&pose));
+            *sum = sum.merged(&record.inertial.transformed(&pose));
         }
     }
 
@@ -165,11 +165,11 @@ impl MergedBody {
         });
         let link = |&link: &usize| {
             let LinkRecord { name, inertial, auxiliary, .. } = &description.links[link];
-            let inertial = inertial.as_ref().map(|own| InertialView {
-                inertial: own.inertial,
-                at: Some(own.at),
-                mass_at: Some(own.mass_at),
-                sound: own.sound,
+            let inertial = inertial.as_ref().map(|record| InertialView {
+                inertial: record.inertial,
+                at: Some(record.at),
+                mass_at: Some(record.mass_at),
+                sound: record.sound,
             });
             LinkView { name: &name.text, at: Some(name.at), inertial, auxiliary: *auxiliary }
         };

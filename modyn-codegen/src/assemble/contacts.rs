@@ -57,7 +57,7 @@ fn contact(
     }
     let end = &record.end;
     let link = end.link.as_deref();
-    let frame = link.and_then(|link| description.link_names().position(|own| own == link));
+    let frame = link.and_then(|link| description.link_names().position(|name| name == link));
     match (link, frame.map(|frame| carriers[frame])) {
         (Some(link), None) => {
             let help = suggest(link, description.link_names()).map_or_else(
@@ -78,6 +78,6 @@ fn contact(
         error(end.at, "its place is not finite".into(), help);
     }
     let end = LoopConstraintEnd { frame: frame?, pose: end.pose };
-    let found = Contact { name: record.name.clone(), kind: record.kind?, end };
-    (report.errors() == errors).then_some(found)
+    let contact = Contact { name: record.name.clone(), kind: record.kind?, end };
+    (report.errors() == errors).then_some(contact)
 }

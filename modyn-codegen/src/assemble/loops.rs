@@ -82,8 +82,8 @@ impl<'p> Search<'p> {
                 error(Code::NotFinite, end.at.or(record.at), message.into(), "write `xyz` in m");
             }
             let link = end.link.as_deref()?;
-            let found = self.links.get(link).copied();
-            if found.is_none() {
+            let index = self.links.get(link).copied();
+            if index.is_none() {
                 let message = format!("it refers to link `{link}`, which does not exist");
                 let names = self.description.link_names();
                 let help = self.near.suggest(link, names).map_or_else(
@@ -92,7 +92,7 @@ impl<'p> Search<'p> {
                 );
                 error(Code::LoopLink, end.at, message, &help);
             }
-            found.map(|frame| LoopConstraintEnd { frame, pose: end.pose })
+            index.map(|frame| LoopConstraintEnd { frame, pose: end.pose })
         });
         if let [Some(a), Some(b)] = &ends
             && carriers[a.frame] == carriers[b.frame]

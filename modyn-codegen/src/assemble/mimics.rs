@@ -112,8 +112,8 @@ fn report_cycle(description: &Description, cycle: &[usize], report: &mut Report<
     let message = if cycle.len() == 1 {
         "it mimics itself".into()
     } else {
-        let names = cycle.iter().map(|&j| format!("`{}`", description.joints[j].name.text));
-        let names: Vec<String> = names.collect();
+        let shown = cycle.iter().map(|&j| format!("`{}`", description.joints[j].name.text));
+        let names: Vec<String> = shown.collect();
         format!("mimic joints form a cycle: {}", names.join(", "))
     };
     let at = joint.mimic.as_ref().map_or(joint.name.at, |mimic| mimic.leader.at);

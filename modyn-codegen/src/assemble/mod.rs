@@ -87,7 +87,7 @@ fn model(
         name: record.name.text.clone(),
         link,
         pose,
-        inertial: record.inertial.as_ref().map_or_else(Inertial::default, |own| own.inertial),
+        inertial: record.inertial.as_ref().map_or_else(Inertial::default, |record| record.inertial),
     });
     let springs = joints.iter().zip(0..).filter_map(|(joint, link)| {
         let SpringRecord { stiffness, reference } = description.joints[(*joint)?].spring.clone()?;

@@ -11,8 +11,8 @@ pub fn apply(description: &mut Description, rotors: &[Rotor], report: &mut Repor
     let mut given = vec![false; description.joints.len()];
     for rotor in rotors {
         let mut error = |message: String, help: &str| {
-            let found = Diagnostic::error(Code::Option, message).with_help(help);
-            report.push(found.with_subject(Subject::Joint(rotor.joint.clone())));
+            let diagnostic = Diagnostic::error(Code::Option, message).with_help(help);
+            report.push(diagnostic.with_subject(Subject::Joint(rotor.joint.clone())));
         };
         let armature = rotor.gear_ratio * rotor.gear_ratio * rotor.inertia;
         let good = rotor.inertia >= 0.0 && armature < MAX_NUMBER;

@@ -106,8 +106,8 @@ fn ends(
     for (j, joint) in description.joints.iter().enumerate() {
         let mut find = |end: &Option<Located>, code, what| {
             let end = end.as_ref()?;
-            let found = links.get(end.text.as_str()).copied();
-            if found.is_none() {
+            let index = links.get(end.text.as_str()).copied();
+            if index.is_none() {
                 let message = format!("its {what} `{}` does not exist", end.text);
                 let names = description.link_names();
                 let help = match suggestions.suggest(&end.text, names) {
@@ -116,7 +116,7 @@ fn ends(
                 };
                 report.error(code, end.at, Some(&joint.subject()), message, help);
             }
-            found
+            index
         };
         parents[j] = find(&joint.parent, Code::UnknownParent, "parent");
         let Some(child) = find(&joint.child, Code::UnknownChild, "child") else {
@@ -134,7 +134,8 @@ fn ends(
                     first.name.text,
                     report.position(first.child.as_ref().map_or(first.name.at, |end| end.at)),
                 );
-                let help = "a link has one parent; to describe a closed loop, make one joint of the loop a `<loop_joint>`";
+                let help = "a link has one parent; to describe a closed loop, make one joint of \
+                            the loop a `<loop_joint>`";
                 report.error(
                     Code::SeveralParents,
                     at,

@@ -160,12 +160,13 @@ pub(super) fn left_out(target: Target, selected: &[Function]) -> Option<Diagnost
         selected.len() == Function::ALL.len() || Function::DEFAULT.contains(function)
     };
     let mut help = None;
-    let missing = selected.iter().filter(|function| !is_of_a_group(function)).filter(|function| {
-        let lacks = target.backend().lacks(**function);
-        help = help.or(lacks);
-        lacks.is_some()
-    });
-    let missing: Vec<String> = missing.map(|one| format!("`{}`", one.name())).collect();
+    let without_form =
+        selected.iter().filter(|function| !is_of_a_group(function)).filter(|function| {
+            let lacks = target.backend().lacks(**function);
+            help = help.or(lacks);
+            lacks.is_some()
+        });
+    let missing: Vec<String> = without_form.map(|one| format!("`{}`", one.name())).collect();
     help.map(|help| {
         let message =
             format!("{} has no form for {}, and is left out", missing.join(", "), target.title());
@@ -188,8 +189,8 @@ pub(super) fn without_inertia(
     let has_default = has(Function::DEFAULT);
     let is_of_a_group =
         |function: &&Function| has_all || has_default && Function::DEFAULT.contains(function);
-    let named = selected.iter().filter(|function| !is_of_a_group(function)).chain(bundled);
-    let named: Vec<&str> = named.filter(needs).map(|function| function.name()).collect();
+    let by_name = selected.iter().filter(|function| !is_of_a_group(function)).chain(bundled);
+    let named: Vec<&str> = by_name.filter(needs).map(|function| function.name()).collect();
     let error = named.first().map(|_| {
         let verb = if named.len() == 1 { "needs" } else { "need" };
         needs_inertia(model, singular, &listed("function", named.iter().copied()), verb)
@@ -210,7 +211,8 @@ pub(super) fn needs_inertia(
         listed("joint", joints),
         if singular.len() == 1 { "moves" } else { "move" },
     );
-    let help = "select kinematic functions, such as `link_pose` and `jacobian`; or write the `<inertial>` of the links, or \
+    let help = "select kinematic functions, such as `link_pose` and `jacobian`; or write the \
+                `<inertial>` of the links, or \
                 give each joint a rotor by the option `rotors`";
     Diagnostic::error(Code::KinematicsOnly, message).with_help(help)
 }
@@ -228,8 +230,9 @@ pub fn invalid_programs(plan: &Plan) -> impl Iterator<Item = Diagnostic> {
 /// Returns a warning for functions whose second derivatives were left out.
 pub(super) fn without_hessian(functions: &[String], prefix: &str) -> Option<Diagnostic> {
     (!functions.is_empty()).then(|| {
-        let names: Vec<String> = functions.iter().map(|name| format!("{prefix}_{name}")).collect();
-        let names = names.join("`, `");
+        let prefixed: Vec<String> =
+            functions.iter().map(|name| format!("{prefix}_{name}")).collect();
+        let names = prefixed.join("`, `");
         let message = format!("`{names}` has no second derivatives: their code would be too long");
         let help = "use a Hessian approximation (IPOPT: `hessian_approximation`)";
         Diagnostic::new(Severity::Warning, Code::Option, message).with_help(help)
@@ -300,8 +303,8 @@ pub fn too_long_entries(
 /// dense pivots.
 fn helps_by_links(model: &Model, modules: &ModuleTree, names: &[&str]) -> bool {
     let links = ModuleTree::links(model);
-    let functions = Function::ALL.iter().copied();
-    let functions = functions.filter(|function| names.contains(&function.name())).collect();
+    let all = Function::ALL.iter().copied();
+    let functions = all.filter(|function| names.contains(&function.name())).collect();
     let choices = Choices { functions, ..Choices::default() };
     *modules != links && Plan::new(model, &links, &choices, Execution::Scalar).is_ok()
 }
@@ -329,8 +332,9 @@ pub fn too_long(model: &Model, modules: &ModuleTree, reason: &TooLong) -> Diagno
             format!(", with the functions before it ({})", longest.join(", "))
         }
     };
-    let longest = modules.modules().iter().map(|module| &module.links).max_by_key(|l| l.len());
-    let longest = longest.map(|links| {
+    let longest_module =
+        modules.modules().iter().map(|module| &module.links).max_by_key(|l| l.len());
+    let longest = longest_module.map(|links| {
         let [first, last] = [links.start, links.end - 1].map(|link| &model.links()[link].name);
         format!("; the longest module has {} links, from `{first}` to `{last}`", links.len())
     });
@@ -345,8 +349,8 @@ pub fn too_long(model: &Model, modules: &ModuleTree, reason: &TooLong) -> Diagno
         )
     } else {
         let long = before.iter().map(|(name, _)| *name).chain([*name]);
-        let long: Vec<String> = long.map(|name| format!("`{name}`")).collect();
-        let long = long.join(" or ");
+        let quoted: Vec<String> = long.map(|name| format!("`{name}`")).collect();
+        let long = quoted.join(" or ");
         let instead = match *name == Function::Brge.name() {
             true => " (`forward_dynamics` solves for accelerations without the factors)",
             false => "",

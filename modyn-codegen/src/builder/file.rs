@@ -103,8 +103,8 @@ impl Builder {
         path: &Path,
     ) -> Result<(PathsAndTexts, Vec<Diagnostic>), Diagnostics> {
         let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
-        let stem = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
-        let stem = stem.trim_start_matches('+');
+        let file_stem = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
+        let stem = file_stem.trim_start_matches('+');
         let emitted = self.emit_as(target, Some(stem))?;
         let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-');
         if name != emitted.output() || !stem.chars().all(plain) {
@@ -134,7 +134,8 @@ impl Builder {
     fn file_text(&self, generated: &Generated) -> String {
         let mut text = format!(
             "// {ORIGIN} {} from the robot description {:?} (FNV-1a {:016x}). Do not edit.\n\
-             // Its module is made again by `modyn generate` with the same options, or by\n//\n//     modyn_codegen::Builder::new()\n",
+             // Its module is made again by `modyn generate` with the same options, or \
+             by\n//\n//     modyn_codegen::Builder::new()\n",
             env!("CARGO_PKG_VERSION"),
             generated.model.name(),
             self.description_hash(),
@@ -180,8 +181,8 @@ impl Builder {
             Source::Model(model) => format!("{model:?}"),
             Source::None | Source::Unread(_) => String::new(),
         };
-        let others = self.read().map_or(Vec::new(), |reading| reading.files);
-        let others = others.iter().flat_map(|path| std::fs::read(path).unwrap_or_default());
+        let read_files = self.read().map_or(Vec::new(), |reading| reading.files);
+        let others = read_files.iter().flat_map(|path| std::fs::read(path).unwrap_or_default());
         // Line endings depend on the checkout.
         text.bytes()
             .chain(others)

@@ -31,9 +31,9 @@ pub fn condition_number(model: &Model) -> Option<f64> {
     if nv > MAX_VELOCITIES || !singular_joints(model).is_empty() {
         return None;
     }
-    let mechanism = Mechanism::new(model);
+    let described = Mechanism::new(model);
     // The warning is part of the generated text, which must be the same on every host.
-    let mechanism = mechanism.cast::<Portable>();
+    let mechanism = described.cast::<Portable>();
     let mut interpreter = Interpreter::<Portable>::new(model.clone());
     let mut q = vec![Portable(0.0); model.nq()];
     let mut matrix = vec![Portable(0.0); nv * nv];

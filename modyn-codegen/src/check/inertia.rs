@@ -10,7 +10,7 @@ use crate::diagnostics::{Code, Place, Report, Severity};
 /// report.
 pub fn check(body: &Body, whole: &Inertial, unphysical: Severity, report: &mut Report<'_>) -> bool {
     let negative = check_masses(body, report);
-    let sound = body.inertials().all(|(_, own)| own.sound);
+    let sound = body.inertials().all(|(_, record)| record.sound);
     sound && check_whole(body, whole, negative, unphysical, report) && !negative
 }
 
@@ -18,10 +18,10 @@ pub fn check(body: &Body, whole: &Inertial, unphysical: Severity, report: &mut R
 /// could hide it. No option accepts it: the equations have no meaning with it.
 fn check_masses(body: &Body, report: &mut Report<'_>) -> bool {
     let errors = report.errors();
-    for (link, own) in body.inertials().filter(|(_, own)| own.inertial.mass < 0.0) {
-        let message = format!("the mass is {} kg", own.inertial.mass);
+    for (link, record) in body.inertials().filter(|(_, record)| record.inertial.mass < 0.0) {
+        let message = format!("the mass is {} kg", record.inertial.mass);
         let help = "write a mass of at least 0";
-        report.error(Code::NegativeMass, own.mass_at, Some(&link.subject()), message, help);
+        report.error(Code::NegativeMass, record.mass_at, Some(&link.subject()), message, help);
     }
     report.errors() > errors
 }
@@ -34,7 +34,7 @@ fn check_whole(
     report: &mut Report<'_>,
 ) -> bool {
     let Some((moving, fixed)) = body.links.split_first() else { return true };
-    let at = body.inertials().next().map_or(moving.at, |(_, own)| own.at);
+    let at = body.inertials().next().map_or(moving.at, |(_, record)| record.at);
     let numbers = [whole.mass].into_iter().chain(whole.center_of_mass).chain(whole.inertia);
     if !numbers.into_iter().all(|x| x.abs() < MAX_NUMBER) {
         let message = "the inertia is too large to compute with";
@@ -44,12 +44,19 @@ fn check_whole(
     }
     if negative {
         // The sum has no meaning then; each link that is too large is reported.
-        for (link, own) in body.inertials() {
-            let Inertial { mass, .. } = own.inertial;
-            let repaired = Inertial { mass: mass.abs(), ..own.inertial };
+        for (link, record) in body.inertials() {
+            let Inertial { mass, .. } = record.inertial;
+            let repaired = Inertial { mass: mass.abs(), ..record.inertial };
             if let Some(defect) = repaired.defect().filter(|_| mass < 0.0) {
                 let (code, help) = advice(&defect);
-                report.add(severity, code, own.at, Some(&link.subject()), defect.to_string(), help);
+                report.add(
+                    severity,
+                    code,
+                    record.at,
+                    Some(&link.subject()),
+                    defect.to_string(),
+                    help,
+                );
             }
         }
     } else if let Some(defect) = whole.defect() {
@@ -100,12 +107,13 @@ pub fn densities(bodies: &[Body], links: &[Link], report: &mut Report<'_>) {
     let size = if longest > 0.0 { longest } else { 1.0 };
     let mut places: Vec<Place> = Vec::new();
     let mut message = String::new();
-    for (link, own) in bodies.iter().flat_map(Body::inertials).filter(|(_, own)| own.sound) {
-        let Some(found) = implausible(&own.inertial, size) else { continue };
+    for (link, record) in bodies.iter().flat_map(Body::inertials).filter(|(_, record)| record.sound)
+    {
+        let Some(defect) = implausible(&record.inertial, size) else { continue };
         if places.is_empty() {
-            message = found;
+            message = defect;
         }
-        places.push((own.mass_at, Some(link.subject())));
+        places.push((record.mass_at, Some(link.subject())));
     }
     let help =
         "write the mass in kg (not in g), and the inertia in kg m^2 about the centre of mass";

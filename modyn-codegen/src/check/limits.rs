@@ -84,7 +84,7 @@ fn offset(joint: &JointRecord) -> Option<f64> {
 fn typical_length(description: &Description) -> f64 {
     let offsets = description.joints.iter().filter_map(offset);
     let inertials = description.links.iter().filter_map(|link| link.inertial.as_ref());
-    let centers = inertials.map(|own| norm(own.inertial.center_of_mass));
+    let centers = inertials.map(|record| norm(record.inertial.center_of_mass));
     let mut lengths: Vec<f64> = offsets.chain(centers).filter(|length| *length > 0.0).collect();
     lengths.sort_by(f64::total_cmp);
     let middle = lengths.len().saturating_sub(1) / 2;

@@ -128,7 +128,7 @@ pub fn check_model(model: &Model, unphysical: Severity) -> Result<Vec<Diagnostic
     if report.errors() == 0 {
         motion::check(&bodies, model, &mut report);
     }
-    let found = report.finish().into_iter().chain(gravity_error(model.gravity()));
-    let found = Diagnostics::new(found.chain(friction_error(model.friction())).collect());
-    if found.has_errors() { Err(found) } else { Ok(found.into_vec()) }
+    let reported = report.finish().into_iter().chain(gravity_error(model.gravity()));
+    let diagnostics = Diagnostics::new(reported.chain(friction_error(model.friction())).collect());
+    if diagnostics.has_errors() { Err(diagnostics) } else { Ok(diagnostics.into_vec()) }
 }

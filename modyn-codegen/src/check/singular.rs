@@ -39,8 +39,8 @@ pub const CONFIGURATIONS: usize = 3;
 /// functions that [need inertia](modyn_runtime::quantities::Row::needs_inertia).
 #[must_use]
 pub fn singular_joints(model: &Model) -> Vec<usize> {
-    let own = |i: &usize| model.mimic(*i).is_none();
-    let mut joints: Vec<usize> = (0..model.links().len()).filter(own).collect();
+    let is_independent = |i: &usize| model.mimic(*i).is_none();
+    let mut joints: Vec<usize> = (0..model.links().len()).filter(is_independent).collect();
     for configuration in 0..CONFIGURATIONS {
         // Nearly always the case after the first configuration.
         if joints.is_empty() {
@@ -174,10 +174,10 @@ fn any_rotation(angles: Vec3) -> [Vec3; 3] {
 /// its ratio.
 pub fn coordinates(model: &Model, link: usize, configuration: usize) -> [f64; 6] {
     let start = model.v_range(link).start;
-    let own: [f64; 6] = core::array::from_fn(|k| coordinate(start + k, configuration));
+    let coordinates: [f64; 6] = core::array::from_fn(|k| coordinate(start + k, configuration));
     match model.mimic(link) {
-        Some(mimic) => own.map(|q| mimic.multiplier * q + mimic.offset),
-        None => own,
+        Some(mimic) => coordinates.map(|q| mimic.multiplier * q + mimic.offset),
+        None => coordinates,
     }
 }
 

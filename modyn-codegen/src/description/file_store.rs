@@ -104,11 +104,11 @@ impl FileStore {
 
     /// Returns the path that is equal for all paths of a file.
     pub(crate) fn canonical(&self, path: &Path) -> PathBuf {
-        let found = match &self.0 {
+        let canonical = match &self.0 {
             None => std::fs::canonicalize(path).ok(),
             Some(files) => Self::find(files, path).map(|file| files[file].path.clone()),
         };
-        found.unwrap_or_else(|| path.to_owned())
+        canonical.unwrap_or_else(|| path.to_owned())
     }
 
     /// Returns the number of bytes of the file at this path, and its content.

@@ -64,7 +64,8 @@ codes! {
         element, 256 namespaces of a document and 1 GiB for a file. The number of joints and links is not limited.",
     /// A xacro cannot be expanded.
     Xacro = "xacro":
-        "Repair the element, expression or substitution at the position; the notes name the macro calls that led there. \
+        "Repair the element, expression or substitution at the position; the notes name the macro \
+         calls that led there. \
         A xacro whose name does not end in `.xacro` and that has no `<xacro:...>` is read as a URDF: rename it.",
     /// A xacro itself issues a warning, or reads a variable of the environment, which has its
     /// default here.
@@ -118,7 +119,8 @@ codes! {
         element has no effect: check the spelling, or do what the help says.",
     /// The description includes another file, which is not read: parts of the robot are missing.
     Include = "include":
-        "MJCF: write a path relative to the folder of the model, and include each file once. URDF has no includes: copy \
+        "MJCF: write a path relative to the folder of the model, and include each file once. URDF \
+         has no includes: copy \
         the contents of that file into this one; files that a tool has expanded (`xacro`) have none.",
     /// A text is not a number.
     BadNumber = "bad-number":
@@ -229,7 +231,8 @@ codes! {
         "Name two links with a moving joint between them, or remove the loop joint.",
     /// A contact frame cannot be held: its type, its name, its link or its place is wrong.
     ContactFrame = "contact-frame":
-        "Write `<contact_frame name=\"...\" type=\"point\" link=\"...\" xyz=\"0 0 0\" rpy=\"0 0 0\"/>` with the type `point` or \
+        "Write `<contact_frame name=\"...\" type=\"point\" link=\"...\" xyz=\"0 0 0\" rpy=\"0 0 \
+         0\"/>` with the type `point` or \
         `surface`, a name of its own, and a link of this file that moves.",
     /// The damping, friction or rotor of a joint is negative.
     NegativeJointDynamics = "negative-joint-dynamics":
@@ -273,7 +276,8 @@ codes! {
     /// Joints move no inertia, since their links have none, so the robot has kinematic functions
     /// alone.
     KinematicsOnly = "kinematics-only":
-        "Nothing, if poses, Jacobians and velocities are all that is needed: they do not depend on inertia. For dynamics, \
+        "Nothing, if poses, Jacobians and velocities are all that is needed: they do not depend on \
+         inertia. For dynamics, \
         give the links that the message names a mass and an inertia, or give their joints rotors (`rotors`, or \
         `<dynamics armature>`); a rotor of any inertia makes the mass matrix regular. Without inertia, a function of \
         dynamics that is selected by name is an error.",

@@ -278,12 +278,12 @@ impl Diagnostics {
 impl fmt::Debug for Diagnostics {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let count = |severity, one: &str| {
-            let count = self.0.iter().filter(|found| found.severity == severity).count();
+            let count = self.0.iter().filter(|diagnostic| diagnostic.severity == severity).count();
             let plural = if count == 1 { "" } else { "s" };
             (count > 0).then(|| format!("{count} {one}{plural}"))
         };
-        let counts = [count(Severity::Error, "error"), count(Severity::Warning, "warning")];
-        let counts: Vec<String> = counts.into_iter().flatten().collect();
+        let both = [count(Severity::Error, "error"), count(Severity::Warning, "warning")];
+        let counts: Vec<String> = both.into_iter().flatten().collect();
         writeln!(f, "{}", if counts.is_empty() { "none".into() } else { counts.join(", ") })?;
         fmt::Display::fmt(self, f)
     }

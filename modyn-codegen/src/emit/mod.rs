@@ -186,7 +186,8 @@ pub trait Backend: Sync {
     /// Returns the plan of a robot.
     fn plan(
         &self,
-        (model, modules): (&Model, &ModuleTree),
+        model: &Model,
+        modules: &ModuleTree,
         choices: &Choices,
         options: &EmitOptions,
     ) -> Result<Plan, TooLong> {

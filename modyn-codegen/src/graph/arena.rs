@@ -197,8 +197,8 @@ impl Graph {
                 let mut operands =
                     node.operands().map(|a| self.extract_lane(a, lane)).collect::<Vec<_>>();
                 operands.reverse();
-                let of = std::cell::RefCell::new(operands);
-                self.make(node.map(|_| of.borrow_mut().pop().expect("one an operand")))
+                let remaining = std::cell::RefCell::new(operands);
+                self.make(node.map(|_| remaining.borrow_mut().pop().expect("one an operand")))
             })
             .collect();
         Some(self.pack_all(&lanes))

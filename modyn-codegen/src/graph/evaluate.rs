@@ -27,11 +27,11 @@ impl Graph {
     /// Returns one lane of a node.
     fn lane_of<S: Scalar>(&self, node: Node, lane: usize, values: &[Vec<S>], inputs: &[S]) -> S {
         // A scalar has the same value in all lanes.
-        let of = |id: Id, lane: usize| match &*values[id as usize] {
+        let lane_of = |id: Id, lane: usize| match &*values[id as usize] {
             [number] => *number,
             lanes => lanes[lane],
         };
-        let at = |id: Id| of(id, lane);
+        let at = |id: Id| lane_of(id, lane);
         match node {
             Node::Constant(bits) => S::from_f64(f64::from_bits(bits)),
             Node::Input(number) => inputs[number as usize],
@@ -50,9 +50,9 @@ impl Graph {
             Node::Select(a, b, c) => at(a).select_nonnegative(at(b), at(c)),
             Node::Pack(a, b, width) => {
                 let half = usize::from(width / 2);
-                if lane < half { of(a, lane) } else { of(b, lane - half) }
+                if lane < half { lane_of(a, lane) } else { lane_of(b, lane - half) }
             }
-            Node::ExtractLane(a, lane) => of(a, usize::from(lane)),
+            Node::ExtractLane(a, lane) => lane_of(a, usize::from(lane)),
         }
     }
 }

@@ -101,7 +101,8 @@ pub fn hash(node: Node) -> u64 {
         Node::Pack(a, b, width) => (16, a as u64 | (b as u64) << 32, width as u64),
         Node::ExtractLane(a, lane) => (17, a as u64, lane as u64),
     };
-    let mixed = (a ^ (b << 29) ^ (b >> 35) ^ (kind << 58)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    let mixed = (mixed ^ (mixed >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93);
+    let first_round =
+        (a ^ (b << 29) ^ (b >> 35) ^ (kind << 58)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    let mixed = (first_round ^ (first_round >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93);
     mixed ^ (mixed >> 32)
 }

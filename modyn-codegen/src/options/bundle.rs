@@ -159,14 +159,14 @@ impl Bundle {
         let mut members = Vec::new();
         let mut errors = Vec::new();
         for member in &self.members {
-            let found = match member {
+            let member_function = match member {
                 Member::Table(function, link) => member.of_table(*function, link.as_ref(), model),
                 Member::User(name) => match user_functions {
                     Some(functions) => member.of_user(name, functions),
                     None => continue,
                 },
             };
-            match found {
+            match member_function {
                 Ok(member) => members.push(member),
                 Err((message, help)) => errors.push(self.error(message, help)),
             }
@@ -197,7 +197,7 @@ impl Member {
         let Self::Table(function, link) = self else { return None };
         let row = function.row();
         let name = function.name();
-        let found = |message: String, help: &str| Some((message, help.to_string()));
+        let refusal = |message: String, help: &str| Some((message, help.to_string()));
         if let Some(one) = row.batch_of {
             let message = format!("`{name}` is a function of many states");
             let help = format!(
@@ -208,7 +208,7 @@ impl Member {
         }
         if function.is_of_random_numbers() {
             let message = format!("`{name}` has no state as argument");
-            return found(message, "call it by itself");
+            return refusal(message, "call it by itself");
         }
         match (link, row.by_link) {
             (None, true) => {
@@ -224,14 +224,14 @@ impl Member {
         if batch && *function == Function::Brge {
             let message =
                 "`brge` has no form for many states in a bundle, since its factors are private";
-            return found(message.into(), "take the function `brge_batch`, or leave out `batch`");
+            return refusal(message.into(), "take the function `brge_batch`, or leave out `batch`");
         }
         let other =
             row.arguments.iter().find(|argument| argument.kind.batch_form() == BatchForm::None);
         let argument = other.filter(|_| batch)?.name;
         let message =
             format!("`{name}` has no form for many states, since it has the argument `{argument}`");
-        found(message, "leave it out, or leave out `batch`")
+        refusal(message, "leave it out, or leave out `batch`")
     }
 
     /// Returns the member of a robot's bundle for a function of the table, or the error and its
@@ -253,7 +253,7 @@ impl Member {
             return Err((message.into(), "leave it out, and call it by itself".into()));
         }
         let frames = || model.frames().iter().map(|frame| frame.name.as_str());
-        let found = link.map(|link| {
+        let frame = link.map(|link| {
             frames().position(|other| other == link).ok_or_else(|| {
                 let help = suggest(link, frames()).map_or_else(
                     || "name a link of the description".into(),
@@ -271,7 +271,7 @@ impl Member {
             }
         };
         Ok(plan::Member {
-            function: MemberFunction::Table { function, link: found.transpose()? },
+            function: MemberFunction::Table { function, link: frame.transpose()? },
             field: intern(&self.field()),
             docs: intern(&docs),
         })
@@ -283,9 +283,12 @@ impl Member {
         name: &str,
         functions: &[TracedFunction],
     ) -> Result<plan::Member, (String, String)> {
-        let forms =
-            || functions.iter().flat_map(|own| own.forms.iter().map(move |form| (own, form)));
-        let Some((own, form)) = forms().find(|(_, form)| form.name == name) else {
+        let forms = || {
+            functions
+                .iter()
+                .flat_map(|function| function.forms.iter().map(move |form| (function, form)))
+        };
+        let Some((owner, form)) = forms().find(|(_, form)| form.name == name) else {
             let help = match suggest(name, forms().map(|(_, form)| form.name)) {
                 Some(meant) => format!("did you mean `{meant}`?"),
                 None => "add it with `Builder::function`".into(),
@@ -294,7 +297,7 @@ impl Member {
         };
         let function = MemberFunction::User {
             form: Box::new(form.clone()),
-            depends_on_parameters: own.depends_on_parameters,
+            depends_on_parameters: owner.depends_on_parameters,
         };
         let docs = intern(&format!("`{name}`"));
         Ok(plan::Member { function, field: intern(&self.field()), docs })
@@ -304,7 +307,8 @@ impl Member {
 /// `"name": (function, function("link"), ...)`, or `"name": batch(...)`
 impl OptionValue for Bundle {
     fn read(value: &Value) -> Result<Self, OptionError> {
-        let expected = "expected `name: (function, function(\"link\"), ...)`, or `name: batch(...)` for many states as well";
+        let expected = "expected `name: (function, function(\"link\"), ...)`, or `name: \
+                        batch(...)` for many states as well";
         let (name, list) = pair(value, expected)?;
         let (items, batch) = match &list.kind {
             ValueKind::List(items) => (items, false),
@@ -364,11 +368,11 @@ impl OptionValue for Bundle {
 fn conflict(members: &[plan::Member], sizes: &Sizes) -> Option<(String, String)> {
     members.iter().enumerate().find_map(|(i, member)| {
         members[..i].iter().find_map(|other| {
-            let [own, others] = [member, other].map(|member| member.function.arguments());
+            let [arguments, others] = [member, other].map(|member| member.function.arguments());
             let differs = |a: &&Argument| {
                 others.iter().any(|b| a.name == b.name && a.shape(sizes) != b.shape(sizes))
             };
-            let name = own.iter().find(differs)?.name;
+            let name = arguments.iter().find(differs)?.name;
             let message =
                 format!("{} and {} have different arguments `{name}`", other.docs, member.docs);
             Some((message, "put them in two bundles".into()))

@@ -62,21 +62,21 @@ pub(super) fn name_defect(name: &str, what: &str) -> Option<(String, String)> {
 /// Returns the errors of names that belong to several of these.
 pub(crate) fn shared_names(all: &[OwnNames]) -> Vec<Diagnostic> {
     let mut errors = Vec::new();
-    for (i, own) in all.iter().enumerate() {
+    for (i, owner) in all.iter().enumerate() {
         for (k, other) in all.iter().enumerate().filter(|(k, _)| *k != i) {
-            let taken = own.names.iter().find(|name| {
+            let taken = owner.names.iter().find(|name| {
                 other.names.iter().any(|taken| {
                     let same_type = || names::type_name(name) == names::type_name(taken);
                     k < i && same_type() || is_form(name, taken)
                 })
             });
             if let Some(name) = taken {
-                let name = match own.names.first() == Some(name) {
+                let name = match owner.names.first() == Some(name) {
                     true => "its name".into(),
                     false => format!("`{name}`"),
                 };
                 let message = format!("{name} belongs to {}", other.owner);
-                errors.push(own.error(&message, "give one of them another name"));
+                errors.push(owner.error(&message, "give one of them another name"));
             }
         }
     }

@@ -89,11 +89,11 @@ fn list<T: OptionValue>(items: &[T]) -> String {
 
 /// The value of one of these words.
 fn choice<T: Clone>(value: &Value, choices: &[(&str, T)]) -> Result<T, OptionError> {
-    let found = match &value.kind {
+    let choice = match &value.kind {
         ValueKind::Word(word) => choices.iter().find(|(name, _)| name == word),
         _ => None,
     };
-    found.map(|(_, value)| value.clone()).ok_or_else(|| {
+    choice.map(|(_, value)| value.clone()).ok_or_else(|| {
         let names: Vec<String> = choices.iter().map(|(name, _)| format!("`{name}`")).collect();
         OptionError::new(value.at, format!("expected {}", names.join(" or ")))
     })

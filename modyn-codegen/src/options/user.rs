@@ -100,50 +100,52 @@ fn error(function: &NamedFunction, code: Code, message: &str, help: String) -> D
 
 /// Returns the errors of a function that no robot is needed to find.
 pub(crate) fn errors(function: &NamedFunction) -> Vec<Diagnostic> {
-    let mut found: Vec<(String, String)> =
+    let mut defects: Vec<(String, String)> =
         name_defect(&function.name, "function").into_iter().collect();
     if function.arguments.is_empty() {
         let help = "give it some, such as `UserArgument::Q`".into();
-        found.push(("it has no arguments".into(), help));
+        defects.push(("it has no arguments".into(), help));
     }
-    found.extend(function.arguments.iter().filter_map(|own| argument_defect(own, function)));
+    defects.extend(
+        function.arguments.iter().filter_map(|argument| argument_defect(argument, function)),
+    );
     let names = function.argument_names();
     for (i, name) in names.iter().enumerate() {
         if names[..i].contains(name) {
-            let own = function.arguments.len();
-            let message = match i < own {
+            let count = function.arguments.len();
+            let message = match i < count {
                 true => format!("two arguments have the name `{name}`"),
                 false => format!("functions of its derivatives have another argument `{name}`"),
             };
-            found.push((message, "rename the argument".into()));
+            defects.push((message, "rename the argument".into()));
         }
     }
     let error = |(message, help): (String, String)| error(function, Code::Option, &message, help);
-    found.into_iter().map(error).collect()
+    defects.into_iter().map(error).collect()
 }
 
 /// Returns the error of an argument and its remedy.
-fn argument_defect(own: &UserArgument, function: &NamedFunction) -> Option<(String, String)> {
-    let name = own.name();
-    let found = |message: String, help: &str| Some((message, help.to_string()));
+fn argument_defect(argument: &UserArgument, function: &NamedFunction) -> Option<(String, String)> {
+    let name = argument.name();
+    let defect = |message: String, help: &str| Some((message, help.to_string()));
     let letters = |c: char| c.is_ascii_lowercase() || c == '_';
     if !name.chars().all(letters) || names::snake(name) != name {
         let message = format!("the argument {name:?} has no name of lower-case words");
-        return found(
+        return defect(
             message,
             "use letters and single underscores between them, such as `end_force`",
         );
     }
     if RESERVED.contains(&name) || function.names().any(|other| other == name) {
-        return found(format!("generated code has another `{name}`"), "rename the argument");
+        return defect(format!("generated code has another `{name}`"), "rename the argument");
     }
-    if own.kind() == UserArgumentKind::Numbers(0) {
-        return found(format!("the argument `{name}` has no numbers"), "remove it");
+    if argument.kind() == UserArgumentKind::Numbers(0) {
+        return defect(format!("the argument `{name}` has no numbers"), "remove it");
     }
     let known: Option<&Argument> = ARGUMENTS.iter().find(|known| known.name == name);
     let same = |known: &Argument| {
         matches!(
-            (known.kind, own.kind()),
+            (known.kind, argument.kind()),
             (ArgumentKind::Coordinates, UserArgumentKind::Coordinates)
                 | (ArgumentKind::Velocities, UserArgumentKind::Velocities)
                 | (ArgumentKind::Time, UserArgumentKind::Number)
@@ -151,7 +153,10 @@ fn argument_defect(own: &UserArgument, function: &NamedFunction) -> Option<(Stri
     };
     if known.is_some_and(|known| !same(known)) {
         let message = format!("the argument `{name}` has another meaning in other functions");
-        return found(message, "rename it, or declare it as they do, such as by `UserArgument::Q`");
+        return defect(
+            message,
+            "rename it, or declare it as they do, such as by `UserArgument::Q`",
+        );
     }
     None
 }
@@ -159,9 +164,9 @@ fn argument_defect(own: &UserArgument, function: &NamedFunction) -> Option<(Stri
 /// Returns the diagnostic of a function that cannot be planned.
 pub(crate) fn plan_error(function: &NamedFunction, reason: &UserPlanError) -> Diagnostic {
     match reason {
-        UserPlanError::Trace(UserTraceError::Own(own)) => {
+        UserPlanError::Trace(UserTraceError::Own(inner)) => {
             let help = "the error is that of the function itself".into();
-            error(function, Code::Option, &own.to_string(), help)
+            error(function, Code::Option, &inner.to_string(), help)
         }
         UserPlanError::Trace(UserTraceError::Foreign(_)) => {
             let message = "it used an expression of another trace";

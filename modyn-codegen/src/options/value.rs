@@ -138,11 +138,11 @@ impl Parser<'_> {
 
     /// Whether `wanted` came next, which is then read.
     fn take(&mut self, wanted: char) -> bool {
-        let found = self.peek() == Some(wanted);
-        if found {
+        let is_next = self.peek() == Some(wanted);
+        if is_next {
             self.at += wanted.len_utf8();
         }
-        found
+        is_next
     }
 
     /// Values with commas between them, perhaps one after the last, up to `end`.

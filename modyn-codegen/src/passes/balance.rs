@@ -141,10 +141,10 @@ fn tail_latency(graph: &Graph, live: &[bool], ready_at: &[u32]) -> Vec<u32> {
             continue;
         }
         for operand in node.operands() {
-            let step = ready_at[i].saturating_sub(ready_at[operand as usize]);
+            let wait = ready_at[i].saturating_sub(ready_at[operand as usize]);
             let step = match node {
-                Node::Add(..) | Node::Sub(..) => step.min(latency::FUSED),
-                _ => step.min(latency::SINE),
+                Node::Add(..) | Node::Sub(..) => wait.min(latency::FUSED),
+                _ => wait.min(latency::SINE),
             };
             let operand = operand as usize;
             tail_latency[operand] = tail_latency[operand].max(tail_latency[i] + step);

@@ -140,8 +140,8 @@ pub(super) fn partials(graph: &mut Graph, id: Id) -> Vec<(Id, Partial)> {
             let square = graph.make(Node::Add(xx, yy));
             let inverse = graph.make(Node::Recip(square));
             let by_y = graph.make(Node::Mul(x, inverse));
-            let by_x = graph.make(Node::Mul(y, inverse));
-            let by_x = graph.make(Node::Neg(by_x));
+            let quotient = graph.make(Node::Mul(y, inverse));
+            let by_x = graph.make(Node::Neg(quotient));
             vec![(y, Partial::Factor(by_y)), (x, Partial::Factor(by_x))]
         }
         Node::Sqrt(a) => {
@@ -204,11 +204,11 @@ pub fn jvp(graph: &Graph, inputs: usize, wrt: Range<usize>) -> Graph {
             Node::Pack(a, b, _) => {
                 let zero = result.constant(0.0);
                 let halves = [a, b].map(|half| (half, changes[half as usize].unwrap_or(zero)));
-                let lanes = (0..graph.width(id)).map(|lane| {
+                let halves_of_lanes = (0..graph.width(id)).map(|lane| {
                     let (half, lane) = half_of(graph, halves, lane, graph.width(id));
                     result.make(Node::ExtractLane(half, lane))
                 });
-                let lanes: Vec<Id> = lanes.collect();
+                let lanes: Vec<Id> = halves_of_lanes.collect();
                 changes[at] = Some(result.pack(&lanes));
                 continue;
             }
@@ -255,7 +255,7 @@ struct Gradient {
 
 impl Gradient {
     /// Adds the part of one lane of a node with `width` lanes.
-    fn add_to_lane(&mut self, graph: &mut Graph, (lane, width): (u8, u8), change: Id) {
+    fn add_to_lane(&mut self, graph: &mut Graph, lane: u8, width: u8, change: Id) {
         if width == 1 {
             return add(graph, &mut self.sum, change);
         }
@@ -273,8 +273,8 @@ impl Gradient {
             add(graph, &mut sum, pack);
         }
         for (&width, &wide) in &self.over_lanes {
-            let lanes = (0..width).map(|lane| graph.make(Node::ExtractLane(wide, lane)));
-            let lanes: Vec<Id> = lanes.collect();
+            let extracted = (0..width).map(|lane| graph.make(Node::ExtractLane(wide, lane)));
+            let lanes: Vec<Id> = extracted.collect();
             let over_lanes = graph.pairwise_sum(&lanes);
             add(graph, &mut sum, over_lanes);
         }
@@ -316,15 +316,21 @@ pub fn vjp(graph: &Graph, inputs: usize, wrt: Range<usize>) -> Graph {
                     let half = if lane < width / 2 { a } else { b };
                     if reached[half as usize] {
                         let change = result.make(Node::ExtractLane(gradient, lane));
-                        let place = (lane % (width / 2), graph.width(half));
-                        gradients[half as usize].add_to_lane(&mut result, place, change);
+                        let place = lane % (width / 2);
+                        let half_width = graph.width(half);
+                        gradients[half as usize].add_to_lane(
+                            &mut result,
+                            place,
+                            half_width,
+                            change,
+                        );
                     }
                 }
                 continue;
             }
             Node::ExtractLane(pack, lane) => {
-                let place = (lane, graph.width(pack));
-                gradients[pack as usize].add_to_lane(&mut result, place, gradient);
+                let width = graph.width(pack);
+                gradients[pack as usize].add_to_lane(&mut result, lane, width, gradient);
                 continue;
             }
             _ => {}
@@ -334,19 +340,19 @@ pub fn vjp(graph: &Graph, inputs: usize, wrt: Range<usize>) -> Graph {
                 continue;
             }
             let change = partial.apply(&mut result, gradient);
-            let of = &mut gradients[operand as usize];
+            let gradient = &mut gradients[operand as usize];
             if graph.width(operand) == width {
-                add(&mut result, &mut of.sum, change);
+                add(&mut result, &mut gradient.sum, change);
             } else if result.width(change) > 1 {
-                let sum = match of.over_lanes.get(&width) {
+                let sum = match gradient.over_lanes.get(&width) {
                     Some(&sum) => result.make(Node::Add(sum, change)),
                     None => change,
                 };
-                of.over_lanes.insert(width, sum);
+                gradient.over_lanes.insert(width, sum);
             } else {
                 let count = result.constant(f64::from(width));
                 let change = result.make(Node::Mul(count, change));
-                add(&mut result, &mut of.sum, change);
+                add(&mut result, &mut gradient.sum, change);
             }
         }
     }

@@ -51,11 +51,11 @@ fn add(graph: &mut Graph, terms: &mut Vec<Term>, mut term: Term) {
             let widths = [graph.width(other.pack), graph.width(term.pack)];
             other.lanes == term.lanes && (widths.contains(&1) || widths[0] == widths[1])
         };
-        let found = terms.iter().position(|other| {
+        let similar = terms.iter().position(|other| {
             add_up(other) || (other.pack == term.pack && other.lanes & term.lanes == 0)
         });
-        let Some(found) = found else { break };
-        let other = terms.remove(found);
+        let Some(match_index) = similar else { break };
+        let other = terms.remove(match_index);
         term = if other.lanes == term.lanes {
             Term { pack: graph.make(Node::Add(other.pack, term.pack)), lanes: term.lanes }
         } else {
@@ -90,11 +90,14 @@ pub fn along_directions(graph: &Graph, displacements: &[Displacement]) -> Option
         changes[at] = match graph.node(id) {
             Node::Input(number) => {
                 let mut terms = Vec::new();
-                for own in displacements.iter().filter(|own| own.input == number as usize) {
+                for displacement in displacements
+                    .iter()
+                    .filter(|displacement| displacement.input == number as usize)
+                {
                     add(
                         &mut result,
                         &mut terms,
-                        Term { pack: own.change, lanes: 1 << own.direction },
+                        Term { pack: displacement.change, lanes: 1 << displacement.direction },
                     );
                 }
                 (!terms.is_empty()).then_some(Change::OfScalar(terms))
@@ -115,13 +118,13 @@ pub fn along_directions(graph: &Graph, displacements: &[Displacement]) -> Option
         let next = outputs.len();
         *outputs.entry(pack).or_insert(next)
     };
-    let changes = graph.outputs.iter().map(|&id| match &changes[id as usize] {
+    let of_outputs = graph.outputs.iter().map(|&id| match &changes[id as usize] {
         Some(Change::OfScalar(terms)) => {
             terms.iter().map(|term| (output(term.pack), term.lanes)).collect()
         }
         _ => Vec::new(),
     });
-    let changes = changes.collect();
+    let changes = of_outputs.collect();
     result.outputs = vec![0; outputs.len()];
     for (id, place) in outputs {
         result.outputs[place] = id;
@@ -156,9 +159,10 @@ fn pack_of_limbs(
                 }
                 changed = true;
                 let lane = u8::try_from(lane).expect("few lanes");
-                let own = terms.iter().map(|term| result.make(Node::ExtractLane(term.pack, lane)));
-                let own: Vec<Id> = own.collect();
-                result.pairwise_sum(&own)
+                let lanes_of_terms =
+                    terms.iter().map(|term| result.make(Node::ExtractLane(term.pack, lane)));
+                let changes: Vec<Id> = lanes_of_terms.collect();
+                result.pairwise_sum(&changes)
             }
         };
         of_copy = Some(change);
@@ -193,8 +197,8 @@ fn operation(
                 });
             }
             Some(Change::OfScalar(_)) if of_limbs => return None,
-            Some(Change::OfScalar(own)) => {
-                for &Term { pack, lanes } in own {
+            Some(Change::OfScalar(scalar_terms)) => {
+                for &Term { pack, lanes } in scalar_terms {
                     let pack = partial.apply(result, pack);
                     add(result, &mut terms, Term { pack, lanes });
                 }

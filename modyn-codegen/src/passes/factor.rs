@@ -83,8 +83,8 @@ fn multiple_of_known(graph: &Graph, node: Node) -> Option<(Id, Id)> {
             .flat_map(|(a, inner)| factors(graph, inner).map(move |(k, u)| (k, a, u)))
     };
     quotients(x).find_map(|(k, a, u)| {
-        let of_y = quotients(y).filter(|(other, ..)| *other == k);
-        let of_y = of_y.filter_map(|(_, b, v)| graph.find(product(graph, b, v)));
+        let equal_factors = quotients(y).filter(|(other, ..)| *other == k);
+        let of_y = equal_factors.filter_map(|(_, b, v)| graph.find(product(graph, b, v)));
         let au = graph.find(product(graph, a, u))?;
         of_y.filter_map(|bv| graph.find(sum(au, bv))).next().map(|known| (k, known))
     })

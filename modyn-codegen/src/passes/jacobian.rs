@@ -12,8 +12,9 @@ use crate::graph::{Graph, Node};
 /// operations is taken.
 #[must_use]
 pub fn jacobian(graph: &Graph, inputs: usize, wrt: Range<usize>) -> Graph {
-    let size = (graph.outputs.len(), wrt.len());
-    matrix(&jvp(graph, inputs, wrt.clone()), &vjp(graph, inputs, wrt), inputs, size)
+    let rows = graph.outputs.len();
+    let columns = wrt.len();
+    matrix(&jvp(graph, inputs, wrt.clone()), &vjp(graph, inputs, wrt), inputs, rows, columns)
 }
 
 /// Returns the graph of a matrix by columns. `times_vector` is the graph of its product with a
@@ -25,7 +26,8 @@ pub fn matrix(
     times_vector: &Graph,
     vector_times: &Graph,
     inputs: usize,
-    (rows, columns): (usize, usize),
+    rows: usize,
+    columns: usize,
 ) -> Graph {
     let by_columns = at_unit_vectors(times_vector, inputs, columns);
     let mut by_rows = at_unit_vectors(vector_times, inputs, rows);

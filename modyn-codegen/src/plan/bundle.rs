@@ -102,10 +102,11 @@ impl Bundle {
     /// Returns the arguments of all members, each once: those of the table, then others of users'
     /// functions.
     pub(super) fn arguments(&self) -> Vec<Argument> {
-        let own = || self.members.iter().flat_map(|member| member.function.arguments());
-        let of_a_member = |argument: &&Argument| own().any(|own| own.name == argument.name);
+        let arguments = || self.members.iter().flat_map(|member| member.function.arguments());
+        let of_a_member =
+            |argument: &&Argument| arguments().any(|arguments| arguments.name == argument.name);
         let mut all: Vec<Argument> = ARGUMENTS.iter().filter(of_a_member).copied().collect();
-        for argument in own() {
+        for argument in arguments() {
             if all.iter().all(|other| other.name != argument.name) {
                 all.push(*argument);
             }
@@ -189,8 +190,8 @@ impl<'a> Graphs<'a> {
             };
             let Some(link) = link else { return vec![context.graph(function, &context.tracer)] };
             let evaluation = |tracer: &Tracer<'_>| context.evaluation(function, tracer);
-            let other = Lowering::of(function).in_bundles;
-            let other = other.map(|trace| context.frames.of_link(link, trace));
+            let in_bundles = Lowering::of(function).in_bundles;
+            let other = in_bundles.map(|trace| context.frames.of_link(link, trace));
             [context.frames.of_link(link, evaluation)].into_iter().chain(other).collect()
         };
         let candidates: Vec<Vec<Graph>> = bundle.members.iter().map(graphs).collect();
@@ -212,7 +213,7 @@ impl<'a> Graphs<'a> {
             vec![0; candidates.len()],
             candidates.iter().map(|all| all.len() - 1).collect::<Vec<usize>>(),
         ];
-        let found = starts.into_iter().map(|mut choice| {
+        let improved = starts.into_iter().map(|mut choice| {
             let mut least = operations(&choice);
             for (member, all) in candidates.iter().enumerate().filter(|(_, all)| all.len() > 1) {
                 for k in 0..all.len() {
@@ -225,7 +226,7 @@ impl<'a> Graphs<'a> {
             }
             (least, choice)
         });
-        let (_, choice) = found.min_by_key(|(least, _)| *least).unwrap_or_default();
+        let (_, choice) = improved.min_by_key(|(least, _)| *least).unwrap_or_default();
         candidates.into_iter().zip(choice).map(|(mut all, k)| all.swap_remove(k)).collect()
     }
 
@@ -256,12 +257,13 @@ impl<'a> Graphs<'a> {
         let inputs = union.inputs(0..self.count);
         let mut outputs = Vec::new();
         for (member, graph) in self.bundle.members.iter().zip(members) {
-            let own = member.function.arguments().iter().flat_map(|argument| {
+            let own_inputs = member.function.arguments().iter().flat_map(|argument| {
                 let (first, length) = self.inputs[argument.name];
                 &inputs[first..first + length]
             });
-            let own: Vec<Id> = own.chain(&inputs[self.arguments..]).copied().collect();
-            outputs.extend(union.compose(graph, &own));
+            let inputs_of_member: Vec<Id> =
+                own_inputs.chain(&inputs[self.arguments..]).copied().collect();
+            outputs.extend(union.compose(graph, &inputs_of_member));
         }
         union.outputs = outputs;
         union

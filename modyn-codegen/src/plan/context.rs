@@ -7,6 +7,7 @@ use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 use modyn_runtime::quantities::Sizes;
 
+use super::choices::Choices;
 use super::code_form::CodeForm;
 use super::frames::Frames;
 use super::partition::{self, ChosenPartition};
@@ -91,10 +92,12 @@ impl<'a> PlanContext<'a> {
     /// `modules` is the user's partition.
     pub(super) fn new(
         robot: &'a SymbolicRobot,
-        (model, modules): (&'a Model, &ModuleTree),
+        model: &'a Model,
+        modules: &ModuleTree,
         execution: Execution,
-        (share, code, machine_code): (bool, CodeForm, bool),
+        choices: &Choices,
     ) -> Self {
+        let Choices { share, code, machine_code, .. } = *choices;
         // Threads run straight-line code, one limb after another.
         let has_threads = execution == Execution::Threads;
         let share = share && !has_threads;
@@ -114,8 +117,8 @@ impl<'a> PlanContext<'a> {
         let others = uniform
             .iter()
             .filter(|modules| !limbs.is_empty() && **modules != forward_dynamics.modules);
-        let partitions = [&forward_dynamics.modules].into_iter().chain(others);
-        let partitions = partitions.map(|m| ModulePartition::new(mechanism, m)).collect();
+        let module_trees = [&forward_dynamics.modules].into_iter().chain(others);
+        let partitions = module_trees.map(|m| ModulePartition::new(mechanism, m)).collect();
         let layout = UduLayout::new(mechanism, modules);
         Self {
             model,

@@ -112,8 +112,8 @@ fn kernels(
     }
     dense.graph = packing::balanced(optimize(dense.graph));
     let program = |graph: Graph, execution| {
-        let of = DenseGraph { graph, ..dense.clone() };
-        Program::with_dense_parts(&of, scalars, execution).ok()
+        let parts = DenseGraph { graph, ..dense.clone() };
+        Program::with_dense_parts(&parts, scalars, execution).ok()
     };
     if function.batched().is_some() {
         return program(dense.graph.clone(), Execution::Batch).map(Kernels::of);

@@ -87,8 +87,8 @@ impl Arrays {
         let changes: Vec<usize> = variables.iter().map(|&i| self.inputs[i]).collect();
         let mut graph = Graph::default();
         let mut given = graph.inputs(0..all + changes.iter().sum::<usize>());
-        let own = given.split_off(all);
-        let mut rest = own.into_iter();
+        let tail = given.split_off(all);
+        let mut rest = tail.into_iter();
         let mut change = vec![graph.constant(0.0); all];
         for &variable in variables {
             let entries = &mut change[places[variable].clone()];
@@ -138,9 +138,9 @@ impl Arrays {
             DerivativeMode::Forward => forward(),
             DerivativeMode::Reverse => reverse(),
             DerivativeMode::Matrix => {
-                let columns = variables.iter().map(|&i| self.inputs[i]).sum();
-                let size = (self.outputs.iter().sum(), columns);
-                let columns = matrix(&forward().graph, &reverse().graph, all, size);
+                let width = variables.iter().map(|&i| self.inputs[i]).sum();
+                let height = self.outputs.iter().sum();
+                let columns = matrix(&forward().graph, &reverse().graph, all, height, width);
                 self.matrices(columns, variables)
             }
         }
@@ -217,8 +217,8 @@ impl EntryFunction {
             None if *feedback || *cost => {
                 let step = packing::on_scalars(*function, context);
                 let difference = packing::on_scalars(Function::Difference, context);
-                let extras = (*feedback, *cost);
-                optimize(context.tracer.with_extras(extras, settings, &step, &difference))
+                let tracer = &context.tracer;
+                optimize(tracer.with_extras(*feedback, *cost, settings, &step, &difference))
             }
             None => packing::on_scalars(*function, context),
         };
@@ -257,8 +257,8 @@ impl EntryFunction {
                 Some((value.derivative(first, graph), 1))
             }
             (Function::ForwardDynamics, DerivativeMode::Reverse) => {
-                let second = self.derivatives.get(1);
-                let second = second.filter(|second| second.mode == DerivativeMode::Matrix);
+                let next = self.derivatives.get(1);
+                let second = next.filter(|second| second.mode == DerivativeMode::Matrix);
                 let Some(second) = second else {
                     let graph = forward_dynamics(EntryForm::Adjoint)?;
                     return Some((value.derivative(first, graph), 1));

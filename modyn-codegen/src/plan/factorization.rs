@@ -73,7 +73,8 @@ pub(super) fn plan(tracer: &Tracer<'_>, layout: &UduLayout, sizes: &Sizes) -> Ve
         ),
         function(
             "solve",
-            "Returns the solution x of M x = `rhs`, with the mass matrix M, by the three steps of equation 60 of the paper.",
+            "Returns the solution x of M x = `rhs`, with the mass matrix M, by the three steps of \
+             equation 60 of the paper.",
             &[FACTORS, RHS],
             Shape::vector(sizes.nv),
             tracer.solve(layout),

@@ -45,7 +45,7 @@ impl Frames {
         let mut counts = vec![0; mechanism.bodies.len() + 1];
         let mut programs = Vec::new();
         let mut shared = Vec::new();
-        let mut own = 0;
+        let mut known_count = 0;
         let mut rows = 0;
         for frame in &mechanism.frames {
             let count = &mut counts[frame.body.map_or(0, |body| body + 1)];
@@ -54,8 +54,8 @@ impl Frames {
                 shared.push(frame.body);
             }
             programs.push(if *count <= MAX_OWN_FUNCTIONS {
-                own += 1;
-                LinkProgram { program: own - 1, placement: None }
+                known_count += 1;
+                LinkProgram { program: known_count - 1, placement: None }
             } else {
                 rows += 1;
                 let place = shared.iter().position(|&other| other == frame.body);
@@ -63,7 +63,7 @@ impl Frames {
             });
         }
         for link in programs.iter_mut().filter(|link| link.placement.is_some()) {
-            link.program += own;
+            link.program += known_count;
         }
         let bare = Mechanism { frames: Vec::new(), ..mechanism.clone() };
         Self { bare, frames: mechanism.frames.clone(), programs, shared }
@@ -104,8 +104,8 @@ impl Frames {
 
     /// Returns the table of placements: the pose on its body of each link with a shared program.
     pub fn placements(&self) -> impl Iterator<Item = [f64; Self::PLACEMENT]> {
-        let shared = self.frames.iter().zip(&self.programs);
-        let shared = shared.filter(|(_, link)| link.placement.is_some());
+        let placed = self.frames.iter().zip(&self.programs);
+        let shared = placed.filter(|(_, link)| link.placement.is_some());
         shared.map(|(BodyFrame { pose, .. }, _)| {
             let mut numbers = pose.rotation.iter().flatten().chain(&pose.translation);
             std::array::from_fn(|_| *numbers.next().expect("twelve"))
@@ -121,8 +121,8 @@ impl Frames {
     /// Returns the graphs of `trace` on tracers with one link: first for links of their own, then
     /// for shared ones.
     pub(super) fn kernels(&self, trace: impl Fn(&Tracer<'_>) -> Graph) -> Vec<Graph> {
-        let own = self.links_with_own_program().map(|link| LinkFrame::Known(self.frames[link]));
-        let all = own.chain(self.shared.iter().copied().map(LinkFrame::On));
+        let known = self.links_with_own_program().map(|link| LinkFrame::Known(self.frames[link]));
+        let all = known.chain(self.shared.iter().copied().map(LinkFrame::On));
         all.map(|frame| trace(&Tracer::with_link(&self.bare, frame))).collect()
     }
 
@@ -135,9 +135,9 @@ impl Frames {
     /// Returns two graphs: the poses of links with programs of their own and of bodies with a
     /// shared program; and the pose of a link with a shared program, from the pose of its body.
     pub(super) fn poses(&self) -> [Graph; 2] {
-        let own = self.links_with_own_program().map(|link| self.frames[link]);
+        let known = self.links_with_own_program().map(|link| self.frames[link]);
         let bodies = self.shared.iter().map(|&body| BodyFrame { body, pose: Pose::identity() });
-        let model = Mechanism { frames: own.chain(bodies).collect(), ..self.bare.clone() };
+        let model = Mechanism { frames: known.chain(bodies).collect(), ..self.bare.clone() };
         [Tracer::new(&model).link_poses(), Tracer::placed_pose()]
     }
 }

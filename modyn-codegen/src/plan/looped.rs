@@ -26,7 +26,8 @@ const MIN_BODIES_IN_LOOP: usize = 8;
 pub(super) fn recursion(
     function: Function,
     context: &PlanContext<'_>,
-    (straight, packed): (&Graph, Option<&Graph>),
+    straight: &Graph,
+    packed: Option<&Graph>,
 ) -> Option<Program> {
     let recursion = Lowering::of(function).recursion?();
     let is_wanted = match context.code {

@@ -176,17 +176,16 @@ impl Plan {
         }
         let robot = SymbolicRobot::new(model, choices.parameters(model));
         let mut budget = Budget::new();
-        let form = (choices.share, choices.code, choices.machine_code);
-        let context = PlanContext::new(&robot, (model, modules), execution, form);
+        let context = PlanContext::new(&robot, model, modules, execution, choices);
         let sizes = context.sizes;
-        let selected = |function: &Function| {
+        let is_selected = |function: &Function| {
             let row = function.row();
             choices.functions.contains(function)
                 && (batches || row.batch_of.is_none())
                 && function.fits(sizes.constraints)
                 && (*function != Function::Step || choices.has_loops(execution))
         };
-        let selected: Vec<Function> = Function::ALL.iter().copied().filter(selected).collect();
+        let selected: Vec<Function> = Function::ALL.iter().copied().filter(is_selected).collect();
         let mut graphs = ScalarGraphs::new(&selected);
         let mut many = Vec::new();
         let mut functions = Vec::new();
@@ -200,8 +199,8 @@ impl Plan {
             one.length() + of_many.as_ref().map_or(0, Planned::length)
         };
         for bundle in &choices.bundles {
-            let members = bundle.members.iter().filter_map(|member| member.function.of_table());
-            let members = members.filter(|function| !function.row().by_link);
+            let of_table = bundle.members.iter().filter_map(|member| member.function.of_table());
+            let members = of_table.filter(|function| !function.row().by_link);
             let least = members.map(|function| context.least_operations(function)).sum();
             let plan = || Planned::bundle(bundle, &context, batches && bundle.batch);
             let (one, of_many) = budget.spend(bundle.name, least, plan, length)?;
@@ -216,8 +215,8 @@ impl Plan {
                 many.extend(of_many);
             }
         }
-        let bundled = choices.bundles.iter().flat_map(|bundle| &bundle.members);
-        let bundled = bundled.filter_map(|member| member.function.of_table());
+        let members = choices.bundles.iter().flat_map(|bundle| &bundle.members);
+        let bundled = members.filter_map(|member| member.function.of_table());
         let mut all = selected.iter().copied().chain(bundled);
         let factorizes = all.any(|f| matches!(f, Function::Brge | Function::BrgeBatch));
         let factorization = match factorizes {
@@ -290,7 +289,7 @@ impl Plan {
         if self.choices.machine_code {
             return Vec::new();
         }
-        let of = |planned: &Planned| {
+        let loops_of = |planned: &Planned| {
             let Kernels::Straight { scalar, .. } = &planned.kernels else { return None };
             if let Some(loops) = dense::loops(scalar) {
                 return Some((planned.name, loops));
@@ -309,7 +308,7 @@ impl Plan {
             };
             Some((planned.name, format!("loops over the bodies, since {why}")))
         };
-        self.functions.iter().filter_map(of).collect()
+        self.functions.iter().filter_map(loops_of).collect()
     }
 
     /// Returns the operations of all programs of each function and bundle of one state, by name.

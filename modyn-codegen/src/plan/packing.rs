@@ -70,7 +70,7 @@ pub(super) fn packed_by<'a>(
     let packing = Lowering::of(function).packing;
     let by_limbs = context.limbs.iter().flat_map(|limbs| {
         let tracer = context.tracer.packed(limbs);
-        candidates(function, context, (limbs, &tracer), trace)
+        candidates(function, context, limbs, &tracer, trace)
     });
     let has_columns =
         packing.has_columns() && context.has_vectors() && operations(scalar) <= MAX_COLUMNS;
@@ -90,18 +90,18 @@ pub(super) fn packed_bundle(
         let tracer = context.tracer.packed(limbs);
         graphs.packed(|function| {
             let trace = |tracer: &Tracer<'_>| context.graph(function, tracer);
-            let all = candidates(function, context, (limbs, &tracer), &trace);
+            let all = candidates(function, context, limbs, &tracer, &trace);
             all.into_iter().min_by_key(operations)
         })
     });
     let has_columns = context.has_vectors() && operations(scalar) <= MAX_COLUMNS;
-    let columns = || {
+    let traced = || {
         graphs.packed(|function| {
             let columns = Lowering::of(function).packing.has_columns();
             columns.then(|| context.graph(function, &context.tracer.column_lanes(COLUMN_LANES)))
         })
     };
-    let columns = has_columns.then(columns).flatten();
+    let columns = has_columns.then(traced).flatten();
     profitable(by_limbs.chain(columns), bundle.any(|function| function.row().hot), context, scalar)
 }
 
@@ -134,7 +134,8 @@ pub(super) fn is_profitable(packed: &Graph, scalar: &Graph) -> bool {
 fn candidates(
     function: Function,
     context: &PlanContext<'_>,
-    (limbs, tracer): (&LimbPacking, &Tracer<'_>),
+    limbs: &LimbPacking,
+    tracer: &Tracer<'_>,
     trace: &dyn Fn(&Tracer<'_>) -> Graph,
 ) -> Vec<Graph> {
     match Lowering::of(function).packing {

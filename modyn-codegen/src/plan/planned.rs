@@ -102,8 +102,8 @@ impl Planned {
     #[must_use]
     pub fn evaluate<S: Scalar>(&self, frames: &Frames, link: usize, arguments: &[S]) -> Vec<S> {
         let placed = |program: &Program, arguments: &[S], placement: Option<usize>| {
-            let row = placement.and_then(|row| frames.placements().nth(row));
-            let row = row.iter().flatten().map(|&x| S::from_f64(x));
+            let placements = placement.and_then(|row| frames.placements().nth(row));
+            let row = placements.iter().flatten().map(|&x| S::from_f64(x));
             program.evaluate(&arguments.iter().copied().chain(row).collect::<Vec<S>>())
         };
         match &self.kernels {
@@ -116,10 +116,10 @@ impl Planned {
                 let poses = bodies.evaluate(arguments);
                 let pose = |link: &LinkProgram| {
                     let length = Shape::pose().len();
-                    let own = &poses[link.program * length..][..length];
+                    let pose = &poses[link.program * length..][..length];
                     match link.placement {
-                        None => own.to_vec(),
-                        Some(_) => placed(on_body, own, link.placement),
+                        None => pose.to_vec(),
+                        Some(_) => placed(on_body, pose, link.placement),
                     }
                 };
                 frames.programs().iter().flat_map(pose).collect()

@@ -71,9 +71,9 @@ impl Planned {
             _ if row.by_link => {
                 let graph = |tracer: &Tracer<'_>| optimize(context.evaluation(function, tracer));
                 let graphs = context.frames.kernels(graph);
-                let own = context.frames.links_with_own_program().count();
+                let known_count = context.frames.links_with_own_program().count();
                 let program = |(k, graph): (usize, &Graph)| {
-                    let placement = if k < own { 0 } else { Frames::PLACEMENT };
+                    let placement = if k < known_count { 0 } else { Frames::PLACEMENT };
                     context.program(graph, scalars + placement)
                 };
                 Kernels::ByLink(graphs.iter().enumerate().map(program).collect())
@@ -95,8 +95,8 @@ impl Planned {
             GraphSource::Traced(_) | GraphSource::Evaluation => {
                 let rows = dense::of_constraints(function, context, scalars);
                 rows.unwrap_or_else(|| {
-                    let (kernels, found) = context.traced(function, graphs, scalars);
-                    fault = found;
+                    let (kernels, invalid) = context.traced(function, graphs, scalars);
+                    fault = invalid;
                     kernels
                 })
             }
@@ -211,7 +211,7 @@ impl PlanContext<'_> {
         }
         let packed = packing::packed(function, self, &graph);
         let straight = (&graph, packed.as_ref());
-        let looped = looped::recursion(function, self, straight).map(Kernels::of);
+        let looped = looped::recursion(function, self, &graph, packed.as_ref()).map(Kernels::of);
         let products = || dense::by_products(function, self, straight, scalars);
         match looped.or_else(products) {
             Some(kernels) => (kernels, None),
@@ -260,7 +260,7 @@ impl PlanContext<'_> {
         packed: Option<Graph>,
         scalars: usize,
     ) -> (Kernels, Option<InvalidProgram>) {
-        Kernels::lowered(graph, packed, scalars, (self.execution, self.share))
+        Kernels::lowered(graph, packed, scalars, self.execution, self.share)
     }
 }
 
@@ -273,7 +273,8 @@ impl Kernels {
         graph: &Graph,
         packed: Option<Graph>,
         scalars: usize,
-        (execution, share): (Execution, bool),
+        execution: Execution,
+        share: bool,
     ) -> (Self, Option<InvalidProgram>) {
         let packed = packed.map(|packed| match share {
             true => Program::repeated(&packed, scalars),

@@ -195,8 +195,8 @@ impl NamedFunction {
 
     /// Returns the names of the arguments of all forms, those of the function first.
     pub(crate) fn argument_names(&self) -> Vec<String> {
-        let own = self.arguments.iter().map(|argument| argument.name().to_string());
-        let mut names: Vec<String> = own.collect();
+        let argument_names = self.arguments.iter().map(|argument| argument.name().to_string());
+        let mut names: Vec<String> = argument_names.collect();
         if self.derivatives >= UserDerivatives::First {
             names.extend(self.variables().map(|argument| format!("d{}", argument.name())));
             names.push(WEIGHTS.into());
@@ -321,21 +321,21 @@ impl NamedFunction {
 
     /// Returns the fields of a form's result.
     fn results(&self, form: UserForm, count: usize, displacements: &[usize]) -> Results {
-        let own = format!("`{}`", self.name);
+        let quoted = format!("`{}`", self.name);
         let sum = match (form, count) {
-            (UserForm::Vjp | UserForm::Hessian, 2..) => format!(" of `{WEIGHTS}`^T {own}"),
-            (UserForm::Gradient | UserForm::Hessian, _) => format!(" of {own}"),
+            (UserForm::Vjp | UserForm::Hessian, 2..) => format!(" of `{WEIGHTS}`^T {quoted}"),
+            (UserForm::Gradient | UserForm::Hessian, _) => format!(" of {quoted}"),
             _ => String::new(),
         };
         let mut fields =
-            vec![("value", value_shape(count), intern(&format!("The value of {own}.")))];
+            vec![("value", value_shape(count), intern(&format!("The value of {quoted}.")))];
         let variables: Vec<(&UserArgument, usize)> =
             self.variables().zip(displacements.iter().copied()).collect();
-        let of = |columns: usize, argument: &UserArgument| match form {
+        let derivative = |columns: usize, argument: &UserArgument| match form {
             UserForm::Jacobian => {
                 let shape = if count == 1 { Shape::Scalar } else { Shape::vector(count) };
                 let text = format!(
-                    "The derivatives of {own} with respect to `{}`, by columns.",
+                    "The derivatives of {quoted} with respect to `{}`, by columns.",
                     argument.name()
                 );
                 (shape.array(columns), intern(&text))
@@ -348,7 +348,7 @@ impl NamedFunction {
         let docs = match form {
             UserForm::Value => "",
             UserForm::Jvp => {
-                let text = format!("The change of {own}.");
+                let text = format!("The change of {quoted}.");
                 fields.push(("change", value_shape(count), intern(&text)));
                 "its change along the changes of its arguments"
             }
@@ -358,7 +358,7 @@ impl NamedFunction {
         };
         if !matches!(form, UserForm::Value | UserForm::Jvp) {
             for &(argument, columns) in &variables {
-                let (shape, docs) = of(columns, argument);
+                let (shape, docs) = derivative(columns, argument);
                 fields.push((intern(&format!("d{}", argument.name())), shape, docs));
             }
         }
@@ -404,19 +404,19 @@ fn gradient_shape(argument: &UserArgument, len: usize) -> Shape {
 }
 
 /// Returns an argument as functions of the table have them.
-fn argument(own: &UserArgument) -> Argument {
-    let kind = match own.kind() {
+fn argument(argument: &UserArgument) -> Argument {
+    let kind = match argument.kind() {
         UserArgumentKind::Coordinates => ArgumentKind::Coordinates,
         UserArgumentKind::Velocities => ArgumentKind::Velocities,
         UserArgumentKind::Number => ArgumentKind::Number,
         UserArgumentKind::Numbers(count) => ArgumentKind::Numbers(count),
     };
-    Argument { name: own.name(), kind }
+    Argument { name: argument.name(), kind }
 }
 
 /// Returns the change of an argument, which for coordinates is in tangent space.
-fn change(own: &UserArgument) -> Argument {
-    let Argument { name, kind } = argument(own);
+fn change(variable: &UserArgument) -> Argument {
+    let Argument { name, kind } = argument(variable);
     let kind = match kind {
         ArgumentKind::Coordinates => ArgumentKind::Velocities,
         other => other,

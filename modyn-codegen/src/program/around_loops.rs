@@ -1,5 +1,5 @@
-//! A program as what runs before its loops, the loops, and what runs after them, for back ends that run the
-//! loops themselves.
+//! A program as what runs before its loops, the loops, and what runs after them, for back ends that
+//! run the loops themselves.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,12 +7,13 @@ use super::{Addend, Loops, MultiplyAdd, Operand, Operation, Program, Source, Sta
 
 /// The parts of a program with loops in one of its statements.
 pub struct AroundLoops<'a> {
-    /// What runs before. Results: the stored values of the loops, then the values that `after` reads.
+    /// What runs before. Results: the stored values of the loops, then the values that `after`
+    /// reads.
     pub before: Program,
     /// The loops.
     pub loops: &'a Loops,
-    /// What runs after. Arguments: those of the program, the results of the loops, then the values that
-    /// `before` computes for it.
+    /// What runs after. Arguments: those of the program, the results of the loops, then the values
+    /// that `before` computes for it.
     pub after: Program,
 }
 

@@ -18,7 +18,7 @@ impl Program {
         for statement in &self.statements {
             let lanes = 0..usize::from(statement.lanes);
             let at = |operand: &Operand, lane: usize| values.lane(operand, lane, arguments);
-            let mut each = |of: &dyn Fn(usize) -> S| results.extend(lanes.clone().map(of));
+            let mut each = |number: &dyn Fn(usize) -> S| results.extend(lanes.clone().map(number));
             match &statement.operation {
                 Operation::Add(a, b) => each(&|lane| at(a, lane) + at(b, lane)),
                 Operation::Subtract(a, b) => each(&|lane| at(a, lane) - at(b, lane)),

@@ -233,8 +233,8 @@ impl Table {
 }
 
 impl Loops {
-    /// Returns the operations of all iterations; of a loop that may end early, those of one. Additions to
-    /// entries count.
+    /// Returns the operations of all iterations; of a loop that may end early, those of one.
+    /// Additions to entries count.
     pub(super) fn operations(&self, program: &Program) -> OperationCount {
         operations(&self.steps, program)
     }
@@ -304,7 +304,7 @@ fn each_call<'a>(steps: &'a [Step], visit: &mut dyn FnMut(&'a Call)) {
 }
 
 fn operations(steps: &[Step], program: &Program) -> OperationCount {
-    let of = |step: &Step| match step {
+    let count = |step: &Step| match step {
         Step::Call(call) => {
             let additions =
                 OperationCount { additions: call.additions(), ..OperationCount::default() };
@@ -316,5 +316,5 @@ fn operations(steps: &[Step], program: &Program) -> OperationCount {
             std::iter::repeat_n(iteration, if inner.end.is_some() { 1 } else { rows }).sum()
         }
     };
-    steps.iter().map(of).sum()
+    steps.iter().map(count).sum()
 }

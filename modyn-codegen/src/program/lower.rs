@@ -43,11 +43,11 @@ impl Program {
     ///
     /// Returns the first violation of a rule.
     pub fn with_dense_parts(
-        of: &DenseGraph,
+        parts: &DenseGraph,
         arguments: usize,
         execution: Execution,
     ) -> Result<Self, InvalidProgram> {
-        let DenseGraph { graph, rows, products } = of;
+        let DenseGraph { graph, rows, products } = parts;
         let rows = rows.as_ref().map(|form| {
             let results = graph.outputs.len() - RowEquations::count(&form.blocks, form.sides);
             Apart::new(ApartForm::Rows(form), results, arguments)
@@ -92,8 +92,8 @@ impl Program {
         let results = apart.as_ref().map_or(graph.outputs.len(), |apart| apart.results);
         let lowering = Lowering::new(graph, apart);
         let statements = lowering.order.iter().map(|item| lowering.statement(item)).collect();
-        let results = graph.outputs[..results].iter();
-        let results = results.map(|&id| lowering.operand(id, 1)).collect();
+        let outputs = graph.outputs[..results].iter();
+        let results = outputs.map(|&id| lowering.operand(id, 1)).collect();
         Self { statements, results, ..Self::without_statements(execution, arguments) }
     }
 
@@ -160,8 +160,8 @@ impl<'a> Apart<'a> {
                 (Operation::RowEquations(equations), results)
             }
             ApartForm::Loops(LoopForm { loops, stored }) => {
-                let stored = stored.iter().zip(operands);
-                let stored = stored.map(|(&entry, value)| Stored { entry, value }).collect();
+                let entries = stored.iter().zip(operands);
+                let stored = entries.map(|(&entry, value)| Stored { entry, value }).collect();
                 let results = loops.results.len();
                 (Operation::Loops(Loops { stored, ..loops.clone() }), results)
             }
@@ -212,8 +212,8 @@ impl<'a> Lowering<'a> {
         let graph = self.graph;
         let early = early_angles(graph, &self.live);
         for &angle in early.iter().flatten() {
-            let packs = graph.node(angle).operands();
-            let packs = packs.filter(|&id| matches!(graph.node(id), Node::Pack(..)));
+            let operands = graph.node(angle).operands();
+            let packs = operands.filter(|&id| matches!(graph.node(id), Node::Pack(..)));
             for id in packs.chain([angle]) {
                 let index = id as usize;
                 let is_operand = matches!(graph.node(id), Node::Input(_)) || fused[index];
@@ -231,11 +231,11 @@ impl<'a> Lowering<'a> {
         if let Some(apart) = &self.apart {
             let operands = &graph.outputs[apart.results..];
             let is_before = graph.live_from(operands);
-            self.push_nodes(fused, |i| is_before[i], (&mut angles, &mut unpacked));
+            self.push_nodes(fused, |i| is_before[i], &mut angles, &mut unpacked);
             let statement = self.push(Item::Apart);
             self.apart.iter_mut().for_each(|apart| apart.statement = statement);
         }
-        self.push_nodes(fused, |_| true, (&mut angles, &mut unpacked));
+        self.push_nodes(fused, |_| true, &mut angles, &mut unpacked);
     }
 
     /// Appends the statements of nodes that have none, of those that are `taken`.
@@ -243,7 +243,8 @@ impl<'a> Lowering<'a> {
         &mut self,
         fused: &[bool],
         taken: impl Fn(usize) -> bool,
-        (angles, unpacked): (&mut BTreeMap<Id, usize>, &mut BTreeMap<Id, usize>),
+        angles: &mut BTreeMap<Id, usize>,
+        unpacked: &mut BTreeMap<Id, usize>,
     ) {
         let graph = self.graph;
         for (i, node) in graph.nodes().iter().enumerate() {
@@ -291,11 +292,11 @@ impl<'a> Lowering<'a> {
                 (operation, 1, used)
             }
             Item::Angles(angles) => {
-                let of = |&angle: &Id| self.operand(angle, self.graph.width(angle));
+                let operand_of = |&angle: &Id| self.operand(angle, self.graph.width(angle));
                 let both = |angle: &Id| [Node::Sin(*angle), Node::Cos(*angle)];
                 let used = angles.iter().flat_map(both).map(|node| self.is_live(node));
                 let lanes = self.graph.width(angles[0]);
-                (Operation::SinCos(angles.iter().map(of).collect()), lanes, used.collect())
+                (Operation::SinCos(angles.iter().map(operand_of).collect()), lanes, used.collect())
             }
             Item::Node(id) => {
                 let used = match self.graph.node(*id) {
@@ -321,13 +322,13 @@ impl<'a> Lowering<'a> {
         let at = |id| self.operand(id, width);
         match self.graph.node(id) {
             Node::Add(a, b) => match (self.product(a), self.product(b)) {
-                (Some(factors), _) => self.multiply_add(factors, false, (b, false), width),
-                (None, Some(factors)) => self.multiply_add(factors, false, (a, false), width),
+                (Some(factors), _) => self.multiply_add(factors, false, b, false, width),
+                (None, Some(factors)) => self.multiply_add(factors, false, a, false, width),
                 (None, None) => Operation::Add(at(a), at(b)),
             },
             Node::Sub(a, b) => match (self.product(a), self.product(b)) {
-                (_, Some(factors)) => self.multiply_add(factors, true, (a, false), width),
-                (Some(factors), None) => self.multiply_add(factors, false, (b, true), width),
+                (_, Some(factors)) => self.multiply_add(factors, true, a, false, width),
+                (Some(factors), None) => self.multiply_add(factors, false, b, true, width),
                 (None, None) => Operation::Subtract(at(a), at(b)),
             },
             Node::Mul(a, b) => Operation::Multiply(at(a), at(b)),
@@ -358,7 +359,8 @@ impl<'a> Lowering<'a> {
         &self,
         [mut a, b]: [Operand; 2],
         mut negative_product: bool,
-        (addend, mut negative_addend): (Id, bool),
+        addend: Id,
+        mut negative_addend: bool,
         lanes: u8,
     ) -> Operation {
         let cancel = |operand: &mut Operand, negative: &mut bool| {
@@ -424,13 +426,13 @@ impl<'a> Lowering<'a> {
 
     /// Returns the index of a node among its statement's results.
     fn place(&self, statement: usize, node: Node) -> usize {
-        let of = |angle: Id| match &self.order[statement] {
+        let place_of = |angle: Id| match &self.order[statement] {
             Item::Angles(angles) => 2 * angles.iter().position(|&a| a == angle).unwrap_or(0),
             Item::Node(_) | Item::Apart => 0,
         };
         match node {
-            Node::Sin(angle) => of(angle),
-            Node::Cos(angle) => of(angle) + 1,
+            Node::Sin(angle) => place_of(angle),
+            Node::Cos(angle) => place_of(angle) + 1,
             Node::ExtractLane(_, lane) => lane.into(),
             _ => 0,
         }

@@ -88,8 +88,8 @@ impl Products {
         }
         let terms = self.terms;
         let columns = self.columns();
-        let others = (0..self.targets.len()).map(|m| format!("b{m}"));
-        let others = others.map(|name| ProductMatrix { name, columns, rows: terms });
+        let names = (0..self.targets.len()).map(|m| format!("b{m}"));
+        let others = names.map(|name| ProductMatrix { name, columns, rows: terms });
         let a = ProductMatrix { name: "a".into(), columns: terms, rows: self.rows };
         [a].into_iter().chain(others).collect()
     }
@@ -134,15 +134,15 @@ impl Products {
         let mut addends = [Vec::new(), Vec::new()];
         let n = self.rows;
         for targets in self.targets.iter().filter(|_| self.in_place.is_some()) {
-            let own = &results[targets[0].first..][..n * n];
+            let product = &results[targets[0].first..][..n * n];
             let places = || (0..n).flat_map(|j| (0..n).map(move |i| (i, j)));
             let with_transpose = targets.len() > 1;
-            let is_symmetric = places().all(|(i, j)| own[j * n + i] == own[i * n + j]);
-            for (i, j) in places().filter(|(i, j)| !is_zero(&own[j * n + i])) {
+            let is_symmetric = places().all(|(i, j)| product[j * n + i] == product[i * n + j]);
+            for (i, j) in places().filter(|(i, j)| !is_zero(&product[j * n + i])) {
                 let after = with_transpose && (i == j || !is_symmetric);
                 if after || i > j || !with_transpose {
                     let place = targets[0].first + j * n + i;
-                    addends[usize::from(after)].push((place, own[j * n + i]));
+                    addends[usize::from(after)].push((place, product[j * n + i]));
                 }
             }
         }
@@ -261,7 +261,9 @@ impl Products {
     ) {
         let n = self.rows;
         let entries: Vec<S> = self.entries.iter().map(&number).collect();
-        for first in self.targets.iter().filter(|_| self.in_place.is_some()).map(|of| of[0].first) {
+        for first in
+            self.targets.iter().filter(|_| self.in_place.is_some()).map(|places| places[0].first)
+        {
             numbers[first..][..n * n].fill(S::zero());
         }
         for (m, targets) in self.targets.iter().enumerate() {
@@ -314,9 +316,9 @@ impl Products {
         }
         let are_results = self.targets.iter().flatten().all(|target| {
             let Target { rows: Range { start, end }, first, by_row, by_column } = *target;
-            let of = |count: usize, by: usize| count.checked_sub(1)?.checked_mul(by);
-            let last = of(end.saturating_sub(start), by_row).zip(of(columns, by_column));
-            let last = last.and_then(|(a, b)| first.checked_add(a)?.checked_add(b));
+            let extent = |count: usize, by: usize| count.checked_sub(1)?.checked_mul(by);
+            let extents = extent(end.saturating_sub(start), by_row).zip(extent(columns, by_column));
+            let last = extents.and_then(|(a, b)| first.checked_add(a)?.checked_add(b));
             end <= rows && last.is_some_and(|last| last < program.results.len())
         });
         if !are_results {
@@ -340,21 +342,21 @@ impl Products {
                 let entry = |m| &self.entries[self.first(m) + column * terms + k];
                 !(0..matrices).map(entry).all(is_zero)
             };
-            let own: BTreeSet<usize> = (0..terms).filter(is_nonzero).collect();
+            let new_rows: BTreeSet<usize> = (0..terms).filter(is_nonzero).collect();
             let is_near =
-                |of: &BTreeSet<usize>, both: &BTreeSet<usize>| 8 * both.len() <= 9 * of.len();
+                |rows: &BTreeSet<usize>, both: &BTreeSet<usize>| 8 * both.len() <= 9 * rows.len();
             match blocks.last_mut() {
-                _ if own.is_empty() => {}
-                Some((range, of))
+                _ if new_rows.is_empty() => {}
+                Some((range, shared_rows))
                     if range.end == column && {
-                        let both = &*of | &own;
-                        is_near(of, &both) && is_near(&own, &both)
+                        let both = &*shared_rows | &new_rows;
+                        is_near(shared_rows, &both) && is_near(&new_rows, &both)
                     } =>
                 {
                     range.end += 1;
-                    of.extend(own);
+                    shared_rows.extend(new_rows);
                 }
-                _ => blocks.push((column..column + 1, own)),
+                _ => blocks.push((column..column + 1, new_rows)),
             }
         }
         let block = |(columns, terms): (Range<usize>, BTreeSet<usize>)| {

@@ -52,8 +52,8 @@ impl Program {
         const OWN: usize = 0;
         const COMMON: usize = 1;
         const RESULTS: usize = 2;
-        let [constants, own, common] = stage.kinds();
-        let [own_count, outputs] = [own.len(), stage.outputs.len()];
+        let [constants, values, common] = stage.kinds();
+        let [own_count, outputs] = [values.len(), stage.outputs.len()];
         let value = |id: &Id, lane| operand(graph, stages, *id, lane);
         let row = |lane: u8| {
             let number = |&id: &Id| graph.value(graph.packed_at(id, lane));
@@ -64,7 +64,7 @@ impl Program {
             }
         };
         let own_values =
-            (0..stage.calls).flat_map(|lane| own.iter().map(move |id| value(id, lane)));
+            (0..stage.calls).flat_map(|lane| values.iter().map(move |id| value(id, lane)));
         let stored =
             |array: usize| move |(index, value)| Stored { entry: Entry { array, index }, value };
         let reads_own = (0..own_count).map(|i| Read::Entry(OWN, Place::in_row(0, i)));
@@ -155,13 +155,13 @@ fn operand(graph: &Graph, stages: &[Stage], id: Id, lane: u8) -> Operand {
         Node::ExtractLane(vector, lane) => operand(graph, stages, vector, lane),
         Node::Pack(..) => operand(graph, stages, graph.packed_at(id, lane), 0),
         _ => {
-            let found = stages.iter().enumerate().find_map(|(statement, stage)| {
+            let place = stages.iter().enumerate().find_map(|(statement, stage)| {
                 let place = stage.outputs.iter().position(|&output| output == id)?;
                 let call = if stage.width == 1 { 0 } else { usize::from(lane) };
                 Some(Value { statement, place: call * stage.outputs.len() + place })
             });
             scalar(Source::Result(
-                found.expect("a value that other chunks read is an output of its chunk"),
+                place.expect("a value that other chunks read is an output of its chunk"),
             ))
         }
     }
@@ -195,7 +195,7 @@ fn stages(graph: &Graph) -> Vec<Stage> {
     graph.outputs.iter().for_each(|&id| needed[id as usize] = true);
     let lanes = |width: u8| {
         let lanes = nodes.iter().zip(&live).filter_map(|(node, live)| match *node {
-            Node::ExtractLane(of, lane) if *live && graph.width(of) == width => Some(lane + 1),
+            Node::ExtractLane(pack, lane) if *live && graph.width(pack) == width => Some(lane + 1),
             _ => None,
         });
         lanes.max().unwrap_or(1)
@@ -203,7 +203,7 @@ fn stages(graph: &Graph) -> Vec<Stage> {
     let mut stages: Vec<Stage> = Vec::new();
     for ((_, width), ids) in &members {
         let outputs = ids.iter().copied().filter(|&id| needed[id as usize]).collect();
-        stages.push(Stage::new(graph, (*width, lanes(*width)), ids, outputs));
+        stages.push(Stage::new(graph, *width, lanes(*width), ids, outputs));
     }
     stages
 }
@@ -224,18 +224,18 @@ fn levels(graph: &Graph) -> Vec<usize> {
 }
 
 impl Stage {
-    fn new(graph: &Graph, (width, calls): (u8, u8), ids: &[Id], outputs: Vec<Id>) -> Self {
-        let own: BTreeSet<Id> = ids.iter().copied().collect();
+    fn new(graph: &Graph, width: u8, calls: u8, ids: &[Id], outputs: Vec<Id>) -> Self {
+        let members: BTreeSet<Id> = ids.iter().copied().collect();
         let input = |id: Id| match graph.node(id) {
-            _ if own.contains(&id) => None,
+            _ if members.contains(&id) => None,
             Node::Constant(_) => None,
             _ if graph.width(id) == 1 => Some(Input::Common(id)),
             _ if graph.is_constant(id) => Some(Input::Table(id)),
             _ => Some(Input::Own(id)),
         };
         let operands = ids.iter().flat_map(|&id| graph.node(id).operands());
-        let all: BTreeSet<Input> = operands.filter_map(input).collect();
-        let all: Vec<Input> = all.into_iter().collect();
+        let distinct: BTreeSet<Input> = operands.filter_map(input).collect();
+        let all: Vec<Input> = distinct.into_iter().collect();
         let mut made = Graph::default();
         let mut ids_made: BTreeMap<Id, Id> = BTreeMap::new();
         for (place, input) in all.iter().enumerate() {

@@ -1,4 +1,5 @@
-//! A step with soft constraints as a program: what runs once, then the iterations of the solver as loops.
+//! A step with soft constraints as a program: what runs once, then the iterations of the solver as
+//! loops.
 //!
 //! ```text
 //! statements            what no iteration changes
@@ -9,9 +10,9 @@
 //! statements            the state after the step
 //! ```
 //!
-//! All parts are one graph. A node belongs to the part whose inputs it depends on. A node of the full step
-//! that only the results need, such as the acceleration of a limb that touches nothing, runs after the
-//! loops.
+//! All parts are one graph. A node belongs to the part whose inputs it depends on. A node of the
+//! full step that only the results need, such as the acceleration of a limb that touches nothing,
+//! runs after the loops.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -25,9 +26,9 @@ use super::{
 use crate::graph::{Graph, Id, Node};
 use crate::trace::{SEARCH, StepGraph};
 
-/// The arrays of the loops: numbers that no iteration changes; the accelerations and balances of the rows
-/// at the start of an iteration, at the end of its full step, and where the next iteration starts; the
-/// numbers of the solver; the numbers of the last full step that the results need.
+/// The arrays of the loops: numbers that no iteration changes; the accelerations and balances of
+/// the rows at the start of an iteration, at the end of its full step, and where the next iteration
+/// starts; the numbers of the solver; the numbers of the last full step that the results need.
 const FRONT: usize = 0;
 const START: usize = 1;
 const FULL: usize = 2;
@@ -35,8 +36,9 @@ const NEXT: usize = 3;
 const SOLVER: usize = 4;
 const AFTER: usize = 5;
 
-/// The numbers of the solver: the scale of the next iteration, the number of iterations, the residual, the
-/// end; the numbers of the search, of which the last is its end; the scale of this iteration.
+/// The numbers of the solver: the scale of the next iteration, the number of iterations, the
+/// residual, the end; the numbers of the search, of which the last is its end; the scale of this
+/// iteration.
 const SCALE: usize = 0;
 const ITERATIONS: usize = 1;
 const RESIDUAL: usize = 2;
@@ -109,8 +111,8 @@ impl<'a> Cut<'a> {
         self.step.graph.outputs[range.clone()].iter().map(|&id| (id, 0)).collect()
     }
 
-    /// Returns the piece with these outputs: nodes of which `is_inside` is false are its inputs, and so are
-    /// inputs of parts, except that signs of such nodes are inside.
+    /// Returns the piece with these outputs: nodes of which `is_inside` is false are its inputs,
+    /// and so are inputs of parts, except that signs of such nodes are inside.
     fn piece(&self, outputs: &[Lane], is_inside: impl Fn(Zone) -> bool) -> Piece {
         let whole = &self.step.graph;
         let is_read = |id: Id| match whole.node(id) {
@@ -144,7 +146,8 @@ impl<'a> Cut<'a> {
         piece
     }
 
-    /// Returns the number of an input of a part, counted from the part's first one; `None` for other nodes.
+    /// Returns the number of an input of a part, counted from the part's first one; `None` for
+    /// other nodes.
     fn input(&self, inputs: &Range<usize>, lane: Lane) -> Option<usize> {
         match self.step.graph.node(lane.0) {
             Node::Input(number) if inputs.contains(&(number as usize)) => {
@@ -177,8 +180,9 @@ impl Captured {
 }
 
 impl Program {
-    /// Returns the program of a step over `arguments` scalars. The results are those of the solution, then
-    /// the residual and the number of iterations. `pass` rewrites the graph of each routine.
+    /// Returns the program of a step over `arguments` scalars. The results are those of the
+    /// solution, then the residual and the number of iterations. `pass` rewrites the graph of each
+    /// routine.
     ///
     /// # Errors
     ///
@@ -197,8 +201,8 @@ impl Program {
 
         // The results of loops, in the order in which the program reads them.
         let is_argument = |lane: Lane| cut.zones[lane.0 as usize] == Zone::Front;
-        let needed = cut.piece(&solution, is_main).reads;
-        let needed: Vec<Lane> = needed.into_iter().filter(|&lane| !is_argument(lane)).collect();
+        let read = cut.piece(&solution, is_main).reads;
+        let needed: Vec<Lane> = read.into_iter().filter(|&lane| !is_argument(lane)).collect();
         let is_after = |lane: Lane| cut.input(&step.solution.inputs, lane).is_none();
         let after: Vec<Lane> = needed.iter().copied().filter(|&lane| is_after(lane)).collect();
 

@@ -97,8 +97,8 @@ impl fmt::Display for Operation {
                 negative_addend,
                 addend,
             }) => {
-                let product = format!("{} * {}", factors[0], factors[1]);
-                let product = if *negative_product { format!("-[{product}]") } else { product };
+                let unsigned = format!("{} * {}", factors[0], factors[1]);
+                let product = if *negative_product { format!("-[{unsigned}]") } else { unsigned };
                 let addend = match addend {
                     Addend::Value(c) => c.to_string(),
                     Addend::Product(c, d) => format!("{c} * {d}"),
@@ -112,8 +112,8 @@ impl fmt::Display for Operation {
             }
             Self::Loops(loops) => return loops.fmt(f),
             Self::RowEquations(RowEquations { blocks, sides, operands }) => {
-                let blocks: Vec<String> = blocks.iter().map(usize::to_string).collect();
-                let blocks = blocks.join(" ");
+                let lengths: Vec<String> = blocks.iter().map(usize::to_string).collect();
+                let blocks = lengths.join(" ");
                 return write!(f, "equations {blocks}, {sides} ({})", list(operands));
             }
             Self::Reciprocal(_) => "reciprocal",
@@ -209,7 +209,8 @@ impl<'a> Parser<'a> {
         let words = head.strip_prefix("program ").and_then(|rest| rest.split_once(", "));
         let (execution, arguments) = words
             .and_then(|(name, rest)| {
-                let execution = Execution::NAMES.iter().find(|(own, _)| *own == name)?.1;
+                let execution =
+                    Execution::NAMES.iter().find(|(execution_name, _)| *execution_name == name)?.1;
                 Some((execution, rest.strip_suffix(" arguments")?.parse().ok()?))
             })
             .ok_or_else(|| {
@@ -299,7 +300,7 @@ impl<'a> Parser<'a> {
         let wrong = |expected: &str| self.error(format!("{line:?} is no statement: {expected}"));
         let (name, text) = line.split_once(" = ").ok_or_else(|| wrong("it has no ` = `"))?;
         let number = format!("x{}", program.statements.len());
-        let lanes = match name.strip_prefix(&number) {
+        let suffix = match name.strip_prefix(&number) {
             Some("") => Some(1),
             Some(rest) => {
                 let lanes = rest.strip_prefix('<').and_then(|rest| rest.strip_suffix('>'));
@@ -307,7 +308,7 @@ impl<'a> Parser<'a> {
             }
             None => None,
         };
-        let lanes: u8 = lanes.ok_or_else(|| {
+        let lanes: u8 = suffix.ok_or_else(|| {
             wrong(&format!("the next one is `{number}`, or `{number}<4>` for four lanes"))
         })?;
         let operation = match text.strip_prefix("loops ") {
@@ -377,8 +378,14 @@ impl<'a> Parser<'a> {
             _ => {
                 let operands = self.operands(program, inside, lanes)?;
                 match *operands {
-                    [a] => UNARY.iter().find(|(own, _)| *own == name).map(|(_, of)| of(a)),
-                    [a, b] => BINARY.iter().find(|(own, _)| *own == name).map(|(_, of)| of(a, b)),
+                    [a] => UNARY
+                        .iter()
+                        .find(|(operator, _)| *operator == name)
+                        .map(|(_, build)| build(a)),
+                    [a, b] => BINARY
+                        .iter()
+                        .find(|(operator, _)| *operator == name)
+                        .map(|(_, build)| build(a, b)),
                     [a, b, c] => (name == SELECT).then_some(Operation::Select(a, b, c)),
                     _ => None,
                 }
@@ -471,8 +478,8 @@ impl<'a> Parser<'a> {
 /// Returns the values that statements and results read.
 fn values(program: &Program) -> Vec<Value> {
     let statements = program.statements.iter();
-    let operands = statements.flat_map(|statement| statement.operation.operands());
-    let operands = operands.chain(program.all_stored().chain(program.read_last()).copied());
+    let of_statements = statements.flat_map(|statement| statement.operation.operands());
+    let operands = of_statements.chain(program.all_stored().chain(program.read_last()).copied());
     operands.filter_map(|operand| operand.value()).collect()
 }
 

@@ -99,14 +99,14 @@ impl Program {
                 }
             }
         }
-        let own = self.lanes_of(operand.source);
-        (own != 1 && own != operand.lanes).then_some(COPIED)
+        let lanes = self.lanes_of(operand.source);
+        (lanes != 1 && lanes != operand.lanes).then_some(COPIED)
     }
 
     /// Returns the rule that the stores of results break.
     fn store_fault(&self) -> Option<&'static str> {
-        let stored = self.statements.iter().flat_map(|statement| &statement.stores);
-        let mut stored: Vec<usize> = stored.chain(&self.first_stores).copied().collect();
+        let of_statements = self.statements.iter().flat_map(|statement| &statement.stores);
+        let mut stored: Vec<usize> = of_statements.chain(&self.first_stores).copied().collect();
         stored.sort_unstable();
         let all = 0..self.all_stored().count();
         (!stored.iter().copied().eq(all)).then_some("each result is stored once")
@@ -124,8 +124,8 @@ impl Program {
         if !covers(&chunks, (0, self.statements.len())) {
             return Some("chunks are all statements in their order");
         }
-        let live_out = |chunk: &Chunk| chunk.live_out.iter().copied().collect::<BTreeSet<Value>>();
-        let live_out: Vec<BTreeSet<Value>> = self.chunks.iter().map(live_out).collect();
+        let values_of = |chunk: &Chunk| chunk.live_out.iter().copied().collect::<BTreeSet<Value>>();
+        let live_out: Vec<BTreeSet<Value>> = self.chunks.iter().map(values_of).collect();
         for chunk in &self.chunks {
             let scopes: Vec<(usize, usize)> =
                 chunk.scopes.iter().map(|s| (s.statements.start, s.statements.end)).collect();

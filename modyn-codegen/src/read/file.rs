@@ -70,8 +70,8 @@ pub(crate) fn read_named(
             let start = report.add_file(shown.to_owned(), &text);
             Some((text, start))
         }
-        Err(found) => {
-            for error in found {
+        Err(errors) => {
+            for error in errors {
                 let help = "give the path of a readable file, relative to the folder of the file that names it";
                 report.error(error.code, at, None, error.message, help);
             }

@@ -185,12 +185,12 @@ impl Format {
             });
         let of_options = gravity.into_iter().chain(friction);
         let files = report.take_dependencies();
-        let found = Diagnostics::new(report.finish().into_iter().chain(of_options).collect());
+        let diagnostics = Diagnostics::new(report.finish().into_iter().chain(of_options).collect());
         match model {
-            Some(model) if !found.has_errors() => {
-                Ok(Reading { model, warnings: found.into_vec(), files, shapes })
+            Some(model) if !diagnostics.has_errors() => {
+                Ok(Reading { model, warnings: diagnostics.into_vec(), files, shapes })
             }
-            _ => Err(found),
+            _ => Err(diagnostics),
         }
     }
 }
@@ -236,10 +236,10 @@ pub fn expand_xacro(
     let mut report = Report::new(text, file);
     let expanded = xml::document::within_limits(text, 0, &mut report)
         .and_then(|text| xacro::expand(&text, options, &mut report));
-    let found = Diagnostics::new(report.finish());
+    let diagnostics = Diagnostics::new(report.finish());
     match expanded {
-        Some(expanded) if !found.has_errors() => Ok((expanded, found.into_vec())),
-        _ => Err(found),
+        Some(expanded) if !diagnostics.has_errors() => Ok((expanded, diagnostics.into_vec())),
+        _ => Err(diagnostics),
     }
 }
 
@@ -256,13 +256,13 @@ pub fn read_urdf(text: &str, file: &str, options: &ReadOptions) -> Result<Readin
 /// and meshes are read if the options have the [`folder`](ReadOptions::folder).
 ///
 /// - Bodies become links of a tree whose root link is `world`. If a body has several joints, there
-///   are massless links between them. A body's frame is its link's frame. Coordinates are those of
-///   `docs/conventions.md`, not `MuJoCo`'s; `modyn::conventions::mujoco` converts them. Named sites
-///   are frames.
+///   are massless links between them. A body's frame is its link's frame. Coordinates are the
+///   coordinates of `docs/conventions.md`, not `MuJoCo`'s; `modyn::conventions::mujoco` converts
+///   them. Named sites are frames.
 /// - A body without `<inertial>` has the inertia of its geoms. A mesh is only read if its mass is
 ///   needed.
 /// - Constraints of `<equality>` are exact: mimic joints and loops.
-/// - Gravity is that of `<option>`, unless the options set another one.
+/// - Gravity is the gravity of `<option>`, unless the options set another one.
 /// - Contacts, sensors and visual elements are ignored. Controllers of actuators do not act, with a
 ///   warning. Springs of joints and `gravcomp` act. Damping and friction act if the options say so,
 ///   as in a URDF.

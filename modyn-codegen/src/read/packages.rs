@@ -42,7 +42,9 @@ impl Packages {
 }
 
 fn find(name: &str, options: &ReadOptions) -> Option<PathBuf> {
-    if let Some(Package { folder, .. }) = options.packages.iter().find(|own| own.name == name) {
+    if let Some(Package { folder, .. }) =
+        options.packages.iter().find(|package| package.name == name)
+    {
         let root = std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default();
         return Some(Path::new(&root).join(folder));
     }
@@ -59,8 +61,8 @@ fn find(name: &str, options: &ReadOptions) -> Option<PathBuf> {
     let near = absolute.ancestors().flat_map(|folder| [folder.to_owned(), folder.join(name)]);
     let of_ros = || {
         PACKAGE_PATHS.iter().find_map(|variable| {
-            let folders = std::env::var_os(variable)?;
-            let folders: Vec<PathBuf> = std::env::split_paths(&folders).collect();
+            let list = std::env::var_os(variable)?;
+            let folders: Vec<PathBuf> = std::env::split_paths(&list).collect();
             let usual = folders.iter().flat_map(|folder| {
                 [folder.clone(), folder.join(name), folder.join("share").join(name)]
             });

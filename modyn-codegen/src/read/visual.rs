@@ -56,23 +56,23 @@ impl Surfaces {
         scale: Option<&str>,
     ) -> Result<Geometry, String> {
         let scale = scale.map_or(Some([1.0; 3]), numbers::<3>);
-        let scale = scale.filter(|scale| scale.iter().all(|&factor| factor != 0.0));
-        let scale = scale.ok_or("has a `scale` that is not three numbers other than zero")?;
+        let nonzero = scale.filter(|scale| scale.iter().all(|&factor| factor != 0.0));
+        let scale = nonzero.ok_or("has a `scale` that is not three numbers other than zero")?;
         let key = |place: &PathBuf| (place.clone(), scale.map(f64::to_bits));
         let known = places.iter().find_map(|place| self.read.get(&key(place)));
         if let Some(mesh) = known {
             return mesh.clone().map(Geometry::Mesh);
         }
-        let place = places.iter().find(|place| files.is_file(place));
-        let place = place.ok_or_else(|| format!("has the file `{name}`, which is not found"))?;
+        let existing = places.iter().find(|place| files.is_file(place));
+        let place = existing.ok_or_else(|| format!("has the file `{name}`, which is not found"))?;
         if self.parts > MAX_PARTS {
             return Err(format!(
                 "has the file `{name}`, which is not read, since the meshes before it have more \
                  than {MAX_PARTS} vertices and triangles"
             ));
         }
-        let mesh = mesh::read(files, place, Purpose::Picture);
-        let mesh = mesh.map(|mesh| Arc::new(mesh::scaled(mesh, scale)));
+        let read = mesh::read(files, place, Purpose::Picture);
+        let mesh = read.map(|mesh| Arc::new(mesh::scaled(mesh, scale)));
         self.parts += mesh.as_ref().map_or(0, |mesh| mesh.vertices.len() + mesh.faces.len());
         self.read.insert(key(place), mesh.clone());
         mesh.map(Geometry::Mesh)

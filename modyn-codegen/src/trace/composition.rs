@@ -66,7 +66,7 @@ impl Composition {
             let packed: Vec<Id> = (0..n)
                 .map(|k| self.pack(&columns.iter().map(|column| column[k]).collect::<Vec<_>>()))
                 .collect();
-            let sums = self.multiply_rows((a, n), &packed, n, 0..n);
+            let sums = self.multiply_rows(a, n, &packed, n, 0..n);
             for lane in 0..columns.len() {
                 product.extend(sums.iter().map(|&sum| self.lane(sum, lane)));
             }
@@ -104,7 +104,8 @@ impl Composition {
     /// rows.
     pub(super) fn multiply_rows(
         &mut self,
-        (a, height): (&[Id], usize),
+        a: &[Id],
+        height: usize,
         b: &[Id],
         n: usize,
         rows: Range<usize>,

@@ -1,9 +1,9 @@
 //! The graph of the contracted Hessian of forward dynamics with loop constraints and contacts.
 //!
 //! The accelerations qdd and the wrenches l solve N(q, qd, tau, qdd, l) = 0: the equations of
-//! motion, and those of the constrained accelerations. N is linear in qdd and l. With the solution
-//! z = (a, b) of the adjoint equations for the weights, and Phi = z^T N at constant z, the gradient
-//! by x = (q, qd) is -Phi_x. With y = (qdd, l) and its derivatives Y, the Hessian is
+//! motion, and the derivatives of the constrained accelerations. N is linear in qdd and l. With the
+//! solution z = (a, b) of the adjoint equations for the weights, and Phi = z^T N at constant z, the
+//! gradient by x = (q, qd) is -Phi_x. With y = (qdd, l) and its derivatives Y, the Hessian is
 //!
 //! ```text
 //! H_{q q}   = -(Phi_{q q} + Phi_{q y} Y_q + (Phi_{q y} Y_q)^T)    H_{q tau} = -Phi_{q y} Y_tau
@@ -20,8 +20,13 @@
 use std::ops::Range;
 
 use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::equations::constraints::{
+    ConstrainedCotangent, ConstraintInput, ConstraintWorkspaces, ResidualOutputs,
+};
 use modyn_runtime::equations::kinematics::{self, Axes};
-use modyn_runtime::equations::{ConstraintWorkspace, Workspace, constraints, dynamics};
+use modyn_runtime::equations::{
+    ConstraintWorkspace, Motion, State, Workspace, constraints, dynamics,
+};
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::spatial::{Twist, Wrench};
 use modyn_runtime::{ContactTarget, Scalar};
@@ -55,13 +60,13 @@ impl Tracer<'_> {
         let parameters = all.inputs(self.parameters.len());
 
         let derivatives = self.constrained_forward_dynamics_derivatives(layout);
-        let found = all.add(&derivatives, &[&q, &qd, &tau, &active, &settings, &parameters]);
-        let (qdd, rest) = found.split_at(nv);
+        let results = all.add(&derivatives, &[&q, &qd, &tau, &active, &settings, &parameters]);
+        let (qdd, rest) = results.split_at(nv);
         let (wrenches, rest) = rest.split_at(count);
         let (accelerations, rest) = rest.split_at(3 * nv * nv);
         let (changes, rank) = rest.split_at(3 * nv * count);
-        let adjoint = self.constraint_adjoint(layout);
-        let adjoint = all.add(&adjoint, &[&q, &active, &settings, &x, &y, &parameters]);
+        let graph = self.constraint_adjoint(layout);
+        let adjoint = all.add(&graph, &[&q, &active, &settings, &x, &y, &parameters]);
         let (a, b) = adjoint.split_at(nv);
 
         let phi = TangentGraphs::new(self, self.phi_inputs(), optimize(self.phi(layout)));
@@ -88,7 +93,7 @@ impl Tracer<'_> {
                     y.extend(&changes[first * WRENCH..][..WRENCH]);
                 }
             }
-            all.multiply_rows((&by_y, nv), &y, ny, 0..nv)
+            all.multiply_rows(&by_y, nv, &y, ny, 0..nv)
         };
         let by_q = through(&mut all, 0);
         let transposed: Vec<Id> = (0..nv * nv).map(|k| by_q[k % nv * nv + k / nv]).collect();
@@ -97,8 +102,8 @@ impl Tracer<'_> {
         let by_q = all.sums(&block(0, nv, 0, nv), &by_q);
         let by_qd = all.sums(&block(0, nv, nv, nv), &by_qd);
         let by_tau = through(&mut all, 2);
-        let blocks = [by_q, by_qd, block(nv, nv, nv, nv), by_tau].concat();
-        let blocks = all.negated(&blocks);
+        let upper = [by_q, by_qd, block(nv, nv, nv, nv), by_tau].concat();
+        let blocks = all.negated(&upper);
         let gradients = all.negated(&gradient[..2 * nv]);
         all.with_outputs(&[qdd, wrenches, &gradients, a, &blocks, rank])
     }
@@ -113,18 +118,19 @@ impl Tracer<'_> {
         let settings = settings_count(self.model);
         let lengths = [self.model.nq, contacts, settings, nv, WRENCH * constraints];
         self.trace_groups(lengths, |model, [q, active, settings, x, y]| {
-            let mut a = self.vector();
-            let mut b = vec![Wrench::zero(); constraints];
-            constraints::constraint_adjoint(
+            let adjoint = constraints::constraint_adjoint(
                 model,
                 layout,
                 &q,
-                (&active, &settings_of(&settings)),
-                (&mut Workspace::new(model), &mut ConstraintWorkspace::new(model, layout)),
-                (&x, &wrenches_of(&y)),
-                (&mut a, &mut b),
+                ConstraintInput { active: &active, settings: &settings_of(&settings) },
+                ConstraintWorkspaces {
+                    workspace: &mut Workspace::new(model),
+                    memory: &mut ConstraintWorkspace::new(model, layout),
+                },
+                ConstrainedCotangent { qdd: &x, wrenches: &wrenches_of(&y) },
             );
-            a.into_iter().chain(b.iter().flat_map(Wrench::components)).collect()
+            let wrenches = adjoint.wrenches.iter().flat_map(Wrench::components);
+            adjoint.accelerations.iter().copied().chain(wrenches).collect()
         })
     }
 
@@ -155,21 +161,26 @@ impl Tracer<'_> {
         let count = WRENCH * constraints;
         let lengths = [nq, nv, nv, count, nv, count, settings_count(self.model)];
         self.trace_groups(lengths, |model, [q, qd, qdd, l, a, b, settings]| {
-            let workspaces = &mut (Workspace::new(model), ConstraintWorkspace::new(model, layout));
+            let workspaces = &mut ConstraintWorkspaces {
+                workspace: &mut Workspace::new(model),
+                memory: &mut ConstraintWorkspace::new(model, layout),
+            };
             let mut tau = self.vector();
-            let motion = (&*q, &*qd, &*qdd);
+            let state = State { q: &q, qd: &qd };
+            let motion = state.with_accelerations(&qdd);
             dynamics::inverse_dynamics(
                 model,
-                (&q, &qd, Some(&qdd)),
+                state,
+                Some(&qdd),
                 None,
-                &mut workspaces.0,
+                workspaces.workspace,
                 &mut tau,
             );
             let settings = settings_of(&settings);
             let targets = &*settings.contacts;
-            let moved = relative_velocities(model, targets, (&q, &a), workspaces);
+            let moved = relative_velocities(model, targets, State { q: &q, qd: &a }, workspaces);
             let accelerations = relative_accelerations(model, targets, motion, workspaces);
-            let [displacements, velocities] = residuals(model, targets, (&q, &qd), workspaces);
+            let [displacements, velocities] = residuals(model, targets, state, workspaces);
             let mut phi = dot(&a, &tau);
             for k in 0..constraints {
                 let (alpha, beta) = match k.checked_sub(contacts(model).start) {
@@ -187,20 +198,17 @@ impl Tracer<'_> {
     }
 }
 
-/// Memory for equations with constraints.
-type Rooms = (Workspace<Expr>, ConstraintWorkspace<Expr>);
-
 /// Returns the displacements and the velocities of all constraints relative to their targets.
 fn residuals(
     model: &Mechanism<Expr>,
     targets: &[ContactTarget<Expr>],
-    state: (&[Expr], &[Expr]),
-    (workspace, memory): &mut Rooms,
+    state: State<'_, Expr>,
+    workspaces: &mut ConstraintWorkspaces<'_, Expr>,
 ) -> [Vec<Twist<Expr>>; 2] {
     let mut results = [(); 2].map(|()| vec![Twist::zero(); model.constraints.len()]);
     let [displacements, velocities] = &mut results;
-    let into = (&mut **displacements, &mut **velocities);
-    constraints::constraint_residual(model, state, targets, (workspace, memory), into);
+    let outputs = ResidualOutputs { displacements, velocities };
+    constraints::constraint_residual(model, state, targets, workspaces.reborrow(), outputs);
     results
 }
 
@@ -209,14 +217,14 @@ fn residuals(
 fn relative_velocities(
     model: &Mechanism<Expr>,
     targets: &[ContactTarget<Expr>],
-    state: (&[Expr], &[Expr]),
-    workspaces: &mut Rooms,
+    state: State<'_, Expr>,
+    workspaces: &mut ConstraintWorkspaces<'_, Expr>,
 ) -> Vec<Twist<Expr>> {
     let [_, mut velocities] = residuals(model, targets, state, workspaces);
     let frames = with_second_frames(model);
     for k in contacts(model) {
         velocities[k] =
-            kinematics::link_velocity(&frames, k, state, Axes::World, &mut workspaces.0);
+            kinematics::link_velocity(&frames, k, state, Axes::World, workspaces.workspace);
     }
     velocities
 }
@@ -225,21 +233,26 @@ fn relative_velocities(
 fn relative_accelerations(
     model: &Mechanism<Expr>,
     targets: &[ContactTarget<Expr>],
-    (q, qd, qdd): (&[Expr], &[Expr], &[Expr]),
-    workspaces: &mut Rooms,
+    motion: Motion<'_, Expr>,
+    workspaces: &mut ConstraintWorkspaces<'_, Expr>,
 ) -> Vec<Twist<Expr>> {
-    let mut accelerations = relative_velocities(model, targets, (q, qdd), workspaces);
+    let changes = State { q: motion.q, qd: motion.qdd };
+    let mut accelerations = relative_velocities(model, targets, changes, workspaces);
     let mut biases = vec![Twist::zero(); accelerations.len()];
-    constraints::constraint_bias_acceleration(model, (q, qd), &mut workspaces.0, &mut biases);
+    constraints::constraint_bias_acceleration(
+        model,
+        motion.state(),
+        workspaces.workspace,
+        &mut biases,
+    );
     for (acceleration, &bias) in accelerations.iter_mut().zip(&biases) {
         *acceleration = *acceleration + bias;
     }
     let frames = with_second_frames(model);
-    let motion = (q, qd, qdd);
     for k in contacts(model) {
-        let found =
-            kinematics::link_acceleration(&frames, k, motion, Axes::World, &mut workspaces.0);
-        accelerations[k] = found;
+        let acceleration =
+            kinematics::link_acceleration(&frames, k, motion, Axes::World, workspaces.workspace);
+        accelerations[k] = acceleration;
     }
     accelerations
 }

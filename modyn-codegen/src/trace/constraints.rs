@@ -6,10 +6,15 @@
 //! else 0.
 
 use modyn_runtime::equations::brge::UduLayout;
-use modyn_runtime::equations::constraints::{ColumnMap, RowSystem};
+use modyn_runtime::equations::constraints::{
+    ColumnMap, ConstrainedOutputs, ConstraintInput, ConstraintWorkspaces, ImpulseOutputs,
+    OperationalInertiaOutputs, ProjectionOutputs, RowSystem,
+};
 use modyn_runtime::equations::factorization::{Factorizable, MergedUduLayout};
 use modyn_runtime::equations::kinematics::coordinates;
-use modyn_runtime::equations::{ConstraintWorkspace, Workspace, constraints};
+use modyn_runtime::equations::{
+    ConstraintWorkspace, ForwardInput, State, TimeStepInput, Workspace, constraints,
+};
 use modyn_runtime::mechanism::{Mechanism, MergedMechanism};
 use modyn_runtime::spatial::{Twist, Vector3, Wrench};
 use modyn_runtime::{ConstraintSettings, ContactTarget, Scalar};
@@ -32,7 +37,7 @@ struct ApartRows<'a> {
 impl DenseGraph {
     /// Returns the graph that `trace` makes with its dependent rows apart, which has this number of
     /// inputs and of right-hand sides.
-    fn new((first, sides): (usize, usize), trace: impl FnOnce(ApartRows<'_>) -> Graph) -> Self {
+    fn new(first: usize, sides: usize, trace: impl FnOnce(ApartRows<'_>) -> Graph) -> Self {
         let mut blocks = None;
         let graph = trace(ApartRows { first, sides, blocks: &mut blocks });
         let rows = blocks.map(|blocks| RowForm { blocks, sides });
@@ -90,8 +95,9 @@ impl Tracer<'_> {
     }
 
     fn around_rows(&self, layout: &UduLayout, unknowns: Unknowns, inputs: usize) -> DenseGraph {
-        let form = (inputs, unknowns.sides());
-        DenseGraph::new(form, |apart| self.solution(layout, unknowns, Some(apart)))
+        DenseGraph::new(inputs, unknowns.sides(), |apart| {
+            self.solution(layout, unknowns, Some(apart))
+        })
     }
 
     /// Returns the number of constrained rows of the robot.
@@ -127,9 +133,9 @@ impl Tracer<'_> {
         self.trace_groups(groups, |model, [q, qd, tau, active, settings]| {
             let apart = apart.map(|apart| (apart, self.rows()));
             let Some(limbs) = self.limbs else {
-                let sizes = (nv, model.constraints.len());
+                let count = model.constraints.len();
                 let inputs = [q, qd, tau, active, settings];
-                return unknowns.solve(model, layout, inputs, sizes, apart).concat();
+                return unknowns.solve(model, layout, inputs, nv, count, apart).concat();
             };
             let (contacts, merged) = self.merged_contacts(limbs, model.gravity);
             let partition = limbs.partition(layout.partition());
@@ -143,7 +149,7 @@ impl Tracer<'_> {
             ];
             let n = merged.nv();
             let count = contacts.count();
-            let [vectors, sixes, rest] = unknowns.solve(&merged, layout, inputs, (n, count), apart);
+            let [vectors, sixes, rest] = unknowns.solve(&merged, layout, inputs, n, count, apart);
             let vectors = vectors.chunks(n.max(1)).flat_map(|x| limbs.unpack_vector(x, nv));
             let sixes = sixes.chunks((6 * count).max(1)).flat_map(|x| contacts.unpack(x, 6));
             vectors.chain(sixes).chain(rest).collect()
@@ -184,7 +190,7 @@ impl Tracer<'_> {
         inputs: usize,
     ) -> DenseGraph {
         let sides = 1 + self.rows();
-        DenseGraph::new((inputs, sides), |apart| self.derivatives(layout, Some(apart)))
+        DenseGraph::new(inputs, sides, |apart| self.derivatives(layout, Some(apart)))
     }
 
     /// Returns the same graph with the derivatives with respect to q and qd as products.
@@ -195,12 +201,12 @@ impl Tracer<'_> {
         inputs: usize,
     ) -> DenseGraph {
         let mut products = None;
-        let form = (inputs, 1 + self.rows());
-        let dense =
-            DenseGraph::new(form, |apart| self.by_products(layout, Some(apart), &mut products));
-        let dense = match dense.rows {
-            Some(_) => dense,
-            None => DenseGraph { graph: self.by_products(layout, None, &mut products), ..dense },
+        let around = DenseGraph::new(inputs, 1 + self.rows(), |apart| {
+            self.by_products(layout, Some(apart), &mut products)
+        });
+        let dense = match around.rows {
+            Some(_) => around,
+            None => DenseGraph { graph: self.by_products(layout, None, &mut products), ..around },
         };
         DenseGraph { products, ..dense }
     }
@@ -224,7 +230,7 @@ impl Tracer<'_> {
             let n = self.model.nv;
             let count = self.model.constraints.len();
             let height = n + 6 * count;
-            // Some rows are zero, such as those of moments of points.
+            // Some rows are zero, such as the rows of moments of points.
             let is_zero =
                 |row: usize| map.iter().skip(row).step_by(height).all(|x| x.is_constant_zero());
             let rows: Vec<usize> = (0..height).filter(|&row| !is_zero(row)).collect();
@@ -257,9 +263,9 @@ impl Tracer<'_> {
         apart: Option<ApartRows<'_>>,
         solve: impl FnOnce(
             (&MergedMechanism<Expr>, &MergedUduLayout),
-            (&[Expr], &[Expr], &[Expr]),
-            constraints::Settings<'_, Expr, Vec<ContactTarget<Expr>>>,
-            (&mut Workspace<Expr>, &mut ConstraintWorkspace<Expr>),
+            ForwardInput<'_, Expr>,
+            ConstraintInput<'_, Expr, Vec<ContactTarget<Expr>>>,
+            ConstraintWorkspaces<'_, Expr>,
             constraints::ConstrainedDerivatives<'_, Expr>,
         ) -> (Expr, Vec<Expr>),
     ) -> Graph {
@@ -275,7 +281,8 @@ impl Tracer<'_> {
             let mut changes: [Vec<Wrench<Expr>>; 3] =
                 std::array::from_fn(|_| vec![Wrench::zero(); nv * count]);
             let outputs = constraints::ConstrainedDerivatives::new(
-                (&mut qdd, &mut wrenches),
+                &mut qdd,
+                &mut wrenches,
                 &mut matrices,
                 &mut changes,
             );
@@ -285,9 +292,9 @@ impl Tracer<'_> {
             let apart = apart.map(|apart| apart.given(memory, self.rows()));
             let (rank, dense) = solve(
                 (model, layout),
-                (&q, &qd, &tau),
-                (&active, &settings_of(&settings)),
-                (&mut Workspace::new(model), &mut *memory),
+                ForwardInput { q: &q, qd: &qd, tau: &tau },
+                ConstraintInput { active: &active, settings: &settings_of(&settings) },
+                ConstraintWorkspaces { workspace: &mut Workspace::new(model), memory },
                 outputs,
             );
             let wrenches = wrenches.iter().chain(changes.iter().flatten());
@@ -309,8 +316,7 @@ impl Tracer<'_> {
     /// [`constrained_forward_dynamics_around_rows`](Self::constrained_forward_dynamics_around_rows).
     #[must_use]
     pub fn operational_inertia_around_rows(&self, layout: &UduLayout, inputs: usize) -> DenseGraph {
-        let form = (inputs, self.rows());
-        DenseGraph::new(form, |apart| self.inertia(layout, Some(apart)))
+        DenseGraph::new(inputs, self.rows(), |apart| self.inertia(layout, Some(apart)))
     }
 
     fn inertia(&self, layout: &UduLayout, apart: Option<ApartRows<'_>>) -> Graph {
@@ -328,9 +334,9 @@ impl Tracer<'_> {
                 model,
                 layout,
                 &q,
-                (&active, &settings_of(&settings)),
-                (&mut Workspace::new(model), &mut *memory),
-                (&mut inverse, &mut inertia),
+                ConstraintInput { active: &active, settings: &settings_of(&settings) },
+                ConstraintWorkspaces { workspace: &mut Workspace::new(model), memory },
+                OperationalInertiaOutputs { inverse: &mut inverse, inertia: &mut inertia },
             );
             let operands = apart.map_or_else(Vec::new, |apart| apart.operands(memory));
             [inverse, inertia, vec![rank], operands].concat()
@@ -349,7 +355,7 @@ impl Tracer<'_> {
         let count = self.model.contacts();
         let groups = [nq, nv, nv, 1, settings_count(self.model)];
         self.trace_groups(groups, |model, [q, qd, tau, dt, settings]| {
-            self.problem(layout, model, (&[q, qd, tau, settings], dt[0]), [nv, count]).concat()
+            self.problem(layout, model, &[q, qd, tau, settings], dt[0], [nv, count]).concat()
         })
     }
 
@@ -364,7 +370,7 @@ impl Tracer<'_> {
         let groups = [nq, nv, nv, 1, 3 * count, settings_count(self.model)];
         self.trace_groups(groups, |model, [q, qd, tau, dt, mut impulses, settings]| {
             let inputs = [q, qd, tau, settings];
-            let mut parts = self.problem(layout, model, (&inputs, dt[0]), [nv, count]);
+            let mut parts = self.problem(layout, model, &inputs, dt[0], [nv, count]);
             let [qd, heights, before, free, mobility, responses] = &mut parts;
             let [q, .., settings] = &inputs;
             let vectors = |numbers: &[Expr]| -> Vec<Vector3<Expr>> {
@@ -383,7 +389,7 @@ impl Tracer<'_> {
                 constraints::sweep_contacts(&mut problem, dt[0], &targets, &mut impulses);
             let moved: Vec<Expr> = qd.iter().map(|&rate| rate * dt[0]).collect();
             let mut next = vec![Expr::zero(); nq];
-            coordinates::integrate(model, (q, &moved), &mut next);
+            coordinates::integrate(model, q, &moved, &mut next);
             [&next[..], qd, &impulses, &[residual]].concat()
         })
     }
@@ -395,7 +401,8 @@ impl Tracer<'_> {
         &self,
         layout: &UduLayout,
         model: &Mechanism<Expr>,
-        ([q, qd, tau, settings], dt): (&[Vec<Expr>; 4], Expr),
+        [q, qd, tau, settings]: &[Vec<Expr>; 4],
+        dt: Expr,
         [nv, count]: [usize; 2],
     ) -> [Vec<Expr>; 6] {
         let Some(limbs) = self.limbs else {
@@ -447,9 +454,12 @@ fn contact_problem<T: Factorizable<Expr>>(
     constraints::contact_problem(
         tree,
         layout,
-        (&q, &qd, &tau, dt),
+        TimeStepInput { q: &q, qd: &qd, tau: &tau, dt },
         &settings_of(&settings),
-        (&mut Workspace::new(tree), &mut ConstraintWorkspace::new(tree, layout)),
+        ConstraintWorkspaces {
+            workspace: &mut Workspace::new(tree),
+            memory: &mut ConstraintWorkspace::new(tree, layout),
+        },
         constraints::ContactProblemOutputs {
             qd: &mut after,
             heights: &mut heights,
@@ -491,24 +501,30 @@ impl Unknowns {
         tree: &T,
         layout: &T::Layout,
         [q, qd, tau, active, settings]: [Vec<Expr>; 5],
-        (nv, count): (usize, usize),
+        nv: usize,
+        count: usize,
         apart: Option<(ApartRows<'_>, usize)>,
     ) -> [Vec<Expr>; 3] {
         let vector = || vec![Expr::zero(); nv];
         let memory = &mut ConstraintWorkspace::new(tree, layout);
         let apart = apart.map(|(apart, rows)| apart.given(memory, rows));
-        let workspaces = (&mut Workspace::new(tree), &mut *memory);
-        let settings = &settings_of(&settings);
-        let settings = (&*active, settings);
+        let workspace = &mut Workspace::new(tree);
+        let workspaces = ConstraintWorkspaces { workspace, memory };
+        let constraints = ConstraintInput { active: &active, settings: &settings_of(&settings) };
+        let state = State { q: &q, qd: &qd };
         let [vectors, sixes, rank] = match self {
             Self::Accelerations => {
                 let mut qdd = vector();
                 let mut wrenches = vec![Wrench::zero(); count];
                 let mut residuals = vec![Twist::zero(); count];
-                let results = (&mut *qdd, &mut *wrenches, &mut *residuals);
-                let state = (&*q, &*qd, &*tau);
+                let outputs = ConstrainedOutputs {
+                    qdd: &mut qdd,
+                    wrenches: &mut wrenches,
+                    residuals: &mut residuals,
+                };
+                let input = ForwardInput { q: &q, qd: &qd, tau: &tau };
                 let solve = constraints::constrained_forward_dynamics;
-                let rank = solve(tree, layout, state, settings, workspaces, results);
+                let rank = solve(tree, layout, input, constraints, workspaces, outputs);
                 let wrenches = wrenches.iter().flat_map(Wrench::components);
                 let residuals = residuals.iter().flat_map(Twist::components);
                 [qdd, wrenches.chain(residuals).collect(), vec![rank]]
@@ -516,18 +532,18 @@ impl Unknowns {
             Self::Velocities => {
                 let mut after = vector();
                 let mut impulses = vec![Wrench::zero(); count];
-                let results = (&mut *after, &mut *impulses);
+                let outputs = ImpulseOutputs { qd: &mut after, impulses: &mut impulses };
                 let solve = constraints::contact_impulse;
-                let rank = solve(tree, layout, (&q, &qd), settings, workspaces, results);
+                let rank = solve(tree, layout, state, constraints, workspaces, outputs);
                 let impulses = impulses.iter().flat_map(Wrench::components);
                 [after, impulses.collect(), vec![rank]]
             }
             Self::Steps => {
                 let mut dq = vector();
                 let mut dqd = vector();
-                let results = (&mut *dq, &mut *dqd);
+                let outputs = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
                 let solve = constraints::project_constraints;
-                let rank = solve(tree, layout, (&q, &qd), settings, workspaces, results);
+                let rank = solve(tree, layout, state, constraints, workspaces, outputs);
                 [[dq, dqd].concat(), Vec::new(), vec![rank]]
             }
         };
@@ -536,10 +552,10 @@ impl Unknowns {
     }
 }
 
-/// Returns the settings of merged contacts, from those of the robot's.
+/// Returns the settings of merged contacts, from the settings of the robot's contacts.
 fn merged_settings(contacts: &ContactPacking, settings: &[Expr]) -> Vec<Expr> {
-    let (own, targets) = settings.split_at(ConstraintSettings::<Expr>::COUNT);
-    [own, &contacts.numbers(targets, ContactTarget::<Expr>::COUNT)].concat()
+    let (numbers, targets) = settings.split_at(ConstraintSettings::<Expr>::COUNT);
+    [numbers, &contacts.numbers(targets, ContactTarget::<Expr>::COUNT)].concat()
 }
 
 /// Returns the number of scalars of the settings.

@@ -13,7 +13,7 @@ impl Tracer<'_> {
     pub fn integrate(&self) -> Graph {
         self.trace(|model, [q, v]| {
             let mut moved = self.coordinates();
-            coordinates::integrate(model, (&q, &v), &mut moved);
+            coordinates::integrate(model, &q, &v, &mut moved);
             moved
         })
     }
@@ -25,7 +25,7 @@ impl Tracer<'_> {
         self.trace(|model, [_, v]| {
             let mut dq = self.square();
             let mut dv = self.square();
-            coordinates::integrate_derivatives(model, &v, (&mut dq, &mut dv));
+            coordinates::integrate_derivatives(model, &v, &mut dq, &mut dv);
             [dq, dv].concat()
         })
     }
@@ -35,7 +35,7 @@ impl Tracer<'_> {
     pub fn velocity_to_qdot(&self) -> Graph {
         self.trace(|model, [q, qd]| {
             let mut rates = self.coordinates();
-            coordinates::velocity_to_qdot(model, (&q, &qd), &mut rates);
+            coordinates::velocity_to_qdot(model, &q, &qd, &mut rates);
             rates
         })
     }

@@ -6,7 +6,7 @@ use std::ops::Range;
 use crate::graph::Graph;
 
 /// A graph with dense parts. After the results, its outputs are the operands of the products, then
-/// those of the equations; after the arguments, its inputs are the results of the equations.
+/// the operands of the equations; after the arguments, its inputs are the results of the equations.
 #[derive(Clone, Debug)]
 pub struct DenseGraph {
     /// The graph.
@@ -28,7 +28,7 @@ pub struct RowForm {
 }
 
 /// The form of products of one matrix A with several matrices B, which are added to results. Its
-/// operands are the entries of A, then those of each B, by columns.
+/// operands are the entries of A, then the entries of each B, by columns.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProductForm {
     /// The number of rows of A.

@@ -1,10 +1,10 @@
 //! The graphs of the derivatives of inverse and forward dynamics.
 
 use modyn_runtime::Scalar;
-use modyn_runtime::equations::Workspace;
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::derivatives::{self, ForwardDerivatives};
 use modyn_runtime::equations::factorization::{MergedUduLayout, cross_limb};
+use modyn_runtime::equations::{ForwardInput, Motion, Workspace};
 use modyn_runtime::mechanism::MergedMechanism;
 
 use super::Tracer;
@@ -19,7 +19,7 @@ impl Tracer<'_> {
         self.trace_joints(0, |model, [q, qd, qdd]| {
             let mut dq = square(model);
             let mut dqd = square(model);
-            let motion = (&*q, &*qd, &*qdd);
+            let motion = Motion { q: &q, qd: &qd, qdd: &qdd };
             let workspace = &mut Workspace::new(model);
             let derive = derivatives::inverse_dynamics_derivatives;
             derive(model, motion, workspace, &mut dq, &mut dqd);
@@ -95,8 +95,8 @@ fn derive(
     workspace: &mut Workspace<Expr>,
 ) -> [Vec<Expr>; 4] {
     results(model, |outputs| {
-        let state = (&*q, &*qd, &*tau);
-        derivatives::forward_dynamics_derivatives(model, layout, state, workspace, outputs);
+        let input = ForwardInput { q: &q, qd: &qd, tau: &tau };
+        derivatives::forward_dynamics_derivatives(model, layout, input, workspace, outputs);
     })
 }
 
@@ -110,10 +110,10 @@ fn derive_factors(
 ) -> ([Vec<Expr>; 4], [Vec<Expr>; 2]) {
     let mut free_fall = [square(model), square(model)];
     let results = results(model, |mut outputs| {
-        let state = (&*q, &*qd, &*tau);
-        derivatives::forward_dynamics_factors(model, layout, state, workspace, &mut outputs);
+        let input = ForwardInput { q: &q, qd: &qd, tau: &tau };
+        derivatives::forward_dynamics_factors(model, layout, input, workspace, &mut outputs);
         let [dq, dqd] = &mut free_fall;
-        derivatives::add_free_fall(model, &qd, workspace, (outputs.qdd, dq, dqd));
+        derivatives::add_free_fall(model, &qd, workspace, outputs.qdd, dq, dqd);
     });
     (results, free_fall)
 }

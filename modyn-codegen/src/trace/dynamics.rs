@@ -2,11 +2,11 @@
 //! lanes.
 
 use modyn_runtime::Scalar;
-use modyn_runtime::equations::Workspace;
 use modyn_runtime::equations::dynamics::{
     Elimination, forward_dynamics, gravity_torques, mass_matrix, recursive_forward_dynamics,
     recursive_newton_euler,
 };
+use modyn_runtime::equations::{ForwardInput, State, Workspace};
 
 use super::Tracer;
 use crate::graph::{Expr, Graph};
@@ -18,17 +18,17 @@ impl Tracer<'_> {
         let Elimination::Recursive(partition) = elimination else {
             return self.trace(|model, [q, qd, tau]| {
                 let mut qdd = self.vector();
-                let state = (&*q, &*qd, &*tau);
+                let input = ForwardInput { q: &q, qd: &qd, tau: &tau };
                 let workspace = &mut Workspace::new(model);
-                forward_dynamics(model, elimination, state, None, workspace, &mut qdd);
+                forward_dynamics(model, elimination, input, None, workspace, &mut qdd);
                 qdd
             });
         };
         self.trace_joints(1, |model, [q, qd, tau]| {
             let mut qdd = vec![Expr::zero(); model.nv()];
-            let state = (&*q, &*qd, &*tau);
+            let input = ForwardInput { q: &q, qd: &qd, tau: &tau };
             let workspace = &mut Workspace::new(model);
-            recursive_forward_dynamics(model, partition, state, workspace, &mut qdd);
+            recursive_forward_dynamics(model, partition, input, workspace, &mut qdd);
             qdd
         })
     }
@@ -38,9 +38,9 @@ impl Tracer<'_> {
     pub fn inverse_dynamics(&self) -> Graph {
         self.trace_joints(1, |model, [q, qd, qdd]| {
             let mut tau = vec![Expr::zero(); model.nv()];
-            let motion = (&*q, &*qd, Some(&*qdd));
+            let state = State { q: &q, qd: &qd };
             let workspace = &mut Workspace::new(model);
-            recursive_newton_euler(model, motion, workspace, &mut tau);
+            recursive_newton_euler(model, state, Some(&qdd), workspace, &mut tau);
             tau
         })
     }
@@ -50,9 +50,9 @@ impl Tracer<'_> {
     pub fn bias_forces(&self) -> Graph {
         self.trace_joints(1, |model, [q, qd]| {
             let mut tau = vec![Expr::zero(); model.nv()];
-            let motion = (&*q, &*qd, None);
+            let state = State { q: &q, qd: &qd };
             let workspace = &mut Workspace::new(model);
-            recursive_newton_euler(model, motion, workspace, &mut tau);
+            recursive_newton_euler(model, state, None, workspace, &mut tau);
             tau
         })
     }

@@ -4,8 +4,8 @@
 //! Other graphs of derivatives are in tangent space. A library that differentiates by plain
 //! numbers, as `CasADi` does, has four entries for a quaternion, whose length is 1 at a solution
 //! only. Here a function scales quaternions to length 1 first. So it has a value at any length, and
-//! its derivatives by all four entries are those of this value: the derivative along the quaternion
-//! is zero.
+//! its derivatives by all four entries are the derivatives of this value: the derivative along the
+//! quaternion is zero.
 
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::mechanism::coordinates::CoordinateSpace;
@@ -109,9 +109,10 @@ impl Tracer<'_> {
     /// the graphs of the step and of the difference of coordinates.
     ///
     /// With a feedback, the forces are `controls` + `gains` (x_ref - x), where the difference of
-    /// states has that of the coordinates in tangent space, then that of the velocities. With a
-    /// cost, the state has one number more, which grows by the sum of `state_weights` (x_goal -
-    /// x)^2 over the state after the step and of `control_weights` forces^2.
+    /// states has the difference of the coordinates in tangent space, then the difference of the
+    /// velocities. With a cost, the state has one number more, which grows by the sum of
+    /// `state_weights` (x_goal - x)^2 over the state after the step and of `control_weights`
+    /// forces^2.
     ///
     /// Inputs: `q`, `qd`; of a cost `cost`; `controls`, `dt`, and as many `settings`; of a feedback
     /// `gains` (nv rows of 2 nv numbers), `q_ref`, `qd_ref`; of a cost `q_goal`, `qd_goal`,
@@ -119,7 +120,8 @@ impl Tracer<'_> {
     #[must_use]
     pub fn with_extras(
         &self,
-        (feedback, cost): (bool, bool),
+        feedback: bool,
+        cost: bool,
         settings: usize,
         step: &Graph,
         difference: &Graph,
@@ -182,14 +184,14 @@ impl Tracer<'_> {
         let x = all.inputs(inputs.all);
         let (q, rest) = x.split_at(inputs.q.end);
         let unit = all.add(&self.normalize(), &[q]);
-        let derivatives = optimize(self.inverse_dynamics_derivatives());
-        let derivatives = all.add(&derivatives, &[&unit, rest]);
+        let derivative_graph = optimize(self.inverse_dynamics_derivatives());
+        let derivatives = all.add(&derivative_graph, &[&unit, rest]);
         let (dq, dqd) = derivatives.split_at(nv * nv);
         let dq = self.by_entries(&mut all, q, &unit, dq);
         let parameters = &x[inputs.last.end..];
         let mass = all.add(&optimize(self.mass_matrix()), &[&unit, parameters]);
-        let by_parameters = jacobian(value, inputs.all, inputs.last.end..inputs.all);
-        let by_parameters = all.add(&by_parameters, &[&x]);
+        let graph = jacobian(value, inputs.all, inputs.last.end..inputs.all);
+        let by_parameters = all.add(&graph, &[&x]);
         all.with_outputs(&[&dq, dqd, &mass, &by_parameters])
     }
 
@@ -263,8 +265,8 @@ impl Tracer<'_> {
         let x = all.inputs(inputs.all);
         let (q, rest) = x.split_at(inputs.q.end);
         let unit = all.add(&self.normalize(), &[q]);
-        let derivatives = optimize(self.forward_dynamics_derivatives(layout));
-        let derivatives = all.add(&derivatives, &[&unit, rest]);
+        let graph = optimize(self.forward_dynamics_derivatives(layout));
+        let derivatives = all.add(&graph, &[&unit, rest]);
         let (qdd, matrices) = derivatives.split_at(nv);
         let (dq, matrices) = matrices.split_at(nv * nv);
         let (_, dtau) = matrices.split_at(nv * nv);
@@ -288,10 +290,10 @@ impl Tracer<'_> {
         let mut all = Composition::new();
         let x = all.inputs(inputs.all);
         let dx = all.inputs(inputs.all);
-        let dynamics = ForwardDynamics::new(&mut all, inputs.clone(), (value, inverse), x);
+        let dynamics = ForwardDynamics::new(&mut all, inputs.clone(), value, inverse, x);
         let zeros = vec![all.constant(0.0); dynamics.qdd.len()];
         let dz = inputs.with_accelerations(&dx, &zeros);
-        let change = dynamics.change(&mut all, &dx[inputs.last], (0..inputs.all, &dz));
+        let change = dynamics.change(&mut all, &dx[inputs.last], 0..inputs.all, &dz);
         all.with_outputs(&[&change])
     }
 
@@ -301,7 +303,7 @@ impl Tracer<'_> {
         let mut all = Composition::new();
         let x = all.inputs(inputs.all);
         let weights = all.inputs(self.model.nv);
-        let dynamics = ForwardDynamics::new(&mut all, inputs.clone(), (value, inverse), x);
+        let dynamics = ForwardDynamics::new(&mut all, inputs.clone(), value, inverse, x);
         let (by_tau, gradients) = dynamics.gradients(&mut all, &weights, 0..inputs.all);
         all.with_outputs(&[&inputs.with_accelerations(&gradients, &by_tau)])
     }
@@ -321,8 +323,8 @@ impl Tracer<'_> {
         let mut all = Composition::new();
         let x = all.inputs(size);
         let weights = all.inputs(nv);
-        let found = all.add(closed, &[&x]);
-        let (qdd, d) = found.split_at(nv);
+        let results = all.add(closed, &[&x]);
+        let (qdd, d) = results.split_at(nv);
         let by_tau = &d[inputs.last.start * nv..inputs.last.end * nv];
         let mu: Vec<Id> = (by_tau.chunks(nv))
             .map(|column| {
@@ -383,11 +385,11 @@ impl Tracer<'_> {
     fn by_entries(&self, all: &mut Composition, q: &[Id], unit: &[Id], dq: &[Id]) -> Vec<Id> {
         let nq = self.model.nq;
         let nv = self.model.nv;
-        let rates = self.velocity_to_qdot();
+        let graph = self.velocity_to_qdot();
         let rates: Vec<Vec<Id>> = (0..nv)
             .map(|k| {
                 let velocity = all.graph.unit_vector(nv, k);
-                all.add(&rates, &[unit, &velocity])
+                all.add(&graph, &[unit, &velocity])
             })
             .collect();
         let mut scales = vec![None; nq];

@@ -21,9 +21,9 @@ pub struct Solvers<'a> {
 }
 
 impl Tracer<'_> {
-    /// Returns the graph of a function of `model` on scalars, by these solvers or those of the
-    /// interpreter. Inputs: its arguments. A function of one link is that of the tracer's first
-    /// link.
+    /// Returns the graph of a function of `model` on scalars, by these solvers or the solvers of
+    /// the interpreter. Inputs: its arguments. A function of one link is the function of the
+    /// tracer's first link.
     ///
     /// # Panics
     ///
@@ -48,9 +48,9 @@ impl Tracer<'_> {
             let arguments: Vec<&[Expr]> = lengths
                 .iter()
                 .map(|&length| {
-                    let (own, others) = rest.split_at(length);
+                    let (numbers, others) = rest.split_at(length);
                     rest = others;
-                    own
+                    numbers
                 })
                 .collect();
             let mut result = vec![Expr::zero(); (row.result)(&sizes).len()];

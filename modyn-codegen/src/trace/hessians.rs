@@ -26,9 +26,9 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use modyn_runtime::equations::Workspace;
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::dynamics::{free_bases, free_fall_accelerations};
+use modyn_runtime::equations::{State, Workspace};
 
 use super::Tracer;
 use super::composition::Composition;
@@ -83,12 +83,12 @@ impl Hessian {
     ) -> bool {
         let nq = tracer.model.nq;
         // On numbers of its own: among the composition's, the accelerations are functions of q.
-        let mut own = Composition::new();
-        let inputs = own.inputs(self.point.len());
+        let mut subgraph = Composition::new();
+        let inputs = subgraph.inputs(self.point.len());
         let mut point = inputs.clone();
         for (own_input, given) in point.iter_mut().zip(&self.point) {
             if let Some(value) = all.graph.value(*given) {
-                *own_input = own.constant(value);
+                *own_input = subgraph.constant(value);
             }
         }
         let parameters: Vec<Id> = point[point.len() - tracer.parameters.len()..].to_vec();
@@ -96,16 +96,16 @@ impl Hessian {
         let mut moved = Vec::new();
         for (direction, displacement) in (0..).zip(displacements) {
             let Some(((variable, k), _)) = *displacement else { continue };
-            let one = own.constant(1.0);
+            let one = subgraph.constant(1.0);
             if variable != Q {
                 let input = nq + (variable - 1) * self.nv + k;
                 moved.push(Displacement { input, direction, change: one });
                 continue;
             }
-            let unit = own.graph.unit_vector(self.nv, k);
-            let dq = own.add(&rates, &[&point[..nq], &unit, &parameters]);
-            let changes = dq.iter().enumerate();
-            let changes = changes.filter(|&(_, &change)| own.graph.value(change) != Some(0.0));
+            let unit = subgraph.graph.unit_vector(self.nv, k);
+            let dq = subgraph.add(&rates, &[&point[..nq], &unit, &parameters]);
+            let entries = dq.iter().enumerate();
+            let changes = entries.filter(|&(_, &change)| subgraph.graph.value(change) != Some(0.0));
             moved.extend(changes.map(|(input, &change)| Displacement { input, direction, change }));
         }
         let mut entries: Vec<Entry> = Vec::new();
@@ -114,18 +114,19 @@ impl Hessian {
                 entries.push(*entry);
             }
         }
-        let outputs = own.add(&self.gradient, &[&point]);
-        own.graph.outputs =
+        let outputs = subgraph.add(&self.gradient, &[&point]);
+        subgraph.graph.outputs =
             entries.iter().map(|&(variable, entry)| outputs[variable * self.nv + entry]).collect();
-        let Some(Directional { graph, changes }) = along_directions(&own.graph, &moved) else {
+        let Some(Directional { graph, changes }) = along_directions(&subgraph.graph, &moved) else {
             return false;
         };
         let packs = all.add(&graph, &[&self.point]);
         for (lane, displacement) in displacements.iter().enumerate() {
             let Some((along, wanted)) = displacement else { continue };
             for (entry, terms) in entries.iter().zip(&changes).filter(|(e, _)| wanted.contains(e)) {
-                let terms = terms.iter().filter(|&&(_, lanes)| lanes >> lane & 1 == 1);
-                let terms: Vec<Id> = terms.map(|&(pack, _)| all.lane(packs[pack], lane)).collect();
+                let along_lane = terms.iter().filter(|&&(_, lanes)| lanes >> lane & 1 == 1);
+                let terms: Vec<Id> =
+                    along_lane.map(|&(pack, _)| all.lane(packs[pack], lane)).collect();
                 if !terms.is_empty() {
                     let change = all.graph.pairwise_sum(&terms);
                     self.found.insert((*along, *entry), change);
@@ -147,13 +148,13 @@ impl Hessian {
         let nv = self.nv;
         let zero = all.constant(0.0);
         let one = all.constant(1.0);
-        let change = (0..self.outputs.len()).map(|entry| {
+        let of_outputs = (0..self.outputs.len()).map(|entry| {
             let is_along = |&((variable, k), _): &(Entry, _)| entry == variable * nv + k;
             let lanes =
                 displacements.iter().map(|one_of| if is_along(one_of) { one } else { zero });
             all.pack(&lanes.collect::<Vec<_>>())
         });
-        let change: Vec<Id> = change.collect();
+        let change: Vec<Id> = of_outputs.collect();
         let rates = tracer.velocity_to_qdot();
         let rest = vec![all.constant(0.0); tracer.parameters.len()];
         let dq = all.add(&rates, &[&self.point[..nq], &change[..nv], &rest]);
@@ -166,8 +167,10 @@ impl Hessian {
         let output = |&(variable, entry): &Entry| self.outputs[variable * nv + entry];
         self.changes.outputs = entries.iter().map(output).collect();
         let changes = all.add(&self.changes, &[&self.point, &dq, &change[nv..]]);
-        for (lane, (along, own)) in displacements.iter().enumerate() {
-            for (entry, &change) in entries.iter().zip(&changes).filter(|(e, _)| own.contains(e)) {
+        for (lane, (along, entries_of_lane)) in displacements.iter().enumerate() {
+            for (entry, &change) in
+                entries.iter().zip(&changes).filter(|(e, _)| entries_of_lane.contains(e))
+            {
                 self.found.insert((*along, *entry), all.lane(change, lane));
             }
         }
@@ -283,8 +286,8 @@ impl Tracer<'_> {
             self.weighted_inverse_dynamics();
         let mut hessian = Hessian::new(self, gradient, 2, point);
         self.second_derivatives(&mut all, &mut hessian, |_| true);
-        let blocks = [(Q, Q), (Q, QD), (QD, QD), (Q, QDD)];
-        let blocks = blocks.map(|(rows, columns)| hessian.block(&mut all, rows, columns));
+        let places = [(Q, Q), (Q, QD), (QD, QD), (Q, QDD)];
+        let blocks = places.map(|(rows, columns)| hessian.block(&mut all, rows, columns));
         all.with_outputs(&[&tau, &gradients, &blocks.concat()])
     }
 
@@ -300,9 +303,9 @@ impl Tracer<'_> {
         let all_of = |variable: usize| (0..nv).map(move |i| (variable, i));
         let groups = self.groups();
         let by_q = |j: usize| {
-            // The rows of descendants take fewer operations than those of ancestors.
-            let rows = all_of(Q).filter(|&(_, i)| i >= j || groups[j].contains(&i));
-            let rows = rows.chain(all_of(QD)).filter(|&row| varies(row)).chain(all_of(QDD));
+            // The rows of descendants take fewer operations than the rows of ancestors.
+            let in_groups = all_of(Q).filter(|&(_, i)| i >= j || groups[j].contains(&i));
+            let rows = in_groups.chain(all_of(QD)).filter(|&row| varies(row)).chain(all_of(QDD));
             varies((Q, j)).then(|| ((Q, j), rows.collect::<Vec<Entry>>()))
         };
         let by_qd = |j: usize| {
@@ -329,8 +332,8 @@ impl Tracer<'_> {
         }
     }
 
-    /// Returns the entries of qd whose displacements share the lanes of one pack: those of equal
-    /// limbs, else of consecutive joints of a chain.
+    /// Returns the entries of qd whose displacements share the lanes of one pack: the entries of
+    /// equal limbs, else of consecutive joints of a chain.
     pub(super) fn column_groups(&self) -> Vec<Vec<Option<usize>>> {
         if let Some(limbs) = self.limbs {
             return limbs.velocities().map(|(lanes, _)| lanes.to_vec()).collect();
@@ -359,8 +362,8 @@ impl Tracer<'_> {
     #[must_use]
     pub fn forward_dynamics_hessian(&self, layout: &UduLayout) -> Graph {
         let (mut all, motion, weights) = self.weighted_motion(layout);
-        let found = self.weighted_accelerations(&mut all, layout, &motion, &weights);
-        let ForwardHessian { gradients, by_tau, blocks, by_q_tau, .. } = found;
+        let hessian = self.weighted_accelerations(&mut all, layout, &motion, &weights);
+        let ForwardHessian { gradients, by_tau, blocks, by_q_tau, .. } = hessian;
         all.with_outputs(&[&motion.qdd, &gradients, &by_tau, &blocks.concat(), &by_q_tau])
     }
 
@@ -392,8 +395,8 @@ impl Tracer<'_> {
         let free_fall = self.free_fall();
         let qdd = all.add(&free_fall, &[q, qd, parameters]);
         let neutral_fall = all.add(&free_fall, &[&neutral.q, &neutral.qd, parameters]);
-        let qdd = all.difference(&qdd, &neutral_fall);
-        let qdd = all.sums(&relative, &qdd);
+        let relative_to_fall = all.difference(&qdd, &neutral_fall);
+        let qdd = all.sums(&relative, &relative_to_fall);
         let [q, qd, parameters] = [q, qd, parameters].map(<[Id]>::to_vec);
         Motion { q, qd, parameters, neutral, factors, relative, qdd }
     }
@@ -417,8 +420,8 @@ impl Tracer<'_> {
         let none = vec![all.constant(0.0); nv * nv];
         let through_qdd = [by_q, by_qd, none];
         let blocks = std::array::from_fn(|k| {
-            let own = all.difference(&through_qdd[k], &phi[k]);
-            all.sums(&own, &fall[k])
+            let through_velocity = all.difference(&through_qdd[k], &phi[k]);
+            all.sums(&through_velocity, &fall[k])
         });
         let by_q_tau = all.negated(&b);
         let reduced = [u_by_q, u_by_qd];
@@ -447,9 +450,9 @@ impl Tracer<'_> {
         let point = [&neutral.q[..], &neutral.qd, relative, &by_tau, parameters].concat();
         let gradients = all.add(&gradient, &[&point]);
         let zero = all.constant(0.0);
-        let varying = gradients[..2 * nv].iter().enumerate();
+        let all_gradients = gradients[..2 * nv].iter().enumerate();
         let varying =
-            varying.map(|(k, &x)| if neutral.varies((k / nv, k % nv)) { x } else { zero });
+            all_gradients.map(|(k, &x)| if neutral.varies((k / nv, k % nv)) { x } else { zero });
         let gradients = all.difference(&of_fall, &varying.collect::<Vec<_>>());
         let mut phi = Hessian::new(self, gradient, 2, point);
         self.second_derivatives(all, &mut phi, |entry| neutral.varies(entry));
@@ -458,11 +461,11 @@ impl Tracer<'_> {
         let u = all.add(&self.u_inverse(layout), &[factors]);
         let d = all.add(&self.d_inverse(layout), &[factors]);
         let w = phi.block(all, Q, QDD);
-        let w = self.multiply(all, &w, &transposed(&u, nv));
-        let w = self.multiply(all, &w, &d);
+        let left = self.multiply(all, &w, &transposed(&u, nv));
+        let w = self.multiply(all, &left, &d);
         let b = self.multiply(all, &w, &u);
-        let derivatives = self.inverse_dynamics_derivatives();
-        let derivatives = all.add(&derivatives, &[&neutral.q, &neutral.qd, relative, parameters]);
+        let graph = self.inverse_dynamics_derivatives();
+        let derivatives = all.add(&graph, &[&neutral.q, &neutral.qd, relative, parameters]);
         let by_state = [Q, QD].map(|variable| {
             let columns = derivatives[variable * nv * nv..][..nv * nv].iter().enumerate();
             let varies = |k: usize| neutral.varies((variable, k / nv));
@@ -482,10 +485,10 @@ impl Tracer<'_> {
         let (mut all, motion, weights) = self.weighted_motion(layout);
         let HessianFactors { gradients, by_tau, phi, fall, b, by_state, .. } =
             self.hessian_factors(&mut all, layout, &motion, &weights);
-        let own: [Vec<Id>; 3] = std::array::from_fn(|k| all.difference(&fall[k], &phi[k]));
+        let bias: [Vec<Id>; 3] = std::array::from_fn(|k| all.difference(&fall[k], &phi[k]));
         let by_q_tau = all.negated(&b);
         let [by_q, by_qd] = by_state.map(|columns| all.negated(&columns));
-        let results = [motion.qdd, gradients, by_tau, own.concat(), by_q_tau.clone()].concat();
+        let results = [motion.qdd, gradients, by_tau, bias.concat(), by_q_tau.clone()].concat();
         let of_qq = Target::square(4 * n, n);
         let of_qqd = Target::square(4 * n + n * n, n);
         let targets = vec![vec![of_qq.clone(), of_qq.transposed()], vec![of_qqd]];
@@ -580,7 +583,12 @@ impl Tracer<'_> {
     fn free_fall(&self) -> Graph {
         self.trace(|model, [q, qd]| {
             let mut qdd = self.vector();
-            free_fall_accelerations(model, (&q, &qd), &mut Workspace::new(model), &mut qdd);
+            free_fall_accelerations(
+                model,
+                State { q: &q, qd: &qd },
+                &mut Workspace::new(model),
+                &mut qdd,
+            );
             qdd
         })
     }

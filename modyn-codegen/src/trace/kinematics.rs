@@ -4,7 +4,7 @@
 //! A pose is nine numbers of the rotation by rows, then three of the translation. A twist or a
 //! momentum is three angular, then three linear components. Columns follow each other.
 
-use modyn_runtime::equations::{Workspace, kinematics};
+use modyn_runtime::equations::{State, Workspace, kinematics};
 use modyn_runtime::spatial::Pose;
 
 use super::Tracer;
@@ -32,8 +32,8 @@ impl Tracer<'_> {
     pub fn placed_pose() -> Graph {
         Graph::trace(|| {
             let mut next = 0;
-            let [body, own] = std::array::from_fn(|_| pose_input(&mut next));
-            numbers(&body.compose(&own))
+            let [body, placement] = std::array::from_fn(|_| pose_input(&mut next));
+            numbers(&body.compose(&placement))
         })
     }
 
@@ -64,10 +64,10 @@ impl Tracer<'_> {
     #[must_use]
     pub fn link_acceleration_from_world(&self, frame: usize) -> Graph {
         self.trace(|model, [q, qd, qdd]| {
-            let motion = (&*q, &*qd, Some(&*qdd));
+            let state = State { q: &q, qd: &qd };
             let workspace = &mut Workspace::new(model);
             let acceleration = kinematics::link_acceleration_from_world;
-            acceleration(model, frame, motion, workspace).components().to_vec()
+            acceleration(model, frame, state, Some(&qdd), workspace).components().to_vec()
         })
     }
 
@@ -76,10 +76,10 @@ impl Tracer<'_> {
     #[must_use]
     pub fn bias_acceleration_from_world(&self, frame: usize) -> Graph {
         self.trace(|model, [q, qd]| {
-            let motion = (&*q, &*qd, None);
+            let state = State { q: &q, qd: &qd };
             let workspace = &mut Workspace::new(model);
             let acceleration = kinematics::link_acceleration_from_world;
-            acceleration(model, frame, motion, workspace).components().to_vec()
+            acceleration(model, frame, state, None, workspace).components().to_vec()
         })
     }
 }

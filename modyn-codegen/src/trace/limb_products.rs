@@ -14,7 +14,8 @@ use crate::graph::Id;
 /// The factors of the terms of a sum of products.
 type Factors = Vec<(Id, Id)>;
 
-/// A degree of freedom of the robot: that of the merged robot, the group of limbs, and the limb.
+/// A degree of freedom of the robot: the degree of freedom of the merged robot, the group of limbs,
+/// and the limb.
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct Place {
     merged: usize,
@@ -52,7 +53,7 @@ impl LimbMatrices {
                 let c = all.places[column];
                 let relation = match (r.group, c.group) {
                     (Some(one), Some(other)) if one == other => all.distance(one, r, c),
-                    // Of limbs of two groups: lanes are those of the row.
+                    // Of limbs of two groups: the lanes of the row.
                     (Some(_), Some(_)) => c.limb,
                     _ => 0,
                 };
@@ -78,12 +79,15 @@ impl LimbMatrices {
     }
 
     /// Returns the place of `k` relative to the limb of an entry, the same for all lanes of a pack.
-    fn relative(&self, (row, column): (usize, usize), k: usize) -> (usize, usize) {
-        let own = self.places[k];
-        let Some(group) = own.group else { return (own.merged, 0) };
+    fn relative(&self, row: usize, column: usize, k: usize) -> (usize, usize) {
+        let own_place = self.places[k];
+        let Some(group) = own_place.group else { return (own_place.merged, 0) };
         let entry = [row, column].map(|entry| self.places[entry]);
         let same = entry.iter().find(|place| place.group == Some(group));
-        (own.merged, same.map_or(own.limb, |place| self.distance(group, *place, own)))
+        (
+            own_place.merged,
+            same.map_or(own_place.limb, |place| self.distance(group, *place, own_place)),
+        )
     }
 
     /// Returns the product of two matrices, by columns.
@@ -98,7 +102,7 @@ impl LimbMatrices {
                 for k in 0..n {
                     let factors = (a[k * n + row], b[column * n + k]);
                     if factors.0 != zero && factors.1 != zero {
-                        let lanes = terms.entry(self.relative((row, column), k)).or_default();
+                        let lanes = terms.entry(self.relative(row, column, k)).or_default();
                         lanes.resize(lanes.len().max(lane + 1), (zero, zero));
                         lanes[lane] = factors;
                     }
@@ -111,11 +115,11 @@ impl LimbMatrices {
                 product[column * n + row] = self.sum_over_limbs(all, &terms);
                 continue;
             }
-            let factors = terms.values().map(|factors| {
+            let packed = terms.values().map(|factors| {
                 let (a, b): (Vec<Id>, Vec<Id>) = factors.iter().copied().unzip();
                 (all.pack(&a), all.pack(&b))
             });
-            let factors: Vec<(Id, Id)> = factors.collect();
+            let factors: Vec<(Id, Id)> = packed.collect();
             let sum = all.graph.sum_of_products(factors);
             for (lane, &(row, column)) in pack.iter().enumerate() {
                 product[column * n + row] = all.lane(sum, lane);
@@ -124,8 +128,8 @@ impl LimbMatrices {
         product
     }
 
-    /// Returns the sum of products of an entry of the trunk: those of a group of limbs are computed
-    /// in lanes, then added.
+    /// Returns the sum of products of an entry of the trunk: the products of a group of limbs are
+    /// computed in lanes, then added.
     fn sum_over_limbs(
         &self,
         all: &mut Composition,
@@ -142,19 +146,19 @@ impl LimbMatrices {
             let lanes = group.map_or(1, |group| self.limbs[&group]);
             let complete = of_joints.values().all(|factors| factors.len() == lanes);
             if lanes == 1 || !complete {
-                let own = all.graph.sum_of_products(of_joints.into_values().flatten());
-                sum = all.sum(sum, own);
+                let products = all.graph.sum_of_products(of_joints.into_values().flatten());
+                sum = all.sum(sum, products);
                 continue;
             }
-            let factors = of_joints.values().map(|factors| {
+            let packed_factors = of_joints.values().map(|factors| {
                 let (a, b): (Vec<Id>, Vec<Id>) = factors.iter().copied().unzip();
                 (all.pack(&a), all.pack(&b))
             });
-            let factors: Vec<(Id, Id)> = factors.collect();
+            let factors: Vec<(Id, Id)> = packed_factors.collect();
             let packed = all.graph.sum_of_products(factors);
             let each: Vec<Id> = (0..lanes).map(|lane| all.lane(packed, lane)).collect();
-            let own = all.graph.pairwise_sum(&each);
-            sum = all.sum(sum, own);
+            let products = all.graph.pairwise_sum(&each);
+            sum = all.sum(sum, products);
         }
         sum
     }

@@ -83,9 +83,9 @@ impl LimbPacking {
     /// quantities can be transformed together.
     #[must_use]
     pub fn share_root_path(&self, model: &Mechanism<f64>) -> bool {
-        let on_one_path = |of: &Lanes| {
+        let on_one_path = |bodies_of_lanes: &Lanes| {
             let parents: Vec<usize> =
-                of.iter().flatten().filter_map(|&b| model.bodies[b].parent).collect();
+                bodies_of_lanes.iter().flatten().filter_map(|&b| model.bodies[b].parent).collect();
             let Some(&last) = parents.iter().max() else { return true };
             let path: Vec<usize> =
                 iter::successors(Some(last), |&body| model.bodies[body].parent).collect();
@@ -106,11 +106,11 @@ impl LimbPacking {
         let mut add = |merged: Merged, group| {
             let body = &model.bodies[merged.representative];
             let lanes = |number: &dyn Fn(&Body<f64>) -> usize| {
-                merged.of.iter().map(|of| of.map(|b| number(&model.bodies[b]))).collect()
+                merged.of.iter().map(|body| body.map(|b| number(&model.bodies[b]))).collect()
             };
             for k in 0..body.dofs.len() {
                 velocities.push((lanes(&|body| model.dofs[body.dofs.start + k].v), group));
-                roots.push(merged.of.iter().map(|of| of.map(|b| root_of[b])).collect());
+                roots.push(merged.of.iter().map(|body| body.map(|b| root_of[b])).collect());
             }
             coordinates.extend((0..body.elementary_joint.nq()).map(|k| lanes(&|body| body.q + k)));
             bodies.push(merged);
@@ -127,9 +127,9 @@ impl LimbPacking {
             }
             let longest = longest(limbs);
             for place in 0..longest.len() {
-                let of = limbs.iter().map(|limb| limb.clone().nth(place)).collect();
+                let bodies = limbs.iter().map(|limb| limb.clone().nth(place)).collect();
                 add(
-                    Merged { of, representative: longest.start + place, first: place == 0 },
+                    Merged { of: bodies, representative: longest.start + place, first: place == 0 },
                     Some(g),
                 );
             }

@@ -52,8 +52,8 @@ pub struct LoopedBody {
     pub row: usize,
     /// The parent; `None` for the world.
     pub parent: Option<usize>,
-    /// The index of the body's first entry of q, and that of its first entry of the other joint
-    /// vectors.
+    /// The index of the body's first entry of q, and the index of its first entry of the other
+    /// joint vectors.
     pub starts: [usize; 2],
 }
 
@@ -76,7 +76,7 @@ impl Tracer<'_> {
         let mut members: Vec<Vec<usize>> = Vec::new();
         let mut bodies = Vec::with_capacity(model.bodies.len());
         for (i, body) in model.bodies.iter().enumerate() {
-            // The azimuth is that of roots and of branches. In a kind without it, its products are
+            // Roots and branches have an azimuth. In a kind without it, its products are
             // folded.
             let has_azimuth = body.placement.azimuth != AxisRotation::Quarters(0);
             let key = (body.elementary_joint, is_base(model, i), has_azimuth);
@@ -126,7 +126,7 @@ impl Tracer<'_> {
             columns.push(numbers.to_vec());
             Expr::input(before + received + columns.len() - 1)
         };
-        let mut own = Vec::new();
+        let mut kept = Vec::new();
         let mut sent = Vec::new();
         let graph = Graph::trace(|| {
             let mut model = self.two_bodies(members, &column);
@@ -138,18 +138,19 @@ impl Tracer<'_> {
             };
             let [q, a, b] = [nq, nv, nv].map(&mut inputs);
             inputs(self.parameters.len());
-            let received: Vec<Vec<Expr>> =
+            let received_numbers: Vec<Vec<Expr>> =
                 recursion.sweeps.iter().map(|(_, numbers)| inputs(*numbers)).collect();
-            let received: Vec<&[Expr]> = received.iter().map(|numbers| &**numbers).collect();
+            let received: Vec<&[Expr]> =
+                received_numbers.iter().map(|numbers| &**numbers).collect();
             let results = (recursion.body)(&model, [&q, &a, &b], &received);
             let lengths = |numbers: &[Vec<Expr>]| numbers.iter().map(Vec::len).collect();
-            (own, sent) = (lengths(&results.own), lengths(&results.sent));
+            (kept, sent) = (lengths(&results.own), lengths(&results.sent));
             [results.own.concat(), results.sent.concat(), results.result].concat()
         });
         let (graph, columns) = without_unused(&graph, before + received, columns.into_inner());
         let row = |body: usize| columns.iter().map(|column| column[body]).collect();
         let table = (0..members.len()).map(row).collect();
-        BodyKind { graph, entries, own, sent, table }
+        BodyKind { graph, entries, own: kept, sent, table }
     }
 
     /// Returns the mechanism of one body and its parent. `column` returns the expression of a
@@ -159,8 +160,8 @@ impl Tracer<'_> {
         let each: Vec<&Body<f64>> = members.iter().map(|&i| &model.bodies[i]).collect();
         let nq = each[0].elementary_joint.nq();
         let nv = each[0].dofs.len();
-        let mut own = merged_body(&each, (0..nv, 0), column);
-        own.parent = (!is_base(model, members[0])).then_some(0);
+        let mut body = merged_body(&each, 0..nv, 0, column);
+        body.parent = (!is_base(model, members[0])).then_some(0);
         let dof = |k: usize| {
             let dofs: Vec<&Dof<f64>> = each.iter().map(|b| &model.dofs[b.dofs.start + k]).collect();
             Dof {
@@ -176,7 +177,7 @@ impl Tracer<'_> {
         Mechanism {
             gravity: model.gravity.0.map(Expr::from_f64).into(),
             gravity_compensation: Vec::new(),
-            bodies: vec![Body { parent: None, dofs: 0..0, spring: None, ..own.clone() }, own],
+            bodies: vec![Body { parent: None, dofs: 0..0, spring: None, ..body.clone() }, body],
             dofs: (0..nv).map(dof).collect(),
             static_inertia: model.static_inertia.map(Expr::from_f64),
             links: Vec::new(),

@@ -1,5 +1,5 @@
-//! Several bodies as one body, whose numbers stand for those of each: lanes of limbs, or columns of
-//! a table.
+//! Several bodies as one body, whose numbers stand for the numbers of each: lanes of limbs, or
+//! columns of a table.
 
 use std::ops::Range;
 
@@ -32,23 +32,24 @@ fn numbers<'a, T>(
 /// Returns a number that some degrees of freedom lack, which count as zero; `None` if all lack it.
 pub(super) fn optional(
     dofs: &[&Dof<f64>],
-    of: impl Fn(&Dof<f64>) -> Option<f64>,
+    number: impl Fn(&Dof<f64>) -> Option<f64>,
     merge: Merge<'_>,
 ) -> Option<Expr> {
-    let has = dofs.iter().any(|dof| of(dof).is_some());
-    has.then(|| merge(&dofs.iter().map(|dof| of(dof).unwrap_or(0.0)).collect::<Vec<f64>>()))
+    let has = dofs.iter().any(|dof| number(dof).is_some());
+    has.then(|| merge(&dofs.iter().map(|dof| number(dof).unwrap_or(0.0)).collect::<Vec<f64>>()))
 }
 
 /// Returns bodies with the same elementary joint as one body, with these degrees of freedom and
 /// this entry of q.
 pub(super) fn merged_body(
     each: &[&Body<f64>],
-    (dofs, q): (Range<usize>, usize),
+    dofs: Range<usize>,
+    q: usize,
     merge: Merge<'_>,
 ) -> Body<Expr> {
     let first = each[0];
-    let rotations = |of: fn(&Body<f64>) -> AxisRotation<f64>| {
-        merged_rotation(&each.iter().map(|body| of(body)).collect::<Vec<_>>(), merge)
+    let rotations = |rotation: fn(&Body<f64>) -> AxisRotation<f64>| {
+        merged_rotation(&each.iter().map(|body| rotation(body)).collect::<Vec<_>>(), merge)
     };
     let mut translations =
         numbers(each, |b, f| b.placement.translation.0.into_iter().for_each(f), merge);

@@ -35,16 +35,16 @@ impl Parameters {
         carrying.dedup();
         let factors = model.gravity_compensation().iter().enumerate();
         let kept = factors.map(|(i, factor)| if inertias.contains(&i) { 0.0 } else { *factor });
-        let kept = model.clone().with_gravity_compensation(kept.collect());
-        let kept = Mechanism::new(&kept.expect("as many finite factors"));
+        let model_kept = model.clone().with_gravity_compensation(kept.collect());
+        let kept = Mechanism::new(&model_kept.expect("as many finite factors"));
         let rest = |link: usize| {
             let alone = inertia_without(model, link, |frame| inertias.contains(&frame));
             (link, alone, kept.bodies[kept.links[link]].compensated)
         };
-        let own = |&frame: &usize| (frame, model.frames()[frame].inertial);
+        let described = |&frame: &usize| (frame, model.frames()[frame].inertial);
         Self {
             gravity,
-            inertias: inertias.iter().map(own).collect(),
+            inertias: inertias.iter().map(described).collect(),
             payloads: payloads.to_vec(),
             rest: carrying.into_iter().map(rest).collect(),
         }
@@ -84,7 +84,8 @@ impl Parameters {
         self.len() == 0
     }
 
-    /// Returns the index of the ten numbers of run-time inertia `k`; those of payloads follow.
+    /// Returns the index of the ten numbers of run-time inertia `k`; the numbers of payloads
+    /// follow.
     #[must_use]
     pub fn inertial(&self, k: usize) -> usize {
         k * PARAMETERS_PER_LINK + if self.gravity { 3 } else { 0 }
@@ -98,9 +99,9 @@ impl Parameters {
             model.gravity = Vector3([input(), input(), input()]);
         }
         self.remove(model);
-        let own = self.inertias.iter().map(|(frame, _)| (frame, true));
+        let inertias = self.inertias.iter().map(|(frame, _)| (frame, true));
         let payloads = self.payloads.iter().map(|frame| (frame, false));
-        for (&frame, is_own) in own.chain(payloads) {
+        for (&frame, is_own) in inertias.chain(payloads) {
             let inertial = Inertial {
                 mass: input(),
                 center_of_mass: std::array::from_fn(|_| input()),
@@ -120,8 +121,8 @@ impl Parameters {
             return;
         }
         for (link, rest, compensated) in &self.rest {
-            let body = model.links[*link];
-            let body = &mut model.bodies[body];
+            let index = model.links[*link];
+            let body = &mut model.bodies[index];
             body.compensated = compensated.map(|mass| mass.map(S::from_f64));
             body.inertia = rest.map(S::from_f64).placed(&body.link);
         }

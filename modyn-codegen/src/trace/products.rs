@@ -47,7 +47,8 @@ impl<'a> ForwardDynamics<'a> {
     pub fn new(
         all: &mut Composition,
         inputs: DynamicsInputs,
-        (forward, inverse): (&'a Graph, &'a Graph),
+        forward: &'a Graph,
+        inverse: &'a Graph,
         point: Vec<Id>,
     ) -> Self {
         let qdd = all.add(forward, &[&point]);
@@ -67,11 +68,12 @@ impl<'a> ForwardDynamics<'a> {
         &self,
         all: &mut Composition,
         dtau: &[Id],
-        (wrt, dz): (Range<usize>, &[Id]),
+        wrt: Range<usize>,
+        dz: &[Id],
     ) -> Vec<Id> {
         let motion = self.inputs.with_accelerations(&self.point, &self.qdd);
-        let change = jvp(self.inverse, self.inputs.all, wrt);
-        let change = all.add(&change, &[&motion, dz]);
+        let graph = jvp(self.inverse, self.inputs.all, wrt);
+        let change = all.add(&graph, &[&motion, dz]);
         let unmet = all.difference(dtau, &change);
         self.solve(all, &unmet)
     }
@@ -88,8 +90,8 @@ impl<'a> ForwardDynamics<'a> {
         let by_tau = self.solve(all, weights);
         let motion = self.inputs.with_accelerations(&self.point, &self.qdd);
         let gradients = vjp(self.inverse, self.inputs.all, wrt);
-        let gradients = all.add(&gradients, &[&motion, &by_tau]);
-        let gradients = all.negated(&gradients);
+        let along_motion = all.add(&gradients, &[&motion, &by_tau]);
+        let gradients = all.negated(&along_motion);
         (by_tau, gradients)
     }
 }
@@ -153,8 +155,8 @@ impl Tracer<'_> {
         let mut all = Composition::new();
         let [q, state, weights] = [nq, vectors * nv, nv].map(|count| all.inputs(count));
         let parameters = all.inputs(self.parameters.len());
-        let gradients = vjp(function, self.inputs(vectors), self.state(vectors));
-        let gradients = all.add(&gradients, &[&q, &state, &parameters, &weights]);
+        let graph = vjp(function, self.inputs(vectors), self.state(vectors));
+        let gradients = all.add(&graph, &[&q, &state, &parameters, &weights]);
         let (by_q, rest) = gradients.split_at(nq);
         let by_q = self.in_tangent_space(&mut all, &q, by_q);
         all.with_outputs(&[&by_q, rest])
@@ -185,7 +187,7 @@ impl Tracer<'_> {
     }
 
     /// Returns the graph of the joint forces, and of their change. Inputs: `q`, `qd`, `qdd` and
-    /// their changes, that of `q` in tangent space.
+    /// their changes, the change of `q` in tangent space.
     #[must_use]
     pub fn inverse_dynamics_jvp(&self) -> Graph {
         let nq = self.model.nq;
@@ -214,7 +216,7 @@ impl Tracer<'_> {
         let inverse = optimize(self.inverse_dynamics());
         let point = [&q[..], &qd, &tau, &parameters].concat();
         let dynamics =
-            ForwardDynamics::new(&mut all, self.dynamics_inputs(), (forward, &inverse), point);
+            ForwardDynamics::new(&mut all, self.dynamics_inputs(), forward, &inverse, point);
         let (by_tau, gradients) = dynamics.gradients(&mut all, &weights, self.state(1));
         let (by_q, by_qd) = gradients.split_at(nq);
         let by_q = self.in_tangent_space(&mut all, &q, by_q);
@@ -222,7 +224,8 @@ impl Tracer<'_> {
     }
 
     /// Returns the graph of the accelerations, and of their change. Inputs: `q`, `qd`, `tau` and
-    /// their changes, that of `q` in tangent space. `forward` is the graph of forward dynamics.
+    /// their changes, the change of `q` in tangent space. `forward` is the graph of forward
+    /// dynamics.
     #[must_use]
     pub fn forward_dynamics_jvp(&self, forward: &Graph) -> Graph {
         let nq = self.model.nq;
@@ -233,10 +236,10 @@ impl Tracer<'_> {
         let inverse = optimize(self.inverse_dynamics());
         let point = [&q[..], &qd, &tau, &parameters].concat();
         let dynamics =
-            ForwardDynamics::new(&mut all, self.dynamics_inputs(), (forward, &inverse), point);
+            ForwardDynamics::new(&mut all, self.dynamics_inputs(), forward, &inverse, point);
         let dq = all.add(&self.velocity_to_qdot(), &[&q, &dq, &parameters]);
         let changes = [dq, dqd].concat();
-        let dqdd = dynamics.change(&mut all, &dtau, (self.state(1), &changes));
+        let dqdd = dynamics.change(&mut all, &dtau, self.state(1), &changes);
         all.with_outputs(&[&dynamics.qdd, &dqdd])
     }
 }

@@ -1,5 +1,5 @@
-//! The graph of a step with soft constraints, before it is cut into what runs once and what runs in each
-//! iteration of the solver.
+//! The graph of a step with soft constraints, before it is cut into what runs once and what runs in
+//! each iteration of the solver.
 
 use std::ops::Range;
 
@@ -23,12 +23,13 @@ pub struct StepGraph {
     pub graph: Graph,
     /// The number of rows of the constraints.
     pub rows: usize,
-    /// The full step of an iteration. Inputs: the accelerations and balances of the rows, the scale, the
-    /// number of iterations. Outputs: accelerations and balances; scale, iterations, residual, end; the
-    /// search.
+    /// The full step of an iteration. Inputs: the accelerations and balances of the rows, the
+    /// scale, the number of iterations. Outputs: accelerations and balances; scale, iterations,
+    /// residual, end; the search.
     pub advance: Part,
-    /// An evaluation of a line search. Inputs: accelerations and balances of the start and of the full
-    /// step, the search without its end, the scale. Outputs: accelerations and balances; the search.
+    /// An evaluation of a line search. Inputs: accelerations and balances of the start and of the
+    /// full step, the search without its end, the scale. Outputs: accelerations and balances; the
+    /// search.
     pub search: Part,
     /// The accelerations of the rows before the first iteration. They have no inputs.
     pub first: Part,
@@ -48,10 +49,12 @@ pub struct Part {
 pub const SEARCH: usize = 6;
 
 impl Tracer<'_> {
-    /// Returns the parts of a step. Arguments: q, qd, tau, dt, the accelerations to start from, the settings.
+    /// Returns the parts of a step. Arguments: q, qd, tau, dt, the accelerations to start from, the
+    /// settings.
     #[must_use]
     pub fn step(&self, elimination: &Elimination, soft: &SoftModel<f64>) -> StepGraph {
-        let (nq, nv) = (self.model.nq, self.model.nv);
+        let nq = self.model.nq;
+        let nv = self.model.nv;
         let surfaces = ContactSurface::<Expr>::COUNT * self.model.contacts();
         let settings = StepSettings::<Expr>::COUNT + surfaces;
         let first_input = nq + 3 * nv + 1 + settings + self.parameters.len();

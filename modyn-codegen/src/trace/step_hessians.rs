@@ -1,10 +1,10 @@
 //! The graph of the contracted Hessian of a time step.
 //!
 //! A semi-implicit Euler step is qd' = qd + h qdd and q' = q (+) h qd'. Multiplied by the costate
-//! (l_q, l_qd), its Hessian is that of h (l_qd + h J^T l_q)^T qdd, with the derivative J of (+) by
-//! the displacement, and a correction for each rotation and each pose, whose displacements do not
-//! commute. For a group of coordinates, let E be the motion of the displacement x = h qd', and P
-//! the derivative of (+) by q. Displacements d of q and y of x displace q' by
+//! (l_q, l_qd), its Hessian is the Hessian of h (l_qd + h J^T l_q)^T qdd, with the derivative J of
+//! (+) by the displacement, and a correction for each rotation and each pose, whose displacements
+//! do not commute. For a group of coordinates, let E be the motion of the displacement x = h qd',
+//! and P the derivative of (+) by q. Displacements d of q and y of x displace q' by
 //!
 //! ```text
 //! log(E^-1 exp(d) exp(x + y)) = P d + J y + 1/2 y^T (D J) y + 1/2 [P d, J y] + ...
@@ -57,8 +57,8 @@ impl Tracer<'_> {
     /// Returns the graph of the coordinates and velocities after a semi-implicit Euler step, and of
     /// the gradients and the Hessian of their sum with the costate as weights: gradients by the
     /// state and by tau, then second derivatives by state and state, state and tau, tau and tau, by
-    /// columns. A state has the entries of q (in tangent space), then those of qd. Inputs: `q`,
-    /// `qd`, `tau`, the time and the costate. The mass matrix is factorized with `layout`.
+    /// columns. A state has the entries of q (in tangent space), then the entries of qd. Inputs:
+    /// `q`, `qd`, `tau`, the time and the costate. The mass matrix is factorized with `layout`.
     #[must_use]
     pub fn step_semi_implicit_hessian(&self, layout: &UduLayout) -> Graph {
         let nq = self.model.nq;
@@ -78,12 +78,12 @@ impl Tracer<'_> {
         let transported = all.add(&self.transported(), &inputs);
         let (by_start, by_displacement) = transported.split_at(nv);
 
-        // The weights of qd', and those of the accelerations.
-        let weights = all.scaled(dt, by_displacement);
-        let weights = all.sums(of_qd, &weights);
+        // The weights of qd', and the weights of the accelerations.
+        let through_displacement = all.scaled(dt, by_displacement);
+        let weights = all.sums(of_qd, &through_displacement);
         let scaled = all.scaled(dt, &weights);
-        let found = self.weighted_accelerations(&mut all, layout, &motion, &scaled);
-        let (by_q, by_qd) = found.gradients.split_at(nv);
+        let gradient = self.weighted_accelerations(&mut all, layout, &motion, &scaled);
+        let (by_q, by_qd) = gradient.gradients.split_at(nv);
         let by_q = all.sums(by_q, by_start);
         let by_qd = all.sums(by_qd, &weights);
 
@@ -93,14 +93,14 @@ impl Tracer<'_> {
             .map(|group| group.into_iter().flatten().collect())
             .collect();
         let none = vec![all.constant(0.0); nv * nv];
-        let [q_q, q_qd, qd_qd] = found.blocks.clone();
-        let mut blocks = [q_q, q_qd, qd_qd, found.by_q_tau.clone(), none.clone(), none];
+        let [q_q, q_qd, qd_qd] = gradient.blocks.clone();
+        let mut blocks = [q_q, q_qd, qd_qd, gradient.by_q_tau.clone(), none.clone(), none];
         for block in &self.model.coordinates {
             if let CoordinateSpace::Line { .. } = block.space {
                 continue;
             }
             let rows = block.v..block.v + block.velocities();
-            let accelerations = self.acceleration_rows(&mut all, &motion, &found, rows.clone());
+            let accelerations = self.acceleration_rows(&mut all, &motion, &gradient, rows.clone());
             let [by_q, mut by_qd, by_tau] = accelerations.map(|rows| all.scaled(dt, &rows));
             let one = all.constant(1.0);
             for (k, j) in rows.clone().enumerate() {
@@ -122,7 +122,7 @@ impl Tracer<'_> {
             .collect();
         let of_tau: Vec<Id> =
             (0..nv).flat_map(|j| [column(&q_tau, j), column(&qd_tau, j)].concat()).collect();
-        let gradients = [&by_q[..], &by_qd, &found.by_tau].concat();
+        let gradients = [&by_q[..], &by_qd, &gradient.by_tau].concat();
         all.with_outputs(&[&next_q, &next_qd, &gradients, &of_state, &of_tau, &tau_tau])
     }
 
@@ -160,12 +160,12 @@ impl Tracer<'_> {
         let inputs = nq + 2 * nv + parameters.len();
         let mut changes = jvp(&transported, inputs, nq..nq + nv);
         changes.outputs = changes.outputs[nv..][group.clone()].to_vec();
-        let slopes = group.clone().flat_map(|j| {
+        let along_group = group.clone().flat_map(|j| {
             let mut unit = vec![zero; nv];
             unit[j] = one;
             all.add(&changes, &[q, displacement, costate, parameters, &unit])
         });
-        let slopes: Vec<Id> = slopes.collect();
+        let slopes: Vec<Id> = along_group.collect();
         let quadratic: Vec<Id> = (0..size * size)
             .map(|k| {
                 let sum = all.sum(slopes[k], slopes[k % size * size + k / size]);

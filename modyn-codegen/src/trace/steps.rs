@@ -1,4 +1,5 @@
-//! The graph of the derivatives of a semi-implicit Euler step, from those of forward dynamics.
+//! The graph of the derivatives of a semi-implicit Euler step, from the derivatives of forward
+//! dynamics.
 //!
 //! A step is qd' = qd + h qdd and q' = q (+) h qd'. With the derivatives P and J of (+) by q and by
 //! the displacement, and the change F of the accelerations by a variable, the changes by that
@@ -25,8 +26,8 @@ struct Effects<'a> {
 }
 
 impl Effects<'_> {
-    /// Returns the changes of q' and qd', by columns of both, from those of the accelerations and
-    /// from the changes of q and qd with constant accelerations.
+    /// Returns the changes of q' and qd', by columns of both, from the changes of the accelerations
+    /// and from the changes of q and qd with constant accelerations.
     fn columns(&self, all: &mut Composition, changes: &[Id], constant: [&[Id]; 2]) -> Vec<Id> {
         let n = changes.len().isqrt();
         let mut columns = vec![Vec::new(); n];
@@ -72,8 +73,8 @@ impl Tracer<'_> {
         let [q, qd, tau, dt] = [nq, nv, nv, 1].map(|count| all.inputs(count));
         let dt = dt[0];
         let parameters = all.inputs(self.parameters.len());
-        let dynamics = self.forward_dynamics_derivatives(layout);
-        let dynamics = all.add(&dynamics, &[&q, &qd, &tau, &parameters]);
+        let graph = self.forward_dynamics_derivatives(layout);
+        let dynamics = all.add(&graph, &[&q, &qd, &tau, &parameters]);
         let (qdd, changes) = dynamics.split_at(nv);
         let [by_q, by_qd, by_tau] = [0, 1, 2].map(|m| &changes[m * nv * nv..][..nv * nv]);
 

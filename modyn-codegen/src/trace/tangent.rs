@@ -22,7 +22,7 @@ pub struct TangentInput {
 ///
 /// The inputs of all graphs are the arguments, further inputs of the graph, then the robot's
 /// run-time parameters. A *displacement* has the entries of all variables one after the other,
-/// those of coordinates in tangent space.
+/// changes of coordinates in tangent space.
 pub struct TangentGraphs<'a> {
     tracer: &'a Tracer<'a>,
     inputs: Vec<TangentInput>,
@@ -66,8 +66,8 @@ impl<'a> TangentGraphs<'a> {
         for (input, range) in self.variables() {
             let first = groups.len();
             if input.is_coordinates {
-                let own = self.tracer.groups().into_iter();
-                groups.extend(own.map(|group| first + group.start..first + group.end));
+                let tangent_groups = self.tracer.groups().into_iter();
+                groups.extend(tangent_groups.map(|group| first + group.start..first + group.end));
             } else {
                 groups.extend((first..first + range.len()).map(|entry| entry..entry + 1));
             }
@@ -84,8 +84,8 @@ impl<'a> TangentGraphs<'a> {
     pub fn depends_on_parameters(&self) -> bool {
         let live = self.value.live();
         let inputs = self.arguments..self.arguments + self.parameters();
-        let mut found = inputs.filter_map(|number| self.value.find(Node::input(number)));
-        found.any(|id| live[id as usize])
+        let mut inputs_of_value = inputs.filter_map(|number| self.value.find(Node::input(number)));
+        inputs_of_value.any(|id| live[id as usize])
     }
 
     /// Returns the inputs of a graph: the arguments, `further` inputs and the run-time parameters.
@@ -103,13 +103,13 @@ impl<'a> TangentGraphs<'a> {
         let rates = self.tracer.velocity_to_qdot();
         let mut rest = displacement;
         for ((input, range), len) in self.variables().zip(self.displacements()) {
-            let (own, others) = rest.split_at(len);
+            let (changes_of_input, others) = rest.split_at(len);
             rest = others;
-            let own = match input.is_coordinates {
-                true => all.add(&rates, &[&arguments[range.clone()], own, parameters]),
-                false => own.to_vec(),
+            let change = match input.is_coordinates {
+                true => all.add(&rates, &[&arguments[range.clone()], changes_of_input, parameters]),
+                false => changes_of_input.to_vec(),
             };
-            changes[range].copy_from_slice(&own);
+            changes[range].copy_from_slice(&change);
         }
         changes
     }
@@ -123,8 +123,8 @@ impl<'a> TangentGraphs<'a> {
         let displacement = all.inputs(self.displacements().iter().sum());
         let changes = self.changes(&mut all, [&arguments, &displacement, &parameters]);
         let inputs = self.arguments + self.parameters();
-        let change = jvp(&self.value, inputs, 0..self.arguments);
-        let change = all.add(&change, &[&arguments, &parameters, &changes]);
+        let graph = jvp(&self.value, inputs, 0..self.arguments);
+        let change = all.add(&graph, &[&arguments, &parameters, &changes]);
         all.with_outputs(&[&change])
     }
 
@@ -136,17 +136,17 @@ impl<'a> TangentGraphs<'a> {
             [self.arguments, self.parameters(), self.value.outputs.len()]
                 .map(|count| all.inputs(count));
         let inputs = self.arguments + self.parameters();
-        let gradient = vjp(&self.value, inputs, 0..self.arguments);
-        let gradient = all.add(&gradient, &[&arguments, &parameters, &weights]);
+        let graph = vjp(&self.value, inputs, 0..self.arguments);
+        let gradient = all.add(&graph, &[&arguments, &parameters, &weights]);
         let mut outputs = Vec::new();
         for (input, range) in self.variables() {
-            let own = &gradient[range.clone()];
+            let part = &gradient[range.clone()];
             match input.is_coordinates {
                 true => {
                     let q = &arguments[range];
-                    outputs.extend(self.tracer.in_tangent_space(&mut all, q, own));
+                    outputs.extend(self.tracer.in_tangent_space(&mut all, q, part));
                 }
-                false => outputs.extend(own),
+                false => outputs.extend(part),
             }
         }
         all.with_outputs(&[&outputs])
@@ -192,9 +192,9 @@ impl<'a> TangentGraphs<'a> {
         let value = all.add(&self.value, &[&arguments, &parameters]);
         let inputs = self.arguments + self.parameters();
         let columns = self.displacements().iter().sum();
-        let jacobian =
-            matrix(&self.change(), &self.gradient(), inputs, (self.value.outputs.len(), columns));
-        let jacobian = all.add(&jacobian, &[&arguments, &parameters]);
+        let graph =
+            matrix(&self.change(), &self.gradient(), inputs, self.value.outputs.len(), columns);
+        let jacobian = all.add(&graph, &[&arguments, &parameters]);
         all.with_outputs(&[&value, &jacobian])
     }
 
@@ -204,25 +204,25 @@ impl<'a> TangentGraphs<'a> {
     pub(super) fn gradient_and_hessian(&self, max_operations: usize) -> Option<[Graph; 2]> {
         let size: usize = self.displacements().iter().sum();
         let gradient = optimize(self.gradient());
-        // The changes of the gradient along a displacement. Inputs: those of the gradient, and the
-        // displacement.
+        // The changes of the gradient along a displacement. Inputs: the inputs of the gradient, and
+        // the displacement.
         let mut along = Composition::new();
         let [arguments, parameters, weights, displacement] =
             [self.arguments, self.parameters(), self.value.outputs.len(), size]
                 .map(|count| along.inputs(count));
         let changes = self.changes(&mut along, [&arguments, &displacement, &parameters]);
         let inputs = self.arguments + self.parameters() + self.value.outputs.len();
-        let change = jvp(&gradient, inputs, 0..self.arguments);
-        let change = along.add(&change, &[&arguments, &parameters, &weights, &changes]);
+        let graph = jvp(&gradient, inputs, 0..self.arguments);
+        let change = along.add(&graph, &[&arguments, &parameters, &weights, &changes]);
         let along = along.with_outputs(&[&change]);
         let hessian = symmetric_matrix(along, inputs, &self.groups(), max_operations)?;
         Some([gradient, hessian])
     }
 
     /// Returns the graph of the results, of the gradients of their weighted sum, and of the blocks
-    /// of its Hessian, by columns: those of the first variable and itself, of the first and the
-    /// second, and so on, then of the second and itself. Inputs as of [`vjp`](Self::vjp). Returns
-    /// `None` if it takes more than `max_operations`.
+    /// of its Hessian, by columns: the blocks of the first variable and itself, of the first and
+    /// the second, and so on, then of the second and itself. Inputs as of [`vjp`](Self::vjp).
+    /// Returns `None` if it takes more than `max_operations`.
     #[must_use]
     pub fn hessian(&self, max_operations: usize) -> Option<Graph> {
         let displacements = self.displacements();

@@ -17,7 +17,7 @@ pub enum UserTraceError {
     Foreign(ForeignExpr),
 }
 
-/// The graphs of a user's function, with those of its derivatives.
+/// The graphs of a user's function, with the graphs of its derivatives.
 pub struct UserGraphs<'a> {
     /// After all passes.
     pub optimized: TangentGraphs<'a>,
@@ -44,19 +44,19 @@ impl Tracer<'_> {
         let graph = self.try_trace_groups([arguments], |mechanism, [numbers]| {
             let mut rest = &numbers[..];
             let mut next = |input: &TangentInput| {
-                let (own, others) = rest.split_at(input.len);
+                let (numbers, others) = rest.split_at(input.len);
                 rest = others;
-                own
+                numbers
             };
             let groups: Vec<&[Expr]> = inputs.iter().map(&mut next).collect();
             let mut robot = Interpreter::with_mechanism(model.clone(), mechanism.clone());
-            evaluate(&mut robot, &groups).unwrap_or_else(|own| {
-                error = Some(own);
+            evaluate(&mut robot, &groups).unwrap_or_else(|fault| {
+                error = Some(fault);
                 Vec::new()
             })
         });
         match (error, graph) {
-            (Some(own), _) => Err(UserTraceError::Own(own)),
+            (Some(error), _) => Err(UserTraceError::Own(error)),
             (None, Err(foreign)) => Err(UserTraceError::Foreign(foreign)),
             (None, Ok(graph)) => Ok(UserGraphs {
                 traced: TangentGraphs::new(self, inputs.clone(), graph.clone()),

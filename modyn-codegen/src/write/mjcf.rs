@@ -79,8 +79,8 @@ pub fn document(model: &Model) -> Document {
 fn bodies(model: &Model) -> Vec<Vec<usize>> {
     let links = model.links();
     let children = model.children();
-    let ends = model.loop_constraints().iter().flat_map(|constraint| &constraint.ends);
-    let ends = ends.chain(model.contacts().iter().map(|contact| &contact.end));
+    let of_loops = model.loop_constraints().iter().flat_map(|constraint| &constraint.ends);
+    let ends = of_loops.chain(model.contacts().iter().map(|contact| &contact.end));
     let carries =
         |link: usize, frame: &Frame| frame.link == Some(link) && frame.name != links[link].name;
     let mut is_needed = vec![false; links.len()];
@@ -103,8 +103,8 @@ fn bodies(model: &Model) -> Vec<Vec<usize>> {
             && is_simple(child)
         {
             // Parents come before their children.
-            let own = std::mem::take(&mut joints[i]);
-            joints[child].splice(0..0, own);
+            let own_joints = std::mem::take(&mut joints[i]);
+            joints[child].splice(0..0, own_joints);
         }
     }
     joints
@@ -146,8 +146,8 @@ impl Writer<'_> {
     /// Returns the body of a link, without the bodies in it.
     fn body(&mut self, link: usize) -> Element {
         let links = self.model.links();
-        let own = self.joints[link].clone();
-        let origins = own.iter().map(|&i| &links[i].joint.origin);
+        let own_joints = self.joints[link].clone();
+        let origins = own_joints.iter().map(|&i| &links[i].joint.origin);
         let pose = origins.fold(Pose::identity(), |pose, origin| pose.compose(origin));
         let name = self.place_name(&links[link].name);
         // The spring of a floating body is at rest where the body is drawn.
@@ -165,7 +165,7 @@ impl Writer<'_> {
         }
         let mut body = placed(body, &rest.unwrap_or(pose));
         let mut reached = Pose::identity();
-        for i in own {
+        for i in own_joints {
             reached = reached.compose(&links[i].joint.origin);
             // The pose of the joint's frame in the body's.
             let place = relative(&pose, &reached);
@@ -272,10 +272,10 @@ impl Writer<'_> {
 
     /// Returns the joint of a floating link.
     fn floating(&mut self, link: usize) -> Vec<Element> {
-        let own = &self.model.links()[link];
-        let joint = &own.joint;
+        let record = &self.model.links()[link];
+        let joint = &record.joint;
         let JointDynamics { armature, damping, friction } = joint.dynamics;
-        if own.parent.is_some() || joint.origin != Pose::identity() {
+        if record.parent.is_some() || joint.origin != Pose::identity() {
             let message = format!(
                 "the floating joint `{}` starts at another frame than the world's, which MJCF has no words for",
                 joint.name
@@ -410,7 +410,7 @@ impl Writer<'_> {
             (JointType::Floating, &[x, y, z, a, b, c, d]) => {
                 to_qpos([x, y, z, a, b, c, d]).to_vec()
             }
-            (_, own) => own.to_vec(),
+            (_, numbers) => numbers.to_vec(),
         }
     }
 
@@ -470,8 +470,8 @@ impl Writer<'_> {
 /// Returns the inertia of a link by itself, without the links that are fixed to it.
 fn own_inertial(model: &Model, link: usize) -> Inertial {
     let link = &model.links()[link];
-    let own = model.frames().iter().find(|frame| frame.name == link.name);
-    own.map_or(link.inertial, |frame| frame.inertial)
+    let carrier = model.frames().iter().find(|frame| frame.name == link.name);
+    carrier.map_or(link.inertial, |frame| frame.inertial)
 }
 
 /// Returns the `<inertial>` of an inertia; `None` for no inertia.

@@ -19,8 +19,9 @@ pub fn document(model: &Model) -> Document {
     let mut names = Names::new(
         frames.iter().map(|frame| &*frame.name).chain(links.iter().map(|link| &*link.name)),
     );
-    let root = frames.iter().find(|frame| frame.link.is_none() && frame.pose == Pose::identity());
-    let root = root.map_or_else(|| names.unique("world".into()), |frame| frame.name.clone());
+    let fixed_frame =
+        frames.iter().find(|frame| frame.link.is_none() && frame.pose == Pose::identity());
+    let root = fixed_frame.map_or_else(|| names.unique("world".into()), |frame| frame.name.clone());
     let elements = &mut document.root.children;
     if model.frame_index(&root).is_none() {
         elements.push(Element::new("link").with("name", &*root));
@@ -31,13 +32,13 @@ pub fn document(model: &Model) -> Document {
     for frame in frames {
         elements.push(link(&frame.name, &frame.inertial));
     }
-    for own in links.iter().filter(|own| model.frame_index(&own.name).is_none()) {
-        elements.push(link(&own.name, &own.inertial));
+    for moving in links.iter().filter(|moving| model.frame_index(&moving.name).is_none()) {
+        elements.push(link(&moving.name, &moving.inertial));
     }
     let mut joints = Names::new(links.iter().map(|link| &*link.joint.name));
-    for own in links {
-        let parent = own.parent.map_or(&*root, |parent| &links[parent].name);
-        elements.push(joint(model, &own.joint, parent, &own.name));
+    for moving in links {
+        let parent = moving.parent.map_or(&*root, |parent| &links[parent].name);
+        elements.push(joint(model, &moving.joint, parent, &moving.name));
     }
     for frame in frames {
         let carrier = frame.link.map_or(&*root, |link| &links[link].name);
@@ -61,8 +62,8 @@ pub fn document(model: &Model) -> Document {
         let kind = constraint.kind;
         let mut element =
             Element::new("loop_joint").with("name", &*constraint.name).with("type", kind.name());
-        for (name, own) in ["link1", "link2"].into_iter().zip(&constraint.ends) {
-            element.children.push(placed(end(name, frame_name(own)), &own.pose));
+        for (name, loop_end) in ["link1", "link2"].into_iter().zip(&constraint.ends) {
+            element.children.push(placed(end(name, frame_name(loop_end)), &loop_end.pose));
         }
         let axis = kind.axis().map(|axis| Element::new("axis").numbers("xyz", &axis));
         elements.push(element.maybe(axis));
@@ -87,11 +88,11 @@ fn refuse_passive_forces(model: &Model, errors: &mut Vec<Diagnostic>) {
             **factor != 0.0 && frame.link.is_some() && frame.inertial.mass != 0.0
         })
         .map(|(frame, _)| &*frame.name);
-    let found = [
+    let unwritten = [
         (listed("joint", joints.clone()), joints.count(), "a spring"),
         (listed("link", links.clone()), links.count(), "gravity compensation"),
     ];
-    for (names, count, what) in found.into_iter().filter(|(_, count, _)| *count > 0) {
+    for (names, count, what) in unwritten.into_iter().filter(|(_, count, _)| *count > 0) {
         let have = if count == 1 { "has" } else { "have" };
         let message = format!("{names} {have} {what}, which URDF has no words for");
         errors.push(Diagnostic::error(Code::Inexpressible, message).with_help("write an MJCF"));
@@ -101,7 +102,7 @@ fn refuse_passive_forces(model: &Model, errors: &mut Vec<Diagnostic>) {
 /// Notes the parts of a robot that other readers of URDF do not know.
 fn note_extensions(model: &Model, notes: &mut Vec<String>) {
     let has = |joint_type| model.links().iter().any(|link| link.joint.joint_type == joint_type);
-    let used = [
+    let features = [
         (has(JointType::Spherical), "joints of type `spherical`"),
         (has(JointType::Universal), "joints of type `universal`"),
         (!model.loop_constraints().is_empty(), "`<loop_joint>`"),
@@ -109,7 +110,7 @@ fn note_extensions(model: &Model, notes: &mut Vec<String>) {
         (model.links().iter().any(|link| link.joint.dynamics.armature != 0.0), "`armature`"),
     ];
     let used: Vec<&str> =
-        used.into_iter().filter(|(used, _)| *used).map(|(_, what)| what).collect();
+        features.into_iter().filter(|(used, _)| *used).map(|(_, what)| what).collect();
     if !used.is_empty() {
         notes.push(format!(
             "Extensions of URDF, which other software may not read: {}.",
@@ -131,8 +132,8 @@ fn link(name: &str, inertial: &Inertial) -> Element {
     let Inertial { mass, center_of_mass, inertia } = *inertial;
     let at = Pose { translation: center_of_mass, ..Pose::identity() };
     let names = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
-    let moments = names.into_iter().zip(inertia);
-    let moments = moments
+    let named = names.into_iter().zip(inertia);
+    let moments = named
         .fold(Element::new("inertia"), |element, (name, moment)| element.numbers(name, &[moment]));
     element.child(
         Element::new("inertial")
@@ -178,9 +179,9 @@ fn limit(joint: &Joint) -> Option<Element> {
         let [lower, upper] = range(limits.as_ref()).unwrap_or([-UNLIMITED, UNLIMITED]);
         element = element.numbers("lower", &[lower]).numbers("upper", &[upper]);
     }
-    let of = |limit: Option<f64>| [limit.unwrap_or(UNLIMITED)];
-    let effort = of(limits.and_then(|limits| limits.effort));
-    let velocity = of(limits.and_then(|limits| limits.velocity));
+    let number = |limit: Option<f64>| [limit.unwrap_or(UNLIMITED)];
+    let effort = number(limits.and_then(|limits| limits.effort));
+    let velocity = number(limits.and_then(|limits| limits.velocity));
     Some(element.numbers("effort", &effort).numbers("velocity", &velocity))
 }
 
@@ -188,8 +189,8 @@ fn limit(joint: &Joint) -> Option<Element> {
 fn dynamics(joint: &Joint) -> Option<Element> {
     let JointDynamics { armature, damping, friction } = joint.dynamics;
     let forces = [("damping", damping), ("friction", friction), ("armature", armature)];
-    let acting = forces.into_iter().filter(|(_, number)| *number != 0.0);
-    let mut acting = acting.peekable();
+    let nonzero = forces.into_iter().filter(|(_, number)| *number != 0.0);
+    let mut acting = nonzero.peekable();
     acting.peek()?;
     Some(acting.fold(Element::new("dynamics"), |element, (name, x)| element.numbers(name, &[x])))
 }

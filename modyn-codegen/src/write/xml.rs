@@ -66,8 +66,8 @@ impl Element {
         let mut open = vec![self];
         while let Some(element) = open.pop() {
             let mut values = element.attributes.iter().map(|(_, value)| value);
-            if let Some(found) = values.find(|value| value.contains(is_forbidden)) {
-                return Some(found);
+            if let Some(forbidden) = values.find(|value| value.contains(is_forbidden)) {
+                return Some(forbidden);
             }
             open.extend(&element.children);
         }

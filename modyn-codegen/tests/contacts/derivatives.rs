@@ -1,8 +1,9 @@
 //! Derivatives of accelerations and wrenches against differences: under external wrenches, of compliant contacts, and of
 //! redundant contacts, whose wrenches are not unique.
 
-use modyn_runtime::equations::Forces;
+use modyn_runtime::equations::constraints::ProjectionOutputs;
 use modyn_runtime::equations::kinematics::Axes;
+use modyn_runtime::equations::{self, Forces};
 
 use super::*;
 
@@ -222,8 +223,8 @@ fn derivatives_of_redundant_contacts_have_the_smallest_norm() {
         let mut interpreter = Interpreter::new(model.clone());
         // The active contacts are at rest.
         let (mut dq, mut dqd) = (vec![0.0; nv], vec![0.0; nv]);
-        let into = (&mut *dq, &mut *dqd);
-        let motion = (&*state.q, &*state.qd);
+        let into = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
+        let motion = equations::State { q: &state.q, qd: &state.qd };
         interpreter.project_constraints(motion, &active, &settings, into).expect("fits");
         state.qd.iter_mut().zip(&dqd).for_each(|(v, d)| *v += d);
 

@@ -11,6 +11,11 @@ use modyn_codegen::program::{Execution, Program};
 use modyn_codegen::trace::{LimbPacking, Tracer};
 use modyn_codegen::{Base, Builder, Contact, ContactKind, Function, LoopEnd, ReadOptions, read};
 use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::equations::constraints::{
+    ConstrainedInverseOutputs, ConstrainedOutputs, ImpulseOutputs, OperationalInertiaOutputs,
+    ProjectionOutputs, ResidualOutputs,
+};
+use modyn_runtime::equations::{self, ForwardInput, Motion};
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{
     LoopConstraint, LoopConstraintEnd, LoopConstraintKind, Model, ModelErrorKind, ModuleTree,
@@ -215,9 +220,10 @@ fn interpreted(model: &Model, state: &State, active: &[bool], settings: &Setting
     let count = model.constraints();
     let (mut qdd, mut wrenches) = (vec![0.0; model.nv()], vec![Wrench::zero(); count]);
     let mut residuals = vec![Twist::zero(); count];
-    let into = (&mut *qdd, &mut *wrenches, &mut *residuals);
+    let into =
+        ConstrainedOutputs { qdd: &mut qdd, wrenches: &mut wrenches, residuals: &mut residuals };
     let rank = interpreter.constrained_forward_dynamics(
-        (&state.q, &state.qd, &state.tau),
+        ForwardInput { q: &state.q, qd: &state.qd, tau: &state.tau },
         active,
         settings,
         into,
@@ -503,8 +509,15 @@ fn what_gets_compiled_is_what_the_interpreter_computes() {
 
             let twists = || vec![Twist::zero(); count];
             let (mut displacements, mut velocities) = (twists(), twists());
-            let into = (&mut *displacements, &mut *velocities);
-            interpreter.constraint_residual((&state.q, &state.qd), &settings, into).expect("fits");
+            let into =
+                ResidualOutputs { displacements: &mut displacements, velocities: &mut velocities };
+            interpreter
+                .constraint_residual(
+                    equations::State { q: &state.q, qd: &state.qd },
+                    &settings,
+                    into,
+                )
+                .expect("fits");
             let found = residual.evaluate(&[&*state.q, &state.qd, &numbers].concat());
             let expected = displacements.iter().chain(&velocities).flat_map(Twist::components);
             expected.zip(&found).for_each(|(a, b)| assert!((a - b).abs() < 1e-10));
@@ -519,9 +532,13 @@ fn what_gets_compiled_is_what_the_interpreter_computes() {
             }
 
             let (mut dq, mut dqd) = (vec![0.0; nv], vec![0.0; nv]);
-            let into = (&mut *dq, &mut *dqd);
-            let projected =
-                interpreter.project_constraints((&state.q, &state.qd), &active, &settings, into);
+            let into = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
+            let projected = interpreter.project_constraints(
+                equations::State { q: &state.q, qd: &state.qd },
+                &active,
+                &settings,
+                into,
+            );
             projected.expect("fits");
             let found = projection.evaluate(&[&*state.q, &state.qd, &switches, &numbers].concat());
             let scale = dq.iter().chain(&dqd).fold(1.0_f64, |most, x| most.max(x.abs()));
@@ -608,18 +625,27 @@ fn steps_put_active_contacts_on_their_targets_and_stop_them() {
     let active = [true, false, true, true];
     let (mut dq, mut dqd) = (vec![0.0; model.nv()], vec![0.0; model.nv()]);
     for _ in 0..30 {
-        let into = (&mut *dq, &mut *dqd);
-        interpreter.project_constraints((&q, &qd), &active, &settings, into).expect("fits");
+        let into = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
+        interpreter
+            .project_constraints(equations::State { q: &q, qd: &qd }, &active, &settings, into)
+            .expect("fits");
         let before = q.clone();
         interpreter.integrate(&before, &dq, &mut q).expect("fits");
     }
     interpreter
-        .project_constraints((&q, &qd), &active, &settings, (&mut dq, &mut dqd))
+        .project_constraints(
+            equations::State { q: &q, qd: &qd },
+            &active,
+            &settings,
+            ProjectionOutputs { dq: &mut dq, dqd: &mut dqd },
+        )
         .expect("fits");
     qd.iter_mut().zip(&dqd).for_each(|(v, d)| *v += d);
     let (mut displacements, mut velocities) = (vec![Twist::zero(); 4], vec![Twist::zero(); 4]);
-    let into = (&mut *displacements, &mut *velocities);
-    interpreter.constraint_residual((&q, &qd), &settings, into).expect("fits");
+    let into = ResidualOutputs { displacements: &mut displacements, velocities: &mut velocities };
+    interpreter
+        .constraint_residual(equations::State { q: &q, qd: &qd }, &settings, into)
+        .expect("fits");
     for (c, active) in active.into_iter().enumerate() {
         let linear = [displacements[c].linear.0, velocities[c].linear.0].concat();
         let most = linear.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
@@ -729,8 +755,8 @@ fn velocities_after_an_impact_are_as_the_dense_solution_says() {
         let mut interpreter = Interpreter::new(model.clone());
         let (nv, count) = (model.nv(), model.constraints());
         let (mut after, mut impulses) = (vec![0.0; nv], vec![Wrench::zero(); count]);
-        let into = (&mut *after, &mut *impulses);
-        let motion = (&*state.q, &*state.qd);
+        let into = ImpulseOutputs { qd: &mut after, impulses: &mut impulses };
+        let motion = equations::State { q: &state.q, qd: &state.qd };
         interpreter.contact_impulse(motion, active, settings, into).expect("fits");
 
         let (jacobian, kept) = dense_rows(model, &mut interpreter, state, active);
@@ -777,7 +803,7 @@ fn jacobians_and_bias_accelerations_are_those_of_the_links() {
         let (nv, count) = (model.nv(), model.constraints());
         let (mut columns, mut bias) = (vec![Twist::zero(); nv * count], vec![Twist::zero(); count]);
         interpreter.constraint_jacobian(&state.q, &mut columns).expect("fits");
-        let motion = (&*state.q, &*state.qd);
+        let motion = equations::State { q: &state.q, qd: &state.qd };
         interpreter.constraint_bias_acceleration(motion, &mut bias).expect("fits");
         for (c, contact) in model.contacts().iter().enumerate() {
             let expected = frame(&mut interpreter, state, c);
@@ -802,7 +828,7 @@ fn the_operational_inertia_is_the_inverse_of_what_the_dense_solution_says() {
         settings.contacts.iter_mut().for_each(|target| target.compliance = 0.02);
         let rows = model.constraint_rows();
         let (mut inverse, mut inertia) = (vec![0.0; rows * rows], vec![0.0; rows * rows]);
-        let into = (&mut *inverse, &mut *inertia);
+        let into = OperationalInertiaOutputs { inverse: &mut inverse, inertia: &mut inertia };
         let rank = interpreter.operational_inertia(&state.q, active, &settings, into);
         let (jacobian, kept) = dense_rows(model, &mut interpreter, state, active);
         let masses = dense_masses(model, &mut interpreter, &state.q);
@@ -826,8 +852,8 @@ fn contacts_carry_the_base_with_the_smallest_wrenches() {
         let mut interpreter = Interpreter::new(model.clone());
         let (nv, count) = (model.nv(), model.constraints());
         let (mut tau, mut wrenches) = (vec![0.0; nv], vec![Wrench::zero(); count]);
-        let into = (&mut *tau, &mut *wrenches);
-        let motion = (&*state.q, &*state.qd, &*state.tau);
+        let into = ConstrainedInverseOutputs { tau: &mut tau, wrenches: &mut wrenches };
+        let motion = Motion { q: &state.q, qd: &state.qd, qdd: &state.tau };
         let rank = interpreter.constrained_inverse_dynamics(motion, active, settings, into);
         let rank = rank.expect("fits");
         let mut needed = vec![0.0; nv];
@@ -875,18 +901,18 @@ fn what_gets_compiled_of_the_other_functions_is_what_the_interpreter_computes() 
         let mut interpreter = Interpreter::new(model.clone());
         let (nv, count, rows) = (model.nv(), model.constraints(), model.constraint_rows());
         let (on, numbers) = (switches(active), numbers(settings));
-        let motion = (&*state.q, &*state.qd);
+        let motion = equations::State { q: &state.q, qd: &state.qd };
 
         let (mut qd, mut impulses) = (vec![0.0; nv], vec![Wrench::zero(); count]);
-        let into = (&mut *qd, &mut *impulses);
+        let into = ImpulseOutputs { qd: &mut qd, impulses: &mut impulses };
         let rank = interpreter.contact_impulse(motion, active, settings, into).expect("fits");
         let graph = optimize(tracer.contact_impulse(&layout));
         let found = graph.evaluate(&[&*state.q, &state.qd, &on, &numbers].concat());
         assert_near(&found, &[qd, components(&impulses), vec![rank]].concat(), 1e-8);
 
         let (mut tau, mut wrenches) = (vec![0.0; nv], vec![Wrench::zero(); count]);
-        let into = (&mut *tau, &mut *wrenches);
-        let all = (&*state.q, &*state.qd, &*state.tau);
+        let into = ConstrainedInverseOutputs { tau: &mut tau, wrenches: &mut wrenches };
+        let all = Motion { q: &state.q, qd: &state.qd, qdd: &state.tau };
         let rank = interpreter.constrained_inverse_dynamics(all, active, settings, into);
         let graph = optimize(tracer.evaluation(Function::ConstrainedInverseDynamics, model, None));
         let found = graph.evaluate(&[&*state.q, &state.qd, &state.tau, &on, &numbers].concat());
@@ -907,7 +933,7 @@ fn what_gets_compiled_of_the_other_functions_is_what_the_interpreter_computes() 
         assert_near(&graph.evaluate(&[&*state.q, &state.qd].concat()), &expected, 1e-11);
 
         let (mut inverse, mut inertia) = (vec![0.0; rows * rows], vec![0.0; rows * rows]);
-        let into = (&mut *inverse, &mut *inertia);
+        let into = OperationalInertiaOutputs { inverse: &mut inverse, inertia: &mut inertia };
         let rank = interpreter.operational_inertia(&state.q, active, settings, into).expect("fits");
         let graph = optimize(tracer.operational_inertia(&layout));
         let found = graph.evaluate(&[&*state.q, &on, &numbers].concat());
@@ -922,9 +948,8 @@ fn derivatives(model: &Model, state: &State, active: &[bool], settings: &Setting
     let (mut qdd, mut wrenches) = (vec![0.0; nv], vec![Wrench::zero(); count]);
     let mut matrices = [0; 3].map(|_| vec![0.0; nv * nv]);
     let mut changes = [0; 3].map(|_| vec![Wrench::zero(); nv * count]);
-    let outputs =
-        ConstrainedDerivatives::new((&mut qdd, &mut wrenches), &mut matrices, &mut changes);
-    let motion = (&*state.q, &*state.qd, &*state.tau);
+    let outputs = ConstrainedDerivatives::new(&mut qdd, &mut wrenches, &mut matrices, &mut changes);
+    let motion = ForwardInput { q: &state.q, qd: &state.qd, tau: &state.tau };
     let rank =
         interpreter.constrained_forward_dynamics_derivatives(motion, active, settings, outputs);
     let changes: Vec<f64> = changes.iter().flat_map(|of| components(of)).collect();
@@ -1130,8 +1155,12 @@ fn contacts_of_equal_limbs_in_lanes_give_the_same() {
                 let count = model.constraints();
                 let (mut qdd, mut wrenches) = (vec![0.0; model.nv()], vec![Wrench::zero(); count]);
                 let mut residuals = vec![Twist::zero(); count];
-                let motion = (&*state.q, &*state.qd, &*state.tau);
-                let into = (&mut *qdd, &mut *wrenches, &mut *residuals);
+                let motion = ForwardInput { q: &state.q, qd: &state.qd, tau: &state.tau };
+                let into = ConstrainedOutputs {
+                    qdd: &mut qdd,
+                    wrenches: &mut wrenches,
+                    residuals: &mut residuals,
+                };
                 let rank =
                     interpreter.constrained_forward_dynamics(motion, &active, &settings, into);
                 let residuals = residuals.iter().flat_map(Twist::components).collect();
@@ -1141,16 +1170,16 @@ fn contacts_of_equal_limbs_in_lanes_give_the_same() {
                     [&*state.q, &state.qd, &state.tau, &switches(&active), &numbers(&settings)];
                 assert_near(&dynamics.evaluate(&inputs.concat()), &expected, 1e-8);
 
-                let motion = (&*state.q, &*state.qd);
+                let motion = equations::State { q: &state.q, qd: &state.qd };
                 let (mut qd, mut impulses) = (vec![0.0; model.nv()], vec![Wrench::zero(); count]);
-                let into = (&mut *qd, &mut *impulses);
+                let into = ImpulseOutputs { qd: &mut qd, impulses: &mut impulses };
                 let rank = interpreter.contact_impulse(motion, &active, &settings, into);
                 let expected = [qd, components(&impulses), vec![rank.expect("fits")]].concat();
                 let inputs = [&*state.q, &state.qd, &switches(&active), &numbers(&settings)];
                 assert_near(&impulse.evaluate(&inputs.concat()), &expected, 1e-8);
 
                 let (mut dq, mut dqd) = (vec![0.0; model.nv()], vec![0.0; model.nv()]);
-                let into = (&mut *dq, &mut *dqd);
+                let into = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
                 let rank = interpreter.project_constraints(motion, &active, &settings, into);
                 let expected = [dq, dqd, vec![rank.expect("fits")]].concat();
                 assert_near(&projection.evaluate(&inputs.concat()), &expected, 1e-8);

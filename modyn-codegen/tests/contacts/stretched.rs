@@ -1,6 +1,10 @@
 //! Stretched legs: constraints that lose rank through geometry. Each foot moves its leg, but not along it.
 
 use super::*;
+use modyn_runtime::equations::constraints::{
+    ConstrainedInverseOutputs, ImpulseOutputs, OperationalInertiaOutputs, ProjectionOutputs,
+};
+use modyn_runtime::equations::{self, Motion};
 
 /// A quadruped that lies on a frame of its trunk, with a point at each foot.
 pub fn lying_quadruped() -> Model {
@@ -84,20 +88,20 @@ fn assert_all_finite(model: &Model, state: &State, settings: &Settings, rank: f6
     let active = vec![true; model.contacts().len()];
     let (mut a, mut b) = (vec![0.0; nv], vec![0.0; nv]);
     let mut wrenches = vec![Wrench::zero(); count];
-    let motion = (&*state.q, &*state.qd);
-    let into = (&mut *a, &mut *wrenches);
+    let motion = equations::State { q: &state.q, qd: &state.qd };
+    let into = ImpulseOutputs { qd: &mut a, impulses: &mut wrenches };
     let found = interpreter.contact_impulse(motion, &active, settings, into).expect("fits");
     assert_eq!(found, rank);
     assert_finite(&[a.clone(), components(&wrenches)].concat());
-    let into = (&mut *a, &mut *b);
+    let into = ProjectionOutputs { dq: &mut a, dqd: &mut b };
     interpreter.project_constraints(motion, &active, settings, into).expect("fits");
     assert_finite(&[a.clone(), b].concat());
-    let motion = (&*state.q, &*state.qd, &*state.tau);
-    let into = (&mut *a, &mut *wrenches);
+    let motion = Motion { q: &state.q, qd: &state.qd, qdd: &state.tau };
+    let into = ConstrainedInverseOutputs { tau: &mut a, wrenches: &mut wrenches };
     interpreter.constrained_inverse_dynamics(motion, &active, settings, into).expect("fits");
     assert_finite(&[a, components(&wrenches)].concat());
     let (mut inverse, mut inertia) = (vec![0.0; rows * rows], vec![0.0; rows * rows]);
-    let into = (&mut *inverse, &mut *inertia);
+    let into = OperationalInertiaOutputs { inverse: &mut inverse, inertia: &mut inertia };
     let found = interpreter.operational_inertia(&state.q, &active, settings, into).expect("fits");
     assert_eq!(found, rank);
     assert_finite(&[inverse, inertia].concat());

@@ -12,6 +12,8 @@ use modyn_codegen::passes::optimize;
 use modyn_codegen::program::{Execution, Program};
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::equations::constraints::{ConstrainedOutputs, ProjectionOutputs};
+use modyn_runtime::equations::{ForwardInput, State};
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{
     Frame, Inertial, Joint, Link, LoopConstraint, LoopConstraintEnd, LoopConstraintKind, Model,
@@ -70,10 +72,18 @@ fn interpreted<S: Precision>(model: &Model, [q, qd, tau]: &[Vec<f64>; 3]) -> Sol
     let mut interpreter = Interpreter::<S>::new(model.clone());
     let mut qdd = vec![S::zero(); n];
     let (mut wrenches, mut residuals) = (vec![Wrench::zero(); loops], vec![Twist::zero(); loops]);
-    let into = (&mut *qdd, &mut *wrenches, &mut *residuals);
+    let into =
+        ConstrainedOutputs { qdd: &mut qdd, wrenches: &mut wrenches, residuals: &mut residuals };
     let (q, qd, tau) = (cast(q), cast(qd), cast(tau));
     let solve = Interpreter::constrained_forward_dynamics;
-    let rank = solve(&mut interpreter, (&q, &qd, &tau), &[], &S::settings(), into).expect("fits");
+    let rank = solve(
+        &mut interpreter,
+        ForwardInput { q: &q, qd: &qd, tau: &tau },
+        &[],
+        &S::settings(),
+        into,
+    )
+    .expect("fits");
     Solution {
         qdd: qdd.into_iter().map(S::to_f64).collect(),
         wrenches: wrenches.iter().map(|w| six(w.components())).collect(),
@@ -177,9 +187,10 @@ fn project(model: &Model, q: &mut [f64], qd: &mut [f64], steps: usize) -> usize 
     let (mut dq, mut dqd) = (vec![0.0; qd.len()], vec![0.0; qd.len()]);
     let mut rank = 0.0;
     for _ in 0..steps {
-        let into = (&mut *dq, &mut *dqd);
+        let into = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
         let settings = ConstraintSettings::<f64>::DEFAULT;
-        rank = interpreter.project_constraints((q, qd), &[], &settings, into).expect("fits");
+        rank =
+            interpreter.project_constraints(State { q, qd }, &[], &settings, into).expect("fits");
         let before = q.to_owned();
         interpreter.integrate(&before, &dq, q).expect("fits");
         qd.iter_mut().zip(&dqd).for_each(|(v, d)| *v += d);
@@ -332,12 +343,11 @@ fn derivatives(model: &Model, [q, qd, tau]: &[Vec<f64>; 3]) -> [Vec<f64>; 2] {
     let (mut qdd, mut wrenches) = (vec![0.0; n], vec![Wrench::zero(); loops]);
     let mut matrices = [0; 3].map(|_| vec![0.0; n * n]);
     let mut changes = [0; 3].map(|_| vec![Wrench::zero(); n * loops]);
-    let outputs =
-        ConstrainedDerivatives::new((&mut qdd, &mut wrenches), &mut matrices, &mut changes);
+    let outputs = ConstrainedDerivatives::new(&mut qdd, &mut wrenches, &mut matrices, &mut changes);
     let mut interpreter = Interpreter::new(model.clone());
     let derive = Interpreter::constrained_forward_dynamics_derivatives;
     let settings = <f64 as Precision>::settings();
-    derive(&mut interpreter, (q, qd, tau), &[], &settings, outputs).expect("fits");
+    derive(&mut interpreter, ForwardInput { q, qd, tau }, &[], &settings, outputs).expect("fits");
     let [dq, dqd, _] = matrices;
     [dq, dqd]
 }

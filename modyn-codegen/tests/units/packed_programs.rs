@@ -29,7 +29,7 @@ fn an_invalid_packed_program_leaves_the_program_on_scalars() {
     let point = [2.0, 1.0, 3.0, 5.0, 7.0];
     for share in [false, true] {
         let lowered = |[scalar, packed]: [Graph; 2]| {
-            Kernels::lowered(&scalar, Some(packed), 5, (Execution::Simd, share))
+            Kernels::lowered(&scalar, Some(packed), 5, Execution::Simd, share)
         };
         let (kernels, fault) = lowered(graphs(false));
         assert_eq!(fault, None);

@@ -255,8 +255,8 @@ impl Assembler {
     pub fn finish(mut self) -> Vec<u8> {
         for (at, label, displacement) in std::mem::take(&mut self.distances) {
             let target = self.position(label) as i64 + i64::from(displacement);
-            let distance = i32::try_from(target - (at as i64 + 4));
-            let distance = distance.expect("code is shorter than 2 GiB");
+            let offset = i32::try_from(target - (at as i64 + 4));
+            let distance = offset.expect("code is shorter than 2 GiB");
             self.code[at..at + 4].copy_from_slice(&distance.to_le_bytes());
         }
         self.code

@@ -63,22 +63,21 @@ fn error(message: &str, help: &str) -> CompileError {
 /// Returns the options for the target that Cargo compiles for: its object files, and the
 /// instruction set that rustc may use.
 fn options_of_cargo() -> Result<ObjectOptions, CompileError> {
-    let of = |name: &str| std::env::var(format!("CARGO_CFG_{name}")).unwrap_or_default();
-    let architecture = of("TARGET_ARCH");
+    let variable = |name: &str| std::env::var(format!("CARGO_CFG_{name}")).unwrap_or_default();
+    let architecture = variable("TARGET_ARCH");
     if architecture != "x86_64" {
         let message = format!("object files are made for x86-64, not for `{architecture}`");
         return Err(error(&message, "call `Builder::compile`, which prints Rust"));
     }
-    let format = match of("TARGET_OS").as_str() {
+    let format = match variable("TARGET_OS").as_str() {
         "windows" => ObjectFormat::Coff,
         "macos" => ObjectFormat::MachO,
         _ => ObjectFormat::Elf,
     };
-    let features = of("TARGET_FEATURE");
+    let features = variable("TARGET_FEATURE");
     let has = |names: &[&str]| names.iter().all(|name| features.split(',').any(|f| f == *name));
     let mut sets = InstructionSet::ALL.into_iter().rev();
-    let instruction_set =
-        sets.find(|set| set.architecture() == architecture && has(set.features()));
-    let instruction_set = instruction_set.unwrap_or(InstructionSet::Sse2);
+    let best = sets.find(|set| set.architecture() == architecture && has(set.features()));
+    let instruction_set = best.unwrap_or(InstructionSet::Sse2);
     Ok(ObjectOptions { instruction_set, format, prefix: None })
 }

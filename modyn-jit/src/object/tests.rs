@@ -117,9 +117,9 @@ fn entries_of_windows_compute_the_same() {
     let planning = plan("arm6", &functions);
     let frames = planning.model.frames().len();
     for instruction_set in InstructionSet::available() {
-        let text =
+        let planned =
             text::<f64>(&planning.plan, &planning.model, instruction_set, Convention::Windows);
-        let text = text.expect("code");
+        let text = planned.expect("code");
         let pages = Pages::new(&text.code).expect("memory");
         let options = Options { instruction_set: Some(instruction_set), ..Options::default() };
         let compiled = Compiled::<f64>::from_plan(&planning, options).expect("code");
@@ -129,16 +129,16 @@ fn entries_of_windows_compute_the_same() {
             let arguments: Vec<&[f64]> = states.chunks(6).collect();
             let [q, qd, tau, last] = [0, 1, 2, 3].map(|k: usize| arguments[k].as_ptr());
             let compare = |function: Function,
-                           found: &[f64],
+                           results: &[f64],
                            arguments: &[&[f64]],
                            link: Option<usize>| {
-                let mut expected = vec![f64::NAN; found.len()];
+                let mut expected = vec![f64::NAN; results.len()];
                 let call = compiled.function(function).expect("compiled");
                 match link {
                     None => call.one(arguments, &mut expected).expect("fits"),
                     Some(link) => call.link(link, arguments, &mut expected).expect("fits"),
                 }
-                assert!(found.iter().zip(&expected).all(|(a, b)| a.is_same(*b)), "{function:?}");
+                assert!(results.iter().zip(&expected).all(|(a, b)| a.is_same(*b)), "{function:?}");
             };
             let mut out = vec![f64::NAN; 6];
             // SAFETY: the entries' types.
@@ -313,9 +313,9 @@ fn unwind_codes_describe_the_code() {
     let builder = robot("arm6").functions(functions).bundles([bundle]);
     let planning = builder.plan().expect("good");
     for instruction_set in sets_of_x86_64() {
-        let text =
+        let planned =
             text::<f64>(&planning.plan, &planning.model, instruction_set, Convention::Windows);
-        let text = text.expect("code");
+        let text = planned.expect("code");
         for frame in &text.frames {
             let Some(bytes) = unwind_information(frame) else {
                 assert!(matches!(frame.kind, FrameKind::Leaf));
@@ -350,15 +350,15 @@ fn unwind_codes_describe_the_code() {
             // Windows' way back: the codes in their order, from the frame pointer.
             let base = rbp - 16 * i64::from(bytes[3] >> 4);
             assert_eq!(bytes[3] & 15, 5);
-            let mut found: BTreeMap<String, i64> = BTreeMap::new();
+            let mut offsets: BTreeMap<String, i64> = BTreeMap::new();
             let mut rsp = base;
             let codes: Vec<[u8; 2]> = bytes[4..][..2 * usize::from(bytes[2])]
                 .chunks_exact(2)
                 .map(|c| [c[0], c[1]])
                 .collect();
-            let general = ["RAX", "RCX", "RDX", "RBX", "RSP", "RBP", "RSI", "RDI"];
+            let names = ["RAX", "RCX", "RDX", "RBX", "RSP", "RBP", "RSI", "RDI"];
             let general = |number: usize| {
-                general.get(number).map_or_else(|| format!("R{number}"), |&name| name.into())
+                names.get(number).map_or_else(|| format!("R{number}"), |&name| name.into())
             };
             let mut k = 0;
             let mut after = u8::MAX;
@@ -372,18 +372,18 @@ fn unwind_codes_describe_the_code() {
                 let mut used = 1;
                 match operation {
                     0 => {
-                        found.insert(general(operand), rsp);
+                        offsets.insert(general(operand), rsp);
                         rsp += 8;
                     }
                     1 => (rsp, used) = (rsp + 8 * more, 2),
                     2 => rsp += 8 * operand as i64 + 8,
                     3 => rsp = base,
                     4 => {
-                        found.insert(general(operand), base + 8 * more);
+                        offsets.insert(general(operand), base + 8 * more);
                         used = 2;
                     }
                     8 => {
-                        found.insert(format!("XMM{operand}"), base + 16 * more);
+                        offsets.insert(format!("XMM{operand}"), base + 16 * more);
                         used = 2;
                     }
                     other => panic!("{other}"),
@@ -392,7 +392,7 @@ fn unwind_codes_describe_the_code() {
             }
             // The return address is next.
             assert_eq!(rsp, 0);
-            assert_eq!(found, stored);
+            assert_eq!(offsets, stored);
         }
     }
 }

@@ -42,21 +42,21 @@ fn compare<F: Fuse>(
             state
         })
         .collect();
-    let given: Vec<F> = (0..state.len()).flat_map(|i| states.iter().map(move |s| s[i])).collect();
-    let given = split(&given, &code.arguments);
-    let found = if instruction_set.architecture() == "x86_64" {
+    let flat: Vec<F> = (0..state.len()).flat_map(|i| states.iter().map(move |s| s[i])).collect();
+    let given = split(&flat, &code.arguments);
+    let results = if instruction_set.architecture() == "x86_64" {
         Emulator::default().run((&assembly.code, code.entry), &given, code.results)
     } else {
         let pages = Pages::new(&assembly.code).expect("executable memory");
-        let mut found = vec![F::from_f64(f64::NAN); code.results];
-        code.call(&pages, &given, &mut found);
-        found
+        let mut numbers = vec![F::from_f64(f64::NAN); code.results];
+        code.call(&pages, &given, &mut numbers);
+        numbers
     };
     for (lane, state) in states.iter().enumerate() {
         let expected = evaluate(program, instruction_set, state);
         for (i, expected) in expected.iter().enumerate() {
-            let found = found[i * lanes + lane];
-            assert!(found.is_same(*expected), "{instruction_set:?} {i}: {found:?} {expected:?}");
+            let number = results[i * lanes + lane];
+            assert!(number.is_same(*expected), "{instruction_set:?} {i}: {number:?} {expected:?}");
         }
     }
 }

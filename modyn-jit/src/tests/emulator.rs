@@ -121,8 +121,8 @@ impl Emulator {
             (before, top + 8),
             "registers that the callee must preserve"
         );
-        let found = self.read(RESULTS, results * size);
-        let bits = (0..results).map(|i| lane(&found, size, i));
+        let memory = self.read(RESULTS, results * size);
+        let bits = (0..results).map(|i| lane(&memory, size, i));
         bits.map(|bits| F::of_bits(bits)).collect()
     }
 
@@ -131,8 +131,8 @@ impl Emulator {
             let end = region.start + region.bytes.len() as u64;
             region.start <= address && address + length as u64 <= end
         };
-        let region = self.regions.iter_mut().find(holds);
-        let region = region.unwrap_or_else(|| panic!("{length} bytes at {address:x}"));
+        let holder = self.regions.iter_mut().find(holds);
+        let region = holder.unwrap_or_else(|| panic!("{length} bytes at {address:x}"));
         let offset = (address - region.start) as usize;
         (region, offset)
     }
@@ -294,8 +294,8 @@ impl Emulator {
                 && instruction.op_register(operand).is_vector_register()
         };
         let length = (0..operands).filter(|&operand| is_vector(operand));
-        let length = length.map(|operand| instruction.op_register(operand).size()).max();
-        let length = length.unwrap_or(16);
+        let longest = length.map(|operand| instruction.op_register(operand).size()).max();
+        let length = longest.unwrap_or(16);
         let (base, suffix) = name.split_at(name.len() - 2);
         let size = if suffix.ends_with('d') && suffix != "ld" || suffix == "lq" { 8 } else { 4 };
         let scalar = suffix.starts_with('s');
@@ -316,8 +316,8 @@ impl Emulator {
                 };
                 let second = self.source(instruction, last, width);
                 for k in 0..lanes {
-                    let numbers = [lane(&result, size, k), lane(&second, size, k)];
-                    let numbers = if unary { &numbers[1..] } else { &numbers };
+                    let both = [lane(&result, size, k), lane(&second, size, k)];
+                    let numbers = if unary { &both[1..] } else { &both };
                     put(&mut result, size, k, number(base, size, numbers));
                 }
                 self.put(written, &result, avx);
@@ -424,12 +424,12 @@ impl Emulator {
             }
             _ if base.starts_with('f') => {
                 let (operation, form) = base.split_at(base.len() - 3);
-                let own = self.vectors[written][..length].to_vec();
+                let written_vector = self.vectors[written][..length].to_vec();
                 let second = self.source(instruction, 1, length);
                 let third = self.source(instruction, 2, width);
-                let mut result = own.clone();
+                let mut result = written_vector.clone();
                 for k in 0..lanes {
-                    let [a, b, c] = [&own, &second, &third].map(|x| lane(x, size, k));
+                    let [a, b, c] = [&written_vector, &second, &third].map(|x| lane(x, size, k));
                     let numbers = match form {
                         "132" => [a, c, b],
                         "213" => [b, a, c],

@@ -115,10 +115,10 @@ fn three_operands_are_decoded_unchanged() {
         for (opcode, mnemonic, _) in three_operands(size, scalar) {
             for &vector in vectors {
                 let memory = if scalar { size } else { vector };
-                let places = BASES.iter().flat_map(|(base, _)| {
+                let in_memory = BASES.iter().flat_map(|(base, _)| {
                     DISTANCES.iter().map(|&distance| Place::Memory(*base, distance))
                 });
-                let places = places.chain(REGISTERS.map(Place::Register));
+                let places = in_memory.chain(REGISTERS.map(Place::Register));
                 for place in places {
                     for (first, source) in REGISTERS.into_iter().zip([3, 31, 0, 15, 9, 23, 16, 7]) {
                         let last = if let Place::Register(last) = place { last } else { 0 };
@@ -134,11 +134,11 @@ fn three_operands_are_decoded_unchanged() {
                         };
                         let mut encoder = Encoder::default();
                         encoder.vector(encoding, opcode, &operands);
-                        let found = decode(&encoder.code);
-                        assert_eq!(found.mnemonic(), mnemonic);
-                        assert_eq!(found.op_register(0), register(first, vector));
-                        assert_eq!(found.op_register(1), register(source, vector));
-                        assert!(is_place(&found, 2, place, vector), "{operands:?} {found:?}");
+                        let decoded = decode(&encoder.code);
+                        assert_eq!(decoded.mnemonic(), mnemonic);
+                        assert_eq!(decoded.op_register(0), register(first, vector));
+                        assert_eq!(decoded.op_register(1), register(source, vector));
+                        assert!(is_place(&decoded, 2, place, vector), "{operands:?} {decoded:?}");
                         encoded += 1;
                     }
                 }
@@ -151,7 +151,7 @@ fn three_operands_are_decoded_unchanged() {
 #[test]
 fn two_operands_are_decoded_unchanged() {
     use Mnemonic as M;
-    let of = [
+    let cases = [
         (op::arithmetic(op::ADD, true, 8), M::Addsd),
         (op::arithmetic(op::SUBTRACT, true, 4), M::Subss),
         (op::arithmetic(op::MULTIPLY, false, 8), M::Mulpd),
@@ -164,7 +164,7 @@ fn two_operands_are_decoded_unchanged() {
         (op::UNPACK_LOW_DOUBLE, M::Unpcklpd),
         (op::LOAD_HIGH, M::Movhpd),
     ];
-    for (opcode, mnemonic) in of {
+    for (opcode, mnemonic) in cases {
         for place in BASES
             .iter()
             .flat_map(|(base, _)| DISTANCES.map(|distance| Place::Memory(*base, distance)))
@@ -185,10 +185,10 @@ fn two_operands_are_decoded_unchanged() {
                 };
                 let mut encoder = Encoder::default();
                 encoder.vector(Encoding::Legacy, opcode, &operands);
-                let found = decode(&encoder.code);
-                assert_eq!(found.mnemonic(), mnemonic);
-                assert_eq!(found.op_register(0), register(first, 16));
-                assert!(is_place(&found, 1, place, 16), "{operands:?} {found:?}");
+                let decoded = decode(&encoder.code);
+                assert_eq!(decoded.mnemonic(), mnemonic);
+                assert_eq!(decoded.op_register(0), register(first, 16));
+                assert!(is_place(&decoded, 1, place, 16), "{operands:?} {decoded:?}");
             }
         }
     }

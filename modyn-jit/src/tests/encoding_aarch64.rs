@@ -55,7 +55,7 @@ fn operations_are_decoded_unchanged() {
     for [a, b, c, d] in orders() {
         for (size, scalar, lanes) in [(8, "d", "2d"), (4, "s", "4s")] {
             for (opcode, name) in arithmetic {
-                let found = texts(|e| {
+                let listing = texts(|e| {
                     e.three(opcode.of(true, size), [a, b, c]);
                     e.three(opcode.of(false, size), [a, b, c]);
                 });
@@ -63,10 +63,10 @@ fn operations_are_decoded_unchanged() {
                     format!("{name} {scalar}{a}, {scalar}{b}, {scalar}{c}"),
                     format!("{name} v{a}.{lanes}, v{b}.{lanes}, v{c}.{lanes}"),
                 ];
-                assert_eq!(found, expected);
+                assert_eq!(listing, expected);
             }
             for (opcode, name) in unary {
-                let found = texts(|e| {
+                let listing = texts(|e| {
                     e.two(opcode.of(true, size), [a, b]);
                     e.two(opcode.of(false, size), [a, b]);
                 });
@@ -74,14 +74,14 @@ fn operations_are_decoded_unchanged() {
                     format!("{name} {scalar}{a}, {scalar}{b}"),
                     format!("{name} v{a}.{lanes}, v{b}.{lanes}"),
                 ];
-                assert_eq!(found, expected);
+                assert_eq!(listing, expected);
             }
             for (signs, name) in fused {
-                let found = texts(|e| e.four(op::multiply_add(signs, size), [a, b, c, d]));
+                let listing = texts(|e| e.four(op::multiply_add(signs, size), [a, b, c, d]));
                 let expected = format!("{name} {scalar}{a}, {scalar}{b}, {scalar}{c}, {scalar}{d}");
-                assert_eq!(found, [expected]);
+                assert_eq!(listing, [expected]);
             }
-            let found = texts(|e| {
+            let listing = texts(|e| {
                 e.three(op::accumulate(false, size), [a, b, c]);
                 e.three(op::accumulate(true, size), [a, b, c]);
                 e.three(op::compare_flags(size), [0, b, c]);
@@ -97,9 +97,9 @@ fn operations_are_decoded_unchanged() {
                 format!("mov v{a}.{lanes}, v{b}.{scalar}[0]"),
                 format!("zip1 v{a}.{lanes}, v{b}.{lanes}, v{c}.{lanes}"),
             ];
-            assert_eq!(found, expected);
+            assert_eq!(listing, expected);
         }
-        let found = texts(|e| {
+        let listing = texts(|e| {
             e.three(op::AND, [a, b, c]);
             e.three(op::CLEAR, [a, b, c]);
             e.three(op::OR, [a, b, c]);
@@ -129,7 +129,7 @@ fn operations_are_decoded_unchanged() {
             "b.eq $+0x8".into(),
             "b.mi $+0x8".into(),
         ];
-        assert_eq!(found, expected);
+        assert_eq!(listing, expected);
     }
 }
 
@@ -139,15 +139,15 @@ fn memory_is_decoded_unchanged() {
     for (bytes, kind) in [(4, 's'), (8, 'd'), (16, 'q')] {
         for access in [Access::Load, Access::Store] {
             for (register, base) in [(0, 8), (31, 31), (13, 16)] {
-                let of = if base == 31 { "sp".into() } else { format!("x{base}") };
+                let base_name = if base == 31 { "sp".into() } else { format!("x{base}") };
                 let texts = |offset| texts(|e| e.memory(access, bytes, register, base, offset));
-                let direct = format!("{}r {kind}{register}, [{of}", name(access));
+                let direct = format!("{}r {kind}{register}, [{base_name}", name(access));
                 assert_eq!(texts(0), [format!("{direct}]")]);
                 for units in [1, 5, 4095] {
                     let offset = units * bytes as u32;
                     assert_eq!(texts(offset), [format!("{direct}, #0x{offset:x}]")]);
                 }
-                let unaligned = format!("{}ur {kind}{register}, [{of}", name(access));
+                let unaligned = format!("{}ur {kind}{register}, [{base_name}", name(access));
                 for offset in [3, 255] {
                     assert_eq!(texts(offset), [format!("{unaligned}, #0x{offset:x}]")]);
                 }
@@ -158,26 +158,26 @@ fn memory_is_decoded_unchanged() {
                     (far + 2, 1 + usize::from(bytes == 16)),
                     (0x1234_5678, 2),
                 ] {
-                    let found = texts(offset);
-                    assert_eq!(found.len(), words + 1);
-                    assert_eq!(constant(&found[..words]), u64::from(offset));
-                    assert_eq!(found[words], format!("{direct}, x9]"));
+                    let listing = texts(offset);
+                    assert_eq!(listing.len(), words + 1);
+                    assert_eq!(constant(&listing[..words]), u64::from(offset));
+                    assert_eq!(listing[words], format!("{direct}, x9]"));
                 }
             }
         }
     }
     for offset in [0, 17, 4095] {
-        let found = texts(|e| e.address(2, 31, offset));
+        let listing = texts(|e| e.address(2, 31, offset));
         let expected =
             if offset == 0 { "mov x2, sp".into() } else { format!("add x2, sp, #0x{offset:x}") };
-        assert_eq!(found, [expected]);
+        assert_eq!(listing, [expected]);
     }
     let found = texts(|e| e.address(1, 31, 0x12_3456));
     assert_eq!(constant(&found[..2]), 0x12_3456);
     assert_eq!(found[2], "add x1, sp, x9");
-    let found = texts(|e| e.address(1, 14, 5000));
-    assert_eq!(constant(&found[..1]), 5000);
-    assert_eq!(found[1], "add x1, x14, x9");
+    let listing = texts(|e| e.address(1, 14, 5000));
+    assert_eq!(constant(&listing[..1]), 5000);
+    assert_eq!(listing[1], "add x1, x14, x9");
     for value in [0, 1, 0xffff, 0x1_0000, 0x7f12_3456_789a, u64::MAX] {
         assert_eq!(constant(&texts(|e| e.constant(9, value))), value);
     }

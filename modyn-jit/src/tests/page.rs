@@ -233,8 +233,10 @@ impl Code {
     /// Returns the register in which a step leaves its value: the destination of its last
     /// instruction that is no store.
     fn register(&self, step: usize) -> Option<usize> {
-        let written = self.of_step(Some(step)).iter().rev().map(|(instruction, _)| instruction);
-        let mut written = written.filter(|instruction| instruction.op0_kind() == OpKind::Register);
+        let instructions =
+            self.of_step(Some(step)).iter().rev().map(|(instruction, _)| instruction);
+        let mut written =
+            instructions.filter(|instruction| instruction.op0_kind() == OpKind::Register);
         let register = written.next()?.op0_register();
         register.is_vector_register().then(|| register.number())
     }
@@ -341,14 +343,14 @@ fn counts(size: &CodeSize) -> String {
 /// Compares a file of the documentation with the text that it should have, or writes it.
 fn check(path: &str, text: impl Fn(&str) -> String) {
     let path = root().join("docs").join(path);
-    let found = std::fs::read_to_string(&path).unwrap_or_default();
-    let expected = text(&found);
+    let present = std::fs::read_to_string(&path).unwrap_or_default();
+    let expected = text(&present);
     if std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
         std::fs::write(&path, expected).expect("writes");
         return;
     }
     let command = "UPDATE_SNAPSHOTS=1 cargo test -p modyn-jit --lib page";
-    assert!(found == expected, "{} is not current; `{command}` writes it", path.display());
+    assert!(present == expected, "{} is not current; `{command}` writes it", path.display());
 }
 
 #[test]

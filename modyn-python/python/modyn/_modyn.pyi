@@ -482,9 +482,9 @@ class Robot:
     def forward_dynamics(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, *, out: Array | None = None
     ) -> Array:
-        """Returns the joint accelerations (rad/s^2 or m/s^2) at the coordinates `q` and velocities `qd` under
-        the joint forces `tau` (N m or N), gravity included. The method is block reverse Gaussian
-        elimination of the mass matrix by inter- and intra-modular recursion.
+        """Returns the joint accelerations (rad/s^2 or m/s^2) at the coordinates `q` and velocities
+        `qd` under the joint forces `tau` (N m or N), gravity included. The method is block reverse
+        Gaussian elimination of the mass matrix by inter- and intra-modular recursion.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,).
         Result: (nv,). Several states have one more axis, the first.
@@ -492,8 +492,8 @@ class Robot:
     def inverse_dynamics(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, *, out: Array | None = None
     ) -> Array:
-        """Returns the joint forces (N m or N) of the accelerations `qdd` at the coordinates `q` and velocities
-        `qd`, gravity included, by the recursive Newton-Euler algorithm.
+        """Returns the joint forces (N m or N) of the accelerations `qdd` at the coordinates `q` and
+        velocities `qd`, gravity included, by the recursive Newton-Euler algorithm.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
         Result: (nv,). Several states have one more axis, the first.
@@ -501,8 +501,9 @@ class Robot:
     def bias_forces(
         self, q: ArrayLike, qd: ArrayLike, *, out: Array | None = None
     ) -> Array:
-        """Returns the bias forces (N m or N): inverse dynamics at zero acceleration. They are the Coriolis,
-        centrifugal and gravity forces and those of springs, with damping and friction if these are enabled.
+        """Returns the bias forces (N m or N): inverse dynamics at zero acceleration. They are the
+        Coriolis, centrifugal and gravity forces and those of springs, with damping and friction if
+        these are enabled.
 
         Arguments: `q`: (nq,); `qd`: (nv,).
         Result: (nv,). Several states have one more axis, the first.
@@ -510,7 +511,8 @@ class Robot:
     def gravity_torques(
         self, q: ArrayLike, *, out: Array | None = None
     ) -> Array:
-        """Returns the joint forces (N m or N) that balance gravity and springs at `q` and zero velocity.
+        """Returns the joint forces (N m or N) that balance gravity and springs at `q` and zero
+        velocity.
 
         Arguments: `q`: (nq,).
         Result: (nv,). Several states have one more axis, the first.
@@ -526,8 +528,8 @@ class Robot:
     def coriolis_matrix(
         self, q: ArrayLike, qd: ArrayLike, *, out: Array | None = None
     ) -> Array:
-        """Returns the Coriolis matrix C, nv x nv. C `qd` are the Coriolis and centrifugal forces, without
-        gravity, damping and friction, and dM/dt - 2 C is skew with the mass matrix M.
+        """Returns the Coriolis matrix C, nv x nv. C `qd` are the Coriolis and centrifugal forces,
+        without gravity, damping and friction, and dM/dt - 2 C is skew with the mass matrix M.
 
         Arguments: `q`: (nq,); `qd`: (nv,).
         Result: (nv, nv). Several states have one more axis, the first.
@@ -543,8 +545,8 @@ class Robot:
     def potential_energy(
         self, q: ArrayLike, *, out: Array | None = None
     ) -> float | Array:
-        """Returns the potential energy of the moving links under gravity and of the springs, J; zero for mass
-        at the world's origin and springs at rest.
+        """Returns the potential energy of the moving links under gravity and of the springs, J; zero
+        for mass at the world's origin and springs at rest.
 
         Arguments: `q`: (nq,).
         Result: a number. Several states have one more axis, the first.
@@ -555,7 +557,8 @@ class Robot:
         """Returns the joint accelerations under `tau` and a wrench on each link (in the order of
         `link_names`), at the link's origin in the link's own axes.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `forces`: (links, 6), moments before forces.
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `forces`: (links, 6), moments before
+        forces.
         Result: (nv,). Several states have one more axis, the first.
         """
     def forward_dynamics_external_world(
@@ -564,138 +567,142 @@ class Robot:
         """Returns the joint accelerations under `tau` and a wrench on each link (in the order of
         `link_names`), at the link's origin in world axes.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `forces`: (links, 6), moments before forces.
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `forces`: (links, 6), moments before
+        forces.
         Result: (nv,). Several states have one more axis, the first.
         """
     def inverse_dynamics_external(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, forces: ArrayLike, *, out: Array | None = None
     ) -> Array:
-        """Returns the joint forces of `qdd` under a wrench on each link (in the order of `link_names`), at the
-        link's origin in the link's own axes.
+        """Returns the joint forces of `qdd` under a wrench on each link (in the order of
+        `link_names`), at the link's origin in the link's own axes.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `forces`: (links, 6), moments before forces.
+        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `forces`: (links, 6), moments before
+        forces.
         Result: (nv,). Several states have one more axis, the first.
         """
     def inverse_dynamics_external_world(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, forces: ArrayLike, *, out: Array | None = None
     ) -> Array:
-        """Returns the joint forces of `qdd` under a wrench on each link (in the order of `link_names`), at the
-        link's origin in world axes.
+        """Returns the joint forces of `qdd` under a wrench on each link (in the order of
+        `link_names`), at the link's origin in world axes.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `forces`: (links, 6), moments before forces.
+        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `forces`: (links, 6), moments before
+        forces.
         Result: (nv,). Several states have one more axis, the first.
         """
     def generalized_forces(
         self, q: ArrayLike, forces: ArrayLike, *, out: GeneralizedForces | None = None
     ) -> GeneralizedForces:
-        """Returns the generalized forces J^T f of a wrench on each link (in the order of `link_names`), at the
-        link's origin in the link's own axes, and their derivative with respect to `q` (in tangent space).
-        The wrenches rotate with their links.
+        """Returns the generalized forces J^T f of a wrench on each link (in the order of
+        `link_names`), at the link's origin in the link's own axes, and their derivative with
+        respect to `q` (in tangent space). The wrenches rotate with their links.
 
         Arguments: `q`: (nq,); `forces`: (links, 6), moments before forces.
-        Result: `GeneralizedForces`: `tau` (nv,), `dq` (nv, nv). Several states have one more axis, the
-        first.
+        Result: `GeneralizedForces`: `tau` (nv,), `dq` (nv, nv). Several states have one more axis,
+        the first.
         """
     def generalized_forces_world(
         self, q: ArrayLike, forces: ArrayLike, *, out: GeneralizedForces | None = None
     ) -> GeneralizedForces:
-        """Returns the generalized forces J^T f of a wrench on each link (in the order of `link_names`), at the
-        link's origin in world axes, and their derivative with respect to `q` (in tangent space). The
-        wrenches keep their directions.
+        """Returns the generalized forces J^T f of a wrench on each link (in the order of
+        `link_names`), at the link's origin in world axes, and their derivative with respect to `q`
+        (in tangent space). The wrenches keep their directions.
 
         Arguments: `q`: (nq,); `forces`: (links, 6), moments before forces.
-        Result: `GeneralizedForces`: `tau` (nv,), `dq` (nv, nv). Several states have one more axis, the
-        first.
+        Result: `GeneralizedForces`: `tau` (nv,), `dq` (nv, nv). Several states have one more axis,
+        the first.
         """
     def inverse_dynamics_derivatives(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, *, out: InverseDynamicsDerivatives | None = None
     ) -> InverseDynamicsDerivatives:
-        """Returns the derivatives of inverse dynamics with respect to `q` (in tangent space) and `qd`. The
-        derivative with respect to `qdd` is the mass matrix.
+        """Returns the derivatives of inverse dynamics with respect to `q` (in tangent space) and `qd`.
+        The derivative with respect to `qdd` is the mass matrix.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
-        Result: `InverseDynamicsDerivatives`: `dq` (nv, nv), `dqd` (nv, nv). Several states have one more
-        axis, the first.
+        Result: `InverseDynamicsDerivatives`: `dq` (nv, nv), `dqd` (nv, nv). Several states have one
+        more axis, the first.
         """
     def forward_dynamics_derivatives(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, *, out: ForwardDynamicsDerivatives | None = None
     ) -> ForwardDynamicsDerivatives:
-        """Returns the joint accelerations, and the derivatives of forward dynamics with respect to `q` (in
-        tangent space), `qd` and `tau`.
+        """Returns the joint accelerations, and the derivatives of forward dynamics with respect to `q`
+        (in tangent space), `qd` and `tau`.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,).
-        Result: `ForwardDynamicsDerivatives`: `qdd` (nv,), `dq` (nv, nv), `dqd` (nv, nv), `dtau` (nv, nv).
-        Several states have one more axis, the first.
+        Result: `ForwardDynamicsDerivatives`: `qdd` (nv,), `dq` (nv, nv), `dqd` (nv, nv), `dtau`
+        (nv, nv). Several states have one more axis, the first.
         """
     def inverse_dynamics_vjp(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, cotangent: ArrayLike, *, out: InverseDynamicsVjp | None = None
     ) -> InverseDynamicsVjp:
-        """Returns the joint forces tau of `qdd`, and the products of `cotangent` with their derivatives: the
-        gradients of `cotangent`^T tau with respect to `q` (in tangent space), `qd` and `qdd`.
+        """Returns the joint forces tau of `qdd`, and the products of `cotangent` with their
+        derivatives: the gradients of `cotangent`^T tau with respect to `q` (in tangent space), `qd`
+        and `qdd`.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `cotangent`: (nv,).
-        Result: `InverseDynamicsVjp`: `tau` (nv,), `dq` (nv,), `dqd` (nv,), `dqdd` (nv,). Several states
-        have one more axis, the first.
+        Result: `InverseDynamicsVjp`: `tau` (nv,), `dq` (nv,), `dqd` (nv,), `dqdd` (nv,). Several
+        states have one more axis, the first.
         """
     def inverse_dynamics_jvp(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, dq: ArrayLike, dqd: ArrayLike, dqdd: ArrayLike, *, out: InverseDynamicsJvp | None = None
     ) -> InverseDynamicsJvp:
-        """Returns the joint forces tau of `qdd`, and their change under the changes `dq` (in tangent space),
-        `dqd` and `dqdd`.
+        """Returns the joint forces tau of `qdd`, and their change under the changes `dq` (in tangent
+        space), `dqd` and `dqdd`.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `dq`: (nv,); `dqd`: (nv,); `dqdd`: (nv,).
-        Result: `InverseDynamicsJvp`: `tau` (nv,), `dtau` (nv,). Several states have one more axis, the
-        first.
+        Result: `InverseDynamicsJvp`: `tau` (nv,), `dtau` (nv,). Several states have one more axis,
+        the first.
         """
     def forward_dynamics_vjp(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, cotangent: ArrayLike, *, out: ForwardDynamicsVjp | None = None
     ) -> ForwardDynamicsVjp:
-        """Returns the accelerations qdd, and the products of `cotangent` with their derivatives: the gradients
-        of `cotangent`^T qdd with respect to `q` (in tangent space), `qd` and `tau`.
+        """Returns the accelerations qdd, and the products of `cotangent` with their derivatives: the
+        gradients of `cotangent`^T qdd with respect to `q` (in tangent space), `qd` and `tau`.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `cotangent`: (nv,).
-        Result: `ForwardDynamicsVjp`: `qdd` (nv,), `dq` (nv,), `dqd` (nv,), `dtau` (nv,). Several states
-        have one more axis, the first.
+        Result: `ForwardDynamicsVjp`: `qdd` (nv,), `dq` (nv,), `dqd` (nv,), `dtau` (nv,). Several
+        states have one more axis, the first.
         """
     def forward_dynamics_jvp(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dq: ArrayLike, dqd: ArrayLike, dtau: ArrayLike, *, out: ForwardDynamicsJvp | None = None
     ) -> ForwardDynamicsJvp:
-        """Returns the accelerations qdd, and their change under the changes `dq` (in tangent space), `dqd` and
-        `dtau`.
+        """Returns the accelerations qdd, and their change under the changes `dq` (in tangent space),
+        `dqd` and `dtau`.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dq`: (nv,); `dqd`: (nv,); `dtau`: (nv,).
-        Result: `ForwardDynamicsJvp`: `qdd` (nv,), `dqdd` (nv,). Several states have one more axis, the
-        first.
+        Result: `ForwardDynamicsJvp`: `qdd` (nv,), `dqdd` (nv,). Several states have one more axis,
+        the first.
         """
     def inverse_dynamics_hessian(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, cotangent: ArrayLike, *, out: InverseDynamicsHessian | None = None
     ) -> InverseDynamicsHessian:
-        """Returns the joint forces tau of `qdd`, and the gradients and the Hessian of `cotangent`^T tau with
-        respect to `q` (in tangent space), `qd` and `qdd`. The blocks of `qd` and `qdd` and of `qdd` and
-        `qdd` are zero.
+        """Returns the joint forces tau of `qdd`, and the gradients and the Hessian of `cotangent`^T
+        tau with respect to `q` (in tangent space), `qd` and `qdd`. The blocks of `qd` and `qdd` and
+        of `qdd` and `qdd` are zero.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `cotangent`: (nv,).
-        Result: `InverseDynamicsHessian`: `tau` (nv,), `dq` (nv,), `dqd` (nv,), `dqdd` (nv,), `dq_dq` (nv,
-        nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv), `dq_dqdd` (nv, nv). Several states have one more axis,
-        the first.
+        Result: `InverseDynamicsHessian`: `tau` (nv,), `dq` (nv,), `dqd` (nv,), `dqdd` (nv,),
+        `dq_dq` (nv, nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv), `dq_dqdd` (nv, nv). Several states
+        have one more axis, the first.
         """
     def forward_dynamics_hessian(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, cotangent: ArrayLike, *, out: ForwardDynamicsHessian | None = None
     ) -> ForwardDynamicsHessian:
-        """Returns the accelerations qdd, and the gradients and the Hessian of `cotangent`^T qdd with respect
-        to `q` (in tangent space), `qd` and `tau`. The blocks of `qd` and `tau` and of `tau` and `tau` are
-        zero.
+        """Returns the accelerations qdd, and the gradients and the Hessian of `cotangent`^T qdd with
+        respect to `q` (in tangent space), `qd` and `tau`. The blocks of `qd` and `tau` and of `tau`
+        and `tau` are zero.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `cotangent`: (nv,).
-        Result: `ForwardDynamicsHessian`: `qdd` (nv,), `dq` (nv,), `dqd` (nv,), `dtau` (nv,), `dq_dq` (nv,
-        nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv), `dq_dtau` (nv, nv). Several states have one more axis,
-        the first.
+        Result: `ForwardDynamicsHessian`: `qdd` (nv,), `dq` (nv,), `dqd` (nv,), `dtau` (nv,),
+        `dq_dq` (nv, nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv), `dq_dtau` (nv, nv). Several states
+        have one more axis, the first.
         """
     def step_semi_implicit(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, *, out: Step | None = None
     ) -> Step:
-        """Returns the state after the time `dt` (s) under the joint forces `tau`, by the semi-implicit Euler
-        method: the new velocities are `qd` + `dt` qdd, and move the coordinates.
+        """Returns the state after the time `dt` (s) under the joint forces `tau`, by the semi-implicit
+        Euler method: the new velocities are `qd` + `dt` qdd, and move the coordinates.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
         Result: `Step`: `q` (nq,), `qd` (nv,). Several states have one more axis, the first.
@@ -703,31 +710,34 @@ class Robot:
     def step_semi_implicit_derivatives(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, *, out: StepDerivatives | None = None
     ) -> StepDerivatives:
-        """Returns the state after the time `dt` (s) by the semi-implicit Euler method, and its derivatives:
-        `a` with respect to the state before and `b` with respect to `tau`. A state has the entries of q (in
-        tangent space), then those of qd.
+        """Returns the state after the time `dt` (s) by the semi-implicit Euler method, and its
+        derivatives: `a` with respect to the state before and `b` with respect to `tau`. A state has
+        the entries of q (in tangent space), then those of qd.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
-        Result: `StepDerivatives`: `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several states
-        have one more axis, the first.
+        Result: `StepDerivatives`: `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several
+        states have one more axis, the first.
         """
     def step_semi_implicit_hessian(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, costate: ArrayLike, *, out: StepHessian | None = None
     ) -> StepHessian:
-        """Returns the state after the time `dt` (s) by the semi-implicit Euler method, and the gradients and
-        the Hessian of `costate`^T state: `dx` and `dtau` with respect to the state before and `tau`, and
-        `dx_dx`, `dx_dtau` and `dtau_dtau`. A state has the entries of q (in tangent space), then those of
-        qd. Displacements of the state after the step are in tangent space, too.
+        """Returns the state after the time `dt` (s) by the semi-implicit Euler method, and the
+        gradients and the Hessian of `costate`^T state: `dx` and `dtau` with respect to the state
+        before and `tau`, and `dx_dx`, `dx_dtau` and `dtau_dtau`. A state has the entries of q (in
+        tangent space), then those of qd. Displacements of the state after the step are in tangent
+        space, too.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `costate`: (2 nv,).
-        Result: `StepHessian`: `q` (nq,), `qd` (nv,), `dx` (2 nv,), `dtau` (nv,), `dx_dx` (2 nv, 2 nv),
-        `dx_dtau` (2 nv, nv), `dtau_dtau` (nv, nv). Several states have one more axis, the first.
+        Result: `StepHessian`: `q` (nq,), `qd` (nv,), `dx` (2 nv,), `dtau` (nv,), `dx_dx` (2 nv, 2
+        nv), `dx_dtau` (2 nv, nv), `dtau_dtau` (nv, nv). Several states have one more axis, the
+        first.
         """
     def step_rk4(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, *, out: Step | None = None
     ) -> Step:
-        """Returns the state after the time `dt` (s) under the constant joint forces `tau`, by a Runge-Kutta
-        method of fourth order. Rotations follow exponential maps, so quaternions keep length 1.
+        """Returns the state after the time `dt` (s) under the constant joint forces `tau`, by a
+        Runge-Kutta method of fourth order. Rotations follow exponential maps, so quaternions keep
+        length 1.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
         Result: `Step`: `q` (nq,), `qd` (nv,). Several states have one more axis, the first.
@@ -735,20 +745,21 @@ class Robot:
     def step_rk4_derivatives(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, *, out: StepDerivatives | None = None
     ) -> StepDerivatives:
-        """Returns the state of `step_rk4`, and its derivatives: `a` with respect to the state before and `b`
-        with respect to `tau`. A state has the entries of q (in tangent space), then those of qd.
+        """Returns the state of `step_rk4`, and its derivatives: `a` with respect to the state before
+        and `b` with respect to `tau`. A state has the entries of q (in tangent space), then those
+        of qd.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
-        Result: `StepDerivatives`: `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several states
-        have one more axis, the first.
+        Result: `StepDerivatives`: `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several
+        states have one more axis, the first.
         """
     def step_implicit_midpoint(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, *, out: Step | None = None
     ) -> Step:
-        """Returns the state after the time `dt` (s) under the constant joint forces `tau`, by the implicit
-        midpoint rule: of second order, symmetric, and stable under stiff damping. Three iterations of
-        simplified Newton solve its equations. Rotations follow exponential maps, so quaternions keep length
-        1.
+        """Returns the state after the time `dt` (s) under the constant joint forces `tau`, by the
+        implicit midpoint rule: of second order, symmetric, and stable under stiff damping. Three
+        iterations of simplified Newton solve its equations. Rotations follow exponential maps, so
+        quaternions keep length 1.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
         Result: `Step`: `q` (nq,), `qd` (nv,). Several states have one more axis, the first.
@@ -756,205 +767,210 @@ class Robot:
     def step_implicit_midpoint_derivatives(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, *, out: StepDerivatives | None = None
     ) -> StepDerivatives:
-        """Returns the state of `step_implicit_midpoint`, and the derivatives of the implicit midpoint rule:
-        `a` with respect to the state before and `b` with respect to `tau`. A state has the entries of q (in
-        tangent space), then those of qd.
+        """Returns the state of `step_implicit_midpoint`, and the derivatives of the implicit midpoint
+        rule: `a` with respect to the state before and `b` with respect to `tau`. A state has the
+        entries of q (in tangent space), then those of qd.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
-        Result: `StepDerivatives`: `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several states
-        have one more axis, the first.
+        Result: `StepDerivatives`: `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several
+        states have one more axis, the first.
         """
     def constrained_forward_dynamics(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedForwardDynamics | None = None
     ) -> ConstrainedForwardDynamics:
-        """Returns the joint accelerations under the joint forces `tau` with the loops closed and the active
-        contacts held. Also returns the wrench on each constraint's link and the unmet part of the
-        constraint's acceleration, and the number of independent constraint rows. Loop constraints come
-        first, in the order of `loop_constraint_names`, at the second frame's origin in the first frame's
-        axes. Contacts follow, in the order of `contact_names`, at the frame's origin in world axes.
-        Redundant rows get the multipliers of smallest norm.
+        """Returns the joint accelerations under the joint forces `tau` with the loops closed and the
+        active contacts held. Also returns the wrench on each constraint's link and the unmet part
+        of the constraint's acceleration, and the number of independent constraint rows. Loop
+        constraints come first, in the order of `loop_constraint_names`, at the second frame's
+        origin in the first frame's axes. Contacts follow, in the order of `contact_names`, at the
+        frame's origin in world axes. Redundant rows get the multipliers of smallest norm.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `contacts`: (contacts,), 1 for each active
-        contact, else 0; by default all are; `settings`: `ConstraintSettings`, by default with the ground at
-        z = 0 under all contacts.
+        contact, else 0; by default all are; `settings`: `ConstraintSettings`, by default with the
+        ground at z = 0 under all contacts.
         Result: `ConstrainedForwardDynamics`: `qdd` (nv,), `wrenches` (constraints, 6), `residuals`
-        (constraints, 6), `rank` a number, angular before linear components. Several states have one more
-        axis, the first.
+        (constraints, 6), `rank` a number, angular before linear components. Several states have one
+        more axis, the first.
         """
     def constraint_residual(
         self, q: ArrayLike, qd: ArrayLike, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstraintResidual | None = None
     ) -> ConstraintResidual:
-        """Returns the displacement and the velocity of each loop constraint's second frame relative to its
-        first, in the first frame's axes; then of each contact's frame, active or not, relative to its
-        target, in world axes. Components along free directions are zero. A rotation is its axis times the
-        sine of its angle.
+        """Returns the displacement and the velocity of each loop constraint's second frame relative to
+        its first, in the first frame's axes; then of each contact's frame, active or not, relative
+        to its target, in world axes. Components along free directions are zero. A rotation is its
+        axis times the sine of its angle.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `settings`: `ConstraintSettings`, by default with the ground at
-        z = 0 under all contacts.
-        Result: `ConstraintResidual`: `displacements` (constraints, 6), `velocities` (constraints, 6),
-        angular before linear components. Several states have one more axis, the first.
+        Arguments: `q`: (nq,); `qd`: (nv,); `settings`: `ConstraintSettings`, by default with the
+        ground at z = 0 under all contacts.
+        Result: `ConstraintResidual`: `displacements` (constraints, 6), `velocities` (constraints,
+        6), angular before linear components. Several states have one more axis, the first.
         """
     def project_constraints(
         self, q: ArrayLike, qd: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstraintProjection | None = None
     ) -> ConstraintProjection:
-        """Returns the smallest step (in the metric of the mass matrix) that closes the loops at `q` and moves
-        the active contacts to their targets to first order, the smallest change of `qd` that keeps them
-        there, and the number of independent constraint rows. The settings `alpha` and `beta` have no
-        effect.
+        """Returns the smallest step (in the metric of the mass matrix) that closes the loops at `q`
+        and moves the active contacts to their targets to first order, the smallest change of `qd`
+        that keeps them there, and the number of independent constraint rows. The settings `alpha`
+        and `beta` have no effect.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `contacts`: (contacts,), 1 for each active contact, else 0; by
-        default all are; `settings`: `ConstraintSettings`, by default with the ground at z = 0 under all
-        contacts.
-        Result: `ConstraintProjection`: `dq` (nv,), `dqd` (nv,), `rank` a number. Several states have one
-        more axis, the first.
+        Arguments: `q`: (nq,); `qd`: (nv,); `contacts`: (contacts,), 1 for each active contact, else
+        0; by default all are; `settings`: `ConstraintSettings`, by default with the ground at z = 0
+        under all contacts.
+        Result: `ConstraintProjection`: `dq` (nv,), `dqd` (nv,), `rank` a number. Several states
+        have one more axis, the first.
         """
     def constrained_forward_dynamics_derivatives(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedForwardDynamicsDerivatives | None = None
     ) -> ConstrainedForwardDynamicsDerivatives:
-        """Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and their derivatives
-        with respect to `q` (in tangent space), `qd` and `tau`. The derivatives of wrenches are arrays for
-        each constraint, in the axes of the wrenches. The rank is assumed constant; redundant rows get the
-        derivatives of smallest norm.
+        """Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and their
+        derivatives with respect to `q` (in tangent space), `qd` and `tau`. The derivatives of
+        wrenches are arrays for each constraint, in the axes of the wrenches. The rank is assumed
+        constant; redundant rows get the derivatives of smallest norm.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `contacts`: (contacts,), 1 for each active
-        contact, else 0; by default all are; `settings`: `ConstraintSettings`, by default with the ground at
-        z = 0 under all contacts.
-        Result: `ConstrainedForwardDynamicsDerivatives`: `qdd` (nv,), `wrenches` (constraints, 6), `dq` (nv,
-        nv), `dqd` (nv, nv), `dtau` (nv, nv), `wrenches_dq` (constraints, 6, nv), `wrenches_dqd`
-        (constraints, 6, nv), `wrenches_dtau` (constraints, 6, nv), `rank` a number, moments before forces.
-        Several states have one more axis, the first.
+        contact, else 0; by default all are; `settings`: `ConstraintSettings`, by default with the
+        ground at z = 0 under all contacts.
+        Result: `ConstrainedForwardDynamicsDerivatives`: `qdd` (nv,), `wrenches` (constraints, 6),
+        `dq` (nv, nv), `dqd` (nv, nv), `dtau` (nv, nv), `wrenches_dq` (constraints, 6, nv),
+        `wrenches_dqd` (constraints, 6, nv), `wrenches_dtau` (constraints, 6, nv), `rank` a number,
+        moments before forces. Several states have one more axis, the first.
         """
     def constrained_forward_dynamics_hessian(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, cotangent: ArrayLike, wrench_cotangent: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedForwardDynamicsHessian | None = None
     ) -> ConstrainedForwardDynamicsHessian:
-        """Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and the gradients and
-        the Hessian of their sum with the weights `cotangent` and `wrench_cotangent` (of the components of
-        the wrenches) with respect to `q` (in tangent space), `qd` and `tau`. The blocks of `qd` and `tau`
-        and of `tau` and `tau` are zero. The rank is assumed constant. Weights of wrenches need independent
-        rows, or compliance.
+        """Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and the
+        gradients and the Hessian of their sum with the weights `cotangent` and `wrench_cotangent`
+        (of the components of the wrenches) with respect to `q` (in tangent space), `qd` and `tau`.
+        The blocks of `qd` and `tau` and of `tau` and `tau` are zero. The rank is assumed constant.
+        Weights of wrenches need independent rows, or compliance.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `cotangent`: (nv,); `wrench_cotangent`:
-        (constraints, 6), moments before forces; `contacts`: (contacts,), 1 for each active contact, else 0;
-        by default all are; `settings`: `ConstraintSettings`, by default with the ground at z = 0 under all
-        contacts.
-        Result: `ConstrainedForwardDynamicsHessian`: `qdd` (nv,), `wrenches` (constraints, 6), `dq` (nv,),
-        `dqd` (nv,), `dtau` (nv,), `dq_dq` (nv, nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv), `dq_dtau` (nv,
-        nv), `rank` a number, moments before forces. Several states have one more axis, the first.
+        (constraints, 6), moments before forces; `contacts`: (contacts,), 1 for each active contact,
+        else 0; by default all are; `settings`: `ConstraintSettings`, by default with the ground at
+        z = 0 under all contacts.
+        Result: `ConstrainedForwardDynamicsHessian`: `qdd` (nv,), `wrenches` (constraints, 6), `dq`
+        (nv,), `dqd` (nv,), `dtau` (nv,), `dq_dq` (nv, nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv),
+        `dq_dtau` (nv, nv), `rank` a number, moments before forces. Several states have one more
+        axis, the first.
         """
     def contact_impulse(
         self, q: ArrayLike, qd: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ContactImpulse | None = None
     ) -> ContactImpulse:
-        """Returns the velocities after an impact that closes the loops and stops the active contacts relative
-        to their targets at the same instant, the impulse of each constraint, and the number of independent
-        constraint rows. Along its normal, a contact leaves with `restitution` times the speed before the
-        impact. The settings `alpha` and `beta` have no effect.
+        """Returns the velocities after an impact that closes the loops and stops the active contacts
+        relative to their targets at the same instant, the impulse of each constraint, and the
+        number of independent constraint rows. Along its normal, a contact leaves with `restitution`
+        times the speed before the impact. The settings `alpha` and `beta` have no effect.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `contacts`: (contacts,), 1 for each active contact, else 0; by
-        default all are; `settings`: `ConstraintSettings`, by default with the ground at z = 0 under all
-        contacts.
-        Result: `ContactImpulse`: `qd` (nv,), `impulses` (constraints, 6), `rank` a number, moments before
-        forces. Several states have one more axis, the first.
+        Arguments: `q`: (nq,); `qd`: (nv,); `contacts`: (contacts,), 1 for each active contact, else
+        0; by default all are; `settings`: `ConstraintSettings`, by default with the ground at z = 0
+        under all contacts.
+        Result: `ContactImpulse`: `qd` (nv,), `impulses` (constraints, 6), `rank` a number, moments
+        before forces. Several states have one more axis, the first.
         """
     def contact_problem(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, settings: ConstraintSettings | ArrayLike | None = None, *, out: ContactProblem | None = None
     ) -> ContactProblem:
-        """Returns the problem of a step of the time `dt` (s) on the ground under the joint forces `tau`, in
-        the space of the contacts' points: the motion without contacts, and the effects of unit impulses on
-        the points and on the velocities. Of the targets, `pose` and the linear `velocity` count. Closed
-        loops are not closed. `solve::ground` has the solver.
+        """Returns the problem of a step of the time `dt` (s) on the ground under the joint forces
+        `tau`, in the space of the contacts' points: the motion without contacts, and the effects of
+        unit impulses on the points and on the velocities. Of the targets, `pose` and the linear
+        `velocity` count. Closed loops are not closed. `solve::ground` has the solver.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `settings`: `ConstraintSettings`,
-        by default with the ground at z = 0 under all contacts.
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `settings`:
+        `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
         Result: `ContactProblem`: `qd` (nv,), `heights` (contacts,), `before` (contacts, 3), `free`
-        (contacts, 3), `mobility` (3 contacts, 3 contacts), `responses` (nv, 3 contacts). Several states
-        have one more axis, the first.
+        (contacts, 3), `mobility` (3 contacts, 3 contacts), `responses` (nv, 3 contacts). Several
+        states have one more axis, the first.
         """
     def contact_step(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, impulses: ArrayLike, settings: ConstraintSettings | ArrayLike | None = None, *, out: ContactStep | None = None
     ) -> ContactStep:
-        """Returns the state after a step of the time `dt` (s) on the ground under the joint forces `tau`:
-        contacts with Coulomb friction, which push and do not pull, at the planes of their targets.
-        `impulses` are those of the last step, or zero: the solver starts from them. It sweeps six times
-        over the contacts; `residual` says how well that sufficed. Of the targets, `pose`, the linear
-        `velocity`, `alpha`, `beta`, `restitution`, `compliance` and `friction` count. Joints have no stops,
-        and closed loops are not closed. In Rust and Python, `step_on_ground` also stops joints, and solves
-        to a tolerance.
+        """Returns the state after a step of the time `dt` (s) on the ground under the joint forces
+        `tau`: contacts with Coulomb friction, which push and do not pull, at the planes of their
+        targets. `impulses` are those of the last step, or zero: the solver starts from them. It
+        sweeps six times over the contacts; `residual` says how well that sufficed. Of the targets,
+        `pose`, the linear `velocity`, `alpha`, `beta`, `restitution`, `compliance` and `friction`
+        count. Joints have no stops, and closed loops are not closed. In Rust and Python,
+        `step_on_ground` also stops joints, and solves to a tolerance.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `impulses`: (contacts, 3);
         `settings`: `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
-        Result: `ContactStep`: `q` (nq,), `qd` (nv,), `impulses` (contacts, 3), `residual` a number. Several
-        states have one more axis, the first.
+        Result: `ContactStep`: `q` (nq,), `qd` (nv,), `impulses` (contacts, 3), `residual` a number.
+        Several states have one more axis, the first.
         """
     def step(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, warm_start: ArrayLike | None = None, settings: StepSettings | ArrayLike | None = None, *, out: StepSolution | None = None
     ) -> StepSolution:
-        """Returns the state after a step of the time `dt` (s) under the joint forces `tau`, with contacts,
-        joint limits and dry joint friction by MuJoCo's law: soft constraints whose forces minimize a convex
-        function. The solver is Newton's method, to the tolerance of `settings`; `residual` says how far it
-        came, relative to the largest force. It starts from the accelerations `warm_start`: those of the
-        last step, or zeros. The integrator is semi-implicit Euler, implicit in joint damping. Closed loops
-        are not closed.
+        """Returns the state after a step of the time `dt` (s) under the joint forces `tau`, with
+        contacts, joint limits and dry joint friction by MuJoCo's law: soft constraints whose forces
+        minimize a convex function. The solver is Newton's method, to the tolerance of `settings`;
+        `residual` says how far it came, relative to the largest force. It starts from the
+        accelerations `warm_start`: those of the last step, or zeros. The integrator is
+        semi-implicit Euler, implicit in joint damping. Closed loops are not closed.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `warm_start`: (nv,), by default
-        zeros; `settings`: `StepSettings`, by default with the ground at z = 0 under all contacts.
-        Result: `StepSolution`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (contacts, 3), `residual` a
-        number, `iterations` a number. Several states have one more axis, the first.
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `warm_start`: (nv,), by
+        default zeros; `settings`: `StepSettings`, by default with the ground at z = 0 under all
+        contacts.
+        Result: `StepSolution`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (contacts, 3),
+        `residual` a number, `iterations` a number. Several states have one more axis, the first.
         """
     def constrained_inverse_dynamics(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedInverseDynamics | None = None
     ) -> ConstrainedInverseDynamics:
-        """Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts that carry
-        the floating bases, and the rank of the contacts' columns of the bases. The wrenches have the
-        smallest sum of (force^2 + (moment / l)^2) / weight with the characteristic length l of each
-        contact. The joint forces of a base are the wrench on it that no contact can carry. The wrenches of
-        loop constraints are zero.
+        """Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts
+        that carry the floating bases, and the rank of the contacts' columns of the bases. The
+        wrenches have the smallest sum of (force^2 + (moment / l)^2) / weight with the
+        characteristic length l of each contact. The joint forces of a base are the wrench on it
+        that no contact can carry. The wrenches of loop constraints are zero.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `contacts`: (contacts,), 1 for each active
-        contact, else 0; by default all are; `settings`: `ConstraintSettings`, by default with the ground at
-        z = 0 under all contacts.
-        Result: `ConstrainedInverseDynamics`: `tau` (nv,), `wrenches` (constraints, 6), `rank` a number,
-        moments before forces. Several states have one more axis, the first.
+        contact, else 0; by default all are; `settings`: `ConstraintSettings`, by default with the
+        ground at z = 0 under all contacts.
+        Result: `ConstrainedInverseDynamics`: `tau` (nv,), `wrenches` (constraints, 6), `rank` a
+        number, moments before forces. Several states have one more axis, the first.
         """
     def constraint_jacobian(
         self, q: ArrayLike, *, out: Array | None = None
     ) -> Array:
-        """Returns the Jacobian of each constraint. The product with `qd` is, for a loop constraint, the
-        constrained part of the twist of its second frame relative to its first, in the first frame's axes;
-        for a contact, active or not, the constrained part of its frame's twist in world axes.
+        """Returns the Jacobian of each constraint. The product with `qd` is, for a loop constraint,
+        the constrained part of the twist of its second frame relative to its first, in the first
+        frame's axes; for a contact, active or not, the constrained part of its frame's twist in
+        world axes.
 
         Arguments: `q`: (nq,).
-        Result: (constraints, 6, nv), angular before linear components. Several states have one more axis,
-        the first.
+        Result: (constraints, 6, nv), angular before linear components. Several states have one more
+        axis, the first.
         """
     def constraint_bias_acceleration(
         self, q: ArrayLike, qd: ArrayLike, *, out: Array | None = None
     ) -> Array:
-        """Returns the bias acceleration of each constraint: the time derivative of `constraint_jacobian` times
-        `qd`, in the same axes.
+        """Returns the bias acceleration of each constraint: the time derivative of
+        `constraint_jacobian` times `qd`, in the same axes.
 
         Arguments: `q`: (nq,); `qd`: (nv,).
-        Result: (constraints, 6), angular before linear components. Several states have one more axis, the
-        first.
+        Result: (constraints, 6), angular before linear components. Several states have one more
+        axis, the first.
         """
     def operational_inertia(
         self, q: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: OperationalInertia | None = None
     ) -> OperationalInertia:
-        """Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T with the mass
-        matrix M, and the number of independent constraint rows. Each constraint has its constrained
-        rotations, then its constrained displacements, of a contact in world axes. The entries of inactive
-        contacts are zero. The inverse contains the compliance.
+        """Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T with the
+        mass matrix M, and the number of independent constraint rows. Each constraint has its
+        constrained rotations, then its constrained displacements, of a contact in world axes. The
+        entries of inactive contacts are zero. The inverse contains the compliance.
 
-        Arguments: `q`: (nq,); `contacts`: (contacts,), 1 for each active contact, else 0; by default all
-        are; `settings`: `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
-        Result: `OperationalInertia`: `inverse` (constraint rows, constraint rows), `inertia` (constraint
-        rows, constraint rows), `rank` a number. Several states have one more axis, the first.
+        Arguments: `q`: (nq,); `contacts`: (contacts,), 1 for each active contact, else 0; by
+        default all are; `settings`: `ConstraintSettings`, by default with the ground at z = 0 under
+        all contacts.
+        Result: `OperationalInertia`: `inverse` (constraint rows, constraint rows), `inertia`
+        (constraint rows, constraint rows), `rank` a number. Several states have one more axis, the
+        first.
         """
     def regressor(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, *, out: Array | None = None
     ) -> Array:
-        """Returns the regressor Y of inverse dynamics: tau = Y pi, without rotors and friction. pi has ten
-        entries for each moving link: mass, mass times centre of mass x, y, z, and Ixx, Ixy, Ixz, Iyy, Iyz,
-        Izz about the link's origin in the link's own axes (`parameters`).
+        """Returns the regressor Y of inverse dynamics: tau = Y pi, without rotors and friction. pi has
+        ten entries for each moving link: mass, mass times centre of mass x, y, z, and Ixx, Ixy,
+        Ixz, Iyy, Iyz, Izz about the link's origin in the link's own axes (`parameters`).
 
         Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
         Result: (nv, 10 moving links). Several states have one more axis, the first.
@@ -970,8 +986,8 @@ class Robot:
     def center_of_mass_jacobian(
         self, q: ArrayLike, *, out: Array | None = None
     ) -> Array:
-        """Returns the Jacobian of the centre of mass. Its product with `qd` is the velocity of the centre of
-        mass in world axes.
+        """Returns the Jacobian of the centre of mass. Its product with `qd` is the velocity of the
+        centre of mass in world axes.
 
         Arguments: `q`: (nq,).
         Result: (3, nv). Several states have one more axis, the first.
@@ -979,62 +995,68 @@ class Robot:
     def centroidal_momentum_matrix(
         self, q: ArrayLike, *, out: Array | None = None
     ) -> Array:
-        """Returns the centroidal momentum matrix. Its product with `qd` is the momentum about the centre of
-        mass, in world axes. Rotors have energy, but no momentum: their axes are not described.
+        """Returns the centroidal momentum matrix. Its product with `qd` is the momentum about the
+        centre of mass, in world axes. Rotors have energy, but no momentum: their axes are not
+        described.
 
         Arguments: `q`: (nq,).
-        Result: (6, nv), angular before linear components. Several states have one more axis, the first.
+        Result: (6, nv), angular before linear components. Several states have one more axis, the
+        first.
         """
     def centroidal_composite_inertia(
         self, q: ArrayLike, *, out: Array | None = None
     ) -> Array:
-        """Returns the centroidal composite inertia. Its product with a twist is the momentum about the centre
-        of mass, in world axes, of all moving links as one rigid body with this twist at the centre of mass.
+        """Returns the centroidal composite inertia. Its product with a twist is the momentum about the
+        centre of mass, in world axes, of all moving links as one rigid body with this twist at the
+        centre of mass.
 
         Arguments: `q`: (nq,).
-        Result: (6, 6), angular before linear components. Several states have one more axis, the first.
+        Result: (6, 6), angular before linear components. Several states have one more axis, the
+        first.
         """
     def centroidal_momentum(
         self, q: ArrayLike, qd: ArrayLike, *, out: Array | None = None
     ) -> Array:
-        """Returns the momentum of the moving links about their centre of mass, in world axes. Rotors have
-        energy, but no momentum: their axes are not described.
+        """Returns the momentum of the moving links about their centre of mass, in world axes. Rotors
+        have energy, but no momentum: their axes are not described.
 
         Arguments: `q`: (nq,); `qd`: (nv,).
-        Result: (6,), angular before linear components. Several states have one more axis, the first.
+        Result: (6,), angular before linear components. Several states have one more axis, the
+        first.
         """
     def centroidal_momentum_rate(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, *, out: Array | None = None
     ) -> Array:
-        """Returns the time derivative of the centroidal momentum in world axes: the moment (N m) and the force
-        (N) about the centre of mass of gravity and of all forces from outside. At `qdd` = 0 it is the bias
-        A' qd, with the centroidal momentum matrix A.
+        """Returns the time derivative of the centroidal momentum in world axes: the moment (N m) and
+        the force (N) about the centre of mass of gravity and of all forces from outside. At `qdd` =
+        0 it is the bias A' qd, with the centroidal momentum matrix A.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
-        Result: (6,), angular before linear components. Several states have one more axis, the first.
+        Result: (6,), angular before linear components. Several states have one more axis, the
+        first.
         """
     def centroidal_momentum_derivatives(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, *, out: CentroidalMomentumDerivatives | None = None
     ) -> CentroidalMomentumDerivatives:
-        """Returns the momentum of the moving links about their centre of mass, its time derivative at `qdd`
-        (the rate), and the derivatives of both with respect to `q` (in tangent space) and `qd`, in world
-        axes. The derivatives of the momentum with respect to `qd`, and of the rate with respect to `qdd`,
-        are the centroidal momentum matrix.
+        """Returns the momentum of the moving links about their centre of mass, its time derivative at
+        `qdd` (the rate), and the derivatives of both with respect to `q` (in tangent space) and
+        `qd`, in world axes. The derivatives of the momentum with respect to `qd`, and of the rate
+        with respect to `qdd`, are the centroidal momentum matrix.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
-        Result: `CentroidalMomentumDerivatives`: `momentum` (6,), `rate` (6,), `momentum_dq` (6, nv),
-        `rate_dq` (6, nv), `rate_dqd` (6, nv), angular before linear components. Several states have one
-        more axis, the first.
+        Result: `CentroidalMomentumDerivatives`: `momentum` (6,), `rate` (6,), `momentum_dq` (6,
+        nv), `rate_dq` (6, nv), `rate_dqd` (6, nv), angular before linear components. Several states
+        have one more axis, the first.
         """
     def link_poses(
         self, q: ArrayLike, *, out: Pose | None = None
     ) -> Pose:
-        """Returns the poses in the world of all links of the description, fixed links included, in the order
-        of `link_names`.
+        """Returns the poses in the world of all links of the description, fixed links included, in the
+        order of `link_names`.
 
         Arguments: `q`: (nq,).
-        Result: `Pose`: `rotation` (links, 3, 3), `translation` (links, 3). Several states have one more
-        axis, the first.
+        Result: `Pose`: `rotation` (links, 3, 3), `translation` (links, 3). Several states have one
+        more axis, the first.
         """
     def link_pose(
         self, q: ArrayLike, link: str | int, *, out: Pose | None = None
@@ -1042,25 +1064,30 @@ class Robot:
         """Returns the pose of a link in the world. Computes the link's kinematic path only.
 
         Arguments: `q`: (nq,); `link`: the name of a link, or its index in `link_names`.
-        Result: `Pose`: `rotation` (3, 3), `translation` (3,). Several states have one more axis, the first.
+        Result: `Pose`: `rotation` (3, 3), `translation` (3,). Several states have one more axis,
+        the first.
         """
     def link_velocity(
         self, q: ArrayLike, qd: ArrayLike, link: str | int, *, out: Array | None = None
     ) -> Array:
-        """Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in world axes.
-        Computes the link's kinematic path only.
+        """Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in world
+        axes. Computes the link's kinematic path only.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in `link_names`.
-        Result: (6,), angular before linear components. Several states have one more axis, the first.
+        Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
+        `link_names`.
+        Result: (6,), angular before linear components. Several states have one more axis, the
+        first.
         """
     def local_link_velocity(
         self, q: ArrayLike, qd: ArrayLike, link: str | int, *, out: Array | None = None
     ) -> Array:
-        """Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in the link's own
-        axes. Computes the link's kinematic path only.
+        """Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in the
+        link's own axes. Computes the link's kinematic path only.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in `link_names`.
-        Result: (6,), angular before linear components. Several states have one more axis, the first.
+        Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
+        `link_names`.
+        Result: (6,), angular before linear components. Several states have one more axis, the
+        first.
         """
     def link_acceleration(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, link: str | int, *, out: Array | None = None
@@ -1068,74 +1095,87 @@ class Robot:
         """Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
         (rad/s^2), in world axes. Gravity is not included. Computes the link's kinematic path only.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `link`: the name of a link, or its index in
-        `link_names`.
-        Result: (6,), angular before linear components. Several states have one more axis, the first.
+        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `link`: the name of a link, or its index
+        in `link_names`.
+        Result: (6,), angular before linear components. Several states have one more axis, the
+        first.
         """
     def local_link_acceleration(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, link: str | int, *, out: Array | None = None
     ) -> Array:
         """Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
-        (rad/s^2), in the link's own axes. Gravity is not included. Computes the link's kinematic path only.
+        (rad/s^2), in the link's own axes. Gravity is not included. Computes the link's kinematic
+        path only.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `link`: the name of a link, or its index in
-        `link_names`.
-        Result: (6,), angular before linear components. Several states have one more axis, the first.
+        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `link`: the name of a link, or its index
+        in `link_names`.
+        Result: (6,), angular before linear components. Several states have one more axis, the
+        first.
         """
     def jacobian(
         self, q: ArrayLike, link: str | int, *, out: Array | None = None
     ) -> Array:
-        """Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its origin, in
-        world axes. Computes the link's kinematic path only.
+        """Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its
+        origin, in world axes. Computes the link's kinematic path only.
 
         Arguments: `q`: (nq,); `link`: the name of a link, or its index in `link_names`.
-        Result: (6, nv), angular before linear components. Several states have one more axis, the first.
+        Result: (6, nv), angular before linear components. Several states have one more axis, the
+        first.
         """
     def local_jacobian(
         self, q: ArrayLike, link: str | int, *, out: Array | None = None
     ) -> Array:
-        """Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its origin, in
-        the link's own axes. Computes the link's kinematic path only.
+        """Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its
+        origin, in the link's own axes. Computes the link's kinematic path only.
 
         Arguments: `q`: (nq,); `link`: the name of a link, or its index in `link_names`.
-        Result: (6, nv), angular before linear components. Several states have one more axis, the first.
+        Result: (6, nv), angular before linear components. Several states have one more axis, the
+        first.
         """
     def jacobian_time_derivative(
         self, q: ArrayLike, qd: ArrayLike, link: str | int, *, out: Array | None = None
     ) -> Array:
-        """Returns the time derivative of `jacobian`. Its product with `qd` is `bias_acceleration`. Computes
-        the link's kinematic path only.
+        """Returns the time derivative of `jacobian`. Its product with `qd` is `bias_acceleration`.
+        Computes the link's kinematic path only.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in `link_names`.
-        Result: (6, nv), angular before linear components. Several states have one more axis, the first.
+        Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
+        `link_names`.
+        Result: (6, nv), angular before linear components. Several states have one more axis, the
+        first.
         """
     def local_jacobian_time_derivative(
         self, q: ArrayLike, qd: ArrayLike, link: str | int, *, out: Array | None = None
     ) -> Array:
-        """Returns the time derivative of `local_jacobian`. Its product with `qd` is `local_bias_acceleration`.
-        Computes the link's kinematic path only.
+        """Returns the time derivative of `local_jacobian`. Its product with `qd` is
+        `local_bias_acceleration`. Computes the link's kinematic path only.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in `link_names`.
-        Result: (6, nv), angular before linear components. Several states have one more axis, the first.
+        Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
+        `link_names`.
+        Result: (6, nv), angular before linear components. Several states have one more axis, the
+        first.
         """
     def bias_acceleration(
         self, q: ArrayLike, qd: ArrayLike, link: str | int, *, out: Array | None = None
     ) -> Array:
-        """Returns the bias acceleration of a link in world axes: the time derivative of `jacobian` times `qd`,
-        which is the link's acceleration at zero joint accelerations. Computes the link's kinematic path
-        only.
+        """Returns the bias acceleration of a link in world axes: the time derivative of `jacobian`
+        times `qd`, which is the link's acceleration at zero joint accelerations. Computes the
+        link's kinematic path only.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in `link_names`.
-        Result: (6,), angular before linear components. Several states have one more axis, the first.
+        Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
+        `link_names`.
+        Result: (6,), angular before linear components. Several states have one more axis, the
+        first.
         """
     def local_bias_acceleration(
         self, q: ArrayLike, qd: ArrayLike, link: str | int, *, out: Array | None = None
     ) -> Array:
-        """Returns the bias acceleration of a link in its own axes: the time derivative of `local_jacobian`
-        times `qd`. Computes the link's kinematic path only.
+        """Returns the bias acceleration of a link in its own axes: the time derivative of
+        `local_jacobian` times `qd`. Computes the link's kinematic path only.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in `link_names`.
-        Result: (6,), angular before linear components. Several states have one more axis, the first.
+        Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
+        `link_names`.
+        Result: (6,), angular before linear components. Several states have one more axis, the
+        first.
         """
     def integrate(
         self, q: ArrayLike, v: ArrayLike, *, out: Array | None = None
@@ -1148,8 +1188,8 @@ class Robot:
     def difference(
         self, from_: ArrayLike, to: ArrayLike, *, out: Array | None = None
     ) -> Array:
-        """Returns the displacement `v` with which `integrate` leads from `from_` to `to`. Rotations are the
-        shortest ones; joint angles are not wrapped.
+        """Returns the displacement `v` with which `integrate` leads from `from_` to `to`. Rotations
+        are the shortest ones; joint angles are not wrapped.
 
         Arguments: `from_`: (nq,); `to`: (nq,).
         Result: (nv,). Several states have one more axis, the first.
@@ -1157,12 +1197,12 @@ class Robot:
     def integrate_derivatives(
         self, q: ArrayLike, v: ArrayLike, *, out: IntegrateDerivatives | None = None
     ) -> IntegrateDerivatives:
-        """Returns the derivatives of `integrate` with respect to `q` and `v` in tangent space: displacements
-        of `q` and of the result are in the axes at each of them.
+        """Returns the derivatives of `integrate` with respect to `q` and `v` in tangent space:
+        displacements of `q` and of the result are in the axes at each of them.
 
         Arguments: `q`: (nq,); `v`: (nv,).
-        Result: `IntegrateDerivatives`: `dq` (nv, nv), `dv` (nv, nv). Several states have one more axis, the
-        first.
+        Result: `IntegrateDerivatives`: `dq` (nv, nv), `dv` (nv, nv). Several states have one more
+        axis, the first.
         """
     def difference_derivatives(
         self, from_: ArrayLike, to: ArrayLike, *, out: DifferenceDerivatives | None = None
@@ -1171,8 +1211,8 @@ class Robot:
         displacements are in the axes at `from_` and at `to`.
 
         Arguments: `from_`: (nq,); `to`: (nq,).
-        Result: `DifferenceDerivatives`: `dfrom` (nv, nv), `dto` (nv, nv). Several states have one more
-        axis, the first.
+        Result: `DifferenceDerivatives`: `dfrom` (nv, nv), `dto` (nv, nv). Several states have one
+        more axis, the first.
         """
     def velocity_to_qdot(
         self, q: ArrayLike, qd: ArrayLike, *, out: Array | None = None
@@ -1193,9 +1233,9 @@ class Robot:
     def random(
         self, uniforms: ArrayLike, *, out: Array | None = None
     ) -> Array:
-        """Returns coordinates within the joint limits, from random numbers uniformly distributed in [0, 1).
-        Angles without limits are in [-pi, pi), displacements without limits in [-1, 1) m, rotations uniform
-        over SO(3).
+        """Returns coordinates within the joint limits, from random numbers uniformly distributed in
+        [0, 1). Angles without limits are in [-pi, pi), displacements without limits in [-1, 1) m,
+        rotations uniform over SO(3).
 
         Arguments: `uniforms`: (nv,).
         Result: (nq,). Several states have one more axis, the first.

@@ -44,13 +44,13 @@ impl<S: Number> ArrayCode<S> {
             Self::Function(function) => {
                 let kernel = function.kernel()?;
                 let run =
-                    |states: Range<usize>, lanes| kernel.compute(&arrays, (states, lanes), pool);
-                share(&run, arrays.states(), (kernel.cost(), kernel.lanes()), pool);
+                    |states: Range<usize>, lanes| kernel.compute(&arrays, states, lanes, pool);
+                share(&run, arrays.states(), kernel.cost(), kernel.lanes(), pool);
             }
             Self::Rollout(rollout, _) => {
                 let ready = rollout.ready()?;
-                let run = |states: Range<usize>, lanes| ready.run(&arrays, (states, lanes), pool);
-                share(&run, arrays.states(), (ready.cost(), ready.lanes()), pool);
+                let run = |states: Range<usize>, lanes| ready.run(&arrays, states, lanes, pool);
+                share(&run, arrays.states(), ready.cost(), ready.lanes(), pool);
             }
         }
         Ok(())
@@ -62,7 +62,8 @@ impl<S: Number> ArrayCode<S> {
 fn share(
     run: &(dyn Fn(Range<usize>, usize) + Sync),
     states: usize,
-    (cost, lanes): (usize, usize),
+    cost: usize,
+    lanes: usize,
     pool: &dyn Pool,
 ) {
     let lanes = if states == 1 { 1 } else { lanes };

@@ -223,7 +223,8 @@ impl<'a, S: Number> Arrays<'a, S> {
     pub fn gather(
         &self,
         array: usize,
-        (states, at): (&Range<usize>, usize),
+        states: &Range<usize>,
+        at: usize,
         rows: &mut [S],
         each: impl Fn(&mut S, S),
     ) {
@@ -231,21 +232,15 @@ impl<'a, S: Number> Arrays<'a, S> {
         let count = rows.len() / lanes;
         for lane in 0..lanes {
             let state = (states.start + lane).min(self.broadcast.states() - 1);
-            let own = self.given(array, state, at, count).iter();
-            for (&number, place) in own.zip(rows.iter_mut().skip(lane).step_by(lanes)) {
+            let numbers = self.given(array, state, at, count).iter();
+            for (&number, place) in numbers.zip(rows.iter_mut().skip(lane).step_by(lanes)) {
                 each(place, number);
             }
         }
     }
 
     /// Copies rows of numbers in lanes to a result, from number `at` on.
-    pub fn scatter(
-        &self,
-        array: usize,
-        (states, at): (&Range<usize>, usize),
-        rows: &[S],
-        end: usize,
-    ) {
+    pub fn scatter(&self, array: usize, states: &Range<usize>, at: usize, rows: &[S], end: usize) {
         let lanes = states.len();
         let count = rows.len() / lanes;
         for lane in 0..lanes.min(end - states.start) {
@@ -318,12 +313,13 @@ impl<S: Number> Kernel<'_, S> {
     pub fn compute(
         &self,
         arrays: &Arrays<'_, S>,
-        (states, lanes): (Range<usize>, usize),
+        states: Range<usize>,
+        lanes: usize,
         pool: &dyn Pool,
     ) {
         match lanes {
             1 => self.one_by_one(arrays, states, pool),
-            _ => self.in_lanes(arrays, (states, lanes), pool),
+            _ => self.in_lanes(arrays, states, lanes, pool),
         }
     }
 
@@ -336,17 +332,17 @@ impl<S: Number> Kernel<'_, S> {
                 for state in states {
                     let mut rest = &mut *numbers;
                     for (k, &length) in inputs.iter().enumerate() {
-                        let own;
-                        (own, rest) = rest.split_at_mut(length);
-                        own.copy_from_slice(arrays.given(k, state, 0, length));
+                        let lane;
+                        (lane, rest) = rest.split_at_mut(length);
+                        lane.copy_from_slice(arrays.given(k, state, 0, length));
                     }
                     self.run(numbers, result, 1);
                     let mut rest = &*result;
                     for (k, &length) in outputs.iter().enumerate() {
-                        let own;
-                        (own, rest) = rest.split_at(length);
+                        let lane;
+                        (lane, rest) = rest.split_at(length);
                         let places = arrays.found(k, state, 0, length).iter();
-                        places.zip(own).for_each(|(place, &number)| place.set(number));
+                        places.zip(lane).for_each(|(place, &number)| place.set(number));
                     }
                     if questions.must_end(work) {
                         return;
@@ -359,7 +355,8 @@ impl<S: Number> Kernel<'_, S> {
     fn in_lanes(
         &self,
         arrays: &Arrays<'_, S>,
-        (states, lanes): (Range<usize>, usize),
+        states: Range<usize>,
+        lanes: usize,
         pool: &dyn Pool,
     ) {
         let mut questions = Questions::new(pool);
@@ -373,14 +370,14 @@ impl<S: Number> Kernel<'_, S> {
             for (k, &length) in inputs.iter().enumerate() {
                 let rows;
                 (rows, rest) = rest.split_at_mut(length * lanes);
-                arrays.gather(k, (&group, 0), rows, |place, number| *place = number);
+                arrays.gather(k, &group, 0, rows, |place, number| *place = number);
             }
             self.run(&numbers, &mut result, lanes);
             let mut rest = &*result;
             for (k, &length) in outputs.iter().enumerate() {
                 let rows;
                 (rows, rest) = rest.split_at(length * lanes);
-                arrays.scatter(k, (&group, 0), rows, states.end);
+                arrays.scatter(k, &group, 0, rows, states.end);
             }
             if questions.must_end(work) {
                 return;

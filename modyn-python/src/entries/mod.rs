@@ -134,7 +134,7 @@ impl Robot {
         cost: bool,
     ) -> PyResult<KeyAndShapes> {
         let (function, link) = self.array_function(name, link)?;
-        let of = |(mode, variables): (String, Vec<usize>)| {
+        let derivative = |(mode, variables): (String, Vec<usize>)| {
             let mode = match &*mode {
                 "forward" => DerivativeMode::Forward,
                 "reverse" => DerivativeMode::Reverse,
@@ -143,7 +143,7 @@ impl Robot {
             };
             Ok(Derivative { mode, variables })
         };
-        let derivatives = derivatives.into_iter().map(of).collect::<PyResult<Vec<_>>>()?;
+        let derivatives = derivatives.into_iter().map(derivative).collect::<PyResult<Vec<_>>>()?;
         let mut results = signature::places(self, function);
         let count = results.iter().map(Vec::len).sum();
         results.extend(cost.then(|| vec![count]));
@@ -171,16 +171,17 @@ impl Robot {
         feedback: bool,
     ) -> PyResult<KeyAndShapes> {
         self.check_has(Function::ContactProblem)?;
-        let options = (options, feedback);
         match self.scalar() {
             FloatType::F64 => {
-                self.ground_code(py, options, derivative, AnyCode::F64, |code| match code {
+                self.ground_code(py, options, feedback, derivative, AnyCode::F64, |code| match code
+                {
                     AnyCode::F64(ArrayCode::Function(function)) => Some(function),
                     _ => None,
                 })
             }
             FloatType::F32 => {
-                self.ground_code(py, options, derivative, AnyCode::F32, |code| match code {
+                self.ground_code(py, options, feedback, derivative, AnyCode::F32, |code| match code
+                {
                     AnyCode::F32(ArrayCode::Function(function)) => Some(function),
                     _ => None,
                 })
@@ -202,7 +203,10 @@ impl Robot {
     /// the cost of its forces and of the state after it. Leading axes are those of motions, and are
     /// broadcast. Result: `RolloutStates`: `q` and `qd`; with a cost `RolloutCosts`, on the ground
     /// `GroundStates`.
-    #[pyo3(signature = (q, qd, controls, dt, *, step="semi_implicit", gains=None, q_ref=None, qd_ref=None, cost=None, settings=None, ground=None, trajectory=true))]
+    #[pyo3(signature = (
+        q, qd, controls, dt, *, step="semi_implicit", gains=None, q_ref=None, qd_ref=None,
+        cost=None, settings=None, ground=None, trajectory=true,
+    ))]
     #[allow(clippy::too_many_arguments)]
     fn rollout<'py>(
         slf: &Bound<'py, Self>,
@@ -233,7 +237,11 @@ impl Robot {
     /// (nq,) and (nv,) with `trajectory=False`; `None` for zeros; `cost_weights`: (steps,), or ()
     /// with `trajectory=False`, the weights of the cost. Result: `RolloutGradients`, with the names
     /// and the shapes of the arguments.
-    #[pyo3(signature = (q, qd, controls, dt, q_weights, qd_weights, *, step="semi_implicit", gains=None, q_ref=None, qd_ref=None, cost=None, cost_weights=None, settings=None, ground=None, trajectory=true))]
+    #[pyo3(signature = (
+        q, qd, controls, dt, q_weights, qd_weights, *, step="semi_implicit", gains=None,
+        q_ref=None, qd_ref=None, cost=None, cost_weights=None, settings=None, ground=None,
+        trajectory=true,
+    ))]
     #[allow(clippy::too_many_arguments)]
     fn rollout_vjp<'py>(
         slf: &Bound<'py, Self>,
@@ -308,8 +316,8 @@ impl Robot {
     ) -> PyResult<Bound<'py, PyAny>> {
         let given = [Some(q), Some(qd), Some(tau), Some(dt), settings];
         let arguments = named(slf.py(), &["q", "qd", "tau", "dt", "settings"], &given)?;
-        let of = slf.py().import("modyn._rollout")?.getattr("step_on_ground_derivatives")?;
-        of.call1((slf, arguments, last, ground))
+        let function = slf.py().import("modyn._rollout")?.getattr("step_on_ground_derivatives")?;
+        function.call1((slf, arguments, last, ground))
     }
 
     /// Returns the states after each of `steps` steps on the ground under the joint forces
@@ -364,8 +372,8 @@ impl Robot {
         link: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<(Function, Option<usize>)> {
         let one = |function: &&Function| function.batched().is_none() && function.name() == name;
-        let function = Function::ALL.iter().find(one).copied();
-        let function = function
+        let named = Function::ALL.iter().find(one).copied();
+        let function = named
             .filter(|function| *function != Function::Brge)
             .ok_or_else(|| PyValueError::new_err(signature::unknown(name)))?;
         self.check_has(function)?;
@@ -388,13 +396,14 @@ impl Robot {
     fn ground_code<S: Number>(
         &self,
         py: Python<'_>,
-        (options, feedback): (GroundOptions, bool),
+        options: GroundOptions,
+        feedback: bool,
         derivative: Option<(String, Vec<usize>)>,
         code: fn(ArrayCode<S>) -> AnyCode,
         function: fn(&'static AnyCode) -> Option<&'static StateFunction<S>>,
     ) -> PyResult<KeyAndShapes> {
         let step = ground::Step::new(self, options, feedback);
-        let derivative = derivative.map(|(mode, variables)| match &*mode {
+        let parsed = derivative.map(|(mode, variables)| match &*mode {
             "forward" => Ok(Derivative { mode: DerivativeMode::Forward, variables }),
             "reverse" => Ok(Derivative { mode: DerivativeMode::Reverse, variables }),
             "matrix" => Ok(Derivative { mode: DerivativeMode::Matrix, variables }),
@@ -402,7 +411,7 @@ impl Robot {
                 Err(PyValueError::new_err(format!("no mode `{other}` of a step on the ground")))
             }
         });
-        let derivative = derivative.transpose()?;
+        let derivative = parsed.transpose()?;
         let arrays = step.shapes(derivative.as_ref()).map_err(PyValueError::new_err)?;
         let key = self.ground_key(step.key(derivative.as_ref()), || {
             let mut hasher = DefaultHasher::new();
@@ -433,8 +442,8 @@ impl Robot {
         function: &EntryFunction,
         arrays: &ArrayShapes,
     ) -> PyResult<i64> {
-        let planning = self.builder().plan_entries(function);
-        let planning = planning.map_err(|errors| description_error(py, &errors))?;
+        let result_of_planning = self.builder().plan_entries(function);
+        let planning = result_of_planning.map_err(|errors| description_error(py, &errors))?;
         let planned = planning.plan.functions.first();
         let none = || PyValueError::new_err("there is no such function");
         let planned = planned.ok_or_else(none)?;
@@ -469,23 +478,24 @@ pub fn rollout_code(
     let mut hasher = DefaultHasher::new();
     (step, steps, trajectory, &sequences, &reverse).hash(&mut hasher);
     let key = (hasher.finish() >> 1).cast_signed();
-    let of = |key: i64| find(key).ok_or_else(|| PyValueError::new_err(missing(key)));
-    let shape = (steps, trajectory);
-    let (code, arrays) = match of(step)? {
+    let code_of = |key: i64| find(key).ok_or_else(|| PyValueError::new_err(missing(key)));
+    let (code, arrays) = match code_of(step)? {
         AnyCode::F64(step) => {
-            let reverse = reverse.map(|(key, variables)| match of(key)? {
+            let reverse = reverse.map(|(key, variables)| match code_of(key)? {
                 AnyCode::F64(step) => Ok((step, variables)),
                 AnyCode::F32(_) => Err(no_step()),
             });
-            let (rollout, arrays) = rolled_out(step, shape, &sequences, reverse.transpose()?)?;
+            let (rollout, arrays) =
+                rolled_out(step, steps, trajectory, &sequences, reverse.transpose()?)?;
             (AnyCode::F64(ArrayCode::Rollout(rollout, arrays.clone())), arrays)
         }
         AnyCode::F32(step) => {
-            let reverse = reverse.map(|(key, variables)| match of(key)? {
+            let reverse = reverse.map(|(key, variables)| match code_of(key)? {
                 AnyCode::F32(step) => Ok((step, variables)),
                 AnyCode::F64(_) => Err(no_step()),
             });
-            let (rollout, arrays) = rolled_out(step, shape, &sequences, reverse.transpose()?)?;
+            let (rollout, arrays) =
+                rolled_out(step, steps, trajectory, &sequences, reverse.transpose()?)?;
             (AnyCode::F32(ArrayCode::Rollout(rollout, arrays.clone())), arrays)
         }
     };
@@ -502,7 +512,8 @@ fn no_step() -> PyErr {
 /// Returns the rollout of a step with the shapes of its arrays.
 fn rolled_out<S: Number>(
     step: &'static ArrayCode<S>,
-    (steps, trajectory): (usize, bool),
+    steps: usize,
+    trajectory: bool,
     sequences: &[usize],
     reverse: Option<(&'static ArrayCode<S>, Vec<usize>)>,
 ) -> PyResult<(Rollout<S>, ArrayShapes)> {
@@ -570,11 +581,13 @@ fn missing(key: i64) -> String {
 }
 
 /// Returns the axes of states of an array whose axes for one state are `own`.
-fn leading<'a>(axes: &'a [usize], own: &[usize]) -> Result<&'a [usize], String> {
-    axes.strip_suffix(own).ok_or_else(|| {
-        let found = crate::arrays::tuple(axes);
-        let own = crate::arrays::tuple(own);
-        format!("modyn: an array has the shape {found}; expected {own}, after axes of states")
+fn leading<'a>(axes: &'a [usize], own_axes: &[usize]) -> Result<&'a [usize], String> {
+    axes.strip_suffix(own_axes).ok_or_else(|| {
+        let given_shape = crate::arrays::tuple(axes);
+        let expected = crate::arrays::tuple(own_axes);
+        format!(
+            "modyn: an array has the shape {given_shape}; expected {expected}, after axes of states"
+        )
     })
 }
 
@@ -596,11 +609,11 @@ fn called<'py, S: Number>(
         numbers.push(array.as_slice()?.into());
     }
     let all = common(&axes).map_err(wrong)?;
-    let results = code.shapes().outputs().iter().map(|shape| {
+    let allocated = code.shapes().outputs().iter().map(|shape| {
         let shape = [&*all, shape].concat();
         zeros::<S>(py, &shape, false)
     });
-    let results: Vec<Bound<'py, PyArrayDyn<S>>> = results.collect::<PyResult<_>>()?;
+    let results: Vec<Bound<'py, PyArrayDyn<S>>> = allocated.collect::<PyResult<_>>()?;
     let broadcast =
         Broadcast::new(&axes, code.shapes().lengths()[0]).map_err(|fault| match fault {
             Fault::Memory => PyMemoryError::new_err(fault.to_string()),

@@ -93,7 +93,8 @@ impl<S: Number> Ready<'_, S> {
     pub fn run(
         &self,
         arrays: &Arrays<'_, S>,
-        (motions, lanes): (Range<usize>, usize),
+        motions: Range<usize>,
+        lanes: usize,
         pool: &dyn Pool,
     ) {
         let arguments = self.arguments();
@@ -111,9 +112,9 @@ impl<S: Number> Ready<'_, S> {
             self.read(arrays, &group, None, &mut memory);
             match (&self.reverse, &self.rollout.reverse) {
                 (Some(kernel), Some(reverse)) => {
-                    self.backward(arrays, (&group, motions.end), (kernel, reverse), &mut memory);
+                    self.backward(arrays, &group, motions.end, kernel, reverse, &mut memory);
                 }
-                _ => self.forward(arrays, (&group, motions.end), &mut memory),
+                _ => self.forward(arrays, &group, motions.end, &mut memory),
             }
         }
     }
@@ -145,7 +146,7 @@ impl<S: Number> Ready<'_, S> {
             if self.rollout.is_sequence[k] == step.is_some() {
                 let at = step.unwrap_or_default() * length;
                 let rows = &mut memory.numbers[rows];
-                arrays.gather(k, (group, at), rows, |place, number| *place = number);
+                arrays.gather(k, group, at, rows, |place, number| *place = number);
             }
         }
     }
@@ -168,7 +169,8 @@ impl<S: Number> Ready<'_, S> {
     fn forward(
         &self,
         arrays: &Arrays<'_, S>,
-        (group, end): (&Range<usize>, usize),
+        group: &Range<usize>,
+        end: usize,
         memory: &mut Memory<'_, S>,
     ) {
         let Rollout { steps, trajectory, .. } = *self.rollout;
@@ -183,7 +185,7 @@ impl<S: Number> Ready<'_, S> {
                     let rows;
                     (rows, rest) = rest.split_at(length * memory.lanes);
                     let at = if trajectory { step * length } else { 0 };
-                    arrays.scatter(k, (group, at), rows, end);
+                    arrays.scatter(k, group, at, rows, end);
                 }
             }
         }
@@ -192,7 +194,7 @@ impl<S: Number> Ready<'_, S> {
             for (k, &length) in self.state_lengths().iter().enumerate() {
                 let rows;
                 (rows, rest) = rest.split_at(length * memory.lanes);
-                arrays.scatter(k, (group, 0), rows, end);
+                arrays.scatter(k, group, 0, rows, end);
             }
         }
     }
@@ -200,8 +202,10 @@ impl<S: Number> Ready<'_, S> {
     fn backward(
         &self,
         arrays: &Arrays<'_, S>,
-        (group, end): (&Range<usize>, usize),
-        (kernel, reverse): (&Kernel<'_, S>, &Reverse<S>),
+        group: &Range<usize>,
+        end: usize,
+        kernel: &Kernel<'_, S>,
+        reverse: &Reverse<S>,
         memory: &mut Memory<'_, S>,
     ) {
         let Rollout { steps, trajectory, .. } = *self.rollout;
@@ -232,30 +236,30 @@ impl<S: Number> Ready<'_, S> {
         memory.numbers[weights..].fill(S::zero());
         let add = |place: &mut S, number: S| *place = *place + number;
         for k in (0..parts).rev() {
-            let own = k * part..((k + 1) * part).min(steps);
+            let part_steps = k * part..((k + 1) * part).min(steps);
             memory.numbers[..state].copy_from_slice(&starts[k * state..][..state]);
-            for step in own.clone() {
-                states[(step - own.start) * state..][..state]
+            for step in part_steps.clone() {
+                states[(step - part_steps.start) * state..][..state]
                     .copy_from_slice(&memory.numbers[..state]);
-                if step + 1 < own.end {
+                if step + 1 < part_steps.end {
                     self.advance(arrays, group, step, memory);
                 }
                 if memory.must_end(&self.step) {
                     return;
                 }
             }
-            for step in own.clone().rev() {
+            for step in part_steps.clone().rev() {
                 if trajectory || step + 1 == steps {
                     let mut row = weights;
                     for (j, &length) in self.state_lengths().iter().enumerate() {
                         let at = if trajectory { step * length } else { 0 };
                         let rows = &mut memory.numbers[row..row + length * lanes];
-                        arrays.gather(arguments.len() + j, (group, at), rows, add);
+                        arrays.gather(arguments.len() + j, group, at, rows, add);
                         row += length * lanes;
                     }
                 }
                 memory.numbers[..state]
-                    .copy_from_slice(&states[(step - own.start) * state..][..state]);
+                    .copy_from_slice(&states[(step - part_steps.start) * state..][..state]);
                 self.read(arrays, group, Some(step), memory);
                 kernel.run(&memory.numbers, &mut gradient, lanes);
                 if memory.must_end(kernel) {
@@ -270,12 +274,12 @@ impl<S: Number> Ready<'_, S> {
             let mut row = weights;
             for (j, &length) in self.state_lengths().iter().enumerate() {
                 let rows = &mut memory.numbers[row..row + length * lanes];
-                arrays.gather(arguments.len() + j, (group, 0), rows, add);
+                arrays.gather(arguments.len() + j, group, 0, rows, add);
                 row += length * lanes;
             }
         }
         sums[..state].copy_from_slice(&memory.numbers[weights..]);
-        self.finish(arrays, (group, end), reverse, &sums, lanes);
+        self.finish(arrays, group, end, reverse, &sums, lanes);
     }
 
     /// Returns each variable with its index among the results, or `None` if it is no result, and
@@ -305,15 +309,15 @@ impl<S: Number> Ready<'_, S> {
         lanes: usize,
     ) {
         for (k, result, rows) in self.variables(reverse) {
-            let own = rows.start * lanes..rows.end * lanes;
+            let own_rows = rows.start * lanes..rows.end * lanes;
             match result {
                 Some(result) if self.rollout.is_sequence[k] => {
                     let at = step * rows.len();
-                    arrays.scatter(result, (group, at), &gradient[own], end);
+                    arrays.scatter(result, group, at, &gradient[own_rows], end);
                 }
                 Some(_) if k >= self.rollout.state => {
-                    let sums = sums[own.clone()].iter_mut();
-                    sums.zip(&gradient[own]).for_each(|(sum, &x)| *sum = *sum + x);
+                    let sums = sums[own_rows.clone()].iter_mut();
+                    sums.zip(&gradient[own_rows]).for_each(|(sum, &x)| *sum = *sum + x);
                 }
                 _ => {}
             }
@@ -324,15 +328,16 @@ impl<S: Number> Ready<'_, S> {
     fn finish(
         &self,
         arrays: &Arrays<'_, S>,
-        (group, end): (&Range<usize>, usize),
+        group: &Range<usize>,
+        end: usize,
         reverse: &Reverse<S>,
         sums: &[S],
         lanes: usize,
     ) {
         for (k, result, rows) in self.variables(reverse) {
             if let Some(result) = result.filter(|_| !self.rollout.is_sequence[k]) {
-                let own = &sums[rows.start * lanes..rows.end * lanes];
-                arrays.scatter(result, (group, 0), own, end);
+                let own_rows = &sums[rows.start * lanes..rows.end * lanes];
+                arrays.scatter(result, group, 0, own_rows, end);
             }
         }
     }

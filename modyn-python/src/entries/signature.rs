@@ -64,8 +64,8 @@ fn template<'py>(
     match layout {
         Layout::Array(_) => Ok(next.next().into_pyobject(py)?.into_any()),
         Layout::Tuple(Class::Package(name), fields) => {
-            let fields = fields.iter().map(|(_, layout)| template(py, layout, next));
-            let fields = fields.collect::<PyResult<Vec<_>>>()?;
+            let of_fields = fields.iter().map(|(_, layout)| template(py, layout, next));
+            let fields = of_fields.collect::<PyResult<Vec<_>>>()?;
             let class = py.import("modyn._results")?.getattr(*name)?;
             class.call1(PyTuple::new(py, fields)?)
         }
@@ -109,10 +109,10 @@ pub fn shapes(robot: &Robot, function: &EntryFunction) -> Result<ArrayShapes, St
             return Err(format!("`{name}` is no time step, so it has no feedback and no cost"));
         }
     }
-    let checks = row.arguments.iter().enumerate().filter_map(|(k, argument)| {
+    let of_arguments = row.arguments.iter().enumerate().filter_map(|(k, argument)| {
         Some((k, argument.name, Check::of(Some(function.function), argument)?))
     });
-    let checks = checks.collect();
+    let checks = of_arguments.collect();
     if function.cost {
         // Time steps with a cost have no argument that is checked.
         inputs.insert(2, Vec::new());
@@ -146,8 +146,8 @@ pub fn shapes(robot: &Robot, function: &EntryFunction) -> Result<ArrayShapes, St
 
 /// Returns the shapes of the derivatives of each result by each variable.
 pub fn matrices(outputs: &[Vec<usize>], varying: &[Vec<usize>]) -> Vec<Vec<usize>> {
-    let of = |output| varying.iter().map(move |input| [output, &**input].concat());
-    outputs.iter().flat_map(|output| of(&**output)).collect()
+    let pairs = |output| varying.iter().map(move |input| [output, &**input].concat());
+    outputs.iter().flat_map(|output| pairs(&**output)).collect()
 }
 
 /// Calls `each` with the arrays of a layout, in order.

@@ -56,10 +56,10 @@ impl<'a> Broadcast<'a> {
     /// If the axes do not fit, or the places of the states do not fit in memory.
     pub fn new(axes: &[&[usize]], lengths: &'a [usize]) -> Result<Self, Fault> {
         let all = common(axes)?;
-        let states = all.iter().try_fold(1_usize, |states, &n| states.checked_mul(n));
-        let states = states.ok_or(Fault::Memory)?;
+        let product = all.iter().try_fold(1_usize, |states, &n| states.checked_mul(n));
+        let states = product.ok_or(Fault::Memory)?;
         let offsets =
-            axes.iter().map(|own| offsets(own, &all, states)).collect::<Result<_, _>>()?;
+            axes.iter().map(|array| offsets(array, &all, states)).collect::<Result<_, _>>()?;
         Ok(Self { states, lengths, offsets })
     }
 
@@ -109,17 +109,17 @@ impl<'a> Broadcast<'a> {
 ///
 /// If the axes do not fit.
 pub fn common(axes: &[&[usize]]) -> Result<Vec<usize>, String> {
-    let count = axes.iter().map(|own| own.len()).max().unwrap_or_default();
+    let count = axes.iter().map(|array| array.len()).max().unwrap_or_default();
     let mut all = vec![1; count];
-    for own in axes {
-        for (length, &found) in all[count - own.len()..].iter_mut().zip(*own) {
-            match (*length, found) {
+    for array in axes {
+        for (length, &given_length) in all[count - array.len()..].iter_mut().zip(*array) {
+            match (*length, given_length) {
                 (_, 1) => {}
-                (1, _) => *length = found,
-                (expected, _) if expected == found => {}
+                (1, _) => *length = given_length,
+                (expected, _) if expected == given_length => {}
                 (expected, _) => {
                     return Err(format!(
-                        "modyn: axes of {expected} and of {found} states do not fit"
+                        "modyn: axes of {expected} and of {given_length} states do not fit"
                     ));
                 }
             }
@@ -133,15 +133,15 @@ pub fn common(axes: &[&[usize]]) -> Result<Vec<usize>, String> {
 /// # Errors
 ///
 /// If they do not fit in memory.
-fn offsets(own: &[usize], all: &[usize], states: usize) -> Result<Offsets, Fault> {
-    let total: usize = own.iter().product();
+fn offsets(axes: &[usize], all: &[usize], states: usize) -> Result<Offsets, Fault> {
+    let total: usize = axes.iter().product();
     if total == states {
         return Ok(Offsets::Stride(1));
     }
     if total == 1 {
         return Ok(Offsets::Stride(0));
     }
-    let skipped = all.len() - own.len();
+    let skipped = all.len() - axes.len();
     let place = |state: usize| {
         let mut rest = state;
         let mut place = 0;
@@ -149,9 +149,9 @@ fn offsets(own: &[usize], all: &[usize], states: usize) -> Result<Offsets, Fault
         for (axis, &length) in all.iter().enumerate().rev() {
             let at = rest % length;
             rest /= length;
-            if let Some(own) = axis.checked_sub(skipped).map(|axis| own[axis]) {
-                place += if own == 1 { 0 } else { at * stride };
-                stride *= own;
+            if let Some(own_axis) = axis.checked_sub(skipped).map(|axis| axes[axis]) {
+                place += if own_axis == 1 { 0 } else { at * stride };
+                stride *= own_axis;
             }
         }
         place

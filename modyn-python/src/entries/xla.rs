@@ -43,12 +43,12 @@ unsafe extern "C" fn handler(frame: *mut CallFrame) -> Error {
     let Some(api) = (unsafe { frame.api.as_ref() }) else { return null_mut() };
     // SAFETY: see the header.
     let called = catch_unwind(AssertUnwindSafe(|| unsafe { call(frame, api) }));
-    let message = match called {
+    let text = match called {
         Ok(Ok(())) => return null_mut(),
         Ok(Err(message)) => message,
         Err(_) => "modyn: a call failed, which is a fault of modyn".into(),
     };
-    let message = CString::new(message).unwrap_or_default();
+    let message = CString::new(text).unwrap_or_default();
     let mut arguments = ErrorCreate {
         size: size_of::<ErrorCreate>(),
         extension: null_mut(),
@@ -118,10 +118,10 @@ unsafe fn typed<S: Number>(
     }
     let axes = arguments.iter().zip(code.shapes().inputs());
     // SAFETY: see the header.
-    let axes = axes.map(|(array, own)| leading(unsafe { dims(array) }, own));
-    let axes = axes.collect::<Result<Vec<&[usize]>, String>>()?;
-    let broadcast = Broadcast::new(&axes, code.shapes().lengths()[0]);
-    let broadcast = broadcast.map_err(|fault| fault.to_string())?;
+    let leading_axes = axes.map(|(array, own_axes)| leading(unsafe { dims(array) }, own_axes));
+    let axes = leading_axes.collect::<Result<Vec<&[usize]>, String>>()?;
+    let combined = Broadcast::new(&axes, code.shapes().lengths()[0]);
+    let broadcast = combined.map_err(|fault| fault.to_string())?;
     // SAFETY: see the header.
     let given: Vec<Numbers<'_, S>> = unsafe {
         arguments.iter().map(|array| {
@@ -134,7 +134,7 @@ unsafe fn typed<S: Number>(
     }
     .collect();
     // SAFETY: see the header.
-    let found: Vec<Results<'_, S>> = unsafe {
+    let outputs: Vec<Results<'_, S>> = unsafe {
         results.iter().map(|array| {
             let count = dims(array).iter().product();
             match count {
@@ -144,7 +144,7 @@ unsafe fn typed<S: Number>(
         })
     }
     .collect();
-    code.compute(&broadcast, &given, &found, threads)
+    code.compute(&broadcast, &given, &outputs, threads)
 }
 
 unsafe fn arrays<'a>(buffers: &Buffers) -> Vec<&'a Buffer> {
@@ -211,16 +211,16 @@ impl XlaThreads<'_> {
 impl Pool for XlaThreads<'_> {
     fn threads(&self) -> usize {
         let Some(threads) = self.api.threads else { return 1 };
-        let mut found = 1_i64;
+        let mut count = 1_i64;
         let mut arguments = NumThreads {
             size: size_of::<NumThreads>(),
             extension: null_mut(),
             context: self.context,
-            threads: &raw mut found,
+            threads: &raw mut count,
         };
         let is_known = self.succeeded(threads(&raw mut arguments));
         // The thread that calls is none of these.
-        if is_known { usize::try_from(found).unwrap_or_default().max(1) } else { 1 }
+        if is_known { usize::try_from(count).unwrap_or_default().max(1) } else { 1 }
     }
 
     fn must_end(&self) -> bool {

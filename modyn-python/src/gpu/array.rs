@@ -84,12 +84,12 @@ pub(super) fn any(
     gpu: &Gpu,
     object: &Bound<'_, PyAny>,
 ) -> PyResult<(modyn_gpu::GpuArray, Vec<usize>)> {
-    let array = py.import("numpy")?.call_method1("ascontiguousarray", (object, "float32"))?;
-    let array = in_order::<f32>("upload", "array", &array)?.try_readonly()?;
+    let contiguous = py.import("numpy")?.call_method1("ascontiguousarray", (object, "float32"))?;
+    let array = in_order::<f32>("upload", "array", &contiguous)?.try_readonly()?;
     let [states, shape @ ..] = array.shape() else {
-        let found = tuple(array.shape());
+        let shape = tuple(array.shape());
         return Err(PyValueError::new_err(format!(
-            "an array of n states has an axis: not {found}"
+            "an array of n states has an axis: not {shape}"
         )));
     };
     Ok((upload(py, gpu, array.as_slice()?, *states)?, shape.to_vec()))

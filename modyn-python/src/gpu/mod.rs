@@ -45,7 +45,7 @@ fn processor() -> Result<Gpu, GpuError> {
 /// Returns an error of a processor as an exception.
 fn exception(py: Python<'_>, error: GpuError) -> PyErr {
     match error {
-        GpuError::Description(found) => description_error(py, &found),
+        GpuError::Description(diagnostics) => description_error(py, &diagnostics),
         GpuError::NoAdapter(_) | GpuError::NoDevice(_) | GpuError::Device(_) => {
             PyRuntimeError::new_err(error.to_string())
         }

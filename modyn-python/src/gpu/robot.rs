@@ -47,8 +47,8 @@ impl GpuRobot {
             return Ok(known.clone());
         }
         self.robot.get().check_has(function)?;
-        let builder = self.robot.get().builder().clone().scalar(FloatType::F32);
-        let builder = builder.functions([function]);
+        let base = self.robot.get().builder().clone().scalar(FloatType::F32);
+        let builder = base.functions([function]);
         let Planning { plan, model, .. } =
             builder.plan().map_err(|errors| description_error(py, &errors))?;
         let Some(planned) = plan.functions.first() else {
@@ -97,42 +97,42 @@ impl GpuRobot {
     ) -> PyResult<GpuArray> {
         let name = function;
         let function = function_named(name)?;
-        let own = self.kernels(py, function)?;
+        let kernels = self.kernels(py, function)?;
         let link = link.map(|link| self.robot.get().link(link)).transpose()?;
         if function.row().by_link != link.is_some() {
             let takes = if link.is_some() { "takes no link" } else { "needs `link`" };
             return Err(PyTypeError::new_err(format!("`{name}` {takes}")));
         }
-        if arguments.len() != own.arguments.len() {
-            let parameters = own.arguments.iter().map(|(parameter, _)| parameter.name);
+        if arguments.len() != kernels.arguments.len() {
+            let parameters = kernels.arguments.iter().map(|(parameter, _)| parameter.name);
             let names = parameters.collect::<Vec<&str>>().join(", ");
             let given = arguments.len();
             let message = format!("`{name}` takes {names}, and {given} arguments were given");
             return Err(PyTypeError::new_err(message));
         }
-        let given = own.arguments.iter().zip(arguments.iter());
-        let given = given.map(|((own, shape), object)| {
-            let check = Check::of(Some(function), own);
-            Argument::read(function.name(), own.name, check, shape, &object)
+        let given = kernels.arguments.iter().zip(arguments.iter());
+        let read = given.map(|((parameter, shape), object)| {
+            let check = Check::of(Some(function), parameter);
+            Argument::read(function.name(), parameter.name, check, shape, &object)
         });
-        let given = given.collect::<PyResult<Vec<_>>>()?;
+        let given = read.collect::<PyResult<Vec<_>>>()?;
         let states = given.iter().find_map(Argument::states).unwrap_or(1);
-        let uploaded = given.into_iter().map(|argument| argument.uploaded(py, &self.gpu, states));
-        let mut uploaded = uploaded.collect::<PyResult<Vec<_>>>()?;
-        let source = own.kernels.source();
+        let each = given.into_iter().map(|argument| argument.uploaded(py, &self.gpu, states));
+        let mut uploaded = each.collect::<PyResult<Vec<_>>>()?;
+        let source = kernels.kernels.source();
         let kernel = source.kernels.iter().find(|kernel| kernel.link == link);
         let Some(kernel) = kernel else {
             return Err(PyValueError::new_err(format!("`{name}` has no such kernel")));
         };
         if kernel.arguments.iter().any(|argument| argument.common) {
-            let parameters = self.robot.get().changed(&own.parameters)?;
+            let parameters = self.robot.get().changed(&kernels.parameters)?;
             uploaded.push(upload(py, &self.gpu, parameters.as_slice(), 1)?);
         }
         let kernel = kernel.own_name(&source.prefix).to_owned();
         let arguments: Vec<&modyn_gpu::GpuArray> = uploaded.iter().collect();
-        let result = py.detach(|| own.kernels.run(&kernel, &arguments));
-        let result = result.map_err(|error| exception(py, error))?;
-        Ok(GpuArray::new(result, own.result.clone()))
+        let computed = py.detach(|| kernels.kernels.run(&kernel, &arguments));
+        let result = computed.map_err(|error| exception(py, error))?;
+        Ok(GpuArray::new(result, kernels.result.clone()))
     }
 
     /// Returns kernels that integrate motions over many time steps.

@@ -49,13 +49,14 @@ impl GpuRollout {
                 return Err(PyValueError::new_err(message));
             }
         };
-        let own = robot.get();
-        let builder = own.builder().clone().scalar(FloatType::F32);
-        let builder = builder.functions(functions.iter().copied()).bundles(own.bundles().cloned());
+        let cpu_robot = robot.get();
+        let base = cpu_robot.builder().clone().scalar(FloatType::F32);
+        let builder =
+            base.functions(functions.iter().copied()).bundles(cpu_robot.bundles().cloned());
         let planning = builder.plan().map_err(|errors| description_error(py, &errors))?;
         let options = RolloutOptions { cost, forces, contacts };
-        let rollout = py.detach(|| Rollout::new(gpu, &builder, &options));
-        let rollout = rollout.map_err(|error| exception(py, error))?;
+        let created = py.detach(|| Rollout::new(gpu, &builder, &options));
+        let rollout = created.map_err(|error| exception(py, error))?;
         let has_parameters = rollout.source().parameters > 0;
         let plan = &planning.plan;
         let gravity = planning.model.gravity();
@@ -75,11 +76,11 @@ impl GpuRollout {
         let (array, shape) = any(py, &self.gpu, controls)?;
         let count = self.rollout.source().controls;
         match *shape {
-            [_, found] if found == count => Ok(array),
+            [_, given_count] if given_count == count => Ok(array),
             _ => {
-                let found = tuple(&[&[array.states()], &*shape].concat());
+                let given_shape = tuple(&[&[array.states()], &*shape].concat());
                 let message = format!(
-                    "`controls` of `run` has the shape {found}; expected (n, steps, {count}) for n rollouts"
+                    "`controls` of `run` has the shape {given_shape}; expected (n, steps, {count}) for n rollouts"
                 );
                 Err(PyValueError::new_err(message))
             }
@@ -141,8 +142,8 @@ impl GpuRollout {
             trajectory,
             ..RolloutArguments::new(&q, &qd, &controls, dt)
         };
-        let results = py.detach(|| self.rollout.run(&arguments));
-        let results = results.map_err(|error| exception(py, error))?;
+        let computed = py.detach(|| self.rollout.run(&arguments));
+        let results = computed.map_err(|error| exception(py, error))?;
         let size = source.nq + source.nv;
         let state = GpuArray::new(results.state, layout(&[size]));
         let cost = results.cost.map(|cost| GpuArray::new(cost, layout(&[])));

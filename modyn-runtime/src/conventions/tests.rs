@@ -7,9 +7,9 @@ use super::*;
 use crate::Scalar;
 use crate::spatial::{Quaternion, Vector3};
 
-fn close<const N: usize>(found: [f64; N], expected: [f64; N], within: f64) {
+fn close<const N: usize>(numbers: [f64; N], expected: [f64; N], within: f64) {
     for i in 0..N {
-        assert!((found[i] - expected[i]).abs() <= within, "{found:?} instead of {expected:?}");
+        assert!((numbers[i] - expected[i]).abs() <= within, "{numbers:?} instead of {expected:?}");
     }
 }
 
@@ -27,9 +27,9 @@ fn motion(t: f64) -> [f64; 7] {
 }
 
 /// Returns the time derivative of `of` at `t`.
-fn rate<const N: usize>(t: f64, of: impl Fn(f64) -> [f64; N]) -> [f64; N] {
+fn rate<const N: usize>(t: f64, path: impl Fn(f64) -> [f64; N]) -> [f64; N] {
     let h = 1e-4;
-    let [a, b, c, d] = [-2.0, -1.0, 1.0, 2.0].map(|k| of(t + k * h));
+    let [a, b, c, d] = [-2.0, -1.0, 1.0, 2.0].map(|k| path(t + k * h));
     core::array::from_fn(|i| (8.0 * (c[i] - b[i]) - (d[i] - a[i])) / (12.0 * h))
 }
 
@@ -143,10 +143,10 @@ fn quaternions_come_back_from_their_rotations() {
             continue;
         }
         let q = q.map(|x| x / length);
-        let found = quaternion_from_rotation(rotation_from_quaternion(q));
-        assert!(found[3] >= 0.0);
-        let opposite: f64 = (0..4).map(|i| found[i] * q[i]).sum();
-        close(found, q.map(|x| if opposite < 0.0 { -x } else { x }), 1e-15);
+        let back = quaternion_from_rotation(rotation_from_quaternion(q));
+        assert!(back[3] >= 0.0);
+        let opposite: f64 = (0..4).map(|i| back[i] * q[i]).sum();
+        close(back, q.map(|x| if opposite < 0.0 { -x } else { x }), 1e-15);
     }
 }
 
@@ -173,8 +173,8 @@ fn rotations_turn_by_the_right_hand() {
 #[test]
 fn angles_come_back_from_their_pairs() {
     for angle in [-3.1, -2.0, -0.5, 0.0, 1.0, 2.5, 3.1] {
-        let found = pinocchio::angle_from_cos_sin(pinocchio::cos_sin_from_angle(angle));
-        assert!((found - angle).abs() < 1e-15);
+        let back = pinocchio::angle_from_cos_sin(pinocchio::cos_sin_from_angle(angle));
+        assert!((back - angle).abs() < 1e-15);
     }
     assert_eq!(pinocchio::cos_sin_from_angle(0.0), [1.0, 0.0]);
 }

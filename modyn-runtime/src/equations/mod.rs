@@ -42,9 +42,10 @@
 //! | `paper/denoc` | the DeNOC matrices, dense, link by link | (1)-(5), A.1, A.2 |
 //! | `paper/decomposition` | composite and articulated modules, EBUTMs, U, D and their inverses, dense | (1)-(57) |
 //!
-//! Numbers in brackets, A.1, A.2 and Table 6 are those of Shah, Saha and Dutt, "A new perspective
+//! Numbers in brackets, A.1, A.2 and Table 6 are from Shah, Saha and Dutt, "A new perspective
 //! towards decomposition of the generalized inertia matrix of multibody systems".
 
+mod arguments;
 pub mod brge;
 pub mod constraints;
 pub mod derivatives;
@@ -59,6 +60,7 @@ pub mod steps;
 mod workspace;
 
 pub use {
+    arguments::*,
     constraints::ConstraintWorkspace,
     dynamics::Forces,
     factorization::ModulePartition,

@@ -134,9 +134,9 @@ fn sweep<S: Scalar>(
     locked.fill(zero_inertia());
     let units = |n: f64| epsilon * S::from_f64(n);
     for (i, body) in model.bodies.iter().enumerate().rev() {
-        let own = body.inertia.articulated();
-        let whole = own + free[i];
-        let next_locked = own + locked[i];
+        let own_inertia = body.inertia.articulated();
+        let whole = own_inertia + free[i];
+        let next_locked = own_inertia + locked[i];
         let mut left = whole;
         for dof in model.dofs_of(i).iter().rev() {
             let component = dof.component;

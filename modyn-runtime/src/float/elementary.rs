@@ -38,8 +38,12 @@ pub struct ElementaryNumbers<const L: usize, const A: usize> {
 }
 
 macro_rules! elementary {
-    ($ln:ident, $atan2:ident, $float:ident, $bits:ty, $(#[$docs:meta])* $numbers:ident, terms: $ln_terms:literal $atan_terms:literal,
-     ln_2: $ln_2:literal + $ln_2_rest:literal, two_up: $two_up:literal, rests of pi: $pi:literal $half:literal $sixth:literal) => {
+    (
+        $ln:ident, $atan2:ident, $float:ident, $bits:ty, $(#[$docs:meta])* $numbers:ident,
+        terms: $ln_terms:literal $atan_terms:literal,
+        ln_2: $ln_2:literal + $ln_2_rest:literal, two_up: $two_up:literal,
+        rests of pi: $pi:literal $half:literal $sixth:literal
+    ) => {
         $(#[$docs])*
         pub const $numbers: ElementaryNumbers<$ln_terms, $atan_terms> = ElementaryNumbers {
             logarithm: {
@@ -192,20 +196,21 @@ mod tests {
     use super::{atan2_f32, atan2_f64, ln_f32, ln_f64};
 
     /// Returns the distance in units in the last place of `expected`.
-    fn ulps(found: f64, expected: f64) -> f64 {
-        if found.to_bits() == expected.to_bits() || found.is_nan() && expected.is_nan() {
+    fn ulps(number: f64, expected: f64) -> f64 {
+        if number.to_bits() == expected.to_bits() || number.is_nan() && expected.is_nan() {
             return 0.0;
         }
-        (found - expected).abs() / (libm::nextafter(expected.abs(), f64::INFINITY) - expected.abs())
+        (number - expected).abs()
+            / (libm::nextafter(expected.abs(), f64::INFINITY) - expected.abs())
     }
 
-    fn ulps_f32(found: f32, expected: f64) -> f64 {
+    fn ulps_f32(number: f32, expected: f64) -> f64 {
         let nearest = expected as f32;
-        if found.to_bits() == nearest.to_bits() || found.is_nan() && expected.is_nan() {
+        if number.to_bits() == nearest.to_bits() || number.is_nan() && expected.is_nan() {
             return 0.0;
         }
         let unit = libm::nextafterf(nearest.abs(), f32::INFINITY) - nearest.abs();
-        (f64::from(found) - expected).abs() / f64::from(unit)
+        (f64::from(number) - expected).abs() / f64::from(unit)
     }
 
     #[test]

@@ -9,8 +9,11 @@ use super::hessians::{Gradients, add_weighted, matrices};
 use crate::Scalar;
 use crate::constraint_settings::{ConstraintSettings, ContactTarget};
 use crate::equations::brge::UduLayout;
-use crate::equations::constraints::{self, ConstrainedDerivatives};
-use crate::equations::{ConstraintWorkspace, Workspace};
+use crate::equations::constraints::{
+    self, ConstrainedCotangent, ConstrainedDerivatives, ConstrainedOutputs, ConstraintInput,
+    ConstraintWorkspaces,
+};
+use crate::equations::{ConstraintWorkspace, ForwardInput, Workspace};
 use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
 use crate::scalar::Tangent;
@@ -41,7 +44,7 @@ impl<S: Scalar> Interpreter<S> {
     /// tau, and of tau and tau, are zero.
     ///
     /// The rank is assumed constant, and rows not to contradict each other at this state and near
-    /// it to first order. Rows may depend on others, as those of a hinge of a planar loop or of
+    /// it to first order. Rows may depend on others, as the rows of a hinge of a planar loop or of
     /// four feet on one body, where `wrench_cotangent` is zero: the accelerations do not depend on
     /// how such rows share the load. Weights of wrenches need independent rows, or compliance.
     /// Takes more than 2 nv times as long as the first derivatives, and allocates memory at each
@@ -52,8 +55,8 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn constrained_forward_dynamics_hessian(
         &mut self,
-        (q, qd, tau): (&[S], &[S], &[S]),
-        (cotangent, wrench_cotangent): (&[S], &[Wrench<S>]),
+        ForwardInput { q, qd, tau }: ForwardInput<'_, S>,
+        cotangent: ConstrainedCotangent<'_, S>,
         active: &[bool],
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
         outputs: ConstrainedHessianOutputs<'_, S>,
@@ -65,23 +68,22 @@ impl<S: Scalar> Interpreter<S> {
         check("tau", tau, n)?;
         check("qdd", outputs.qdd, n)?;
         check("wrenches", outputs.wrenches, count)?;
-        check("cotangent", cotangent, n)?;
-        check("wrench_cotangent", wrench_cotangent, count)?;
+        check("cotangent", cotangent.qdd, n)?;
+        check("wrench_cotangent", cotangent.wrenches, count)?;
         for gradient in &outputs.gradients {
             check("gradients", gradient, n)?;
         }
         self.check_hessian(&outputs.hessian)?;
         self.set_active(active, settings)?;
-        let weights = (cotangent, wrench_cotangent);
-        Ok(self.solve_hessian((q, qd, tau), weights, settings, outputs))
+        Ok(self.solve_hessian(ForwardInput { q, qd, tau }, cotangent, settings, outputs))
     }
 
     /// Computes the Hessian with the set of active contacts that was stored last. Lengths are not
     /// checked.
     pub(crate) fn solve_hessian(
         &mut self,
-        (q, qd, tau): (&[S], &[S], &[S]),
-        (cotangent, wrench_cotangent): (&[S], &[Wrench<S>]),
+        ForwardInput { q, qd, tau }: ForwardInput<'_, S>,
+        cotangent: ConstrainedCotangent<'_, S>,
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
         outputs: ConstrainedHessianOutputs<'_, S>,
     ) -> S {
@@ -89,40 +91,44 @@ impl<S: Scalar> Interpreter<S> {
         let n = self.model.nv();
         let count = self.model.constraints();
         let residuals = &mut vec![Twist::zero(); count];
-        let value = (&mut *qdd, &mut *wrenches, &mut **residuals);
-        let rank = self.solve_constrained((q, qd, tau), settings, value);
+        let value = ConstrainedOutputs { qdd, wrenches, residuals };
+        let rank = self.solve_constrained(ForwardInput { q, qd, tau }, settings, value);
 
         let mechanism = self.mechanism.map(Tangent::constant);
         let layout = UduLayout::new(&mechanism, &ModuleTree::links(&self.model));
         let mut memory = ConstraintWorkspace::new(&mechanism, &layout);
         let workspace = &mut Workspace::new(&mechanism);
-        let targets = settings.contacts.as_ref().iter();
-        let targets = targets
+        let described = settings.contacts.as_ref().iter();
+        let targets = described
             .map(|target| ContactTarget::from_numbers(target.numbers().map(Tangent::constant)));
         let contacts: Vec<ContactTarget<Tangent<S>>> = targets.collect();
         let settings =
             ConstraintSettings::from_numbers(settings.numbers().map(Tangent::constant), contacts);
         let active: Vec<Tangent<S>> =
             self.active.iter().map(|&active| Tangent::constant(active)).collect();
-        let mut found = matrices(n);
+        let mut jacobians = matrices(n);
         let mut changes: [Vec<Wrench<Tangent<S>>>; 3] =
             core::array::from_fn(|_| vec![Wrench::zero(); n * count]);
         let mut qdd = vec![Tangent::zero(); n];
         let mut wrenches = vec![Wrench::zero(); count];
-        let mut derive = |model: &Mechanism<_>,
-                          state: (&[_], &[_], &[_]),
-                          by: &mut Gradients<S>| {
+        let mut derive = |model: &Mechanism<_>, [q, qd, tau]: [&[_]; 3], by: &mut Gradients<S>| {
             let outputs =
-                ConstrainedDerivatives::new((&mut qdd, &mut wrenches), &mut found, &mut changes);
-            let workspaces = (&mut *workspace, &mut memory);
-            let given = (&*active, &settings);
+                ConstrainedDerivatives::new(&mut qdd, &mut wrenches, &mut jacobians, &mut changes);
+            let workspaces = ConstraintWorkspaces { workspace, memory: &mut memory };
+            let constraints = ConstraintInput { active: &active, settings: &settings };
+            let input = ForwardInput { q, qd, tau };
             constraints::constrained_forward_dynamics_derivatives(
-                model, &layout, state, given, workspaces, outputs,
+                model,
+                &layout,
+                input,
+                constraints,
+                workspaces,
+                outputs,
             );
-            add_weighted(&found, cotangent, by);
+            add_weighted(&jacobians, cotangent.qdd, by);
             for (changes, gradient) in changes.iter().zip(by) {
-                for (own, weights) in changes.chunks(n.max(1)).zip(wrench_cotangent) {
-                    for (change, entry) in own.iter().zip(&mut *gradient) {
+                for (of_constraint, weights) in changes.chunks(n.max(1)).zip(cotangent.wrenches) {
+                    for (change, entry) in of_constraint.iter().zip(&mut *gradient) {
                         let products = change.components().into_iter().zip(weights.components());
                         *entry =
                             products.fold(*entry, |sum, (x, w)| sum + x * Tangent::constant(w));
@@ -133,11 +139,11 @@ impl<S: Scalar> Interpreter<S> {
         let constant =
             |x: &[S]| -> Vec<Tangent<S>> { x.iter().map(|&x| Tangent::constant(x)).collect() };
         let mut by: Gradients<S> = core::array::from_fn(|_| vec![Tangent::zero(); n]);
-        derive(&mechanism, (&constant(q), &constant(qd), &constant(tau)), &mut by);
-        for (gradient, found) in gradients.into_iter().zip(&by) {
-            gradient.iter_mut().zip(found).for_each(|(entry, found)| *entry = found.x);
+        derive(&mechanism, [&constant(q), &constant(qd), &constant(tau)], &mut by);
+        for (gradient, jacobians) in gradients.into_iter().zip(&by) {
+            gradient.iter_mut().zip(jacobians).for_each(|(entry, value)| *entry = value.x);
         }
-        self.differentiate((q, qd, tau), derive, hessian);
+        self.differentiate([q, qd, tau], derive, hessian);
         rank
     }
 }

@@ -8,10 +8,16 @@ use crate::Scalar;
 use crate::constraint_settings::{ConstraintSettings, ContactTarget};
 use crate::equations::brge::UduLayout;
 pub use crate::equations::constraints::{ConstrainedDerivatives, ContactProblemOutputs};
-use crate::equations::{ConstraintWorkspace, Workspace, constraints};
+use crate::equations::constraints::{
+    ConstrainedInverseOutputs, ConstrainedOutputs, ConstraintInput, ConstraintWorkspaces,
+    ImpulseOutputs, OperationalInertiaOutputs, ProjectionOutputs, ResidualOutputs,
+};
+use crate::equations::{
+    ConstraintWorkspace, ForwardInput, Motion, State, TimeStepInput, constraints,
+};
 use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
-use crate::spatial::{Twist, Vector3, Wrench};
+use crate::spatial::{Twist, Vector3};
 
 /// The arguments and the workspaces that constrained dynamics needs.
 struct Constraints<'a, S> {
@@ -19,8 +25,7 @@ struct Constraints<'a, S> {
     layout: &'a UduLayout,
     /// For each contact, 1 if it is active, else 0.
     active: &'a [S],
-    /// The workspaces.
-    workspaces: (&'a mut Workspace<S>, &'a mut ConstraintWorkspace<S>),
+    workspaces: ConstraintWorkspaces<'a, S>,
 }
 
 /// The results of [`Interpreter::contact_step`].
@@ -47,19 +52,20 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// `wrenches` receives the wrench on each constraint's second link (N m, N), and `residuals`
     /// the residual of its acceleration (rad/s^2, m/s^2). Those of loop constraints are at the
-    /// second frame's origin, in the first frame's axes; those of contacts at the frame's origin,
-    /// in world axes: see [`ConstrainedForwardDynamics`](crate::ConstrainedForwardDynamics). The
-    /// first call allocates memory. Source: Featherstone 2008, chapter 8.
+    /// second frame's origin, in the first frame's axes; the wrenches of contacts at the frame's
+    /// origin, in world axes: see
+    /// [`ConstrainedForwardDynamics`](crate::ConstrainedForwardDynamics). The first call allocates
+    /// memory. Source: Featherstone 2008, chapter 8.
     ///
     /// # Errors
     ///
     /// If a slice does not have the model's length.
     pub fn constrained_forward_dynamics(
         &mut self,
-        (q, qd, tau): (&[S], &[S], &[S]),
+        ForwardInput { q, qd, tau }: ForwardInput<'_, S>,
         active: &[bool],
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
-        (qdd, wrenches, residuals): (&mut [S], &mut [Wrench<S>], &mut [Twist<S>]),
+        ConstrainedOutputs { qdd, wrenches, residuals }: ConstrainedOutputs<'_, S>,
     ) -> Result<S, ShapeError> {
         let n = self.model.nv();
         check("q", q, self.model.nq())?;
@@ -69,7 +75,11 @@ impl<S: Scalar> Interpreter<S> {
         check("wrenches", wrenches, self.model.constraints())?;
         check("residuals", residuals, self.model.constraints())?;
         self.set_active(active, settings)?;
-        Ok(self.solve_constrained((q, qd, tau), settings, (qdd, wrenches, residuals)))
+        Ok(self.solve_constrained(
+            ForwardInput { q, qd, tau },
+            settings,
+            ConstrainedOutputs { qdd, wrenches, residuals },
+        ))
     }
 
     /// Computes the smallest step `dq` (rad or m, in tangent space) that closes the loops at `q`
@@ -88,10 +98,10 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn project_constraints(
         &mut self,
-        (q, qd): (&[S], &[S]),
+        State { q, qd }: State<'_, S>,
         active: &[bool],
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
-        (dq, dqd): (&mut [S], &mut [S]),
+        ProjectionOutputs { dq, dqd }: ProjectionOutputs<'_, S>,
     ) -> Result<S, ShapeError> {
         let n = self.model.nv();
         check("q", q, self.model.nq())?;
@@ -99,7 +109,7 @@ impl<S: Scalar> Interpreter<S> {
         check("dq", dq, n)?;
         check("dqd", dqd, n)?;
         self.set_active(active, settings)?;
-        Ok(self.solve_projection((q, qd), settings, (dq, dqd)))
+        Ok(self.solve_projection(State { q, qd }, settings, ProjectionOutputs { dq, dqd }))
     }
 
     /// Stores the set of active contacts, and checks the number of targets.
@@ -122,7 +132,12 @@ impl<S: Scalar> Interpreter<S> {
         let layout =
             links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));
         let memory = constraints.get_or_insert_with(|| ConstraintWorkspace::new(mechanism, layout));
-        Constraints { mechanism, layout, active, workspaces: (workspace, memory) }
+        Constraints {
+            mechanism,
+            layout,
+            active,
+            workspaces: ConstraintWorkspaces { workspace, memory },
+        }
     }
 
     /// Computes the displacement (m) and the velocity (rad/s, m/s) of each loop constraint's second
@@ -137,9 +152,9 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn constraint_residual(
         &mut self,
-        (q, qd): (&[S], &[S]),
+        State { q, qd }: State<'_, S>,
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
-        (displacements, velocities): (&mut [Twist<S>], &mut [Twist<S>]),
+        ResidualOutputs { displacements, velocities }: ResidualOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
         check("q", q, self.model.nq())?;
         check("qd", qd, self.model.nv())?;
@@ -150,10 +165,10 @@ impl<S: Scalar> Interpreter<S> {
         let Constraints { mechanism, workspaces, .. } = self.constraints();
         constraints::constraint_residual(
             mechanism,
-            (q, qd),
+            State { q, qd },
             targets,
             workspaces,
-            (displacements, velocities),
+            ResidualOutputs { displacements, velocities },
         );
         Ok(())
     }
@@ -173,10 +188,10 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn contact_impulse(
         &mut self,
-        (q, qd): (&[S], &[S]),
+        State { q, qd }: State<'_, S>,
         active: &[bool],
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
-        (after, impulses): (&mut [S], &mut [Wrench<S>]),
+        ImpulseOutputs { qd: after, impulses }: ImpulseOutputs<'_, S>,
     ) -> Result<S, ShapeError> {
         let n = self.model.nv();
         check("q", q, self.model.nq())?;
@@ -184,7 +199,7 @@ impl<S: Scalar> Interpreter<S> {
         check("after", after, n)?;
         check("impulses", impulses, self.model.constraints())?;
         self.set_active(active, settings)?;
-        Ok(self.solve_impulse((q, qd), settings, (after, impulses)))
+        Ok(self.solve_impulse(State { q, qd }, settings, ImpulseOutputs { qd: after, impulses }))
     }
 
     /// Computes the problem of a step of the time `dt` (s) on the ground under the joint forces
@@ -197,7 +212,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn contact_problem(
         &mut self,
-        (q, qd, tau, dt): (&[S], &[S], &[S], S),
+        TimeStepInput { q, qd, tau, dt }: TimeStepInput<'_, S>,
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
         outputs: ContactProblemOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
@@ -215,8 +230,8 @@ impl<S: Scalar> Interpreter<S> {
         check("outputs.mobility", outputs.mobility, rows * rows)?;
         check("outputs.responses", outputs.responses, rows * n)?;
         let Constraints { mechanism, layout, workspaces, .. } = self.constraints();
-        let motion = (q, qd, tau, dt);
-        constraints::contact_problem(mechanism, layout, motion, settings, workspaces, outputs);
+        let input = TimeStepInput { q, qd, tau, dt };
+        constraints::contact_problem(mechanism, layout, input, settings, workspaces, outputs);
         Ok(())
     }
 
@@ -229,7 +244,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn contact_step(
         &mut self,
-        (q, qd, tau, dt): (&[S], &[S], &[S], S),
+        TimeStepInput { q, qd, tau, dt }: TimeStepInput<'_, S>,
         impulses: &[S],
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
         outputs: ContactStepOutputs<'_, S>,
@@ -254,7 +269,7 @@ impl<S: Scalar> Interpreter<S> {
             mobility: &mut mobility,
             responses: &mut responses,
         };
-        self.contact_problem((q, qd, tau, dt), settings, problem.reborrow())?;
+        self.contact_problem(TimeStepInput { q, qd, tau, dt }, settings, problem.reborrow())?;
         outputs.impulses.copy_from_slice(impulses);
         *outputs.residual =
             constraints::sweep_contacts(&mut problem, dt, targets, outputs.impulses);
@@ -277,10 +292,10 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn constrained_inverse_dynamics(
         &mut self,
-        (q, qd, qdd): (&[S], &[S], &[S]),
+        Motion { q, qd, qdd }: Motion<'_, S>,
         active: &[bool],
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
-        (tau, wrenches): (&mut [S], &mut [Wrench<S>]),
+        ConstrainedInverseOutputs { tau, wrenches }: ConstrainedInverseOutputs<'_, S>,
     ) -> Result<S, ShapeError> {
         let n = self.model.nv();
         check("q", q, self.model.nq())?;
@@ -289,7 +304,11 @@ impl<S: Scalar> Interpreter<S> {
         check("tau", tau, n)?;
         check("wrenches", wrenches, self.model.constraints())?;
         self.set_active(active, settings)?;
-        Ok(self.solve_torques((q, qd, qdd), settings, (tau, wrenches)))
+        Ok(self.solve_torques(
+            Motion { q, qd, qdd },
+            settings,
+            ConstrainedInverseOutputs { tau, wrenches },
+        ))
     }
 
     /// Computes the Jacobian of each constraint into `columns`: a column for each entry of qd,
@@ -320,14 +339,19 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn constraint_bias_acceleration(
         &mut self,
-        (q, qd): (&[S], &[S]),
+        State { q, qd }: State<'_, S>,
         accelerations: &mut [Twist<S>],
     ) -> Result<(), ShapeError> {
         check("q", q, self.model.nq())?;
         check("qd", qd, self.model.nv())?;
         check("accelerations", accelerations, self.model.constraints())?;
         let Self { mechanism, workspace, .. } = self;
-        constraints::constraint_bias_acceleration(mechanism, (q, qd), workspace, accelerations);
+        constraints::constraint_bias_acceleration(
+            mechanism,
+            State { q, qd },
+            workspace,
+            accelerations,
+        );
         Ok(())
     }
 
@@ -349,14 +373,14 @@ impl<S: Scalar> Interpreter<S> {
         q: &[S],
         active: &[bool],
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
-        (inverse, inertia): (&mut [S], &mut [S]),
+        OperationalInertiaOutputs { inverse, inertia }: OperationalInertiaOutputs<'_, S>,
     ) -> Result<S, ShapeError> {
         let rows = self.model.constraint_rows();
         check("q", q, self.model.nq())?;
         check("inverse", inverse, rows * rows)?;
         check("inertia", inertia, rows * rows)?;
         self.set_active(active, settings)?;
-        Ok(self.solve_inertia(q, settings, (inverse, inertia)))
+        Ok(self.solve_inertia(q, settings, OperationalInertiaOutputs { inverse, inertia }))
     }
 
     /// Computes the accelerations and the wrenches of
@@ -374,7 +398,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn constrained_forward_dynamics_derivatives(
         &mut self,
-        (q, qd, tau): (&[S], &[S], &[S]),
+        ForwardInput { q, qd, tau }: ForwardInput<'_, S>,
         active: &[bool],
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
         outputs: ConstrainedDerivatives<'_, S>,
@@ -393,7 +417,7 @@ impl<S: Scalar> Interpreter<S> {
         check("dwrenches_dqd", outputs.dwrenches_dqd, n * count)?;
         check("dwrenches_dtau", outputs.dwrenches_dtau, n * count)?;
         self.set_active(active, settings)?;
-        Ok(self.solve_derivatives((q, qd, tau), settings, outputs))
+        Ok(self.solve_derivatives(ForwardInput { q, qd, tau }, settings, outputs))
     }
 }
 
@@ -407,71 +431,87 @@ impl<S: Scalar> Interpreter<S> {
 
     pub(crate) fn solve_constrained(
         &mut self,
-        state: (&[S], &[S], &[S]),
+        input: ForwardInput<'_, S>,
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
-        results: (&mut [S], &mut [Wrench<S>], &mut [Twist<S>]),
+        outputs: ConstrainedOutputs<'_, S>,
     ) -> S {
         let Constraints { mechanism, layout, active, workspaces } = self.constraints();
-        let settings = (active, settings);
+        let constraints = ConstraintInput { active, settings };
         constraints::constrained_forward_dynamics(
-            mechanism, layout, state, settings, workspaces, results,
+            mechanism,
+            layout,
+            input,
+            constraints,
+            workspaces,
+            outputs,
         )
     }
 
     pub(crate) fn solve_projection(
         &mut self,
-        state: (&[S], &[S]),
+        state: State<'_, S>,
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
-        steps: (&mut [S], &mut [S]),
+        outputs: ProjectionOutputs<'_, S>,
     ) -> S {
         let Constraints { mechanism, layout, active, workspaces } = self.constraints();
-        let settings = (active, settings);
-        constraints::project_constraints(mechanism, layout, state, settings, workspaces, steps)
+        let constraints = ConstraintInput { active, settings };
+        constraints::project_constraints(mechanism, layout, state, constraints, workspaces, outputs)
     }
 
     pub(crate) fn solve_impulse(
         &mut self,
-        state: (&[S], &[S]),
+        state: State<'_, S>,
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
-        results: (&mut [S], &mut [Wrench<S>]),
+        outputs: ImpulseOutputs<'_, S>,
     ) -> S {
         let Constraints { mechanism, layout, active, workspaces } = self.constraints();
-        let settings = (active, settings);
-        constraints::contact_impulse(mechanism, layout, state, settings, workspaces, results)
+        let constraints = ConstraintInput { active, settings };
+        constraints::contact_impulse(mechanism, layout, state, constraints, workspaces, outputs)
     }
 
     pub(crate) fn solve_torques(
         &mut self,
-        motion: (&[S], &[S], &[S]),
+        motion: Motion<'_, S>,
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
-        results: (&mut [S], &mut [Wrench<S>]),
+        outputs: ConstrainedInverseOutputs<'_, S>,
     ) -> S {
         let Constraints { mechanism, active, workspaces, .. } = self.constraints();
-        let settings = (active, settings);
-        constraints::constrained_inverse_dynamics(mechanism, motion, settings, workspaces, results)
+        let constraints = ConstraintInput { active, settings };
+        constraints::constrained_inverse_dynamics(
+            mechanism,
+            motion,
+            constraints,
+            workspaces,
+            outputs,
+        )
     }
 
     pub(crate) fn solve_inertia(
         &mut self,
         q: &[S],
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
-        matrices: (&mut [S], &mut [S]),
+        outputs: OperationalInertiaOutputs<'_, S>,
     ) -> S {
         let Constraints { mechanism, layout, active, workspaces } = self.constraints();
-        let settings = (active, settings);
-        constraints::operational_inertia(mechanism, layout, q, settings, workspaces, matrices)
+        let constraints = ConstraintInput { active, settings };
+        constraints::operational_inertia(mechanism, layout, q, constraints, workspaces, outputs)
     }
 
     pub(crate) fn solve_derivatives(
         &mut self,
-        state: (&[S], &[S], &[S]),
+        input: ForwardInput<'_, S>,
         settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
         outputs: ConstrainedDerivatives<'_, S>,
     ) -> S {
         let Constraints { mechanism, layout, active, workspaces } = self.constraints();
-        let settings = (active, settings);
+        let constraints = ConstraintInput { active, settings };
         constraints::constrained_forward_dynamics_derivatives(
-            mechanism, layout, state, settings, workspaces, outputs,
+            mechanism,
+            layout,
+            input,
+            constraints,
+            workspaces,
+            outputs,
         )
     }
 }

@@ -36,7 +36,7 @@ impl<S: Scalar> Interpreter<S> {
         check("q", q, nq)?;
         check("v", v, nv)?;
         check("moved", moved, nq)?;
-        coordinates::integrate(&self.mechanism, (q, v), moved);
+        coordinates::integrate(&self.mechanism, q, v, moved);
         Ok(())
     }
 
@@ -53,7 +53,7 @@ impl<S: Scalar> Interpreter<S> {
         check("from", from, nq)?;
         check("to", to, nq)?;
         check("v", v, nv)?;
-        coordinates::difference(&self.mechanism, (from, to), v);
+        coordinates::difference(&self.mechanism, from, to, v);
         Ok(())
     }
 
@@ -79,7 +79,7 @@ impl<S: Scalar> Interpreter<S> {
         check("v", v, nv)?;
         check("dq", dq, nv * nv)?;
         check("dv", dv, nv * nv)?;
-        coordinates::integrate_derivatives(&self.mechanism, v, (dq, dv));
+        coordinates::integrate_derivatives(&self.mechanism, v, dq, dv);
         Ok(())
     }
 
@@ -103,7 +103,7 @@ impl<S: Scalar> Interpreter<S> {
         check("to", to, nq)?;
         check("dfrom", dfrom, nv * nv)?;
         check("dto", dto, nv * nv)?;
-        coordinates::difference_derivatives(&self.mechanism, (from, to), (dfrom, dto));
+        coordinates::difference_derivatives(&self.mechanism, from, to, dfrom, dto);
         Ok(())
     }
 
@@ -118,7 +118,7 @@ impl<S: Scalar> Interpreter<S> {
         check("q", q, nq)?;
         check("qd", qd, nv)?;
         check("rates", rates, nq)?;
-        coordinates::velocity_to_qdot(&self.mechanism, (q, qd), rates);
+        coordinates::velocity_to_qdot(&self.mechanism, q, qd, rates);
         Ok(())
     }
 

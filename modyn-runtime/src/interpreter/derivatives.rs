@@ -4,9 +4,9 @@ use super::Interpreter;
 use super::errors::{ShapeError, check};
 use crate::Scalar;
 use crate::equations::brge::UduLayout;
-use crate::equations::derivatives;
 pub use crate::equations::derivatives::ForwardDerivatives;
 use crate::equations::dynamics::Forces;
+use crate::equations::{ForwardInput, Motion, State, derivatives};
 use crate::model::ModuleTree;
 
 impl<S: Scalar> Interpreter<S> {
@@ -36,7 +36,7 @@ impl<S: Scalar> Interpreter<S> {
         check("dtau_dq", dtau_dq, n * n)?;
         check("dtau_dqd", dtau_dqd, n * n)?;
         let Self { mechanism, workspace, .. } = self;
-        let motion = (q, qd, qdd);
+        let motion = Motion { q, qd, qdd };
         derivatives::inverse_dynamics_derivatives(mechanism, motion, workspace, dtau_dq, dtau_dqd);
         Ok(())
     }
@@ -58,7 +58,12 @@ impl<S: Scalar> Interpreter<S> {
         check("q", q, self.model.nq())?;
         check("qd", qd, n)?;
         check("columns", columns, n * n)?;
-        derivatives::coriolis_matrix(&self.mechanism, (q, qd), &mut self.workspace, columns);
+        derivatives::coriolis_matrix(
+            &self.mechanism,
+            State { q, qd },
+            &mut self.workspace,
+            columns,
+        );
         Ok(())
     }
 
@@ -85,7 +90,7 @@ impl<S: Scalar> Interpreter<S> {
         check("tau", tau, n)?;
         check("dtau_dq", dtau_dq, n * n)?;
         let Self { mechanism, workspace, .. } = self;
-        derivatives::generalized_forces(mechanism, (q, forces), workspace, (tau, dtau_dq));
+        derivatives::generalized_forces(mechanism, q, forces, workspace, tau, dtau_dq);
         Ok(())
     }
 
@@ -101,7 +106,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn inverse_dynamics_external_derivatives(
         &mut self,
-        (q, qd, qdd): (&[S], &[S], &[S]),
+        Motion { q, qd, qdd }: Motion<'_, S>,
         forces: Forces<'_, S>,
         dtau_dq: &mut [S],
         dtau_dqd: &mut [S],
@@ -114,10 +119,9 @@ impl<S: Scalar> Interpreter<S> {
         check("dtau_dq", dtau_dq, n * n)?;
         check("dtau_dqd", dtau_dqd, n * n)?;
         let Self { mechanism, workspace, .. } = self;
-        let motion = (q, qd, qdd);
-        let results = (dtau_dq, dtau_dqd);
+        let motion = Motion { q, qd, qdd };
         let derive = derivatives::inverse_dynamics_external_derivatives;
-        derive(mechanism, motion, forces, workspace, results);
+        derive(mechanism, motion, forces, workspace, dtau_dq, dtau_dqd);
         Ok(())
     }
 
@@ -155,12 +159,12 @@ impl<S: Scalar> Interpreter<S> {
         tau: &[S],
         outputs: ForwardDerivatives<'_, S>,
     ) -> Result<(), ShapeError> {
-        self.check_derivatives((q, qd, tau), &outputs)?;
+        self.check_derivatives(ForwardInput { q, qd, tau }, &outputs)?;
         let Self { mechanism, workspace, model, links, .. } = self;
         let layout =
             links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));
-        let state = (q, qd, tau);
-        derivatives::forward_dynamics_derivatives(mechanism, layout, state, workspace, outputs);
+        let input = ForwardInput { q, qd, tau };
+        derivatives::forward_dynamics_derivatives(mechanism, layout, input, workspace, outputs);
         Ok(())
     }
 
@@ -177,24 +181,24 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn forward_dynamics_external_derivatives(
         &mut self,
-        (q, qd, tau): (&[S], &[S], &[S]),
+        ForwardInput { q, qd, tau }: ForwardInput<'_, S>,
         forces: Forces<'_, S>,
         outputs: ForwardDerivatives<'_, S>,
     ) -> Result<(), ShapeError> {
         self.check_forces(Some(forces))?;
-        self.check_derivatives((q, qd, tau), &outputs)?;
+        self.check_derivatives(ForwardInput { q, qd, tau }, &outputs)?;
         let Self { mechanism, workspace, model, links, .. } = self;
         let layout =
             links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));
-        let state = (q, qd, tau);
+        let input = ForwardInput { q, qd, tau };
         let derive = derivatives::forward_dynamics_external_derivatives;
-        derive(mechanism, layout, state, forces, workspace, outputs);
+        derive(mechanism, layout, input, forces, workspace, outputs);
         Ok(())
     }
 
     fn check_derivatives(
         &self,
-        (q, qd, tau): (&[S], &[S], &[S]),
+        ForwardInput { q, qd, tau }: ForwardInput<'_, S>,
         outputs: &ForwardDerivatives<'_, S>,
     ) -> Result<(), ShapeError> {
         let n = self.model.nv();

@@ -3,11 +3,11 @@
 use super::Interpreter;
 use super::errors::{ShapeError, check};
 use crate::Scalar;
-use crate::equations::Forces;
 use crate::equations::dynamics::{
     forward_dynamics, gravity_torques, inverse_dynamics, kinetic_energy, mass_matrix,
     potential_energy,
 };
+use crate::equations::{Forces, ForwardInput, State};
 
 impl<S: Scalar> Interpreter<S> {
     /// Computes the joint accelerations `qdd` (rad/s^2 or m/s^2) under the joint forces `tau`, by
@@ -35,7 +35,7 @@ impl<S: Scalar> Interpreter<S> {
         tau: &[S],
         qdd: &mut [S],
     ) -> Result<(), ShapeError> {
-        self.accelerate((q, qd, tau), None, qdd)
+        self.accelerate(ForwardInput { q, qd, tau }, None, qdd)
     }
 
     /// Computes the joint accelerations `qdd` under the joint forces `tau` and external wrenches
@@ -53,12 +53,12 @@ impl<S: Scalar> Interpreter<S> {
         forces: Forces<'_, S>,
         qdd: &mut [S],
     ) -> Result<(), ShapeError> {
-        self.accelerate((q, qd, tau), Some(forces), qdd)
+        self.accelerate(ForwardInput { q, qd, tau }, Some(forces), qdd)
     }
 
     fn accelerate(
         &mut self,
-        (q, qd, tau): (&[S], &[S], &[S]),
+        ForwardInput { q, qd, tau }: ForwardInput<'_, S>,
         forces: Option<Forces<'_, S>>,
         qdd: &mut [S],
     ) -> Result<(), ShapeError> {
@@ -69,8 +69,8 @@ impl<S: Scalar> Interpreter<S> {
         self.check_forces(forces)?;
         check("qdd", qdd, n)?;
         let Self { mechanism, elimination, workspace, .. } = self;
-        let state = (q, qd, tau);
-        forward_dynamics(mechanism, elimination, state, forces, workspace, qdd);
+        let input = ForwardInput { q, qd, tau };
+        forward_dynamics(mechanism, elimination, input, forces, workspace, qdd);
         Ok(())
     }
 
@@ -105,7 +105,7 @@ impl<S: Scalar> Interpreter<S> {
         qdd: &[S],
         tau: &mut [S],
     ) -> Result<(), ShapeError> {
-        self.required_torques((q, qd, Some(qdd)), None, tau)
+        self.required_torques(State { q, qd }, Some(qdd), None, tau)
     }
 
     /// Computes the joint forces `tau` of the accelerations `qdd` under external wrenches `forces`:
@@ -123,12 +123,13 @@ impl<S: Scalar> Interpreter<S> {
         forces: Forces<'_, S>,
         tau: &mut [S],
     ) -> Result<(), ShapeError> {
-        self.required_torques((q, qd, Some(qdd)), Some(forces), tau)
+        self.required_torques(State { q, qd }, Some(qdd), Some(forces), tau)
     }
 
     fn required_torques(
         &mut self,
-        (q, qd, qdd): (&[S], &[S], Option<&[S]>),
+        State { q, qd }: State<'_, S>,
+        qdd: Option<&[S]>,
         forces: Option<Forces<'_, S>>,
         tau: &mut [S],
     ) -> Result<(), ShapeError> {
@@ -138,9 +139,8 @@ impl<S: Scalar> Interpreter<S> {
         qdd.map_or(Ok(()), |qdd| check("qdd", qdd, n))?;
         self.check_forces(forces)?;
         check("tau", tau, n)?;
-        let motion = (q, qd, qdd);
-        let workspace = &mut self.workspace;
-        inverse_dynamics(&self.mechanism, motion, forces, workspace, tau);
+        let state = State { q, qd };
+        inverse_dynamics(&self.mechanism, state, qdd, forces, &mut self.workspace, tau);
         Ok(())
     }
 
@@ -162,7 +162,7 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// If a slice does not have the model's length.
     pub fn bias_forces(&mut self, q: &[S], qd: &[S], tau: &mut [S]) -> Result<(), ShapeError> {
-        self.required_torques((q, qd, None), None, tau)
+        self.required_torques(State { q, qd }, None, None, tau)
     }
 
     /// Computes the joint forces that balance gravity and springs at zero velocity: the gradient of

@@ -17,15 +17,15 @@ pub struct ShapeError {
 impl ShapeError {
     /// Returns the error of a `parameter` with `found` entries instead of `expected`.
     #[must_use]
-    pub const fn new(parameter: &'static str, expected: usize, found: usize) -> Self {
-        Self { parameter, expected, found }
+    pub const fn new(parameter: &'static str, expected: usize, given: usize) -> Self {
+        Self { parameter, expected, found: given }
     }
 }
 
 impl fmt::Display for ShapeError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { parameter, expected, found } = self;
-        write!(f, "`{parameter}` must hold {expected} numbers but holds {found}")
+        let Self { parameter, expected, found: given } = self;
+        write!(f, "`{parameter}` must hold {expected} numbers but holds {given}")
     }
 }
 
@@ -36,8 +36,8 @@ pub(super) fn check<T>(
     given: &[T],
     expected: usize,
 ) -> Result<(), ShapeError> {
-    let found = given.len();
-    if found == expected { Ok(()) } else { Err(ShapeError::new(parameter, expected, found)) }
+    let length = given.len();
+    if length == expected { Ok(()) } else { Err(ShapeError::new(parameter, expected, length)) }
 }
 
 /// The modules, or the factorization, belong to another model.

@@ -8,11 +8,12 @@ use super::errors::{ShapeError, check};
 use super::{ForwardDerivatives, Interpreter, StepOutputs};
 use crate::Scalar;
 use crate::equations::brge::UduLayout;
-use crate::equations::derivatives;
 use crate::equations::dynamics::mass_matrix;
 use crate::equations::kinematics::coordinates::velocity_to_qdot;
 use crate::equations::steps::step_semi_implicit_derivatives;
-use crate::equations::{StepWorkspace, Workspace};
+use crate::equations::{
+    ForwardInput, Motion, StepWorkspace, TimeStepInput, Workspace, derivatives,
+};
 use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
 use crate::scalar::Tangent;
@@ -34,7 +35,7 @@ pub struct HessianOutputs<'a, S> {
 }
 
 /// The results of [`Interpreter::step_semi_implicit_hessian`]. A state has the nv entries of q (in
-/// the tangent space), then those of qd. Matrices are stored by columns.
+/// the tangent space), then the entries of qd. Matrices are stored by columns.
 #[derive(Debug)]
 pub struct StepHessianOutputs<'a, S> {
     /// The coordinates after the step.
@@ -58,8 +59,8 @@ pub struct StepHessianOutputs<'a, S> {
 /// The gradients of a weighted sum with respect to q, qd and the third variable.
 pub(super) type Gradients<S> = [Vec<Tangent<S>>; 3];
 
-/// Adds to the gradients those of the sum of a function's results with these weights; `matrices`
-/// are the derivatives of the function with respect to each variable, by columns.
+/// Adds to the gradients the gradients of the sum of a function's results with these weights;
+/// `matrices` are the derivatives of the function with respect to each variable, by columns.
 pub(super) fn add_weighted<S: Scalar>(
     matrices: &[Vec<Tangent<S>>; 3],
     weights: &[S],
@@ -92,23 +93,28 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn inverse_dynamics_hessian(
         &mut self,
-        (q, qd, qdd): (&[S], &[S], &[S]),
+        Motion { q, qd, qdd }: Motion<'_, S>,
         cotangent: &[S],
         outputs: HessianOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
         let HessianOutputs { value, gradients, hessian } = outputs;
         self.check_hessian(&hessian)?;
-        self.inverse_dynamics_vjp((q, qd, qdd), cotangent, value, gradients)?;
-        let mut found = matrices(self.model.nv());
-        let derive =
-            |model: &Mechanism<_>, (q, qd, qdd): (&[_], &[_], &[_]), by: &mut Gradients<S>| {
-                let [dq, dqd, dqdd] = &mut found;
-                let workspace = &mut Workspace::new(model);
-                derivatives::inverse_dynamics_derivatives(model, (q, qd, qdd), workspace, dq, dqd);
-                mass_matrix(model, q, workspace, dqdd);
-                add_weighted(&found, cotangent, by);
-            };
-        self.differentiate((q, qd, qdd), derive, hessian);
+        self.inverse_dynamics_vjp(Motion { q, qd, qdd }, cotangent, value, gradients)?;
+        let mut jacobians = matrices(self.model.nv());
+        let derive = |model: &Mechanism<_>, [q, qd, qdd]: [&[_]; 3], by: &mut Gradients<S>| {
+            let [dq, dqd, dqdd] = &mut jacobians;
+            let workspace = &mut Workspace::new(model);
+            derivatives::inverse_dynamics_derivatives(
+                model,
+                Motion { q, qd, qdd },
+                workspace,
+                dq,
+                dqd,
+            );
+            mass_matrix(model, q, workspace, dqdd);
+            add_weighted(&jacobians, cotangent, by);
+        };
+        self.differentiate([q, qd, qdd], derive, hessian);
         Ok(())
     }
 
@@ -125,32 +131,33 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn forward_dynamics_hessian(
         &mut self,
-        (q, qd, tau): (&[S], &[S], &[S]),
+        ForwardInput { q, qd, tau }: ForwardInput<'_, S>,
         cotangent: &[S],
         outputs: HessianOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
         let HessianOutputs { value, gradients, hessian } = outputs;
         self.check_hessian(&hessian)?;
-        self.forward_dynamics_vjp((q, qd, tau), cotangent, value, gradients)?;
+        self.forward_dynamics_vjp(ForwardInput { q, qd, tau }, cotangent, value, gradients)?;
         let layout = UduLayout::new(&self.mechanism, &ModuleTree::links(&self.model));
-        let mut found = matrices(self.model.nv());
-        let derive = |model: &Mechanism<_>, state: (&[_], &[_], &[_]), by: &mut Gradients<S>| {
-            let [dqdd_dq, dqdd_dqd, dqdd_dtau] = &mut found;
+        let mut jacobians = matrices(self.model.nv());
+        let derive = |model: &Mechanism<_>, [q, qd, tau]: [&[_]; 3], by: &mut Gradients<S>| {
+            let [dqdd_dq, dqdd_dqd, dqdd_dtau] = &mut jacobians;
             let qdd = &mut vec![Tangent::zero(); model.nv];
             let outputs = ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau };
             let workspace = &mut Workspace::new(model);
-            derivatives::forward_dynamics_derivatives(model, &layout, state, workspace, outputs);
-            add_weighted(&found, cotangent, by);
+            let input = ForwardInput { q, qd, tau };
+            derivatives::forward_dynamics_derivatives(model, &layout, input, workspace, outputs);
+            add_weighted(&jacobians, cotangent, by);
         };
-        self.differentiate((q, qd, tau), derive, hessian);
+        self.differentiate([q, qd, tau], derive, hessian);
         Ok(())
     }
 
     /// Computes the state after the time `dt` (s) by the semi-implicit Euler method, and the
     /// gradients and the Hessian of `costate`^T state with respect to the state before the step and
-    /// tau. The 2 nv entries of the costate are those of q, then those of qd.
+    /// tau. The 2 nv entries of the costate are the weights of q, then the weights of qd.
     ///
-    /// The Hessian is that of displacements along [`integrate`](Self::integrate) before the step
+    /// The Hessian is taken for displacements along [`integrate`](Self::integrate) before the step
     /// and along [`difference`](Self::difference) after it, both in the tangent space, and
     /// symmetric. Takes more than 3 nv times as long as the first derivatives, and allocates memory
     /// at each call.
@@ -160,8 +167,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn step_semi_implicit_hessian(
         &mut self,
-        (q, qd, tau): (&[S], &[S], &[S]),
-        dt: S,
+        TimeStepInput { q, qd, tau, dt }: TimeStepInput<'_, S>,
         costate: &[S],
         outputs: StepHessianOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
@@ -174,31 +180,31 @@ impl<S: Scalar> Interpreter<S> {
         check("dx_dx", dx_dx, 4 * n * n)?;
         check("dx_dtau", dx_dtau, 2 * n * n)?;
         check("dtau_dtau", dtau_dtau, n * n)?;
-        self.step_semi_implicit((q, qd, tau), dt, next_q, next_qd)?;
+        self.step_semi_implicit(TimeStepInput { q, qd, tau, dt }, next_q, next_qd)?;
         let model = self.mechanism.map(Tangent::constant);
         let layout = UduLayout::new(&self.mechanism, &ModuleTree::links(&self.model));
-        let workspaces = &mut (Workspace::new(&model), StepWorkspace::new(&model));
+        let workspace = &mut Workspace::new(&model);
+        let memory = &mut StepWorkspace::new(&model);
         let numbers = |n: usize| vec![Tangent::<S>::zero(); n];
-        let mut found = [numbers(q.len()), numbers(n), numbers(4 * n * n), numbers(2 * n * n)];
+        let mut results = [numbers(q.len()), numbers(n), numbers(4 * n * n), numbers(2 * n * n)];
         // The changes of the 3 nv entries of the gradient along each of the 3 nv displacements.
         let mut changes = vec![S::zero(); 9 * n * n];
         let mut rates = vec![S::zero(); q.len()];
         for (j, changes) in changes.chunks_mut((3 * n).max(1)).enumerate() {
             let mut unit = vec![S::zero(); 3 * n];
             unit[j] = S::one();
-            velocity_to_qdot(&self.mechanism, (q, &unit[..n]), &mut rates);
+            velocity_to_qdot(&self.mechanism, q, &unit[..n], &mut rates);
             let moved = |x: &[S], dx: &[S]| -> Vec<Tangent<S>> {
                 x.iter().zip(dx).map(|(&x, &dx)| Tangent { x, dx }).collect()
             };
             let q = moved(q, &rates);
             let qd = moved(qd, &unit[n..2 * n]);
             let tau = moved(tau, &unit[2 * n..]);
-            let [next_q, next_qd, a, b] = &mut found;
+            let [next_q, next_qd, a, b] = &mut results;
             let outputs = StepOutputs { q: next_q, qd: next_qd, a, b };
-            let state = (&*q, &*qd, &*tau, Tangent::constant(dt));
-            let (workspace, memory) = workspaces;
-            step_semi_implicit_derivatives(&model, &layout, state, (workspace, memory), outputs);
-            let columns = found[2].chunks(2 * n).chain(found[3].chunks(2 * n));
+            let input = TimeStepInput { q: &q, qd: &qd, tau: &tau, dt: Tangent::constant(dt) };
+            step_semi_implicit_derivatives(&model, &layout, input, workspace, memory, outputs);
+            let columns = results[2].chunks(2 * n).chain(results[3].chunks(2 * n));
             for (i, (column, change)) in columns.zip(changes).enumerate() {
                 let sum =
                     column.iter().zip(costate).fold(Tangent::zero(), |sum, (entry, &weight)| {
@@ -233,12 +239,8 @@ impl<S: Scalar> Interpreter<S> {
     /// zeros.
     pub(super) fn differentiate(
         &self,
-        (q, qd, last): (&[S], &[S], &[S]),
-        mut derive: impl FnMut(
-            &Mechanism<Tangent<S>>,
-            (&[Tangent<S>], &[Tangent<S>], &[Tangent<S>]),
-            &mut Gradients<S>,
-        ),
+        [q, qd, last]: [&[S]; 3],
+        mut derive: impl FnMut(&Mechanism<Tangent<S>>, [&[Tangent<S>]; 3], &mut Gradients<S>),
         [dq_dq, dq_dqd, dqd_dqd, dq_dlast]: [&mut [S]; 4],
     ) {
         let n = self.model.nv();
@@ -254,10 +256,10 @@ impl<S: Scalar> Interpreter<S> {
         for j in 0..n {
             unit.fill(S::zero());
             unit[j] = S::one();
-            velocity_to_qdot(&self.mechanism, (q, &unit), &mut rates);
+            velocity_to_qdot(&self.mechanism, q, &unit, &mut rates);
             let moved: Vec<_> = q.iter().zip(&rates).map(|(&x, &dx)| Tangent { x, dx }).collect();
             by.iter_mut().for_each(|gradient| gradient.fill(Tangent::zero()));
-            derive(&model, (&moved, &still_qd, &last), &mut by);
+            derive(&model, [&moved, &still_qd, &last], &mut by);
             let [by_q, by_qd, by_last] = &by;
             for i in 0..n {
                 dq_dq[j * n + i] = by_q[i].dx;
@@ -266,7 +268,7 @@ impl<S: Scalar> Interpreter<S> {
             }
             let faster: Vec<_> = qd.iter().zip(&unit).map(|(&x, &dx)| Tangent { x, dx }).collect();
             by.iter_mut().for_each(|gradient| gradient.fill(Tangent::zero()));
-            derive(&model, (&still_q, &faster, &last), &mut by);
+            derive(&model, [&still_q, &faster, &last], &mut by);
             let [_, by_qd, _] = &by;
             for i in 0..n {
                 dqd_dqd[j * n + i] = by_qd[i].dx;

@@ -107,8 +107,8 @@ impl<S: Scalar + PartialOrd> Inertias<S> {
             rest[body] = alone.placed(&exact.bodies[body].link).map(S::from_f64);
         }
         let links = model.frames().iter().map(|frame| {
-            let own = frame.inertial.map(S::from_f64);
-            [own, own, Inertial::default()]
+            let described = frame.inertial.map(S::from_f64);
+            [described, described, Inertial::default()]
         });
         let mut workspace = PivotWorkspace::new(mechanism);
         let mut pivots = vec![S::zero(); mechanism.nv];
@@ -136,8 +136,9 @@ impl<S: Scalar + PartialOrd> Inertias<S> {
         }
         mechanism.static_inertia = self.static_inertia;
         self.changed.fill(false);
-        for (frame, [described, own, payload]) in mechanism.frames.iter().zip(&self.links) {
-            let changed = own != described || *payload != Inertial::default();
+        for (frame, [described, link_inertial, payload]) in mechanism.frames.iter().zip(&self.links)
+        {
+            let changed = link_inertial != described || *payload != Inertial::default();
             if let Some(body) = frame.body.filter(|_| changed) {
                 self.changed[body] = true;
                 mechanism.bodies[body].inertia = self.rest[body];
@@ -147,11 +148,11 @@ impl<S: Scalar + PartialOrd> Inertias<S> {
         if !self.changed.contains(&true) {
             return;
         }
-        for (frame, [_, own, payload]) in (0..).zip(&self.links) {
+        for (frame, [_, link_inertial, payload]) in (0..).zip(&self.links) {
             if mechanism.frames[frame].body.is_some_and(|body| self.changed[body]) {
-                mechanism.add_inertia(frame, &rigid_inertia(own));
+                mechanism.add_inertia(frame, &rigid_inertia(link_inertial));
                 mechanism.add_inertia(frame, &rigid_inertia(payload));
-                mechanism.compensate(frame, &rigid_inertia(own));
+                mechanism.compensate(frame, &rigid_inertia(link_inertial));
             }
         }
         mechanism.update_base_inertias();
@@ -183,7 +184,7 @@ pub(super) fn joint_without_inertia<S: Scalar + PartialOrd>(
     })
 }
 
-/// Returns whether a pivot is that of a joint that moves inertia.
+/// Returns whether a pivot belongs to a joint that moves inertia.
 fn is_positive<S: Scalar + PartialOrd>(pivot: S) -> bool {
     pivot.partial_cmp(&S::zero()) == Some(Ordering::Greater)
 }
@@ -196,19 +197,22 @@ fn link_of(model: &Model, v: usize) -> Option<usize> {
 
 impl<S: Scalar + PartialOrd> Interpreter<S> {
     /// Returns the ten inertial parameters of moving link `link` with the present inertias and
-    /// payloads, as [`Model::inertial_parameters`] does with those of the description; `None` if
-    /// there is no such link.
+    /// payloads, as [`Model::inertial_parameters`] does with the inertias of the description;
+    /// `None` if there is no such link.
     #[must_use]
     pub fn inertial_parameters(&self, link: usize) -> Option<[S; PARAMETERS_PER_LINK]> {
         let mut parameters = self.model.inertial_parameters(link)?.map(S::from_f64);
         let Some(inertias) = &self.inertias else { return Some(parameters) };
-        for (frame, [described, own, payload]) in self.model.frames().iter().zip(&inertias.links) {
+        for (frame, [described, link_inertial, payload]) in
+            self.model.frames().iter().zip(&inertias.links)
+        {
             if frame.link != Some(link) {
                 continue;
             }
             let pose = frame.pose.map(S::from_f64);
-            let of = |inertial: &Inertial<S>| inertial.transformed(&pose).parameters();
-            let [before, after, added] = [of(described), of(own), of(payload)];
+            let parameters_of = |inertial: &Inertial<S>| inertial.transformed(&pose).parameters();
+            let [before, after, added] =
+                [parameters_of(described), parameters_of(link_inertial), parameters_of(payload)];
             for (k, parameter) in parameters.iter_mut().enumerate() {
                 *parameter = *parameter + (after[k] - before[k]) + added[k];
             }

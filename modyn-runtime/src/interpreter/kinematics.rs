@@ -4,13 +4,14 @@ use super::Interpreter;
 use super::errors::{FrameError, ShapeError, check};
 use crate::Scalar;
 use crate::equations::kinematics::{self, Axes};
+use crate::equations::{Motion, State};
 use crate::spatial::{Pose, Twist};
 
 /// Functions of one link. `frame` is the link's index in
 /// [`Model::frames`](crate::model::Model::frames), which
 /// [`Model::frame_index`](crate::model::Model::frame_index) finds by name; fixed links have one,
-/// too. Motion is that of the link's origin; a link that is fixed to the world does not move. A
-/// call takes time linear in the depth of the link, apart from zero columns.
+/// too. Motion is the motion of the link's origin; a link that is fixed to the world does not move.
+/// A call takes time linear in the depth of the link, apart from zero columns.
 impl<S: Scalar> Interpreter<S> {
     fn check_frame(&self, frame: usize) -> Result<(), FrameError> {
         let count = self.mechanism.frames.len();
@@ -97,7 +98,7 @@ impl<S: Scalar> Interpreter<S> {
     ) -> Result<Twist<S>, FrameError> {
         self.check_motion(frame, q, qd)?;
         let Self { mechanism, workspace, .. } = self;
-        Ok(kinematics::link_velocity(mechanism, frame, (q, qd), axes, workspace))
+        Ok(kinematics::link_velocity(mechanism, frame, State { q, qd }, axes, workspace))
     }
 
     /// Returns the angular acceleration of a link, rad/s^2, and the classical acceleration of its
@@ -113,7 +114,7 @@ impl<S: Scalar> Interpreter<S> {
         qdd: &[S],
         frame: usize,
     ) -> Result<Twist<S>, FrameError> {
-        self.acceleration((q, qd, qdd), frame, Axes::World)
+        self.acceleration(Motion { q, qd, qdd }, frame, Axes::World)
     }
 
     /// Returns the angular acceleration of a link and the classical acceleration of its origin, in
@@ -129,19 +130,19 @@ impl<S: Scalar> Interpreter<S> {
         qdd: &[S],
         frame: usize,
     ) -> Result<Twist<S>, FrameError> {
-        self.acceleration((q, qd, qdd), frame, Axes::Link)
+        self.acceleration(Motion { q, qd, qdd }, frame, Axes::Link)
     }
 
     fn acceleration(
         &mut self,
-        (q, qd, qdd): (&[S], &[S], &[S]),
+        Motion { q, qd, qdd }: Motion<'_, S>,
         frame: usize,
         axes: Axes,
     ) -> Result<Twist<S>, FrameError> {
         self.check_motion(frame, q, qd)?;
         check("qdd", qdd, self.model.nv())?;
         let Self { mechanism, workspace, .. } = self;
-        Ok(kinematics::link_acceleration(mechanism, frame, (q, qd, qdd), axes, workspace))
+        Ok(kinematics::link_acceleration(mechanism, frame, Motion { q, qd, qdd }, axes, workspace))
     }
 
     /// Computes the Jacobian J of a link into `columns` (nv), at the link's origin in world axes
@@ -216,7 +217,7 @@ impl<S: Scalar> Interpreter<S> {
         frame: usize,
         columns: &mut [Twist<S>],
     ) -> Result<(), FrameError> {
-        self.jacobian_time_derivative_in((q, qd), frame, Axes::World, columns)
+        self.jacobian_time_derivative_in(State { q, qd }, frame, Axes::World, columns)
     }
 
     /// Computes the time derivative dJ/dt of a link's [`local_jacobian`](Self::local_jacobian) J,
@@ -233,12 +234,12 @@ impl<S: Scalar> Interpreter<S> {
         frame: usize,
         columns: &mut [Twist<S>],
     ) -> Result<(), FrameError> {
-        self.jacobian_time_derivative_in((q, qd), frame, Axes::Link, columns)
+        self.jacobian_time_derivative_in(State { q, qd }, frame, Axes::Link, columns)
     }
 
     fn jacobian_time_derivative_in(
         &mut self,
-        (q, qd): (&[S], &[S]),
+        State { q, qd }: State<'_, S>,
         frame: usize,
         axes: Axes,
         columns: &mut [Twist<S>],
@@ -246,7 +247,7 @@ impl<S: Scalar> Interpreter<S> {
         self.check_motion(frame, q, qd)?;
         check("columns", columns, self.model.nv())?;
         let Self { mechanism, workspace, .. } = self;
-        let state = (q, qd);
+        let state = State { q, qd };
         kinematics::jacobian_time_derivative(mechanism, frame, state, axes, workspace, columns);
         Ok(())
     }
@@ -293,7 +294,7 @@ impl<S: Scalar> Interpreter<S> {
     ) -> Result<Twist<S>, FrameError> {
         self.check_motion(frame, q, qd)?;
         let Self { mechanism, workspace, .. } = self;
-        Ok(kinematics::bias_acceleration(mechanism, frame, (q, qd), axes, workspace))
+        Ok(kinematics::bias_acceleration(mechanism, frame, State { q, qd }, axes, workspace))
     }
 }
 

@@ -9,6 +9,7 @@ use crate::equations::dynamics::{
     centroidal_momentum_rate,
 };
 use crate::equations::kinematics::{center_of_mass, center_of_mass_jacobian};
+use crate::equations::{Motion, State};
 use crate::spatial::{Momentum, Vector3};
 
 /// Functions of all moving links together, in world axes.
@@ -94,7 +95,7 @@ impl<S: Scalar> Interpreter<S> {
     pub fn centroidal_momentum(&mut self, q: &[S], qd: &[S]) -> Result<Momentum<S>, ShapeError> {
         check("q", q, self.model.nq())?;
         check("qd", qd, self.model.nv())?;
-        Ok(centroidal_momentum(&self.mechanism, (q, qd), &mut self.workspace))
+        Ok(centroidal_momentum(&self.mechanism, State { q, qd }, &mut self.workspace))
     }
 
     /// Returns the time derivative A qdd + A' qd of
@@ -107,12 +108,12 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn centroidal_momentum_rate(
         &mut self,
-        (q, qd, qdd): (&[S], &[S], &[S]),
+        Motion { q, qd, qdd }: Motion<'_, S>,
     ) -> Result<Momentum<S>, ShapeError> {
         check("q", q, self.model.nq())?;
         check("qd", qd, self.model.nv())?;
         check("qdd", qdd, self.model.nv())?;
-        Ok(centroidal_momentum_rate(&self.mechanism, (q, qd, qdd), &mut self.workspace))
+        Ok(centroidal_momentum_rate(&self.mechanism, Motion { q, qd, qdd }, &mut self.workspace))
     }
 
     /// Computes [`centroidal_momentum`](Self::centroidal_momentum), its time derivative, and the
@@ -124,7 +125,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn centroidal_momentum_derivatives(
         &mut self,
-        (q, qd, qdd): (&[S], &[S], &[S]),
+        Motion { q, qd, qdd }: Motion<'_, S>,
         outputs: CentroidalOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
         let nv = self.model.nv();
@@ -134,8 +135,8 @@ impl<S: Scalar> Interpreter<S> {
         check("momentum_dq", outputs.momentum_dq, nv)?;
         check("rate_dq", outputs.rate_dq, nv)?;
         check("rate_dqd", outputs.rate_dqd, nv)?;
-        let state = (q, qd, qdd);
-        centroidal_momentum_derivatives(&self.mechanism, state, &mut self.workspace, outputs);
+        let motion = Motion { q, qd, qdd };
+        centroidal_momentum_derivatives(&self.mechanism, motion, &mut self.workspace, outputs);
         Ok(())
     }
 }

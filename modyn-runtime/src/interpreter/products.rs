@@ -6,6 +6,7 @@ use alloc::{vec, vec::Vec};
 use super::errors::{ShapeError, check};
 use super::{ForwardDerivatives, Interpreter};
 use crate::Scalar;
+use crate::equations::{ForwardInput, Motion};
 
 impl<S: Scalar> Interpreter<S> {
     /// Computes the joint forces tau of the accelerations `qdd`, and the gradients of `cotangent`^T
@@ -17,12 +18,12 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn inverse_dynamics_vjp(
         &mut self,
-        (q, qd, qdd): (&[S], &[S], &[S]),
+        Motion { q, qd, qdd }: Motion<'_, S>,
         cotangent: &[S],
         tau: &mut [S],
         [dq, dqd, dqdd]: [&mut [S]; 3],
     ) -> Result<(), ShapeError> {
-        let by = self.inverse_matrices((q, qd, qdd), tau)?;
+        let by = self.inverse_matrices(Motion { q, qd, qdd }, tau)?;
         self.check_vectors(&[("cotangent", cotangent), ("dq", dq), ("dqd", dqd), ("dqdd", dqdd)])?;
         for (by, out) in by.iter().zip([dq, dqd, dqdd]) {
             multiply_transposed(by, cotangent, out);
@@ -38,12 +39,12 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn inverse_dynamics_jvp(
         &mut self,
-        (q, qd, qdd): (&[S], &[S], &[S]),
+        Motion { q, qd, qdd }: Motion<'_, S>,
         [dq, dqd, dqdd]: [&[S]; 3],
         tau: &mut [S],
         dtau: &mut [S],
     ) -> Result<(), ShapeError> {
-        let by = self.inverse_matrices((q, qd, qdd), tau)?;
+        let by = self.inverse_matrices(Motion { q, qd, qdd }, tau)?;
         self.check_vectors(&[("dq", dq), ("dqd", dqd), ("dqdd", dqdd), ("dtau", dtau)])?;
         multiply(&by, [dq, dqd, dqdd], dtau);
         Ok(())
@@ -58,12 +59,12 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn forward_dynamics_vjp(
         &mut self,
-        (q, qd, tau): (&[S], &[S], &[S]),
+        ForwardInput { q, qd, tau }: ForwardInput<'_, S>,
         cotangent: &[S],
         qdd: &mut [S],
         [dq, dqd, dtau]: [&mut [S]; 3],
     ) -> Result<(), ShapeError> {
-        let by = self.forward_matrices((q, qd, tau), qdd)?;
+        let by = self.forward_matrices(ForwardInput { q, qd, tau }, qdd)?;
         self.check_vectors(&[("cotangent", cotangent), ("dq", dq), ("dqd", dqd), ("dtau", dtau)])?;
         for (by, out) in by.iter().zip([dq, dqd, dtau]) {
             multiply_transposed(by, cotangent, out);
@@ -79,12 +80,12 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn forward_dynamics_jvp(
         &mut self,
-        (q, qd, tau): (&[S], &[S], &[S]),
+        ForwardInput { q, qd, tau }: ForwardInput<'_, S>,
         [dq, dqd, dtau]: [&[S]; 3],
         qdd: &mut [S],
         dqdd: &mut [S],
     ) -> Result<(), ShapeError> {
-        let by = self.forward_matrices((q, qd, tau), qdd)?;
+        let by = self.forward_matrices(ForwardInput { q, qd, tau }, qdd)?;
         self.check_vectors(&[("dq", dq), ("dqd", dqd), ("dtau", dtau), ("dqdd", dqdd)])?;
         multiply(&by, [dq, dqd, dtau], dqdd);
         Ok(())
@@ -93,7 +94,7 @@ impl<S: Scalar> Interpreter<S> {
     /// Computes the joint forces, and returns their derivatives with respect to q, qd and qdd.
     fn inverse_matrices(
         &mut self,
-        (q, qd, qdd): (&[S], &[S], &[S]),
+        Motion { q, qd, qdd }: Motion<'_, S>,
         tau: &mut [S],
     ) -> Result<[Vec<S>; 3], ShapeError> {
         let mut by = self.matrices();
@@ -107,7 +108,7 @@ impl<S: Scalar> Interpreter<S> {
     /// Computes the accelerations, and returns their derivatives with respect to q, qd and tau.
     fn forward_matrices(
         &mut self,
-        (q, qd, tau): (&[S], &[S], &[S]),
+        ForwardInput { q, qd, tau }: ForwardInput<'_, S>,
         qdd: &mut [S],
     ) -> Result<[Vec<S>; 3], ShapeError> {
         let mut by = self.matrices();

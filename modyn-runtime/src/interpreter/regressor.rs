@@ -3,6 +3,7 @@
 use super::Interpreter;
 use super::errors::{ShapeError, check};
 use crate::Scalar;
+use crate::equations::Motion;
 use crate::equations::identification::regressor;
 use crate::model::PARAMETERS_PER_LINK;
 
@@ -45,7 +46,7 @@ impl<S: Scalar> Interpreter<S> {
         check("qd", qd, n)?;
         check("qdd", qdd, n)?;
         check("columns", columns, n * PARAMETERS_PER_LINK * self.model.links().len())?;
-        let motion = (q, qd, qdd);
+        let motion = Motion { q, qd, qdd };
         regressor(&self.mechanism, motion, &mut self.workspace, columns);
         Ok(())
     }

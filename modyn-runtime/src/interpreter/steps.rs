@@ -6,7 +6,10 @@ use crate::Scalar;
 use crate::equations::brge::UduLayout;
 use crate::equations::dynamics::Elimination;
 pub use crate::equations::steps::StepOutputs;
-use crate::equations::{MidpointWorkspace, RungeKuttaWorkspace, StepWorkspace, Workspace, steps};
+use crate::equations::{
+    MidpointWorkspace, NextState, RungeKuttaWorkspace, StepWorkspace, TimeStepInput, Workspace,
+    steps,
+};
 use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
 
@@ -14,9 +17,10 @@ use crate::model::ModuleTree;
 type Method<S> = fn(
     &Mechanism<S>,
     &Elimination,
-    (&[S], &[S], &[S], S),
-    (&mut Workspace<S>, &mut StepWorkspace<S>),
-    (&mut [S], &mut [S]),
+    TimeStepInput<'_, S>,
+    &mut Workspace<S>,
+    &mut StepWorkspace<S>,
+    NextState<'_, S>,
 );
 
 impl<S: Scalar> Interpreter<S> {
@@ -29,12 +33,11 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn step_semi_implicit(
         &mut self,
-        (q, qd, tau): (&[S], &[S], &[S]),
-        dt: S,
+        input: TimeStepInput<'_, S>,
         next_q: &mut [S],
         next_qd: &mut [S],
     ) -> Result<(), ShapeError> {
-        self.step_by(steps::step_semi_implicit, (q, qd, tau, dt), (next_q, next_qd))
+        self.step_by(steps::step_semi_implicit, input, NextState { q: next_q, qd: next_qd })
     }
 
     /// Computes the state of [`step_semi_implicit`](Self::step_semi_implicit), and its derivatives
@@ -46,18 +49,15 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn step_semi_implicit_derivatives(
         &mut self,
-        (q, qd, tau): (&[S], &[S], &[S]),
-        dt: S,
+        input: TimeStepInput<'_, S>,
         outputs: StepOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
-        self.check_linear_step((q, qd, tau), &outputs)?;
+        self.check_linear_step(input, &outputs)?;
         let Self { mechanism, workspace, model, links, steps, .. } = self;
         let layout =
             links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));
         let memory = steps.get_or_insert_with(|| StepWorkspace::new(mechanism));
-        let state = (q, qd, tau, dt);
-        let workspaces = (workspace, memory);
-        steps::step_semi_implicit_derivatives(mechanism, layout, state, workspaces, outputs);
+        steps::step_semi_implicit_derivatives(mechanism, layout, input, workspace, memory, outputs);
         Ok(())
     }
 
@@ -70,12 +70,11 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn step_rk4(
         &mut self,
-        (q, qd, tau): (&[S], &[S], &[S]),
-        dt: S,
+        input: TimeStepInput<'_, S>,
         next_q: &mut [S],
         next_qd: &mut [S],
     ) -> Result<(), ShapeError> {
-        self.step_by(steps::step_rk4, (q, qd, tau, dt), (next_q, next_qd))
+        self.step_by(steps::step_rk4, input, NextState { q: next_q, qd: next_qd })
     }
 
     /// Computes the state of [`step_rk4`](Self::step_rk4), and its derivatives A with respect to
@@ -87,18 +86,15 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn step_rk4_derivatives(
         &mut self,
-        (q, qd, tau): (&[S], &[S], &[S]),
-        dt: S,
+        input: TimeStepInput<'_, S>,
         outputs: StepOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
-        self.check_linear_step((q, qd, tau), &outputs)?;
+        self.check_linear_step(input, &outputs)?;
         let Self { mechanism, workspace, model, links, runge_kutta, .. } = self;
         let layout =
             links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));
         let memory = runge_kutta.get_or_insert_with(|| RungeKuttaWorkspace::new(mechanism));
-        let state = (q, qd, tau, dt);
-        let workspaces = (workspace, memory);
-        steps::step_rk4_derivatives(mechanism, layout, state, workspaces, outputs);
+        steps::step_rk4_derivatives(mechanism, layout, input, workspace, memory, outputs);
         Ok(())
     }
 
@@ -112,17 +108,15 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn step_implicit_midpoint(
         &mut self,
-        (q, qd, tau): (&[S], &[S], &[S]),
-        dt: S,
+        input: TimeStepInput<'_, S>,
         next_q: &mut [S],
         next_qd: &mut [S],
     ) -> Result<(), ShapeError> {
-        self.check_step((q, qd, tau), (next_q, next_qd))?;
+        self.check_step(input, next_q, next_qd)?;
         let Self { mechanism, workspace, midpoint, .. } = self;
         let memory = midpoint.get_or_insert_with(|| MidpointWorkspace::new(mechanism));
-        let state = (q, qd, tau, dt);
-        let workspaces = (workspace, memory);
-        steps::step_implicit_midpoint(mechanism, state, workspaces, (next_q, next_qd));
+        let next = NextState { q: next_q, qd: next_qd };
+        steps::step_implicit_midpoint(mechanism, input, workspace, memory, next);
         Ok(())
     }
 
@@ -135,16 +129,13 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn step_implicit_midpoint_derivatives(
         &mut self,
-        (q, qd, tau): (&[S], &[S], &[S]),
-        dt: S,
+        input: TimeStepInput<'_, S>,
         outputs: StepOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
-        self.check_linear_step((q, qd, tau), &outputs)?;
+        self.check_linear_step(input, &outputs)?;
         let Self { mechanism, workspace, midpoint, .. } = self;
         let memory = midpoint.get_or_insert_with(|| MidpointWorkspace::new(mechanism));
-        let state = (q, qd, tau, dt);
-        let workspaces = (workspace, memory);
-        steps::step_implicit_midpoint_derivatives(mechanism, state, workspaces, outputs);
+        steps::step_implicit_midpoint_derivatives(mechanism, input, workspace, memory, outputs);
         Ok(())
     }
 
@@ -152,37 +143,38 @@ impl<S: Scalar> Interpreter<S> {
     fn step_by(
         &mut self,
         method: Method<S>,
-        (q, qd, tau, dt): (&[S], &[S], &[S], S),
-        (next_q, next_qd): (&mut [S], &mut [S]),
+        input: TimeStepInput<'_, S>,
+        next: NextState<'_, S>,
     ) -> Result<(), ShapeError> {
-        self.check_step((q, qd, tau), (next_q, next_qd))?;
+        self.check_step(input, next.q, next.qd)?;
         let Self { mechanism, elimination, workspace, steps, .. } = self;
         let memory = steps.get_or_insert_with(|| StepWorkspace::new(mechanism));
-        method(mechanism, elimination, (q, qd, tau, dt), (workspace, memory), (next_q, next_qd));
+        method(mechanism, elimination, input, workspace, memory, next);
         Ok(())
     }
 
     fn check_linear_step(
         &self,
-        state: (&[S], &[S], &[S]),
+        input: TimeStepInput<'_, S>,
         outputs: &StepOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
         let n = self.model.nv();
-        self.check_step(state, (outputs.q, outputs.qd))?;
+        self.check_step(input, outputs.q, outputs.qd)?;
         check("a", outputs.a, 4 * n * n)?;
         check("b", outputs.b, 2 * n * n)
     }
 
     fn check_step(
         &self,
-        (q, qd, tau): (&[S], &[S], &[S]),
-        (next_q, next_qd): (&[S], &[S]),
+        input: TimeStepInput<'_, S>,
+        next_q: &[S],
+        next_qd: &[S],
     ) -> Result<(), ShapeError> {
         let nq = self.model.nq();
         let nv = self.model.nv();
-        check("q", q, nq)?;
-        check("qd", qd, nv)?;
-        check("tau", tau, nv)?;
+        check("q", input.q, nq)?;
+        check("qd", input.qd, nv)?;
+        check("tau", input.tau, nv)?;
         check("next_q", next_q, nq)?;
         check("next_qd", next_qd, nv)
     }

@@ -13,14 +13,15 @@ pub(super) fn accelerate<S: Scalar>(
     accelerations: Option<&[S]>,
 ) -> Field<S> {
     let parent = Field::rotating(from_parent.omega, from_parent.alpha);
-    let field = spherical::accelerate(from_parent, &rates[3..], accelerations.map(|own| &own[3..]));
+    let field =
+        spherical::accelerate(from_parent, &rates[3..], accelerations.map(|numbers| &numbers[3..]));
     // The rates are in axes that rotate with field.omega. They are relative to axes that rotate
     // with from_parent.omega.
     let velocity = Vector3([rates[0], rates[1], rates[2]]);
     let mut a = from_parent.a + parent.relative_acceleration(displacement);
     a += (from_parent.omega + field.omega).cross(velocity);
-    if let Some(own) = accelerations {
-        a += Vector3([own[0], own[1], own[2]]);
+    if let Some(numbers) = accelerations {
+        a += Vector3([numbers[0], numbers[1], numbers[2]]);
     }
     Field { a, ..field }
 }

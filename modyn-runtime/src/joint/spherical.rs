@@ -20,8 +20,8 @@ pub(super) fn accelerate<S: Scalar>(
 ) -> Field<S> {
     let rate = Vector3([rates[0], rates[1], rates[2]]);
     let mut alpha = alpha + omega.cross(rate);
-    if let Some(own) = accelerations {
-        alpha += Vector3([own[0], own[1], own[2]]);
+    if let Some(numbers) = accelerations {
+        alpha += Vector3([numbers[0], numbers[1], numbers[2]]);
     }
     Field { a, ..Field::rotating(omega + rate, alpha) }
 }

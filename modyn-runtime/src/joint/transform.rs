@@ -177,7 +177,7 @@ impl<S: Scalar> JointTransform<S> {
         body: &RigidInertia<S>,
         rates: &[S],
     ) -> VelocityMoments<S> {
-        let twice = |own: &[S]| Vector3(core::array::from_fn(|k| own[k] + own[k]));
+        let twice = |doubled: &[S]| Vector3(core::array::from_fn(|k| doubled[k] + doubled[k]));
         match self {
             Self::Revolute(rotation) => {
                 let rotated = self.rigid_to_parent(body);

@@ -65,14 +65,14 @@ impl<F: Float> BatchTask<F> for All<'_, F> {
         while at + L::LANES <= count {
             // SAFETY: there are `count` numbers in each slice.
             let loaded = self.numbers.map(|x| unsafe { L::load(x[at..].as_ptr()) });
-            let found = operations(loaded).map(|x| {
+            let vectors = operations(loaded).map(|x| {
                 let mut lanes = [F::zero(); 16];
                 // SAFETY: no vector has more lanes.
                 unsafe { x.store(lanes.as_mut_ptr()) }
                 lanes
             });
             for lane in 0..L::LANES {
-                self.results.push(found.map(|lanes| lanes[lane]));
+                self.results.push(vectors.map(|lanes| lanes[lane]));
             }
             at += L::LANES;
         }
@@ -112,12 +112,12 @@ fn check<F: Float + Into<f64>>(
         F::dispatch(All { numbers: [&a, &b, &c], results: &mut results });
         assert_eq!(results.len(), a.len());
         let fuses = !matches!(level, SimdLevel::Single | SimdLevel::Sse2);
-        for (i, found) in results.iter().enumerate() {
+        for (i, vector) in results.iter().enumerate() {
             let mut expected = operations([a[i], b[i], c[i]]);
             if fuses {
                 expected[PRODUCT] = fused(a[i], b[i], c[i]);
             }
-            for (k, (&x, &y)) in found.iter().zip(&expected).enumerate() {
+            for (k, (&x, &y)) in vector.iter().zip(&expected).enumerate() {
                 let p: f64 = x.into();
                 let q: f64 = y.into();
                 // Zeros of both signs are equally large, so either may be the maximum.
@@ -164,13 +164,13 @@ fn check_sines<F: Float + Into<f64>>(angles: &[(f64, f64)], tolerance: f64) {
         let mut results = Vec::new();
         F::dispatch(All { numbers: [&numbers; 3], results: &mut results });
         assert_eq!(results.len(), numbers.len());
-        for (i, found) in results.iter().enumerate() {
+        for (i, vector) in results.iter().enumerate() {
             let (x, sine) = angles[i / 2];
             let expected = if i % 2 == 0 { sine } else { -sine };
             for k in SINES {
-                let found: f64 = found[k].into();
-                let error = ((found - expected) / expected).abs();
-                assert!(error <= tolerance, "{level:?}: {x:e}: {found:e} {expected:e}");
+                let number: f64 = vector[k].into();
+                let error = ((number - expected) / expected).abs();
+                assert!(error <= tolerance, "{level:?}: {x:e}: {number:e} {expected:e}");
             }
         }
     }

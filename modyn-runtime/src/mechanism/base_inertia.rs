@@ -15,20 +15,22 @@ pub(super) fn move_to_parents<S: Scalar>(bodies: &mut [Body<S>]) -> RigidInertia
         body.base_inertia = body.inertia;
     }
     for i in (0..bodies.len()).rev() {
-        let Body { base_inertia: own, elementary_joint, .. } = bodies[i];
-        let c = own.first_moment;
-        let s = own.second_moment;
+        let Body { base_inertia: inertia, elementary_joint, .. } = bodies[i];
+        let c = inertia.first_moment;
+        let s = inertia.second_moment;
         let moved = match elementary_joint {
             ElementaryJoint::Revolute => RigidInertia {
-                mass: own.mass,
+                mass: inertia.mass,
                 first_moment: Vector3::along_z(c[2]),
                 second_moment: Symmetric3 { zz: s.zz, ..Symmetric3::zero() },
             },
             ElementaryJoint::Prismatic => RigidInertia { second_moment: s, ..RigidInertia::zero() },
-            ElementaryJoint::Spherical => RigidInertia { mass: own.mass, ..RigidInertia::zero() },
+            ElementaryJoint::Spherical => {
+                RigidInertia { mass: inertia.mass, ..RigidInertia::zero() }
+            }
             ElementaryJoint::Floating => continue,
         };
-        bodies[i].base_inertia = own.minus(&moved);
+        bodies[i].base_inertia = inertia.minus(&moved);
         let at_parent = bodies[i].placement.rigid_to_parent(&moved);
         if let Some(parent) = bodies[i].parent {
             bodies[parent].base_inertia = bodies[parent].base_inertia + at_parent;

@@ -64,12 +64,12 @@ impl<S: Scalar> Body<S> {
     /// Returns the transform of the joint at the robot's coordinates `q`.
     #[must_use]
     pub fn motion(&self, q: &[S]) -> JointTransform<S> {
-        let own = &q[self.q..self.q + self.elementary_joint.nq()];
-        match (self.mimic, own) {
+        let coordinates = &q[self.q..self.q + self.elementary_joint.nq()];
+        match (self.mimic, coordinates) {
             (Some((multiplier, offset)), &[q]) => {
                 JointTransform::new(self.elementary_joint, self.offset, &[multiplier * q + offset])
             }
-            _ => JointTransform::new(self.elementary_joint, self.offset, own),
+            _ => JointTransform::new(self.elementary_joint, self.offset, coordinates),
         }
     }
 

@@ -38,7 +38,7 @@ impl Frames {
             negligible: negligible_offsets(elementary, &children, longest),
             longest,
             children,
-            elementary_joint: elementary.iter().map(|own| own.elementary_joint).collect(),
+            elementary_joint: elementary.iter().map(|body| body.elementary_joint).collect(),
             azimuth: Vec::with_capacity(elementary.len()),
             translation: Vec::with_capacity(elementary.len()),
             tilt: Vec::with_capacity(elementary.len()),
@@ -48,10 +48,10 @@ impl Frames {
                 .map(|a| Pose { rotation: a.frame.transposed().0, translation: [0.0; 3] })
                 .collect(),
         };
-        for own in elementary {
-            let mut rotation = Matrix3(own.origin.rotation).times(&own.frame);
-            let mut translation = Vector3(own.origin.translation);
-            if let Some(parent) = own.parent {
+        for body in elementary {
+            let mut rotation = Matrix3(body.origin.rotation).times(&body.frame);
+            let mut translation = Vector3(body.origin.translation);
+            if let Some(parent) = body.parent {
                 let back = elementary[parent].frame.transposed();
                 rotation = back.times(&rotation);
                 translation = back.mul_vector(translation);
@@ -70,7 +70,7 @@ impl Frames {
     /// centre of mass. Joints without an axis keep the link's frame, since their velocities are in
     /// its axes.
     pub(super) fn rotate(&mut self, elementary: &[ElementaryBody<'_>]) {
-        for (i, own) in elementary.iter().enumerate() {
+        for (i, body) in elementary.iter().enumerate() {
             let by = match self.children[i].first() {
                 _ if self.elementary_joint[i] == ElementaryJoint::Prismatic => {
                     inverse(self.offset[i])
@@ -82,15 +82,15 @@ impl Frames {
                 }
                 Some(&main) => self.azimuth[main],
                 None => {
-                    let center = self.link[i].transform_point(own.inertial.center_of_mass);
+                    let center = self.link[i].transform_point(body.inertial.center_of_mass);
                     direction_of(Vector3(center), self.negligible[i])
                 }
             };
             // Rz(q) Rz(by): the new frame is ahead of the old frame by `by`.
             self.offset[i] = combine(self.offset[i], by);
             let back = rotation_by(inverse(by));
-            let columns = Matrix3(self.link[i].rotation).transposed().0;
-            let columns = columns.map(|c| back.vector(Axis::Z, Vector3(c)).0);
+            let rotation = Matrix3(self.link[i].rotation).transposed().0;
+            let columns = rotation.map(|c| back.vector(Axis::Z, Vector3(c)).0);
             self.link[i].rotation = Matrix3(columns).transposed().0;
             for &child in &self.children[i] {
                 let azimuth = combine(self.azimuth[child], inverse(by));
@@ -158,17 +158,17 @@ fn split(rotation: &Matrix3<f64>) -> [Direction; 3] {
     } else {
         direction_of(Vector3([-r[1][2], r[0][2], 0.0]), 0.0)
     };
-    let first = Vector3([r[0][0], r[1][0], r[2][0]]);
-    let first = rotation_by(inverse(azimuth)).vector(Axis::Z, first);
+    let axis = Vector3([r[0][0], r[1][0], r[2][0]]);
+    let first = rotation_by(inverse(azimuth)).vector(Axis::Z, axis);
     [azimuth, tilt, direction_of(rotation_by(inverse(tilt)).vector(Axis::X, first), 0.0)]
 }
 
 /// Returns the length of the longest path from the root to a joint, m.
 fn longest_path(elementary: &[ElementaryBody<'_>]) -> f64 {
     let mut lengths: Vec<f64> = Vec::with_capacity(elementary.len());
-    for own in elementary {
-        let before = own.parent.map_or(0.0, |parent| lengths[parent]);
-        lengths.push(before + length(own));
+    for body in elementary {
+        let before = body.parent.map_or(0.0, |parent| lengths[parent]);
+        lengths.push(before + length(body));
     }
     lengths.into_iter().fold(0.0, f64::max)
 }
@@ -183,9 +183,9 @@ fn negligible_offsets(
     longest: f64,
 ) -> Vec<f64> {
     let mut reach = alloc::vec![0.0; elementary.len()];
-    for (i, own) in elementary.iter().enumerate().rev() {
+    for (i, body) in elementary.iter().enumerate().rev() {
         let farthest = children[i].iter().map(|&child| reach[child]);
-        reach[i] = length(own) + farthest.fold(radius_of_gyration(&own.inertial), f64::max);
+        reach[i] = length(body) + farthest.fold(radius_of_gyration(&body.inertial), f64::max);
     }
     reach.into_iter().map(|reach| (SNAP * reach).max(ROUNDING * longest)).collect()
 }
@@ -200,8 +200,8 @@ fn length(body: &ElementaryBody<'_>) -> f64 {
 fn main_child_first(elementary: &[ElementaryBody<'_>]) -> Vec<Vec<usize>> {
     let mut size = alloc::vec![1usize; elementary.len()];
     let mut children = alloc::vec![Vec::new(); elementary.len()];
-    for (i, own) in elementary.iter().enumerate().rev() {
-        if let Some(parent) = own.parent {
+    for (i, body) in elementary.iter().enumerate().rev() {
+        if let Some(parent) = body.parent {
             size[parent] += size[i];
             children[parent].push(i);
         }

@@ -265,15 +265,15 @@ impl Mechanism<f64> {
 /// Returns the bodies in their rotated and shifted frames, with the model's inertias.
 fn bodies(elementary: &[ElementaryBody<'_>], frames: &Frames) -> Vec<Body<f64>> {
     let mut next = 0;
-    let body = |(i, own): (usize, &ElementaryBody<'_>)| {
-        let inertia = rigid_inertia(&own.inertial.transformed(&frames.link[i]));
+    let body = |(i, record): (usize, &ElementaryBody<'_>)| {
+        let inertia = rigid_inertia(&record.inertial.transformed(&frames.link[i]));
         let first = next;
-        next += own.elementary_joint.components().len();
+        next += record.elementary_joint.components().len();
         Body {
-            parent: own.parent,
-            elementary_joint: own.elementary_joint,
-            q: own.q,
-            mimic: own.mimic,
+            parent: record.parent,
+            elementary_joint: record.elementary_joint,
+            q: record.q,
+            mimic: record.mimic,
             dofs: first..next,
             offset: match rotation_by(frames.offset[i]) {
                 AxisRotation::Quarters(n) => JointOffset::Quarters(n),
@@ -287,7 +287,7 @@ fn bodies(elementary: &[ElementaryBody<'_>], frames: &Frames) -> Vec<Body<f64>> 
             link: frames.link[i],
             inertia,
             base_inertia: inertia,
-            spring: own.spring,
+            spring: record.spring,
             compensated: None,
         }
     };
@@ -299,11 +299,11 @@ fn bodies(elementary: &[ElementaryBody<'_>], frames: &Frames) -> Vec<Body<f64>> 
 fn dofs(elementary: &[ElementaryBody<'_>], friction: Friction) -> Vec<Dof<f64>> {
     let acting = |x: f64, acts: bool| (acts && x != 0.0).then_some(x);
     let dry = matches!(friction, Friction::Coulomb | Friction::Smooth(_));
-    let of = |(body, own): (usize, &ElementaryBody<'_>)| {
-        let dynamics = own.joint.dynamics;
-        let v = own.v;
-        let multiplier = own.mimic.map(|(multiplier, _)| multiplier);
-        own.elementary_joint.components().iter().enumerate().map(move |(k, &component)| Dof {
+    let dof = |(body, record): (usize, &ElementaryBody<'_>)| {
+        let dynamics = record.joint.dynamics;
+        let v = record.v;
+        let multiplier = record.mimic.map(|(multiplier, _)| multiplier);
+        record.elementary_joint.components().iter().enumerate().map(move |(k, &component)| Dof {
             body,
             component,
             v: v + k,
@@ -313,5 +313,5 @@ fn dofs(elementary: &[ElementaryBody<'_>], friction: Friction) -> Vec<Dof<f64>> 
             friction: acting(dynamics.friction, dry),
         })
     };
-    elementary.iter().enumerate().flat_map(of).collect()
+    elementary.iter().enumerate().flat_map(dof).collect()
 }

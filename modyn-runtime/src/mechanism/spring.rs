@@ -50,8 +50,8 @@ impl<S: Scalar> JointSpring<S> {
     /// Returns the displacement of a joint from the reference, along each degree of freedom. `own`
     /// begins with the joint's coordinates, or with those of the leader of which it is a multiple
     /// with an offset.
-    fn displacement(&self, own: &[S], mimic: Option<(S, S)>) -> Rates<S> {
-        let quaternion = |from: usize| Quaternion::from_components(entries(own, from));
+    fn displacement(&self, coordinates: &[S], mimic: Option<(S, S)>) -> Rates<S> {
+        let quaternion = |from: usize| Quaternion::from_components(entries(coordinates, from));
         let rotation = |from: usize, reference: [S; 4]| {
             let reference = Quaternion::from_components(reference);
             reference.conjugate().times(quaternion(from)).log()
@@ -59,7 +59,9 @@ impl<S: Scalar> JointSpring<S> {
         let o = S::zero();
         match self.reference {
             SpringReference::Coordinate(reference) => {
-                let x = mimic.map_or(own[0], |(multiplier, offset)| multiplier * own[0] + offset);
+                let x = mimic.map_or(coordinates[0], |(multiplier, offset)| {
+                    multiplier * coordinates[0] + offset
+                });
                 Rates { numbers: [x - reference, o, o, o, o, o], count: 1 }
             }
             SpringReference::Rotation(reference) => {
@@ -67,7 +69,7 @@ impl<S: Scalar> JointSpring<S> {
                 Rates { numbers: [x, y, z, o, o, o], count: 3 }
             }
             SpringReference::Pose(position, reference) => {
-                let moved = Vector3(entries(own, 0)) - Vector3(position);
+                let moved = Vector3(entries(coordinates, 0)) - Vector3(position);
                 let [a, b, c] = quaternion(3).conjugate().rotate(moved).0;
                 let [x, y, z] = rotation(3, reference).0;
                 Rates { numbers: [a, b, c, x, y, z], count: 6 }

@@ -72,12 +72,12 @@ pub trait TreeAccess<S: Scalar> {
     fn broadcast_from_parents<const N: usize>(
         &self,
         body: usize,
-        of: impl Fn(Option<usize>) -> [S; N],
+        quantity_of: impl Fn(Option<usize>) -> [S; N],
     ) -> [S; N] {
         let Some(parents) = self.parents(body) else {
-            return of(self.mechanism().bodies[body].parent);
+            return quantity_of(self.mechanism().bodies[body].parent);
         };
-        let each: Vec<[S; N]> = parents.iter().map(|&parent| of(parent)).collect();
+        let each: Vec<[S; N]> = parents.iter().map(|&parent| quantity_of(parent)).collect();
         core::array::from_fn(|n| self.pack(&each.iter().map(|x| x[n]).collect::<Vec<_>>()))
     }
 
@@ -125,12 +125,13 @@ pub trait TreeAccess<S: Scalar> {
         &self,
         body: usize,
         motion: &JointTransform<S>,
-        (mass, first_moment): (S, Vector3<S>),
+        mass: S,
+        first_moment: Vector3<S>,
         add: impl FnMut(usize, (S, Vector3<S>)),
     ) {
-        let own = &self.mechanism().bodies[body];
-        if own.parent.is_some() {
-            let (mass, first_moment) = own.mass_to_parent(motion, mass, first_moment);
+        let body_record = &self.mechanism().bodies[body];
+        if body_record.parent.is_some() {
+            let (mass, first_moment) = body_record.mass_to_parent(motion, mass, first_moment);
             self.to_parents(body, |sum| (sum(mass), Vector3(first_moment.0.map(sum))), add);
         }
     }
@@ -143,9 +144,9 @@ pub trait TreeAccess<S: Scalar> {
         w: Wrench<S>,
         add: impl FnMut(usize, Wrench<S>),
     ) {
-        let own = &self.mechanism().bodies[body];
-        if own.parent.is_some() {
-            let at_parent = own.wrench_to_parent(motion, w).components();
+        let body_record = &self.mechanism().bodies[body];
+        if body_record.parent.is_some() {
+            let at_parent = body_record.wrench_to_parent(motion, w).components();
             self.to_parents(body, |sum| Wrench::from_components(at_parent.map(sum)), add);
         }
     }
@@ -158,9 +159,9 @@ pub trait TreeAccess<S: Scalar> {
         i: &RigidInertia<S>,
         add: impl FnMut(usize, RigidInertia<S>),
     ) {
-        let own = &self.mechanism().bodies[body];
-        if own.parent.is_some() {
-            let at_parent = own.rigid_to_parent(motion, i);
+        let body_record = &self.mechanism().bodies[body];
+        if body_record.parent.is_some() {
+            let at_parent = body_record.rigid_to_parent(motion, i);
             self.to_parents(body, |sum| at_parent.map(sum), add);
         }
     }
@@ -173,9 +174,9 @@ pub trait TreeAccess<S: Scalar> {
         i: &ArticulatedInertia<S>,
         add: impl FnMut(usize, ArticulatedInertia<S>),
     ) {
-        let own = &self.mechanism().bodies[body];
-        if own.parent.is_some() {
-            let at_parent = own.articulated_to_parent(motion, i);
+        let body_record = &self.mechanism().bodies[body];
+        if body_record.parent.is_some() {
+            let at_parent = body_record.articulated_to_parent(motion, i);
             let entry = |row, column| at_parent.entry(row, column);
             self.to_parents(
                 body,

@@ -134,9 +134,9 @@ impl Model {
         let mut q = 0;
         let mut v = 0;
         for link in &self.links {
-            let own = link.joint.mimic.is_none();
+            let is_independent = link.joint.mimic.is_none();
             let joint_type = link.joint.joint_type;
-            let (nq, nv) = if own { (joint_type.nq(), joint_type.nv()) } else { (0, 0) };
+            let (nq, nv) = if is_independent { (joint_type.nq(), joint_type.nv()) } else { (0, 0) };
             let followers = Vec::new();
             joint_indices.push(JointIndices { q: q..q + nq, v: v..v + nv, mimic: None, followers });
             (q, v) = (q + nq, v + nv);
@@ -168,11 +168,11 @@ impl Model {
                 at = mimic.leader;
             }
             let mut relation = resolved[at];
-            while let Some((follower, own)) = waiting.pop() {
-                relation = Some(relation.map_or(own, |next| Mimic {
+            while let Some((follower, mimic)) = waiting.pop() {
+                relation = Some(relation.map_or(mimic, |next| Mimic {
                     leader: next.leader,
-                    multiplier: own.multiplier * next.multiplier,
-                    offset: own.multiplier * next.offset + own.offset,
+                    multiplier: mimic.multiplier * next.multiplier,
+                    offset: mimic.multiplier * next.offset + mimic.offset,
                 }));
                 resolved[follower] = relation;
             }
@@ -408,10 +408,10 @@ impl Model {
     #[must_use]
     pub fn coordinate_range(&self, link: usize) -> [f64; 2] {
         let leader = self.mimic(link).map_or(link, |mimic| mimic.leader);
-        let own = self.position_limits(leader);
-        let followers = self.joint_indices.get(leader).map_or(&[][..], |place| &place.followers);
-        let followers = followers.iter().filter_map(|&i| Some((i, self.mimic(i)?)));
-        followers.fold(own, |[low, high], (i, mimic)| {
+        let limits = self.position_limits(leader);
+        let indices = self.joint_indices.get(leader).map_or(&[][..], |place| &place.followers);
+        let followers = indices.iter().filter_map(|&i| Some((i, self.mimic(i)?)));
+        followers.fold(limits, |[low, high], (i, mimic)| {
             let bounds = self.position_limits(i);
             let [a, b] = bounds.map(|bound| (bound - mimic.offset) / mimic.multiplier);
             let (lower, upper) = if mimic.multiplier < 0.0 { (b, a) } else { (a, b) };
@@ -430,9 +430,9 @@ impl Model {
     pub fn velocity_limit(&self, link: usize) -> f64 {
         let leader = self.mimic(link).map_or(link, |mimic| mimic.leader);
         let limit = |link: usize| self.links.get(link)?.joint.limits?.velocity;
-        let followers = self.joint_indices.get(leader).map_or(&[][..], |place| &place.followers);
+        let indices = self.joint_indices.get(leader).map_or(&[][..], |place| &place.followers);
         // A joint with the multiplier 0 does not move.
-        let followers = followers.iter().filter_map(|&i| {
+        let followers = indices.iter().filter_map(|&i| {
             let multiplier = self.mimic(i)?.multiplier.abs();
             Some(limit(i)? / multiplier).filter(|_| multiplier > 0.0)
         });
@@ -443,8 +443,8 @@ impl Model {
     /// limit.
     fn position_limits(&self, link: usize) -> [f64; 2] {
         let joint = self.links.get(link).map(|link| &link.joint);
-        let limits = joint.filter(|joint| joint.joint_type.nq() == 1);
-        let limits = limits.and_then(|joint| joint.limits.as_ref());
+        let single = joint.filter(|joint| joint.joint_type.nq() == 1);
+        let limits = single.and_then(|joint| joint.limits.as_ref());
         [
             limits.and_then(|limits| limits.lower).unwrap_or(f64::NEG_INFINITY),
             limits.and_then(|limits| limits.upper).unwrap_or(f64::INFINITY),
@@ -484,14 +484,16 @@ impl Model {
     }
 
     fn entry_names(&self, parts: fn(JointType) -> &'static [&'static str]) -> Vec<String> {
-        let own = self.links.iter().map(|link| &link.joint).filter(|joint| joint.mimic.is_none());
-        own.flat_map(|joint| {
-            parts(joint.joint_type).iter().map(|part| match *part {
-                "" => joint.name.clone(),
-                part => alloc::format!("{}.{part}", joint.name),
+        let independent =
+            self.links.iter().map(|link| &link.joint).filter(|joint| joint.mimic.is_none());
+        independent
+            .flat_map(|joint| {
+                parts(joint.joint_type).iter().map(|part| match *part {
+                    "" => joint.name.clone(),
+                    part => alloc::format!("{}.{part}", joint.name),
+                })
             })
-        })
-        .collect()
+            .collect()
     }
 
     /// Returns the children of each link, in order.

@@ -5,9 +5,13 @@ use alloc::vec::Vec;
 use super::row::Function;
 use super::shape::{Record, Shape, Sizes};
 use super::table;
-use crate::equations::Forces;
+use crate::equations::constraints::{
+    ConstrainedCotangent, ConstrainedInverseOutputs, ConstrainedOutputs, ImpulseOutputs,
+    OperationalInertiaOutputs, ProjectionOutputs, ResidualOutputs,
+};
 use crate::equations::derivatives::CentroidalOutputs;
 use crate::equations::soft_constraints::StepInput;
+use crate::equations::{Forces, ForwardInput, Motion, State, TimeStepInput};
 use crate::interpreter::{
     ConstrainedDerivatives, ConstrainedHessianOutputs, ContactProblemOutputs, ContactStepOutputs,
     ForwardDerivatives, FrameError, HessianOutputs, Interpreter, ShapeError, StepHessianOutputs,
@@ -118,7 +122,8 @@ fn step_settings_of<S: Scalar>(numbers: &[S]) -> StepSettings<S, Vec<ContactSurf
     StepSettings::from_numbers([settings[0], settings[1]], contacts)
 }
 
-/// Returns the parts of a result: the fields of a function with several results, else the whole result.
+/// Returns the parts of a result: the fields of a function with several results, else the whole
+/// result.
 fn parts<'a, S, const N: usize>(shape: &Shape, mut numbers: &'a mut [S]) -> [&'a mut [S]; N] {
     let Shape::Record(Record::Several(_) | Record::Each(_), fields) = shape else {
         let mut whole = Some(numbers);
@@ -211,12 +216,12 @@ impl<S: Scalar> Interpreter<S> {
         }
         if arguments.len() != row.arguments.len() {
             let expected = row.arguments.len();
-            let found = arguments.len();
-            return Err(ShapeError::new("arguments", expected, found).into());
+            let count = arguments.len();
+            return Err(ShapeError::new("arguments", expected, count).into());
         }
         let check = |name, numbers: &[S], expected| match numbers.len() {
-            found if found == expected => Ok(()),
-            found => Err(ShapeError::new(name, expected, found)),
+            length if length == expected => Ok(()),
+            length => Err(ShapeError::new(name, expected, length)),
         };
         for (argument, numbers) in row.arguments.iter().zip(arguments) {
             check(argument.name, numbers, argument.shape(&sizes).len())?;

@@ -138,7 +138,7 @@ impl Shape {
     pub fn len(&self) -> usize {
         match self {
             Self::Scalar => 1,
-            Self::Array(of, n, _) => of.len() * n,
+            Self::Array(element, n, _) => element.len() * n,
             Self::Record(_, fields) => fields.iter().map(|(_, field)| field.len()).sum(),
         }
     }
@@ -154,7 +154,7 @@ impl Shape {
     pub fn is_vector(&self) -> bool {
         match self {
             Self::Scalar => false,
-            Self::Array(of, ..) => **of == Self::Scalar,
+            Self::Array(element, ..) => **element == Self::Scalar,
             Self::Record(record, _) => record.result_type().is_none(),
         }
     }
@@ -164,8 +164,8 @@ impl Shape {
     pub fn in_words(&self) -> String {
         match self {
             Self::Scalar => "a number".into(),
-            Self::Array(of, n, _) if **of == Self::Scalar => format!("{n} numbers"),
-            Self::Array(of, n, _) => format!("{n} times ({})", of.in_words()),
+            Self::Array(element, n, _) if **element == Self::Scalar => format!("{n} numbers"),
+            Self::Array(element, n, _) => format!("{n} times ({})", element.in_words()),
             Self::Record(_, fields) => {
                 let named = |(name, shape): &(&str, Self)| match *name {
                     "" => shape.in_words(),
@@ -266,7 +266,7 @@ pub mod shapes {
         let scalars = |names: &[&'static str]| -> Vec<(&'static str, Shape)> {
             names.iter().map(|&name| (name, Shape::Scalar)).collect()
         };
-        let target = [
+        let target_fields = [
             vec![("pose", Shape::pose()), ("velocity", Shape::twist())],
             scalars(&[
                 "tangential",
@@ -278,14 +278,14 @@ pub mod shapes {
                 "friction",
             ]),
         ];
-        let target = Shape::Record(Record::Plain("ContactTarget"), target.concat());
+        let target = Shape::Record(Record::Plain("ContactTarget"), target_fields.concat());
         let mut fields = scalars(&["alpha", "beta", "tolerance", "rounding"]);
         fields.push(("contacts", target.array(s.contacts)));
         named_fields("ConstraintSettings", fields)
     }
 
     pub fn step_settings(s: &Sizes) -> Shape {
-        let surface = vec![
+        let surface_fields = vec![
             ("plane", Shape::pose()),
             ("radius", Shape::Scalar),
             ("friction", Shape::Scalar),
@@ -293,7 +293,7 @@ pub mod shapes {
             ("solref", Shape::vector(2)),
             ("solimp", Shape::vector(4)),
         ];
-        let surface = Shape::Record(Record::Plain("ContactSurface"), surface);
+        let surface = Shape::Record(Record::Plain("ContactSurface"), surface_fields);
         let fields = vec![
             ("tolerance", Shape::Scalar),
             ("impratio", Shape::Scalar),
@@ -343,36 +343,36 @@ mod tests {
         let Shape::Record(_, target) = *target else { panic!() };
 
         let numbers = core::array::from_fn(|k| 2.0 + k as f64);
-        let own = ConstraintSettings::from_numbers(numbers, ());
-        assert_eq!(own.numbers(), numbers);
+        let without_targets = ConstraintSettings::from_numbers(numbers, ());
+        assert_eq!(without_targets.numbers(), numbers);
         let value = |name| match name {
-            "alpha" => own.alpha,
-            "beta" => own.beta,
-            "tolerance" => own.tolerance,
-            "rounding" => own.rounding,
+            "alpha" => without_targets.alpha,
+            "beta" => without_targets.beta,
+            "tolerance" => without_targets.tolerance,
+            "rounding" => without_targets.rounding,
             _ => panic!("{name}"),
         };
         assert!(settings.iter().map(|(name, _)| value(name)).eq(numbers));
         assert!(settings.iter().all(|(_, shape)| *shape == Shape::Scalar));
 
         let numbers = core::array::from_fn(|k| 7.0 + k as f64);
-        let own = ContactTarget::from_numbers(numbers);
-        assert_eq!(own.numbers(), numbers);
+        let parsed_target = ContactTarget::from_numbers(numbers);
+        assert_eq!(parsed_target.numbers(), numbers);
         let values = |(name, shape): &(&str, Shape)| {
             let scalar = |value| (Shape::Scalar, vec![value]);
             let (expected, values) = match *name {
                 "pose" => {
-                    let rotation = own.pose.rotation.as_flattened();
-                    (Shape::pose(), [rotation, &own.pose.translation].concat())
+                    let rotation = parsed_target.pose.rotation.as_flattened();
+                    (Shape::pose(), [rotation, &parsed_target.pose.translation].concat())
                 }
-                "velocity" => (Shape::twist(), own.velocity.components().to_vec()),
-                "tangential" => scalar(own.tangential),
-                "alpha" => scalar(own.alpha),
-                "beta" => scalar(own.beta),
-                "compliance" => scalar(own.compliance),
-                "restitution" => scalar(own.restitution),
-                "weight" => scalar(own.weight),
-                "friction" => scalar(own.friction),
+                "velocity" => (Shape::twist(), parsed_target.velocity.components().to_vec()),
+                "tangential" => scalar(parsed_target.tangential),
+                "alpha" => scalar(parsed_target.alpha),
+                "beta" => scalar(parsed_target.beta),
+                "compliance" => scalar(parsed_target.compliance),
+                "restitution" => scalar(parsed_target.restitution),
+                "weight" => scalar(parsed_target.weight),
+                "friction" => scalar(parsed_target.friction),
                 _ => panic!("{name}"),
             };
             assert_eq!(*shape, expected, "{name}");

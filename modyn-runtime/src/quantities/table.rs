@@ -65,7 +65,8 @@ macro_rules! quantities {
     ($rows:path $(, $first:tt)?) => {
         $rows! {
             $($first)?
-            ForwardDynamics forward_dynamics / forward_dynamics_with(q, qd, tau) -> velocities as "qdd", [default hot casadi inertia],
+            ForwardDynamics forward_dynamics / forward_dynamics_with(q, qd, tau)
+                -> velocities as "qdd", [default hot casadi inertia],
              "Returns the joint accelerations (rad/s^2 or m/s^2) at the coordinates `q` and velocities `qd` under the\n\
              joint forces `tau` (N m or N), gravity included. The method is block reverse Gaussian elimination of the\n\
              mass matrix by inter- and intra-modular recursion.",
@@ -73,7 +74,8 @@ macro_rules! quantities {
              batch ForwardDynamicsBatch "`{Self}` has no function `forward_dynamics_batch`"
              => |robot, [qdd]| robot.forward_dynamics(q, qd, tau, qdd)?;
 
-            InverseDynamics inverse_dynamics / inverse_dynamics_with(q, qd, qdd) -> velocities as "tau", [default hot casadi inertia],
+            InverseDynamics inverse_dynamics / inverse_dynamics_with(q, qd, qdd)
+                -> velocities as "tau", [default hot casadi inertia],
              "Returns the joint forces (N m or N) of the accelerations `qdd` at the coordinates `q` and velocities\n\
              `qd`, gravity included, by the recursive Newton-Euler algorithm.",
              "`{Self}` has no function `inverse_dynamics`",
@@ -100,7 +102,8 @@ macro_rules! quantities {
              => |robot, [columns]| robot.mass_matrix(q, columns)?;
 
             CoriolisMatrix coriolis_matrix / coriolis_matrix_with(q, qd) -> square, [casadi inertia],
-             "Returns the Coriolis matrix C, nv x nv, an array of columns. C `qd` are the Coriolis and centrifugal forces,\n\
+             "Returns the Coriolis matrix C, nv x nv, an array of columns. C `qd` are the Coriolis \
+              and centrifugal forces,\n\
              without gravity, damping and friction, and dM/dt - 2 C is skew with the mass matrix M.",
              "`{Self}` has no function `coriolis_matrix`"
              => |robot, [columns]| robot.coriolis_matrix(q, qd, columns)?;
@@ -119,59 +122,72 @@ macro_rules! quantities {
              => |robot, [energy]| energy[0] = robot.kinetic_energy(q, qd)?;
 
             PotentialEnergy potential_energy / potential_energy_with(q) -> scalar, [default casadi inertia],
-             "Returns the potential energy of the moving links under gravity and of the springs, J; zero for mass at the world's\n\
+             "Returns the potential energy of the moving links under gravity and of the springs, \
+              J; zero for mass at the world's\n\
              origin and springs at rest.",
              "`{Self}` has no function `potential_energy`",
              batch PotentialEnergyBatch "`{Self}` has no function `potential_energy_batch`"
              => |robot, [energy]| energy[0] = robot.potential_energy(q)?;
 
-            ForwardDynamicsExternal forward_dynamics_external / forward_dynamics_external_with(q, qd, tau, forces) -> velocities as "qdd", [casadi inertia],
+            ForwardDynamicsExternal forward_dynamics_external / forward_dynamics_external_with(q, qd, tau, forces)
+                -> velocities as "qdd", [casadi inertia],
              "Returns the joint accelerations under `tau` and a wrench on each link (in the order of `LINK_NAMES`),\n\
              at the link's origin in the link's own axes.",
              "`{Self}` has no function `forward_dynamics_external`"
              => |robot, [qdd]| robot.forward_dynamics_external(q, qd, tau, Forces::InLinkAxes(&read(forces)), qdd)?;
 
-            ForwardDynamicsExternalWorld forward_dynamics_external_world / forward_dynamics_external_world_with(q, qd, tau, forces) -> velocities as "qdd", [casadi inertia],
+            ForwardDynamicsExternalWorld forward_dynamics_external_world /
+                forward_dynamics_external_world_with(q, qd, tau, forces)
+                -> velocities as "qdd", [casadi inertia],
              "Returns the joint accelerations under `tau` and a wrench on each link (in the order of `LINK_NAMES`),\n\
              at the link's origin in world axes.",
              "`{Self}` has no function `forward_dynamics_external_world`"
              => |robot, [qdd]| robot.forward_dynamics_external(q, qd, tau, Forces::InWorldAxes(&read(forces)), qdd)?;
 
-            InverseDynamicsExternal inverse_dynamics_external / inverse_dynamics_external_with(q, qd, qdd, forces) -> velocities as "tau", [casadi inertia],
+            InverseDynamicsExternal inverse_dynamics_external / inverse_dynamics_external_with(q, qd, qdd, forces)
+                -> velocities as "tau", [casadi inertia],
              "Returns the joint forces of `qdd` under a wrench on each link (in the order of `LINK_NAMES`), at the\n\
              link's origin in the link's own axes.",
              "`{Self}` has no function `inverse_dynamics_external`"
              => |robot, [tau]| robot.inverse_dynamics_external(q, qd, qdd, Forces::InLinkAxes(&read(forces)), tau)?;
 
-            InverseDynamicsExternalWorld inverse_dynamics_external_world / inverse_dynamics_external_world_with(q, qd, qdd, forces) -> velocities as "tau", [casadi inertia],
+            InverseDynamicsExternalWorld inverse_dynamics_external_world /
+                inverse_dynamics_external_world_with(q, qd, qdd, forces)
+                -> velocities as "tau", [casadi inertia],
              "Returns the joint forces of `qdd` under a wrench on each link (in the order of `LINK_NAMES`), at the\n\
              link's origin in world axes.",
              "`{Self}` has no function `inverse_dynamics_external_world`"
              => |robot, [tau]| robot.inverse_dynamics_external(q, qd, qdd, Forces::InWorldAxes(&read(forces)), tau)?;
 
             GeneralizedForces generalized_forces(q, forces) -> generalized_forces, [],
-             "Returns the generalized forces J^T f of a wrench on each link (in the order of `LINK_NAMES`), at the link's\n\
+             "Returns the generalized forces J^T f of a wrench on each link (in the order of \
+              `LINK_NAMES`), at the link's\n\
              origin in the link's own axes, and their derivative with respect to `q` (in tangent space), an array of\n\
              columns. The wrenches rotate with their links.",
              "`{Self}` has no function `generalized_forces`"
              => |robot, [tau, dq]| robot.generalized_forces(q, Forces::InLinkAxes(&read(forces)), tau, dq)?;
 
             GeneralizedForcesWorld generalized_forces_world(q, forces) -> generalized_forces, [],
-             "Returns the generalized forces J^T f of a wrench on each link (in the order of `LINK_NAMES`), at the link's\n\
-             origin in world axes, and their derivative with respect to `q` (in tangent space), an array of columns. The\n\
+             "Returns the generalized forces J^T f of a wrench on each link (in the order of \
+              `LINK_NAMES`), at the link's\n\
+             origin in world axes, and their derivative with respect to `q` (in tangent space), an \
+             array of columns. The\n\
              wrenches keep their directions.",
              "`{Self}` has no function `generalized_forces_world`"
              => |robot, [tau, dq]| robot.generalized_forces(q, Forces::InWorldAxes(&read(forces)), tau, dq)?;
 
-            InverseDynamicsDerivatives inverse_dynamics_derivatives / inverse_dynamics_derivatives_with(q, qd, qdd) -> inverse_derivatives as "derivatives", [hot inertia],
+            InverseDynamicsDerivatives inverse_dynamics_derivatives / inverse_dynamics_derivatives_with(q, qd, qdd)
+                -> inverse_derivatives as "derivatives", [hot inertia],
              "Returns the derivatives of inverse dynamics with respect to `q` (in tangent space) and `qd`, each an\n\
              array of columns. The derivative with respect to `qdd` is the mass matrix.",
              "`{Self}` has no function `inverse_dynamics_derivatives`",
              batch InverseDynamicsDerivativesBatch "`{Self}` has no function `inverse_dynamics_derivatives_batch`"
              => |robot, [dq, dqd]| robot.inverse_dynamics_derivatives(q, qd, qdd, dq, dqd)?;
 
-            ForwardDynamicsDerivatives forward_dynamics_derivatives / forward_dynamics_derivatives_with(q, qd, tau) -> forward_derivatives as "derivatives", [hot inertia],
-             "Returns the joint accelerations, and the derivatives of forward dynamics with respect to `q` (in tangent\n\
+            ForwardDynamicsDerivatives forward_dynamics_derivatives / forward_dynamics_derivatives_with(q, qd, tau)
+                -> forward_derivatives as "derivatives", [hot inertia],
+             "Returns the joint accelerations, and the derivatives of forward dynamics with \
+              respect to `q` (in tangent\n\
              space), `qd` and `tau`, each an array of columns.",
              "`{Self}` has no function `forward_dynamics_derivatives`",
              batch ForwardDynamicsDerivativesBatch "`{Self}` has no function `forward_dynamics_derivatives_batch`"
@@ -180,32 +196,45 @@ macro_rules! quantities {
                         ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau },
                     )?;
 
-            InverseDynamicsVjp inverse_dynamics_vjp / inverse_dynamics_vjp_with(q, qd, qdd, cotangent) -> inverse_vjp, [inertia],
-             "Returns the joint forces tau of `qdd`, and the products of `cotangent` with their derivatives: the gradients\n\
+            InverseDynamicsVjp inverse_dynamics_vjp / inverse_dynamics_vjp_with(q, qd, qdd, cotangent)
+                -> inverse_vjp, [inertia],
+             "Returns the joint forces tau of `qdd`, and the products of `cotangent` with their \
+              derivatives: the gradients\n\
              of `cotangent`^T tau with respect to `q` (in tangent space), `qd` and `qdd`.",
              "`{Self}` has no function `inverse_dynamics_vjp`"
-             => |robot, [tau, dq, dqd, dqdd]| robot.inverse_dynamics_vjp((q, qd, qdd), cotangent, tau, [dq, dqd, dqdd])?;
+             => |robot, [tau, dq, dqd, dqdd]|
+                 robot.inverse_dynamics_vjp(Motion { q, qd, qdd }, cotangent, tau, [dq, dqd, dqdd])?;
 
-            InverseDynamicsJvp inverse_dynamics_jvp / inverse_dynamics_jvp_with(q, qd, qdd, dq, dqd, dqdd) -> inverse_jvp, [inertia],
-             "Returns the joint forces tau of `qdd`, and their change under the changes `dq` (in tangent space), `dqd` and\n\
+            InverseDynamicsJvp inverse_dynamics_jvp / inverse_dynamics_jvp_with(q, qd, qdd, dq, dqd, dqdd)
+                -> inverse_jvp, [inertia],
+             "Returns the joint forces tau of `qdd`, and their change under the changes `dq` (in \
+              tangent space), `dqd` and\n\
              `dqdd`.",
              "`{Self}` has no function `inverse_dynamics_jvp`"
-             => |robot, [tau, dtau]| robot.inverse_dynamics_jvp((q, qd, qdd), [dq, dqd, dqdd], tau, dtau)?;
+             => |robot, [tau, dtau]| robot.inverse_dynamics_jvp(Motion { q, qd, qdd }, [dq, dqd, dqdd], tau, dtau)?;
 
-            ForwardDynamicsVjp forward_dynamics_vjp / forward_dynamics_vjp_with(q, qd, tau, cotangent) -> forward_vjp, [inertia],
+            ForwardDynamicsVjp forward_dynamics_vjp / forward_dynamics_vjp_with(q, qd, tau, cotangent)
+                -> forward_vjp, [inertia],
              "Returns the accelerations qdd, and the products of `cotangent` with their derivatives: the gradients of\n\
              `cotangent`^T qdd with respect to `q` (in tangent space), `qd` and `tau`.",
              "`{Self}` has no function `forward_dynamics_vjp`"
-             => |robot, [qdd, dq, dqd, dtau]| robot.forward_dynamics_vjp((q, qd, tau), cotangent, qdd, [dq, dqd, dtau])?;
+             => |robot, [qdd, dq, dqd, dtau]|
+                 robot.forward_dynamics_vjp(ForwardInput { q, qd, tau }, cotangent, qdd, [dq, dqd, dtau])?;
 
-            ForwardDynamicsJvp forward_dynamics_jvp / forward_dynamics_jvp_with(q, qd, tau, dq, dqd, dtau) -> forward_jvp, [inertia],
-             "Returns the accelerations qdd, and their change under the changes `dq` (in tangent space), `dqd` and `dtau`.",
+            ForwardDynamicsJvp forward_dynamics_jvp / forward_dynamics_jvp_with(q, qd, tau, dq, dqd, dtau)
+                -> forward_jvp, [inertia],
+             "Returns the accelerations qdd, and their change under the changes `dq` (in tangent \
+              space), `dqd` and `dtau`.",
              "`{Self}` has no function `forward_dynamics_jvp`"
-             => |robot, [qdd, dqdd]| robot.forward_dynamics_jvp((q, qd, tau), [dq, dqd, dtau], qdd, dqdd)?;
+             => |robot, [qdd, dqdd]|
+                 robot.forward_dynamics_jvp(ForwardInput { q, qd, tau }, [dq, dqd, dtau], qdd, dqdd)?;
 
-            InverseDynamicsHessian inverse_dynamics_hessian / inverse_dynamics_hessian_with(q, qd, qdd, cotangent) -> inverse_hessian, [inertia],
-             "Returns the joint forces tau of `qdd`, and the gradients and the Hessian of `cotangent`^T tau with respect to\n\
-             `q` (in tangent space), `qd` and `qdd`. The blocks of the Hessian are arrays of columns; the blocks of `qd` and\n\
+            InverseDynamicsHessian inverse_dynamics_hessian / inverse_dynamics_hessian_with(q, qd, qdd, cotangent)
+                -> inverse_hessian, [inertia],
+             "Returns the joint forces tau of `qdd`, and the gradients and the Hessian of \
+              `cotangent`^T tau with respect to\n\
+             `q` (in tangent space), `qd` and `qdd`. The blocks of the Hessian are arrays of \
+             columns; the blocks of `qd` and\n\
              `qdd` and of `qdd` and `qdd` are zero.",
              "`{Self}` has no function `inverse_dynamics_hessian`",
              batch InverseDynamicsHessianBatch "`{Self}` has no function `inverse_dynamics_hessian_batch`"
@@ -213,12 +242,15 @@ macro_rules! quantities {
                         let (gradients, hessian) =
                             ([dq, dqd, dqdd], [dq_dq, dq_dqd, dqd_dqd, dq_dqdd]);
                         let outputs = HessianOutputs { value: tau, gradients, hessian };
-                        robot.inverse_dynamics_hessian((q, qd, qdd), cotangent, outputs)?;
+                        robot.inverse_dynamics_hessian(Motion { q, qd, qdd }, cotangent, outputs)?;
                     };
 
-            ForwardDynamicsHessian forward_dynamics_hessian / forward_dynamics_hessian_with(q, qd, tau, cotangent) -> forward_hessian, [inertia],
-             "Returns the accelerations qdd, and the gradients and the Hessian of `cotangent`^T qdd with respect to `q` (in\n\
-             tangent space), `qd` and `tau`. The blocks of the Hessian are arrays of columns; the blocks of `qd` and `tau`\n\
+            ForwardDynamicsHessian forward_dynamics_hessian / forward_dynamics_hessian_with(q, qd, tau, cotangent)
+                -> forward_hessian, [inertia],
+             "Returns the accelerations qdd, and the gradients and the Hessian of `cotangent`^T \
+              qdd with respect to `q` (in\n\
+             tangent space), `qd` and `tau`. The blocks of the Hessian are arrays of columns; the \
+             blocks of `qd` and `tau`\n\
              and of `tau` and `tau` are zero.",
              "`{Self}` has no function `forward_dynamics_hessian`",
              batch ForwardDynamicsHessianBatch "`{Self}` has no function `forward_dynamics_hessian_batch`"
@@ -226,68 +258,91 @@ macro_rules! quantities {
                         let (gradients, hessian) =
                             ([dq, dqd, dtau], [dq_dq, dq_dqd, dqd_dqd, dq_dtau]);
                         let outputs = HessianOutputs { value: qdd, gradients, hessian };
-                        robot.forward_dynamics_hessian((q, qd, tau), cotangent, outputs)?;
+                        robot.forward_dynamics_hessian(ForwardInput { q, qd, tau }, cotangent, outputs)?;
                     };
 
             StepSemiImplicit step_semi_implicit / step_semi_implicit_with(q, qd, tau, dt) -> step, [casadi inertia],
-             "Returns the state after the time `dt` (s) under the joint forces `tau`, by the semi-implicit Euler method: the\n\
+             "Returns the state after the time `dt` (s) under the joint forces `tau`, by the \
+              semi-implicit Euler method: the\n\
              new velocities are `qd` + `dt` qdd, and move the coordinates.",
              "`{Self}` has no function `step_semi_implicit`"
-             => |robot, [next_q, next_qd]| robot.step_semi_implicit((q, qd, tau), dt[0], next_q, next_qd)?;
+             => |robot, [next_q, next_qd]|
+                 robot.step_semi_implicit(TimeStepInput { q, qd, tau, dt: dt[0] }, next_q, next_qd)?;
 
-            StepSemiImplicitDerivatives step_semi_implicit_derivatives / step_semi_implicit_derivatives_with(q, qd, tau, dt) -> step_derivatives, [inertia],
-             "Returns the state after the time `dt` (s) by the semi-implicit Euler method, and its derivatives: `a` with\n\
-             respect to the state before and `b` with respect to `tau`, arrays of columns. A state has the entries of q\n\
+            StepSemiImplicitDerivatives step_semi_implicit_derivatives /
+                step_semi_implicit_derivatives_with(q, qd, tau, dt)
+                -> step_derivatives, [inertia],
+             "Returns the state after the time `dt` (s) by the semi-implicit Euler method, and its \
+              derivatives: `a` with\n\
+             respect to the state before and `b` with respect to `tau`, arrays of columns. A state \
+             has the entries of q\n\
              (in tangent space), then those of qd.",
              "`{Self}` has no function `step_semi_implicit_derivatives`"
              => |robot, [next_q, next_qd, a, b]| robot.step_semi_implicit_derivatives(
-                        (q, qd, tau), dt[0], StepOutputs { q: next_q, qd: next_qd, a, b },
+                        TimeStepInput { q, qd, tau, dt: dt[0] }, StepOutputs { q: next_q, qd: next_qd, a, b },
                     )?;
 
-            StepSemiImplicitHessian step_semi_implicit_hessian / step_semi_implicit_hessian_with(q, qd, tau, dt, costate) -> step_hessian, [inertia],
-             "Returns the state after the time `dt` (s) by the semi-implicit Euler method, and the gradients and the Hessian of\n\
-             `costate`^T state: `dx` and `dtau` with respect to the state before and `tau`, and `dx_dx`, `dx_dtau` and\n\
-             `dtau_dtau`, arrays of columns. A state has the entries of q (in tangent space), then those of qd. Displacements\n\
+            StepSemiImplicitHessian step_semi_implicit_hessian /
+                step_semi_implicit_hessian_with(q, qd, tau, dt, costate)
+                -> step_hessian, [inertia],
+             "Returns the state after the time `dt` (s) by the semi-implicit Euler method, and the \
+              gradients and the Hessian of\n\
+             `costate`^T state: `dx` and `dtau` with respect to the state before and `tau`, and \
+             `dx_dx`, `dx_dtau` and\n\
+             `dtau_dtau`, arrays of columns. A state has the entries of q (in tangent space), then \
+             those of qd. Displacements\n\
              of the state after the step are in tangent space, too.",
              "`{Self}` has no function `step_semi_implicit_hessian`"
              => |robot, [next_q, next_qd, dx, dtau, dx_dx, dx_dtau, dtau_dtau]| {
                         let outputs = StepHessianOutputs {
                             q: next_q, qd: next_qd, dx, dtau, dx_dx, dx_dtau, dtau_dtau,
                         };
-                        robot.step_semi_implicit_hessian((q, qd, tau), dt[0], costate, outputs)?;
+                        robot.step_semi_implicit_hessian(TimeStepInput { q, qd, tau, dt: dt[0] }, costate, outputs)?;
                     };
 
             StepRk4 step_rk4 / step_rk4_with(q, qd, tau, dt) -> step, [casadi inertia],
-             "Returns the state after the time `dt` (s) under the constant joint forces `tau`, by a Runge-Kutta method of\n\
+             "Returns the state after the time `dt` (s) under the constant joint forces `tau`, by \
+              a Runge-Kutta method of\n\
              fourth order. Rotations follow exponential maps, so quaternions keep length 1.",
              "`{Self}` has no function `step_rk4`"
-             => |robot, [next_q, next_qd]| robot.step_rk4((q, qd, tau), dt[0], next_q, next_qd)?;
+             => |robot, [next_q, next_qd]| robot.step_rk4(TimeStepInput { q, qd, tau, dt: dt[0] }, next_q, next_qd)?;
 
-            StepRk4Derivatives step_rk4_derivatives / step_rk4_derivatives_with(q, qd, tau, dt) -> step_derivatives, [inertia],
-             "Returns the state of `step_rk4`, and its derivatives: `a` with respect to the state before and `b` with respect\n\
+            StepRk4Derivatives step_rk4_derivatives / step_rk4_derivatives_with(q, qd, tau, dt)
+                -> step_derivatives, [inertia],
+             "Returns the state of `step_rk4`, and its derivatives: `a` with respect to the state \
+              before and `b` with respect\n\
              to `tau`, arrays of columns. A state has the entries of q (in tangent space), then those of qd.",
              "`{Self}` has no function `step_rk4_derivatives`"
              => |robot, [next_q, next_qd, a, b]| robot.step_rk4_derivatives(
-                        (q, qd, tau), dt[0], StepOutputs { q: next_q, qd: next_qd, a, b },
+                        TimeStepInput { q, qd, tau, dt: dt[0] }, StepOutputs { q: next_q, qd: next_qd, a, b },
                     )?;
 
-            StepImplicitMidpoint step_implicit_midpoint / step_implicit_midpoint_with(q, qd, tau, dt) -> step, [casadi inertia],
-             "Returns the state after the time `dt` (s) under the constant joint forces `tau`, by the implicit midpoint rule: of\n\
+            StepImplicitMidpoint step_implicit_midpoint / step_implicit_midpoint_with(q, qd, tau, dt)
+                -> step, [casadi inertia],
+             "Returns the state after the time `dt` (s) under the constant joint forces `tau`, by \
+              the implicit midpoint rule: of\n\
              second order, symmetric, and stable under stiff damping. Three iterations of simplified Newton solve its\n\
              equations. Rotations follow exponential maps, so quaternions keep length 1.",
              "`{Self}` has no function `step_implicit_midpoint`"
-             => |robot, [next_q, next_qd]| robot.step_implicit_midpoint((q, qd, tau), dt[0], next_q, next_qd)?;
+             => |robot, [next_q, next_qd]|
+                 robot.step_implicit_midpoint(TimeStepInput { q, qd, tau, dt: dt[0] }, next_q, next_qd)?;
 
-            StepImplicitMidpointDerivatives step_implicit_midpoint_derivatives / step_implicit_midpoint_derivatives_with(q, qd, tau, dt) -> step_derivatives, [inertia],
-             "Returns the state of `step_implicit_midpoint`, and the derivatives of the implicit midpoint rule: `a` with respect\n\
-             to the state before and `b` with respect to `tau`, arrays of columns. A state has the entries of q (in tangent\n\
+            StepImplicitMidpointDerivatives step_implicit_midpoint_derivatives /
+                step_implicit_midpoint_derivatives_with(q, qd, tau, dt)
+                -> step_derivatives, [inertia],
+             "Returns the state of `step_implicit_midpoint`, and the derivatives of the implicit \
+              midpoint rule: `a` with respect\n\
+             to the state before and `b` with respect to `tau`, arrays of columns. A state has the \
+             entries of q (in tangent\n\
              space), then those of qd.",
              "`{Self}` has no function `step_implicit_midpoint_derivatives`"
              => |robot, [next_q, next_qd, a, b]| robot.step_implicit_midpoint_derivatives(
-                        (q, qd, tau), dt[0], StepOutputs { q: next_q, qd: next_qd, a, b },
+                        TimeStepInput { q, qd, tau, dt: dt[0] }, StepOutputs { q: next_q, qd: next_qd, a, b },
                     )?;
 
-            ConstrainedForwardDynamics constrained_forward_dynamics / constrained_forward_dynamics_with(q, qd, tau, contacts, settings) -> constrained, [default constraints inertia],
+            ConstrainedForwardDynamics constrained_forward_dynamics /
+                constrained_forward_dynamics_with(q, qd, tau, contacts, settings)
+                -> constrained, [default constraints inertia],
              "Returns the joint accelerations under the joint forces `tau` with the loops closed and the active\n\
              contacts held. Also returns the wrench on each constraint's link and the unmet part of the constraint's\n\
              acceleration, and the number of independent constraint rows. Loop constraints come first, in the order\n\
@@ -299,8 +354,9 @@ macro_rules! quantities {
              => |robot, [qdd, wrenches, residuals, rank]| {
                         robot.activate(contacts);
                         let (mut held, mut unmet) = (read(wrenches), read(residuals));
-                        let results = (qdd, &mut *held, &mut *unmet);
-                        rank[0] = robot.solve_constrained((q, qd, tau), &settings_of(settings), results);
+                        let outputs = ConstrainedOutputs { qdd, wrenches: &mut held, residuals: &mut unmet };
+                        let input = ForwardInput { q, qd, tau };
+                        rank[0] = robot.solve_constrained(input, &settings_of(settings), outputs);
                         write(&held, wrenches);
                         write(&unmet, residuals);
                     };
@@ -313,13 +369,15 @@ macro_rules! quantities {
              batch ConstraintResidualBatch "`{Self}` has no function `constraint_residual_batch`"
              => |robot, [displacements, velocities]| {
                         let (mut displaced, mut moving) = (read(displacements), read(velocities));
-                        let results = (&mut *displaced, &mut *moving);
-                        robot.constraint_residual((q, qd), &settings_of(settings), results)?;
+                        let outputs =
+                            ResidualOutputs { displacements: &mut displaced, velocities: &mut moving };
+                        robot.constraint_residual(State { q, qd }, &settings_of(settings), outputs)?;
                         write(&displaced, displacements);
                         write(&moving, velocities);
                     };
 
-            ProjectConstraints project_constraints / project_constraints_with(q, qd, contacts, settings) -> constraint_projection, [default constraints inertia],
+            ProjectConstraints project_constraints / project_constraints_with(q, qd, contacts, settings)
+                -> constraint_projection, [default constraints inertia],
              "Returns the smallest step (in the metric of the mass matrix) that closes the loops at `q` and moves the\n\
              active contacts to their targets to first order, the smallest change of `qd` that keeps them there, and\n\
              the number of independent constraint rows. The settings `alpha` and `beta` have no effect.",
@@ -327,16 +385,21 @@ macro_rules! quantities {
              batch ProjectConstraintsBatch "`{Self}` has no function `project_constraints_batch`"
              => |robot, [dq, dqd, rank]| {
                         robot.activate(contacts);
-                        rank[0] = robot.solve_projection((q, qd), &settings_of(settings), (dq, dqd));
+                        let outputs = ProjectionOutputs { dq, dqd };
+                        rank[0] = robot.solve_projection(State { q, qd }, &settings_of(settings), outputs);
                     };
 
-            ConstrainedForwardDynamicsDerivatives constrained_forward_dynamics_derivatives / constrained_forward_dynamics_derivatives_with(q, qd, tau, contacts, settings) -> constrained_derivatives, [constraints inertia],
-             "Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and their derivatives with\n\
+            ConstrainedForwardDynamicsDerivatives constrained_forward_dynamics_derivatives /
+                constrained_forward_dynamics_derivatives_with(q, qd, tau, contacts, settings)
+                -> constrained_derivatives, [constraints inertia],
+             "Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and \
+              their derivatives with\n\
              respect to `q` (in tangent space), `qd` and `tau`, each an array of columns. The derivatives of wrenches\n\
              are arrays for each constraint, in the axes of the wrenches. The rank is assumed constant; redundant\n\
              rows get the derivatives of smallest norm.",
              "`{Self}` has no function `constrained_forward_dynamics_derivatives`",
-             batch ConstrainedForwardDynamicsDerivativesBatch "`{Self}` has no function `constrained_forward_dynamics_derivatives_batch`"
+             batch ConstrainedForwardDynamicsDerivativesBatch
+                 "`{Self}` has no function `constrained_forward_dynamics_derivatives_batch`"
              => |robot, [qdd, wrenches, dq, dqd, dtau, wrenches_dq, wrenches_dqd, wrenches_dtau, rank]| {
                         robot.activate(contacts);
                         let mut held = read(wrenches);
@@ -353,7 +416,7 @@ macro_rules! quantities {
                             dwrenches_dtau,
                         };
                         let settings = &settings_of(settings);
-                        rank[0] = robot.solve_derivatives((q, qd, tau), settings, outputs);
+                        rank[0] = robot.solve_derivatives(ForwardInput { q, qd, tau }, settings, outputs);
                         write(&held, wrenches);
                         let places = [wrenches_dq, wrenches_dqd, wrenches_dtau];
                         for (changes, place) in changes.iter().zip(places) {
@@ -361,11 +424,16 @@ macro_rules! quantities {
                         }
                     };
 
-            ConstrainedForwardDynamicsHessian constrained_forward_dynamics_hessian / constrained_forward_dynamics_hessian_with(q, qd, tau, cotangent, wrench_cotangent, contacts, settings) -> constrained_hessian, [constraints inertia],
+            ConstrainedForwardDynamicsHessian constrained_forward_dynamics_hessian /
+                constrained_forward_dynamics_hessian_with(q, qd, tau, cotangent, wrench_cotangent, contacts, settings)
+                -> constrained_hessian, [constraints inertia],
              "Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and the gradients and the\n\
-             Hessian of their sum with the weights `cotangent` and `wrench_cotangent` (of the components of the wrenches)\n\
-             with respect to `q` (in tangent space), `qd` and `tau`. The blocks of the Hessian are arrays of columns; the\n\
-             blocks of `qd` and `tau` and of `tau` and `tau` are zero. The rank is assumed constant. Weights of wrenches\n\
+             Hessian of their sum with the weights `cotangent` and `wrench_cotangent` (of the \
+             components of the wrenches)\n\
+             with respect to `q` (in tangent space), `qd` and `tau`. The blocks of the Hessian are \
+             arrays of columns; the\n\
+             blocks of `qd` and `tau` and of `tau` and `tau` are zero. The rank is assumed \
+             constant. Weights of wrenches\n\
              need independent rows, or compliance.",
              "`{Self}` has no function `constrained_forward_dynamics_hessian`"
              => |robot, [qdd, wrenches, dq, dqd, dtau, dq_dq, dq_dqd, dqd_dqd, dq_dtau, rank]| {
@@ -377,13 +445,15 @@ macro_rules! quantities {
                             gradients: [dq, dqd, dtau],
                             hessian: [dq_dq, dq_dqd, dqd_dqd, dq_dtau],
                         };
-                        let weights = (cotangent, &*read(wrench_cotangent));
+                        let wrench_weights = read(wrench_cotangent);
+                        let weights = ConstrainedCotangent { qdd: cotangent, wrenches: &wrench_weights };
                         let settings = &settings_of(settings);
-                        rank[0] = robot.solve_hessian((q, qd, tau), weights, settings, outputs);
+                        rank[0] = robot.solve_hessian(ForwardInput { q, qd, tau }, weights, settings, outputs);
                         write(&held, wrenches);
                     };
 
-            ContactImpulse contact_impulse / contact_impulse_with(q, qd, contacts, settings) -> contact_impulse, [constraints inertia],
+            ContactImpulse contact_impulse / contact_impulse_with(q, qd, contacts, settings)
+                -> contact_impulse, [constraints inertia],
              "Returns the velocities after an impact that closes the loops and stops the active contacts relative to\n\
              their targets at the same instant, the impulse of each constraint, and the number of independent\n\
              constraint rows. Along its normal, a contact leaves with `restitution` times the speed before the\n\
@@ -392,16 +462,19 @@ macro_rules! quantities {
              batch ContactImpulseBatch "`{Self}` has no function `contact_impulse_batch`"
              => |robot, [after, impulses, rank]| {
                         robot.activate(contacts);
-                        let mut found = read(impulses);
-                        let results = (after, &mut *found);
-                        rank[0] = robot.solve_impulse((q, qd), &settings_of(settings), results);
-                        write(&found, impulses);
+                        let mut transmitted = read(impulses);
+                        let outputs = ImpulseOutputs { qd: after, impulses: &mut transmitted };
+                        rank[0] = robot.solve_impulse(State { q, qd }, &settings_of(settings), outputs);
+                        write(&transmitted, impulses);
                     };
 
-            ContactProblem contact_problem / contact_problem_with(q, qd, tau, dt, settings) -> contact_problem, [constraints inertia],
-             "Returns the problem of a step of the time `dt` (s) on the ground under the joint forces `tau`, in the space of the\n\
+            ContactProblem contact_problem / contact_problem_with(q, qd, tau, dt, settings)
+                -> contact_problem, [constraints inertia],
+             "Returns the problem of a step of the time `dt` (s) on the ground under the joint \
+              forces `tau`, in the space of the\n\
              contacts' points: the motion without contacts, and the effects of unit impulses on the points and on the\n\
-             velocities. Of the targets, `pose` and the linear `velocity` count. Closed loops are not closed. `solve::ground` has\n\
+             velocities. Of the targets, `pose` and the linear `velocity` count. Closed loops are \
+             not closed. `solve::ground` has\n\
              the solver.",
              "`{Self}` has no function `contact_problem`",
              batch ContactProblemBatch "`{Self}` has no function `contact_problem_batch`"
@@ -415,17 +488,24 @@ macro_rules! quantities {
                             mobility,
                             responses,
                         };
-                        robot.contact_problem((q, qd, tau, dt[0]), &settings_of(settings), results)?;
+                        let input = TimeStepInput { q, qd, tau, dt: dt[0] };
+                        robot.contact_problem(input, &settings_of(settings), results)?;
                         write(&moving, before);
                         write(&falling, free);
                     };
 
-            ContactStep contact_step / contact_step_with(q, qd, tau, dt, impulses, settings) -> contact_step, [constraints inertia],
-             "Returns the state after a step of the time `dt` (s) on the ground under the joint forces `tau`: contacts with Coulomb\n\
-             friction, which push and do not pull, at the planes of their targets. `impulses` are those of the last step, or zero:\n\
-             the solver starts from them. It sweeps six times over the contacts; `residual` says how well that sufficed. Of the\n\
-             targets, `pose`, the linear `velocity`, `alpha`, `beta`, `restitution`, `compliance` and `friction` count. Joints have no stops,\n\
-             and closed loops are not closed. In Rust and Python, `step_on_ground` also stops joints, and solves to a tolerance.",
+            ContactStep contact_step / contact_step_with(q, qd, tau, dt, impulses, settings)
+                -> contact_step, [constraints inertia],
+             "Returns the state after a step of the time `dt` (s) on the ground under the joint \
+              forces `tau`: contacts with Coulomb\n\
+             friction, which push and do not pull, at the planes of their targets. `impulses` are \
+             those of the last step, or zero:\n\
+             the solver starts from them. It sweeps six times over the contacts; `residual` says \
+             how well that sufficed. Of the\n\
+             targets, `pose`, the linear `velocity`, `alpha`, `beta`, `restitution`, `compliance` \
+             and `friction` count. Joints have no stops,\n\
+             and closed loops are not closed. In Rust and Python, `step_on_ground` also stops \
+             joints, and solves to a tolerance.",
              "`{Self}` has no function `contact_step`",
              batch ContactStepBatch "`{Self}` has no function `contact_step_batch`"
              => |robot, [next, after, impulses_after, residual]| {
@@ -435,14 +515,19 @@ macro_rules! quantities {
                             impulses: impulses_after,
                             residual: &mut residual[0],
                         };
-                        robot.contact_step((q, qd, tau, dt[0]), impulses, &settings_of(settings), results)?;
+                        let input = TimeStepInput { q, qd, tau, dt: dt[0] };
+                        robot.contact_step(input, impulses, &settings_of(settings), results)?;
                     };
 
             Step step / step_with(q, qd, tau, dt, warm_start, step_settings) -> step_solution, [inertia],
-             "Returns the state after a step of the time `dt` (s) under the joint forces `tau`, with contacts, joint limits and\n\
-             dry joint friction by MuJoCo's law: soft constraints whose forces minimize a convex function. The solver is Newton's\n\
-             method, to the tolerance of `step_settings`; `residual` says how far it came, relative to the largest force. It\n\
-             starts from the accelerations `warm_start`: those of the last step, or zeros. The integrator is semi-implicit Euler,\n\
+             "Returns the state after a step of the time `dt` (s) under the joint forces `tau`, \
+              with contacts, joint limits and\n\
+             dry joint friction by MuJoCo's law: soft constraints whose forces minimize a convex \
+             function. The solver is Newton's\n\
+             method, to the tolerance of `step_settings`; `residual` says how far it came, \
+             relative to the largest force. It\n\
+             starts from the accelerations `warm_start`: those of the last step, or zeros. The \
+             integrator is semi-implicit Euler,\n\
              implicit in joint damping. Closed loops are not closed.",
              "`{Self}` has no function `step`"
              => |robot, [next, after, qdd, forces, residual, iterations]| {
@@ -458,7 +543,9 @@ macro_rules! quantities {
                         robot.step(input, &step_settings_of(step_settings), outputs)?;
                     };
 
-            ConstrainedInverseDynamics constrained_inverse_dynamics / constrained_inverse_dynamics_with(q, qd, qdd, contacts, settings) -> constrained_torques, [constraints inertia],
+            ConstrainedInverseDynamics constrained_inverse_dynamics /
+                constrained_inverse_dynamics_with(q, qd, qdd, contacts, settings)
+                -> constrained_torques, [constraints inertia],
              "Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts that carry the\n\
              floating bases, and the rank of the contacts' columns of the bases. The wrenches have the smallest sum\n\
              of (force^2 + (moment / l)^2) / weight with the characteristic length l of each contact. The joint\n\
@@ -469,9 +556,9 @@ macro_rules! quantities {
              => |robot, [tau, wrenches, rank]| {
                         robot.activate(contacts);
                         let mut of_contacts = read(wrenches);
-                        let results = (tau, &mut *of_contacts);
+                        let outputs = ConstrainedInverseOutputs { tau, wrenches: &mut of_contacts };
                         let settings = &settings_of(settings);
-                        rank[0] = robot.solve_torques((q, qd, qdd), settings, results);
+                        rank[0] = robot.solve_torques(Motion { q, qd, qdd }, settings, outputs);
                         write(&of_contacts, wrenches);
                     };
 
@@ -488,10 +575,13 @@ macro_rules! quantities {
              `qd`, in the same axes.",
              "`{Self}` has no function `constraint_bias_acceleration`",
              batch ConstraintBiasAccelerationBatch "`{Self}` has no function `constraint_bias_acceleration_batch`"
-             => |robot, [accelerations]| fill(accelerations, |out| robot.constraint_bias_acceleration((q, qd), out))?;
+             => |robot, [accelerations]|
+                 fill(accelerations, |out| robot.constraint_bias_acceleration(State { q, qd }, out))?;
 
-            OperationalInertia operational_inertia / operational_inertia_with(q, contacts, settings) -> operational_inertia, [constraints inertia],
-             "Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T with the mass matrix M,\n\
+            OperationalInertia operational_inertia / operational_inertia_with(q, contacts, settings)
+                -> operational_inertia, [constraints inertia],
+             "Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T \
+              with the mass matrix M,\n\
              and the number of independent constraint rows. Both matrices are arrays of columns; each constraint has\n\
              its constrained rotations, then its constrained displacements, of a contact in world axes. The entries\n\
              of inactive contacts are zero. The inverse contains the compliance.",
@@ -499,7 +589,8 @@ macro_rules! quantities {
              batch OperationalInertiaBatch "`{Self}` has no function `operational_inertia_batch`"
              => |robot, [inverse, inertia, rank]| {
                         robot.activate(contacts);
-                        rank[0] = robot.solve_inertia(q, &settings_of(settings), (inverse, inertia));
+                        let outputs = OperationalInertiaOutputs { inverse, inertia };
+                        rank[0] = robot.solve_inertia(q, &settings_of(settings), outputs);
                     };
 
             Regressor regressor / regressor_with(q, qd, qdd) -> regressor, [],
@@ -514,21 +605,27 @@ macro_rules! quantities {
              "`{Self}` has no function `center_of_mass`"
              => |robot, [position]| position.copy_from_slice(&robot.center_of_mass(q)?);
 
-            CenterOfMassJacobian center_of_mass_jacobian / center_of_mass_jacobian_with(q) -> vectors3 as "jacobian", [casadi inertia],
+            CenterOfMassJacobian center_of_mass_jacobian / center_of_mass_jacobian_with(q)
+                -> vectors3 as "jacobian", [casadi inertia],
              "Returns the Jacobian of the centre of mass, an array of columns. Its product with `qd` is the velocity\n\
              of the centre of mass in world axes.",
              "`{Self}` has no function `center_of_mass_jacobian`"
              => |robot, [columns]| fill(columns, |columns| robot.center_of_mass_jacobian(q, columns))?;
 
-            CentroidalMomentumMatrix centroidal_momentum_matrix / centroidal_momentum_matrix_with(q) -> momenta as "momentum_matrix", [casadi inertia],
-             "Returns the centroidal momentum matrix, an array of columns. Its product with `qd` is the momentum about\n\
+            CentroidalMomentumMatrix centroidal_momentum_matrix / centroidal_momentum_matrix_with(q)
+                -> momenta as "momentum_matrix", [casadi inertia],
+             "Returns the centroidal momentum matrix, an array of columns. Its product with `qd` \
+              is the momentum about\n\
              the centre of mass, in world axes. Rotors have energy, but no momentum: their axes are not described.",
              "`{Self}` has no function `centroidal_momentum_matrix`"
              => |robot, [columns]| fill(columns, |columns| robot.centroidal_momentum_matrix(q, columns))?;
 
-            CentroidalCompositeInertia centroidal_composite_inertia / centroidal_composite_inertia_with(q) -> inertia as "inertia", [casadi inertia],
-             "Returns the centroidal composite inertia, an array of columns. Its product with a twist is the momentum about the\n\
-             centre of mass, in world axes, of all moving links as one rigid body with this twist at the centre of mass.",
+            CentroidalCompositeInertia centroidal_composite_inertia / centroidal_composite_inertia_with(q)
+                -> inertia as "inertia", [casadi inertia],
+             "Returns the centroidal composite inertia, an array of columns. Its product with a \
+              twist is the momentum about the\n\
+             centre of mass, in world axes, of all moving links as one rigid body with this twist \
+             at the centre of mass.",
              "`{Self}` has no function `centroidal_composite_inertia`"
              => |robot, [columns]| {
                         let mut six = [Momentum::zero(); 6];
@@ -536,23 +633,33 @@ macro_rules! quantities {
                         write(&six, columns);
                     };
 
-            CentroidalMomentum centroidal_momentum / centroidal_momentum_with(q, qd) -> momentum as "momentum", [casadi inertia],
-             "Returns the momentum of the moving links about their centre of mass, in world axes. Rotors have energy, but no\n\
+            CentroidalMomentum centroidal_momentum / centroidal_momentum_with(q, qd)
+                -> momentum as "momentum", [casadi inertia],
+             "Returns the momentum of the moving links about their centre of mass, in world axes. \
+              Rotors have energy, but no\n\
              momentum: their axes are not described.",
              "`{Self}` has no function `centroidal_momentum`"
              => |robot, [momentum]| write(&[robot.centroidal_momentum(q, qd)?], momentum);
 
-            CentroidalMomentumRate centroidal_momentum_rate / centroidal_momentum_rate_with(q, qd, qdd) -> momentum as "momentum_rate", [casadi inertia],
-             "Returns the time derivative of the centroidal momentum in world axes: the moment (N m) and the force (N) about the\n\
-             centre of mass of gravity and of all forces from outside. At `qdd` = 0 it is the bias A' qd, with the centroidal\n\
+            CentroidalMomentumRate centroidal_momentum_rate / centroidal_momentum_rate_with(q, qd, qdd)
+                -> momentum as "momentum_rate", [casadi inertia],
+             "Returns the time derivative of the centroidal momentum in world axes: the moment (N \
+              m) and the force (N) about the\n\
+             centre of mass of gravity and of all forces from outside. At `qdd` = 0 it is the bias \
+             A' qd, with the centroidal\n\
              momentum matrix A.",
              "`{Self}` has no function `centroidal_momentum_rate`"
-             => |robot, [rate]| write(&[robot.centroidal_momentum_rate((q, qd, qdd))?], rate);
+             => |robot, [rate]| write(&[robot.centroidal_momentum_rate(Motion { q, qd, qdd })?], rate);
 
-            CentroidalMomentumDerivatives centroidal_momentum_derivatives / centroidal_momentum_derivatives_with(q, qd, qdd) -> centroidal_derivatives as "derivatives", [inertia],
-             "Returns the momentum of the moving links about their centre of mass, its time derivative at `qdd` (the rate), and the\n\
-             derivatives of both with respect to `q` (in tangent space) and `qd`, arrays of columns, in world axes. The derivatives\n\
-             of the momentum with respect to `qd`, and of the rate with respect to `qdd`, are the centroidal momentum matrix.",
+            CentroidalMomentumDerivatives centroidal_momentum_derivatives /
+                centroidal_momentum_derivatives_with(q, qd, qdd)
+                -> centroidal_derivatives as "derivatives", [inertia],
+             "Returns the momentum of the moving links about their centre of mass, its time \
+              derivative at `qdd` (the rate), and the\n\
+             derivatives of both with respect to `q` (in tangent space) and `qd`, arrays of \
+             columns, in world axes. The derivatives\n\
+             of the momentum with respect to `qd`, and of the rate with respect to `qdd`, are the \
+             centroidal momentum matrix.",
              "`{Self}` has no function `centroidal_momentum_derivatives`"
              => |robot, [momentum, rate, momentum_dq, rate_dq, rate_dqd]| {
                         let mut values = [Momentum::zero(); 2];
@@ -566,7 +673,7 @@ macro_rules! quantities {
                             rate_dq: rate_by_q,
                             rate_dqd: rate_by_qd,
                         };
-                        robot.centroidal_momentum_derivatives((q, qd, qdd), outputs)?;
+                        robot.centroidal_momentum_derivatives(Motion { q, qd, qdd }, outputs)?;
                         write(&values[..1], momentum);
                         write(&values[1..], rate);
                         let places = [momentum_dq, rate_dq, rate_dqd];
@@ -599,13 +706,15 @@ macro_rules! quantities {
              => |robot, [velocity]| write(&[robot.local_link_velocity(q, qd, link)?], velocity);
 
             LinkAcceleration link_acceleration(q, qd, qdd; link) -> twist as "acceleration", [casadi],
-             "Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration (rad/s^2), in\n\
+             "Returns the classical acceleration of a link's origin (m/s^2) and its angular \
+              acceleration (rad/s^2), in\n\
              world axes. Gravity is not included. Computes the link's kinematic path only.",
              "`{Self}` has no function `link_acceleration`"
              => |robot, [acceleration]| write(&[robot.link_acceleration(q, qd, qdd, link)?], acceleration);
 
             LocalLinkAcceleration local_link_acceleration(q, qd, qdd; link) -> twist as "acceleration", [casadi],
-             "Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration (rad/s^2), in\n\
+             "Returns the classical acceleration of a link's origin (m/s^2) and its angular \
+              acceleration (rad/s^2), in\n\
              the link's own axes. Gravity is not included. Computes the link's kinematic path only.",
              "`{Self}` has no function `local_link_acceleration`"
              => |robot, [acceleration]| write(&[robot.local_link_acceleration(q, qd, qdd, link)?], acceleration);
@@ -623,7 +732,8 @@ macro_rules! quantities {
              => |robot, [columns]| fill(columns, |columns| robot.local_jacobian(q, link, columns))?;
 
             JacobianTimeDerivative jacobian_time_derivative(q, qd; link) -> twists, [],
-             "Returns the time derivative of `jacobian`, an array of columns. Its product with `qd` is `bias_acceleration`.\n\
+             "Returns the time derivative of `jacobian`, an array of columns. Its product with \
+              `qd` is `bias_acceleration`.\n\
              Computes the link's kinematic path only.",
              "`{Self}` has no function `jacobian_time_derivative`"
              => |robot, [columns]| fill(columns, |columns| robot.jacobian_time_derivative(q, qd, link, columns))?;
@@ -635,7 +745,8 @@ macro_rules! quantities {
              => |robot, [columns]| fill(columns, |columns| robot.local_jacobian_time_derivative(q, qd, link, columns))?;
 
             BiasAcceleration bias_acceleration(q, qd; link) -> twist as "acceleration", [casadi],
-             "Returns the bias acceleration of a link in world axes: the time derivative of `jacobian` times `qd`, which\n\
+             "Returns the bias acceleration of a link in world axes: the time derivative of \
+              `jacobian` times `qd`, which\n\
              is the link's acceleration at zero joint accelerations. Computes the link's kinematic path only.",
              "`{Self}` has no function `bias_acceleration`"
              => |robot, [acceleration]| write(&[robot.bias_acceleration(q, qd, link)?], acceleration);
@@ -652,7 +763,8 @@ macro_rules! quantities {
              => |robot, [next]| robot.integrate(q, v, next)?;
 
             Difference difference(from, to) -> velocities as "displacement", [default casadi],
-             "Returns the displacement `v` with which `integrate` leads from `from` to `to`. Rotations are the shortest\n\
+             "Returns the displacement `v` with which `integrate` leads from `from` to `to`. \
+              Rotations are the shortest\n\
              ones; joint angles are not wrapped.",
              "`{Self}` has no function `difference`"
              => |robot, [displacement]| robot.difference(from, to, displacement)?;
@@ -683,7 +795,8 @@ macro_rules! quantities {
                     };
 
             Random random(uniforms) -> coordinates, [default],
-             "Returns coordinates within the joint limits, from random numbers uniformly distributed in [0, 1). Angles\n\
+             "Returns coordinates within the joint limits, from random numbers uniformly \
+              distributed in [0, 1). Angles\n\
              without limits are in [-pi, pi), displacements without limits in [-1, 1) m, rotations uniform over SO(3).",
              "`{Self}` has no function `random`"
              => |robot, [q]| {

@@ -33,7 +33,10 @@ macro_rules! declare_function {
             missing!(params, $($argument),*)
         }
 
-        #[doc = concat!("Calls [`", stringify!($with), "`](Self::", stringify!($with), ") with the default parameters.")]
+        #[doc = concat!(
+            "Calls [`", stringify!($with), "`](Self::", stringify!($with),
+            ") with the default parameters.",
+        )]
         #[allow(clippy::too_many_arguments)]
         fn $name<T: Scalar>($($argument: $of),*) -> $result
         where

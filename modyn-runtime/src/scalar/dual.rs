@@ -105,10 +105,10 @@ mod tests {
         ]
     }
 
-    fn close(found: f64, expected: f64, within: f64, what: &str) {
+    fn close(number: f64, expected: f64, within: f64, what: &str) {
         assert!(
-            (found - expected).abs() <= within * expected.abs().max(1.0),
-            "{what}: {found} {expected}"
+            (number - expected).abs() <= within * expected.abs().max(1.0),
+            "{what}: {number} {expected}"
         );
     }
 
@@ -165,9 +165,9 @@ mod tests {
             }
             let dy = 0.7;
             let dx = -1.1;
-            let found = Scalar::atan2(Dual64::new(y, dy), Dual64::new(x, dx));
-            assert_eq!(found.re, Scalar::atan2(y, x));
-            close(found.eps, (x * dy - y * dx) / (x * x + y * y), 1e-15, "the slope");
+            let derivative = Scalar::atan2(Dual64::new(y, dy), Dual64::new(x, dx));
+            assert_eq!(derivative.re, Scalar::atan2(y, x));
+            close(derivative.eps, (x * dy - y * dx) / (x * x + y * y), 1e-15, "the slope");
         }
     }
 

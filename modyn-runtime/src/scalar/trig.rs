@@ -210,8 +210,8 @@ impl Precision for f64 {
         let n = shifted - round;
         let [first, second, third] = SIN_COS_F64.minus_pi;
         // pi in three parts, the first two with 36 bits.
-        let r = n.mul_add(k(first), x);
-        let r = n.mul_add(k(second), r);
+        let high = n.mul_add(k(first), x);
+        let r = n.mul_add(k(second), high);
         (n.mul_add(k(third), r), shifted)
     }
 
@@ -262,8 +262,8 @@ impl Precision for f32 {
         let [first, second, third, fourth] = SIN_COS_F32.minus_pi;
         // pi in four parts, the first three with 13 bits.
         let r = n.mul_add(k(first), x);
-        let r = n.mul_add(k(second), r);
-        let r = n.mul_add(k(third), r);
+        let middle = n.mul_add(k(second), r);
+        let r = n.mul_add(k(third), middle);
         (n.mul_add(k(fourth), r), shifted)
     }
 
@@ -480,17 +480,17 @@ mod tests {
     fn far_angles_near_multiples_of_pi_keep_their_digits() {
         for k in (1..4_000_000_000_u64).step_by(999_983) {
             let x = k as f64 * core::f64::consts::PI * 1e6;
-            let found = sin_cos(x).0;
+            let number = sin_cos(x).0;
             let expected = libm::sin(x);
             assert!(
-                (found - expected).abs() <= 1e-15 * expected.abs(),
-                "{x:e}: {found:e} {expected:e}"
+                (number - expected).abs() <= 1e-15 * expected.abs(),
+                "{x:e}: {number:e} {expected:e}"
             );
         }
         let x = 6381956970095103.0 * libm::pow(2.0, 797.0);
-        let found = sin_cos(x).1;
+        let number = sin_cos(x).1;
         let expected = libm::cos(x);
-        assert!((found - expected).abs() <= 1e-15, "{found:e} {expected:e}");
+        assert!((number - expected).abs() <= 1e-15, "{number:e} {expected:e}");
     }
 
     /// The sine's relative error at the far angles that are nearest to multiples of pi, against
@@ -500,18 +500,18 @@ mod tests {
         for (x, expected) in near_pi::FAR_F64 {
             assert!(x >= LIMIT_F64);
             for (x, expected) in [(x, expected), (-x, -expected)] {
-                let found = sin_cos(x).0;
-                let error = ((found - expected) / expected).abs();
-                assert!(error <= 3.5e-16, "{x:e}: {found:e} {expected:e}");
+                let number = sin_cos(x).0;
+                let error = ((number - expected) / expected).abs();
+                assert!(error <= 3.5e-16, "{x:e}: {number:e} {expected:e}");
             }
         }
         for (x, expected) in near_pi::FAR_F32 {
             let x = x as f32;
             assert!(x >= LIMIT_F32);
             for (x, expected) in [(x, expected), (-x, -expected)] {
-                let found = f64::from(sin_cos(x).0);
-                let error = ((found - expected) / expected).abs();
-                assert!(error <= 2e-7, "{x:e}: {found:e} {expected:e}");
+                let number = f64::from(sin_cos(x).0);
+                let error = ((number - expected) / expected).abs();
+                assert!(error <= 2e-7, "{x:e}: {number:e} {expected:e}");
             }
         }
     }

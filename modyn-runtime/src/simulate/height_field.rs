@@ -134,11 +134,13 @@ impl<'a, T: Decide + Into<f64>> HeightField<'a, T> {
             (target.pose, target.tangential) = (Pose::identity(), T::one());
         }
         let rest = R::V::<T>::from_fn(|_| T::zero());
-        let found = R::constraint_residual(q, &rest, &places).displacements;
+        let displacements = R::constraint_residual(q, &rest, &places).displacements;
         // Loop constraints come first.
         let loops = R::PerConstraint::<()>::LEN - R::PerContact::<()>::LEN;
         let mut settings = *settings;
-        for (target, place) in settings.contacts.as_mut().iter_mut().zip(&found.as_ref()[loops..]) {
+        for (target, place) in
+            settings.contacts.as_mut().iter_mut().zip(&displacements.as_ref()[loops..])
+        {
             target.pose = self.plane([place.linear[0], place.linear[1]]);
         }
         settings

@@ -139,8 +139,8 @@ pub fn solve_step<T: Decide, M: StepMemory<T>>(
 ) -> (Residual<T>, Effort) {
     let most = (Effort { sweeps: ground.sweeps, newton: ground.newton_steps }, ground.tolerance);
     let b = velocities_of_contacts(memory, motion, targets, contacts);
-    let held = impulses.stops.as_ref().iter().take(stops.len());
-    let held = held.fold(T::zero(), |most, impulse| larger(most, impulse.abs()));
+    let impulses_of_stops = impulses.stops.as_ref().iter().take(stops.len());
+    let held = impulses_of_stops.fold(T::zero(), |most, impulse| larger(most, impulse.abs()));
     let mut found = (Residual { contacts: T::zero(), stops: T::zero() }, Effort::default());
     let stopped = !held.all_at_most(T::zero());
     if !stopped {
@@ -214,8 +214,8 @@ fn stop_joints<T: Decide, M: StepMemory<T>>(
     impulses: &mut Impulses<M::ContactRow, M::Velocities>,
     velocities: &mut [T],
 ) -> (Residual<T>, Effort) {
-    let inverse = memory.inverse();
-    let inverse = inverse.as_ref();
+    let memory_of_inverse = memory.inverse();
+    let inverse = memory_of_inverse.as_ref();
     let rows = 3 * targets.len();
     let mut a = memory.ground_matrix();
     let mut b = memory.ground_row();

@@ -193,8 +193,8 @@ impl<R: Robot, T: Scalar> State<R, T> {
     {
         let displacement = R::difference(&self.q, &reference.q);
         let velocity = add_scaled(&reference.qd, -T::one(), &self.qd);
-        let qdd = add_scaled(&reference.qdd, gains.stiffness, &displacement);
-        let qdd = add_scaled(&qdd, gains.damping, &velocity);
+        let pulled = add_scaled(&reference.qdd, gains.stiffness, &displacement);
+        let qdd = add_scaled(&pulled, gains.damping, &velocity);
         R::inverse_dynamics_with(params, &self.q, &self.qd, &qdd)
     }
 }

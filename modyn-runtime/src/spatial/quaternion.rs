@@ -315,14 +315,14 @@ mod tests {
     }
 
     /// Compares the value and three derivatives.
-    fn close(found: Number, expected: Number, what: &str) {
+    fn close(number: Number, expected: Number, what: &str) {
         let parts = |x: Number| [x.re, x.v1, x.v2, x.v3];
-        for (order, (found, expected)) in parts(found).into_iter().zip(parts(expected)).enumerate()
+        for (order, (part, expected)) in parts(number).into_iter().zip(parts(expected)).enumerate()
         {
             let within = [1e-14, 1e-14, 1e-13, 1e-11][order];
             assert!(
-                (found - expected).abs() <= within,
-                "derivative {order} of {what}: {found} {expected}"
+                (part - expected).abs() <= within,
+                "derivative {order} of {what}: {part} {expected}"
             );
         }
     }
@@ -335,21 +335,21 @@ mod tests {
         for angle in ANGLES {
             let t = at(angle);
             let (sin, cos) = (t * Number::from_f64(0.5)).sin_cos();
-            let found = Quaternion::exp(along(axis, t));
-            close(found.scalar, cos, &std::format!("w at {angle}"));
+            let rotation = Quaternion::exp(along(axis, t));
+            close(rotation.scalar, cos, &std::format!("w at {angle}"));
             let number = |x: [f64; 3]| Vector3(x.map(Number::from_f64));
             let [axis_, v_] = [number(axis), number(v)];
             for i in 0..3 {
-                close(found.vector.0[i], axis_.0[i] * sin, &std::format!("x, y, z at {angle}"));
+                close(rotation.vector.0[i], axis_.0[i] * sin, &std::format!("x, y, z at {angle}"));
             }
             let (sin, cos) = t.sin_cos();
             let across = axis_.cross(v_);
             let slide = axis_.scale(axis_.dot(v_));
             let expected =
                 slide.scale(t) + (v_ - slide).scale(sin) + across.scale(Number::one() - cos);
-            let found = screw_translation(along(axis, t), along(v, t));
+            let translation = screw_translation(along(axis, t), along(v, t));
             for i in 0..3 {
-                close(found.0[i], expected.0[i], &std::format!("translation at {angle}"));
+                close(translation.0[i], expected.0[i], &std::format!("translation at {angle}"));
             }
         }
     }
@@ -359,10 +359,10 @@ mod tests {
         for angle in [1e-9, 1e-3, 0.124, 0.126, 0.5, 1.5, 2.5, 3.1] {
             let w = Vector3([2.0 / 7.0, -3.0 / 7.0, 6.0 / 7.0].map(|x| angle * x));
             for length in [1e-3, 0.03, 1.0, -7.0, 1e3] {
-                let found = Quaternion::exp(w).scale(length).log();
-                for (found, expected) in found.0.iter().zip(w.0) {
-                    let error = (found - expected).abs();
-                    assert!(error <= 1e-14 * angle, "{angle}, {length}: {found} {expected}");
+                let logarithm = Quaternion::exp(w).scale(length).log();
+                for (number, expected) in logarithm.0.iter().zip(w.0) {
+                    let error = (number - expected).abs();
+                    assert!(error <= 1e-14 * angle, "{angle}, {length}: {number} {expected}");
                 }
             }
         }

@@ -141,7 +141,7 @@ fn docs(row: &Row) -> String {
 
 /// Returns the documentation with the shapes of arguments and results, in lines.
 fn documentation(row: &Row) -> Vec<String> {
-    let mut lines = wrap(&docs(row), 100);
+    let mut lines = wrap(&docs(row), 92);
     lines.push(String::new());
     let mut arguments: Vec<String> = (row.arguments.iter())
         .map(|own| format!("`{}`: {}", python(own.name), argument(own.name, &own.shape(&SIZES))))
@@ -160,10 +160,10 @@ fn documentation(row: &Row) -> Vec<String> {
         }
     };
     let result = result + components(&(row.result)(&SIZES));
-    lines.extend(wrap(&format!("Arguments: {}.", arguments.join("; ")), 100));
+    lines.extend(wrap(&format!("Arguments: {}.", arguments.join("; ")), 92));
     lines.extend(wrap(
         &format!("Result: {result}. Several states have one more axis, the first."),
-        100,
+        92,
     ));
     lines
 }
@@ -180,7 +180,8 @@ fn wrap(text: &str, most: usize) -> Vec<String> {
     lines
 }
 
-/// Returns the name of an argument in Python, where `from` is a keyword, and each function has one kind of settings.
+/// Returns the name of an argument in Python, where `from` is a keyword, and each function has one
+/// kind of settings.
 fn python(name: &str) -> &str {
     match name {
         "from" => "from_",
@@ -208,19 +209,20 @@ pub(super) fn methods() -> String {
                 false => ("", "&Bound<'py, PyAny>", format!("Some({name})")),
             };
             signature += &format!("{name}{default}, ");
-            types += &format!("{name}: {kind}, ");
+            types += &format!("{name}: {kind},\n        ");
             given.push(value);
         }
         let mut link = "None";
         if row.by_link {
             signature += "link, ";
-            types += "link: &Bound<'py, PyAny>, ";
+            types += "link: &Bound<'py, PyAny>,\n        ";
             link = "Some(link)";
         }
         let _ = writeln!(
             text,
             "    #[pyo3(signature = ({signature}*, out=None))]\n    \
-             fn {}<'py>(&self, py: Python<'py>, {types}out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {{\n        \
+             fn {}<'py>(\n        &self,\n        py: Python<'py>,\n        {types}\
+             out: Argument<'_, 'py>,\n    ) -> PyResult<Bound<'py, PyAny>> {{\n        \
              self.call(py, {index}, &[{}], {link}, out)\n    }}\n",
             function.name(),
             given.join(", "),

@@ -85,9 +85,9 @@ pub fn run(arguments: &Arguments, options: &ReadOptions) -> Result<(), Failure> 
             others += 1;
             continue;
         };
-        let outcome = check_one(description, options, arguments);
+        let checked = check_one(description, options, arguments);
         // The text is kept for the display of single files alone.
-        let outcome = Outcome { description: None, ..outcome };
+        let outcome = Outcome { description: None, ..checked };
         let verdict = match () {
             () if outcome.usable => Verdict::Accepted,
             () if is_made_part => Verdict::Part,
@@ -115,8 +115,8 @@ fn is_configuration(format: Format, path: &Path, text: &str) -> bool {
 }
 
 /// Returns whether there is nothing that moves.
-fn is_static(found: &Diagnostics) -> bool {
-    found.iter().any(|one| matches!(one.code, Code::NoMovingJoint | Code::NoLink))
+fn is_static(diagnostics: &Diagnostics) -> bool {
+    diagnostics.iter().any(|one| matches!(one.code, Code::NoMovingJoint | Code::NoLink))
 }
 
 /// Adds the files in `folder` and below it that may be descriptions, in the order of their names.

@@ -83,9 +83,9 @@ impl Harness<'_> {
                 (folder.to_owned(), None)
             }
             None => {
-                let temporary = tempfile::tempdir();
+                let created = tempfile::tempdir();
                 let temporary =
-                    temporary.map_err(|error| cannot("no temporary folder can be made", &error))?;
+                    created.map_err(|error| cannot("no temporary folder can be made", &error))?;
                 (temporary.path().to_owned(), Some(temporary))
             }
         };
@@ -105,12 +105,12 @@ impl Harness<'_> {
         if self.native {
             command.arg("-Ctarget-cpu=native");
         }
-        let output = command.arg("-o").arg(&program).arg(&main).output();
-        let output = output.map_err(|error| cannot("rustc cannot be run", &error))?;
+        let run = command.arg("-o").arg(&program).arg(&main).output();
+        let output = run.map_err(|error| cannot("rustc cannot be run", &error))?;
         if !output.status.success() {
             let kept = temporary.map(TempDir::keep).unwrap_or(folder);
-            let said = String::from_utf8_lossy(&output.stderr);
-            let said: Vec<String> = said.lines().take(40).map(sanitize_for_display).collect();
+            let errors = String::from_utf8_lossy(&output.stderr);
+            let said: Vec<String> = errors.lines().take(40).map(sanitize_for_display).collect();
             return Err(Failure::Negative(format!(
                 "{}\nerror: {} does not compile the generated code, which is kept in {}\n\
                  help: it needs Rust {} or later; if that is so, please report this with the description",
@@ -142,7 +142,8 @@ impl Harness<'_> {
                 "flat!(robot::runtime::InverseDynamicsDerivatives<[[f64; NV]; NV]>, dq, dqd);\n";
         }
         if has(Function::ForwardDynamicsDerivatives) {
-            types += "flat!(robot::runtime::ForwardDynamicsDerivatives<[f64; NV], [[f64; NV]; NV]>, qdd, dq, dqd, dtau);\n";
+            types += "flat!(robot::runtime::ForwardDynamicsDerivatives<[f64; NV], [[f64; NV]; \
+                      NV]>, qdd, dq, dqd, dtau);\n";
         }
         MAIN.replace("__ROBOT__", self.type_name)
             .replace("__NQ__", &model.nq().to_string())
@@ -163,8 +164,8 @@ impl Program {
         std::fs::write(&self.states, bytes).map_err(|error| {
             Failure::usage(format!("error: the states cannot be written: {error}"))
         })?;
-        let output = Command::new(&self.program).arg(&self.states).output();
-        let output = output.map_err(|error| {
+        let run = Command::new(&self.program).arg(&self.states).output();
+        let output = run.map_err(|error| {
             Failure::usage(format!("error: the compiled program cannot be run: {error}"))
         })?;
         if !output.status.success() {

@@ -38,10 +38,10 @@ impl MachineCode {
 
     fn measure(&self, quantity: &Quantity, states: &[State]) -> Result<Measured, CallError> {
         let call = self.0.function(quantity.function)?;
-        let arguments = |state| -> Vec<&[f64]> {
+        let arguments_of = |state| -> Vec<&[f64]> {
             call.arguments().iter().map(|(name, _)| State::argument(state, name)).collect()
         };
-        let arguments: Vec<_> = states.iter().map(arguments).collect();
+        let arguments: Vec<_> = states.iter().map(arguments_of).collect();
         let mut results = vec![vec![0.0; call.result().len()]; states.len()];
         for (arguments, result) in arguments.iter().zip(&mut results) {
             call.one(arguments, result)?;

@@ -99,8 +99,9 @@ struct Outcome {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let rustc = arguments.rustc.then(harness::rustc).transpose()?;
     let description = arguments.robot.open()?;
-    let reading = description.read(&arguments.robot.options.read_options());
-    let reading = reading.map_err(|found| description.failure(arguments.robot.named(found)))?;
+    let read = description.read(&arguments.robot.options.read_options());
+    let reading =
+        read.map_err(|diagnostics| description.failure(arguments.robot.named(diagnostics)))?;
     let quantities = arguments.quantities(joints_without_inertia(&reading.model).is_empty())?;
     let mut builder = arguments.robot.builder(&description);
     builder = builder.functions(quantities.iter().map(|quantity| quantity.function));
@@ -108,7 +109,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         builder = builder.modules(choice.clone());
     }
     let mut progress = Progress::start("compiling");
-    let failure = |found| description.failure(arguments.robot.named(found));
+    let failure = |diagnostics| description.failure(arguments.robot.named(diagnostics));
     let warn = |warnings| description.warn(arguments.robot.named(Diagnostics::new(warnings)));
     let outcome = if let Some(rustc) = &rustc {
         let generated = builder.self_contained().generate().map_err(failure)?;
@@ -149,8 +150,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut rows = Vec::new();
     for (quantity, (results, compiled)) in quantities.iter().zip(&outcome.measured) {
         let (expected, interpreted) = interpret(&mut interpreter, quantity, &outcome.states)?;
-        let zero = arguments.tolerance * ZERO;
-        let zero = zero * cancelled(&mut single, quantity, &outcome.states, &expected)?;
+        let relative = arguments.tolerance * ZERO;
+        let zero = relative * cancelled(&mut single, quantity, &outcome.states, &expected)?;
         let difference = largest_difference(results, &expected, zero);
         let factor = if quantity.solves { condition } else { 1.0 };
         let bound = arguments.tolerance * factor;
@@ -226,9 +227,9 @@ fn interpret(
     quantity: &Quantity,
     states: &[State],
 ) -> Result<(Vec<Vec<f64>>, f64), Failure> {
-    let results: Result<Vec<Vec<f64>>, _> =
+    let interpreted: Result<Vec<Vec<f64>>, _> =
         states.iter().map(|state| quantity.interpret(interpreter, state)).collect();
-    let results = results.map_err(shape)?;
+    let results = interpreted.map_err(shape)?;
     let some = &states[..states.len().min(100)];
     let nanoseconds = timing::nanoseconds(some.len(), || {
         for state in some {
@@ -267,14 +268,14 @@ fn cancelled(
 fn largest_difference(results: &[Vec<f64>], expected: &[Vec<f64>], zero: f64) -> f64 {
     let mut worst = 0.0_f64;
     for (result, expected) in results.iter().zip(expected) {
-        let size = expected.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-        let size = if size > 0.0 { size } else { 1.0 };
+        let largest = expected.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let size = if largest > 0.0 { largest } else { 1.0 };
         if result.len() != expected.len() {
             return f64::INFINITY;
         }
         for (x, expected) in result.iter().zip(expected) {
-            let difference = (x - expected).abs();
-            let difference = if difference <= zero { 0.0 } else { difference / size };
+            let distance = (x - expected).abs();
+            let difference = if distance <= zero { 0.0 } else { distance / size };
             // NaN counts as an infinite difference.
             worst = if difference.is_nan() { f64::INFINITY } else { worst.max(difference) };
         }

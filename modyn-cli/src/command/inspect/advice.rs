@@ -68,7 +68,11 @@ pub fn about(model: &Model) -> Vec<Advice> {
             ));
         }
         if repeated(frame) {
-            say("its inertia is that of other links of other masses, and the same about all axes: a placeholder?".into());
+            say(
+                "its inertia is that of other links of other masses, and the same about all axes: \
+                 a placeholder?"
+                    .into(),
+            );
         }
         // The carried mass belongs to the moving body; it is reported for the body's moving link.
         let body = frame.link.filter(|&link| model.links()[link].name == frame.name);

@@ -28,6 +28,8 @@ pub fn of(inspection: &Inspection) -> String {
         .collect();
     let advice: Vec<Value> =
         advice.iter().map(|one| json!({ "link": one.link, "message": one.message })).collect();
+    let counted = costs.as_ref().and_then(|costs| costs.as_ref().ok());
+    let refused = costs.as_ref().and_then(|costs| costs.as_ref().err());
     let all = json!({
         "usable": true,
         "robot": model.name(),
@@ -63,8 +65,8 @@ pub fn of(inspection: &Inspection) -> String {
         "has_dynamics": has_dynamics,
         "condition_number": condition.filter(|number| number.is_finite()),
         "f32_will_do": condition.map(|number| number <= MAX_CONDITION_F32),
-        "functions": costs.as_ref().and_then(|costs| costs.as_ref().ok()).map(|costs| costs.iter().map(cost).collect::<Vec<_>>()),
-        "not_compiled": costs.as_ref().and_then(|costs| costs.as_ref().err()).map(|why| diagnostics::to_json(why.as_slice())),
+        "functions": counted.map(|costs| costs.iter().map(cost).collect::<Vec<_>>()),
+        "not_compiled": refused.map(|why| diagnostics::to_json(why.as_slice())),
         "diagnostics": diagnostics::to_json(warnings),
         "advice": advice,
     });

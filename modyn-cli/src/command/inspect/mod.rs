@@ -79,17 +79,17 @@ struct Cost {
 /// Prints the inspection.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let description = arguments.robot.open()?;
-    let reading = description.read(&arguments.robot.options.read_options());
-    let reading = match reading {
-        Err(found) if arguments.json => {
+    let read = description.read(&arguments.robot.options.read_options());
+    let reading = match read {
+        Err(diagnostics) if arguments.json => {
             let refused = serde_json::json!({
                 "usable": false,
-                "diagnostics": diagnostics::to_json(found.as_slice()),
+                "diagnostics": diagnostics::to_json(diagnostics.as_slice()),
             });
             to_stdout(&escape::json(&refused))?;
             return Err(Failure::Reported);
         }
-        reading => reading.map_err(|found| description.failure(found))?,
+        reading => reading.map_err(|diagnostics| description.failure(diagnostics))?,
     };
     let mut progress = Progress::start("counting operations");
     let inputs = description.inputs(Some(&reading));
@@ -98,7 +98,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let costs = if arguments.json || arguments.functions.is_some() {
         let builder = arguments.robot.builder(&description);
         let costs = costs(builder, arguments, has_dynamics);
-        Some(costs.map_err(|found| description.failure(arguments.robot.named(found)))?)
+        Some(costs.map_err(|diagnostics| description.failure(arguments.robot.named(diagnostics)))?)
     } else {
         None
     };
@@ -144,8 +144,8 @@ fn costs(
     let mut builder = builder.functions(match &arguments.functions {
         Some(Functions(functions)) => functions.clone(),
         None => {
-            let all = Function::ALL.iter().copied();
-            let all = all.filter(|one| has_dynamics || !one.row().needs_inertia);
+            let functions = Function::ALL.iter().copied();
+            let all = functions.filter(|one| has_dynamics || !one.row().needs_inertia);
             all.filter(|one| one.batched().is_none() && !LONGEST.contains(one)).collect()
         }
     });
@@ -163,7 +163,9 @@ fn costs(
             };
             Ok(Ok(generated.operations.into_iter().map(cost).collect()))
         }
-        Err(found) if found.iter().all(|one| one.code == Code::TooLarge) => Ok(Err(found)),
-        Err(found) => Err(found),
+        Err(diagnostics) if diagnostics.iter().all(|one| one.code == Code::TooLarge) => {
+            Ok(Err(diagnostics))
+        }
+        Err(diagnostics) => Err(diagnostics),
     }
 }

@@ -42,8 +42,8 @@ pub fn page(inspection: &Inspection) -> String {
         section(&mut out, "Contacts", &contacts(model));
     }
     if !model.keyframes().is_empty() {
-        let names = model.keyframes().iter().map(|key| sanitize_for_display(&key.name));
-        let names: Vec<_> = names.collect();
+        let shown = model.keyframes().iter().map(|key| sanitize_for_display(&key.name));
+        let names: Vec<_> = shown.collect();
         section(&mut out, "Keyframes", &paragraph(&names.join(", ")));
     }
     section(&mut out, "Moving links, with the links fixed to them (kg, m, kg m^2)", &links(model));

@@ -1,5 +1,7 @@
 //! The equations of motion of a simulated robot, and one step of them.
 
+use modyn_runtime::equations::constraints::{ConstrainedOutputs, ProjectionOutputs};
+use modyn_runtime::equations::{self, ForwardInput};
 use modyn_runtime::model::{Friction, Model};
 use modyn_runtime::simulate::Residual;
 use modyn_runtime::spatial::{Twist, Wrench};
@@ -82,9 +84,9 @@ impl<'a> Dynamics<'a> {
     /// Returns the equations of motion under these joint forces, with the ground and the joint
     /// limits.
     pub fn new(model: &Model, torques: &'a Torques, unilateral: Options) -> Result<Self, Failure> {
-        let smooth = (model.friction() != Friction::None)
+        let without_friction = (model.friction() != Friction::None)
             .then(|| model.clone().with_friction(Friction::None).map(Interpreter::new));
-        let smooth = smooth.transpose().map_err(|errors| Failure::usage(&errors[0]))?;
+        let smooth = without_friction.transpose().map_err(|errors| Failure::usage(&errors[0]))?;
         let interpreter = Interpreter::new(model.clone());
         let tau = vec![0.0; model.nv()];
         let count = model.constraints();
@@ -150,9 +152,8 @@ impl<'a> Dynamics<'a> {
     pub fn impulse_step(&mut self, time: f64, dt: f64, state: &State) -> Result<State, FrameError> {
         self.set_torques(time);
         let State { q, qd, energy: [work, dissipated] } = state;
-        let motion = (&**q, &**qd, &*self.tau);
         let settings = &self.constraint_settings;
-        let step = self.impulses.step(&mut self.interpreter, motion, settings, dt)?;
+        let step = self.impulses.step(&mut self.interpreter, q, qd, &self.tau, settings, dt)?;
         self.lowest = self.lowest.min(step.lowest);
         self.residual = self.residual.max(step.residual);
         self.forces = step.forces;
@@ -178,16 +179,17 @@ impl<'a> Dynamics<'a> {
         let State { q, qd, .. } = &closed;
         let mut rates = State { q: vec![0.0; q.len()], qd: vec![0.0; qd.len()], energy: [0.0; 2] };
         self.interpreter.velocity_to_qdot(q, qd, &mut rates.q)?;
-        let into = (&mut *rates.qd, &mut *self.constraints.0, &mut *self.constraints.1);
         if has_loops {
-            let state = (q.as_slice(), qd.as_slice(), self.tau.as_slice());
+            let (wrenches, residuals) = &mut self.constraints;
+            let outputs = ConstrainedOutputs { qdd: &mut rates.qd, wrenches, residuals };
+            let input = ForwardInput { q, qd, tau: &self.tau };
             let settings = &self.constraint_settings;
             let robot = &mut self.interpreter;
             let exact =
-                robot.constrained_forward_dynamics(state, &self.inactive, settings, into)?;
+                robot.constrained_forward_dynamics(input, &self.inactive, settings, outputs)?;
             self.ranks.push(Ranks { exact, firm });
         } else {
-            self.interpreter.forward_dynamics(q, qd, &self.tau, into.0)?;
+            self.interpreter.forward_dynamics(q, qd, &self.tau, &mut rates.qd)?;
         }
         rates.energy = [power(&self.tau, qd), self.friction_power(q, qd)?];
         Ok(rates)
@@ -197,9 +199,14 @@ impl<'a> Dynamics<'a> {
     /// small.
     fn firm_rows(&mut self, State { q, qd, .. }: &State) -> Result<f64, ShapeError> {
         let settings = ConstraintSettings { tolerance: FIRM, ..self.constraint_settings.clone() };
-        let into = (&mut *vec![0.0; qd.len()], &mut *vec![0.0; qd.len()]);
-        let firm =
-            self.interpreter.project_constraints((q, qd), &self.inactive, &settings, into)?;
+        let outputs =
+            ProjectionOutputs { dq: &mut vec![0.0; qd.len()], dqd: &mut vec![0.0; qd.len()] };
+        let firm = self.interpreter.project_constraints(
+            equations::State { q, qd },
+            &self.inactive,
+            &settings,
+            outputs,
+        )?;
         self.usual = self.usual.max(firm);
         Ok(firm)
     }
@@ -223,8 +230,13 @@ impl<'a> Dynamics<'a> {
         for _ in 0..PROJECTIONS {
             let [dq, dqd] = &mut change;
             let settings = &self.constraint_settings;
-            let motion = (&*state.q, &*state.qd);
-            self.interpreter.project_constraints(motion, &self.inactive, settings, (dq, dqd))?;
+            let open = equations::State { q: &state.q, qd: &state.qd };
+            self.interpreter.project_constraints(
+                open,
+                &self.inactive,
+                settings,
+                ProjectionOutputs { dq, dqd },
+            )?;
             let q = state.q.clone();
             self.interpreter.integrate(&q, dq, &mut state.q)?;
             state.qd.iter_mut().zip(dqd).for_each(|(v, d)| *v += *d);

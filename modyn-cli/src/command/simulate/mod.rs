@@ -97,10 +97,10 @@ struct Numbers(Vec<f64>);
 /// Simulates, and writes the requested files.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let description = arguments.robot.open()?;
-    let options = arguments.robot.options.read_options();
-    let options = ReadOptions { shapes: arguments.html.is_some(), ..options.clone() };
-    let reading = description.read(&options);
-    let reading = reading.map_err(|found| description.failure(found))?;
+    let given = arguments.robot.options.read_options();
+    let options = ReadOptions { shapes: arguments.html.is_some(), ..given.clone() };
+    let read = description.read(&options);
+    let reading = read.map_err(|diagnostics| description.failure(diagnostics))?;
     let mut inputs = description.inputs(Some(&reading));
     inputs.extend(arguments.torques.clone());
     description.warn(Diagnostics::new(reading.warnings));
@@ -113,7 +113,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = arguments.settings(&model)?;
     let (q, qd) = motion::closed(&model, arguments.start(&model)?)?;
     let mut progress = Progress::start("simulating");
-    let motion = Motion::simulate(&model, (q, qd), &torques, &settings)?;
+    let motion = Motion::simulate(&model, q, qd, &torques, &settings)?;
     progress.stop();
     if let Some(path) = &arguments.csv {
         to_file(path, &table::of(&model, &motion)?, &inputs)?;
@@ -184,8 +184,8 @@ impl Arguments {
             None => Ok(None),
         };
         let q = given("q", &self.q, model.coordinate_names())?;
-        let qd = given("qd", &self.qd, model.velocity_names())?;
-        let qd = qd.unwrap_or_else(|| vec![0.0; model.nv()]);
+        let given = given("qd", &self.qd, model.velocity_names())?;
+        let qd = given.unwrap_or_else(|| vec![0.0; model.nv()]);
         let is_placed = q.is_some() || self.ground.is_none();
         let mut q = motion::place(model, q, self.random)?;
         if !is_placed {
@@ -215,7 +215,8 @@ fn summary(model: &Model, motion: &Motion, limits: bool) -> String {
     }
     if motion.lowest.is_finite() || limits {
         out += &format!(
-            "the impulses of a step leave velocities wrong by at most {:.1e} m/s at contacts and {:.1e} rad/s or m/s at joint \
+            "the impulses of a step leave velocities wrong by at most {:.1e} m/s at contacts and \
+             {:.1e} rad/s or m/s at joint \
              stops\n",
             motion.residual.contacts, motion.residual.stops
         );
@@ -223,16 +224,16 @@ fn summary(model: &Model, motion: &Motion, limits: bool) -> String {
     if let Some(singular) = &motion.singular {
         out += &format!("{singular}; the linkage stays in its assembly\n");
     }
-    let (found, remark) = match limits {
+    let (joints, remark) = match limits {
         true => (
             contradictory_limits(model),
             "mimic joints whose limits contradict their leaders', and are not enforced",
         ),
         false => (motion.beyond_limits(model), "beyond their limits, which are not enforced"),
     };
-    if !found.is_empty() {
-        let shown = &found[..found.len().min(MAX_NAMES)];
-        let more = match found.len() - shown.len() {
+    if !joints.is_empty() {
+        let shown = &joints[..joints.len().min(MAX_NAMES)];
+        let more = match joints.len() - shown.len() {
             0 => String::new(),
             more => format!(" and {more} more"),
         };

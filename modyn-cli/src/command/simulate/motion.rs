@@ -47,7 +47,8 @@ impl Motion {
     /// Returns the motion from these coordinates and velocities on.
     pub fn simulate(
         model: &Model,
-        (q, qd): (Vec<f64>, Vec<f64>),
+        q: Vec<f64>,
+        qd: Vec<f64>,
         torques: &Torques,
         settings: &Settings,
     ) -> Result<Self, Failure> {
@@ -160,7 +161,8 @@ pub fn place(
 /// Returns the coordinates and velocities with the loops closed, or the reason why they cannot be
 /// closed.
 pub fn closed(model: &Model, state: (Vec<f64>, Vec<f64>)) -> Result<(Vec<f64>, Vec<f64>), Failure> {
-    match close_loops(model, state) {
+    let (q, qd) = state;
+    match close_loops(model, q, qd) {
         Ok(state) => Ok(state),
         Err(OpenLoop::Shape(error)) => Err(Failure::usage(format!("error: {error}"))),
         Err(OpenLoop::Constraint(constraint)) => Err(Failure::Negative(format!(

@@ -60,7 +60,8 @@ pub fn of(model: &Model, motion: &Motion) -> String {
         top = draw_energies(&mut body, &energies, &times, end, top);
     }
     format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {top:.0}\" width=\"{WIDTH}\" height=\"{top:.0}\" \
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {top:.0}\" \
+         width=\"{WIDTH}\" height=\"{top:.0}\" \
          font-family=\"Helvetica, Arial, sans-serif\" fill=\"{INK}\" role=\"img\">\n\
          <title>A motion of {name}</title>\n\
          <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n\
@@ -386,9 +387,9 @@ mod tests {
         assert_eq!(ticks(0.0, 2.0, 4), [0.0, 0.5, 1.0, 1.5, 2.0]);
         assert_eq!(ticks(-0.3, 0.7, 4), [0.0, 0.5]);
         for (low, high) in [(-1e60, 1e60), (1e90, 1.000_000_1e90), (-1.0, 1.0), (1e-300, 1e-299)] {
-            let found = ticks(low, high, 4);
-            assert!(found.len() <= 5, "{found:?}");
-            assert!(found.iter().all(|x| (low..=high).contains(x)), "{low} {high} {found:?}");
+            let marks = ticks(low, high, 4);
+            assert!(marks.len() <= 5, "{marks:?}");
+            assert!(marks.iter().all(|x| (low..=high).contains(x)), "{low} {high} {marks:?}");
         }
     }
 }

@@ -30,13 +30,13 @@ impl Torques {
         let bad = |line: u64, message: String| {
             Failure::usage(format!("error: {name}:{line}: {}", sanitize_for_display(&message)))
         };
-        let reader = ReaderBuilder::new()
+        let opened = ReaderBuilder::new()
             .has_headers(false)
             .flexible(true)
             .trim(Trim::All)
             .comment(Some(b'#'))
             .from_path(path);
-        let mut reader = reader
+        let mut reader = opened
             .map_err(|error| Failure::usage(format!("error: `{name}` cannot be read: {error}")))?;
         let names = model.velocity_names();
         let mut columns: Vec<usize> = (0..names.len()).collect();
@@ -49,14 +49,14 @@ impl Torques {
                 continue;
             }
             if record.len() != columns.len() + 1 {
-                let found = record.len();
+                let cells = record.len();
                 let count = columns.len();
                 let expected =
-                    format!("expected a time and {count} torques, there are {found} cells");
+                    format!("expected a time and {count} torques, there are {cells} cells");
                 return Err(bad(line, expected));
             }
-            let numbers: Result<Vec<f64>, String> = record.iter().map(number).collect();
-            let numbers = numbers.map_err(|message| bad(line, message))?;
+            let parsed: Result<Vec<f64>, String> = record.iter().map(number).collect();
+            let numbers = parsed.map_err(|message| bad(line, message))?;
             if torques.times.last().is_some_and(|&last| numbers[0] <= last) {
                 return Err(bad(line, "times must ascend".into()));
             }
@@ -99,19 +99,21 @@ impl Torques {
 /// Returns the velocity of each column.
 fn columns_by_name(head: &StringRecord, names: &[String]) -> Result<Vec<usize>, String> {
     let mut columns = Vec::new();
-    for found in head.iter().skip(1) {
+    for heading in head.iter().skip(1) {
         // Tables of `modyn simulate` have the unit after the name.
-        let bare =
-            found.strip_suffix(" (N m)").or_else(|| found.strip_suffix(" (N)")).unwrap_or(found);
-        let bare = bare.strip_prefix("tau ").unwrap_or(bare);
+        let without_unit = heading
+            .strip_suffix(" (N m)")
+            .or_else(|| heading.strip_suffix(" (N)"))
+            .unwrap_or(heading);
+        let bare = without_unit.strip_prefix("tau ").unwrap_or(without_unit);
         let column = names.iter().position(|name| name == bare || cell(name) == bare);
         match column {
             Some(column) if columns.contains(&column) => {
-                return Err(format!("`{found}` is there twice"));
+                return Err(format!("`{heading}` is there twice"));
             }
             Some(column) => columns.push(column),
             None => {
-                return Err(format!("`{found}` is no velocity; there are: {}", names.join(", ")));
+                return Err(format!("`{heading}` is no velocity; there are: {}", names.join(", ")));
             }
         }
     }
@@ -131,9 +133,9 @@ mod tests {
             torques.at(time, &mut tau);
             tau[0]
         };
-        let found = [-1.0, 0.0, 0.5, 1.0, 2.0, 3.0, 9.0].map(at);
+        let places = [-1.0, 0.0, 0.5, 1.0, 2.0, 3.0, 9.0].map(at);
         let expected = [0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 4.0];
-        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-15), "{found:?}");
+        assert!(places.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-15), "{places:?}");
         let mut tau = [f64::NAN];
         Torques::none().at(1.0, &mut tau);
         assert_eq!(tau, [0.0]);

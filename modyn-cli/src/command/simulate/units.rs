@@ -46,15 +46,19 @@ pub fn velocities(model: &Model) -> Vec<Kind> {
 }
 
 fn kinds(model: &Model, components: fn(JointType) -> &'static [&'static str]) -> Vec<Kind> {
-    let own = model.links().iter().map(|link| &link.joint).filter(|joint| joint.mimic.is_none());
+    let independent =
+        model.links().iter().map(|link| &link.joint).filter(|joint| joint.mimic.is_none());
     let kind = |joint_type, component: &&str| match *component {
         "" if joint_type == JointType::Prismatic => Kind::Displacement,
         "x" | "y" | "z" | "vx" | "vy" | "vz" => Kind::Displacement,
         "qx" | "qy" | "qz" | "qw" => Kind::Quaternion,
         _ => Kind::Angle,
     };
-    own.flat_map(|joint| {
-        components(joint.joint_type).iter().map(move |component| kind(joint.joint_type, component))
-    })
-    .collect()
+    independent
+        .flat_map(|joint| {
+            components(joint.joint_type)
+                .iter()
+                .map(move |component| kind(joint.joint_type, component))
+        })
+        .collect()
 }

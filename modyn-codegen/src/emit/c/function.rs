@@ -101,22 +101,24 @@ impl Printer {
             }
             if let Some(products) = products {
                 let operand = |operand: &Operand| body.operand(operand);
-                products::print(&mut text, (products, &program.results), self, &operand);
+                products::print(&mut text, products, &program.results, self, &operand);
             }
             let mut unread = String::new();
             let calls = k == last && last > 0;
             let first = program.first_stores.iter().map(|&i| program.stored(i));
             let outputs = program.read_last().chain(first).filter(|_| k == last).copied();
-            let read = arguments_read(program, chunk, outputs, &lengths);
+            let arguments = arguments_read(program, chunk, outputs, &lengths);
             let read = |name: &str| {
-                read.iter().any(|&i| given[i].name == name) || calls || name.starts_with("chunk")
+                arguments.iter().any(|&i| given[i].name == name)
+                    || calls
+                    || name.starts_with("chunk")
             };
             for array in arrays.iter().filter(|array| !read(&array.name)) {
                 let _ = writeln!(unread, "    (void){};", array.name);
             }
-            let stores = chunk.statements.clone().flat_map(|s| &program.statements[s].stores);
+            let entries = chunk.statements.clone().flat_map(|s| &program.statements[s].stores);
             let stores: BTreeSet<String> =
-                stores.filter_map(|&i| Some(place(program, i)?.0)).collect();
+                entries.filter_map(|&i| Some(place(program, i)?.0)).collect();
             for Array { name, .. } in &written {
                 let is_written =
                     if name == "out" { !stored.is_empty() } else { stores.contains(name) };

@@ -15,9 +15,9 @@ impl Printer {
             let constants = routine.constants;
             let reads = routine.program.arguments - constants;
             let arrays = [("table", constants), ("read", reads)];
-            let arrays = arrays.iter().filter(|(_, len)| *len > 0);
+            let nonempty = arrays.iter().filter(|(_, len)| *len > 0);
             let arrays: Vec<Parameter> =
-                arrays.map(|&(name, len)| Parameter { name: name.into(), len }).collect();
+                nonempty.map(|&(name, len)| Parameter { name: name.into(), len }).collect();
             let results = routine.program.results.len();
             let name = format!("{name}_routine{number}");
             self.function("static ", &name, &arrays, results, &routine.program);
@@ -42,13 +42,14 @@ impl Printer {
         };
         let line = |numbers: Vec<String>| format!("    {{ {} }}", numbers.join(", "));
         if constants > 0 {
-            let rows = table.rows.iter();
-            let rows = rows.map(|row| row.constants.iter().map(|&x| literal(x, float)).collect());
+            let table_rows = table.rows.iter();
+            let rows =
+                table_rows.map(|row| row.constants.iter().map(|&x| literal(x, float)).collect());
             print(real, name, constants, rows.map(line).collect());
         }
         if places > 0 {
-            let rows = table.rows.iter();
-            let rows = rows.map(|row| row.places.iter().map(usize::to_string).collect());
+            let table_rows = table.rows.iter();
+            let rows = table_rows.map(|row| row.places.iter().map(usize::to_string).collect());
             print(index_type(table), &format!("{name}_places"), places, rows.map(line).collect());
         }
     }

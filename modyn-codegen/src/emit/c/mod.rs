@@ -188,10 +188,11 @@ impl Printer {
             let _ = writeln!(self.header, "/* {docs} */\n#define {upper}_{name} {value}");
         }
         let links: Vec<&str> = model.frames().iter().map(|frame| frame.name.as_str()).collect();
-        let links = names::fields(&links, &[]);
-        let links = links.iter().enumerate();
-        let links = links.map(|(i, name)| format!("{upper}_LINK_{} = {i}", name.to_uppercase()));
-        let links = links.collect::<Vec<_>>().join(",\n    ");
+        let fields = names::fields(&links, &[]);
+        let links = fields.iter().enumerate();
+        let constants =
+            links.map(|(i, name)| format!("{upper}_LINK_{} = {i}", name.to_uppercase()));
+        let links = constants.collect::<Vec<_>>().join(",\n    ");
         let _ = writeln!(
             self.header,
             "/* Links, in the description's order. */\nenum {{\n    {links}\n}};\n"
@@ -205,9 +206,12 @@ impl Printer {
         let numbers: Vec<String> = numbers.iter().map(|&x| literal(x, self.float)).collect();
         let _ = writeln!(
             self.header,
-            "/* The parameters that functions `.._with` take, by default as in the description: the acceleration of free\n   \
-             fall if that is one; then for each link with a run-time inertia its mass, centre of mass, and inertia Ixx, Ixy,\n   \
-             Ixz, Iyy, Iyz, Izz about that in the link's axes; then the same of each payload, by default none. Nothing\n   \
+            "/* The parameters that functions `.._with` take, by default as in the description: \
+             the acceleration of free\n   \
+             fall if that is one; then for each link with a run-time inertia its mass, centre of \
+             mass, and inertia Ixx, Ixy,\n   \
+             Ixz, Iyy, Iyz, Izz about that in the link's axes; then the same of each payload, by \
+             default none. Nothing\n   \
              checks them. */\n\
              #define {upper}_PARAMETERS {count}\nextern const {real} {}_default_parameters[{count}];\n",
             self.prefix
@@ -265,8 +269,8 @@ impl Printer {
                 self.function("", &item.own_name(), arguments, result.len(), program);
             }
             Programs::ByLink(programs) => {
-                let (own, shared) = programs.split_at(frames.links_with_own_program().count());
-                for (link, program) in frames.links_with_own_program().zip(own) {
+                let (known, shared) = programs.split_at(frames.links_with_own_program().count());
+                for (link, program) in frames.links_with_own_program().zip(known) {
                     let name = format!("{name}_{link}");
                     self.function("static ", &name, arguments, result.len(), program);
                 }
@@ -295,12 +299,12 @@ impl Printer {
                 format!("    {}({names}, out);\n", item.own_name())
             }
             Programs::ByLink(_) => {
-                let own = frames.links_with_own_program().count();
+                let known_count = frames.links_with_own_program().count();
                 let case = |(i, link): (usize, &LinkProgram)| match link.placement {
                     None => format!("    case {i}U: {name}_{i}({names}, out); return 1;\n"),
                     Some(row) => format!(
                         "    case {i}U: {name}_on_{}({names}, {table}[{row}], out); return 1;\n",
-                        link.program - own
+                        link.program - known_count
                     ),
                 };
                 let cases: String = frames.programs().iter().enumerate().map(case).collect();
@@ -345,10 +349,10 @@ impl Printer {
             if by_link { " Returns 0 and writes nothing if there is no such link." } else { "" };
         let docs = format!("/* {docs}\n   {layout}{link} */\n");
         let all = arguments.len();
-        let own = arguments.len() - usize::from(item.with_parameters);
+        let without_parameters = arguments.len() - usize::from(item.with_parameters);
         let out = self.output(result.len());
         let (returned, link) = if by_link { ("int", "unsigned int link, ") } else { ("void", "") };
-        let mut forms = vec![(name.clone(), own)];
+        let mut forms = vec![(name.clone(), without_parameters)];
         if item.with_parameters {
             forms.push((format!("{name}_with"), all));
         }
@@ -370,9 +374,9 @@ impl Printer {
         for (head, count) in self.declarations(item) {
             let defaults = format!("{}_default_parameters", self.prefix);
             let names = arguments.iter().enumerate();
-            let names =
+            let passed_names =
                 names.map(|(i, a)| if i < count { a.name.clone() } else { defaults.clone() });
-            let names = names.collect::<Vec<_>>().join(", ");
+            let names = passed_names.collect::<Vec<_>>().join(", ");
             if item.programs.are_one() && count == arguments.len() {
                 continue;
             }

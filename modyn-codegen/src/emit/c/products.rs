@@ -16,7 +16,8 @@ pub(super) fn arrays(products: &Products) -> impl Iterator<Item = Array> {
 /// Prints the statements that add products to the stored results.
 pub(super) fn print(
     text: &mut String,
-    (products, results): (&Products, &[Operand]),
+    products: &Products,
+    results: &[Operand],
     printer: &Printer,
     operand: &dyn Fn(&Operand) -> String,
 ) {
@@ -56,7 +57,8 @@ pub(super) fn print(
         for Range { start, end } in &block.terms {
             let _ = writeln!(
                 text,
-                "            for (k = {start}; k < {end}; k++) {{\n                {is_row} {{{added} }}\n            }}"
+                "            for (k = {start}; k < {end}; k++) {{\n                {is_row} \
+                 {{{added} }}\n            }}"
             );
         }
         for (m, targets) in products.targets.iter().enumerate() {
@@ -91,7 +93,8 @@ pub(super) fn print(
     for first in products.transposed() {
         let _ = writeln!(
             text,
-            "    {{\n        int i, j;\n        for (j = 0; j < {n}; j++) {{\n            for (i = 0; i <= j; i++) {{\n                \
+            "    {{\n        int i, j;\n        for (j = 0; j < {n}; j++) {{\n            for (i = \
+             0; i <= j; i++) {{\n                \
              const {real} sum = out[{first} + {n} * j + i] + out[{first} + {n} * i + j];\n                \
              out[{first} + {n} * j + i] = sum;\n                out[{first} + {n} * i + j] = sum;\n            \
              }}\n        }}\n    }}"

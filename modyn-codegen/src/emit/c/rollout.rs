@@ -30,16 +30,18 @@ impl Printer {
         };
         let _ = writeln!(
             self.header,
-            "/* Moves the state `q`, `qd` by `steps` steps of `{}`. `controls` has {nv} joint forces for each step.\n   \
-             `trajectory` receives {state} numbers for each step, q and qd after it; it may be null.{impulses} */\n{head};\n",
+            "/* Moves the state `q`, `qd` by `steps` steps of `{}`. `controls` has {nv} joint \
+             forces for each step.\n   \
+             `trajectory` receives {state} numbers for each step, q and qd after it; it may be \
+             null.{impulses} */\n{head};\n",
             step.name
         );
         let forces = format!("&controls[step * {nv}]");
-        let arguments = step.arguments.iter().map(|array| match &*array.name {
+        let passed = step.arguments.iter().map(|array| match &*array.name {
             "tau" => &*forces,
             name => name,
         });
-        let arguments = arguments.collect::<Vec<&str>>().join(", ");
+        let arguments = passed.collect::<Vec<&str>>().join(", ");
         let mut text = format!(
             "{head}\n{{\n    {real} next[{}];\n    unsigned int step;\n    int i;\n    \
              for (step = 0; step < steps; ++step) {{\n        {}({arguments}, next);\n",

@@ -32,7 +32,8 @@ impl Backend for Casadi {
 
     fn plan(
         &self,
-        (model, modules): (&Model, &ModuleTree),
+        model: &Model,
+        modules: &ModuleTree,
         choices: &Choices,
         _: &EmitOptions,
     ) -> Result<Plan, TooLong> {
@@ -111,11 +112,13 @@ fn print(robot: &PlannedRobot<'_>) -> String {
     let mut printer = Printer::new(&prefix, FloatType::F64);
     let mut patterns = Patterns::default();
     for function in functions {
-        print_function(&mut printer, &mut patterns, (&function.full_name(&prefix), function));
+        print_function(&mut printer, &mut patterns, &function.full_name(&prefix), function);
     }
     format!(
-        "/* Dynamics of a robot, compiled by modyn for CasADi. SI units, radians; gravity {:?} m/s^2 in world axes.\n   \
-         Vectors are in the order of the description's joints, depth first. Quaternions of any length but 0 are scaled to\n   \
+        "/* Dynamics of a robot, compiled by modyn for CasADi. SI units, radians; gravity {:?} \
+         m/s^2 in world axes.\n   \
+         Vectors are in the order of the description's joints, depth first. Quaternions of any \
+         length but 0 are scaled to\n   \
          length 1; one of length 0 is the identity, without derivatives. Results must not overlap inputs. */\n\
          #include <math.h>\n\n{HEAD}{}{}\
          /* The inputs that are null. */\nstatic const double modyn_zeros[{zeros}] = {{ 0 }};\n\n{}",
@@ -156,12 +159,13 @@ impl Patterns {
 fn print_function(
     printer: &mut Printer,
     patterns: &mut Patterns,
-    (name, function): (&str, &CasadiFunction),
+    name: &str,
+    function: &CasadiFunction,
 ) {
     let CasadiFunction { docs, inputs, outputs, program, .. } = function;
-    let given = inputs.iter().filter(|input| !input.is_empty());
+    let nonempty = inputs.iter().filter(|input| !input.is_empty());
     let given: Vec<Array> =
-        given.map(|input| Array { name: input.name.clone(), len: input.len() }).collect();
+        nonempty.map(|input| Array { name: input.name.clone(), len: input.len() }).collect();
     let results: usize = outputs.iter().map(CasadiMatrix::len).sum();
     if results > 0 {
         printer.function("static ", &format!("{name}_values"), &given, results, program);
@@ -173,7 +177,8 @@ fn print_function(
     }
     let _ = writeln!(
         text,
-        "CASADI_SYMBOL_EXPORT int {name}(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem)\n{{"
+        "CASADI_SYMBOL_EXPORT int {name}(const casadi_real** arg, casadi_real** res, casadi_int* \
+         iw, casadi_real* w, int mem)\n{{"
     );
     *text += &body(name, inputs, outputs);
     *text += "}\n\n";
@@ -185,16 +190,17 @@ fn print_function(
             "CASADI_SYMBOL_EXPORT casadi_int {name}_n_{end}(void) {{ return {count}; }}\n"
         );
         let case = |(i, value): (usize, String)| format!("    case {i}: return {value};\n");
-        let names = matrices.iter().map(|matrix| format!("\"{}\"", matrix.name));
-        let names: String = names.enumerate().map(case).collect();
-        let sparsities = matrices.iter().map(|matrix| patterns.name(matrix));
-        let sparsities: String = sparsities.enumerate().map(case).collect();
-        for (of, kind, cases) in
+        let quoted = matrices.iter().map(|matrix| format!("\"{}\"", matrix.name));
+        let names: String = quoted.enumerate().map(case).collect();
+        let patterns_of_matrices = matrices.iter().map(|matrix| patterns.name(matrix));
+        let sparsities: String = patterns_of_matrices.enumerate().map(case).collect();
+        for (what, kind, cases) in
             [("name", "const char*", names), ("sparsity", "const casadi_int*", sparsities)]
         {
             let _ = writeln!(
                 text,
-                "CASADI_SYMBOL_EXPORT {kind} {name}_{of}_{end}(casadi_int i)\n{{\n    switch (i) {{\n{cases}    default: return 0;\n    }}\n}}\n"
+                "CASADI_SYMBOL_EXPORT {kind} {name}_{what}_{end}(casadi_int i)\n{{\n    switch (i) \
+                 {{\n{cases}    default: return 0;\n    }}\n}}\n"
             );
         }
     }
@@ -208,7 +214,8 @@ fn print_function(
         let end = if in_bytes { "_bytes" } else { "" };
         let _ = writeln!(
             text,
-            "CASADI_SYMBOL_EXPORT int {name}_work{end}(casadi_int* sz_arg, casadi_int* sz_res, casadi_int* sz_iw, casadi_int* sz_w)\n{{"
+            "CASADI_SYMBOL_EXPORT int {name}_work{end}(casadi_int* sz_arg, casadi_int* sz_res, \
+             casadi_int* sz_iw, casadi_int* sz_w)\n{{"
         );
         for (array, size, kind) in sizes {
             let factor =
@@ -236,9 +243,9 @@ fn nonempty(matrices: &[CasadiMatrix]) -> impl Iterator<Item = (usize, &CasadiMa
 /// Returns the body of a function: a call on the inputs, and copies of the results that are wanted.
 fn body(name: &str, inputs: &[CasadiMatrix], outputs: &[CasadiMatrix]) -> String {
     let mut text = String::from("    (void)iw;\n    (void)mem;\n");
-    let given =
+    let pointers =
         nonempty(inputs).map(|(i, _)| format!("(arg[{i}] != 0) ? arg[{i}] : modyn_zeros, "));
-    let given: String = given.collect();
+    let given: String = pointers.collect();
     let results: Vec<(usize, &CasadiMatrix)> = nonempty(outputs).collect();
     if given.is_empty() || results.is_empty() {
         text += "    (void)arg;\n";
@@ -255,8 +262,8 @@ fn body(name: &str, inputs: &[CasadiMatrix], outputs: &[CasadiMatrix]) -> String
             );
         }
         several => {
-            let none = several.iter().map(|(k, _)| format!("(res[{k}] == 0)"));
-            let none = none.collect::<Vec<_>>().join(" && ");
+            let null_checks = several.iter().map(|(k, _)| format!("(res[{k}] == 0)"));
+            let none = null_checks.collect::<Vec<_>>().join(" && ");
             let _ = writeln!(
                 text,
                 "    int i;\n    if ({none}) {{\n        return 0;\n    }}\n    {name}_values({given}w);"
@@ -266,7 +273,8 @@ fn body(name: &str, inputs: &[CasadiMatrix], outputs: &[CasadiMatrix]) -> String
                 let len = matrix.len();
                 let _ = writeln!(
                     text,
-                    "    if (res[{k}] != 0) {{\n        for (i = 0; i < {len}; i++) {{ res[{k}][i] = w[{first} + i]; }}\n    }}"
+                    "    if (res[{k}] != 0) {{\n        for (i = 0; i < {len}; i++) {{ res[{k}][i] \
+                     = w[{first} + i]; }}\n    }}"
                 );
                 first += len;
             }

@@ -57,8 +57,8 @@ impl Cuda {
     /// Returns the parameters for the arguments and the result, from the index of the state on.
     fn parameters(&self, kernel: &GpuKernel) -> Vec<String> {
         let real = self.real();
-        let arguments = kernel.arguments.iter();
-        let arguments = arguments.map(|a| format!("const {real} *__restrict__ {}", a.name));
+        let arrays = kernel.arguments.iter();
+        let arguments = arrays.map(|a| format!("const {real} *__restrict__ {}", a.name));
         arguments.chain([format!("{real} *__restrict__ out")]).collect()
     }
 }
@@ -127,7 +127,7 @@ impl Dialect for Cuda {
     fn chunk(
         &self,
         kernel: &GpuKernel,
-        own: usize,
+        number: usize,
         live_in: &[usize],
         _: &[usize],
         body: &str,
@@ -136,23 +136,29 @@ impl Dialect for Cuda {
         let mut parameters = self.parameters(kernel);
         parameters.extend(self.count().map(|n| format!("size_t {n}")));
         parameters.extend(live_in.iter().map(|k| format!("const {real} *__restrict__ chunk{k}")));
-        parameters.push(format!("{real} *__restrict__ chunk{own}"));
+        parameters.push(format!("{real} *__restrict__ chunk{number}"));
         format!(
-            "static __device__ __noinline__ void {}_chunk{own}({})\n{{\n{body}}}\n\n",
+            "static __device__ __noinline__ void {}_chunk{number}({})\n{{\n{body}}}\n\n",
             kernel.name,
             parameters.join(", ")
         )
     }
 
-    fn call(&self, kernel: &GpuKernel, own: usize, live_in: &[usize], values: &[usize]) -> String {
-        let buffers = kernel.arguments.iter().map(|argument| argument.name.clone());
-        let buffers = buffers.chain(["out".into()]).chain(self.count().map(String::from));
-        let chunks = live_in.iter().chain([&own]).map(|k| format!("chunk{k}"));
+    fn call(
+        &self,
+        kernel: &GpuKernel,
+        number: usize,
+        live_in: &[usize],
+        values: &[usize],
+    ) -> String {
+        let names = kernel.arguments.iter().map(|argument| argument.name.clone());
+        let buffers = names.chain(["out".into()]).chain(self.count().map(String::from));
+        let chunks = live_in.iter().chain([&number]).map(|k| format!("chunk{k}"));
         let arguments: Vec<String> = buffers.chain(chunks).collect();
         format!(
-            "    {} chunk{own}[{}];\n    {}_chunk{own}({});\n",
+            "    {} chunk{number}[{}];\n    {}_chunk{number}({});\n",
             self.real(),
-            values[own].max(1),
+            values[number].max(1),
             kernel.name,
             arguments.join(", ")
         )
@@ -171,7 +177,8 @@ impl Dialect for Cuda {
             let _ = writeln!(head, "    {} += state;", argument.name);
         }
         format!(
-            "{docs}extern \"C\" __global__ void __launch_bounds__({BLOCK}, 1) {}({parameters}, unsigned int count)\n{{\n\
+            "{docs}extern \"C\" __global__ void __launch_bounds__({BLOCK}, 1) {}({parameters}, \
+             unsigned int count)\n{{\n\
              {THREAD}{head}    out += state;\n{body}}}\n\n",
             kernel.name,
         )

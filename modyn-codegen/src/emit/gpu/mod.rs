@@ -159,14 +159,20 @@ trait Dialect {
     fn chunk(
         &self,
         kernel: &GpuKernel,
-        own: usize,
+        number: usize,
         live_in: &[usize],
         values: &[usize],
         body: &str,
     ) -> String;
 
     /// Returns the statements by which the kernel calls a chunk.
-    fn call(&self, kernel: &GpuKernel, own: usize, live_in: &[usize], values: &[usize]) -> String;
+    fn call(
+        &self,
+        kernel: &GpuKernel,
+        number: usize,
+        live_in: &[usize],
+        values: &[usize],
+    ) -> String;
 
     /// Returns the kernel with this body; a function on a thread's own arrays, if [`Storage::Own`].
     fn kernel(&self, kernel: &GpuKernel, docs: &str, body: &str) -> String;
@@ -261,8 +267,10 @@ fn head(dialect: &dyn Dialect, model: &Model, prefix: &str) -> String {
     let [x, y, z] = model.gravity();
     let mut text = format!(
         "// Dynamics of a robot, compiled by modyn: a kernel a function, a thread a state. SI units, radians;\n\
-         // gravity ({x:?}, {y:?}, {z:?}) m/s^2 in world axes. Scalar j of state i of n states is number j n + i of its\n\
-         // buffer. Vectors are in the order of the description's joints, depth first; matrices are arrays of columns.\n"
+         // gravity ({x:?}, {y:?}, {z:?}) m/s^2 in world axes. Scalar j of state i of n states is \
+         number j n + i of its\n\
+         // buffer. Vectors are in the order of the description's joints, depth first; matrices \
+         are arrays of columns.\n"
     );
     text += &list("Coordinates q", &model.coordinate_names());
     text += &list("Velocities qd, accelerations and joint forces", &model.velocity_names());
@@ -290,15 +298,15 @@ fn list(title: &str, names: &[impl AsRef<str>]) -> String {
 
 /// Returns the kernels of all functions.
 fn kernels<'a>(plan: &'a Plan, model: &Model, prefix: &str) -> Vec<Kernel<'a>> {
-    let links: Vec<&str> = model.frames().iter().map(|frame| frame.name.as_str()).collect();
-    let links = names::fields(&links, &[]);
+    let frames: Vec<&str> = model.frames().iter().map(|frame| frame.name.as_str()).collect();
+    let links = names::fields(&frames, &[]);
     let placements: Vec<[f64; Frames::PLACEMENT]> = plan.frames.placements().collect();
     let mut kernels = Vec::new();
     for planned in plan.functions.iter().filter(|planned| !planned.result.is_empty()) {
         let name = format!("{prefix}_{}", planned.name);
         match &planned.kernels {
             Kernels::Straight { scalar, .. } => {
-                kernels.push(kernel(planned, (name, None), scalar, Vec::new()));
+                kernels.push(kernel(planned, name, None, scalar, Vec::new()));
             }
             Kernels::ByLink(programs) => {
                 for (link, LinkProgram { program, placement }) in
@@ -306,8 +314,9 @@ fn kernels<'a>(plan: &'a Plan, model: &Model, prefix: &str) -> Vec<Kernel<'a>> {
                 {
                     let placement_numbers =
                         placement.map_or(Vec::new(), |row| placements[row].to_vec());
-                    let named = (format!("{name}_{}", links[link]), Some(link));
-                    kernels.push(kernel(planned, named, &programs[*program], placement_numbers));
+                    let own_name = format!("{name}_{}", links[link]);
+                    let program = &programs[*program];
+                    kernels.push(kernel(planned, own_name, Some(link), program, placement_numbers));
                 }
             }
             Kernels::Poses { .. } => unreachable!("threads share no poses"),
@@ -318,7 +327,8 @@ fn kernels<'a>(plan: &'a Plan, model: &Model, prefix: &str) -> Vec<Kernel<'a>> {
 
 fn kernel<'a>(
     planned: &Planned,
-    (name, link): (String, Option<usize>),
+    name: String,
+    link: Option<usize>,
     program: &'a Program,
     placement_numbers: Vec<f64>,
 ) -> Kernel<'a> {
@@ -337,7 +347,7 @@ fn kernel<'a>(
         result: planned.result.len(),
         statements: program.statements.len(),
     };
-    let docs = planned.docs.replace('\n', "\n// ");
-    let docs = format!("// {docs}\n// `out`: {}.\n", planned.result.in_words());
+    let lines = planned.docs.replace('\n', "\n// ");
+    let docs = format!("// {lines}\n// `out`: {}.\n", planned.result.in_words());
     Kernel { description, docs, program, placement_numbers }
 }

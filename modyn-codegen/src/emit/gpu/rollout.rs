@@ -171,12 +171,13 @@ pub(in crate::emit) fn print(
         Some((&kernel.description, planned.rollout()?))
     });
     let contacts = sizes.contacts;
-    let steps =
+    let rollouts_of_table =
         of_table.map(|(step, rollout)| match step.function == Function::ContactStep.name() {
             true => Step::Ground { step, contacts, rollout },
             false => Step::Free { step, rollout },
         });
-    let steps: Vec<Step<'_>> = steps.chain(constrained.map(Step::Constrained)).collect();
+    let steps: Vec<Step<'_>> =
+        rollouts_of_table.chain(constrained.map(Step::Constrained)).collect();
     let has_settings = steps.iter().any(|step| step.contacts().is_some());
     let settings = if has_settings { settings_count(contacts) } else { 0 };
     let optional = [
@@ -192,8 +193,8 @@ pub(in crate::emit) fn print(
     ];
     let buffers: Vec<RolloutBuffer> =
         optional.into_iter().filter_map(|(buffer, has)| has.then_some(buffer)).collect();
-    let shared = dialect.shared_buffers().iter().filter(|buffer| buffers.contains(buffer));
-    let shared: Vec<String> = shared.map(|buffer| dialect.buffer(*buffer)).collect();
+    let used_buffers = dialect.shared_buffers().iter().filter(|buffer| buffers.contains(buffer));
+    let shared: Vec<String> = used_buffers.map(|buffer| dialect.buffer(*buffer)).collect();
     let mut rollouts = Vec::new();
     let mut loops = String::new();
     for step in &steps {
@@ -280,12 +281,12 @@ fn constrained_step<'a>(
     plan: &Plan,
     options: &RolloutOptions,
 ) -> Option<ConstrainedStep<'a>> {
-    let of = |function: Function| {
+    let kernel_of = |function: Function| {
         let mut all = kernels.iter().map(|kernel| &kernel.description);
         all.find(|kernel| kernel.function == function.name())
     };
-    let dynamics = of(Function::ConstrainedForwardDynamics)?;
-    let integrate = of(Function::Integrate)?;
+    let dynamics = kernel_of(Function::ConstrainedForwardDynamics)?;
+    let integrate = kernel_of(Function::Integrate)?;
     let contacts = plan.sizes.contacts;
     let loops = plan.sizes.constraints - contacts;
     let step = ConstrainedStep { dynamics, integrate, loops, contacts };
@@ -295,8 +296,10 @@ fn constrained_step<'a>(
 /// Returns the documentation of a kernel.
 fn docs(options: &RolloutOptions) -> String {
     let mut text = String::from(
-        "// Integrates the motion of one state in each thread, over many steps. Rollout i starts from initial state i modulo\n\
-         // `starts`. Number j of step k of n rollouts is number (k size + j) n + i of `controls` and of `trajectory`. `out`\n\
+        "// Integrates the motion of one state in each thread, over many steps. Rollout i starts \
+         from initial state i modulo\n\
+         // `starts`. Number j of step k of n rollouts is number (k size + j) n + i of `controls` \
+         and of `trajectory`. `out`\n\
          // and the sets of `trajectory` are the coordinates, then the velocities, after a step.\n",
     );
     if options.cost.is_some() {
@@ -319,8 +322,12 @@ fn body(
         (0..len).map(|j| format!("{buffer}[{}]", place(j))).collect::<Vec<String>>()
     };
     let in_step = |size: usize| move |j: usize| format!("(step * {size} + {j}) * n + state");
-    let arguments = |own: &[&str]| {
-        own.iter().map(|name| String::from(*name)).chain(shared.iter().cloned()).collect::<Vec<_>>()
+    let arguments = |names: &[&str]| {
+        names
+            .iter()
+            .map(|name| String::from(*name))
+            .chain(shared.iter().cloned())
+            .collect::<Vec<_>>()
     };
     let start = |j: usize| format!("{j} * starts + start");
     let states = [("q", RolloutBuffer::StartQ, nq), ("qd", RolloutBuffer::StartQd, nv)];
@@ -356,14 +363,14 @@ fn body(
     let state = |j: usize| if j < nq { format!("q[{j}]") } else { format!("qd[{}]", j - nq) };
     match step {
         Step::Free { step, .. } => {
-            let of_step = ["q", "qd", forces, "dt"].map(String::from).into_iter();
-            let of_step: Vec<String> = of_step.chain(passed(step)).collect();
+            let names = ["q", "qd", forces, "dt"].map(String::from).into_iter();
+            let of_step: Vec<String> = names.chain(passed(step)).collect();
             line(dialect.call_into("next", nq + nv, &step.name, &of_step));
             (0..nq + nv).for_each(|j| line(format!("{} = next[{j}];", state(j))));
         }
         Step::Ground { step, contacts, .. } => {
-            let of_step = ["q", "qd", forces, "dt", "impulses", "settings"].map(String::from);
-            let of_step: Vec<String> = of_step.into_iter().chain(passed(step)).collect();
+            let names = ["q", "qd", forces, "dt", "impulses", "settings"].map(String::from);
+            let of_step: Vec<String> = names.into_iter().chain(passed(step)).collect();
             line(dialect.call_into("next", step.result, &step.name, &of_step));
             (0..nq + nv).for_each(|j| line(format!("{} = next[{j}];", state(j))));
             let first = nq + nv;

@@ -179,14 +179,14 @@ impl Dialect for Wgsl {
     fn chunk(
         &self,
         kernel: &GpuKernel,
-        own: usize,
+        number: usize,
         live_in: &[usize],
         values: &[usize],
         body: &str,
     ) -> String {
-        let chunks = live_in.iter().chain([&own]);
-        let chunks =
-            chunks.map(|&k| format!(", chunk{k}: ptr<function, array<f32, {}>>", values[k].max(1)));
+        let read_chunks = live_in.iter().chain([&number]);
+        let chunks = read_chunks
+            .map(|&k| format!(", chunk{k}: ptr<function, array<f32, {}>>", values[k].max(1)));
         let of_state = match self.storage {
             Storage::Buffers => "n: u32, state: u32".into(),
             Storage::Own => {
@@ -195,25 +195,32 @@ impl Dialect for Wgsl {
             }
         };
         format!(
-            "fn {}_chunk{own}({of_state}{}) {{\n{body}}}\n\n",
+            "fn {}_chunk{number}({of_state}{}) {{\n{body}}}\n\n",
             kernel.name,
             chunks.collect::<String>()
         )
     }
 
-    fn call(&self, kernel: &GpuKernel, own: usize, live_in: &[usize], values: &[usize]) -> String {
-        let chunks: String = live_in.iter().chain([&own]).map(|k| format!(", &chunk{k}")).collect();
+    fn call(
+        &self,
+        kernel: &GpuKernel,
+        number: usize,
+        live_in: &[usize],
+        values: &[usize],
+    ) -> String {
+        let chunks: String =
+            live_in.iter().chain([&number]).map(|k| format!(", &chunk{k}")).collect();
         let of_state = match self.storage {
             Storage::Buffers => "n, state".into(),
             Storage::Own => {
-                let own = kernel.arguments.iter().filter(|argument| !argument.common);
-                let names = own.map(|argument| argument.name.as_str()).chain(["&out"]);
+                let buffers = kernel.arguments.iter().filter(|argument| !argument.common);
+                let names = buffers.map(|argument| argument.name.as_str()).chain(["&out"]);
                 names.collect::<Vec<&str>>().join(", ")
             }
         };
         format!(
-            "    var chunk{own}: array<f32, {}>;\n    {}_chunk{own}({of_state}{chunks});\n",
-            values[own].max(1),
+            "    var chunk{number}: array<f32, {}>;\n    {}_chunk{number}({of_state}{chunks});\n",
+            values[number].max(1),
             kernel.name
         )
     }
@@ -320,8 +327,8 @@ impl Dialect for Wgsl {
 
 /// Returns the parameters of a function on a thread's own arrays.
 fn parameters(kernel: &GpuKernel) -> Vec<String> {
-    let own = kernel.arguments.iter().filter(|argument| !argument.common);
-    own.map(|argument| format!("{}: array<f32, {}>", argument.name, argument.len)).collect()
+    let buffers = kernel.arguments.iter().filter(|argument| !argument.common);
+    buffers.map(|argument| format!("{}: array<f32, {}>", argument.name, argument.len)).collect()
 }
 
 /// Returns the first lines of a kernel, for a number of states.

@@ -54,7 +54,8 @@ impl Backend for Matlab {
     /// Straight-line code: a loop or a call of a routine takes the interpreter longer.
     fn plan(
         &self,
-        (model, modules): (&Model, &ModuleTree),
+        model: &Model,
+        modules: &ModuleTree,
         choices: &Choices,
         options: &EmitOptions,
     ) -> Result<Plan, TooLong> {
@@ -124,7 +125,8 @@ struct Printer<'a> {
 impl Printer<'_> {
     /// Returns the file of a function.
     fn function(&self, planned: &Planned) -> File {
-        let of_plan = planned.arguments.iter().map(|(own, shape)| Argument::new(own.name, shape));
+        let of_plan =
+            planned.arguments.iter().map(|(argument, shape)| Argument::new(argument.name, shape));
         let given: Vec<Argument> = of_plan.filter(|argument| argument.len > 0).collect();
         let names: Vec<&str> = given.iter().map(|argument| argument.name.as_str()).collect();
         let mut parameters = names.clone();
@@ -147,18 +149,20 @@ impl Printer<'_> {
             let Argument { name, len, .. } = argument;
             let _ = writeln!(text, "    {name} = reshape({name}, {len}, []);");
         }
-        let passed: Vec<&str> = arguments.iter().map(|(name, _)| name.as_str()).collect();
-        let passed = passed.join(", ");
+        let names: Vec<&str> = arguments.iter().map(|(name, _)| name.as_str()).collect();
+        let passed = names.join(", ");
         match &planned.kernels {
             Kernels::Straight { scalar, .. } => {
                 locals.program("compute", &arguments, scalar);
                 let _ = writeln!(text, "    out = compute({passed});");
             }
             Kernels::ByLink(programs) => {
-                let own = self.frames.links_with_own_program().count();
+                let known_count = self.frames.links_with_own_program().count();
                 for (k, program) in programs.iter().enumerate() {
                     let mut arguments = arguments.clone();
-                    arguments.extend((k >= own).then(|| ("placement".into(), Frames::PLACEMENT)));
+                    arguments.extend(
+                        (k >= known_count).then(|| ("placement".into(), Frames::PLACEMENT)),
+                    );
                     locals.program(&format!("compute{k}"), &arguments, program);
                 }
                 text += "    switch link\n";
@@ -187,23 +191,23 @@ impl Printer<'_> {
                     self.frames.programs().iter().enumerate()
                 {
                     let rows = |k: usize| format!("{}:{}", pose * k + 1, pose * (k + 1));
-                    let own = format!("poses({}, :)", rows(*program));
+                    let rows_of_pose = format!("poses({}, :)", rows(*program));
                     let value = match placement {
-                        None => own,
-                        Some(_) => format!("placed({own}{})", self.placement(*placement)),
+                        None => rows_of_pose,
+                        Some(_) => format!("placed({rows_of_pose}{})", self.placement(*placement)),
                     };
                     let _ = writeln!(text, "    out({}, :) = {value};", rows(link));
                 }
             }
         }
-        self.file((planned.name, planned.docs), &parameters, (&planned.result, &text), &locals)
+        self.file(planned.name, planned.docs, &parameters, &planned.result, &text, &locals)
     }
 
     /// Returns the file of a function of the mass matrix's factors.
     fn factors(&self, function: &FactorFunction) -> File {
-        let given = function.arguments.iter();
+        let declared = function.arguments.iter();
         let given: Vec<Argument> =
-            given.map(|(own, shape)| Argument::new(own.name, shape)).collect();
+            declared.map(|(argument, shape)| Argument::new(argument.name, shape)).collect();
         let arguments: Vec<(String, usize)> =
             given.iter().map(|argument| (argument.name.clone(), argument.len)).collect();
         let names: Vec<&str> = given.iter().map(|argument| argument.name.as_str()).collect();
@@ -211,15 +215,17 @@ impl Printer<'_> {
         locals.program("compute", &arguments, &function.program);
         let text = format!("    out = compute({});\n", names.join(", "));
         let name = format!("{}_{}", Function::Brge.name(), function.name);
-        self.file((&name, function.docs), &names, (&function.result, &text), &locals)
+        self.file(&name, function.docs, &names, &function.result, &text, &locals)
     }
 
     /// Returns the file of a function with this body, which computes the numbers of its result.
     fn file(
         &self,
-        (name, docs): (&str, &str),
+        name: &str,
+        docs: &str,
         parameters: &[&str],
-        (result, body): (&Shape, &str),
+        result: &Shape,
+        body: &str,
         locals: &Locals,
     ) -> File {
         let mut docs = docs.replace('\n', "\n%   ");
@@ -231,7 +237,8 @@ impl Printer<'_> {
             value => format!("    out = {value};\n"),
         };
         let text = format!(
-            "function out = {name}({})\n%{} {docs}\n%   Numbers of the result: {}. Arguments and results have a column for each state.\n\
+            "function out = {name}({})\n%{} {docs}\n%   Numbers of the result: {}. Arguments and \
+             results have a column for each state.\n\
              {body}{value}end\n{}{}",
             parameters.join(", "),
             name.to_uppercase(),
@@ -246,7 +253,8 @@ impl Printer<'_> {
     fn default_parameters(&self, numbers: &[f64]) -> File {
         let numbers: Vec<String> = numbers.iter().map(|&x| literal(x)).collect();
         let text = format!(
-            "function params = default_parameters()\n%DEFAULT_PARAMETERS Returns the run-time parameters of the description.\n    \
+            "function params = default_parameters()\n%DEFAULT_PARAMETERS Returns the run-time \
+             parameters of the description.\n    \
              params = [{}];\nend\n",
             numbers.join("; ")
         );
@@ -272,11 +280,11 @@ fn value(shape: &Shape, first: usize, whole: bool) -> String {
     };
     match shape {
         Shape::Scalar => rows,
-        Shape::Array(of, _, _) if **of == Shape::Scalar => rows,
-        Shape::Array(of, n, Elements::Rows) => {
-            format!("permute(reshape({rows}, {}, {n}, []), [2 1 3])", of.len())
+        Shape::Array(element, _, _) if **element == Shape::Scalar => rows,
+        Shape::Array(element, n, Elements::Rows) => {
+            format!("permute(reshape({rows}, {}, {n}, []), [2 1 3])", element.len())
         }
-        Shape::Array(of, n, _) => format!("reshape({rows}, {}, {n}, [])", of.len()),
+        Shape::Array(element, n, _) => format!("reshape({rows}, {}, {n}, [])", element.len()),
         Shape::Record(record, _) if record.result_type().is_none() => rows,
         Shape::Record(_, fields) => {
             let mut first = first;

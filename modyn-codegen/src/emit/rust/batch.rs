@@ -95,11 +95,11 @@ impl Robot<'_> {
         let name = name(quantity);
         let result = result_name(quantity);
         let outputs = outputs(quantity);
-        let of = |form| move |p: &&Parameter| p.batch_form() == form;
-        let own = || quantity.parameters.iter().filter(of(BatchForm::Numbers));
-        let sets = || quantity.parameters.iter().filter(of(BatchForm::Sets));
-        let shared = || quantity.parameters.iter().filter(of(BatchForm::Shared));
-        let all = || own().chain(sets()).chain(&outputs);
+        let has_form = |form| move |p: &&Parameter| p.batch_form() == form;
+        let number_arguments = || quantity.parameters.iter().filter(has_form(BatchForm::Numbers));
+        let sets = || quantity.parameters.iter().filter(has_form(BatchForm::Sets));
+        let shared = || quantity.parameters.iter().filter(has_form(BatchForm::Shared));
+        let all = || number_arguments().chain(sets()).chain(&outputs);
         let mut table: Vec<String> = all().map(|p| self.argument(p)).collect();
         if matches!(quantity.shape, Shape::Struct { .. }) {
             // In the form over slices of states, the result is one argument.
@@ -112,8 +112,8 @@ impl Robot<'_> {
             table_name(quantity),
             table.join(", ")
         );
-        let summary: Vec<&str> = quantity.docs.lines().collect();
-        let summary = summary.join("\n/// ");
+        let lines: Vec<&str> = quantity.docs.lines().collect();
+        let summary = lines.join("\n/// ");
         let columns = |p: &Parameter, reference: &str| {
             format!("{}: {}", p.name, p.shape.type_of(&format!("{reference}[{float}]")))
         };
@@ -129,7 +129,7 @@ impl Robot<'_> {
             .map(|p| format!("    let {} = {};\n", p.shape.value(&numbered(p)), p.name))
             .collect();
         let list = |names: Vec<String>| format!("[{}]", names.join(", "));
-        let inputs = list(own().flat_map(numbered).collect());
+        let inputs = list(number_arguments().flat_map(numbered).collect());
         let flags = list(sets().flat_map(numbered).collect());
         let results = list(outputs.iter().flat_map(numbered).collect());
         // A function without sets of contacts has no flags.
@@ -149,11 +149,11 @@ impl Robot<'_> {
         };
         let mut by_states: Vec<String> = quantity.parameters.iter().map(of_state).collect();
         by_states.push(format!("{result}: &mut [{}]", quantity.shape.type_of(float)));
-        let flat = |p: &Parameter| match p.shape {
+        let flattened = |p: &Parameter| match p.shape {
             Shape::Scalar => p.name.into(),
             _ => format!("{}.as_flattened()", p.name),
         };
-        let mut flat = list(own().map(flat).collect());
+        let mut flat = list(number_arguments().map(flattened).collect());
         if has_sets {
             let of_set = |p: &Parameter| match p.shape.len() {
                 0 => format!("{}, |()| []", p.name),
@@ -188,7 +188,8 @@ impl Robot<'_> {
                 format!(
                     "/// {summary}\n///\n/// {docs}{for_all}\n///\n/// # Errors\n///\n\
                      /// If the arguments hold different numbers of states.\n\
-                     pub fn {name}_{suffix}{with}({first}{}) -> ::core::result::Result<(), __modyn::BatchError> {{\n{body}}}\n",
+                     pub fn {name}_{suffix}{with}({first}{}) -> ::core::result::Result<(), \
+                     __modyn::BatchError> {{\n{body}}}\n",
                     arguments.join(", ")
                 )
             };
@@ -196,7 +197,8 @@ impl Robot<'_> {
             *text += &form(
                 "batch",
                 &by_columns,
-                "Computes many states: each slice holds one entry for each state. Results are written to the last arguments.",
+                "Computes many states: each slice holds one entry for each state. Results are \
+                 written to the last arguments.",
                 &format!(
                     "{unpacked}    __modyn::batch::run{flagged}({kernel}, {inputs}, {outputs})\n"
                 ),
@@ -204,7 +206,8 @@ impl Robot<'_> {
             let parallel = form(
                 "batch_par",
                 &by_columns,
-                "Computes many states on all cores: each slice holds one entry for each state. Results are written to the\n/// last arguments.",
+                "Computes many states on all cores: each slice holds one entry for each state. \
+                 Results are written to the\n/// last arguments.",
                 &format!(
                     "{unpacked}    __modyn::batch::run_parallel{flagged}({kernel}, {inputs}, {outputs})\n"
                 ),
@@ -320,10 +323,10 @@ fn slices(value: &str, shape: &Shape, lets: &mut Vec<String>) -> Vec<String> {
             let fields = fields.iter().zip(places);
             fields.flat_map(|((_, field), place)| slices(&place, field, lets)).collect()
         }
-        Shape::Array(of, n) if has_structures(of) => {
+        Shape::Array(element, n) if has_structures(element) => {
             let names: Vec<String> = (0..*n).map(|i| format!("e{}_{i}", lets.len())).collect();
             lets.push(format!("let [{}] = &mut {value};", names.join(", ")));
-            names.iter().flat_map(|name| slices(&format!("(*{name})"), of, lets)).collect()
+            names.iter().flat_map(|name| slices(&format!("(*{name})"), element, lets)).collect()
         }
         Shape::Scalar => vec![slice_of(&format!("&mut {value}"), shape)],
         Shape::Array(..) => vec![slice_of(value, shape)],
@@ -333,8 +336,8 @@ fn slices(value: &str, shape: &Shape, lets: &mut Vec<String>) -> Vec<String> {
 /// Returns whether a value is an array of `n` numbers, or an array of such arrays.
 fn ends_in(shape: &Shape, n: usize) -> bool {
     match shape {
-        Shape::Array(of, own) if matches!(**of, Shape::Scalar) => *own == n,
-        Shape::Array(of, _) => ends_in(of, n),
+        Shape::Array(element, length) if matches!(**element, Shape::Scalar) => *length == n,
+        Shape::Array(element, _) => ends_in(element, n),
         Shape::Scalar | Shape::Struct { .. } => false,
     }
 }
@@ -343,7 +346,7 @@ fn ends_in(shape: &Shape, n: usize) -> bool {
 fn has_structures(shape: &Shape) -> bool {
     match shape {
         Shape::Scalar => false,
-        Shape::Array(of, _) => has_structures(of),
+        Shape::Array(element, _) => has_structures(element),
         Shape::Struct { .. } => true,
     }
 }
@@ -351,8 +354,8 @@ fn has_structures(shape: &Shape) -> bool {
 /// Returns all entries of `value`, a place or a reference, as a mutable slice.
 fn slice_of(value: &str, shape: &Shape) -> String {
     match shape {
-        Shape::Array(of, _) => {
-            format!("{value}.as_mut_slice(){}", ".as_flattened_mut()".repeat(depth(of)))
+        Shape::Array(element, _) => {
+            format!("{value}.as_mut_slice(){}", ".as_flattened_mut()".repeat(depth(element)))
         }
         _ => format!("::core::slice::from_mut({value})"),
     }
@@ -361,7 +364,7 @@ fn slice_of(value: &str, shape: &Shape) -> String {
 /// Returns the nesting depth of arrays.
 fn depth(shape: &Shape) -> usize {
     match shape {
-        Shape::Array(of, _) => 1 + depth(of),
+        Shape::Array(element, _) => 1 + depth(element),
         _ => 0,
     }
 }

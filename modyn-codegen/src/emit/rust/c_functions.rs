@@ -43,10 +43,12 @@ impl Robot<'_> {
         let mut lets = String::new();
         for parameter in &quantity.parameters {
             if parameter.is_contacts() {
-                let of = self.contacts_type();
+                let contacts_type = self.contacts_type();
                 arguments.push(match parameter.shape.is_empty() {
-                    true => of,
-                    false => format!("{of}::from_array({}.map(|x| x != 0.0))", parameter.name),
+                    true => contacts_type,
+                    false => {
+                        format!("{contacts_type}::from_array({}.map(|x| x != 0.0))", parameter.name)
+                    }
                 });
             } else if matches!(parameter.shape, Shape::Scalar) {
                 arguments.push(format!("{}[0]", parameter.name));
@@ -62,7 +64,8 @@ impl Robot<'_> {
         if by_link {
             parameters.push("link: usize".into());
             arguments.push("link".into());
-            notes += "///\n/// `link` is an index in the description's order. Returns false, and writes nothing, if there is no such link.\n";
+            notes += "///\n/// `link` is an index in the description's order. Returns false, and \
+                      writes nothing, if there is no such link.\n";
         }
         let returned = match (scalar, by_link) {
             (true, _) => format!(" -> {float}"),
@@ -132,7 +135,7 @@ impl Shape {
     fn has_runtime_structures(&self) -> bool {
         match self {
             Self::Scalar => false,
-            Self::Array(of, _) => of.has_runtime_structures(),
+            Self::Array(element, _) => element.has_runtime_structures(),
             Self::Struct { path, fields, .. } => {
                 path.starts_with("__modyn")
                     || fields.iter().any(|(_, field)| field.has_runtime_structures())

@@ -39,14 +39,17 @@ impl Robot<'_> {
              pub const JOINT_NAMES: [&'static str; {}] = {joints:?};\n\
              /// The names of all links of the description, in its order.\n\
              pub const LINK_NAMES: [&'static str; {links}] = {link_names:?};\n\
-             /// For each link of `LINK_NAMES`, the index there of its parent: for a moving link, the moving link that its\n\
+             /// For each link of `LINK_NAMES`, the index there of its parent: for a moving link, \
+             the moving link that its\n\
              /// joint is on; for a link that is fixed to a moving link, that link. `None` is the world.\n\
              pub const LINK_PARENTS: [::core::option::Option<usize>; {links}] = [{link_parents}];\n\
-             /// The name of each entry of `q`: the joint's name, and the component for joints with several coordinates.\n\
+             /// The name of each entry of `q`: the joint's name, and the component for joints \
+             with several coordinates.\n\
              pub const COORDINATE_NAMES: [&'static str; {nq}] = {:?};\n\
              /// The name of each entry of `qd`.\n\
              pub const VELOCITY_NAMES: [&'static str; {nv}] = {:?};\n\
-             /// The quaternions in `q`, which must have length 1: each joint's name, and the index in `q` of the quaternion's\n\
+             /// The quaternions in `q`, which must have length 1: each joint's name, and the \
+             index in `q` of the quaternion's\n\
              /// x.\n\
              pub const QUATERNIONS: [(&'static str, usize); {}] = {quaternions:?};\n\
              /// The neutral coordinates: zero for every joint, the identity for quaternions.\n\
@@ -92,8 +95,10 @@ impl Robot<'_> {
             let OperationCount { multiplications, additions, divisions, sin_cos, others } = count;
             let _ = writeln!(
                 text,
-                "/// The operations of a call of `{quantity}`; for a function of one link, those of the most expensive link.\n\
-                 pub const {}_OPERATIONS: __modyn::OperationCount = __modyn::OperationCount {{ multiplications: {multiplications}, \
+                "/// The operations of a call of `{quantity}`; for a function of one link, those \
+                 of the most expensive link.\n\
+                 pub const {}_OPERATIONS: __modyn::OperationCount = __modyn::OperationCount {{ \
+                 multiplications: {multiplications}, \
                  additions: {additions}, divisions: {divisions}, sin_cos: {sin_cos}, others: {others} }};",
                 quantity.to_uppercase()
             );
@@ -156,12 +161,12 @@ impl Robot<'_> {
 
     /// Prints limits, armature, damping and friction, by coordinate or velocity.
     fn limits(&self, text: &mut String) {
-        let own = || {
+        let independent = || {
             let links = self.model.links().iter().enumerate();
             links.filter(|(_, link)| link.joint.mimic.is_none())
         };
         let list = |length: fn(&Link) -> usize, number: &dyn Fn(usize, &Link) -> f64| {
-            let numbers: Vec<String> = own()
+            let numbers: Vec<String> = independent()
                 .flat_map(|(i, link)| std::iter::repeat_n(number(i, link), length(link)))
                 .map(|x| match x {
                     x if x == f64::INFINITY => "f64::INFINITY".into(),
@@ -214,14 +219,14 @@ fn constant_name(keyframe: &str, text: &str) -> String {
         "LIMITS",
         "MODULES",
     ];
-    let own = names::snake(keyframe).to_ascii_uppercase();
+    let constant = names::snake(keyframe).to_ascii_uppercase();
     let is_taken = |name: &str| {
         LATER.contains(&name)
             || name.ends_with("_OPERATIONS")
             || text.contains(&format!("pub const {name}: "))
     };
-    let numbered = (2..).map(|n| format!("{own}_KEYFRAME_{n}"));
-    let mut all = [own.clone(), format!("{own}_KEYFRAME")].into_iter().chain(numbered);
+    let numbered = (2..).map(|n| format!("{constant}_KEYFRAME_{n}"));
+    let mut all = [constant.clone(), format!("{constant}_KEYFRAME")].into_iter().chain(numbered);
     all.find(|name| !is_taken(name)).unwrap_or_default()
 }
 

@@ -28,8 +28,8 @@ impl Robot<'_> {
         }
         let name = self.name;
         let vis = &self.options.visibility;
-        let fields = names::fields(&names, &[]).into_iter().zip(&names);
-        let fields: Vec<String> = fields
+        let named = names::fields(&names, &[]).into_iter().zip(&names);
+        let fields: Vec<String> = named
             .map(|(field, contact)| {
                 format!(
                     "    /// Whether contact {} is active.\n    pub {field}: bool,\n",
@@ -53,7 +53,7 @@ impl Robot<'_> {
     pub(super) fn contact_functions(&self, text: &mut String) {
         let names = self.contact_names();
         let count = names.len();
-        let of = self.contacts_type();
+        let contacts_type = self.contacts_type();
         if count == 0 {
             return;
         }
@@ -70,7 +70,7 @@ impl Robot<'_> {
         };
         let _ = writeln!(
             text,
-            "impl {of} {{\n\
+            "impl {contacts_type} {{\n\
              /// No contact is active.\n\
              pub const NONE: Self = Self {{ {} }};\n\
              /// All contacts are active.\n\
@@ -92,7 +92,7 @@ impl Robot<'_> {
         if !self.options.self_contained {
             let _ = writeln!(
                 text,
-                "impl __modyn::ContactSet for {of} {{\n\
+                "impl __modyn::ContactSet for {contacts_type} {{\n\
                  const NONE: Self = Self::NONE;\nconst ALL: Self = Self::ALL;\n}}\n"
             );
         }

@@ -17,7 +17,8 @@ impl Robot<'_> {
         text: &mut String,
         quantity: &Quantity<'_>,
         parameters: &[Parameter],
-        (scalars, vectors): (&Program, &Program),
+        scalars: &Program,
+        vectors: &Program,
     ) {
         let name = quantity.name;
         let shape = &quantity.shape;
@@ -31,7 +32,7 @@ impl Robot<'_> {
             parameters.iter().map(|p| p.typed("T").replace('&', "&'a ")).collect();
         let typed: Vec<String> = parameters.iter().map(|p| p.typed("T")).collect();
         let names: Vec<&str> = parameters.iter().map(|p| p.name).collect();
-        let own: Vec<String> = names.iter().map(|name| format!("self.{name}")).collect();
+        let self_fields: Vec<String> = names.iter().map(|name| format!("self.{name}")).collect();
         let unpacked: Vec<String> =
             parameters.iter().map(|p| format!("    {}\n", unpacked(p))).collect();
         let ones: Vec<String> = parameters.iter().map(ones).collect();
@@ -55,7 +56,7 @@ impl Robot<'_> {
             unpacked.concat(),
             "_, ".repeat(types),
             ones.join(", "),
-            own.join(", "),
+            self_fields.join(", "),
             typed.join(", "),
         );
     }

@@ -147,12 +147,15 @@ fn joints(lines: &mut String, model: &Model) {
     for (i, link) in model.links().iter().enumerate() {
         let parent =
             link.parent.map_or_else(|| "the base".into(), |p| code(&model.links()[p].name));
-        let kind = link.joint.joint_type.name();
+        let type_name = link.joint.joint_type.name();
         let kind = match &link.joint.mimic {
-            None => kind.to_string(),
+            None => type_name.to_string(),
             Some(mimic) => {
                 let leader = code(&model.links()[mimic.leader].joint.name);
-                format!("{kind}, mimics {leader}: {:?} q + {:?}", mimic.multiplier, mimic.offset)
+                format!(
+                    "{type_name}, mimics {leader}: {:?} q + {:?}",
+                    mimic.multiplier, mimic.offset
+                )
             }
         };
         let _ = writeln!(

@@ -143,7 +143,7 @@ fn write_folder(text: &mut String, folder: &str, files: &[&str], exported: &str)
 
 /// Prints one file of the runtime as a module.
 fn write_module(text: &mut String, path: &[&str]) {
-    let source = match path {
+    let whole_source = match path {
         ["float", "native"] => NATIVE,
         _ => SOURCES
             .iter()
@@ -151,7 +151,7 @@ fn write_module(text: &mut String, path: &[&str]) {
             .map_or("", |s| s.text),
     };
     // Tests, examples and items for features are left out.
-    let source = source.split("\n#[cfg(test)]\n").next().unwrap_or_default();
+    let source = whole_source.split("\n#[cfg(test)]\n").next().unwrap_or_default();
     let root = vec!["super"; path.len()].join("::");
     let indent = "    ".repeat(path.len());
     let inner = "    ".repeat(path.len() + 1);
@@ -170,8 +170,8 @@ fn write_module(text: &mut String, path: &[&str]) {
         if example || line.trim_start().starts_with("#[cfg_attr(feature") {
             continue;
         }
-        let line = line.replace("crate::", &format!("{root}::"));
-        let line = line.replace("use core::", &format!("use {root}::__core::"));
+        let renamed = line.replace("crate::", &format!("{root}::"));
+        let line = renamed.replace("use core::", &format!("use {root}::__core::"));
         let _ = writeln!(text, "{}", format!("{inner}{line}").trim_end());
     }
     let _ = writeln!(text, "{indent}}}\n");

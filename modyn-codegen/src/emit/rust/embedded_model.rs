@@ -69,13 +69,13 @@ impl Robot<'_> {
                 contact.name, contact.kind, contact.end
             )
         }));
-        let keyframes = model.keyframes().iter().map(|keyframe| {
+        let entries = model.keyframes().iter().map(|keyframe| {
             format!(
                 "__modyn::model::Keyframe {{ name: {:?}.into(), q: {:?}.into() }}",
                 keyframe.name, keyframe.q
             )
         });
-        let keyframes = match list(keyframes).as_str() {
+        let keyframes = match list(entries).as_str() {
             "[]" => String::new(),
             list => format!(".and_then(|model| model.with_keyframes({list}.into()))\n        "),
         };

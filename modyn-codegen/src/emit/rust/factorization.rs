@@ -44,7 +44,8 @@ impl Robot<'_> {
         }
         let _ = writeln!(
             text,
-            "/// Returns the solution x of M x = `rhs`, with the mass matrix M, by the three steps of equation 60 of the\n\
+            "/// Returns the solution x of M x = `rhs`, with the mass matrix M, by the three steps \
+             of equation 60 of the\n\
              /// paper.\n\
              #[must_use]\n\
              pub fn solve(&self, rhs: &{vector}) -> {vector} {{\n    solve(&self.factors, rhs)\n}}"
@@ -90,7 +91,8 @@ impl Robot<'_> {
             .collect();
         let _ = writeln!(
             text,
-            "/// Returns the condition number (2-norm) of each module's pivot block, by a fixed number of Jacobi sweeps;\n\
+            "/// Returns the condition number (2-norm) of each module's pivot block, by a fixed \
+             number of Jacobi sweeps;\n\
              /// infinite where it exceeds the scalar's precision.\n\
              #[must_use]\n\
              pub fn condition_numbers(&self) -> [T; {}] {{\n    [{}]\n}}\n\

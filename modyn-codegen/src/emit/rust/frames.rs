@@ -29,8 +29,8 @@ impl Robot<'_> {
         let float = self.options.scalar;
         let name = quantity.name;
         let mut parameters = quantity.all_parameters();
-        let (own, shared) = programs.split_at(frames.links_with_own_program().count());
-        for (link, program) in frames.links_with_own_program().zip(own) {
+        let (known, shared) = programs.split_at(frames.links_with_own_program().count());
+        for (link, program) in frames.links_with_own_program().zip(known) {
             let name = format!("{name}_{link}");
             *text += &function(&name, &parameters, &quantity.shape, program, float);
         }
@@ -59,7 +59,8 @@ impl Robot<'_> {
         &self,
         text: &mut String,
         quantity: &Quantity<'_>,
-        (bodies, placed): (&Program, &Program),
+        bodies: &Program,
+        placed: &Program,
     ) {
         let frames = &self.plan.frames;
         let float = self.options.scalar;
@@ -74,13 +75,14 @@ impl Robot<'_> {
             None => format!("bodies[{program}],\n"),
             Some(row) => format!("{name}_placed(&bodies[{program}], &{TABLE}[{row}]),\n"),
         };
-        let poses = frames.programs().iter().map(pose);
-        let poses: String = poses.collect();
+        let each = frames.programs().iter().map(pose);
+        let poses: String = each.collect();
         let typed: Vec<String> = parameters.iter().map(|p| p.typed("T")).collect();
         let names: Vec<&str> = parameters.iter().map(|p| p.name).collect();
         let _ = writeln!(
             text,
-            "fn {name}<T: __modyn::Scalar>({}) -> {} {{\n    let bodies = {name}_of_bodies({});\n    [\n{poses}    ]\n}}\n",
+            "fn {name}<T: __modyn::Scalar>({}) -> {} {{\n    let bodies = \
+             {name}_of_bodies({});\n    [\n{poses}    ]\n}}\n",
             typed.join(", "),
             quantity.shape.type_of("T"),
             names.join(", "),
@@ -91,11 +93,11 @@ impl Robot<'_> {
     pub(super) fn placements(&self, text: &mut String) {
         let frames = &self.plan.frames;
         let float = self.options.scalar;
-        let rows = frames.placements().map(|numbers| {
+        let lines = frames.placements().map(|numbers| {
             let numbers: Vec<String> = numbers.iter().map(|&x| literal(x, float)).collect();
             format!("[{}],\n", numbers.join(", "))
         });
-        let rows: String = rows.collect();
+        let rows: String = lines.collect();
         let _ = writeln!(
             text,
             "static {TABLE}: [[{}; {}]; {}] = [\n{rows}];\n",

@@ -113,8 +113,8 @@ impl Printer<'_> {
         self.scopes(text, chunk);
         let products = self.program.products.as_ref();
         let before = products.map(|products| products.before(&self.program.results));
-        let results = before.as_ref().unwrap_or(&self.program.results).iter();
-        let results = results.map(|result| self.number(result));
+        let operands = before.as_ref().unwrap_or(&self.program.results).iter();
+        let results = operands.map(|result| self.number(result));
         let value = match execution {
             Execution::Batch => String::new(),
             _ => self.result.value(&results.collect::<Vec<_>>()),
@@ -189,14 +189,14 @@ impl Printer<'_> {
         let mut fields: Vec<String> = inputs.iter().map(in_field).collect();
         let names: Vec<&str> = inputs.iter().filter_map(|i| i.split(':').next()).collect();
         let kind = helper_type(name);
-        let (bounds, own) = match self.program.execution {
+        let (bounds, generics) = match self.program.execution {
             Execution::Simd => (self.backend_bounds(), format!("{}, V", self.vector_names())),
             _ => ("T: __modyn::batch::Lanes".into(), "T".into()),
         };
-        fields.push(format!("of: ::core::marker::PhantomData<({own},)>"));
+        fields.push(format!("of: ::core::marker::PhantomData<({generics},)>"));
         format!(
             "struct {kind}<'a, {bounds}> {{ {} }}\n\
-             impl<{bounds}> __modyn::batch::Chunk for {kind}<'_, {own}> {{\n\
+             impl<{bounds}> __modyn::batch::Chunk for {kind}<'_, {generics}> {{\n\
              type Output = {returned};\n\
              #[inline(always)]\nfn run(self) -> {returned} {{\n    let Self {{ {}, .. }} = self;\n",
             fields.join(", "),
@@ -253,14 +253,14 @@ impl Printer<'_> {
             ));
             let name = format!("{}_chunk{k}", self.name);
             let arguments = arguments.join(", ");
-            let (by, own) = match self.program.execution {
+            let (by, generics) = match self.program.execution {
                 Execution::Simd => ("V", format!("{}, V", self.vector_names())),
                 _ => ("T", "T".into()),
             };
             let call = if scalar {
                 format!("{name}({arguments})")
             } else {
-                let kind = format!("{}::<'_, {own}>", helper_type(&name));
+                let kind = format!("{}::<'_, {generics}>", helper_type(&name));
                 format!("{by}::outlined({kind} {{ {arguments}, of: ::core::marker::PhantomData }})")
             };
             let _ = writeln!(text, "    let chunk{k} = {call};");
@@ -279,8 +279,8 @@ impl Printer<'_> {
             return statements(text, scope, "    ");
         }
         for scope in &chunk.scopes {
-            let live = scope.live_out.iter().map(|&value| format!("{}, ", self.name(value)));
-            let live: String = live.collect();
+            let names = scope.live_out.iter().map(|&value| format!("{}, ", self.name(value)));
+            let live: String = names.collect();
             let _ = writeln!(text, "    let ({live}) = {{");
             statements(text, scope, "        ");
             let _ = writeln!(text, "        ({live})\n    }};");

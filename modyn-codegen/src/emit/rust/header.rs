@@ -49,7 +49,7 @@ impl Robot<'_> {
         self.enum_of_links(&mut text, prefix, &upper);
         text += "#ifdef __cplusplus\nextern \"C\" {\n#endif\n";
         for quantity in quantities {
-            declaration(&mut text, quantity, (prefix, &upper), number);
+            declaration(&mut text, quantity, prefix, &upper, number);
         }
         text += "\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n";
         text
@@ -76,16 +76,17 @@ impl Robot<'_> {
 fn declaration(
     text: &mut String,
     quantity: &Quantity<'_>,
-    (prefix, upper): (&str, &str),
+    prefix: &str,
+    upper: &str,
     number: &str,
 ) {
     let function = quantity.name;
     let by_link = matches!(quantity.kernels, Kernels::ByLink(_));
     let array =
         |name: &str, shape: &Shape| format!("{number} {name}[{upper}_AT_LEAST({})]", shape.len());
-    let parameters = quantity.parameters.iter().filter(|p| !p.shape.is_empty());
+    let nonempty = quantity.parameters.iter().filter(|p| !p.shape.is_empty());
     let mut parameters: Vec<String> =
-        parameters.map(|p| format!("const {}", array(p.name, &p.shape))).collect();
+        nonempty.map(|p| format!("const {}", array(p.name, &p.shape))).collect();
     if by_link {
         parameters.push("size_t link".into());
     }

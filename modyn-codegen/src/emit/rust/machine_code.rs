@@ -42,8 +42,8 @@ impl Robot<'_> {
         let float = self.options.scalar.name();
         let prefix = &code.prefix;
         let declarations = quantities.iter().map(|quantity| {
-            let parameters = quantity.all_parameters();
-            let parameters = parameters.iter().filter(|p| !p.shape.is_empty());
+            let all = quantity.all_parameters();
+            let parameters = all.iter().filter(|p| !p.shape.is_empty());
             let pointers = parameters.map(|p| format!("{}: *const {float}, ", p.name));
             let by_link = quantity.is_by_link();
             let link = if by_link { "link: ::core::ffi::c_uint, " } else { "" };
@@ -75,7 +75,8 @@ impl Robot<'_> {
         let _ = writeln!(
             text,
             "impl {name} {{\n\
-             /// Returns whether this processor has the instructions of the machine code: {needs}. All other functions that\n\
+             /// Returns whether this processor has the instructions of the machine code: {needs}. \
+             All other functions that\n\
              /// compute panic without them.\n\
              #[must_use]\n\
              pub fn is_supported() -> bool {{\n    {OBJECT}::__is_supported() != 0\n}}\n}}\n"
@@ -153,7 +154,8 @@ impl Robot<'_> {
         let call = |out: &str| format!("let _ = {OBJECT}::{name}({pointers}{out});");
         let direct = format!(
             "let mut result = ::core::mem::MaybeUninit::<{returned}>::uninit();\n\
-             // SAFETY: the object's function reads and writes as many numbers as the types have, and writes all of the\n\
+             // SAFETY: the object's function reads and writes as many numbers as the types have, \
+             and writes all of the\n\
              // result. The processor has its instructions.\n\
              #[allow(unsafe_code)]\n\
              unsafe {{\n{}\nresult.assume_init()\n}}\n",
@@ -190,7 +192,7 @@ impl Shape {
     fn is_structured(&self) -> bool {
         match self {
             Self::Scalar => false,
-            Self::Array(of, _) => of.is_structured(),
+            Self::Array(element, _) => element.is_structured(),
             Self::Struct { .. } => true,
         }
     }
@@ -200,16 +202,16 @@ impl Shape {
 fn write_numbers(text: &mut String, shape: &Shape, value: &str, at: &str, depth: usize) {
     let _ = match shape {
         Shape::Scalar => writeln!(text, "to[{at}] = {value};"),
-        Shape::Array(of, n) if matches!(**of, Shape::Scalar) => {
+        Shape::Array(element, n) if matches!(**element, Shape::Scalar) => {
             writeln!(text, "to[{at}..][..{n}].copy_from_slice(&{value}[..]);")
         }
-        Shape::Array(of, _) => {
+        Shape::Array(element, _) => {
             let i = format!("i{depth}");
             let x = format!("x{depth}");
             let _ = writeln!(text, "for ({i}, {x}) in {value}.iter().enumerate() {{");
-            let inner = format!("{at} + {} * {i}", of.len());
-            let value = if matches!(**of, Shape::Scalar) { format!("*{x}") } else { x };
-            write_numbers(text, of, &value, &inner, depth + 1);
+            let inner = format!("{at} + {} * {i}", element.len());
+            let value = if matches!(**element, Shape::Scalar) { format!("*{x}") } else { x };
+            write_numbers(text, element, &value, &inner, depth + 1);
             writeln!(text, "}}")
         }
         Shape::Struct { fields, .. } => {
@@ -228,8 +230,9 @@ fn write_numbers(text: &mut String, shape: &Shape, value: &str, at: &str, depth:
 fn read_numbers(shape: &Shape, at: &str, depth: usize) -> String {
     match shape {
         Shape::Scalar => format!("from[{at}]"),
-        Shape::Array(of, _) => {
-            let inner = read_numbers(of, &format!("{at} + {} * i{depth}", of.len()), depth + 1);
+        Shape::Array(element, _) => {
+            let inner =
+                read_numbers(element, &format!("{at} + {} * i{depth}", element.len()), depth + 1);
             format!("::core::array::from_fn(|i{depth}| {inner})")
         }
         Shape::Struct { path, fields, .. } => {
@@ -255,7 +258,7 @@ fn layouts(shape: &Shape, float: &str) -> String {
 fn collect_layouts(shape: &Shape, float: &str, conditions: &mut BTreeSet<String>) {
     match shape {
         Shape::Scalar => {}
-        Shape::Array(of, _) => collect_layouts(of, float, conditions),
+        Shape::Array(element, _) => collect_layouts(element, float, conditions),
         Shape::Struct { fields, .. } => {
             let kind = shape.type_of(float);
             let number = format!("::core::mem::size_of::<{float}>()");

@@ -53,14 +53,14 @@ impl Robot<'_> {
         if quantity.takes_source {
             return format!("uniform: impl ::core::ops::FnMut() -> {t}");
         }
-        let own = quantity.parameters.iter().map(|parameter| match parameter.shape {
+        let signature = quantity.parameters.iter().map(|parameter| match parameter.shape {
             _ if parameter.is_contacts() => format!("{}: {}", parameter.name, self.contacts_type()),
             Shape::Scalar => format!("{}: {t}", parameter.name),
             _ => parameter.typed(t),
         });
         let link = matches!(quantity.kernels, Kernels::ByLink(_))
             .then(|| format!("link: {}Link", self.name));
-        first.into_iter().chain(own).chain(link).collect::<Vec<_>>().join(", ")
+        first.into_iter().chain(signature).chain(link).collect::<Vec<_>>().join(", ")
     }
 
     /// Prints the type's own functions.
@@ -93,7 +93,8 @@ impl Robot<'_> {
         }
         let _ = writeln!(
             text,
-            "/// Checks that the quaternions of spherical and floating joints in `q` have length 1, to half of the scalar's\n\
+            "/// Checks that the quaternions of spherical and floating joints in `q` have length \
+             1, to half of the scalar's\n\
              /// digits. No other function checks them, and accelerations are wrong with other lengths.\n///\n\
              /// # Errors\n///\n/// Names the first joint whose quaternion does not have length 1.\n\
              pub fn check_configuration(q: &[{float}; {nq}]) -> \

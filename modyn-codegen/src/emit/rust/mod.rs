@@ -150,7 +150,8 @@ impl Robot<'_> {
         let path = &self.options.crate_path;
         let _ = writeln!(
             text,
-            "#[allow(clippy::all, clippy::pedantic, clippy::nursery, dead_code, unused_imports, unused_variables, non_snake_case)]\n\
+            "#[allow(clippy::all, clippy::pedantic, clippy::nursery, dead_code, unused_imports, \
+             unused_variables, non_snake_case)]\n\
              const _: () = {{\n\
              use {path} as __modyn;\n"
         );
@@ -187,11 +188,11 @@ impl Robot<'_> {
         match quantity.kernels {
             Kernels::Straight { scalar, simd: None } => *text += &function(name, scalar),
             Kernels::Straight { scalar, simd: Some(simd) } => {
-                self.dispatched(text, quantity, &parameters, (scalar, simd));
+                self.dispatched(text, quantity, &parameters, scalar, simd);
             }
             Kernels::ByLink(programs) => self.link_functions(text, quantity, programs),
             Kernels::Poses { bodies, placed, .. } => {
-                self.poses_function(text, quantity, (bodies, placed));
+                self.poses_function(text, quantity, bodies, placed);
             }
         }
     }

@@ -23,7 +23,8 @@ impl Robot<'_> {
     fn inertia_fields(&self) -> Vec<Field> {
         let parameters = &self.plan.parameters;
         let links = self.link_names();
-        let own: Vec<&str> = parameters.inertias.iter().map(|(frame, _)| links[*frame]).collect();
+        let with_inertia: Vec<&str> =
+            parameters.inertias.iter().map(|(frame, _)| links[*frame]).collect();
         let payloads: Vec<&str> = parameters.payloads.iter().map(|&frame| links[frame]).collect();
         let field = |what: &'static str, docs: &'static str, first: usize, names: &[&str]| {
             let fields = names::fields(names, &[]).into_iter().zip(names).enumerate();
@@ -34,20 +35,20 @@ impl Robot<'_> {
             };
             fields.map(field).collect::<Vec<Field>>()
         };
-        let own = field(
+        let inertias = field(
             "inertia",
             "the inertia of link {} alone, in its own frame; by default the description's.",
             0,
-            &own,
+            &with_inertia,
         );
-        let first = own.len();
+        let first = inertias.len();
         let payloads = field(
             "payload",
             "the inertia that is added to link {}, in the link's frame; by default none.",
             first,
             &payloads,
         );
-        own.into_iter().chain(payloads).collect()
+        inertias.into_iter().chain(payloads).collect()
     }
 
     /// Prints the structure of the parameters, without its methods; nothing if there are no
@@ -96,7 +97,8 @@ impl Robot<'_> {
              impl<T: __modyn::Scalar> ::core::default::Default for {name}Params<T> {{\n\
              fn default() -> Self {{\n    Self {{ numbers: [{}] }}\n}}\n}}\n\
              impl<T> {name}Params<T> {{\n\
-             /// Returns the parameters with `f` applied to each number, for example to convert to another scalar. The\n\
+             /// Returns the parameters with `f` applied to each number, for example to convert to \
+             another scalar. The\n\
              /// results of `f` are not checked.\n\
              #[must_use]\n\
              pub fn map<U>(self, f: impl ::core::ops::FnMut(T) -> U) -> {name}Params<U> {{\n    \
@@ -173,8 +175,9 @@ impl Robot<'_> {
 
     /// Returns the name of the joint that entry `v` of qd belongs to.
     fn joint_of(&self, v: usize) -> &str {
-        let own = |i: &usize| self.model.mimic(*i).is_none() && self.model.v_range(*i).contains(&v);
-        let link = (0..self.model.links().len()).find(own);
+        let is_independent =
+            |i: &usize| self.model.mimic(*i).is_none() && self.model.v_range(*i).contains(&v);
+        let link = (0..self.model.links().len()).find(is_independent);
         link.map_or("", |link| self.model.links()[link].joint.name.as_str())
     }
 }

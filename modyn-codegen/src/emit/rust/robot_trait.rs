@@ -60,7 +60,8 @@ impl Robot<'_> {
              type PerGroundRow<X: ::core::marker::Copy> = [X; {ground_rows}];\n\
              type Regressor<T: __modyn::Scalar> = [[T; {nv}]; {columns}];\n\
              type UduFactorization<T: __modyn::Scalar> = {brge};\n\
-             fn neutral<T: __modyn::Scalar>() -> [T; {nq}] {{\n    Self::NEUTRAL.map(|x| T::from_f64(::core::convert::Into::into(x)))\n}}",
+             fn neutral<T: __modyn::Scalar>() -> [T; {nq}] {{\n    Self::NEUTRAL.map(|x| \
+             T::from_f64(::core::convert::Into::into(x)))\n}}",
             state = 2 * nv,
             rows = self.model.constraint_rows(),
             contact_rows = 3 * self.model.contacts().len(),

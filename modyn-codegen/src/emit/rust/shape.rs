@@ -31,7 +31,7 @@ impl Shape {
         use crate::plan::{Record, Shape as Planned};
         let (record, fields) = match shape {
             Planned::Scalar => return Self::Scalar,
-            Planned::Array(of, n, _) => return Self::new(of, robot).array(*n),
+            Planned::Array(element, n, _) => return Self::new(element, robot).array(*n),
             Planned::Record(record, fields) => (record, fields),
         };
         let fields: Vec<(&'static str, Self)> =
@@ -69,7 +69,7 @@ impl Shape {
     pub(super) fn len(&self) -> usize {
         match self {
             Self::Scalar => 1,
-            Self::Array(of, n) => of.len() * n,
+            Self::Array(element, n) => element.len() * n,
             Self::Struct { fields, .. } => fields.iter().map(|(_, field)| field.len()).sum(),
         }
     }
@@ -78,7 +78,7 @@ impl Shape {
     pub(super) fn type_of(&self, t: &str) -> String {
         match self {
             Self::Scalar => t.into(),
-            Self::Array(of, n) => format!("[{}; {n}]", of.type_of(t)),
+            Self::Array(element, n) => format!("[{}; {n}]", element.type_of(t)),
             Self::Struct { path, arguments, .. } => {
                 format!("{path}<{}>", arguments.replace("{t}", t))
             }
@@ -89,13 +89,16 @@ impl Shape {
     pub(super) fn value(&self, scalars: &[String]) -> String {
         match self {
             Self::Scalar => scalars.concat(),
-            Self::Array(of, _) if matches!(**of, Self::Scalar) => {
+            Self::Array(element, _) if matches!(**element, Self::Scalar) => {
                 format!("[{}]", scalars.join(", "))
             }
-            Self::Array(of, n) => {
+            Self::Array(element, n) => {
                 let lines: Vec<String> = (0..*n)
                     .map(|i| {
-                        format!("        {},\n", of.value(&scalars[i * of.len()..][..of.len()]))
+                        format!(
+                            "        {},\n",
+                            element.value(&scalars[i * element.len()..][..element.len()])
+                        )
                     })
                     .collect();
                 format!("[\n{}    ]", lines.concat())
@@ -105,9 +108,9 @@ impl Shape {
                 let fields: Vec<String> = fields
                     .iter()
                     .map(|(name, field)| {
-                        let (own, after) = rest.split_at(field.len());
+                        let (numbers, after) = rest.split_at(field.len());
                         rest = after;
-                        let value = field.value(own);
+                        let value = field.value(numbers);
                         if name.is_empty() { value } else { format!("{name}: {value}") }
                     })
                     .collect();

@@ -161,7 +161,8 @@ pub fn results(function: Function, sizes: &Sizes) -> Vec<(String, Shape)> {
     let row = function.row();
     match (row.result)(sizes) {
         Shape::Record(Record::Several(_) | Record::Each(_) | Record::Pose, fields) => {
-            let name = |name: &str| match row.arguments.iter().any(|own| own.name == name) {
+            let name = |name: &str| match row.arguments.iter().any(|argument| argument.name == name)
+            {
                 true => format!("{name}_next"),
                 false => name.to_string(),
             };

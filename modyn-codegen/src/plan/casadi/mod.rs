@@ -70,13 +70,13 @@ impl CasadiPlan {
         budget: &mut Budget,
     ) -> Result<Self, TooLong> {
         let tracer = &context.tracer;
-        let links: Vec<&str> = model.frames().iter().map(|frame| frame.name.as_str()).collect();
-        let links = names::fields(&links, &[]);
+        let frames: Vec<&str> = model.frames().iter().map(|frame| frame.name.as_str()).collect();
+        let links = names::fields(&frames, &[]);
         let mut plan = Self::default();
         let has_form = |f: &&Function| f.row().casadi && selected.contains(f);
         for function in Function::ALL.iter().filter(has_form) {
             let row = function.row();
-            let own = Family::new(*function, context);
+            let family = Family::new(*function, context);
             let name = function.name();
             let least = context.least_operations(*function);
             let before = plan.operations();
@@ -87,8 +87,8 @@ impl CasadiPlan {
                             |tracer: &Tracer<'_>| context.evaluation(*function, tracer);
                         let graph = optimize(context.frames.of_link(link, evaluation));
                         let name = format!("{name}_{link_name}");
-                        let derivatives = own.differentiated(tracer, &graph, MAX_OPERATIONS);
-                        plan.add(&name, row.docs, &own, derivatives);
+                        let derivatives = family.differentiated(tracer, &graph, MAX_OPERATIONS);
+                        plan.add(&name, row.docs, &family, derivatives);
                     }
                 }
                 false => {
@@ -102,9 +102,9 @@ impl CasadiPlan {
                         Function::InverseDynamics => {
                             tracer.inverse_dynamics_by_entries(MAX_OPERATIONS)
                         }
-                        _ => own.differentiated(tracer, &graph(), MAX_OPERATIONS),
+                        _ => family.differentiated(tracer, &graph(), MAX_OPERATIONS),
                     };
-                    plan.add(name, row.docs, &own, derivatives);
+                    plan.add(name, row.docs, &family, derivatives);
                 }
             };
             budget.spend(name, least, add, |()| 0)?;

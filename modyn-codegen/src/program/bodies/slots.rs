@@ -28,13 +28,14 @@ pub(super) fn slots(
         .map(|&(sweep, k)| {
             // The sum of an inward sweep begins in the sweep before.
             let first = if sweeps[sweep].0 == Sweep::Inward { sweep - 1 } else { sweep };
-            ((sweep, k), shared.take((first, sweep)))
+            ((sweep, k), shared.take(first, sweep))
         })
         .collect();
     let mut length = shared.0.len();
     let of_kind = |kind: &Kind| {
         let mut taken = shared.clone();
-        let kept = kind.kept.iter().map(|(&id, &sweeps)| (id, taken.take(sweeps))).collect();
+        let kept =
+            kind.kept.iter().map(|(&id, &(first, last))| (id, taken.take(first, last))).collect();
         length = length.max(taken.0.len());
         Slots { exchanged: exchanged.clone(), kept }
     };
@@ -58,7 +59,7 @@ struct Taken(Vec<Vec<(usize, usize)>>);
 
 impl Taken {
     /// Returns the first place that is free in these sweeps, and takes it.
-    fn take(&mut self, (first, last): (usize, usize)) -> usize {
+    fn take(&mut self, first: usize, last: usize) -> usize {
         let is_free = |uses: &Vec<(usize, usize)>| {
             uses.iter().all(|&(other_first, other_last)| last < other_first || other_last < first)
         };

@@ -62,8 +62,8 @@ impl<'a, S: Scalar> Run<'a, S> {
 
     fn call(&mut self, call: &Call) {
         let routine = &self.program.routines[call.routine];
-        let constants = self.rows.last().into_iter().flat_map(|row| &row.constants);
-        let constants = constants.take(routine.constants).map(|&x| S::from_f64(x));
+        let of_row = self.rows.last().into_iter().flat_map(|row| &row.constants);
+        let constants = of_row.take(routine.constants).map(|&x| S::from_f64(x));
         let read = |read: &Read| match *read {
             Read::Argument(place) => self.arguments[self.index(place, 1)],
             Read::Entry(array, place) => {

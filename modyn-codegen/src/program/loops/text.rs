@@ -201,8 +201,8 @@ impl<'a> Parser<'a> {
             Some(count) => (count, true),
             None => (head, false),
         };
-        let constants = count.strip_suffix(" constants").and_then(|count| count.parse().ok());
-        let constants = constants
+        let count = count.strip_suffix(" constants").and_then(|count| count.parse().ok());
+        let constants = count
             .ok_or_else(|| self.error(format!("{head:?} is not a routine, as `2 constants` is")))?;
         let program = self.inner_program()?;
         if self.next()? != "end" {
@@ -217,8 +217,8 @@ impl<'a> Parser<'a> {
         program: &Program,
         lengths: &str,
     ) -> Result<Loops, ParseProgramError> {
-        let arrays = parsed(lengths, array);
-        let arrays = arrays
+        let lengths_read = parsed(lengths, array);
+        let arrays = lengths_read
             .ok_or_else(|| self.error(format!("{lengths:?} are no lengths, as `12, 7` are")))?;
         let mut stored = Vec::new();
         while let Some(text) = self.next_after("store ") {

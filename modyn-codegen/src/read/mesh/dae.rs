@@ -22,15 +22,15 @@ type Transform = [[f64; 4]; 3];
 /// Returns the mesh in m, with z upwards; `None` if the file is not sound.
 pub fn read(bytes: &[u8]) -> Option<Mesh> {
     // Names may have any encoding.
-    let text = String::from_utf8_lossy(bytes);
-    let text = within_limits(&text, 0, &mut Report::without_file())?;
+    let decoded = String::from_utf8_lossy(bytes);
+    let text = within_limits(&decoded, 0, &mut Report::without_file())?;
     let document = Document::parse(&text).ok()?;
     let root = document.root_element();
     let ids = root.descendants().filter_map(|node| Some((node.attribute("id")?, node)));
     let mut scene = Scene { ids: ids.collect(), mesh: Mesh::default(), tests: 0 };
     let asset = child(root, "asset");
-    let unit = asset.and_then(|asset| child(asset, "unit")?.attribute("meter"));
-    let unit: f64 = unit.map_or(Some(1.0), |text| text.trim().parse().ok())?;
+    let attribute = asset.and_then(|asset| child(asset, "unit")?.attribute("meter"));
+    let unit: f64 = attribute.map_or(Some(1.0), |text| text.trim().parse().ok())?;
     let up = asset.and_then(|asset| child(asset, "up_axis")?.text()).unwrap_or("Y_UP");
     // The axis that points upwards becomes z, the one to the right x.
     let rows = match up.trim() {
@@ -78,7 +78,7 @@ impl<'a, 't> Scene<'a, 't> {
                 return None;
             }
             let placed = elements(node).try_fold(outer, |sum, part| {
-                Some(local(part)?.map_or(sum, |own| product(&sum, &own)))
+                Some(local(part)?.map_or(sum, |transform| product(&sum, &transform)))
             })?;
             for part in elements(node) {
                 match part.tag_name().name() {
@@ -137,12 +137,12 @@ impl<'a, 't> Scene<'a, 't> {
             };
             let corners = |text: &str| -> Option<Vec<usize>> {
                 let words: Vec<usize> = numbers(text)?;
-                let own = words.chunks_exact(stride).map(|corner| corner[offset]);
-                own.map(|corner| (corner < count).then_some(start + corner)).collect()
+                let indices = words.chunks_exact(stride).map(|corner| corner[offset]);
+                indices.map(|corner| (corner < count).then_some(start + corner)).collect()
             };
             let lists = elements(part).filter(|one| one.tag_name().name() == "p");
-            let lists = lists.map(|list| corners(list.text().unwrap_or_default()));
-            let lists: Vec<Vec<usize>> = lists.collect::<Option<_>>()?;
+            let indices = lists.map(|list| corners(list.text().unwrap_or_default()));
+            let lists: Vec<Vec<usize>> = indices.collect::<Option<_>>()?;
             match kind {
                 "triangles" => {
                     self.mesh.faces.extend(lists.iter().flat_map(|list| list.as_chunks().0))
@@ -158,8 +158,12 @@ impl<'a, 't> Scene<'a, 't> {
                     self.mesh.faces.extend(lists.iter().flat_map(|list| fan(list)));
                 }
                 "tristrips" => {
-                    let turned = |(i, of): (usize, &[usize])| {
-                        if i % 2 == 0 { [of[0], of[1], of[2]] } else { [of[1], of[0], of[2]] }
+                    let turned = |(i, corner): (usize, &[usize])| {
+                        if i % 2 == 0 {
+                            [corner[0], corner[1], corner[2]]
+                        } else {
+                            [corner[1], corner[0], corner[2]]
+                        }
                     };
                     let strips = lists.iter().flat_map(|list| list.windows(3).enumerate());
                     self.mesh.faces.extend(strips.map(turned));
@@ -265,8 +269,8 @@ fn moved(transform: &Transform, [x, y, z]: &[f64; 3]) -> [f64; 3] {
 fn product(a: &Transform, b: &Transform) -> Transform {
     a.map(|row| {
         core::array::from_fn(|k| {
-            let own = if k == 3 { row[3] } else { 0.0 };
-            own + (0..3).map(|i| row[i] * b[i][k]).sum::<f64>()
+            let translation = if k == 3 { row[3] } else { 0.0 };
+            translation + (0..3).map(|i| row[i] * b[i][k]).sum::<f64>()
         })
     })
 }

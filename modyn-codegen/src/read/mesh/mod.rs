@@ -29,7 +29,7 @@ pub enum Purpose {
 pub fn read(files: &FileStore, place: &Path, purpose: Purpose) -> Result<Mesh, String> {
     let bytes = bytes(files, place)?;
     let extension = place.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    let mesh = match extension.as_str() {
+    let read = match extension.as_str() {
         "stl" => stl::read(&bytes),
         "obj" => obj::read(&bytes, purpose),
         "msh" => msh(&bytes),
@@ -43,7 +43,7 @@ pub fn read(files: &FileStore, place: &Path, purpose: Purpose) -> Result<Mesh, S
         }
     };
     let mesh =
-        mesh.ok_or_else(|| format!("has the file `{}`, which is not sound", place.display()))?;
+        read.ok_or_else(|| format!("has the file `{}`, which is not sound", place.display()))?;
     checked(mesh)
 }
 

@@ -106,8 +106,8 @@ fn ears(vertices: &[[f64; 3]], polygon: Vec<usize>, tests: &mut usize) -> Option
     Some(triangles)
 }
 
-/// Returns the two axes of the plane in which a polygon is seen: those of the largest area at its
-/// first corner.
+/// Returns the two axes of the plane in which a polygon is seen: the axes of the largest area at
+/// its first corner.
 fn projection(points: &[[f32; 3]]) -> [usize; 2] {
     let count = points.len();
     for k in 0..count {

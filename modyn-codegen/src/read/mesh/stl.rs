@@ -20,8 +20,8 @@ fn binary(bytes: &[u8]) -> Option<Mesh> {
     let mut surface = Surface::default();
     for triangle in triangles.as_chunks::<50>().0 {
         // After the normal, three vertices of three numbers.
-        let numbers: [[u8; 4]; 9] = *triangle[12..48].as_chunks().0.first_chunk()?;
-        let numbers = numbers.map(f32::from_le_bytes);
+        let bytes_of_numbers: [[u8; 4]; 9] = *triangle[12..48].as_chunks().0.first_chunk()?;
+        let numbers = bytes_of_numbers.map(f32::from_le_bytes);
         surface.triangle(core::array::from_fn(|i| {
             [numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]]
         }));

@@ -93,8 +93,8 @@ impl<'e> Bodies<'e, '_, '_> {
         let joints = self.description.joints_by_name();
         for item in self.of_section("actuator") {
             let element = item.element();
-            let joint = element.attribute("joint").or(element.attribute("jointinparent"));
-            let joint = joint.map(|joint| item.naming.name(&joint.value));
+            let attribute = element.attribute("joint").or(element.attribute("jointinparent"));
+            let joint = attribute.map(|joint| item.naming.name(&joint.value));
             let place: Place = (Some(element.at), joint.clone().map(Subject::Joint));
             if element.name == "adhesion" {
                 on_contacts.push(place);
@@ -102,9 +102,9 @@ impl<'e> Bodies<'e, '_, '_> {
                 let new = || LawOfActuators { places: Vec::new(), force };
                 laws.entry(name).or_insert_with(new).places.push(place);
             }
-            if let Some(&found) = joint.and_then(|name| joints.get(name.as_str())) {
+            if let Some(&index) = joint.and_then(|name| joints.get(name.as_str())) {
                 let effort = self.largest_force(&item);
-                efforts[found] = efforts[found].zip(effort).map(|(sum, effort)| sum + effort);
+                efforts[index] = efforts[index].zip(effort).map(|(sum, effort)| sum + effort);
             }
         }
         for (joint, effort) in self.description.joints.iter_mut().zip(efforts) {
@@ -138,12 +138,12 @@ impl<'e> Bodies<'e, '_, '_> {
             |name| item.text(name).and_then(list).and_then(|numbers| numbers.first().copied());
         let gear = first("gear").unwrap_or(1.0);
         // The force is a multiple of the control.
-        let gain = match item.element().name.as_str() {
+        let described = match item.element().name.as_str() {
             "motor" => Some(1.0),
             "general" if is_motor(item) => Some(first("gainprm").unwrap_or(1.0)),
             _ => None,
         };
-        let gain = gain.filter(|_| self.models[0].settings.flags.clamps_controls);
+        let gain = described.filter(|_| self.models[0].settings.flags.clamps_controls);
         let ranges =
             [("forcelimited", "forcerange", Some(1.0)), ("ctrllimited", "ctrlrange", gain)];
         let bounds = ranges.into_iter().filter_map(|(limited, range, factor)| {
@@ -163,8 +163,8 @@ fn kind<'e>(item: &Item<'e>, part: &str, default: &'static str) -> &'e str {
     item.text(part).unwrap_or(default)
 }
 
-/// Returns whether the force of a `<general>` is a multiple of its control, as that of a `<motor>`,
-/// which MuJoCo saves so.
+/// Returns whether the force of a `<general>` is a multiple of its control, like the force of a
+/// `<motor>`, which MuJoCo saves so.
 fn is_motor(item: &Item) -> bool {
     let kinds = [("dyntype", "none"), ("gaintype", "fixed"), ("biastype", "none")];
     kinds.into_iter().all(|(part, default)| kind(item, part, default) == default)

@@ -299,8 +299,8 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
                 }
             }
             Some((kind, name)) => {
-                let found = root.named("worldbody").find_map(|world| find(world, kind, name, None));
-                match found {
+                let place = root.named("worldbody").find_map(|world| find(world, kind, name, None));
+                match place {
                     Some((body, inherited)) if kind == "body" => {
                         parts.bodies.push(of_model(body, inherited))
                     }
@@ -454,10 +454,10 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
     fn sites(&mut self, sites: &[Item<'e>], link: usize) {
         for site in sites {
             let Some(name) = site.name() else { continue };
-            let pose = site.pose(&self.models[site.model].settings, self.report);
+            let described = site.pose(&self.models[site.model].settings, self.report);
             let pose = match site.numbers("fromto").and_then(geoms::between) {
                 Some((between, _)) => site.frame.compose(&between),
-                None => pose,
+                None => described,
             };
             self.sites.entry(name).or_insert((link, pose, site.element().at));
         }
@@ -509,8 +509,8 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
         }
         let model = &self.models[item.model];
         let settings = &model.settings;
-        let own = parts.inertials.first();
-        let at = own.map_or(item.element().at, |own| own.element().at);
+        let first = parts.inertials.first();
+        let at = first.map_or(item.element().at, |inertial| inertial.element().at);
         if let Some(second) = parts.inertials.get(1) {
             let message = "a second `<inertial>` in one body";
             self.report.error(
@@ -527,16 +527,18 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
             .filter(|geom| geoms::has_mass(geom, &self.models[geom.model]))
             .collect();
         let is_explicit =
-            own.is_some() && (settings.inertia_from_geom != Some(true) || heavy.is_empty());
+            first.is_some() && (settings.inertia_from_geom != Some(true) || heavy.is_empty());
         let mut sound = parts.sound;
         let record = |inertial, sound| Some(InertialRecord { inertial, at, mass_at: at, sound });
-        let inertial = match own.filter(|_| is_explicit) {
-            Some(own) => {
-                sound &= model.is_sound(&own.chain);
-                inertia::explicit(own, name, model, self.report).map(Some).unwrap_or_else(|| {
-                    sound = false;
-                    Some(Inertial::default())
-                })
+        let inertial = match first.filter(|_| is_explicit) {
+            Some(inertial) => {
+                sound &= model.is_sound(&inertial.chain);
+                inertia::explicit(inertial, name, model, self.report).map(Some).unwrap_or_else(
+                    || {
+                        sound = false;
+                        Some(Inertial::default())
+                    },
+                )
             }
             None if heavy.is_empty() || settings.inertia_from_geom == Some(false) => None,
             None => {

@@ -110,12 +110,12 @@ fn check_numbers(
     let value = attribute.value.as_str();
     let errors = report.errors();
     let mut rest = value;
-    let mut found = 0;
+    let mut count = 0;
     while let Some(word) = rest.split_ascii_whitespace().next() {
         let skipped = rest.len() - rest.trim_ascii_start().len();
         let offset = value.len() - rest.len() + skipped;
         rest = &rest[skipped + word.len()..];
-        found += 1;
+        count += 1;
         let (code, message, help) = match word.parse::<f64>() {
             Ok(number) if number.abs() < MAX_NUMBER => continue,
             Ok(_) => (
@@ -135,12 +135,12 @@ fn check_numbers(
             return;
         }
     }
-    if !counts.contains(&found) && report.errors() == errors {
+    if !counts.contains(&count) && report.errors() == errors {
         let least = counts.start();
         let most = counts.end();
         let expected = if least == most { least.to_string() } else { format!("{least} to {most}") };
         let message =
-            format!("the number of values of `{}` is {found}, not {expected}", attribute.name);
+            format!("the number of values of `{}` is {count}, not {expected}", attribute.name);
         let help = "write a decimal number for each, separated by spaces";
         report.error(Code::NumberCount, attribute.value_at, None, message, help);
     }

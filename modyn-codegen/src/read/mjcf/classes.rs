@@ -93,8 +93,8 @@ impl<'e> Classes<'e> {
     }
 }
 
-/// Returns whether the attributes of the element `class` in a `<default>` are those of elements of
-/// this name.
+/// Returns whether the attributes of the element `class` in a `<default>` are the attributes of
+/// elements of this name.
 fn is_default_of(class: &str, name: &str) -> bool {
     let both = |names: &[&str]| names.contains(&class) && names.contains(&name);
     class == name && name != "default"

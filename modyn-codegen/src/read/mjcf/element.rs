@@ -1,4 +1,4 @@
-//! The elements of a model, with those of included files in place of each `<include>`.
+//! The elements of a model, with the elements of included files in place of each `<include>`.
 
 use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
@@ -98,14 +98,15 @@ impl<'r, 'f> Elements<'r, 'f> {
     fn document(&mut self, text: &str, start: usize, file: &File, depth: usize) -> Option<Element> {
         let text = xml::document::within_limits(text, start, self.report)?;
         let document = xml::document::parse(&text, start, "mujoco", self.report)?;
-        self.element(document.root_element(), (&text, start), file, depth)
+        self.element(document.root_element(), &text, start, file, depth)
     }
 
     /// Returns an element; `None` with an error in the report.
     fn element(
         &mut self,
         node: Node,
-        (text, start): (&str, usize),
+        text: &str,
+        start: usize,
         file: &File,
         depth: usize,
     ) -> Option<Element> {
@@ -130,7 +131,7 @@ impl<'r, 'f> Elements<'r, 'f> {
             children: Vec::new(),
         };
         for child in node.children().filter(Node::is_element) {
-            let child = self.element(child, (text, start), file, depth + 1)?;
+            let child = self.element(child, text, start, file, depth + 1)?;
             if child.name == "include" {
                 element.children.extend(self.include(&child, file, depth)?);
             } else {
@@ -172,8 +173,8 @@ impl<'r, 'f> Elements<'r, 'f> {
         // `<include>`.
         let beside = file.folder.unwrap_or(main);
         let place = [main.join(&path), beside.join(&path)];
-        let place = place.iter().find(|place| self.store.is_file(place)).unwrap_or(&place[1]);
-        let place = self.store.named(normalized(place));
+        let existing = place.iter().find(|place| self.store.is_file(place)).unwrap_or(&place[1]);
+        let place = self.store.named(normalized(existing));
         if !self.included.insert(place.clone()) {
             let help = "include each file once; what several parts need belongs into a class or a model for `<attach>`";
             return error(format!("`{name}` is included twice"), help);

@@ -117,7 +117,8 @@ impl<'e> Bodies<'e, '_, '_> {
         let subject = joint.map(|joint| self.description.joints[joint].subject());
         let message =
             "it follows another joint by a polynomial of a degree above one, which is not read";
-        let help = "write `polycoef=\"offset multiplier 0 0 0\"` for a linear relation, or `active=\"false\"`: both joints \
+        let help = "write `polycoef=\"offset multiplier 0 0 0\"` for a linear relation, or \
+                    `active=\"false\"`: both joints \
                     then move freely";
         self.report.error(Code::NotRead, at, subject.as_ref(), message, help);
     }
@@ -160,8 +161,8 @@ impl<'e> Bodies<'e, '_, '_> {
             return BTreeSet::new();
         }
         let names = self.names();
-        let constraints = self.of_section("equality").into_iter();
-        let constraints = constraints.filter(|item| {
+        let all = self.of_section("equality").into_iter();
+        let constraints = all.filter(|item| {
             item.element().name == "tendon"
                 && is_active(item)
                 && item.element().text("tendon2").is_none()
@@ -216,17 +217,17 @@ impl<'e> Bodies<'e, '_, '_> {
     /// Returns the index of the joint that an attribute names; `None` with an error in the report,
     /// unless a part of an attached model lacks it.
     fn joint_of(&mut self, item: &Item<'e>, attribute: &str, names: &Names<'e>) -> Option<usize> {
-        let own = item.element().attribute(attribute);
-        let name = own.map(|own| item.naming.name(&own.value)).unwrap_or_default();
-        let found = names.joints.get(&name).copied();
-        if found.is_none() && item.naming.prefix.is_empty() {
-            let at = own.map_or(item.element().at, |own| own.at);
+        let attribute_given = item.element().attribute(attribute);
+        let name = attribute_given.map(|given| item.naming.name(&given.value)).unwrap_or_default();
+        let joint = names.joints.get(&name).copied();
+        if joint.is_none() && item.naming.prefix.is_empty() {
+            let at = attribute_given.map_or(item.element().at, |given| given.at);
             let message = format!(
                 "`{attribute}` of `<equality>` is the joint `{name}`, which does not exist"
             );
             self.report.error(Code::MimicTarget, at, None, message, "name a joint of a body");
         }
-        found
+        joint
     }
 
     /// Adds the loop of a `<connect>` or a `<weld>`.
@@ -252,10 +253,10 @@ impl<'e> Bodies<'e, '_, '_> {
             (anchor, at_point(relative(&other.drawn, &drawn).translation))
         } else {
             let written: Option<[f64; 7]> = item.numbers("relpose");
-            let written = written.and_then(|[x, y, z, a, b, c, d]| {
+            let given = written.and_then(|[x, y, z, a, b, c, d]| {
                 Some(Pose { rotation: from_quaternion([a, b, c, d])?, translation: [x, y, z] })
             });
-            let written = written.unwrap_or_else(|| relative(&one.drawn, &other.drawn));
+            let written = given.unwrap_or_else(|| relative(&one.drawn, &other.drawn));
             let anchor = at_point(item.numbers("anchor").unwrap_or([0.0; 3]));
             (written.compose(&anchor), anchor)
         };
@@ -280,13 +281,13 @@ impl<'e> Bodies<'e, '_, '_> {
     /// `None` with an error in the report, or if an attached part lacks it.
     fn end(&mut self, item: &Item<'e>, attribute: &str) -> Option<End> {
         let is_site = attribute.starts_with("site");
-        let own = item.element().attribute(attribute);
-        let name = match own {
-            Some(own) if own.value == "world" && !is_site => "world".into(),
-            Some(own) => item.naming.name(&own.value),
+        let attribute_given = item.element().attribute(attribute);
+        let name = match attribute_given {
+            Some(given) if given.value == "world" && !is_site => "world".into(),
+            Some(given) => item.naming.name(&given.value),
             None => "world".into(),
         };
-        let found = if is_site {
+        let end = if is_site {
             self.sites.get(&name).map(|(link, pose, _)| End {
                 link: *link,
                 on_link: *pose,
@@ -299,8 +300,8 @@ impl<'e> Bodies<'e, '_, '_> {
                 drawn: *drawn,
             })
         };
-        if found.is_none() && item.naming.prefix.is_empty() {
-            let at = own.map_or(item.element().at, |own| own.at);
+        if end.is_none() && item.naming.prefix.is_empty() {
+            let at = attribute_given.map_or(item.element().at, |given| given.at);
             let what = if is_site { "site" } else { "body" };
             let message = format!(
                 "`{attribute}` of `<{}>` is the {what} `{name}`, which does not exist",
@@ -314,6 +315,6 @@ impl<'e> Bodies<'e, '_, '_> {
                 format!("name a {what} of the model"),
             );
         }
-        found
+        end
     }
 }

@@ -46,7 +46,7 @@ impl<'e> Bodies<'e, '_, '_> {
     pub fn tendons(&mut self, severity: Severity) {
         let held = self.held_tendons();
         let flags = self.models[0].settings.flags;
-        let (mut found, mut kinds): (Vec<Place>, BTreeSet<String>) = Default::default();
+        let (mut places, mut kinds): (Vec<Place>, BTreeSet<String>) = Default::default();
         for item in self.of_section("tendon") {
             let element = item.element();
             if item.name().is_some_and(|name| held.contains(&name)) {
@@ -67,11 +67,11 @@ impl<'e> Bodies<'e, '_, '_> {
                 ("damping", flags.dampers),
                 ("frictionloss", flags.friction),
             ];
-            let own = kinds_of_force
+            let acting = kinds_of_force
                 .into_iter()
                 .filter_map(|(name, acts)| (acts && sets(name)).then_some(name));
-            kinds.extend(own.clone().map(|name| format!("`{name}`")));
-            found.extend(own.take(1).map(|_| (Some(element.at), None)));
+            kinds.extend(acting.clone().map(|name| format!("`{name}`")));
+            places.extend(acting.take(1).map(|_| (Some(element.at), None)));
         }
         let kinds: Vec<String> = kinds.into_iter().collect();
         let message = format!("forces of a tendon ({}) are not read", kinds.join(", "));
@@ -79,7 +79,7 @@ impl<'e> Bodies<'e, '_, '_> {
             "give them with the joint forces: write 0 for {} in it, or set the option `unread_forces = warn`",
             kinds.join(" and ")
         );
-        self.report.add_once(severity, Code::NotRead, &found, &message, &help);
+        self.report.add_once(severity, Code::NotRead, &places, &message, &help);
     }
 
     /// Returns the elements of a section of all models.

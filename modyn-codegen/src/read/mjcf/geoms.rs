@@ -14,7 +14,7 @@ use super::pose::to_z_axis;
 use crate::description::{Geometry, Shape, normalized};
 use crate::diagnostics::Report;
 
-/// The default density, that of water, kg/m^3.
+/// The default density, the density of water, kg/m^3.
 const DENSITY: f64 = 1000.0;
 
 /// Returns whether a geom has a mass.
@@ -90,8 +90,8 @@ fn placed(
         let scale = geom.number("fitscale").unwrap_or(1.0);
         let (center, size) =
             fitted(kind, &principal, model.settings.fit_box.then(|| mesh.bounds(&principal)));
-        let own = Pose { rotation: principal.axes, translation: mesh.center_of_mass };
-        place = place.compose(&own).compose(&Pose { translation: center, ..Pose::identity() });
+        let on_mesh = Pose { rotation: principal.axes, translation: mesh.center_of_mass };
+        place = place.compose(&on_mesh).compose(&Pose { translation: center, ..Pose::identity() });
         size.map(|size| scale * size)
     } else if let Some(ends) = geom.numbers("fromto") {
         let (between, half) = between(ends).ok_or("the ends of a geom's `fromto` coincide")?;
@@ -103,9 +103,9 @@ fn placed(
             [radius, radius, half]
         }
     } else if kind == "hfield" {
-        // The mass of a height field is that of the box with its half lengths and its mean height,
-        // about the geom's origin.
-        let field = geom.text("hfield").and_then(|name| {
+        // The mass of a height field is the mass of the box with its half lengths and its mean
+        // height, about the geom's origin.
+        let asset = geom.text("hfield").and_then(|name| {
             let assets = model.source.root.in_sections("asset");
             let mut fields = assets.filter(|asset| asset.name == "hfield");
             let name_of = |field: &super::element::Element| {
@@ -114,7 +114,7 @@ fn placed(
             };
             fields.find(|field| name_of(field).as_deref() == Some(name))
         });
-        let field = field.and_then(|field| field.text("size")).and_then(super::check::numbers);
+        let field = asset.and_then(|field| field.text("size")).and_then(super::check::numbers);
         let [x, y, top, bottom] = field.ok_or("the height field of a geom is not in the file")?;
         [x, y, 0.25 * top + 0.5 * bottom]
     } else {

@@ -48,8 +48,8 @@ pub fn bounded(inertial: Option<Inertial>, settings: &Settings) -> Option<Inerti
     if settings.bound_mass <= 0.0 && least == 0.0 && !settings.balance_inertia {
         return inertial;
     }
-    let own = inertial.unwrap_or_default();
-    let [xx, xy, xz, yy, yz, zz] = own.inertia;
+    let whole = inertial.unwrap_or_default();
+    let [xx, xy, xz, yy, yz, zz] = whole.inertia;
     let (moments, axes) = principal_axes([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
     let mut bounded = moments.map(|moment| moment.max(least));
     let [a, b, c] = bounded;
@@ -57,20 +57,21 @@ pub fn bounded(inertial: Option<Inertial>, settings: &Settings) -> Option<Inerti
         bounded = [(a + b + c) / 3.0; 3];
     }
     let inertia = if bounded == moments {
-        own.inertia
+        whole.inertia
     } else {
         let frame = Pose { rotation: axes, translation: [0.0; 3] };
         let [xx, yy, zz] = bounded;
         let inertia = [xx, 0.0, 0.0, yy, 0.0, zz];
         Inertial { mass: 0.0, center_of_mass: [0.0; 3], inertia }.transformed(&frame).inertia
     };
-    Some(Inertial { mass: own.mass.max(settings.bound_mass), inertia, ..own })
+    Some(Inertial { mass: whole.mass.max(settings.bound_mass), inertia, ..whole })
 }
 
 /// Reports a body whose inertia is not computed.
 pub fn report_missing(name: &str, at: usize, why: &str, report: &mut Report<'_>) {
     let message = format!("it has no `<inertial>`, and {why}");
-    let help = "write `<inertial>`, or give the geoms `mass=\"0\"`; MuJoCo writes each `<inertial>` if it reads the file with \
+    let help = "write `<inertial>`, or give the geoms `mass=\"0\"`; MuJoCo writes each \
+                `<inertial>` if it reads the file with \
                 `<compiler saveinertial=\"true\"/>` and `mj_saveLastXML` saves the model";
     let subject = Subject::Link(name.into());
     report.error(Code::MissingElement, at, Some(&subject), message, help);

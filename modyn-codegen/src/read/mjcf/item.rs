@@ -17,8 +17,8 @@ pub struct Naming {
 
 impl Naming {
     /// Returns the name of an element in the whole model.
-    pub fn name(&self, own: &str) -> String {
-        format!("{}{own}{}", self.prefix, self.suffix)
+    pub fn name(&self, name: &str) -> String {
+        format!("{}{name}{}", self.prefix, self.suffix)
     }
 }
 
@@ -59,7 +59,7 @@ impl<'e> Item<'e> {
 
     /// Returns the name of the element in the whole model; `None` if it has none.
     pub fn name(&self) -> Option<String> {
-        let own = self.element().text("name").filter(|name| !name.is_empty());
-        own.map(|own| self.naming.name(own))
+        let written = self.element().text("name").filter(|name| !name.is_empty());
+        written.map(|given| self.naming.name(given))
     }
 }

@@ -45,14 +45,15 @@ pub fn check_free(
     if is_leaf && (align == "true" || align == "auto" && model.settings.align_free) {
         let message =
             "its frame would be moved to the principal axes of inertia, which is not read";
-        let help = "write `align=\"false\"`: the coordinates are then those of the body's frame, not of the frame along its \
+        let help = "write `align=\"false\"`: the coordinates are then those of the body's frame, \
+                    not of the frame along its \
                     principal axes of inertia";
         report.error(Code::NotRead, at, Some(&subject), message, help);
     }
 }
 
 /// Returns a joint without its links and origin, and its coordinate in the pose in which the model
-/// is drawn. `pose` is that of the body.
+/// is drawn. `pose` is the body's pose.
 pub fn joint(
     item: &Item,
     name: &str,
@@ -82,8 +83,8 @@ pub fn joint(
             refuse(Code::NotRead, &message, help);
         }
     }
-    let numbers = ["armature", "damping", "frictionloss", "stiffness"];
-    let numbers = numbers.map(|name| polynomial(item, name).0);
+    let names = ["armature", "damping", "frictionloss", "stiffness"];
+    let numbers = names.map(|name| polynomial(item, name).0);
     let [armature, damping, friction, stiffness] = numbers;
     if numbers.iter().any(|&number| number < 0.0) {
         let help = "write numbers of at least 0: damping and friction oppose the motion, and springs pull back";
@@ -91,7 +92,7 @@ pub fn joint(
         refuse(Code::NegativeJointDynamics, message, help);
     }
     if kind == "free" && friction != 0.0 {
-        // MuJoCo's acts along the axes of the world, that of modyn along the axes of the body.
+        // MuJoCo's acts along the axes of the world, modyn's along the axes of the body.
         let message = "`frictionloss` of a free joint is not read";
         refuse(Code::NotRead, message, "write 0, or the class that the joint should have");
     }
@@ -114,9 +115,9 @@ pub fn joint(
             "write the direction of the axis, such as `0 0 1`",
         );
     }
-    let range =
+    let described =
         item.numbers("range").filter(|_| single && is_limited(item, "limited", "range", model));
-    let range = range.map(|range: [f64; 2]| range.map(|bound| angle * bound));
+    let range = described.map(|range: [f64; 2]| range.map(|bound| angle * bound));
     let joint_type = match kind {
         "slide" => JointType::Prismatic,
         "ball" => JointType::Spherical,
@@ -134,8 +135,8 @@ pub fn joint(
         velocity: None,
         effort,
     });
-    let axis = axis.unwrap_or([0.0, 0.0, 1.0]);
-    let axis = if single { item.frame.rotate(axis) } else { axis };
+    let given = axis.unwrap_or([0.0, 0.0, 1.0]);
+    let axis = if single { item.frame.rotate(given) } else { given };
     let sound = model.is_sound(&item.chain) && report.errors() == errors;
     let kind = Kind::Moving(joint_type);
     let record = fixed(name.into(), at);
@@ -149,7 +150,7 @@ pub fn spring_damper(item: &Item) -> Option<[f64; 2]> {
     item.numbers("springdamper").filter(|numbers| *numbers != [0.0; 2])
 }
 
-/// Returns the coordinates of the spring of a joint at rest; `pose` is that of the body, in which
+/// Returns the coordinates of the spring of a joint at rest; `pose` is the body's pose, in which
 /// the model is drawn.
 fn spring_reference(item: &Item, kind: &str, angle: f64, pose: &Pose<f64>) -> Vec<f64> {
     match kind {

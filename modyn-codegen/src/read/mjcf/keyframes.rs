@@ -16,22 +16,22 @@ use crate::diagnostics::Code;
 const MAX_COORDINATES: usize = 1_000_000;
 
 impl<'e> Bodies<'e, '_, '_> {
-    /// Adds the keyframes of the main model, while the joints are those of the text: before
+    /// Adds the keyframes of the main model, while the joints are the joints of the text: before
     /// constraints fix some.
     pub fn keyframes(&mut self) {
         let items = self.of_section("keyframe");
         // Those of the main model come first; a model that attaches a part of itself has them
         // again.
-        let own = self.models[0].source.root.in_sections("keyframe").count();
+        let own_count = self.models[0].source.root.in_sections("keyframe").count();
         let mut taken = BTreeSet::new();
         let mut moving = Vec::new();
         let coordinates: usize =
             self.drawn_coordinates().iter().map(|(_, values)| values.len()).sum();
-        for (i, item) in items.iter().take(own).enumerate() {
+        for (i, item) in items.iter().take(own_count).enumerate() {
             let at = item.element().at;
             if (i + 1).saturating_mul(coordinates) > MAX_COORDINATES {
                 let message = format!(
-                    "{own} keyframes of {coordinates} coordinates are more than {MAX_COORDINATES} \
+                    "{own_count} keyframes of {coordinates} coordinates are more than {MAX_COORDINATES} \
                      coordinates together"
                 );
                 let help = "keep the keyframes that the program needs, or read the others as data";
@@ -86,17 +86,17 @@ impl<'e> Bodies<'e, '_, '_> {
         for (joint, record) in self.description.joints.iter().enumerate() {
             let Kind::Moving(kind) = record.kind else { continue };
             count += kind.nq();
-            let own = match &mut rest {
+            let own_numbers = match &mut rest {
                 // The length is wrong, and reported below.
                 Some(rest) if rest.len() < kind.nq() => continue,
                 Some(rest) => {
-                    let (own, others) = rest.split_at(kind.nq());
+                    let (of_joint, others) = rest.split_at(kind.nq());
                     *rest = others;
-                    Some(own)
+                    Some(of_joint)
                 }
                 None => None,
             };
-            let values = match (kind, own) {
+            let values = match (kind, own_numbers) {
                 (JointType::Floating, Some(&[x, y, z, a, b, c, d])) => {
                     mujoco::from_qpos(joined([x, y, z], unit([a, b, c, d]))).to_vec()
                 }
@@ -104,7 +104,7 @@ impl<'e> Bodies<'e, '_, '_> {
                     xyzw_from_wxyz(unit([a, b, c, d])).to_vec()
                 }
                 (JointType::Floating, Some(_)) | (_, None) => self.drawn(joint, kind),
-                (_, Some(own)) => own.to_vec(),
+                (_, Some(numbers)) => numbers.to_vec(),
             };
             all.push((joint, values));
         }

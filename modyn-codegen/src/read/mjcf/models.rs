@@ -1,4 +1,4 @@
-//! The files of a model: its main file, and those of models that it attaches.
+//! The files of a model: its main file, and the files of models that it attaches.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -46,9 +46,9 @@ pub fn read(
 ) -> Option<Vec<Source>> {
     let folder = options.folder.as_deref();
     let store = &options.files;
-    let root = Elements::read(text, 0, &File { folder, shown, store }, report)?;
+    let (root, folders) = Elements::read(text, 0, &File { folder, shown, store }, report)?;
     let mut files = vec![(shown.to_owned(), None)];
-    let mut sources = vec![source(root, folder, store)];
+    let mut sources = vec![source(root, folders, folder, store)];
     let mut next = 0;
     while next < sources.len() {
         for (name, file, at) in assets(&sources[next], report) {
@@ -82,8 +82,8 @@ pub fn read(
                     let shown = normalized(&parent).display().to_string();
                     let (text, start) = read_named(store, &place, &shown, at, report)?;
                     let file = File { folder: place.parent(), shown: &shown, store };
-                    let root = Elements::read(&text, start, &file, report)?;
-                    sources.push(source(root, place.parent(), store));
+                    let (root, folders) = Elements::read(&text, start, &file, report)?;
+                    sources.push(source(root, folders, place.parent(), store));
                     files.push((shown, Some(place)));
                     sources.len() - 1
                 }
@@ -98,7 +98,8 @@ pub fn read(
 }
 
 fn source(
-    (root, folders): (Element, Vec<(usize, PathBuf)>),
+    root: Element,
+    folders: Vec<(usize, PathBuf)>,
     folder: Option<&Path>,
     store: &FileStore,
 ) -> Source {

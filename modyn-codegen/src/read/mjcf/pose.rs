@@ -28,8 +28,8 @@ impl Item<'_> {
             element.attributes.iter().find(|attribute| is_form(&attribute.name))
         });
         let help = "write the direction of the axis, such as `0 0 1`";
-        let unit = |axis: [f64; 3]| normalized(axis).map(|(unit, _)| unit);
-        let unit = |axis| unit(axis).ok_or(("an axis of the rotation is zero", help));
+        let normalized_axis = |axis: [f64; 3]| normalized(axis).map(|(unit, _)| unit);
+        let unit = |axis| normalized_axis(axis).ok_or(("an axis of the rotation is zero", help));
         Ok(match form.map(|form| form.name.as_str()) {
             Some("axisangle") => match self.numbers("axisangle") {
                 Some([x, y, z, angle]) => about(unit([x, y, z])?, settings.angle * angle),
@@ -70,8 +70,8 @@ pub fn from_quaternion([w, x, y, z]: [f64; 4]) -> Option<[[f64; 3]; 3]> {
     let scaled = [x, y, z, w].map(|x| x / largest);
     let square: f64 = scaled.iter().map(|x| x * x).sum();
     // A unit quaternion stays as it is written.
-    let length = largest * libm::sqrt(square);
-    let length = if (length - 1.0).abs() < 1e-15 { 1.0 } else { length };
+    let exact = largest * libm::sqrt(square);
+    let length = if (exact - 1.0).abs() < 1e-15 { 1.0 } else { exact };
     Some(rotation_from_quaternion([x, y, z, w].map(|x| x / length)))
 }
 
@@ -108,12 +108,12 @@ pub fn to_z_axis([x, y, z]: [f64; 3]) -> [[f64; 3]; 3] {
 }
 
 /// Returns the pose of the frame `of` in the frame `from`.
-pub fn relative(from: &Pose<f64>, of: &Pose<f64>) -> Pose<f64> {
+pub fn relative(from: &Pose<f64>, pose: &Pose<f64>) -> Pose<f64> {
     let columns = from.rotation;
     let rotation = core::array::from_fn(|i| core::array::from_fn(|j| columns[j][i]));
     let inverse = Pose { rotation, translation: [0.0; 3] };
     let translation = inverse.transform_point(from.translation).map(|x| -x);
-    Pose { translation, ..inverse }.compose(of)
+    Pose { translation, ..inverse }.compose(pose)
 }
 
 /// Returns the cross product.

@@ -26,7 +26,7 @@ pub struct Settings<'e> {
     pub fit_box: bool,
     /// Whether frames of free bodies are aligned if their joint does not say so.
     pub align_free: bool,
-    /// The folder of meshes, relative to that of the model.
+    /// The folder of meshes, relative to the model's folder.
     pub mesh_folder: &'e str,
     /// Whether only the last part of a mesh's path counts.
     pub strip_path: bool,

@@ -78,7 +78,8 @@ impl Bodies<'_, '_, '_> {
 
     fn refuse_spring_damper(&mut self, at: usize) {
         let message = "the inertia that opposes a joint with `springdamper` is not known";
-        let help = "repair the other errors. If there are none, a joint moves no inertia where no constraint of `<equality>` \
+        let help = "repair the other errors. If there are none, a joint moves no inertia where no \
+                    constraint of `<equality>` \
                     holds it: write `stiffness` and `damping` in place of `springdamper`";
         self.report.error(Code::NotRead, at, None, message, help);
     }

@@ -112,9 +112,11 @@ const TABLE: &[Row] = &[
         names: &["option"],
         treatment: Treatment::Read(
             &[("gravity", Exactly(3)), ("density", Exactly(1)), ("viscosity", Exactly(1))],
-            "timestep apirate impratio tolerance ls_tolerance noslip_tolerance mpr_tolerance ccd_tolerance sleep_tolerance wind \
+            "timestep apirate impratio tolerance ls_tolerance noslip_tolerance mpr_tolerance \
+             ccd_tolerance sleep_tolerance wind \
              magnetic o_margin o_solref o_solimp o_friction integrator collision cone jacobian solver iterations \
-             ls_iterations noslip_iterations mpr_iterations ccd_iterations sdf_iterations sdf_initpoints actuatorgroupdisable",
+             ls_iterations noslip_iterations mpr_iterations ccd_iterations sdf_iterations \
+             sdf_initpoints actuatorgroupdisable",
         ),
     },
     Row {
@@ -132,7 +134,7 @@ const TABLE: &[Row] = &[
                 ("actuation", SWITCH),
                 ("clampctrl", SWITCH),
             ],
-            // Limits and contacts are those of the caller's steps.
+            // The caller's steps decide limits and contacts.
             "limit contact warmstart filterparent refsafe sensor midphase eulerdamp autoreset \
              nativeccd island multiccd override \
              energy fwdinv invdiscrete sensornoise sleep diagexact ipc speculative",
@@ -315,7 +317,8 @@ const TABLE: &[Row] = &[
                 ("mesh", Text),
                 ("fitscale", Exactly(1)),
             ],
-            "name contype conaffinity condim priority material friction solmix solref solimp margin gap surfacevel adhesion \
+            "name contype conaffinity condim priority material friction solmix solref solimp \
+             margin gap surfacevel adhesion \
              rgba fluidshape fluidcoef castshadow user",
         ),
     },
@@ -332,7 +335,8 @@ const TABLE: &[Row] = &[
         parents: BODY,
         names: &["composite", "flexcomp"],
         treatment: Treatment::Refused(
-            "it makes many bodies: let MuJoCo write them out (`mj_saveLastXML`), or remove it; soft bodies are not supported",
+            "it makes many bodies: let MuJoCo write them out (`mj_saveLastXML`), or remove it; \
+             soft bodies are not supported",
         ),
     },
     Row {

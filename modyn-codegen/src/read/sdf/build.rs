@@ -50,8 +50,8 @@ pub fn describe(
         keyframes: Vec::new(),
         shape_notes: world.shape_notes.clone(),
     };
-    let names = world.frames.iter().filter(|frame| !matches!(frame.kind, FrameKind::Joint(_)));
-    let names = Names::new(names.map(|frame| frame.name.text.clone()));
+    let named = world.frames.iter().filter(|frame| !matches!(frame.kind, FrameKind::Joint(_)));
+    let names = Names::new(named.map(|frame| frame.name.text.clone()));
     let near = Suggestions::new();
     let mut build = Build { world, frames, inside, options, names, near, description, report };
     build.links();
@@ -147,12 +147,14 @@ impl Build<'_, '_, '_> {
             let name = frame.name.clone();
             match &frame.kind {
                 FrameKind::Link(link) if self.inside[frame.scope] => {
-                    let own = &world.links[*link].inertial;
-                    let (at, mass_at, sound) = own
-                        .as_ref()
-                        .map_or((name.at, name.at, true), |own| (own.at, own.mass_at, own.sound));
-                    let inertial = own.as_ref().map_or(DEFAULT_INERTIA, |own| own.inertial);
-                    let inertial = Some(InertialRecord { inertial, at, mass_at, sound });
+                    let inertial_record = &world.links[*link].inertial;
+                    let (at, mass_at, sound) =
+                        inertial_record.as_ref().map_or((name.at, name.at, true), |record| {
+                            (record.at, record.mass_at, record.sound)
+                        });
+                    let described =
+                        inertial_record.as_ref().map_or(DEFAULT_INERTIA, |record| record.inertial);
+                    let inertial = Some(InertialRecord { inertial: described, at, mass_at, sound });
                     let shapes = world.links[*link].shapes.clone();
                     let record = LinkRecord { shapes, ..LinkRecord::new(name, inertial) };
                     self.description.links.push(record);
@@ -220,18 +222,18 @@ impl Build<'_, '_, '_> {
         let world = self.world;
         let mut edges = Vec::new();
         for joint in &world.joints {
-            let own = &world.frames[joint.frame];
+            let joint_frame = &world.frames[joint.frame];
             let Some(link) = self.frames.links[joint.frame] else { continue };
-            let subject = Subject::Joint(own.name.text.clone());
+            let subject = Subject::Joint(joint_frame.name.text.clone());
             let child = self.end(link);
-            let Some(parent) = self.parent(joint, own.scope, &subject) else { continue };
+            let Some(parent) = self.parent(joint, joint_frame.scope, &subject) else { continue };
             if (parent, child) == (WORLD, WORLD) {
                 continue;
             }
             let ends = [parent, child].map(|link| {
                 let pose = match link {
                     WORLD => self.frames.pose(world, WORLD, joint.frame),
-                    _ => self.between(own.scope, link, joint.frame),
+                    _ => self.between(joint_frame.scope, link, joint.frame),
                 };
                 (link, pose)
             });
@@ -258,7 +260,7 @@ impl Build<'_, '_, '_> {
         // For each frame, a frame of the same connected part; a part's last frame leads to itself.
         let mut next: Vec<usize> = (0..self.world.frames.len()).collect();
         let mut tree = Vec::new();
-        let mut found = Vec::new();
+        let mut loops = Vec::new();
         for edge in edges {
             let [parent, child] = edge.ends.each_ref().map(|(link, _)| *link);
             let parts = [parent, child].map(|mut frame| {
@@ -272,7 +274,7 @@ impl Build<'_, '_, '_> {
             if edge.joint.closes_loop || parts[0] == parts[1] && parent != child {
                 if !edge.joint.closes_loop {
                     let at = self.world.frames[edge.joint.frame].name.at;
-                    found.push((Some(at), Some(edge.subject.clone())));
+                    loops.push((Some(at), Some(edge.subject.clone())));
                 }
                 self.closing(edge);
             } else {
@@ -280,11 +282,12 @@ impl Build<'_, '_, '_> {
                 tree.push(edge);
             }
         }
-        let message = "it connects links that other joints connect, so it closes a loop: it is a constraint, and has no \
+        let message = "it connects links that other joints connect, so it closes a loop: it is a \
+                       constraint, and has no \
                        coordinate";
         let help = "to choose another joint of the loop for this, write \
                     `<physics><simbody><must_be_loop_joint>true</must_be_loop_joint></simbody></physics>` in it";
-        self.report.warn_once(Code::LoopEnds, &found, message, help);
+        self.report.warn_once(Code::LoopEnds, &loops, message, help);
         tree
     }
 
@@ -332,7 +335,7 @@ impl Build<'_, '_, '_> {
         if name.text == "world" {
             return Some(WORLD);
         }
-        let Some(found) = world.find(scope, &name.text) else {
+        let Some(parent) = world.find(scope, &name.text) else {
             let message = format!("its parent `{}` does not exist", name.text);
             let names = world.scopes[scope].names.keys().map(String::as_str);
             let help = match self.near.suggest(&name.text, names) {
@@ -342,10 +345,10 @@ impl Build<'_, '_, '_> {
             self.report.error(Code::UnknownParent, name.at, Some(subject), message, help);
             return None;
         };
-        Some(self.end(self.frames.links[found]?))
+        Some(self.end(self.frames.links[parent]?))
     }
 
-    /// Returns the frame of a link, or that of the world for a link of a static model.
+    /// Returns the frame of a link, or the frame of the world for a link of a static model.
     fn end(&self, link: usize) -> usize {
         let frame = self.world.links[link].frame;
         if self.inside[self.world.frames[frame].scope] { frame } else { WORLD }
@@ -363,9 +366,9 @@ impl Build<'_, '_, '_> {
             self.report.error(Code::FrameName, name.at, Some(&subject), message, help);
             return axis.direction;
         };
-        let [own, other] =
+        let [joint_pose, other] =
             [joint.frame, frame].map(|frame| self.frames.pose(self.world, scope, frame));
-        inverse(&own).rotate(other.rotate(axis.direction))
+        inverse(&joint_pose).rotate(other.rotate(axis.direction))
     }
 
     /// Returns a joint's record without its links and its place.
@@ -417,8 +420,8 @@ impl Build<'_, '_, '_> {
         record.limits =
             [lower, upper, velocity, effort].iter().any(Option::is_some).then_some(limits);
         record.mimic = mimic.as_ref().map(|mimic| {
-            let found = self.world.find(frame.scope, &mimic.leader.text);
-            let text = found.map_or(&mimic.leader, |leader| &self.world.frames[leader].name);
+            let leader_frame = self.world.find(frame.scope, &mimic.leader.text);
+            let text = leader_frame.map_or(&mimic.leader, |leader| &self.world.frames[leader].name);
             let leader = Located { text: text.text.clone(), at: mimic.leader.at };
             MimicRecord { leader, multiplier: mimic.multiplier, offset: mimic.offset }
         });
@@ -614,8 +617,8 @@ impl Build<'_, '_, '_> {
                 let origin = self.frames.pose(world, WORLD, root);
                 JointRecord { origin, ..self.record(format!("{}_fixed", name.text), name.at) }
             } else {
-                let own = &world.scopes[world.frames[root].scope].qualification;
-                let unused = names.unused(&format!("{own}floating_base"));
+                let qualification = &world.scopes[world.frames[root].scope].qualification;
+                let unused = names.unused(&format!("{qualification}floating_base"));
                 let kind = Kind::Moving(JointType::Floating);
                 JointRecord { kind, ..self.record(unused, name.at) }
             };
@@ -645,10 +648,10 @@ impl Build<'_, '_, '_> {
     /// of moving links without inertia.
     fn weights(&mut self) {
         let world = self.world;
-        let own = world.links.iter().filter(|link| self.inside[world.frames[link.frame].scope]);
-        let own: Vec<_> = own.collect();
+        let inside = world.links.iter().filter(|link| self.inside[world.frames[link.frame].scope]);
+        let links_inside: Vec<_> = inside.collect();
         let welded = self.welded();
-        let without: Vec<Place> = own
+        let without: Vec<Place> = links_inside
             .iter()
             .filter(|link| link.inertial.is_none())
             .map(|link| &world.frames[link.frame].name)
@@ -659,11 +662,11 @@ impl Build<'_, '_, '_> {
             "it has no `<inertial>`, so SDF gives it a mass of 1 kg and an inertia of 1 kg m^2";
         let help = "write the link's `<inertial>`";
         self.report.warn_once(Code::MissingInertial, &without, message, help);
-        if !own.is_empty() && own.iter().all(|link| link.weightless) {
+        if !links_inside.is_empty() && links_inside.iter().all(|link| link.weightless) {
             self.description.gravity = Some([0.0; 3]);
             return;
         }
-        let without: HashSet<&str> = own
+        let without: HashSet<&str> = links_inside
             .iter()
             .filter(|link| link.weightless)
             .map(|link| world.frames[link.frame].name.text.as_str())

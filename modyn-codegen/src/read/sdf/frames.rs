@@ -15,7 +15,7 @@ pub struct Frames {
 }
 
 impl Frames {
-    /// Returns the pose of a frame in that of a scope around it.
+    /// Returns the pose of a frame in the frame of a scope around it.
     pub fn pose(&self, world: &World, scope: usize, frame: usize) -> Pose<f64> {
         compose(&self.poses, &world.path(scope, frame))
     }
@@ -56,8 +56,8 @@ struct Resolver<'w, 'r, 'f> {
 impl Resolver<'_, '_, '_> {
     /// Returns the frame of a name; `None` with an error in the report.
     fn find(&mut self, scope: usize, name: &Located, what: &str) -> Option<usize> {
-        let found = self.world.find(scope, &name.text);
-        if found.is_none() {
+        let frame = self.world.find(scope, &name.text);
+        if frame.is_none() {
             let message = format!("{what} `{}` does not exist here", name.text);
             let names = self.world.scopes[scope].names.keys().map(String::as_str);
             let help = match self.near.suggest(&name.text, names) {
@@ -68,21 +68,21 @@ impl Resolver<'_, '_, '_> {
             };
             self.report.error(Code::FrameName, name.at, None, message, help);
         }
-        found
+        frame
     }
 
     /// Returns the frame that a frame's pose is relative to; `None` for its model's.
     fn base(&mut self, frame: usize) -> Option<usize> {
-        let own = &self.world.frames[frame];
-        if let Some(name) = &own.relative_to {
-            return self.find(own.scope, name, "the frame");
+        let record = &self.world.frames[frame];
+        if let Some(name) = &record.relative_to {
+            return self.find(record.scope, name, "the frame");
         }
-        match &own.kind {
+        match &record.kind {
             FrameKind::Joint(joint) => {
                 let child = self.world.joints[*joint].child.as_ref()?;
-                self.world.find(own.scope, &child.text)
+                self.world.find(record.scope, &child.text)
             }
-            FrameKind::Frame(Some(name)) => self.world.find(own.scope, &name.text),
+            FrameKind::Frame(Some(name)) => self.world.find(record.scope, &name.text),
             _ => None,
         }
     }
@@ -99,9 +99,9 @@ impl Resolver<'_, '_, '_> {
         let mut poses: Vec<_> = world.frames.iter().map(|frame| frame.pose).collect();
         // The path to the base in the own scope, and to the placement frame in the model.
         let paths = |frame: usize| {
-            let own = &world.frames[frame];
-            let base = bases[frame].map_or(Vec::new(), |base| world.path(own.scope, base));
-            let placement = match own.kind {
+            let record = &world.frames[frame];
+            let base = bases[frame].map_or(Vec::new(), |base| world.path(record.scope, base));
+            let placement = match record.kind {
                 FrameKind::Model(scope) => placements[scope].map(|inner| world.path(scope, inner)),
                 _ => None,
             };
@@ -153,21 +153,21 @@ impl Resolver<'_, '_, '_> {
     /// do not exist.
     fn attached_to(&mut self, frame: usize) -> Option<usize> {
         let world = self.world;
-        let own = &world.frames[frame];
-        match &own.kind {
+        let record = &world.frames[frame];
+        match &record.kind {
             FrameKind::World | FrameKind::Link(_) => None,
             FrameKind::Joint(joint) => {
                 let child = world.joints[*joint].child.as_ref()?;
-                let found = self.find(own.scope, child, "the child")?;
-                if found == WORLD {
+                let child_frame = self.find(record.scope, child, "the child")?;
+                if child_frame == WORLD {
                     let message = "the world cannot be the child of a joint";
                     let help = "exchange `<parent>` and `<child>`";
                     self.report.error(Code::FrameName, child.at, None, message, help);
                 }
-                Some(found)
+                Some(child_frame)
             }
-            FrameKind::Frame(Some(name)) => self.find(own.scope, name, "the frame"),
-            FrameKind::Frame(None) => Some(world.scopes[own.scope].frame),
+            FrameKind::Frame(Some(name)) => self.find(record.scope, name, "the frame"),
+            FrameKind::Frame(None) => Some(world.scopes[record.scope].frame),
             FrameKind::Model(scope) => match &world.scopes[*scope].canonical {
                 Some(name) => self.find(*scope, name, "the canonical link"),
                 None => first_link(world, *scope),

@@ -36,8 +36,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let has_pose = self.xml.named(node, "pose").next().is_some();
         let pose = self.pose(node, None);
         let name = self.xml.single(node, "name", None).map(|name| trimmed(self.xml.content(name)));
-        let placement = self.xml.single(node, "placement_frame", None);
-        let placement = placement.map(|name| trimmed(self.xml.content(name)));
+        let element = self.xml.single(node, "placement_frame", None);
+        let placement = element.map(|name| trimmed(self.xml.content(name)));
         let merge = self.xml.optional(node, "merge");
         let overrides = Overrides {
             name: name.filter(|name| !name.text.is_empty()),
@@ -71,8 +71,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         }
         self.files.count += 1;
         let shown = path.display().to_string();
-        let found = read_named(&self.options.files, &path, &shown, uri.at, self.xml.report);
-        let Some((text, start)) = found else { return };
+        let file = read_named(&self.options.files, &path, &shown, uri.at, self.xml.report);
+        let Some((text, start)) = file else { return };
         let Some(text) = document::within_limits(&text, start, self.xml.report) else { return };
         let folder = path.parent().map(Path::to_owned);
         let outer = std::mem::replace(&mut self.files.folder, folder);
@@ -139,21 +139,22 @@ impl<'a> Reader<'a, '_, '_, '_> {
         };
         let (scheme, rest) = uri.split_once("://").unwrap_or(("", uri));
         let beside = folder.join(rest);
-        let place = match scheme {
+        let path = match scheme {
             "" | "file" if !rest.is_empty() && store.exists(&beside) => beside,
             "" | "file" | "model" | "package" => self.model_path(rest).ok_or_else(|| {
                 format!(
-                    "files are looked for beside this file, in the folders around the first file, and in the folders of \
+                    "files are looked for beside this file, in the folders around the first file, \
+                     and in the folders of \
                      the variable {}",
                     MODEL_PATHS[..2].join(" or ")
                 )
             })?,
             _ => return Err("download the model, and write `model://` and its name".into()),
         };
-        let place = if store.is_folder(&place) && !store.is_file(&place) {
-            self.file_in(&place)
+        let place = if store.is_folder(&path) && !store.is_file(&path) {
+            self.file_in(&path)
         } else {
-            place
+            path
         };
         if store.is_file(&place) {
             Ok(place)
@@ -172,10 +173,9 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let absolute = std::path::absolute(first).unwrap_or_else(|_| first.into());
         // The folders around the file, whose names may be part of the path.
         let around = absolute.ancestors().map(Path::to_owned);
-        let of_variables = MODEL_PATHS.iter().filter_map(std::env::var_os);
-        let of_variables: Vec<PathBuf> = of_variables
-            .flat_map(|value| std::env::split_paths(&value).collect::<Vec<_>>())
-            .collect();
+        let values = MODEL_PATHS.iter().filter_map(std::env::var_os);
+        let of_variables: Vec<PathBuf> =
+            values.flat_map(|value| std::env::split_paths(&value).collect::<Vec<_>>()).collect();
         let mut places = around.chain(of_variables).map(|folder| folder.join(path));
         places.find(|place| self.options.files.exists(place))
     }

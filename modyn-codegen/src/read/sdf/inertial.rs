@@ -8,7 +8,7 @@ use super::solids;
 use crate::description::InertialRecord;
 use crate::diagnostics::{Code, Subject};
 
-/// The density of a solid that gives none, that of water, kg/m^3.
+/// The density of a solid that gives none: the density of water, kg/m^3.
 const DENSITY: f64 = 1000.0;
 
 impl<'a> Reader<'a, '_, '_, '_> {

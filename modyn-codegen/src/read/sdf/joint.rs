@@ -14,10 +14,10 @@ impl<'a> Reader<'a, '_, '_, '_> {
     /// Reads a `<joint>` of a model or of the world.
     pub fn joint(&mut self, node: Node<'a, '_>, scope: usize) {
         let errors = self.xml.report.errors();
-        let name = self.xml.attribute(node, "name", None).map(trimmed);
-        let name = name.unwrap_or(Located { text: String::new(), at: self.xml.at(node) });
-        let subject = Subject::Joint(name.text.clone());
-        let subject = Some(&subject);
+        let attribute = self.xml.attribute(node, "name", None).map(trimmed);
+        let name = attribute.unwrap_or(Located { text: String::new(), at: self.xml.at(node) });
+        let own_subject = Subject::Joint(name.text.clone());
+        let subject = Some(&own_subject);
         let known = [
             "parent",
             "child",
@@ -38,7 +38,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let kind = self.joint_kind(node, subject);
         let parent = self.name_in(node, "parent", subject);
         let child = self.name_in(node, "child", subject);
-        let pose = self.pose(node, subject);
+        let (pose, relative_to) = self.pose(node, subject);
         let mut axes = match kind {
             None | Some(JointKind::Fixed | JointKind::Ball) => [None, None],
             Some(JointKind::Universal) => {
@@ -55,13 +55,13 @@ impl<'a> Reader<'a, '_, '_, '_> {
         }
         let pitch = if kind == Some(JointKind::Screw) { self.pitch(node, subject) } else { 0.0 };
         let simbody = self.xml.named(node, "physics").flat_map(|physics| physics.children());
-        let cut = simbody
+        let element = simbody
             .flat_map(|engine| engine.children())
             .find(|n| n.has_tag_name("must_be_loop_joint"));
-        let cut =
-            cut.and_then(|cut| self.truth(self.xml.content(cut), "must_be_loop_joint", subject));
+        let cut = element
+            .and_then(|cut| self.truth(self.xml.content(cut), "must_be_loop_joint", subject));
         let index = self.world.joints.len();
-        let frame = self.push(scope, &name, FrameKind::Joint(index), pose);
+        let frame = self.push(scope, &name, FrameKind::Joint(index), pose, relative_to);
         let sound = self.xml.report.errors() == errors;
         let closes_loop = cut == Some(true);
         self.world.joints.push(Joint {
@@ -192,7 +192,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
             let value = self.number(node, name, subject).unwrap_or(0.0);
             if value < 0.0 {
                 let message = format!("`<{name}>` is {value}");
-                let help = "write a number of at least 0: damping and friction oppose the motion, and springs pull back";
+                let help = "write a number of at least 0: damping and friction oppose the motion, \
+                            and springs pull back";
                 let code = Code::NegativeJointDynamics;
                 self.xml.report.error(code, at, subject, message, help);
             }

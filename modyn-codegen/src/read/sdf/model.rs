@@ -24,12 +24,12 @@ impl<'a> Reader<'a, '_, '_, '_> {
     /// Reads a `<world>`: its gravity, models, frames and joints.
     pub fn world(&mut self, node: Node<'a, '_>) {
         self.world.name = self.xml.optional(node, "name").map(trimmed);
-        let own = self.xml.single(node, "gravity", None);
+        let own_gravity = self.xml.single(node, "gravity", None);
         // Before SDF 1.6, gravity was in `<physics>`.
         let physics = self.xml.named(node, "physics").next();
         let old = physics.and_then(|physics| self.xml.named(physics, "gravity").next());
-        let gravity = own.or(old).map(|node| self.xml.content(node));
-        let gravity = gravity.map(|text| self.xml.numbers::<3>(text, None));
+        let element = own_gravity.or(old).map(|node| self.xml.content(node));
+        let gravity = element.map(|text| self.xml.numbers::<3>(text, None));
         self.world.gravity = Some(gravity.flatten().unwrap_or(DEFAULT_GRAVITY));
         let known = [
             "audio",
@@ -59,8 +59,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
     /// Reads a `<model>` of a scope.
     pub fn model(&mut self, node: Node<'a, '_>, outer: usize, depth: usize, overrides: Overrides) {
         let at = self.xml.at(node);
-        let name = self.xml.attribute(node, "name", None).map(trimmed);
-        let name = overrides.name.or(name).unwrap_or(Located { text: "model".into(), at });
+        let attribute = self.xml.attribute(node, "name", None).map(trimmed);
+        let name = overrides.name.or(attribute).unwrap_or(Located { text: "model".into(), at });
         let merge = overrides.merge && outer != WORLD;
         let before = self.world.scopes[outer].prefix.clone();
         // The names of the world's models are no part of the full names, unless several move.
@@ -76,12 +76,12 @@ impl<'a> Reader<'a, '_, '_, '_> {
             self.xml.report.error(Code::Excessive, at, None, message, help);
             return;
         }
-        let subject = Subject::Robot(name.text.clone());
-        let subject = Some(&subject);
+        let own_subject = Subject::Robot(name.text.clone());
+        let subject = Some(&own_subject);
         let own_pose = self.pose(node, subject);
         let (pose, relative_to) = overrides.pose.unwrap_or(own_pose);
-        let own_static = self.flag(node, "static", subject);
-        let own_static = overrides.is_static.or(own_static) == Some(true);
+        let flag = self.flag(node, "static", subject);
+        let own_static = overrides.is_static.or(flag) == Some(true);
         let filled =
             |name| self.xml.optional(node, name).map(trimmed).filter(|name| !name.text.is_empty());
         let scope = self.world.scopes.len();
@@ -163,8 +163,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
             let of_point = format!("{BALL_CONSTRAINT}_{point}");
             let shown = shown(&of_point);
             let example = format!("<{shown}>0 0 0</{shown}>");
-            let point = self.xml.required(node, &of_point, &example, None);
-            let point = point.and_then(|point| self.xml.numbers(self.xml.content(point), None));
+            let element = self.xml.required(node, &of_point, &example, None);
+            let point = element.and_then(|point| self.xml.numbers(self.xml.content(point), None));
             BallConstraintEnd { link, point: point.unwrap_or_default() }
         });
         self.world.ball_constraints.push(BallConstraint { scope, at, ends });
@@ -176,15 +176,15 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let (pose, relative_to) = self.pose(node, None);
         let attached_to = self.xml.optional(node, "attached_to").map(trimmed);
         let kind = FrameKind::Frame(attached_to.filter(|name| !name.text.is_empty()));
-        self.push(scope, &name, kind, (pose, relative_to));
+        self.push(scope, &name, kind, pose, relative_to);
     }
 
     /// Reads a `<link>`.
     fn link(&mut self, node: Node<'a, '_>, scope: usize) {
-        let name = self.xml.attribute(node, "name", None).map(trimmed);
-        let name = name.unwrap_or(Located { text: String::new(), at: self.xml.at(node) });
-        let subject = Subject::Link(name.text.clone());
-        let subject = Some(&subject);
+        let attribute = self.xml.attribute(node, "name", None).map(trimmed);
+        let name = attribute.unwrap_or(Located { text: String::new(), at: self.xml.at(node) });
+        let own_subject = Subject::Link(name.text.clone());
+        let subject = Some(&own_subject);
         let known = [
             "gravity",
             "enable_wind",
@@ -205,7 +205,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             "particle_emitter",
         ];
         self.warn_of_unknown(node, &known, subject);
-        let pose = self.pose(node, subject);
+        let (pose, relative_to) = self.pose(node, subject);
         let weightless = self.flag(node, "gravity", subject) == Some(false);
         if self.flag(node, "kinematic", subject) == Some(true) {
             let message =
@@ -221,7 +221,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         }
         let inertial = self.inertial(node, subject);
         let index = self.world.links.len();
-        let frame = self.push(scope, &name, FrameKind::Link(index), pose);
+        let frame = self.push(scope, &name, FrameKind::Link(index), pose, relative_to);
         let shapes = if self.options.shapes { self.shapes(node, &name.text) } else { Vec::new() };
         self.world.links.push(Link { frame, inertial, shapes, weightless });
     }
@@ -232,7 +232,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         scope: usize,
         name: &Located,
         kind: FrameKind,
-        (pose, relative_to): (Pose<f64>, Option<Located>),
+        pose: Pose<f64>,
+        relative_to: Option<Located>,
     ) -> usize {
         let frame = self.world.frames.len();
         let text = format!("{}{}", self.world.scopes[scope].prefix, name.text);

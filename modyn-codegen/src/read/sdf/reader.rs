@@ -120,8 +120,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
     }
 
     fn pose_numbers(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> Option<Pose<f64>> {
-        let degrees = self.xml.optional(node, "degrees");
-        let degrees = degrees.and_then(|text| self.truth(text, "degrees", subject));
+        let attribute = self.xml.optional(node, "degrees");
+        let degrees = attribute.and_then(|text| self.truth(text, "degrees", subject));
         let text = self.xml.content(node);
         let format = self.xml.optional(node, "rotation_format");
         let format_name = format.map_or("euler_rpy", |format| format.text.trim());

@@ -23,13 +23,13 @@ impl<'a> Reader<'a, '_, '_, '_> {
                 colors.into_iter().find_map(|name| color(content(material, name)?))
             });
             let pose = child(visual, "pose");
-            let found = match pose
+            let shape = match pose
                 .filter(|pose| pose.attribute("relative_to").is_some_and(|name| !name.is_empty()))
             {
                 Some(_) => Err("has a pose relative to another frame".into()),
                 None => self.geometry(shape),
             };
-            match found {
+            match shape {
                 Ok(geometry) => {
                     let pose = pose.map_or_else(Pose::identity, pose_of);
                     shapes.push(Shape { pose, geometry, color });

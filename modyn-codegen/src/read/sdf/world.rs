@@ -54,12 +54,12 @@ impl World {
         // An enclosing scope comes first.
         for scope in 1..self.scopes.len() {
             let Scope { frame, outer, .. } = self.scopes[scope];
-            let own = match outer {
+            let qualification = match outer {
                 WORLD => format!("{}::", self.frames[frame].name.text),
                 _ => self.scopes[outer].qualification.clone(),
             };
-            self.scopes[scope].prefix.insert_str(0, &own);
-            self.scopes[scope].qualification = own;
+            self.scopes[scope].prefix.insert_str(0, &qualification);
+            self.scopes[scope].qualification = qualification;
         }
         for frame in &mut self.frames {
             frame.name.text.insert_str(0, &self.scopes[frame.scope].qualification);
@@ -69,16 +69,16 @@ impl World {
     /// Returns the frame that a name means in a scope: a sibling, or a part of a nested model, as
     /// in `model::link`.
     pub fn find(&self, scope: usize, name: &str) -> Option<usize> {
-        let own = &self.scopes[scope];
+        let scope_record = &self.scopes[scope];
         match (name, scope) {
             ("world", WORLD) => return Some(WORLD),
             ("__model__", WORLD) => return None,
-            ("__model__", _) => return Some(own.frame),
+            ("__model__", _) => return Some(scope_record.frame),
             _ => {}
         }
-        own.names.get(name).copied().or_else(|| {
+        scope_record.names.get(name).copied().or_else(|| {
             let (model, rest) = name.split_once("::")?;
-            match self.frames[*own.names.get(model)?].kind {
+            match self.frames[*scope_record.names.get(model)?].kind {
                 FrameKind::Model(inner) => self.find(inner, rest),
                 _ => None,
             }
@@ -108,9 +108,9 @@ pub struct Scope {
     pub frame: usize,
     /// The enclosing scope.
     pub outer: usize,
-    /// The frames by their names, with those of models that are merged into this one.
+    /// The frames by their names, with the frames of models that are merged into this one.
     pub names: FxHashMap<String, usize>,
-    /// The frames in the order of the text, with those of merged models.
+    /// The frames in the order of the text, with the frames of merged models.
     pub content: Vec<usize>,
     /// The start of the full names, such as `arm::hand::`.
     pub prefix: String,
@@ -240,7 +240,7 @@ pub struct Axis {
     pub mimic: Option<Mimic>,
 }
 
-/// The relation of an axis to that of another joint.
+/// The relation of an axis to the axis of another joint.
 pub struct Mimic {
     pub leader: Located,
     pub multiplier: f64,
@@ -255,6 +255,6 @@ pub struct Overrides {
     pub pose: Option<(Pose<f64>, Option<Located>)>,
     pub placement: Option<Located>,
     pub is_static: Option<bool>,
-    /// Whether the elements of the model become those of the enclosing model.
+    /// Whether the elements of the model become elements of the enclosing model.
     pub merge: bool,
 }

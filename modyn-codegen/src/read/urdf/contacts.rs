@@ -14,8 +14,8 @@ use crate::diagnostics::{Code, Severity, Subject};
 impl<'a> Reader<'a, '_, '_, '_> {
     pub fn contact_frame(&mut self, node: Node<'a, '_>) -> ContactRecord {
         let name = self.xml.attribute(node, "name", None);
-        let subject = name.map(|name| Subject::Contact(name.text.into()));
-        let subject = subject.as_ref();
+        let own_subject = name.map(|name| Subject::Contact(name.text.into()));
+        let subject = own_subject.as_ref();
         let read = ["name", "type", "link", "xyz", "rpy", "quat_xyzw"];
         self.xml.warn_of_unknown_attributes(node, &read, subject);
         for child in node.children().filter(Node::is_element) {
@@ -28,13 +28,13 @@ impl<'a> Reader<'a, '_, '_, '_> {
             self.xml.report.add(Severity::Warning, Code::NotRead, at, subject, message, help);
         }
         let kind = self.xml.attribute(node, "type", subject).and_then(|kind| {
-            let found = ContactKind::from_name(kind.text);
-            if found.is_none() {
+            let known_kind = ContactKind::from_name(kind.text);
+            if known_kind.is_none() {
                 let message = format!("`{}` is not a type of contact", kind.text);
                 let help = "write `point`, which stops translations, or `surface`, which stops rotations as well";
                 self.xml.report.error(Code::ContactFrame, kind.at, subject, message, help);
             }
-            found
+            known_kind
         });
         let link = self.xml.attribute(node, "link", subject);
         let end = EndRecord {

@@ -6,7 +6,8 @@ use crate::diagnostics::{Code, Report, Severity};
 use crate::read::xml::element::is;
 
 /// The advice for a xacro that is read as a URDF.
-const XACRO_HELP: &str = "give the file a name that ends in `.xacro`: then modyn expands it, unless it was asked to read a URDF";
+const XACRO_HELP: &str = "give the file a name that ends in `.xacro`: then modyn expands it, \
+                          unless it was asked to read a URDF";
 
 /// The elements of a joint or an inertial whose numbers are read.
 const USED: &[&str] = &[

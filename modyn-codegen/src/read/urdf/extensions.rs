@@ -428,8 +428,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
                 format!("drake.ball_constraint_p_{}", if body == "A" { "AP" } else { "BQ" });
             let point =
                 self.xml.required(node, &of_point, &example(&of_point, "value=\"0 0 0\""), None);
-            let point = point.and_then(|point| self.xml.attribute(point, "value", None));
-            let point = point.and_then(|text| self.xml.numbers::<3>(text, None));
+            let attribute = point.and_then(|point| self.xml.attribute(point, "value", None));
+            let point = attribute.and_then(|text| self.xml.numbers::<3>(text, None));
             let translation = point.unwrap_or_default();
             EndRecord {
                 link: link.map(|link| link.text.into()),

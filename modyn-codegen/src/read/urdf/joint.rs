@@ -35,8 +35,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
     pub fn joint(&mut self, node: Node<'a, '_>) -> JointRecord {
         let errors = self.xml.report.errors();
         let name = self.xml.attribute(node, "name", None);
-        let subject = name.map(|name| Subject::Joint(name.text.into()));
-        let subject = subject.as_ref();
+        let own_subject = name.map(|name| Subject::Joint(name.text.into()));
+        let subject = own_subject.as_ref();
         let kind = self.kind(node, subject);
         let optional = ["origin", "axis", "limit", "mimic", "dynamics"];
         self.unread_elements(node, KNOWN_IN_JOINT, &optional, subject);
@@ -81,8 +81,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
             return Kind::Fixed;
         }
         let types = if is_drakes { &DRAKES_TYPES[..] } else { &JointType::ALL.map(named) };
-        if let Some((_, found)) = types.iter().find(|(name, _)| *name == text.text) {
-            return Kind::Moving(*found);
+        if let Some((_, kind)) = types.iter().find(|(name, _)| *name == text.text) {
+            return Kind::Moving(*kind);
         }
         let mut names: Vec<&str> = types.iter().map(|(name, _)| *name).collect();
         let message = if is_drakes {

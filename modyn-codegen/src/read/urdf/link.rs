@@ -13,8 +13,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let name = self.xml.attribute(node, "name", None);
         let subject = name.map(|name| Subject::Link(name.text.into()));
         self.unread_elements(node, KNOWN_IN_LINK, &["inertial"], subject.as_ref());
-        let inertial = self.xml.single(node, "inertial", subject.as_ref());
-        let inertial = inertial.and_then(|node| self.inertial(node, subject.as_ref()));
+        let element = self.xml.single(node, "inertial", subject.as_ref());
+        let inertial = element.and_then(|node| self.inertial(node, subject.as_ref()));
         let name = name?.located();
         let shapes = if self.options.shapes { self.shapes(node, &name.text) } else { Vec::new() };
         Some(LinkRecord { shapes, ..LinkRecord::new(name, inertial) })
@@ -29,7 +29,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         if is_weightless(node) {
             let message =
                 "`<inertial>` has no `<mass>`, and its inertia is zero: the link has no mass";
-            let help = "write `<mass value=\"1.5\"/>` and its inertia, or remove `<inertial>`; urdfdom does not read it either";
+            let help = "write `<mass value=\"1.5\"/>` and its inertia, or remove `<inertial>`; \
+                        urdfdom does not read it either";
             let at = node.range().start;
             self.xml.report.add(
                 Severity::Warning,
@@ -74,9 +75,9 @@ impl<'a> Reader<'a, '_, '_, '_> {
         if has_white_space(node) {
             self.dropped_inertias.push((Some(node.range().start), subject.cloned()));
         }
-        let own = Inertial { mass, center_of_mass: [0.0; 3], inertia };
+        let about_center = Inertial { mass, center_of_mass: [0.0; 3], inertia };
         Some(InertialRecord {
-            inertial: own.transformed(&pose),
+            inertial: about_center.transformed(&pose),
             at: node.range().start,
             mass_at,
             sound: self.xml.report.errors() == errors,
@@ -90,7 +91,9 @@ fn is_weightless(inertial: Node) -> bool {
     let is_zero = |text: &str| text.trim().parse() == Ok(0.0);
     has("mass").next().is_none()
         && has("inertia").next().is_some()
-        && has("inertia").flat_map(|part| part.attributes()).all(|own| is_zero(own.value()))
+        && has("inertia")
+            .flat_map(|part| part.attributes())
+            .all(|attribute| is_zero(attribute.value()))
 }
 
 /// Returns whether a number in an `<inertial>` has white space with which urdfdom does not read it:
@@ -102,7 +105,8 @@ fn has_white_space(inertial: Node) -> bool {
     let parts = ["origin", "mass", "inertia"];
     inertial.children().filter(|part| parts.contains(&part.tag_name().name())).any(|part| {
         let is_list = part.tag_name().name() == "origin";
-        part.attributes().map(|own| &text[own.range_value()]).any(|value| match is_list {
+        part.attributes().map(|attribute| &text[attribute.range_value()]).any(|value| match is_list
+        {
             true => value.contains(['\n', '\t', '\r']),
             false => value.ends_with(is_white),
         })

@@ -21,8 +21,8 @@ const TYPES: &str = "supported are: spherical, fixed, revolute, continuous, pris
 impl<'a> Reader<'a, '_, '_, '_> {
     pub fn loop_joint(&mut self, node: Node<'a, '_>) -> LoopRecord {
         let name = self.xml.attribute(node, "name", None);
-        let subject = name.map(|name| Subject::Joint(name.text.into()));
-        let subject = subject.as_ref();
+        let own_subject = name.map(|name| Subject::Joint(name.text.into()));
+        let subject = own_subject.as_ref();
         self.xml.warn_of_unknown_attributes(node, &["name", "type"], subject);
         let kind = self.loop_kind(node, subject);
         for child in node.children().filter(Node::is_element) {

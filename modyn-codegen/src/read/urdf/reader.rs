@@ -51,7 +51,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         };
         let translation = three("xyz").unwrap_or_default();
         let angles = three("rpy");
-        let rotation = match attribute(node, "quat_xyzw") {
+        let described = match attribute(node, "quat_xyzw") {
             Some(text) => {
                 if !self.has_quaternions && node.tag_name().name() == "origin" {
                     self.ignored_quaternions.push((Some(text.at), subject.cloned()));
@@ -60,7 +60,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             }
             None => None,
         };
-        let rotation = rotation.unwrap_or_else(|| roll_pitch_yaw(angles.unwrap_or_default()));
+        let rotation = described.unwrap_or_else(|| roll_pitch_yaw(angles.unwrap_or_default()));
         Pose { rotation, translation }
     }
 

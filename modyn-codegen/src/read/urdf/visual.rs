@@ -16,8 +16,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let mut shapes = Vec::new();
         for visual in self.xml.named(link, "visual").collect::<Vec<_>>() {
             let part = |name: &str| visual.children().find(|node| is(*node, name));
-            let geometry = part("geometry").and_then(|node| node.children().find(Node::is_element));
-            let geometry = geometry.ok_or_else(|| "has no `<geometry>`".into());
+            let element = part("geometry").and_then(|node| node.children().find(Node::is_element));
+            let geometry = element.ok_or_else(|| "has no `<geometry>`".into());
             match geometry.and_then(|geometry| self.geometry(geometry)) {
                 Ok(geometry) => shapes.push(Shape {
                     pose: part("origin").map_or_else(Pose::identity, pose),
@@ -47,14 +47,14 @@ impl<'a> Reader<'a, '_, '_, '_> {
     /// Returns the colour of a material, which may be one of the robot's.
     fn color(&self, material: Node<'a, '_>) -> Option<[f64; 4]> {
         let root = self.xml.root;
-        let own = |node: Node<'a, '_>| {
+        let color_of = |node: Node<'a, '_>| {
             let color = node.children().find(|child| is(*child, "color"))?;
             numbers::<4>(color.attribute("rgba")?)
         };
-        own(material).or_else(|| {
+        color_of(material).or_else(|| {
             let name = material.attribute("name")?;
             let mut shared = root.children().filter(|node| is(*node, "material"));
-            shared.find(|node| node.attribute("name") == Some(name)).and_then(own)
+            shared.find(|node| node.attribute("name") == Some(name)).and_then(color_of)
         })
     }
 
@@ -64,7 +64,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let folder = self.options.folder.as_deref();
         if let Some((scheme @ ("package" | "model"), rest)) = file.split_once("://") {
             let (package, path) = rest.split_once('/').unwrap_or((rest, ""));
-            let found = self.packages.find(package, self.options).map(|folder| folder.join(path));
+            let place = self.packages.find(package, self.options).map(|folder| folder.join(path));
             // A package that is not installed often has its folder around the description.
             let around = folder.into_iter().flat_map(|folder| {
                 let absolute = std::path::absolute(folder).unwrap_or_else(|_| folder.into());
@@ -72,7 +72,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
                 let inside = absolute.ancestors().map(|one| one.join(path)).collect::<Vec<_>>();
                 above.into_iter().chain(if scheme == "package" { inside } else { Vec::new() })
             });
-            return found.into_iter().chain(around).collect();
+            return place.into_iter().chain(around).collect();
         }
         let path = file.strip_prefix("file://").unwrap_or(file);
         folder.map(|folder| folder.join(path)).into_iter().collect()

@@ -21,8 +21,8 @@ pub trait Names {
     /// Counts work; an error if the description does too much of it.
     fn spend(&mut self, work: usize) -> Result<(), String>;
 
-    /// Enters an operation in others, those of the properties that it needs included; an error if
-    /// they are too many for the call stack.
+    /// Enters an operation in others, with the operations of the properties that it needs; an error
+    /// if they are too many for the call stack.
     fn enter(&mut self) -> Result<(), String>;
 
     /// Leaves an operation.
@@ -92,26 +92,26 @@ impl Evaluator<'_> {
                 let chosen = if self.value(condition)?.is_true() { then } else { otherwise };
                 self.value(chosen)?
             }
-            Expression::Attribute(of, name) => {
-                let of = self.value(of)?;
-                self.attribute(&of, name)?
+            Expression::Attribute(object, name) => {
+                let value = self.value(object)?;
+                self.attribute(&value, name)?
             }
-            Expression::Index(of, index) => {
-                let of = self.value(of)?;
+            Expression::Index(object, index) => {
+                let value = self.value(object)?;
                 let index = self.value(index)?;
                 self.weigh(&index)?;
-                self.names.spend(functions::length(&of) / 100)?;
-                item(&of, &index)?
+                self.names.spend(functions::length(&value) / 100)?;
+                item(&value, &index)?
             }
-            Expression::Slice(of, parts) => {
-                let of = self.value(of)?;
+            Expression::Slice(object, parts) => {
+                let object = self.value(object)?;
                 let mut bounds = [None; 3];
                 for (bound, part) in bounds.iter_mut().zip(&**parts) {
                     let Some(part) = part else { continue };
                     let value = self.value(part)?;
                     *bound = Some(value.integer().ok_or("the bounds of a slice are integers")?);
                 }
-                slice(&of, bounds)?
+                slice(&object, bounds)?
             }
             Expression::Call(function, arguments, named) => {
                 let function = self.value(function)?;
@@ -128,13 +128,13 @@ impl Evaluator<'_> {
             Expression::List(items) => Value::list(self.values(items)?),
             Expression::Tuple(items) => Value::Tuple(Rc::new(self.values(items)?)),
             Expression::Dict(entries) => {
-                let mut found: Vec<(Value, Value)> = Vec::new();
+                let mut entries_of_dict: Vec<(Value, Value)> = Vec::new();
                 for (key, value) in entries {
                     let key = self.value(key)?;
                     let value = self.value(value)?;
-                    self.insert(&mut found, key, value)?;
+                    self.insert(&mut entries_of_dict, key, value)?;
                 }
-                Value::Dict(Rc::new(found))
+                Value::Dict(Rc::new(entries_of_dict))
             }
             Expression::Set(items) => {
                 let items = self.values(items)?;
@@ -165,11 +165,11 @@ impl Evaluator<'_> {
     }
 
     fn name(&mut self, name: &Rc<str>) -> Evaluated {
-        if let Some((_, value)) = self.locals.iter().rev().find(|(own, _)| own == name) {
+        if let Some((_, value)) = self.locals.iter().rev().find(|(local, _)| local == name) {
             return Ok(value.clone());
         }
-        if let Some(found) = self.names.name(name)? {
-            return Ok(found);
+        if let Some(value) = self.names.name(name)? {
+            return Ok(value);
         }
         functions::global(name).ok_or_else(|| match self.names.similar(name) {
             Some(similar) => format!("the name `{name}` is not defined; did you mean `{similar}`?"),
@@ -177,17 +177,17 @@ impl Evaluator<'_> {
         })
     }
 
-    fn attribute(&mut self, of: &Value, name: &Rc<str>) -> Evaluated {
-        let found = match of {
+    fn attribute(&mut self, object: &Value, name: &Rc<str>) -> Evaluated {
+        let member = match object {
             Value::Module(module) => functions::member(module, name),
-            Value::Scope(_) => self.names.name_in(of, name)?,
-            _ if functions::is_method(of, name) => {
-                Some(Value::Method(Rc::new((of.clone(), name.clone()))))
+            Value::Scope(_) => self.names.name_in(object, name)?,
+            _ if functions::is_method(object, name) => {
+                Some(Value::Method(Rc::new((object.clone(), name.clone()))))
             }
-            Value::Dict(_) => of.entry(&Value::Text(name.clone())),
+            Value::Dict(_) => object.entry(&Value::Text(name.clone())),
             _ => None,
         };
-        found.ok_or_else(|| format!("{} has no `{name}`", of.kind()))
+        member.ok_or_else(|| format!("{} has no `{name}`", object.kind()))
     }
 
     fn call(
@@ -228,8 +228,8 @@ impl Evaluator<'_> {
                 let [left, right] = arguments.as_slice() else {
                     return Err("`divmod` has two numbers".into());
                 };
-                let parts = [arithmetic("//", left, right)?, arithmetic("%", left, right)?];
-                let parts = parts.into_iter().flatten().collect::<Vec<_>>();
+                let results = [arithmetic("//", left, right)?, arithmetic("%", left, right)?];
+                let parts = results.into_iter().flatten().collect::<Vec<_>>();
                 if parts.len() < 2 {
                     return Err(format!("`divmod` of {} and {}", left.kind(), right.kind()));
                 }
@@ -251,14 +251,14 @@ impl Evaluator<'_> {
     fn comprehension(
         &mut self,
         comprehension: &Comprehension,
-        found: &Loop,
+        clause: &Loop,
         out: &mut Vec<(Value, Value)>,
     ) -> Result<(), String> {
-        let over = self.value(&found.over)?;
+        let over = self.value(&clause.over)?;
         for element in functions::items(&over)? {
             self.names.spend(1)?;
             let before = self.locals.len();
-            match found.names.as_slice() {
+            match clause.names.as_slice() {
                 [name] => self.locals.push((name.clone(), element)),
                 names => {
                     let parts = functions::items(&element)?;
@@ -269,16 +269,17 @@ impl Evaluator<'_> {
                 }
             }
             let mut holds = true;
-            for condition in &found.conditions {
+            for condition in &clause.conditions {
                 holds = holds && self.value(condition)?.is_true();
             }
             if holds {
-                match &found.inner {
+                match &clause.inner {
                     Some(inner) => self.comprehension(comprehension, inner, out)?,
                     None => {
                         let key = self.value(&comprehension.item)?;
-                        let value = comprehension.value.as_ref();
-                        let value = value.map_or(Ok(Value::None), |value| self.value(value))?;
+                        let expression = comprehension.value.as_ref();
+                        let value =
+                            expression.map_or(Ok(Value::None), |value| self.value(value))?;
                         out.push((key, value));
                     }
                 }
@@ -289,10 +290,10 @@ impl Evaluator<'_> {
     }
 
     fn binary(&mut self, operator: &str, left: &Value, right: &Value) -> Evaluated {
-        if let Some(found) = arithmetic(operator, left, right)? {
-            return Ok(found);
+        if let Some(result) = arithmetic(operator, left, right)? {
+            return Ok(result);
         }
-        let found = match (operator, left, right) {
+        let result = match (operator, left, right) {
             ("+", Value::Text(a), Value::Text(b)) => {
                 self.names.spend(a.len() + b.len())?;
                 Value::text(format!("{a}{b}"))
@@ -330,10 +331,10 @@ impl Evaluator<'_> {
                 return Err(format!("`{operator}` of {} and {}", left.kind(), right.kind()));
             }
         };
-        if functions::length(&found) > MAX_LENGTH {
+        if functions::length(&result) > MAX_LENGTH {
             return Err(format!("a value is longer than {MAX_LENGTH}"));
         }
-        Ok(found)
+        Ok(result)
     }
 
     /// Counts the work to print or compare a value.
@@ -386,8 +387,8 @@ impl Evaluator<'_> {
     }
 
     fn repeated(&mut self, value: &Value, count: &Value) -> Evaluated {
-        let count = count.integer().ok_or("`*` of a text or a list needs an integer")?;
-        let count = usize::try_from(count).unwrap_or(0);
+        let integer = count.integer().ok_or("`*` of a text or a list needs an integer")?;
+        let count = usize::try_from(integer).unwrap_or(0);
         let length = functions::length(value).max(1).saturating_mul(count);
         if length > MAX_LENGTH {
             return Err(format!("a value is longer than {MAX_LENGTH}"));
@@ -461,7 +462,7 @@ fn float_arithmetic(operator: &str, left: &Value, right: &Value) -> Result<Optio
     if matches!(operator, "/" | "//" | "%") && b == 0.0 {
         return Err(BY_ZERO.into());
     }
-    let found = match operator {
+    let result = match operator {
         "+" => a + b,
         "-" => a - b,
         "*" => a * b,
@@ -479,7 +480,7 @@ fn float_arithmetic(operator: &str, left: &Value, right: &Value) -> Result<Optio
         }
         _ => return Ok(None),
     };
-    Ok(Some(Value::Float(found)))
+    Ok(Some(Value::Float(result)))
 }
 
 /// Returns the remainder with the sign of the divisor.
@@ -505,7 +506,8 @@ fn compare(operator: &str, left: &Value, right: &Value) -> Result<bool, String> 
         "in" => contains(left, right)?,
         "not in" => !contains(left, right)?,
         _ => {
-            let comparable = !matches!((left, right), (Value::Text(_), other) | (other, Value::Text(_)) if !matches!(other, Value::Text(_)));
+            let is_text = |value: &Value| matches!(value, Value::Text(_));
+            let comparable = is_text(left) == is_text(right);
             let order = left.compare(right);
             if order.is_none()
                 && (!comparable || left.number().is_none() || right.number().is_none())
@@ -544,17 +546,17 @@ fn contains(item: &Value, all: &Value) -> Result<bool, String> {
         (Value::Text(part), Value::Text(whole)) => Ok(whole.contains(&**part)),
         (_, Value::Text(_)) => Err(format!("`in` of {} and a text", item.kind())),
         (_, Value::Set(set)) => set.contains(item),
-        _ => Ok(functions::items(all)?.iter().any(|own| own.equals(item))),
+        _ => Ok(functions::items(all)?.iter().any(|element| element.equals(item))),
     }
 }
 
 /// Returns the item of a list, a text or a dictionary.
-fn item(of: &Value, index: &Value) -> Evaluated {
-    if let Value::Dict(_) = of {
+fn item(value: &Value, index: &Value) -> Evaluated {
+    if let Value::Dict(_) = value {
         let missing = || format!("the dictionary has no key {}", index.repr());
-        return of.entry(index).ok_or_else(missing);
+        return value.entry(index).ok_or_else(missing);
     }
-    let items = match of {
+    let items = match value {
         Value::List(items) | Value::Tuple(items) => Some(items.clone()),
         Value::Sequence(range) if matches!(range.kind, SequenceKind::Range(_)) => {
             Some(Rc::new(range.items.clone()))
@@ -563,14 +565,14 @@ fn item(of: &Value, index: &Value) -> Evaluated {
         other => return Err(format!("{} has no index", other.kind())),
     };
     let index = index.integer().ok_or_else(|| format!("{} is not an index", index.repr()))?;
-    let length = functions::length(of);
-    let place = if index < 0 {
+    let length = functions::length(value);
+    let counted = if index < 0 {
         usize::try_from(index.unsigned_abs()).ok().and_then(|back| length.checked_sub(back))
     } else {
         usize::try_from(index).ok().filter(|place| *place < length)
     };
-    let place = place.ok_or_else(|| format!("there is no item {index} of {length}"))?;
-    Ok(match (items, of) {
+    let place = counted.ok_or_else(|| format!("there is no item {index} of {length}"))?;
+    Ok(match (items, value) {
         (Some(items), _) => items[place].clone(),
         (None, Value::Text(text)) => {
             Value::text(text.chars().nth(place).map(String::from).unwrap_or_default())
@@ -580,13 +582,13 @@ fn item(of: &Value, index: &Value) -> Evaluated {
 }
 
 /// Returns the items from the first bound to the second, with the third as the step.
-fn slice(of: &Value, [from, to, step]: [Option<i64>; 3]) -> Evaluated {
+fn slice(value: &Value, [from, to, step]: [Option<i64>; 3]) -> Evaluated {
     let step = step.unwrap_or(1);
     if step == 0 {
         return Err("the step of a slice is not 0".into());
     }
     let characters: Vec<Value>;
-    let items: &[Value] = match of {
+    let items: &[Value] = match value {
         Value::List(items) | Value::Tuple(items) => items,
         Value::Text(text) => {
             characters = text.chars().map(|c| Value::text(String::from(c))).collect();
@@ -606,18 +608,18 @@ fn slice(of: &Value, [from, to, step]: [Option<i64>; 3]) -> Evaluated {
     } else {
         (bound(from, length - 1), bound(to, -1))
     };
-    let mut found = Vec::new();
+    let mut selected = Vec::new();
     let mut at = from;
     while if step > 0 { at < to } else { at > to } {
-        found.extend(usize::try_from(at).ok().and_then(|at| items.get(at)).cloned());
+        selected.extend(usize::try_from(at).ok().and_then(|at| items.get(at)).cloned());
         at = at.saturating_add(step);
     }
-    Ok(match of {
+    Ok(match value {
         Value::Text(_) => {
-            let characters = found.iter().map(Value::display).collect::<Result<Vec<_>, _>>()?;
+            let characters = selected.iter().map(Value::display).collect::<Result<Vec<_>, _>>()?;
             Value::text(characters.concat())
         }
-        Value::Tuple(_) => Value::Tuple(Rc::new(found)),
-        _ => Value::list(found),
+        Value::Tuple(_) => Value::Tuple(Rc::new(selected)),
+        _ => Value::list(selected),
     })
 }

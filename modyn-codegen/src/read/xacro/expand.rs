@@ -1,8 +1,8 @@
 //! Expands the elements of xacro: properties, macros, conditions, includes and blocks.
 //!
-//! The order is that of the reference: elements are expanded in the order of the text, a macro sees
-//! the properties of its caller, and the block of a caller is expanded once where it is written and
-//! once where it is inserted.
+//! The order is the order of the reference: elements are expanded in the order of the text, a macro
+//! sees the properties of its caller, and the block of a caller is expanded once where it is
+//! written and once where it is inserted.
 
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
@@ -100,8 +100,9 @@ type Expanded<T = ()> = Result<T, Refused>;
 
 impl<'e, 'r> Expander<'e, 'r> {
     pub fn new(file: PathBuf, options: &'e ReadOptions, report: &'e mut Report<'r>) -> Self {
-        let arguments = options.xacro_args.iter();
-        let arguments = arguments.map(|own| (own.name.as_str().into(), own.value.as_str().into()));
+        let given = options.xacro_args.iter();
+        let arguments =
+            given.map(|argument| (argument.name.as_str().into(), argument.value.as_str().into()));
         Self {
             options,
             arguments: arguments.collect(),
@@ -153,12 +154,12 @@ impl<'e, 'r> Expander<'e, 'r> {
         Err(Refused)
     }
 
-    fn at<T>(&mut self, place: Place, found: Result<T, impl Into<Fault>>) -> Expanded<T> {
-        found.or_else(|fault| self.refuse(place, fault))
+    fn at<T>(&mut self, place: Place, result: Result<T, impl Into<Fault>>) -> Expanded<T> {
+        result.or_else(|fault| self.refuse(place, fault))
     }
 
     /// Returns the tree of a document whose text starts at offset `start` of the report.
-    /// The call is that of the include.
+    /// The call is the call of the include.
     pub fn tree(&mut self, document: &Document<'_>, start: usize, call: Call) -> Expanded<Element> {
         let tree = tree::of_document(document, start);
         tree.or_else(|at| self.refuse_depth(Place { at, call: Some(call) }))
@@ -270,8 +271,8 @@ impl<'e, 'r> Expander<'e, 'r> {
             "insert_block" => self.insert_block(element, scope, call, output),
             "if" | "unless" => {
                 let value = self.required(element, "value", call)?;
-                let found = self.evaluated(&value.value, value.place, scope)?;
-                let holds = self.at(value.place, truth(&found, &value.value))?;
+                let condition = self.evaluated(&value.value, value.place, scope)?;
+                let holds = self.at(value.place, truth(&condition, &value.value))?;
                 if holds == (name == "if") {
                     // As in the reference, `xacro:attribute` in a condition changes nothing.
                     let mut unused = Vec::new();
@@ -285,42 +286,43 @@ impl<'e, 'r> Expander<'e, 'r> {
             }
             "element" => {
                 let name = self.required(element, "xacro:name", call)?;
-                let found = self.evaluated_text(&name.value, name.place, scope)?;
-                if !is_xml_name(&found) {
-                    return self
-                        .refuse(name.place, format!("`{found}` is not a name of an element"));
+                let tag = self.evaluated_text(&name.value, name.place, scope)?;
+                if !is_xml_name(&tag) {
+                    return self.refuse(name.place, format!("`{tag}` is not a name of an element"));
                 }
-                let mut renamed = Element { name: found, ..(**element).clone() };
-                renamed.attributes.retain(|own| &*own.name != "xacro:name");
+                let mut renamed = Element { name: tag, ..(**element).clone() };
+                renamed.attributes.retain(|attribute| &*attribute.name != "xacro:name");
                 self.again(renamed, scope, call, output)
             }
             "attribute" => {
                 let name = self.required(element, "name", call)?;
                 let value = self.required(element, "value", call)?;
-                let found = self.evaluated_text(&name.value, name.place, scope)?;
-                if !is_xml_name(&found) {
-                    return self
-                        .refuse(name.place, format!("`{found}` is not a name of an attribute"));
+                let attribute_name = self.evaluated_text(&name.value, name.place, scope)?;
+                if !is_xml_name(&attribute_name) {
+                    return self.refuse(
+                        name.place,
+                        format!("`{attribute_name}` is not a name of an attribute"),
+                    );
                 }
                 let text = self.evaluated_text(&value.value, value.place, scope)?;
-                output.attributes.retain(|own| own.name != found);
-                output.attributes.push(Attribute { name: found, value: text, place });
+                output.attributes.retain(|attribute| attribute.name != attribute_name);
+                output.attributes.push(Attribute { name: attribute_name, value: text, place });
                 Ok(())
             }
             "call" => {
                 let name = self.required(element, "macro", call)?;
-                let found = self.evaluated_text(&name.value, name.place, scope)?;
+                let macro_name = self.evaluated_text(&name.value, name.place, scope)?;
                 let mut renamed =
-                    Element { name: format!("xacro:{found}").into(), ..(**element).clone() };
-                renamed.attributes.retain(|own| &*own.name != "macro");
+                    Element { name: format!("xacro:{macro_name}").into(), ..(**element).clone() };
+                renamed.attributes.retain(|attribute| &*attribute.name != "macro");
                 self.again(renamed, scope, call, output)
             }
             name => self.call(element, name, scope, call, output),
         }
     }
 
-    /// Expands an element under its evaluated name, which can be that of a macro, or of an element
-    /// of xacro.
+    /// Expands an element under its evaluated name, which can be the name of a macro, or of an
+    /// element of xacro.
     fn again(
         &mut self,
         renamed: Element,
@@ -337,9 +339,9 @@ impl<'e, 'r> Expander<'e, 'r> {
     /// Returns an attribute that must be there.
     fn required(&mut self, element: &Element, name: &str, call: Call) -> Expanded<Attribute> {
         match element.attribute(name) {
-            Some(found) => {
-                let place = found.place.expanded_by(call);
-                Ok(Attribute { place, ..found.clone() })
+            Some(attribute) => {
+                let place = attribute.place.expanded_by(call);
+                Ok(Attribute { place, ..attribute.clone() })
             }
             None => {
                 let reason = format!("the attribute `{name}` of `<{}>` is missing", element.name);
@@ -356,8 +358,8 @@ impl<'e, 'r> Expander<'e, 'r> {
             return Ok(Value::text(text));
         }
         self.place = place;
-        let found = self.text(text, scope);
-        self.at(place, found)
+        let value = self.text(text, scope);
+        self.at(place, value)
     }
 
     /// Returns the value of a text at a place, as text.
@@ -368,19 +370,19 @@ impl<'e, 'r> Expander<'e, 'r> {
 
     fn property(&mut self, element: &Rc<Element>, scope: ScopeId, call: Call) -> Expanded {
         let place = element.place.expanded_by(call);
-        let name = self.required(element, "name", call)?;
-        let name = self.evaluated_text(&name.value, name.place, scope)?;
+        let name_attribute = self.required(element, "name", call)?;
+        let name = self.evaluated_text(&name_attribute.value, name_attribute.place, scope)?;
         if !is_identifier(&name) || name.starts_with("__") {
             let reason = format!("`{name}` is not a name of a property");
             let help = "write letters, digits and underscores, and no word of the language";
             return self.refuse(place, Fault::with_help(reason, help));
         }
-        let flag = |own: &mut Self, name: &str, default: bool| match element.attribute(name) {
+        let flag = |expander: &mut Self, name: &str, default: bool| match element.attribute(name) {
             None => Ok(default),
             Some(attribute) => {
                 let place = attribute.place.expanded_by(call);
-                let found = own.evaluated(&attribute.value, place, scope)?;
-                own.at(place, truth(&found, &attribute.value))
+                let value = expander.evaluated(&attribute.value, place, scope)?;
+                expander.at(place, truth(&value, &attribute.value))
             }
         };
         let remove = flag(self, "remove", false)?;
@@ -425,8 +427,8 @@ impl<'e, 'r> Expander<'e, 'r> {
                 other => Property::Value(other),
             }
         } else {
-            let found = self.evaluated(&value.value, value.place.expanded_by(call), scope)?;
-            Property::Value(match found {
+            let value = self.evaluated(&value.value, value.place.expanded_by(call), scope)?;
+            Property::Value(match value {
                 Value::Text(text) => literal(&text),
                 other => other,
             })
@@ -443,7 +445,7 @@ impl<'e, 'r> Expander<'e, 'r> {
             return self.refuse(name.place, reason);
         }
         let mut parameters = Vec::new();
-        let mut rest = element.attribute("params").map_or("", |own| &own.value);
+        let mut rest = element.attribute("params").map_or("", |attribute| &attribute.value);
         while !rest.trim().is_empty() {
             let (parameter, after) = parameter(rest);
             parameters.push(parameter);
@@ -476,8 +478,8 @@ impl<'e, 'r> Expander<'e, 'r> {
         let path = self.beside(&file);
         let optional = match element.attribute("optional") {
             Some(attribute) => {
-                let found = truth(&Value::Text(attribute.value.clone()), &attribute.value);
-                self.at(place, found)?
+                let is_optional = truth(&Value::Text(attribute.value.clone()), &attribute.value);
+                self.at(place, is_optional)?
             }
             None => false,
         };
@@ -491,8 +493,8 @@ impl<'e, 'r> Expander<'e, 'r> {
         }
         let inner = match element.attribute("ns") {
             Some(namespace) => {
-                let found = self.evaluated_text(&namespace.value, place, scope)?;
-                self.scopes.add_namespace(scope, found)
+                let namespace_name = self.evaluated_text(&namespace.value, place, scope)?;
+                self.scopes.add_namespace(scope, namespace_name)
             }
             None => scope,
         };
@@ -505,15 +507,15 @@ impl<'e, 'r> Expander<'e, 'r> {
             return Err(Refused);
         };
         let document = xml::document::parse(&text, start, "robot", self.report).ok_or(Refused)?;
-        let own = self.open_call(String::from("include"), place)?;
-        let root = self.tree(&document, start, own)?;
+        let call_of_file = self.open_call(String::from("include"), place)?;
+        let root = self.tree(&document, start, call_of_file)?;
         self.declare(&root);
         self.files.push(path);
         // The attributes of the outermost element are dropped, `xacro:attribute` beside its
         // children too.
         let children = &mut *output.children;
         let mut output = Output { attributes: &mut Vec::new(), children };
-        self.children(&root, inner, own, &mut output)?;
+        self.children(&root, inner, call_of_file, &mut output)?;
         self.files.pop();
         self.open_calls -= 1;
         Ok(())
@@ -529,8 +531,8 @@ impl<'e, 'r> Expander<'e, 'r> {
         }
         let absolute = self.absolute(path);
         // Relative as the name of the description is.
-        let shown = self.report.file_name(0).map(Path::new).and_then(Path::parent);
-        let shown = shown.unwrap_or(Path::new("")).join(path).display().to_string();
+        let folder = self.report.file_name(0).map(Path::new).and_then(Path::parent);
+        let shown = folder.unwrap_or(Path::new("")).join(path).display().to_string();
         read_named(&self.options.files, &absolute, &shown, place.at, self.report)
     }
 
@@ -561,8 +563,8 @@ impl<'e, 'r> Expander<'e, 'r> {
 
     /// Returns the folder of a package.
     pub fn package(&self, name: &str) -> Result<String, Fault> {
-        let found = self.packages.borrow_mut().find(name, self.options);
-        found.map(|folder| folder.display().to_string()).ok_or_else(|| {
+        let package = self.packages.borrow_mut().find(name, self.options);
+        package.map(|folder| folder.display().to_string()).ok_or_else(|| {
             Fault::with_help(
                 format!("the package `{name}` was not found"),
                 format!("name its folder by the option `packages = [\"{name}\": \"folder\"]`, or set ROS_PACKAGE_PATH"),
@@ -590,7 +592,7 @@ impl<'e, 'r> Expander<'e, 'r> {
         output: &mut Output<'_>,
     ) -> Expanded {
         let name = self.required(element, "name", call)?;
-        let found = ["**", "*"].into_iter().find_map(|stars| {
+        let property = ["**", "*"].into_iter().find_map(|stars| {
             let name = format!("{stars}{}", name.value);
             let holder = self.scopes.holder(scope, &name)?;
             match self.scopes.property(holder, &name)? {
@@ -598,7 +600,7 @@ impl<'e, 'r> Expander<'e, 'r> {
                 _ => None,
             }
         });
-        let Some((block, only_content)) = found else {
+        let Some((block, only_content)) = property else {
             return self.refuse(name.place, format!("there is no block `{}`", name.value));
         };
         self.deeper(name.place)?;
@@ -624,7 +626,7 @@ impl<'e, 'r> Expander<'e, 'r> {
         output: &mut Output<'_>,
     ) -> Expanded {
         let place = element.place.expanded_by(call);
-        let Some((found, called)) = self.scopes.find_macro(scope, name) else {
+        let Some((definition, called)) = self.scopes.find_macro(scope, name) else {
             let names: Vec<String> = self.scopes.macro_names(scope).map(Into::into).collect();
             let help = match suggest(name, names.iter().map(String::as_str)) {
                 Some(meant) => format!("did you mean `xacro:{meant}`?"),
@@ -635,10 +637,12 @@ impl<'e, 'r> Expander<'e, 'r> {
         };
         // The arguments belong to the caller.
         let mut given: Vec<(Rc<str>, Property)> = Vec::new();
-        for attribute in element.attributes.iter().filter(|own| !own.name.starts_with("xmlns")) {
+        for attribute in
+            element.attributes.iter().filter(|attribute| !attribute.name.starts_with("xmlns"))
+        {
             let place = attribute.place.expanded_by(call);
             let names = || called.parameters.iter().map(|parameter| &*parameter.name);
-            if !names().any(|own| *own == *attribute.name) {
+            if !names().any(|parameter| *parameter == *attribute.name) {
                 let help = match suggest(&attribute.name, names()) {
                     Some(meant) => format!("did you mean `{meant}`?"),
                     None => {
@@ -664,7 +668,9 @@ impl<'e, 'r> Expander<'e, 'r> {
             Node::Element(block) => Some(block),
             Node::Text(..) => None,
         });
-        for parameter in called.parameters.iter().filter(|own| own.name.starts_with('*')) {
+        for parameter in
+            called.parameters.iter().filter(|parameter| parameter.name.starts_with('*'))
+        {
             let Some(block) = blocks.next() else {
                 let reason = format!("the macro `{name}` needs the block `{}`", parameter.name);
                 return self
@@ -679,7 +685,7 @@ impl<'e, 'r> Expander<'e, 'r> {
         }
         for parameter in &called.parameters {
             if parameter.name.starts_with('*')
-                || given.iter().any(|(own, _)| *own == parameter.name)
+                || given.iter().any(|(argument, _)| *argument == parameter.name)
             {
                 continue;
             }
@@ -687,8 +693,8 @@ impl<'e, 'r> Expander<'e, 'r> {
             let holder = self.scopes.holder(scope, &parameter.name).filter(|_| parameter.forwards);
             let value = match (holder, &parameter.default) {
                 (Some(_), _) => {
-                    let found = self.lookup(scope, &parameter.name);
-                    self.at(place, found)?.unwrap_or(Value::None)
+                    let value = self.lookup(scope, &parameter.name);
+                    self.at(place, value)?.unwrap_or(Value::None)
                 }
                 (None, Some(default)) => self.evaluated(default, place, scope)?,
                 (None, None) if parameter.forwards => {
@@ -705,15 +711,15 @@ impl<'e, 'r> Expander<'e, 'r> {
             };
             given.push((parameter.name.clone(), argument(value)));
         }
-        let inner = self.scopes.enter(found);
+        let inner = self.scopes.enter(definition);
         for (name, property) in given {
             self.scopes.set(inner, name, property);
         }
-        let own = self.open_call(format!("macro `{name}`"), place)?;
+        let own_call = self.open_call(format!("macro `{name}`"), place)?;
         let body = called.element.clone();
         let children = &mut *output.children;
         let mut output = Output { attributes: &mut Vec::new(), children };
-        self.children(&body, inner, own, &mut output)?;
+        self.children(&body, inner, own_call, &mut output)?;
         self.open_calls -= 1;
         self.scopes.leave(inner);
         Ok(())
@@ -743,7 +749,7 @@ impl<'e, 'r> Expander<'e, 'r> {
         }
         self.scopes.set(holder, name.into(), Property::Open);
         let value = self.text(&text, holder).map_err(|fault| match fault {
-            // The innermost property is that of the fault.
+            // The fault is in the innermost property.
             Fault { reason, .. } if reason.starts_with("in the property") => {
                 Fault { reason, ..fault }
             }
@@ -810,13 +816,13 @@ fn literal(text: &str) -> Value {
 
 /// Returns the truth value of a condition.
 fn truth(value: &Value, text: &str) -> Result<bool, Fault> {
-    let Value::Text(found) = value else { return Ok(value.is_true()) };
-    match (&**found, super::functions::literal_int(found)) {
+    let Value::Text(word) = value else { return Ok(value.is_true()) };
+    match (&**word, super::functions::literal_int(word)) {
         ("true" | "True", _) => Ok(true),
         ("false" | "False", _) => Ok(false),
         (_, Some(value)) => Ok(value != 0),
         _ => Err(Fault::with_help(
-            format!("the condition \"{text}\" is \"{found}\", which is neither true nor false"),
+            format!("the condition \"{text}\" is \"{word}\", which is neither true nor false"),
             "write `true`, `false`, or an expression: `${name == 'value'}`",
         )),
     }
@@ -860,8 +866,8 @@ fn parameter(text: &str) -> (Parameter, &str) {
 fn with_default(text: &str) -> Option<(Parameter, &str)> {
     let end = text.find(|c: char| c.is_whitespace() || ":=".contains(c))?;
     let (name, rest) = text.split_at(end);
-    let rest = rest.trim_start();
-    let rest = rest.strip_prefix(":=").or_else(|| rest.strip_prefix('='))?.trim_start();
+    let trimmed = rest.trim_start();
+    let rest = trimmed.strip_prefix(":=").or_else(|| trimmed.strip_prefix('='))?.trim_start();
     let forwarded = rest.strip_prefix('^');
     let rest = forwarded.map_or(rest, |rest| rest.strip_prefix('|').unwrap_or(rest));
     let ends = |at: usize| rest[at..].is_empty() || rest[at..].starts_with(char::is_whitespace);

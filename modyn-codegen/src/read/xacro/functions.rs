@@ -1,5 +1,5 @@
-//! The functions of expressions: those of Python and of its module `math` that xacro has, and the
-//! methods of values.
+//! The functions of expressions: the functions of Python and of its module `math` that xacro has,
+//! and the methods of values.
 
 use std::cmp::Ordering;
 use std::f64::consts::{E, PI, TAU};
@@ -141,8 +141,8 @@ pub fn is_shallow(name: &str) -> bool {
 /// Returns the function of this full name.
 fn function(name: &str) -> Option<Value> {
     let names = UNARY.iter().map(|(name, _)| *name).chain(BINARY.iter().map(|(name, _)| *name));
-    let found = names.chain(OTHER.iter().copied()).find(|own| *own == name)?;
-    Some(Value::Function(found))
+    let function = names.chain(OTHER.iter().copied()).find(|other| *other == name)?;
+    Some(Value::Function(function))
 }
 
 /// Returns the value of a name that every expression has.
@@ -223,22 +223,22 @@ fn truncated(value: f64) -> Called {
 
 /// Calls a function without named arguments.
 pub fn call(name: &str, arguments: &[Value]) -> Called {
-    if let Some((_, function)) = UNARY.iter().find(|(own, _)| *own == name) {
+    if let Some((_, function)) = UNARY.iter().find(|(function_name, _)| *function_name == name) {
         let [x] = arguments else { return Err(format!("`{name}` has one argument")) };
         let x = number(x)?;
-        let found = function(x);
-        if found.is_nan() && !x.is_nan() || found.is_infinite() && x.is_finite() {
+        let result = function(x);
+        if result.is_nan() && !x.is_nan() || result.is_infinite() && x.is_finite() {
             return Err(format!("`{name}` of {} is not defined", float(x)));
         }
-        return Ok(Value::Float(found));
+        return Ok(Value::Float(result));
     }
-    if let Some((_, function)) = BINARY.iter().find(|(own, _)| *own == name) {
+    if let Some((_, function)) = BINARY.iter().find(|(function_name, _)| *function_name == name) {
         let [x, y] = arguments else { return Err(format!("`{name}` has two arguments")) };
-        let found = function(number(x)?, number(y)?);
-        if !found.is_finite() {
+        let result = function(number(x)?, number(y)?);
+        if !result.is_finite() {
             return Err(format!("`{name}` of {} and {} is not defined", x.repr(), y.repr()));
         }
-        return Ok(Value::Float(found));
+        return Ok(Value::Float(result));
     }
     if name.starts_with("math.") {
         return call_math(name, arguments);
@@ -260,9 +260,9 @@ pub fn call(name: &str, arguments: &[Value]) -> Called {
         ("float", [x]) => to_float(x),
         ("int", [x]) => to_int(x),
         ("int", [Value::Text(text), base]) => {
-            let base = base.integer().and_then(|base| u32::try_from(base).ok());
+            let integer = base.integer().and_then(|base| u32::try_from(base).ok());
             let base =
-                base.filter(|base| (2..=36).contains(base)).ok_or("the base is not 2 to 36")?;
+                integer.filter(|base| (2..=36).contains(base)).ok_or("the base is not 2 to 36")?;
             let digits = text.trim();
             let prefixed = digits.strip_prefix("0x").or_else(|| digits.strip_prefix("0X"));
             let digits = prefixed
@@ -320,8 +320,8 @@ pub fn call(name: &str, arguments: &[Value]) -> Called {
             sum(&if is_exact { numbers } else { items(all)? })
         }
         ("enumerate", [all]) => {
-            let pairs = items(all)?.into_iter().zip(0_i64..);
-            let pairs = pairs.map(|(item, i)| Value::Tuple(Rc::new(vec![Value::Int(i), item])));
+            let numbered = items(all)?.into_iter().zip(0_i64..);
+            let pairs = numbered.map(|(item, i)| Value::Tuple(Rc::new(vec![Value::Int(i), item])));
             Ok(Value::iterator(pairs.collect()))
         }
         ("zip", lists) => {
@@ -384,7 +384,7 @@ pub fn dict(arguments: &[Value], named: Vec<(Rc<str>, Value)>) -> Called {
     };
     for (name, value) in named {
         let key = Value::Text(name);
-        entries.retain(|(own, _)| !own.equals(&key));
+        entries.retain(|(other, _)| !other.equals(&key));
         entries.push((key, value));
     }
     Ok(Value::Dict(Rc::new(entries)))
@@ -449,16 +449,16 @@ pub fn literal_float(text: &str) -> Option<f64> {
 }
 
 fn extreme(arguments: &[Value], wanted: Ordering) -> Called {
-    let all = match arguments {
+    let given = match arguments {
         [all] => members(all)?,
         several => several.to_vec(),
     };
-    let mut all = all.into_iter();
+    let mut all = given.into_iter();
     let mut best = all.next().ok_or("`min` and `max` need a value")?;
     for item in all {
-        let order = item.compare(&best);
+        let compared = item.compare(&best);
         let order =
-            order.ok_or_else(|| format!("{} and {} have no order", item.kind(), best.kind()))?;
+            compared.ok_or_else(|| format!("{} and {} have no order", item.kind(), best.kind()))?;
         if order == wanted {
             best = item;
         }
@@ -614,17 +614,17 @@ pub fn is_method(value: &Value, name: &str) -> bool {
 }
 
 /// Calls a method.
-pub fn call_method(of: &Value, name: &str, arguments: &[Value]) -> Called {
+pub fn call_method(object: &Value, name: &str, arguments: &[Value]) -> Called {
     let wrong = || {
         let kinds: Vec<&str> = arguments.iter().map(Value::kind).collect();
-        format!("`{name}` of {} cannot be called with ({})", of.kind(), kinds.join(", "))
+        format!("`{name}` of {} cannot be called with ({})", object.kind(), kinds.join(", "))
     };
-    match of {
+    match object {
         Value::Text(text) => text_method(text, name, arguments).unwrap_or_else(|| Err(wrong())),
         Value::Dict(entries) => match (name, arguments) {
-            ("get", [key]) => Ok(of.entry(key).unwrap_or(Value::None)),
-            ("get", [key, default]) => Ok(of.entry(key).unwrap_or_else(|| default.clone())),
-            ("keys", []) => items(of).map(|keys| view("dict_keys", keys)),
+            ("get", [key]) => Ok(object.entry(key).unwrap_or(Value::None)),
+            ("get", [key, default]) => Ok(object.entry(key).unwrap_or_else(|| default.clone())),
+            ("keys", []) => items(object).map(|keys| view("dict_keys", keys)),
             ("values", []) => {
                 let values = entries.iter().map(|(_, value)| value.clone());
                 Ok(view("dict_values", values.collect()))
@@ -640,12 +640,12 @@ pub fn call_method(of: &Value, name: &str, arguments: &[Value]) -> Called {
         Value::Set(set) => set_method(set, name, arguments)?.ok_or_else(wrong),
         Value::List(all) | Value::Tuple(all) => {
             let [item] = arguments else { return Err(wrong()) };
-            let found = match name {
-                "index" => all.iter().position(|own| own.equals(item)),
-                _ => Some(all.iter().filter(|own| own.equals(item)).count()),
+            let position = match name {
+                "index" => all.iter().position(|element| element.equals(item)),
+                _ => Some(all.iter().filter(|element| element.equals(item)).count()),
             };
-            let found = found.and_then(|found| i64::try_from(found).ok());
-            found.map(Value::Int).ok_or_else(|| format!("{} is not in the list", item.repr()))
+            let number = position.and_then(|number| i64::try_from(number).ok());
+            number.map(Value::Int).ok_or_else(|| format!("{} is not in the list", item.repr()))
         }
         _ => Err(wrong()),
     }
@@ -705,7 +705,7 @@ fn text_method(text: &Rc<str>, name: &str, arguments: &[Value]) -> Option<Called
         .iter()
         .map(|argument| if let Value::Text(text) = argument { Some(&**text) } else { None })
         .collect();
-    let found = match (name, texts.as_deref()) {
+    let result = match (name, texts.as_deref()) {
         ("lower", Some([])) => Value::text(text.to_lowercase()),
         ("upper", Some([])) => Value::text(text.to_uppercase()),
         ("strip", Some([])) => Value::text(text.trim()),
@@ -779,7 +779,7 @@ fn text_method(text: &Rc<str>, name: &str, arguments: &[Value]) -> Option<Called
         }
         _ => return None,
     };
-    Some(Ok(found))
+    Some(Ok(result))
 }
 
 /// Returns a number with an exponent of at least two digits.
@@ -844,15 +844,15 @@ pub fn percent(text: &str, values: &Value) -> Called {
     while let Some(at) = rest.find('%') {
         out += &rest[..at];
         let after = &rest[at + 1..];
-        let end = after.find(|c: char| c.is_ascii_alphabetic() || c == '%');
-        let end = end.ok_or("a `%` in the text has no format")?;
+        let letter = after.find(|c: char| c.is_ascii_alphabetic() || c == '%');
+        let end = letter.ok_or("a `%` in the text has no format")?;
         if &after[end..=end] == "%" {
             out.push('%');
         } else {
-            let value = values.next().ok_or("`%` has too few values")?;
-            let value = match (&after[end..=end], value) {
+            let next = values.next().ok_or("`%` has too few values")?;
+            let value = match (&after[end..=end], next) {
                 ("d" | "i", Value::Float(x)) => &truncated(x.trunc())?,
-                _ => value,
+                _ => next,
             };
             out += &formatted(value, &after[..=end].replace('i', "d"))?;
         }

@@ -6,9 +6,9 @@
 //! text ─ tree ─▶ Element ─ expand (text ─ parse ─ evaluate) ─▶ Element ─ write ─▶ URDF and its origins
 //! ```
 //!
-//! The language is that of `xacro` 2. Expressions are evaluated by [`evaluate`] alone: no code runs
-//! but the operators and functions of the language. Work, depth and files are bounded. The
-//! environment is not read, so that every build is the same.
+//! The language is the language of `xacro` 2. Expressions are evaluated by [`evaluate`] alone: no
+//! code runs but the operators and functions of the language. Work, depth and files are bounded.
+//! The environment is not read, so that every build is the same.
 
 mod evaluate;
 mod expand;

@@ -73,9 +73,9 @@ pub fn parse(text: &str) -> Result<Expression, String> {
         return Err(format!("the expression is longer than {MAX_TOKENS} words"));
     }
     let mut parser = Parser { tokens, at: 0, depth: 0 };
-    let found = parser.expressions()?;
+    let expression = parser.expressions()?;
     match parser.peek() {
-        None => Ok(found),
+        None => Ok(expression),
         Some(token) => Err(format!("unexpected {}", token.shown())),
     }
 }
@@ -134,8 +134,8 @@ fn tokens(text: &str) -> Result<Vec<Token>, String> {
             }
             length
         } else {
-            let symbol = SYMBOLS.iter().find(|symbol| rest.starts_with(**symbol));
-            let symbol = symbol.ok_or_else(|| format!("unexpected `{first}`"))?;
+            let longest = SYMBOLS.iter().find(|symbol| rest.starts_with(**symbol));
+            let symbol = longest.ok_or_else(|| format!("unexpected `{first}`"))?;
             tokens.push(Token::Symbol(symbol));
             symbol.len()
         };
@@ -153,8 +153,8 @@ fn number(text: &str) -> Result<(Token, usize), String> {
     for (prefix, radix) in [("0x", 16), ("0X", 16), ("0b", 2), ("0o", 8)] {
         if let Some(rest) = text.strip_prefix(prefix) {
             let end = rest.find(|c: char| !c.is_ascii_alphanumeric()).unwrap_or(rest.len());
-            let value = i64::from_str_radix(&rest[..end], radix);
-            let value = value.map_err(|_| format!("`{}` is not a number", &text[..2 + end]))?;
+            let number = i64::from_str_radix(&rest[..end], radix);
+            let value = number.map_err(|_| format!("`{}` is not a number", &text[..2 + end]))?;
             return Ok((Token::Int(value), 2 + end));
         }
     }
@@ -229,21 +229,21 @@ impl Parser {
 
     /// Takes this symbol, or this word.
     fn take(&mut self, wanted: &str) -> bool {
-        let found = match self.peek() {
+        let is_next = match self.peek() {
             Some(Token::Symbol(symbol)) => *symbol == wanted,
             Some(Token::Name(name)) => &**name == wanted,
             _ => false,
         };
-        self.at += usize::from(found);
-        found
+        self.at += usize::from(is_next);
+        is_next
     }
 
     fn expect(&mut self, wanted: &str) -> Result<(), String> {
         if self.take(wanted) {
             return Ok(());
         }
-        let found = self.peek().map_or("the end".into(), Token::shown);
-        Err(format!("expected `{wanted}`, found {found}"))
+        let next = self.peek().map_or("the end".into(), Token::shown);
+        Err(format!("expected `{wanted}`, found {next}"))
     }
 
     /// Takes the first of these symbols that is there.
@@ -273,7 +273,7 @@ impl Parser {
             return Err(format!("the expression is nested more than {MAX_DEPTH} deep"));
         }
         let then = self.or()?;
-        let found = if self.take("if") {
+        let expression = if self.take("if") {
             let condition = self.or()?;
             self.expect("else")?;
             let otherwise = self.expression()?;
@@ -282,7 +282,7 @@ impl Parser {
             then
         };
         self.depth -= 1;
-        Ok(found)
+        Ok(expression)
     }
 
     fn or(&mut self) -> Parsed {
@@ -370,7 +370,7 @@ impl Parser {
     }
 
     fn postfix(&mut self) -> Parsed {
-        let mut found = self.atom()?;
+        let mut expression = self.atom()?;
         let mut count = 0;
         loop {
             count += 1;
@@ -379,14 +379,14 @@ impl Parser {
             }
             if self.take(".") {
                 let name = self.name()?;
-                found = Expression::Attribute(Box::new(found), name);
+                expression = Expression::Attribute(Box::new(expression), name);
             } else if self.take("(") {
                 let (arguments, named) = self.arguments()?;
-                found = Expression::Call(Box::new(found), arguments, named);
+                expression = Expression::Call(Box::new(expression), arguments, named);
             } else if self.take("[") {
-                found = self.index(found)?;
+                expression = self.index(expression)?;
             } else {
-                return Ok(found);
+                return Ok(expression);
             }
         }
     }
@@ -425,7 +425,7 @@ impl Parser {
         Ok((arguments, named))
     }
 
-    fn index(&mut self, of: Expression) -> Parsed {
+    fn index(&mut self, object: Expression) -> Parsed {
         let mut parts = [None, None, None];
         let mut colons = 0;
         loop {
@@ -443,10 +443,10 @@ impl Parser {
             }
         }
         if colons > 0 {
-            return Ok(Expression::Slice(Box::new(of), Box::new(parts)));
+            return Ok(Expression::Slice(Box::new(object), Box::new(parts)));
         }
         let [Some(index), ..] = parts else { return Err("an index is missing in `[]`".into()) };
-        Ok(Expression::Index(Box::new(of), Box::new(index)))
+        Ok(Expression::Index(Box::new(object), Box::new(index)))
     }
 
     fn for_loop(&mut self) -> Result<Loop, String> {
@@ -496,9 +496,9 @@ impl Parser {
                 }
                 let inner = self.expressions()?;
                 if self.peek() == Some(&Token::Name("for".into())) {
-                    let found = self.comprehension(Form::Iterator, inner, None)?;
+                    let comprehension = self.comprehension(Form::Iterator, inner, None)?;
                     self.expect(")")?;
-                    return Ok(found);
+                    return Ok(comprehension);
                 }
                 self.expect(")")?;
                 inner
@@ -519,9 +519,9 @@ impl Parser {
         while !self.take("]") {
             items.push(self.expression()?);
             if items.len() == 1 && self.peek() == Some(&Token::Name("for".into())) {
-                let found = self.comprehension(Form::List, items.remove(0), None)?;
+                let comprehension = self.comprehension(Form::List, items.remove(0), None)?;
                 self.expect("]")?;
-                return Ok(found);
+                return Ok(comprehension);
             }
             if !self.take(",") {
                 self.expect("]")?;
@@ -534,9 +534,9 @@ impl Parser {
     /// The rest of a set after its first value.
     fn set(&mut self, first: Expression) -> Parsed {
         if self.peek() == Some(&Token::Name("for".into())) {
-            let found = self.comprehension(Form::Set, first, None)?;
+            let comprehension = self.comprehension(Form::Set, first, None)?;
             self.expect("}")?;
-            return Ok(found);
+            return Ok(comprehension);
         }
         let mut items = vec![first];
         while !self.take("}") {
@@ -561,9 +561,9 @@ impl Parser {
             self.expect(":")?;
             let value = self.expression()?;
             if entries.is_empty() && self.peek() == Some(&Token::Name("for".into())) {
-                let found = self.comprehension(Form::Dict, key, Some(value))?;
+                let comprehension = self.comprehension(Form::Dict, key, Some(value))?;
                 self.expect("}")?;
-                return Ok(found);
+                return Ok(comprehension);
             }
             entries.push((key, value));
             if !self.take(",") {

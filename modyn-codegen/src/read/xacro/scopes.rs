@@ -26,7 +26,7 @@ pub struct Macro {
 /// A parameter of a macro.
 #[derive(Debug)]
 pub struct Parameter {
-    /// The name; that of a block begins with `*`.
+    /// The name; the name of a block begins with `*`.
     pub name: Rc<str>,
     /// Whether the caller's property of this name is the default.
     pub forwards: bool,
@@ -45,8 +45,8 @@ struct Scope {
     namespaces: BTreeMap<Rc<str>, ScopeId>,
 }
 
-/// All scopes. Properties are found in the scope of the caller, macros in that of their definition
-/// or its callers.
+/// All scopes. Properties are found in the scope of the caller, macros in the scope of their
+/// definition or its callers.
 pub struct Scopes(Vec<Scope>);
 
 impl Scopes {
@@ -127,18 +127,18 @@ impl Scopes {
     /// Returns a macro by its name, which may begin with namespaces (`hand.finger`), and the scope
     /// that its call is in.
     pub fn find_macro(&self, scope: ScopeId, name: &str) -> Option<(ScopeId, Rc<Macro>)> {
-        let own = |scope: ScopeId, name: &str| {
+        let macro_in = |scope: ScopeId, name: &str| {
             self.around(scope).find_map(|scope| self.0[scope.0].macros.get(name).cloned())
         };
-        if let Some(found) = own(scope, name) {
-            return Some((scope, found));
+        if let Some(definition) = macro_in(scope, name) {
+            return Some((scope, definition));
         }
         let (namespaces, name) = name.rsplit_once('.')?;
         let mut scope = scope;
         for namespace in namespaces.split('.') {
             scope = self.namespace(scope, namespace)?;
         }
-        own(scope, name).map(|found| (scope, found))
+        macro_in(scope, name).map(|definition| (scope, definition))
     }
 
     /// Returns the names of the macros that can be called.

@@ -132,7 +132,8 @@ impl Expander<'_, '_> {
                 let default =
                     rest.split_once(char::is_whitespace).map_or("", |(_, default)| default);
                 self.warn(&format!(
-                    "`$({text})` is \"{default}\": variables of the environment are not read, so that every build is the same"
+                    "`$({text})` is \"{default}\": variables of the environment are not read, so \
+                     that every build is the same"
                 ));
                 Ok(Value::text(default.trim()))
             }
@@ -157,7 +158,8 @@ impl Expander<'_, '_> {
         Err(Fault::with_help(
             format!("the argument `{name}` has no value{}", meant.unwrap_or_default()),
             format!(
-                "give it by the option `xacro_args = [\"{name}\": \"value\"]`, or write `<xacro:arg name=\"{name}\" default=\"...\"/>`"
+                "give it by the option `xacro_args = [\"{name}\": \"value\"]`, or write \
+                 `<xacro:arg name=\"{name}\" default=\"...\"/>`"
             ),
         ))
     }
@@ -182,8 +184,8 @@ impl Expander<'_, '_> {
             }
             ("xacro.dotify", [value @ Value::Dict(_)]) => Ok(value.clone()),
             ("xacro.tokenize", [value]) => {
-                let words = text(value)?;
-                let words = words.split([',', ';', ' ']).filter(|word| !word.is_empty());
+                let written = text(value)?;
+                let words = written.split([',', ';', ' ']).filter(|word| !word.is_empty());
                 Ok(Value::list(words.map(Value::text).collect()))
             }
             ("xacro.message" | "xacro.print_location", _) => Ok(Value::text("")),
@@ -237,8 +239,8 @@ struct Scoped<'s, 'e, 'r> {
 }
 
 impl Scoped<'_, '_, '_> {
-    fn kept<T>(&mut self, found: Result<T, Fault>) -> Result<T, String> {
-        found.map_err(|fault| {
+    fn kept<T>(&mut self, result: Result<T, Fault>) -> Result<T, String> {
+        result.map_err(|fault| {
             self.fault = Some(fault);
             String::new()
         })
@@ -247,22 +249,22 @@ impl Scoped<'_, '_, '_> {
 
 impl Names for Scoped<'_, '_, '_> {
     fn name(&mut self, name: &str) -> Result<Option<Value>, String> {
-        let found = self.expander.lookup(self.scope, name);
-        let found = self.kept(found)?;
+        let looked_up = self.expander.lookup(self.scope, name);
+        let value = self.kept(looked_up)?;
         let namespace = || self.expander.scopes.namespace(self.scope, name).map(Value::Scope);
-        Ok(found.or_else(namespace))
+        Ok(value.or_else(namespace))
     }
 
     fn name_in(&mut self, namespace: &Value, name: &str) -> Result<Option<Value>, String> {
         let Value::Scope(scope) = namespace else { return Ok(None) };
-        let found = self.expander.lookup(*scope, name);
-        let found = self.kept(found)?;
-        Ok(found.or_else(|| self.expander.scopes.namespace(*scope, name).map(Value::Scope)))
+        let looked_up = self.expander.lookup(*scope, name);
+        let value = self.kept(looked_up)?;
+        Ok(value.or_else(|| self.expander.scopes.namespace(*scope, name).map(Value::Scope)))
     }
 
     fn call(&mut self, function: &str, arguments: &[Value]) -> Result<Value, String> {
-        let found = self.expander.call_function(function, arguments);
-        self.kept(found)
+        let result = self.expander.call_function(function, arguments);
+        self.kept(result)
     }
 
     fn spend(&mut self, work: usize) -> Result<(), String> {
@@ -282,7 +284,7 @@ impl Names for Scoped<'_, '_, '_> {
     }
 }
 
-/// No names but those of Python and `math`, for numbers of YAML.
+/// Only the names of Python and `math`, for numbers of YAML.
 struct Constants {
     work: usize,
 }
@@ -305,7 +307,7 @@ impl Names for Constants {
         if self.work > 10_000 { Err("the number takes too long".into()) } else { Ok(()) }
     }
 
-    // The depth of one expression is that of its text.
+    // The depth of one expression is the depth of its text.
     fn enter(&mut self) -> Result<(), String> {
         Ok(())
     }

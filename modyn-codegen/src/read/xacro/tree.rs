@@ -53,7 +53,7 @@ pub enum Node {
 impl Element {
     /// Returns an attribute by its name.
     pub fn attribute(&self, name: &str) -> Option<&Attribute> {
-        self.attributes.iter().find(|own| &*own.name == name)
+        self.attributes.iter().find(|attribute| &*attribute.name == name)
     }
 
     /// Returns the name behind `xacro:`; `None` if the element is no element of xacro.
@@ -115,12 +115,12 @@ fn element(node: roxmltree::Node<'_, '_>, start: usize) -> Element {
             place: place(at),
         })
     });
-    let attributes = node.attributes().map(|attribute| Attribute {
+    let written = node.attributes().map(|attribute| Attribute {
         name: named(attribute.range().start),
         value: attribute.value().into(),
         place: place(attribute.range().start),
     });
-    let attributes = declared.chain(attributes).collect();
+    let attributes = declared.chain(written).collect();
     let children = node.children().filter_map(|child| {
         if child.is_element() {
             return Some(Node::Element(Rc::new(element(child, start))));

@@ -221,7 +221,7 @@ impl Value {
             (Self::Dict(a), Self::Dict(b)) => {
                 a.len() == b.len()
                     && a.iter().all(|(key, value)| {
-                        other.entry(key).is_some_and(|found| found.equals(value))
+                        other.entry(key).is_some_and(|same_key| same_key.equals(value))
                     })
             }
             (Self::Function(a), Self::Function(b)) => a == b,
@@ -265,7 +265,7 @@ impl Value {
     /// Returns the value of a key of a dictionary.
     pub fn entry(&self, key: &Self) -> Option<Self> {
         let Self::Dict(entries) = self else { return None };
-        entries.iter().find(|(own, _)| own.equals(key)).map(|(_, value)| value.clone())
+        entries.iter().find(|(other, _)| other.equals(key)).map(|(_, value)| value.clone())
     }
 
     /// Returns the text, as Python's `str` writes it; an error if Python's text is not fixed.

@@ -167,23 +167,24 @@ impl Reader<'_> {
             let key = key.to_owned();
             let (anchor, rest) = anchor(rest);
             let key = self.scalar(&key, number)?;
-            let value = if rest.is_empty() {
+            let given = if rest.is_empty() {
                 self.at += 1;
                 // The items of a list may have the indent of their key.
-                let list = self.lines.get(self.at);
-                let list = list.is_some_and(|line| line.indent == indent && is_item(&line.text));
+                let next = self.lines.get(self.at);
+                let list = next.is_some_and(|line| line.indent == indent && is_item(&line.text));
                 if list { self.items(indent, depth + 1)? } else { self.nested(indent + 1, depth)? }
             } else {
                 self.lines[self.at].text = rest;
                 let text = self.joined();
                 self.inline(&text, number)?
             };
-            let value = self.named(anchor, value);
+            let value = self.named(anchor, given);
             if let (Value::Text(merge), Value::Dict(others)) = (&key, &value)
                 && &**merge == "<<"
             {
-                let is_new =
-                    |(own, _): &&(Value, Value)| !entries.iter().any(|(key, _)| key.equals(own));
+                let is_new = |(own_key, _): &&(Value, Value)| {
+                    !entries.iter().any(|(key, _)| key.equals(own_key))
+                };
                 self.spend(entries.len() * others.len() / 100, number)?;
                 let others: Vec<_> = others.iter().filter(is_new).cloned().collect();
                 entries.extend(others);
@@ -191,7 +192,7 @@ impl Reader<'_> {
             }
             self.spend(entries.len() / 100, number)?;
             // The last of equal keys counts.
-            match entries.iter_mut().find(|(own, _)| own.equals(&key)) {
+            match entries.iter_mut().find(|(other, _)| other.equals(&key)) {
                 Some(entry) => entry.1 = value,
                 None => entries.push((key, value)),
             }
@@ -407,7 +408,7 @@ impl<'t> Flow<'t, '_, '_> {
         if self.depth > MAX_DEPTH {
             return Err((self.number, format!("it is nested more than {MAX_DEPTH} deep")));
         }
-        let found = if self.take('[') {
+        let value = if self.take('[') {
             let mut items = Vec::new();
             while !self.take(']') {
                 items.push(self.value(",]")?);
@@ -428,15 +429,15 @@ impl<'t> Flow<'t, '_, '_> {
             self.reader.scalar(text, self.number)?
         };
         self.depth -= 1;
-        Ok(found)
+        Ok(value)
     }
 
     fn separator(&mut self, end: char) -> Result<(), (usize, String)> {
         if self.take(',') || self.rest.starts_with(end) {
             return Ok(());
         }
-        let found = self.rest.chars().next().map_or("the end".into(), |c| format!("`{c}`"));
-        Err((self.number, format!("expected `,` or `{end}`, found {found}")))
+        let next = self.rest.chars().next().map_or("the end".into(), |c| format!("`{c}`"));
+        Err((self.number, format!("expected `,` or `{end}`, found {next}")))
     }
 
     /// Takes the text of a scalar.

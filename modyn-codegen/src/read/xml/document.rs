@@ -160,7 +160,8 @@ pub fn parse<'t>(
 }
 
 /// The advice for files of Universal Scene Description.
-pub const USD_HELP: &str = "convert it to URDF: `pip install nvidia-srl-usd-to-urdf`, then `usd_to_urdf robot.usd -o FOLDER`";
+pub const USD_HELP: &str = "convert it to URDF: `pip install nvidia-srl-usd-to-urdf`, then \
+                            `usd_to_urdf robot.usd -o FOLDER`";
 
 /// The character that replaces the colon after a prefix. No name of URDF and SDF contains it.
 pub const PREFIX_END: char = '.';
@@ -179,7 +180,7 @@ pub fn with_prefixes_in_names(text: &str) -> String {
                 (Some(open), close) if open == close => quote = None,
                 (None, b'/') => start = at + 1,
                 (None, byte) if byte.is_ascii_whitespace() => start = at + 1,
-                // These two prefixes are those of XML itself.
+                // XML itself declares these two prefixes.
                 (None, b':') if !["xml", "xmlns"].contains(&&text[start..at]) => {
                     bytes[at] = PREFIX_END as u8;
                 }

@@ -60,16 +60,16 @@ impl<'a> Elements<'a, '_, '_, '_> {
         name: &str,
         subject: Option<&Subject>,
     ) -> Option<Attribute<'a>> {
-        let found = self.optional(node, name);
-        if let Some(found) = found
-            && !found.text.trim().is_empty()
+        let optional = self.optional(node, name);
+        if let Some(attribute) = optional
+            && !attribute.text.trim().is_empty()
         {
-            return Some(found);
+            return Some(attribute);
         }
         let element = written(node);
-        let state = if found.is_some() { "is empty" } else { "is missing" };
+        let state = if optional.is_some() { "is empty" } else { "is missing" };
         let message = format!("the attribute `{name}` of `<{element}>` {state}");
-        let at = found.map_or(self.at(node), |found| found.at);
+        let at = optional.map_or(self.at(node), |attribute| attribute.at);
         let help = format!("write `<{element} {name}=\"...\">`");
         self.report.error(Code::MissingAttribute, at, subject, message, help);
         None
@@ -133,8 +133,8 @@ impl<'a> Elements<'a, '_, '_, '_> {
         subject: Option<&Subject>,
     ) -> Option<Node<'a, 't>> {
         let [first, second] = {
-            let mut found = self.named(node, name);
-            [found.next(), found.next()]
+            let mut elements = self.named(node, name);
+            [elements.next(), elements.next()]
         };
         if let (Some(first), Some(second)) = (first, second) {
             let line = self.report.position(self.at(first)).line;
@@ -161,14 +161,14 @@ impl<'a> Elements<'a, '_, '_, '_> {
         example: &str,
         subject: Option<&Subject>,
     ) -> Option<Node<'a, 't>> {
-        let found = self.single(node, name, subject);
-        if found.is_none() {
+        let element = self.single(node, name, subject);
+        if element.is_none() {
             let message = format!("`<{}>` has no `<{}>`", written(node), shown(name));
             let help = format!("write `{example}`");
             let at = self.at(node);
             self.report.error(Code::MissingElement, at, subject, message, help);
         }
-        found
+        element
     }
 
     /// Warns of attributes that are not read: the value of a misspelt attribute would silently be
@@ -215,7 +215,7 @@ impl<'a> Elements<'a, '_, '_, '_> {
         }
     }
 
-    /// Warns of elements whose names are similar to that of an optional element, which would
+    /// Warns of elements whose names are similar to the name of an optional element, which would
     /// silently be missing. (Other elements are extensions.)
     pub fn warn_of_misspelt_elements(
         &mut self,

@@ -58,7 +58,7 @@ impl<'t> Tags<'t> {
             (self.namespaces.len(), MAX_NAMESPACES, "namespaces in one document"),
         ];
         let excess = counted.into_iter().find(|(count, most, _)| count > most);
-        self.excess = excess.map(|(_, most, of)| (tag.start, format!("more than {most} {of}")));
+        self.excess = excess.map(|(_, most, unit)| (tag.start, format!("more than {most} {unit}")));
     }
 
     /// Returns whether the document, a file that starts at offset `start`, may be parsed; otherwise
@@ -70,4 +70,5 @@ impl<'t> Tags<'t> {
     }
 }
 
-const HELP: &str = "remove everything that is not part of the robot's dynamics; valid descriptions stay below the limit";
+const HELP: &str = "remove everything that is not part of the robot's dynamics; valid descriptions \
+                    stay below the limit";

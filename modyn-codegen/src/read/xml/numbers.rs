@@ -29,11 +29,11 @@ pub fn numbers<const N: usize>(text: &str) -> Result<[f64; N], BadNumbers> {
         return Ok(values);
     }
     let (s, are) = if N == 1 { ("", "is") } else { ("s", "are") };
-    let found = if count == 0 { "none".into() } else { count.to_string() };
+    let amount = if count == 0 { "none".into() } else { count.to_string() };
     let help =
         format!("write exactly {N} number{s}{}", if N == 1 { "" } else { ", separated by spaces" });
     let message = format!(
-        "{N} number{s} {are} needed, but there {} {found} in \"{}\"",
+        "{N} number{s} {are} needed, but there {} {amount} in \"{}\"",
         if count == 1 { "is" } else { "are" },
         truncate(text)
     );

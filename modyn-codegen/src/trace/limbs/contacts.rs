@@ -17,8 +17,8 @@ impl LimbPacking {
     /// contacts can be merged.
     #[must_use]
     pub fn merges_contacts(&self, model: &Mechanism<f64>) -> bool {
-        let on_one_body = |of: &Lanes| {
-            let mut parents = of.iter().flatten().map(|&b| model.bodies[b].parent);
+        let on_one_body = |bodies_of_lanes: &Lanes| {
+            let mut parents = bodies_of_lanes.iter().flatten().map(|&b| model.bodies[b].parent);
             let first = parents.next();
             parents.all(|parent| Some(parent) == first)
         };
@@ -31,8 +31,9 @@ impl LimbPacking {
     pub(in crate::trace) fn contacts(&self, model: &Mechanism<f64>) -> ContactPacking {
         let contacts = || model.constraints.iter().enumerate();
         let on = |body: Option<usize>, rows: usize| -> Vec<usize> {
-            let own = contacts().filter(|(_, c)| c.ends[1].body == body && c.rows.len() == rows);
-            own.map(|(c, _)| c).collect()
+            let carried =
+                contacts().filter(|(_, c)| c.ends[1].body == body && c.rows.len() == rows);
+            carried.map(|(c, _)| c).collect()
         };
         let mut kinds: Vec<usize> = contacts().map(|(_, contact)| contact.rows.len()).collect();
         kinds.sort_unstable();
@@ -41,11 +42,13 @@ impl LimbPacking {
         let bodies = self.bodies.iter().map(|merged| merged.of.clone());
         let merged = kinds.iter().flat_map(|&rows| {
             let of_world = on(None, rows).into_iter().map(|c| vec![Some(c)]);
-            let of_bodies = bodies.clone().flat_map(move |of| {
-                let each: Vec<Vec<usize>> =
-                    of.iter().map(|b| b.map_or_else(Vec::new, |b| on(Some(b), rows))).collect();
+            let of_bodies = bodies.clone().flat_map(move |body_lanes| {
+                let each: Vec<Vec<usize>> = body_lanes
+                    .iter()
+                    .map(|b| b.map_or_else(Vec::new, |b| on(Some(b), rows)))
+                    .collect();
                 let most = each.iter().map(Vec::len).max().unwrap_or(0);
-                (0..most).map(move |k| each.iter().map(|own| own.get(k).copied()).collect())
+                (0..most).map(move |k| each.iter().map(|of_lane| of_lane.get(k).copied()).collect())
             });
             of_world.chain(of_bodies).collect::<Vec<Lanes>>()
         });
@@ -78,33 +81,35 @@ impl ContactPacking {
         model: &Mechanism<f64>,
     ) -> MergedMechanism<Expr> {
         let mut places = vec![(0, 0); model.constraints.len()];
-        let contacts = self.0.iter().enumerate().map(|(contact, of)| {
-            for (lane, c) in of.iter().enumerate() {
+        let frames = self.0.iter().enumerate().map(|(contact, lanes)| {
+            for (lane, c) in lanes.iter().enumerate() {
                 if let Some(c) = *c {
                     places[c] = (contact, lane);
                 }
             }
-            packed(of, limbs, model)
+            packed(lanes, limbs, model)
         });
-        let contacts = contacts.collect();
+        let contacts = frames.collect();
         merged.with_contacts(contacts, places)
     }
 
-    /// Returns the numbers of the merged contacts, `count` numbers each, from those of the robot's
-    /// contacts. They are zero for a limb without the contact.
+    /// Returns the numbers of the merged contacts, `count` numbers each, from the numbers of the
+    /// robot's contacts. They are zero for a limb without the contact.
     pub(in crate::trace) fn numbers(&self, numbers: &[Expr], count: usize) -> Vec<Expr> {
         let number = |c: &Option<usize>, k| c.map_or(constant(0.0), |c| numbers[c * count + k]);
         let merged = self.0.iter();
-        merged.flat_map(|of| (0..count).map(|k| pack(of.iter().map(|c| number(c, k))))).collect()
+        merged
+            .flat_map(|lanes| (0..count).map(|k| pack(lanes.iter().map(|c| number(c, k)))))
+            .collect()
     }
 
-    /// Returns the numbers of the robot's contacts, `count` numbers each, from those of the merged
-    /// contacts.
+    /// Returns the numbers of the robot's contacts, `count` numbers each, from the numbers of the
+    /// merged contacts.
     pub(in crate::trace) fn unpack(&self, packs: &[Expr], count: usize) -> Vec<Expr> {
         let robots = self.0.iter().flatten().flatten().count();
         let mut numbers = vec![constant(0.0); robots * count];
-        for (of, packs) in self.0.iter().zip(packs.chunks(count)) {
-            for (lane, c) in of.iter().enumerate() {
+        for (lanes, packs) in self.0.iter().zip(packs.chunks(count)) {
+            for (lane, c) in lanes.iter().enumerate() {
                 let Some(c) = *c else { continue };
                 for (number, pack) in numbers[c * count..][..count].iter_mut().zip(packs) {
                     *number = pack.extract_lane(lane);
@@ -117,11 +122,11 @@ impl ContactPacking {
 
 /// Returns a merged contact from its contact in each lane. A limb without the contact has the place
 /// of another limb's.
-fn packed(of: &Lanes, limbs: &LimbPacking, model: &Mechanism<f64>) -> ConstrainedFrames<Expr> {
-    let present = of.iter().flatten().next().expect("a contact in some lane");
+fn packed(lanes: &Lanes, limbs: &LimbPacking, model: &Mechanism<f64>) -> ConstrainedFrames<Expr> {
+    let present = lanes.iter().flatten().next().expect("a contact in some lane");
     let first = &model.constraints[*present];
     let each: Vec<&ConstrainedFrames<f64>> =
-        of.iter().map(|c| c.map_or(first, |c| &model.constraints[c])).collect();
+        lanes.iter().map(|c| c.map_or(first, |c| &model.constraints[c])).collect();
     let number = |get: &dyn Fn(&ConstrainedFrames<f64>) -> f64| {
         pack(each.iter().map(|contact| constant(get(contact))))
     };

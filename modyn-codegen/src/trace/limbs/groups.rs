@@ -111,9 +111,9 @@ fn find_among(
 /// Returns the joint types of a limb, and for each body the index of its parent in the limb (0 for
 /// the first body).
 fn shape(model: &Mechanism<f64>, limb: &Range<usize>) -> Vec<(ElementaryJoint, usize)> {
-    let of = |i: usize| {
+    let shape = |i: usize| {
         let parent = model.bodies[i].parent.and_then(|parent| parent.checked_sub(limb.start));
         (model.bodies[i].elementary_joint, parent.map_or(0, |parent| parent + 1))
     };
-    limb.clone().map(of).collect()
+    limb.clone().map(shape).collect()
 }

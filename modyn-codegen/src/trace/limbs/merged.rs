@@ -24,7 +24,7 @@ impl LimbPacking {
         let mut dofs = Vec::new();
         let mut roots = Vec::new();
         let mut bodies = Vec::with_capacity(self.bodies.len());
-        for Merged { of, representative, first } in &self.bodies {
+        for Merged { of: merged_bodies, representative, first } in &self.bodies {
             let representative = &model.bodies[*representative];
             let nothing = RigidInertia::zero();
             let missing = Body {
@@ -34,7 +34,7 @@ impl LimbPacking {
                 ..representative.clone()
             };
             let each: Vec<&Body<f64>> =
-                of.iter().map(|b| b.map_or(&missing, |b| &model.bodies[b])).collect();
+                merged_bodies.iter().map(|b| b.map_or(&missing, |b| &model.bodies[b])).collect();
             let start = dofs.len();
             for k in 0..representative.dofs.len() {
                 let representative = &model.dofs[representative.dofs.start + k];
@@ -42,7 +42,8 @@ impl LimbPacking {
                 let missing =
                     Dof { armature: Some(1.0), damping: None, friction: None, ..*representative };
                 let dof = |b: usize| &model.dofs[model.bodies[b].dofs.start + k];
-                let each: Vec<&Dof<f64>> = of.iter().map(|b| b.map_or(&missing, dof)).collect();
+                let each: Vec<&Dof<f64>> =
+                    merged_bodies.iter().map(|b| b.map_or(&missing, dof)).collect();
                 dofs.push(Dof {
                     body: bodies.len(),
                     v: dofs.len(),
@@ -53,7 +54,7 @@ impl LimbPacking {
                     friction: optional(&each, |dof| dof.friction, &lanes),
                 });
             }
-            let mut body = merged_body(&each, (start..dofs.len(), q), &lanes);
+            let mut body = merged_body(&each, start..dofs.len(), q, &lanes);
             q += body.elementary_joint.nq();
             body.parent = representative.parent.and_then(new);
             roots.push(first.then(|| {
@@ -75,8 +76,8 @@ impl LimbPacking {
     /// Returns a partition of the robot as a partition of the merged robot. The longest limb's
     /// modules are taken. Modules must not extend from the trunk into limbs.
     #[must_use]
-    pub fn partition(&self, of: &ModulePartition) -> ModulePartition {
-        let mut blocks: Vec<ModuleBlock> = of
+    pub fn partition(&self, partition: &ModulePartition) -> ModulePartition {
+        let mut blocks: Vec<ModuleBlock> = partition
             .blocks
             .iter()
             .filter_map(|block| {

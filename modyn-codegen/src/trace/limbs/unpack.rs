@@ -9,19 +9,19 @@ type Entry = (usize, usize);
 impl LimbPacking {
     /// Returns the coordinates of the merged robot.
     pub(in crate::trace) fn coordinates(&self, q: &[Expr]) -> Vec<Expr> {
-        self.coordinates.iter().map(|of| lanes_of(of, q)).collect()
+        self.coordinates.iter().map(|lanes| lanes_of(lanes, q)).collect()
     }
 
     /// Returns a joint vector of the merged robot.
     pub(in crate::trace) fn vector(&self, x: &[Expr]) -> Vec<Expr> {
-        self.velocities.iter().map(|(of, _)| lanes_of(of, x)).collect()
+        self.velocities.iter().map(|(lanes, _)| lanes_of(lanes, x)).collect()
     }
 
     /// Returns the robot's joint vector, from a joint vector of the merged robot.
     pub(in crate::trace) fn unpack_vector(&self, x: &[Expr], nv: usize) -> Vec<Expr> {
         let mut unpacked = vec![constant(0.0); nv];
-        for (&x, (of, _)) in x.iter().zip(&self.velocities) {
-            for (lane, i) in of.iter().enumerate() {
+        for (&x, (lanes, _)) in x.iter().zip(&self.velocities) {
+            for (lane, i) in lanes.iter().enumerate() {
                 if let Some(i) = *i {
                     unpacked[i] = x.extract_lane(lane);
                 }
@@ -35,13 +35,13 @@ impl LimbPacking {
     pub(in crate::trace) fn unpack_matrix(&self, columns: &[Expr], nv: usize) -> Vec<Expr> {
         let n = self.velocities.len();
         let mut unpacked = vec![constant(0.0); nv * nv];
-        for (c, (column, of)) in self.velocities.iter().enumerate() {
+        for (c, (column, of_column)) in self.velocities.iter().enumerate() {
             for (r, (row, other)) in self.velocities.iter().enumerate() {
-                if of.is_some() && other.is_some() && of != other {
+                if of_column.is_some() && other.is_some() && of_column != other {
                     continue;
                 }
                 for lane in 0..column.len().max(row.len()) {
-                    let at = |of: &Lanes| of[lane.min(of.len() - 1)];
+                    let at = |lanes: &Lanes| lanes[lane.min(lanes.len() - 1)];
                     // Trees with different root bodies do not couple.
                     if at(&self.roots[c]) != at(&self.roots[r]) {
                         continue;
@@ -79,8 +79,8 @@ impl LimbPacking {
     fn unpack_entries(&self, entry: impl Fn(Entry, Entry) -> Expr) -> Vec<Expr> {
         let all = || {
             let each = self.velocities.iter().enumerate();
-            each.flat_map(|(d, (of, _))| {
-                of.iter().enumerate().filter_map(move |(k, v)| Some(((*v)?, (d, k))))
+            each.flat_map(|(d, (lanes, _))| {
+                lanes.iter().enumerate().filter_map(move |(k, v)| Some(((*v)?, (d, k))))
             })
         };
         let nv = all().count();
@@ -101,7 +101,7 @@ impl LimbPacking {
         let group = |(d, _): Entry| self.velocities[d].1;
         let of_two = group(row).is_some() && group(column).is_some();
         if of_two && (group(row), row.1) != (group(column), column.1) {
-            let before: usize = self.velocities[..row.0].iter().map(|(of, _)| of.len()).sum();
+            let before: usize = self.velocities[..row.0].iter().map(|(lanes, _)| lanes.len()).sum();
             let rows = cross_limb.len() / self.velocities.len();
             return cross_limb[column.0 * rows + before + row.1].extract_lane(column.1);
         }

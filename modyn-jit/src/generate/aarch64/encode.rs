@@ -50,12 +50,12 @@ impl Encoder {
 
     /// Appends a load or store of 4, 8 or 16 bytes of a vector register.
     pub fn memory(&mut self, access: Access, bytes: usize, register: u8, base: u8, offset: u32) {
-        let opcode = match bytes {
+        let store_opcode = match bytes {
             4 => 0xbd00_0000,
             8 => 0xfd00_0000,
             _ => 0x3d80_0000,
         };
-        let opcode = opcode | u32::from(access == Access::Load) << 22;
+        let opcode = store_opcode | u32::from(access == Access::Load) << 22;
         let unscaled = opcode - (1 << 24);
         let units = offset / bytes as u32;
         if offset.is_multiple_of(bytes as u32) && units < 1 << 12 {

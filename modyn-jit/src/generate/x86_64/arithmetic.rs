@@ -258,7 +258,7 @@ impl Generator<'_, Encoder> {
         let has_equal = |i: usize| (0..3).any(|j| equal(i, j));
         // The loads and copies that an order of operands needs.
         let cost = |this: &Self, over: usize, memory: Option<usize>| {
-            let of = |i: usize| {
+            let can_overwrite = |i: usize| {
                 let spare = this.registers.dies(operands[i]) && !has_equal(i);
                 let loaded_before = (0..i).any(|j| Some(j) != memory && equal(i, j));
                 match (i == over, in_register(this, i)) {
@@ -271,11 +271,11 @@ impl Generator<'_, Encoder> {
                     (false, _) => 0,
                 }
             };
-            (0..3).map(of).sum::<u32>()
+            (0..3).map(can_overwrite).sum::<u32>()
         };
         let from_memory = (0..3).filter(|&i| !in_register(self, i)).map(Some).chain([None]);
-        let choices = from_memory.flat_map(|memory| (0..3).map(move |over| (over, memory)));
-        let choices = choices.filter(|&(over, memory)| Some(over) != memory);
+        let all = from_memory.flat_map(|memory| (0..3).map(move |over| (over, memory)));
+        let choices = all.filter(|&(over, memory)| Some(over) != memory);
         let (over, memory) = choices
             .min_by_key(|&(over, memory)| {
                 (cost(self, over, memory), over, memory.is_none(), memory)

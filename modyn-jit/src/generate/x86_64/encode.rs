@@ -160,8 +160,8 @@ impl Encoder {
 
 /// Writes the distance from the end of an instruction to `target` at `at`, its last four bytes.
 pub(super) fn patch(code: &mut [u8], at: usize, target: i64) {
-    let distance = target - (at as i64 + 4);
-    let distance = i32::try_from(distance).expect("code is shorter than 2 GiB");
+    let offset = target - (at as i64 + 4);
+    let distance = i32::try_from(offset).expect("code is shorter than 2 GiB");
     code[at..at + 4].copy_from_slice(&distance.to_le_bytes());
 }
 

@@ -20,7 +20,8 @@ const INK: &str = "#7d8794";
 /// Returns the head of a picture.
 fn head(width: usize, height: usize, title: &str) -> String {
     format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" \
+         width=\"{width}\" height=\"{height}\" \
          font-family=\"Helvetica, Arial, sans-serif\" font-size=\"12\" fill=\"{INK}\" role=\"img\">\n\
          <title>{title}</title>\n"
     )
@@ -95,7 +96,8 @@ pub(super) fn graph(graph: &Graph, inputs: &[&str]) -> String {
                 let middle = x - 34.0;
                 let _ = writeln!(
                     text,
-                    "<path d=\"M{from} {at:.1}C{:.1} {at:.1} {middle:.1} {y:.1} {x} {y:.1}\" fill=\"none\" stroke=\"{INK}\"/>",
+                    "<path d=\"M{from} {at:.1}C{:.1} {at:.1} {middle:.1} {y:.1} {x} {y:.1}\" \
+                     fill=\"none\" stroke=\"{INK}\"/>",
                     from + 34.0
                 );
             }
@@ -129,7 +131,8 @@ pub(super) fn graph(graph: &Graph, inputs: &[&str]) -> String {
             for (y, size, line) in lines.into_iter().chain(below) {
                 let _ = writeln!(
                     text,
-                    "<text x=\"{cx}\" y=\"{y:.1}\" text-anchor=\"middle\" fill=\"{IN_BOX}\" font-size=\"{size}\">{line}</text>"
+                    "<text x=\"{cx}\" y=\"{y:.1}\" text-anchor=\"middle\" fill=\"{IN_BOX}\" \
+                     font-size=\"{size}\">{line}</text>"
                 );
             }
         }
@@ -160,7 +163,8 @@ pub(super) fn lives(code: &Code) -> String {
         let _ = writeln!(
             text,
             "<text x=\"{}\" y=\"{}\" text-anchor=\"end\" font-size=\"10\">{}</text>\
-             <rect x=\"{x}\" y=\"{y}\" width=\"{length}\" height=\"12\" fill=\"{}\" stroke=\"{INK}\" stroke-width=\"0.6\"/>\
+             <rect x=\"{x}\" y=\"{y}\" width=\"{length}\" height=\"12\" fill=\"{}\" \
+             stroke=\"{INK}\" stroke-width=\"0.6\"/>\
              <text x=\"{}\" y=\"{}\" font-size=\"9\" fill=\"{IN_BOX}\">{register}</text>",
             left - 8,
             y + 10,
@@ -201,7 +205,8 @@ pub(super) fn pressure(code: &Code) -> String {
         .collect();
     let _ = writeln!(
         text,
-        "<text x=\"{left}\" y=\"24\">values that later steps read, after each step; below, a line for each step that stores one in the \
+        "<text x=\"{left}\" y=\"24\">values that later steps read, after each step; below, a line \
+         for each step that stores one in the \
          stack frame</text>\n<polyline points=\"{}\" fill=\"none\" stroke=\"#4b91d1\"/>",
         points.join(" ")
     );

@@ -138,7 +138,8 @@ impl<S: Scalar> ContactFrame<S> {
         model: &Mechanism<S>,
         target: &ContactTarget<S>,
         surface: bool,
-        (columns, qd): (&[Twist<S>], &[S]),
+        columns: &[Twist<S>],
+        qd: &[S],
         workspace: &Workspace<S>,
     ) -> RelativeMotion<S> {
         let moves = columns.iter().zip(qd).map(|(&column, &rate)| column.scale(rate));
@@ -148,10 +149,10 @@ impl<S: Scalar> ContactFrame<S> {
             angular: velocity.angular - self.to_root(of_target.angular),
             linear: velocity.linear - self.to_root(of_target.linear),
         };
-        let displacement = self.displacement(target, surface);
+        let in_world = self.displacement(target, surface);
         let displacement = Twist {
-            angular: self.to_root(displacement.angular),
-            linear: self.to_root(displacement.linear),
+            angular: self.to_root(in_world.angular),
+            linear: self.to_root(in_world.linear),
         };
         let field = self.on_body.body.map(|body| &workspace.fields[body]);
         let bias_acceleration = field.map_or_else(Twist::zero, |field| {

@@ -2,16 +2,15 @@
 
 use alloc::{vec, vec::Vec};
 
-use super::ConstraintWorkspace;
 use super::lanes::packed;
 use super::rows::constraint_rows;
+use super::{ConstraintInput, ConstraintWorkspace, ConstraintWorkspaces};
 use crate::Scalar;
 use crate::constraint_settings::{ConstraintSettings, ContactTarget};
-use crate::equations::Workspace;
-use crate::equations::brge;
 use crate::equations::dynamics::bias_in_free_fall;
 use crate::equations::factorization::limb_coupling::{Factorizable, LimbAccess};
 use crate::equations::factorization::{solve_lower_factor, solve_lower_within};
+use crate::equations::{State, TimeStepInput, brge};
 use crate::spatial::{Matrix3, Vector3};
 
 /// The results of [`contact_problem`]. A contact has three rows: two directions in the plane of its
@@ -59,16 +58,16 @@ impl<S> ContactProblemOutputs<'_, S> {
 pub fn contact_problem<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
     tree: &T,
     layout: &T::Layout,
-    (q, qd, tau, dt): (&[S], &[S], &[S], S),
+    TimeStepInput { q, qd, tau, dt }: TimeStepInput<'_, S>,
     settings: &ConstraintSettings<S, C>,
-    (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
+    ConstraintWorkspaces { workspace, memory }: ConstraintWorkspaces<'_, S>,
     outputs: ContactProblemOutputs<'_, S>,
 ) {
     let model = tree.mechanism();
     let targets = settings.contacts.as_ref();
     // The acceleration without contacts.
     let rates = outputs.qd;
-    bias_in_free_fall(tree, (q, qd), workspace, rates);
+    bias_in_free_fall(tree, State { q, qd }, workspace, rates);
     for (rate, &tau) in rates.iter_mut().zip(tau) {
         *rate = tau - *rate;
     }
@@ -82,7 +81,7 @@ pub fn contact_problem<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>
         *rate = *rate + fall;
     }
 
-    constraint_rows(model, (q, qd), targets, workspace, memory, |_, component, motion| {
+    constraint_rows(model, State { q, qd }, targets, workspace, memory, |_, component, motion| {
         [component(motion.velocity), component(motion.displacement)]
     });
     memory.rotate_contact_rows(model, |contact| Matrix3(targets[contact].pose.rotation));
@@ -108,10 +107,14 @@ pub fn contact_problem<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>
     }
 
     // All contacts are active and rigid.
-    let rigid: Vec<ContactTarget<S>> =
+    let rigid_targets: Vec<ContactTarget<S>> =
         targets.iter().map(|target| ContactTarget { compliance: S::zero(), ..*target }).collect();
-    let rigid = ConstraintSettings::from_numbers(settings.numbers(), rigid);
-    memory.fill(tree, layout, (&vec![S::one(); targets.len()], &rigid));
+    let rigid = ConstraintSettings::from_numbers(settings.numbers(), rigid_targets);
+    memory.fill(
+        tree,
+        layout,
+        ConstraintInput { active: &vec![S::one(); targets.len()], settings: &rigid },
+    );
     let rows = point_rows(memory, model.constraints.len() - targets.len());
     for (i, column) in outputs.mobility.chunks_mut(rows.len().max(1)).enumerate() {
         for (&j, entry) in rows.iter().zip(column) {
@@ -154,7 +157,7 @@ fn responses<S: Scalar, T: Factorizable<S>>(
     let mut on_trunk: Vec<Option<Vec<S>>> = vec![None; memory.rows];
     for (&row, response) in rows.iter().zip(responses.chunks_mut(n.max(1))) {
         let (row, lane) = memory.lanes.place(row);
-        let own = memory.supports[memory.owner[row]].limb;
+        let own_limb = memory.supports[memory.owner[row]].limb;
         let packs = on_trunk[row].get_or_insert_with(|| {
             let mut packs = memory.reduced[row * n..][..n].to_vec();
             memory.scale(limbs, &mut packs);
@@ -164,7 +167,7 @@ fn responses<S: Scalar, T: Factorizable<S>>(
         for (v, (x, &pack)) in response.iter_mut().zip(&*packs).enumerate() {
             *x = match limbs.limb_of_dof(v) {
                 None => tree.extract_lane(pack, lane),
-                Some(limb) if Some(limb) == own => packed(tree, 0..limb.count(), |other| {
+                Some(limb) if Some(limb) == own_limb => packed(tree, 0..limb.count(), |other| {
                     if other == lane { tree.extract_lane(pack, lane) } else { S::zero() }
                 }),
                 Some(_) => S::zero(),

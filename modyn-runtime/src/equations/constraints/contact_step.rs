@@ -11,9 +11,9 @@ use crate::solve::{Contact, GroundEquations, add_scaled, relative_velocity, soft
 /// from the impulses of the last.
 const SWEEPS: usize = 6;
 
-/// Finds the impulses of a step of the time `dt` on the ground of `targets`, from those of the last
-/// step on, and adds their effects to the velocities of the problem. Returns the largest velocity
-/// of a contact that contradicts the laws of contacts.
+/// Finds the impulses of a step of the time `dt` on the ground of `targets`, from the impulses of
+/// the last step on, and adds their effects to the velocities of the problem. Returns the largest
+/// velocity of a contact that contradicts the laws of contacts.
 ///
 /// `impulses` are along the rows of the contacts: two directions in the plane, then the normal.
 pub fn sweep_contacts<S: Scalar>(

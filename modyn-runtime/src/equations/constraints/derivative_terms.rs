@@ -27,8 +27,18 @@ pub(super) struct DerivativeWorkspace<S> {
     pub(super) columns: Vec<Twist<S>>,
     /// lambda.
     pub(super) multipliers: Vec<S>,
-    /// Of the columns that are solved for: the joints' part, the right-hand side and d lambda.
-    pub(super) solution: (Vec<S>, Vec<S>, Vec<S>),
+    pub(super) solution: ColumnSolution<S>,
+}
+
+/// Memory for the columns that are solved for.
+#[derive(Clone, Debug)]
+pub(super) struct ColumnSolution<S> {
+    /// A column of F, then of d qdd.
+    pub(super) x: Vec<S>,
+    /// The right-hand side of the constrained rows.
+    pub(super) change: Vec<S>,
+    /// d lambda.
+    pub(super) multipliers: Vec<S>,
 }
 
 impl<S: Scalar> DerivativeWorkspace<S> {
@@ -45,9 +55,20 @@ impl<S: Scalar> DerivativeWorkspace<S> {
             fields: vec![Field::zero(); model.bodies.len()],
             columns: vec![Twist::zero(); n],
             multipliers: numbers(rows),
-            solution: (numbers(n), numbers(rows), numbers(rows)),
+            solution: ColumnSolution {
+                x: numbers(n),
+                change: numbers(rows),
+                multipliers: numbers(rows),
+            },
         }
     }
+}
+
+/// A constraint, and its first row among the constrained rows.
+#[derive(Clone, Copy)]
+pub(super) struct PlacedConstraint<'a, S> {
+    pub(super) constraint: &'a ConstrainedFrames<S>,
+    pub(super) row: usize,
 }
 
 /// The stabilization of a constraint.
@@ -69,7 +90,8 @@ impl<S: Scalar> Stabilization<S> {
 pub(super) fn add_force<S: Scalar>(
     model: &Mechanism<S>,
     change: S,
-    (force, coordinate): (&PathJoint<S>, &PathJoint<S>),
+    force: &PathJoint<S>,
+    coordinate: &PathJoint<S>,
     forces: &mut [S],
 ) {
     let force = &model.dofs[force.dof];
@@ -78,10 +100,10 @@ pub(super) fn add_force<S: Scalar>(
     *sum = *sum - force.scale(coordinate.scale(change));
 }
 
-/// Sets a constraint's rows of c, which begin at `row`, to zero.
+/// Sets a constraint's rows of c to zero.
 pub(super) fn clear_rows<S: Scalar>(
     model: &Mechanism<S>,
-    (constraint, row): (&ConstrainedFrames<S>, usize),
+    PlacedConstraint { constraint, row }: PlacedConstraint<'_, S>,
     accelerations: &mut [Vec<S>; 2],
 ) {
     for of_variable in accelerations {
@@ -94,18 +116,18 @@ pub(super) fn clear_rows<S: Scalar>(
 /// axes of the derivatives.
 pub(super) fn add_to_rows<S: Scalar>(
     model: &Mechanism<S>,
-    (constraint, row): (&ConstrainedFrames<S>, usize),
+    PlacedConstraint { constraint, row }: PlacedConstraint<'_, S>,
     joint: &PathJoint<S>,
     changes: [Twist<S>; 2],
     in_axes: impl Fn(&ConstraintRow<S>) -> ConstraintRow<S>,
     accelerations: &mut [Vec<S>; 2],
 ) {
     let dof = &model.dofs[joint.dof];
-    for (k, own_row) in constraint.rows.iter().enumerate() {
-        let own_row = in_axes(own_row);
+    for (k, described) in constraint.rows.iter().enumerate() {
+        let rotated = in_axes(described);
         for (of_variable, change) in accelerations.iter_mut().zip(changes) {
             let sum = &mut of_variable[(row + k) * model.nv + dof.v];
-            *sum = *sum + dof.scale(own_row.scaled_component(change, constraint.length));
+            *sum = *sum + dof.scale(rotated.scaled_component(change, constraint.length));
         }
     }
 }

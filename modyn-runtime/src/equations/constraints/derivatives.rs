@@ -26,19 +26,23 @@ use alloc::{vec, vec::Vec};
 
 use super::contact::ContactFrame;
 use super::derivative_terms::{
-    DerivativeWorkspace, Stabilization, add_force, add_to_rows, clear_rows,
+    ColumnSolution, DerivativeWorkspace, PlacedConstraint, Stabilization, add_force, add_to_rows,
+    clear_rows,
 };
 use super::lanes::packed;
-use super::loop_derivatives::of_loop;
-use super::path::PathBody;
-use super::{ConstraintWorkspace, Settings, constrained_forward_dynamics};
+use super::loop_derivatives::add_loop;
+use super::path::{PathBody, PathRoot};
+use super::{
+    ConstrainedOutputs, ConstraintInput, ConstraintWorkspace, ConstraintWorkspaces,
+    constrained_forward_dynamics,
+};
 use crate::Scalar;
 use crate::constraint_settings::ContactTarget;
-use crate::equations::Workspace;
 use crate::equations::derivatives::inverse_dynamics_derivatives;
 use crate::equations::factorization::limb_coupling::{Factorizable, LimbAccess};
 use crate::equations::factorization::{solve_lower_factor, solve_upper_factor};
-use crate::mechanism::{ConstrainedFrames, Mechanism};
+use crate::equations::{ForwardInput, State, Workspace};
+use crate::mechanism::Mechanism;
 use crate::spatial::{Matrix3, Pose, Twist, Vector3, Wrench};
 
 /// The results: accelerations, wrenches and their derivatives. Matrices are nv x nv, by columns.
@@ -69,7 +73,8 @@ impl<'a, S> ConstrainedDerivatives<'a, S> {
     /// derivatives of both with respect to q, qd and tau.
     #[must_use]
     pub fn new(
-        (qdd, wrenches): (&'a mut [S], &'a mut [Wrench<S>]),
+        qdd: &'a mut [S],
+        wrenches: &'a mut [Wrench<S>],
         [dqdd_dq, dqdd_dqd, dqdd_dtau]: &'a mut [Vec<S>; 3],
         [dwrenches_dq, dwrenches_dqd, dwrenches_dtau]: &'a mut [Vec<Wrench<S>>; 3],
     ) -> Self {
@@ -91,9 +96,9 @@ impl<'a, S> ConstrainedDerivatives<'a, S> {
 /// with respect to q (in tangent space), qd and tau. Returns the number of independent rows.
 ///
 /// Wrenches and their derivatives are in the axes of
-/// [`constrained_forward_dynamics`](super::constrained_forward_dynamics): a derivative is that of
-/// the components. The rank is assumed constant; redundant rows get the derivatives of smallest
-/// norm.
+/// [`constrained_forward_dynamics`](super::constrained_forward_dynamics): a derivative is the
+/// derivative of the components. The rank is assumed constant; redundant rows get the derivatives
+/// of smallest norm.
 ///
 /// The columns of the derivatives are computed several at a time where the scalars have lanes.
 pub fn constrained_forward_dynamics_derivatives<
@@ -103,73 +108,95 @@ pub fn constrained_forward_dynamics_derivatives<
 >(
     tree: &T,
     layout: &T::Layout,
-    state: (&[S], &[S], &[S]),
-    settings: Settings<'_, S, C>,
-    (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
-    outputs: ConstrainedDerivatives<'_, S>,
+    input: ForwardInput<'_, S>,
+    constraints: ConstraintInput<'_, S, C>,
+    mut workspaces: ConstraintWorkspaces<'_, S>,
+    mut outputs: ConstrainedDerivatives<'_, S>,
 ) -> S {
     let model = tree.mechanism();
     let n = model.nv.max(1);
-    let ConstrainedDerivatives { qdd, wrenches, .. } = outputs;
-    let (mut own, rank) =
-        equations_of_columns(tree, layout, state, settings, (workspace, memory), (qdd, wrenches));
-    let DerivativeWorkspace { forces, accelerations, inverse, solution, .. } = &mut own;
+    let ColumnEquations { mut terms, rank } =
+        ColumnEquations::new(tree, layout, input, constraints, workspaces.reborrow(), &mut outputs);
+    let memory = workspaces.memory;
+    let DerivativeWorkspace { forces, accelerations, inverse, solution, .. } = &mut terms;
     let [f_q, f_qd] = forces;
     let [c_q, c_qd] = accelerations;
     let ConstrainedDerivatives { dqdd_dq, dqdd_dqd, dqdd_dtau, .. } = outputs;
     let ConstrainedDerivatives { dwrenches_dq, dwrenches_dqd, dwrenches_dtau, .. } = outputs;
     let solver = Columns { tree, layout, memory, inverse };
-    let by_q = (|i, j| f_q[j * n + i], |r, j| c_q[r * n + j]);
-    let by_qd = (|i, j| f_qd[j * n + i], |r, j| c_qd[r * n + j]);
-    solver.solve(by_q, solution, (&mut [], dqdd_dq, dwrenches_dq));
-    solver.solve(by_qd, solution, (&mut [], dqdd_dqd, dwrenches_dqd));
-    solver.solve_forces(solution, &mut [], (dqdd_dtau, dwrenches_dtau));
-    memory.derivatives = Some(own);
+    let f_by_q = |i, j| f_q[j * n + i];
+    let c_by_q = |r, j| c_q[r * n + j];
+    let f_by_qd = |i, j| f_qd[j * n + i];
+    let c_by_qd = |r, j| c_qd[r * n + j];
+    let by_q = ColumnOutputs { dmultipliers: &mut [], dqdd: dqdd_dq, dwrenches: dwrenches_dq };
+    let by_qd = ColumnOutputs { dmultipliers: &mut [], dqdd: dqdd_dqd, dwrenches: dwrenches_dqd };
+    let by_tau =
+        ColumnOutputs { dmultipliers: &mut [], dqdd: dqdd_dtau, dwrenches: dwrenches_dtau };
+    solver.solve(f_by_q, c_by_q, solution, by_q);
+    solver.solve(f_by_qd, c_by_qd, solution, by_qd);
+    solver.solve_forces(solution, by_tau);
+    memory.derivatives = Some(terms);
     rank
 }
 
-/// Computes the accelerations and the wrenches, and the equations of the columns of their
-/// derivatives: F, c and A^+. Returns the memory that has them, and the number of independent rows.
-fn equations_of_columns<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
-    tree: &T,
-    layout: &T::Layout,
-    state: (&[S], &[S], &[S]),
-    (active, settings): Settings<'_, S, C>,
-    (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
-    (qdd, wrenches): (&mut [S], &mut [Wrench<S>]),
-) -> (DerivativeWorkspace<S>, S) {
-    let model = tree.mechanism();
-    let taken = memory.derivatives.take();
-    let mut own = taken.unwrap_or_else(|| DerivativeWorkspace::new(model, memory.rows));
-    let (q, qd, _) = state;
-    let results = (&mut *qdd, wrenches, &mut *own.residuals);
-    let rank = constrained_forward_dynamics(
-        tree,
-        layout,
-        state,
-        (active, settings),
-        (workspace, memory),
-        results,
-    );
-    own.multipliers.copy_from_slice(&memory.right_hand_sides[0]);
-    let [dq, dqd] = &mut own.forces;
-    inverse_dynamics_derivatives(tree, (q, qd, qdd), workspace, dq, dqd);
-    let mut row = 0;
-    let mut targets = settings.contacts.as_ref().iter();
-    for constraint in &model.constraints {
-        match constraint.contact.then(|| targets.next()).flatten() {
-            Some(target) => {
-                of_contact(model, (constraint, target, row), (q, qd), workspace, &mut own)
+/// The equations of the columns of the derivatives.
+struct ColumnEquations<S> {
+    /// F, c and A^+.
+    terms: DerivativeWorkspace<S>,
+    /// The number of independent rows.
+    rank: S,
+}
+
+impl<S: Scalar> ColumnEquations<S> {
+    /// Computes the accelerations and the wrenches of `outputs`, and the equations of the columns
+    /// of their derivatives.
+    fn new<T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
+        tree: &T,
+        layout: &T::Layout,
+        input: ForwardInput<'_, S>,
+        constraints: ConstraintInput<'_, S, C>,
+        mut workspaces: ConstraintWorkspaces<'_, S>,
+        outputs: &mut ConstrainedDerivatives<'_, S>,
+    ) -> Self {
+        let model = tree.mechanism();
+        let rows = workspaces.memory.rows;
+        let taken = workspaces.memory.derivatives.take();
+        let mut terms = taken.unwrap_or_else(|| DerivativeWorkspace::new(model, rows));
+        let ConstrainedDerivatives { qdd, wrenches, .. } = outputs;
+        let residuals = &mut terms.residuals;
+        let rank = constrained_forward_dynamics(
+            tree,
+            layout,
+            input,
+            constraints,
+            workspaces.reborrow(),
+            ConstrainedOutputs { qdd, wrenches, residuals },
+        );
+        let ConstraintWorkspaces { workspace, memory } = workspaces;
+        terms.multipliers.copy_from_slice(&memory.right_hand_sides[0]);
+        let [dq, dqd] = &mut terms.forces;
+        let state = input.state();
+        let motion = state.with_accelerations(qdd);
+        inverse_dynamics_derivatives(tree, motion, workspace, dq, dqd);
+        let settings = constraints.settings;
+        let mut row = 0;
+        let mut targets = settings.contacts.as_ref().iter();
+        for constraint in &model.constraints {
+            let placed = PlacedConstraint { constraint, row };
+            match constraint.contact.then(|| targets.next()).flatten() {
+                Some(target) => {
+                    add_contact(model, placed, target, state, workspace, &mut terms);
+                }
+                None => {
+                    let rates = Stabilization { alpha: settings.alpha, beta: settings.beta };
+                    add_loop(model, placed, rates, motion, workspace, &mut terms);
+                }
             }
-            None => {
-                let rates = Stabilization { alpha: settings.alpha, beta: settings.beta };
-                of_loop(model, (constraint, rates, row), (q, qd, qdd), workspace, &mut own);
-            }
+            row += constraint.rows.len();
         }
-        row += constraint.rows.len();
+        memory.factorization.inverse(tree, &mut terms.inverse);
+        Self { terms, rank }
     }
-    memory.factorization.inverse(tree, &mut own.inverse);
-    (own, rank)
 }
 
 /// The linear map from columns of -F and -c to columns of the derivatives.
@@ -178,7 +205,7 @@ pub struct ColumnMap<S> {
     /// For each entry of a column of -F, then of -c: its part of the accelerations, then of each
     /// constraint's wrench.
     pub map: Vec<S>,
-    /// The columns of -F with those of -c below them, with respect to q and qd.
+    /// The columns of -F, with the columns of -c below them, with respect to q and qd.
     pub columns: [Vec<S>; 2],
     /// The number of independent rows.
     pub rank: S,
@@ -190,24 +217,34 @@ impl<S: Scalar> ColumnMap<S> {
     pub fn new<T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
         tree: &T,
         layout: &T::Layout,
-        state: (&[S], &[S], &[S]),
-        settings: Settings<'_, S, C>,
-        (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
-        outputs: ConstrainedDerivatives<'_, S>,
+        input: ForwardInput<'_, S>,
+        constraints: ConstraintInput<'_, S, C>,
+        mut workspaces: ConstraintWorkspaces<'_, S>,
+        mut outputs: ConstrainedDerivatives<'_, S>,
     ) -> Self {
         let model = tree.mechanism();
         let n = model.nv;
-        let rows = memory.rows;
         let count = model.constraints.len();
-        let ConstrainedDerivatives { qdd, wrenches, dqdd_dtau, dwrenches_dtau, .. } = outputs;
-        let memories = (workspace, &mut *memory);
-        let results = (qdd, wrenches);
-        let (mut own, rank) =
-            equations_of_columns(tree, layout, state, settings, memories, results);
-        let DerivativeWorkspace { forces, accelerations, inverse, solution, .. } = &mut own;
+        let ColumnEquations { mut terms, rank } = ColumnEquations::new(
+            tree,
+            layout,
+            input,
+            constraints,
+            workspaces.reborrow(),
+            &mut outputs,
+        );
+        let memory = workspaces.memory;
+        let rows = memory.rows;
+        let ConstrainedDerivatives { dqdd_dtau, dwrenches_dtau, .. } = outputs;
+        let DerivativeWorkspace { forces, accelerations, inverse, solution, .. } = &mut terms;
         let mut multipliers = vec![S::zero(); rows * n];
         let solver = Columns { tree, layout, memory, inverse };
-        solver.solve_forces(solution, &mut multipliers, (dqdd_dtau, dwrenches_dtau));
+        let by_tau = ColumnOutputs {
+            dmultipliers: &mut multipliers,
+            dqdd: dqdd_dtau,
+            dwrenches: dwrenches_dtau,
+        };
+        solver.solve_forces(solution, by_tau);
         let mut map = Vec::with_capacity((n + rows) * (n + 6 * count));
         for j in 0..n {
             map.extend_from_slice(&dqdd_dtau[j * n..][..n]);
@@ -220,16 +257,27 @@ impl<S: Scalar> ColumnMap<S> {
             memory.wrenches_of(model, column, &mut changes);
             map.extend(changes.iter().flat_map(Wrench::components));
         }
-        let of_column = |(f, c): (&Vec<S>, &Vec<S>), j: usize| -> Vec<S> {
-            let f = f[j * n..][..n].iter().map(|&x| -x);
-            f.chain((0..rows).map(|r| -c[r * n + j])).collect()
-        };
-        let columns = [0, 1].map(|matrix| {
-            let of = (&forces[matrix], &accelerations[matrix]);
-            (0..n).flat_map(|j| of_column(of, j)).collect()
+        let columns = [0, 1].map(|variable| {
+            let f = &forces[variable];
+            let c = &accelerations[variable];
+            let column = |j: usize| {
+                let f_entries = f[j * n..][..n].iter().map(|&x| -x);
+                f_entries.chain((0..rows).map(move |r| -c[r * n + j]))
+            };
+            (0..n).flat_map(column).collect()
         });
         Self { map, columns, rank }
     }
+}
+
+/// Columns of the derivatives.
+struct ColumnOutputs<'a, S> {
+    /// d lambda, if the list is not empty.
+    dmultipliers: &'a mut [S],
+    /// d qdd.
+    dqdd: &'a mut [S],
+    /// The wrenches of d lambda.
+    dwrenches: &'a mut [Wrench<S>],
 }
 
 /// A factorized robot, which solves for columns of derivatives.
@@ -243,28 +291,26 @@ struct Columns<'a, S: Scalar, T: Factorizable<S>> {
 
 impl<S: Scalar, T: Factorizable<S>> Columns<'_, S, T> {
     /// Computes the derivatives with respect to tau.
-    fn solve_forces(
-        &self,
-        solution: &mut (Vec<S>, Vec<S>, Vec<S>),
-        dmultipliers: &mut [S],
-        (dqdd, dwrenches): (&mut [S], &mut [Wrench<S>]),
-    ) {
+    fn solve_forces(&self, solution: &mut ColumnSolution<S>, outputs: ColumnOutputs<'_, S>) {
         let n = self.tree.mechanism().nv;
         let minus_one = |i, j| if i == j { -S::one() } else { S::zero() };
-        self.solve((minus_one, |_, _| S::zero()), solution, (dmultipliers, dqdd, dwrenches));
+        let ColumnOutputs { dmultipliers, dqdd, dwrenches } = outputs;
+        let outputs = ColumnOutputs { dmultipliers, dqdd: &mut *dqdd, dwrenches };
+        self.solve(minus_one, |_, _| S::zero(), solution, outputs);
         // The matrix is symmetric: the entries above its diagonal suffice.
         for j in 0..n {
             (0..j).for_each(|i| dqdd[i * n + j] = dqdd[j * n + i]);
         }
     }
 
-    /// Computes d qdd and the wrenches of d lambda from the entries of F and c, a row and a column
-    /// each; and d lambda by columns, unless its list is empty.
+    /// Computes columns of the derivatives. `f` and `c` return an entry of F and c, by its row and
+    /// its column.
     fn solve(
         &self,
-        (f, c): (impl Fn(usize, usize) -> S, impl Fn(usize, usize) -> S),
-        (x, change, multipliers): &mut (Vec<S>, Vec<S>, Vec<S>),
-        (dmultipliers, dqdd, dwrenches): (&mut [S], &mut [S], &mut [Wrench<S>]),
+        f: impl Fn(usize, usize) -> S,
+        c: impl Fn(usize, usize) -> S,
+        ColumnSolution { x, change, multipliers }: &mut ColumnSolution<S>,
+        ColumnOutputs { dmultipliers, dqdd, dwrenches }: ColumnOutputs<'_, S>,
     ) {
         let Self { tree, memory, .. } = *self;
         let model = tree.mechanism();
@@ -325,30 +371,33 @@ fn sum<S: Scalar>(products: impl Iterator<Item = S>) -> S {
     products.reduce(|sum, x| sum + x).unwrap_or(S::zero())
 }
 
-/// Adds a contact's part to F, and sets the contact's rows of c, which begin at `row`.
-fn of_contact<S: Scalar>(
+/// Adds a contact's part to F, and sets the contact's rows of c.
+fn add_contact<S: Scalar>(
     model: &Mechanism<S>,
-    (constraint, target, row): (&ConstrainedFrames<S>, &ContactTarget<S>, usize),
-    (q, qd): (&[S], &[S]),
+    placed: PlacedConstraint<'_, S>,
+    target: &ContactTarget<S>,
+    State { q, qd }: State<'_, S>,
     workspace: &mut Workspace<S>,
-    own: &mut DerivativeWorkspace<S>,
+    terms: &mut DerivativeWorkspace<S>,
 ) {
-    let DerivativeWorkspace { forces, accelerations, paths, columns, multipliers, .. } = own;
+    let PlacedConstraint { constraint, row } = placed;
+    let DerivativeWorkspace { forces, accelerations, paths, columns, multipliers, .. } = terms;
     let [_, path] = paths;
     let end = constraint.ends[1];
     let frame = ContactFrame::new(model, end, q, workspace, columns);
-    let world = PathBody { acceleration: -frame.to_root(model.gravity), ..PathBody::at_rest() };
+    let body = PathBody { acceleration: -frame.to_root(model.gravity), ..PathBody::at_rest() };
+    let world = PathRoot { body, axes: None };
     let origin = Vector3(end.pose.translation);
-    path.fill(model, (world, None), origin, qd, (workspace, &workspace.fields));
+    path.fill(model, world, origin, qd, workspace, &workspace.fields);
 
     let components = constraint.along_rows(multipliers[row..].iter().copied());
     let moment = components.angular.scale(constraint.length);
     let wrench = Wrench { moment, force: components.linear };
     path.forces_under(wrench, |change, force, coordinate| {
-        add_force(model, change, (force, coordinate), &mut forces[0]);
+        add_force(model, change, force, coordinate, &mut forces[0]);
     });
 
-    clear_rows(model, (constraint, row), accelerations);
+    clear_rows(model, placed, accelerations);
     let rates = Stabilization { alpha: target.alpha, beta: target.beta };
     for joint in &path.joints {
         let [velocity, acceleration] = path.by_coordinate(joint);
@@ -357,7 +406,7 @@ fn of_contact<S: Scalar>(
             rates.constrained(acceleration, velocity) + moved.scale(rates.beta * rates.beta),
             rates.constrained(path.by_rate(joint), joint.twist),
         ];
-        add_to_rows(model, (constraint, row), joint, changes, |own| *own, accelerations);
+        add_to_rows(model, placed, joint, changes, |row| *row, accelerations);
     }
 }
 
@@ -377,9 +426,10 @@ fn displaced<S: Scalar>(
     let linear = twist.linear.scale(share) + normal.scale(rest * normal.dot(twist.linear));
     let mut angular = Vector3::zero();
     if surface {
-        let own = frame.axes();
-        let change =
-            |k: usize| frame.to_root(axes.column(k)).cross(twist.angular.cross(own.column(k)));
+        let frame_axes = frame.axes();
+        let change = |k: usize| {
+            frame.to_root(axes.column(k)).cross(twist.angular.cross(frame_axes.column(k)))
+        };
         let about = normal.dot(change(0) + change(1)) * S::from_f64(0.5);
         angular = change(2) + normal.scale(share * about);
     }

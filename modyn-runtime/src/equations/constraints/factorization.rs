@@ -259,12 +259,13 @@ impl<S: Scalar> Factorization<S> {
             self.by_rank().solve_gram();
             self.expansion[first * pivots..][..pivots].copy_from_slice(&self.reduced[..pivots]);
         }
-        // The columns of a group of rows are stored as that of its first row.
+        // The columns of a group of rows are stored as the column of its first row.
         let packs = |r: usize| &self.expansion[(r - r % count) * pivots..][..pivots];
         for i in 0..rows {
-            let own = packs(i).iter().zip(&self.reciprocals);
-            let own = own.map(|(&h, &reciprocal)| tree.extract_lane(h, i % count) * reciprocal);
-            self.reduced.iter_mut().zip(own).for_each(|(x, h)| *x = h);
+            let packs_of_row = packs(i).iter().zip(&self.reciprocals);
+            let scaled =
+                packs_of_row.map(|(&h, &reciprocal)| tree.extract_lane(h, i % count) * reciprocal);
+            self.reduced.iter_mut().zip(scaled).for_each(|(x, h)| *x = h);
             for j in (0..=i).step_by(count) {
                 let entries = dot(packs(j), &self.reduced);
                 for (lane, j) in group(j).enumerate().filter(|&(_, j)| j <= i) {

@@ -1,14 +1,12 @@
 //! Forward dynamics with loop constraints and contacts.
 
 use super::rows::constraint_rows;
-use super::{ConstraintWorkspace, Settings};
+use super::{ConstrainedOutputs, ConstraintInput, ConstraintWorkspaces};
 use crate::Scalar;
 use crate::constraint_settings::ContactTarget;
-use crate::equations::Workspace;
-use crate::equations::brge;
 use crate::equations::dynamics::bias_in_free_fall;
 use crate::equations::factorization::limb_coupling::{Factorizable, LimbAccess};
-use crate::spatial::{Twist, Wrench};
+use crate::equations::{ForwardInput, State, brge};
 
 /// Computes the joint accelerations `qdd` under the joint forces `tau`, with all constraints
 /// satisfied. Returns the number of independent rows.
@@ -28,13 +26,13 @@ use crate::spatial::{Twist, Wrench};
 pub fn constrained_forward_dynamics<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
     tree: &T,
     layout: &T::Layout,
-    (q, qd, tau): (&[S], &[S], &[S]),
-    (active, settings): Settings<'_, S, C>,
-    (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
-    (qdd, wrenches, residuals): (&mut [S], &mut [Wrench<S>], &mut [Twist<S>]),
+    ForwardInput { q, qd, tau }: ForwardInput<'_, S>,
+    ConstraintInput { active, settings }: ConstraintInput<'_, S, C>,
+    ConstraintWorkspaces { workspace, memory }: ConstraintWorkspaces<'_, S>,
+    ConstrainedOutputs { qdd, wrenches, residuals }: ConstrainedOutputs<'_, S>,
 ) -> S {
     let model = tree.mechanism();
-    bias_in_free_fall(tree, (q, qd), workspace, qdd);
+    bias_in_free_fall(tree, State { q, qd }, workspace, qdd);
     for (qdd, &tau) in qdd.iter_mut().zip(tau) {
         *qdd = tau - *qdd;
     }
@@ -43,7 +41,7 @@ pub fn constrained_forward_dynamics<S: Scalar, T: Factorizable<S>, C: AsRef<[Con
     memory.set_fall(model, qd, workspace);
     let contacts = settings.contacts.as_ref();
     let loops = model.constraints.len() - contacts.len();
-    constraint_rows(model, (q, qd), contacts, workspace, memory, |c, component, motion| {
+    constraint_rows(model, State { q, qd }, contacts, workspace, memory, |c, component, motion| {
         let (alpha, beta) = match c.checked_sub(loops) {
             None => (settings.alpha, settings.beta),
             Some(contact) => (contacts[contact].alpha, contacts[contact].beta),
@@ -52,7 +50,7 @@ pub fn constrained_forward_dynamics<S: Scalar, T: Factorizable<S>, C: AsRef<[Con
         let stiffness = beta * beta * component(motion.displacement);
         [-component(motion.bias_acceleration) - (damping + stiffness), S::zero()]
     });
-    memory.factorize(tree, layout, (active, settings), |memory| {
+    memory.factorize(tree, layout, ConstraintInput { active, settings }, |memory| {
         memory.subtract_accelerations(model, layout)
     });
     memory.solve(tree, 0);

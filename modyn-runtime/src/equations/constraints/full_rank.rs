@@ -1,6 +1,6 @@
 //! The factorization of J M^-1 J^T where all rows are independent.
 //!
-//! L D L^T in the order of the rows, without exchanges. A row that is zero, such as that of an
+//! L D L^T in the order of the rows, without exchanges. A row that is zero, such as the row of an
 //! inactive contact, is left out. Whether the pivoted factorization would find a dependent row is
 //! known from this one. The remaining diagonal of row i is least if all other rows are eliminated
 //! before it: then it is 1 / (A^-1)_ii. So in any order of the rows all are independent where each
@@ -55,11 +55,11 @@ impl<S: Scalar> FullRank<S> {
             }
         }
         let lower = inverse_of_triangle(&factor, rows);
-        let mut own = Self { factor, lower, reciprocals, present, excess };
+        let mut factors = Self { factor, lower, reciprocals, present, excess };
         for (i, &threshold) in thresholds.iter().enumerate() {
-            own.excess = own.excess.max(threshold * own.inverse_entry(i, i) - S::one());
+            factors.excess = factors.excess.max(threshold * factors.inverse_entry(i, i) - S::one());
         }
-        own
+        factors
     }
 
     /// Returns entry (i, j) of the inverse of the matrix, where j is at most i.

@@ -1,20 +1,19 @@
 //! Impulses: the velocities after an impact.
 
 use super::rows::constraint_rows;
-use super::{ConstraintWorkspace, Settings};
+use super::{ConstraintInput, ConstraintWorkspaces, ImpulseOutputs};
 use crate::Scalar;
 use crate::constraint_settings::ContactTarget;
-use crate::equations::Workspace;
-use crate::equations::brge;
 use crate::equations::factorization::limb_coupling::{Factorizable, LimbAccess};
-use crate::spatial::{Matrix3, Wrench};
+use crate::equations::{State, brge};
+use crate::spatial::Matrix3;
 
 /// Computes the velocities `after` an impact that satisfies the constraints at once, and the
 /// impulse on each constraint's second link, in the axes and at the point of its
 /// [wrench](super::constrained_forward_dynamics). Returns the number of independent rows.
 ///
 /// Along the normal of its target, a contact's frame leaves with `restitution` times its speed
-/// before the impact. In all other directions its velocity is that of the target.
+/// before the impact. In all other directions it has the velocity of the target.
 ///
 /// Limbs of `tree` may be merged, as in
 /// [`constrained_forward_dynamics`](super::constrained_forward_dynamics).
@@ -25,15 +24,15 @@ use crate::spatial::{Matrix3, Wrench};
 pub fn contact_impulse<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
     tree: &T,
     layout: &T::Layout,
-    (q, qd): (&[S], &[S]),
-    (active, settings): Settings<'_, S, C>,
-    (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
-    (after, impulses): (&mut [S], &mut [Wrench<S>]),
+    State { q, qd }: State<'_, S>,
+    ConstraintInput { active, settings }: ConstraintInput<'_, S, C>,
+    ConstraintWorkspaces { workspace, memory }: ConstraintWorkspaces<'_, S>,
+    ImpulseOutputs { qd: after, impulses }: ImpulseOutputs<'_, S>,
 ) -> S {
     let model = tree.mechanism();
     brge::factorize(tree, layout.layout(), q, workspace, &mut memory.factors);
     let contacts = settings.contacts.as_ref();
-    constraint_rows(model, (q, qd), contacts, workspace, memory, |_, component, motion| {
+    constraint_rows(model, State { q, qd }, contacts, workspace, memory, |_, component, motion| {
         [-component(motion.velocity), S::zero()]
     });
     let mut row = 0;
@@ -49,11 +48,11 @@ pub fn contact_impulse<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>
         // The displacements are the last three rows.
         let first = stops.len() - 3;
         let stops = &mut stops[first..];
-        let rebound = (0..3).fold(S::zero(), |sum, k| sum + normal[k] * stops[k]);
-        let rebound = target.restitution * rebound;
+        let approach = (0..3).fold(S::zero(), |sum, k| sum + normal[k] * stops[k]);
+        let rebound = target.restitution * approach;
         stops.iter_mut().zip(normal.0).for_each(|(stop, n)| *stop = *stop + rebound * n);
     }
-    memory.factorize(tree, layout, (active, settings), |_| {});
+    memory.factorize(tree, layout, ConstraintInput { active, settings }, |_| {});
     memory.force.fill(S::zero());
     memory.solve(tree, 0);
     memory.respond(layout, 0, after);

@@ -2,14 +2,15 @@
 
 use super::factorization::Factorization;
 use super::rows::constraint_rows;
-use super::{ConstraintWorkspace, Settings};
+use super::{
+    ConstrainedInverseOutputs, ConstraintInput, ConstraintWorkspace, ConstraintWorkspaces,
+};
 use crate::Scalar;
 use crate::constraint_settings::ContactTarget;
-use crate::equations::Workspace;
 use crate::equations::dynamics::inverse_dynamics;
+use crate::equations::{Motion, State};
 use crate::joint::ElementaryJoint;
 use crate::mechanism::Mechanism;
-use crate::spatial::Wrench;
 
 /// Returns the indices in qd of the velocities of floating joints, which have no motor.
 pub(super) fn unactuated<S>(model: &Mechanism<S>) -> impl Iterator<Item = usize> + '_ {
@@ -38,14 +39,14 @@ fn is_rotation<S>(model: &Mechanism<S>, v: usize) -> bool {
 /// with the columns J_b of the bases.
 pub fn constrained_inverse_dynamics<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
     model: &Mechanism<S>,
-    (q, qd, qdd): (&[S], &[S], &[S]),
-    (active, settings): Settings<'_, S, C>,
-    (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
-    (tau, wrenches): (&mut [S], &mut [Wrench<S>]),
+    Motion { q, qd, qdd }: Motion<'_, S>,
+    ConstraintInput { active, settings }: ConstraintInput<'_, S, C>,
+    ConstraintWorkspaces { workspace, memory }: ConstraintWorkspaces<'_, S>,
+    ConstrainedInverseOutputs { tau, wrenches }: ConstrainedInverseOutputs<'_, S>,
 ) -> S {
-    inverse_dynamics(model, (q, qd, Some(qdd)), None, workspace, tau);
+    inverse_dynamics(model, State { q, qd }, Some(qdd), None, workspace, tau);
     let contacts = settings.contacts.as_ref();
-    constraint_rows(model, (q, qd), contacts, workspace, memory, |_, _, _| [S::zero(); 2]);
+    constraint_rows(model, State { q, qd }, contacts, workspace, memory, |_, _, _| [S::zero(); 2]);
     let n = model.nv.max(1);
     let loops = model.constraints.len() - contacts.len();
     let ConstraintWorkspace { jacobian, owner, carried, right_hand_sides, residuals, .. } = memory;

@@ -1,13 +1,13 @@
 //! The Jacobian and the bias acceleration of constraints.
 
-use super::ConstraintWorkspace;
+use super::ConstraintWorkspaces;
 use super::contact::ContactFrame;
 use super::relative_motion::{
     RelativeMotion, RelativePose, common_ancestor, relative_columns, relative_to_ancestor,
 };
 use crate::Scalar;
-use crate::equations::Workspace;
 use crate::equations::kinematics::kinematic_path::{self, OriginMotion};
+use crate::equations::{State, Workspace};
 use crate::mechanism::{ConstrainedFrames, Mechanism};
 use crate::spatial::{Twist, Vector3};
 
@@ -18,7 +18,7 @@ use crate::spatial::{Twist, Vector3};
 pub fn constraint_jacobian<S: Scalar>(
     model: &Mechanism<S>,
     q: &[S],
-    (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
+    ConstraintWorkspaces { workspace, memory }: ConstraintWorkspaces<'_, S>,
     columns: &mut [Twist<S>],
 ) {
     let results = columns.chunks_mut(model.nv.max(1));
@@ -43,19 +43,19 @@ pub fn constraint_jacobian<S: Scalar>(
 /// in the same axes.
 pub fn constraint_bias_acceleration<S: Scalar>(
     model: &Mechanism<S>,
-    (q, qd): (&[S], &[S]),
+    State { q, qd }: State<'_, S>,
     workspace: &mut Workspace<S>,
     accelerations: &mut [Twist<S>],
 ) {
     for (constraint, acceleration) in model.constraints.iter().zip(accelerations) {
         *acceleration = if constraint.contact {
-            of_contact(model, constraint, (q, qd))
+            contact_bias_acceleration(model, constraint, State { q, qd })
         } else {
             let ancestor = common_ancestor(model, constraint);
             let seen =
                 constraint.ends.map(|end| relative_to_ancestor(model, end, ancestor, q, |_, _| {}));
             let pose = RelativePose::new(&seen);
-            let motion = RelativeMotion::new(model, constraint, &pose, (q, qd), workspace);
+            let motion = RelativeMotion::new(model, constraint, &pose, State { q, qd }, workspace);
             constraint.constrained_part(motion.bias_acceleration)
         };
     }
@@ -63,15 +63,15 @@ pub fn constraint_bias_acceleration<S: Scalar>(
 
 /// Returns the classical acceleration of a contact's frame at zero joint accelerations, in world
 /// axes.
-fn of_contact<S: Scalar>(
+fn contact_bias_acceleration<S: Scalar>(
     model: &Mechanism<S>,
     constraint: &ConstrainedFrames<S>,
-    (q, qd): (&[S], &[S]),
+    State { q, qd }: State<'_, S>,
 ) -> Twist<S> {
     let end = constraint.ends[1];
     let fixed = OriginMotion::fixed(Vector3(end.pose.translation));
     let motion = kinematic_path::towards_world(model, end.body)
-        .fold(fixed, |frame, i| frame.towards_world(model, i, (q, qd, None)));
+        .fold(fixed, |frame, i| frame.towards_world(model, i, State { q, qd }, None));
     // A point's rows are all displacements, a surface's all six: the axes do not matter.
     constraint.constrained_part(motion.acceleration)
 }

@@ -1,8 +1,8 @@
 //! The rows of the robot's constraints among the rows of merged contacts.
 //!
 //! Where equal limbs are merged into one limb of lanes, so are their contacts: a row of a merged
-//! contact has a lane for each limb. The factorization couples all contacts. Its rows are those of
-//! the robot, in the robot's order. Without merged limbs both are the same rows.
+//! contact has a lane for each limb. The factorization couples all contacts. Its rows are the rows
+//! of the robot, in the robot's order. Without merged limbs both are the same rows.
 
 use alloc::{vec, vec::Vec};
 use core::ops::Range;
@@ -63,15 +63,15 @@ impl RowLanes {
         &self.constraints
     }
 
-    /// Sets the numbers of the robot's rows from those of the mechanism's rows.
+    /// Sets the numbers of the robot's rows from the numbers of the mechanism's rows.
     pub(super) fn unpack<S: Scalar, T: BodyTree<S>>(&self, tree: &T, packs: &[S], rows: &mut [S]) {
         for (number, &(row, lane)) in rows.iter_mut().zip(&self.rows) {
             *number = tree.extract_lane(packs[row], lane);
         }
     }
 
-    /// Sets the numbers of the mechanism's rows from those of the robot's rows; zero for a limb
-    /// without the contact.
+    /// Sets the numbers of the mechanism's rows from the numbers of the robot's rows; zero for a
+    /// limb without the contact.
     pub(super) fn pack<S: Scalar, T: BodyTree<S>>(&self, tree: &T, rows: &[S], packs: &mut [S]) {
         let number = |row: &Option<usize>| row.map_or(S::zero(), |row| rows[row]);
         for (pack, lanes) in packs.iter_mut().zip(&self.lanes) {

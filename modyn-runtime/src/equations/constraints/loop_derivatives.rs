@@ -21,26 +21,27 @@
 //! body. It is constant in the first frame's axes, so it rotates with the joints of the first path.
 
 use super::derivative_terms::{
-    DerivativeWorkspace, Stabilization, add_force, add_to_rows, clear_rows,
+    DerivativeWorkspace, PlacedConstraint, Stabilization, add_force, add_to_rows, clear_rows,
 };
-use super::path::{Path, PathBody, PathJoint, relative_fields};
+use super::path::{Path, PathBody, PathJoint, PathRoot, relative_fields};
 use super::relative_motion::{common_ancestor, relative_to_ancestor};
 use crate::Scalar;
-use crate::equations::Workspace;
-use crate::mechanism::{ConstrainedFrames, ConstraintRow, Mechanism};
+use crate::equations::{Motion, Workspace};
+use crate::mechanism::{ConstraintRow, Mechanism};
 use crate::spatial::{Matrix3, Pose, Twist, Vector3, Wrench};
 
-/// Adds a loop constraint's part to F, and sets the constraint's rows of c, which begin at `row`.
-/// The state is q, qd and qdd.
-pub(super) fn of_loop<S: Scalar>(
+/// Adds a loop constraint's part to F, and sets the constraint's rows of c.
+pub(super) fn add_loop<S: Scalar>(
     model: &Mechanism<S>,
-    (constraint, rates, row): (&ConstrainedFrames<S>, Stabilization<S>, usize),
-    state: (&[S], &[S], &[S]),
+    placed: PlacedConstraint<'_, S>,
+    rates: Stabilization<S>,
+    motion: Motion<'_, S>,
     workspace: &mut Workspace<S>,
-    own: &mut DerivativeWorkspace<S>,
+    memory: &mut DerivativeWorkspace<S>,
 ) {
-    let DerivativeWorkspace { forces, accelerations, paths, fields, multipliers, .. } = own;
-    let (q, qd, _) = state;
+    let DerivativeWorkspace { forces, accelerations, paths, fields, multipliers, .. } = memory;
+    let PlacedConstraint { constraint, row } = placed;
+    let Motion { q, qd, .. } = motion;
     let ancestor = common_ancestor(model, constraint);
     let seen = constraint.ends.map(|end| relative_to_ancestor(model, end, ancestor, q, |_, _| {}));
     let place = seen[0].axes.mul_vector(seen[1].point - seen[0].point);
@@ -48,9 +49,10 @@ pub(super) fn of_loop<S: Scalar>(
     let on_first = Vector3(first.translation) + Matrix3(first.rotation).mul_vector(place);
     let points = [on_first, Vector3(second.translation)];
     for ((path, end), point) in paths.iter_mut().zip(constraint.ends).zip(points) {
-        relative_fields(model, (end, ancestor), state, workspace, fields);
-        let root = (PathBody::at_rest(), Some(Matrix3(Pose::identity().rotation)));
-        path.fill(model, root, point, qd, (workspace, fields));
+        relative_fields(model, end, ancestor, motion, workspace, fields);
+        let axes = Some(Matrix3(Pose::identity().rotation));
+        let root = PathRoot { body: PathBody::at_rest(), axes };
+        path.fill(model, root, point, qd, workspace, fields);
     }
     let axes = seen.map(|frame| frame.axes.transposed());
     let relative = Relative { paths: [&paths[0], &paths[1]], axes, hinge: constraint.hinge };
@@ -61,13 +63,13 @@ pub(super) fn of_loop<S: Scalar>(
         force: axes[0].mul_vector(components.linear),
     };
     relative.forces_under(wrench, |change, force, coordinate| {
-        add_force(model, change, (force, coordinate), &mut forces[0]);
+        add_force(model, change, force, coordinate, &mut forces[0]);
     });
 
-    clear_rows(model, (constraint, row), accelerations);
-    let in_axes = |own: &ConstraintRow<S>| ConstraintRow {
-        direction: axes[0].mul_vector(own.direction),
-        ..*own
+    clear_rows(model, placed, accelerations);
+    let in_axes = |row: &ConstraintRow<S>| ConstraintRow {
+        direction: axes[0].mul_vector(row.direction),
+        ..*row
     };
     for second in [false, true] {
         for joint in &relative.paths[usize::from(second)].joints {
@@ -84,7 +86,7 @@ pub(super) fn of_loop<S: Scalar>(
                 rates.constrained(acceleration, velocity) + moved.scale(rates.beta * rates.beta),
                 rates.constrained(by_rate[0], by_rate[1]),
             ];
-            add_to_rows(model, (constraint, row), joint, changes, in_axes, accelerations);
+            add_to_rows(model, placed, joint, changes, in_axes, accelerations);
         }
     }
 }
@@ -185,7 +187,8 @@ impl<S: Scalar> Relative<'_, S> {
     }
 
     /// Calls `add` with the change of each joint force of the constraint's wrench for each
-    /// coordinate: the change, the degree of freedom of the force and that of the coordinate.
+    /// coordinate: the change, the degree of freedom of the force, and the degree of freedom of the
+    /// coordinate.
     fn forces_under(
         &self,
         wrench: Wrench<S>,

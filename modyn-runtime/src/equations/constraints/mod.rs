@@ -48,6 +48,7 @@
 //! linear^2 + (l angular)^2. Neither sum depends on the orientation of the mechanism.
 
 mod adjoint;
+mod arguments;
 mod contact;
 mod contact_problem;
 mod contact_step;
@@ -70,9 +71,9 @@ mod rows;
 
 pub use factorization::RowSystem;
 pub use {
-    adjoint::*, contact_problem::*, contact_step::*, derivatives::*, forward_dynamics::*,
-    impulse::*, inverse_dynamics::*, jacobian::*, operational_inertia::*, projection::*,
-    residual::*,
+    adjoint::*, arguments::*, contact_problem::*, contact_step::*, derivatives::*,
+    forward_dynamics::*, impulse::*, inverse_dynamics::*, jacobian::*, operational_inertia::*,
+    projection::*, residual::*,
 };
 
 use alloc::{vec, vec::Vec};
@@ -90,9 +91,6 @@ use derivative_terms::DerivativeWorkspace;
 use factorization::Factorization;
 use inverse_dynamics::Carried;
 use lanes::RowLanes;
-
-/// For each contact whether it is active (1 or 0), and the settings of all constraints.
-pub type Settings<'a, S, C> = (&'a [S], &'a ConstraintSettings<S, C>);
 
 /// The entries of qd in which the rows of a constraint, multiplied by W^-1, are not zero by
 /// structure.
@@ -133,7 +131,7 @@ pub struct ConstraintWorkspace<S> {
     rest: Vec<S>,
     /// For each constraint, the trace of J M^-1 J^T over all six directions.
     mobilities: Vec<S>,
-    /// The constrained rows of the robot among those of merged limbs.
+    /// The constrained rows of the robot among the rows of merged limbs.
     lanes: RowLanes,
     /// The factorization of J M^-1 J^T, the robot's constrained rows only.
     factorization: Factorization<S>,
@@ -170,8 +168,8 @@ impl<S: Scalar> ConstraintWorkspace<S> {
             moving.iter().map(|moving| Support::new(limbs, moving)).collect();
         let of_limbs = supports.iter().map(|support| support.limb.map_or(1, Limb::count));
         let lanes = RowLanes::new(tree, of_limbs);
-        let blocks = lanes.constraints().iter();
-        let blocks = blocks.map(|&(c, _)| {
+        let of_constraints = lanes.constraints().iter();
+        let blocks = of_constraints.map(|&(c, _)| {
             let constraint = &model.constraints[c];
             let rows = constraint.rows.len();
             // Every row of a compliant contact is independent.
@@ -220,15 +218,15 @@ impl<S: Scalar> ConstraintWorkspace<S> {
     }
 
     /// Factorizes J M^-1 J^T of the current rows, lets `complete` change the right-hand sides, and
-    /// sets those of inactive contacts to zero.
+    /// sets the sides of inactive contacts to zero.
     fn factorize<T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
         &mut self,
         tree: &T,
         limbs: &T::Layout,
-        (active, settings): Settings<'_, S, C>,
+        ConstraintInput { active, settings }: ConstraintInput<'_, S, C>,
         complete: impl FnOnce(&mut Self),
     ) {
-        self.fill(tree, limbs, (active, settings));
+        self.fill(tree, limbs, ConstraintInput { active, settings });
         self.factorize_filled(tree, settings);
         complete(self);
         let loops = tree.mechanism().constraints.len() - active.len();
@@ -246,9 +244,9 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         &mut self,
         tree: &T,
         limbs: &T::Layout,
-        (active, settings): Settings<'_, S, C>,
+        ConstraintInput { active, settings }: ConstraintInput<'_, S, C>,
     ) {
-        rows::mobilities(tree, limbs, (active, settings.contacts.as_ref()), self);
+        rows::mobilities(tree, limbs, active, settings.contacts.as_ref(), self);
     }
 
     fn factorize_filled<T: Factorizable<S>, C>(
@@ -272,7 +270,7 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         if constraint.rows[row - first].angular { constraint.length } else { S::one() }
     }
 
-    /// Expresses the Jacobian's rows of contacts in other axes: those of world axes, rotated to the
+    /// Expresses the Jacobian's rows of contacts in other axes: world axes, rotated to the
     /// axes that are the columns of the contact's matrix.
     fn rotate_contact_rows(&mut self, model: &Mechanism<S>, axes: impl Fn(usize) -> Matrix3<S>) {
         let n = model.nv.max(1);
@@ -284,8 +282,8 @@ impl<S: Scalar> ConstraintWorkspace<S> {
                 let rotation = frame.root_to(&axes(contact));
                 for first in (next..next + count).step_by(3) {
                     let rotate = |three: &mut [S], stride: usize, k: usize| {
-                        let own = Vector3([0, 1, 2].map(|i| three[i * stride + k]));
-                        let rotated = rotation.mul_vector(own);
+                        let column = Vector3([0, 1, 2].map(|i| three[i * stride + k]));
+                        let rotated = rotation.mul_vector(column);
                         (0..3).for_each(|i| three[i * stride + k] = rotated[i]);
                     };
                     let rows = &mut self.jacobian[first * n..(first + 3) * n];
@@ -395,7 +393,7 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         }
     }
 
-    /// Computes the wrenches of the multipliers of right-hand side `side`; their axes are those of
+    /// Computes the wrenches of the multipliers of right-hand side `side`; in the axes of
     /// [`by_constraint`](Self::by_constraint).
     fn wrenches(&self, model: &Mechanism<S>, side: usize, wrenches: &mut [Wrench<S>]) {
         self.wrenches_of(model, &self.right_hand_sides[side], wrenches);
@@ -409,7 +407,7 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         });
     }
 
-    /// Computes the residuals of the last solution; their axes are those of
+    /// Computes the residuals of the last solution; in the axes of
     /// [`by_constraint`](Self::by_constraint).
     fn missed(&self, model: &Mechanism<S>, residuals: &mut [Twist<S>]) {
         self.by_constraint(model, &self.residuals, |c, constraint, sum| {

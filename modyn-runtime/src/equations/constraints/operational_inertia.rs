@@ -1,12 +1,11 @@
 //! The operational-space inertia of the constraints.
 
 use super::rows::constraint_rows;
-use super::{ConstraintWorkspace, Settings};
+use super::{ConstraintInput, ConstraintWorkspaces, OperationalInertiaOutputs};
 use crate::Scalar;
 use crate::constraint_settings::ContactTarget;
-use crate::equations::Workspace;
-use crate::equations::brge;
 use crate::equations::factorization::limb_coupling::{Factorizable, LimbAccess};
+use crate::equations::{State, brge};
 use crate::spatial::{Matrix3, Pose};
 
 /// Computes the inverse operational-space inertia J M^-1 J^T of the constraint rows (the Delassus
@@ -15,26 +14,28 @@ use crate::spatial::{Matrix3, Pose};
 ///
 /// Each constraint has its constrained rotations, then its constrained displacements: in the first
 /// frame's axes for a loop constraint, in world axes for a contact. The rows and columns of
-/// inactive contacts are zero. Where rows are redundant, the pseudo-inverse is that of the rows in
-/// units of length: rotations are multiplied by the characteristic length.
+/// inactive contacts are zero. Where rows are redundant, the pseudo-inverse is computed from the
+/// rows in units of length: rotations are multiplied by the characteristic length.
 ///
 /// The columns of the pseudo-inverse are computed several at a time where the scalars have lanes.
 pub fn operational_inertia<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
     tree: &T,
     layout: &T::Layout,
     q: &[S],
-    (active, settings): Settings<'_, S, C>,
-    (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
-    (inverse, inertia): (&mut [S], &mut [S]),
+    ConstraintInput { active, settings }: ConstraintInput<'_, S, C>,
+    ConstraintWorkspaces { workspace, memory }: ConstraintWorkspaces<'_, S>,
+    OperationalInertiaOutputs { inverse, inertia }: OperationalInertiaOutputs<'_, S>,
 ) -> S {
     let model = tree.mechanism();
     brge::factorize(tree, layout.layout(), q, workspace, &mut memory.factors);
     let contacts = settings.contacts.as_ref();
     let rest = core::mem::take(&mut memory.rest);
-    constraint_rows(model, (q, &rest), contacts, workspace, memory, |_, _, _| [S::zero(); 2]);
+    constraint_rows(model, State { q, qd: &rest }, contacts, workspace, memory, |_, _, _| {
+        [S::zero(); 2]
+    });
     memory.rest = rest;
     memory.rotate_contact_rows(model, |_| Matrix3(Pose::identity().rotation));
-    memory.fill(tree, layout, (active, settings));
+    memory.fill(tree, layout, ConstraintInput { active, settings });
     let rows = memory.rows;
     let length = |row: usize| memory.row_length(model, row);
     for (j, column) in inverse.chunks_mut(rows.max(1)).enumerate() {

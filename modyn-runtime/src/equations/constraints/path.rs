@@ -21,9 +21,9 @@ use alloc::vec::Vec;
 
 use super::relative_motion::path;
 use crate::Scalar;
-use crate::equations::Workspace;
 use crate::equations::kinematics::acceleration::parent_motion_at_joint;
 use crate::equations::kinematics::links::column_along;
+use crate::equations::{Motion, Workspace};
 use crate::mechanism::{BodyFrame, Mechanism};
 use crate::spatial::{Field, Matrix3, Pose, Twist, Vector3, Wrench};
 
@@ -57,6 +57,15 @@ pub(super) struct Path<S> {
     bodies: Vec<PathBody<S>>,
 }
 
+/// The root of a path.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PathRoot<S> {
+    /// The motion of the root.
+    pub(super) body: PathBody<S>,
+    /// The axes of the root, as columns; `None` if the root has the axes of the first body.
+    pub(super) axes: Option<Matrix3<S>>,
+}
+
 impl<S: Scalar> PathBody<S> {
     /// Returns a body at rest.
     pub(super) fn at_rest() -> Self {
@@ -67,11 +76,12 @@ impl<S: Scalar> PathBody<S> {
 
 /// Computes the accelerations of the bodies between a frame and its ancestor, relative to this
 /// ancestor, in each body's axes; and the axes of the bodies in the ancestor's. The workspace's
-/// path becomes that of these bodies.
+/// path becomes the path of these bodies.
 pub(super) fn relative_fields<S: Scalar>(
     model: &Mechanism<S>,
-    (end, ancestor): (BodyFrame<S>, Option<usize>),
-    (q, qd, qdd): (&[S], &[S], &[S]),
+    end: BodyFrame<S>,
+    ancestor: Option<usize>,
+    Motion { q, qd, qdd }: Motion<'_, S>,
     workspace: &mut Workspace<S>,
     fields: &mut [Field<S>],
 ) {
@@ -79,15 +89,15 @@ pub(super) fn relative_fields<S: Scalar>(
     kinematic_path.clear();
     kinematic_path.extend(path(model, end, ancestor));
     kinematic_path.reverse();
-    let mut own_axes = Matrix3(Pose::identity().rotation);
+    let mut body_axes = Matrix3(Pose::identity().rotation);
     let mut field = Field::zero();
     for &i in &*kinematic_path {
         let body = &model.bodies[i];
         let motion = body.motion(q);
-        own_axes = motion.rotate_axes(&body.placement.rotate_axes(&own_axes));
+        body_axes = motion.rotate_axes(&body.placement.rotate_axes(&body_axes));
         let from_parent = parent_motion_at_joint(&field, body, &motion);
         field = motion.accelerate(from_parent, &model.rates(i, qd), Some(&model.rates(i, qdd)));
-        (motions[i], axes[i], fields[i]) = (motion, own_axes, field);
+        (motions[i], axes[i], fields[i]) = (motion, body_axes, field);
     }
 }
 
@@ -100,22 +110,22 @@ impl<S: Scalar> Path<S> {
     /// Computes the motion of the bodies of the workspace's path at the velocities `qd`, for the
     /// point `origin` of the last body.
     ///
-    /// Expects the joint transforms, the axes of the bodies in those of the path's root, and the
-    /// bodies' accelerations `fields`. `root` is the motion of the root, and its axes as columns;
-    /// `None` if the root has the axes of the first body.
+    /// Expects the joint transforms, the bodies' axes in the axes of the path's root, and the
+    /// bodies' accelerations `fields`.
     pub(super) fn fill(
         &mut self,
         model: &Mechanism<S>,
-        (root, root_axes): (PathBody<S>, Option<Matrix3<S>>),
+        root: PathRoot<S>,
         origin: Vector3<S>,
         qd: &[S],
-        (workspace, fields): (&Workspace<S>, &[Field<S>]),
+        workspace: &Workspace<S>,
+        fields: &[Field<S>],
     ) {
         let Self { joints, bodies } = self;
         let path = &workspace.kinematic_path;
         joints.clear();
         bodies.clear();
-        bodies.resize(path.len() + 1, root);
+        bodies.resize(path.len() + 1, root.body);
         let mut point = origin;
         for (k, &i) in path.iter().enumerate().rev() {
             let body = &model.bodies[i];
@@ -126,7 +136,7 @@ impl<S: Scalar> Path<S> {
             bodies[k + 1].acceleration =
                 axes.mul_vector(field.a + field.relative_acceleration(point));
             let at_joint = workspace.motions[i].point_to_parent(point);
-            let parent = k.checked_sub(1).map_or(root_axes, |k| Some(workspace.axes[path[k]]));
+            let parent = k.checked_sub(1).map_or(root.axes, |k| Some(workspace.axes[path[k]]));
             let (axes, lever) = match parent.filter(|_| body.elementary_joint.has_axis()) {
                 Some(parent) => (body.placement.rotate_axes(&parent), at_joint),
                 None => (*axes, point),
@@ -138,8 +148,9 @@ impl<S: Scalar> Path<S> {
             point = body.placement.point_to_parent(at_joint);
         }
         for k in 1..bodies.len() {
-            let own = joints.iter().filter(|joint| joint.body == k);
-            let moves = own.map(|joint| joint.twist.linear.scale(model.dofs[joint.dof].rate(qd)));
+            let moving = joints.iter().filter(|joint| joint.body == k);
+            let moves =
+                moving.map(|joint| joint.twist.linear.scale(model.dofs[joint.dof].rate(qd)));
             bodies[k].velocity = moves.fold(bodies[k - 1].velocity, |sum, v| sum + v);
         }
     }
@@ -179,13 +190,13 @@ impl<S: Scalar> Path<S> {
     /// a joint's velocity.
     pub(super) fn by_rate(&self, joint: &PathJoint<S>) -> Twist<S> {
         let front = &self.bodies[joint.body - 1];
-        let own = &self.bodies[joint.body];
+        let body = &self.bodies[joint.body];
         let last = self.last();
         let Twist { angular, linear } = joint.twist;
-        let behind = (last.velocity - own.velocity) + (last.velocity - front.velocity);
+        let behind = (last.velocity - body.velocity) + (last.velocity - front.velocity);
         Twist {
-            angular: own.omega.cross(angular) + angular.cross(last.omega - front.omega),
-            linear: (own.omega + front.omega).cross(linear) + angular.cross(behind),
+            angular: body.omega.cross(angular) + angular.cross(last.omega - front.omega),
+            linear: (body.omega + front.omega).cross(linear) + angular.cross(behind),
         }
     }
 

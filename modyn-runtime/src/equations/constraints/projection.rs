@@ -1,12 +1,11 @@
 //! The projection of coordinates and velocities onto the constraints.
 
 use super::rows::constraint_rows;
-use super::{ConstraintWorkspace, Settings};
+use super::{ConstraintInput, ConstraintWorkspaces, ProjectionOutputs};
 use crate::Scalar;
 use crate::constraint_settings::ContactTarget;
-use crate::equations::Workspace;
-use crate::equations::brge;
 use crate::equations::factorization::limb_coupling::{Factorizable, LimbAccess};
+use crate::equations::{State, brge};
 
 /// Computes the step `dq` of the coordinates and the step `dqd` of the velocities that satisfy the
 /// constraints. Returns the number of independent rows.
@@ -20,18 +19,18 @@ use crate::equations::factorization::limb_coupling::{Factorizable, LimbAccess};
 pub fn project_constraints<S: Scalar, T: Factorizable<S>, C: AsRef<[ContactTarget<S>]>>(
     tree: &T,
     layout: &T::Layout,
-    (q, qd): (&[S], &[S]),
-    (active, settings): Settings<'_, S, C>,
-    (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
-    (dq, dqd): (&mut [S], &mut [S]),
+    State { q, qd }: State<'_, S>,
+    ConstraintInput { active, settings }: ConstraintInput<'_, S, C>,
+    ConstraintWorkspaces { workspace, memory }: ConstraintWorkspaces<'_, S>,
+    ProjectionOutputs { dq, dqd }: ProjectionOutputs<'_, S>,
 ) -> S {
     let model = tree.mechanism();
     brge::factorize(tree, layout.layout(), q, workspace, &mut memory.factors);
     let contacts = settings.contacts.as_ref();
-    constraint_rows(model, (q, qd), contacts, workspace, memory, |_, component, motion| {
+    constraint_rows(model, State { q, qd }, contacts, workspace, memory, |_, component, motion| {
         [-component(motion.displacement), -component(motion.velocity)]
     });
-    memory.factorize(tree, layout, (active, settings), |_| {});
+    memory.factorize(tree, layout, ConstraintInput { active, settings }, |_| {});
     memory.force.fill(S::zero());
     for (side, step) in [dq, dqd].into_iter().enumerate() {
         memory.solve(tree, side);

@@ -5,9 +5,9 @@
 use alloc::vec::Vec;
 
 use crate::Scalar;
-use crate::equations::Workspace;
 use crate::equations::kinematics::kinematic_path::{self, BodyMotion};
 use crate::equations::kinematics::links::{LinkInBody, add_columns};
+use crate::equations::{State, Workspace};
 use crate::mechanism::{BodyFrame, ConstrainedFrames, Mechanism};
 use crate::spatial::{Matrix3, Twist, Vector3};
 
@@ -133,7 +133,7 @@ impl<S: Scalar> RelativeMotion<S> {
         model: &Mechanism<S>,
         constraint: &ConstrainedFrames<S>,
         pose: &RelativePose<S>,
-        state: (&[S], &[S]),
+        state: State<'_, S>,
         workspace: &mut Workspace<S>,
     ) -> Self {
         let ancestor = common_ancestor(model, constraint);
@@ -142,7 +142,7 @@ impl<S: Scalar> RelativeMotion<S> {
             workspace.kinematic_path.extend(path(model, end, ancestor));
             let bodies = workspace.kinematic_path.iter().rev();
             bodies
-                .fold(BodyMotion::at_rest(), |own, &i| own.to_child(model, i, state))
+                .fold(BodyMotion::at_rest(), |motion, &i| motion.to_child(model, i, state))
                 .at(&end.pose)
         });
         let velocity = pose.twist(first.velocity, second.velocity);

@@ -1,13 +1,12 @@
 //! The residual of the constraints: the displacements and velocities that violate them.
 
-use super::ConstraintWorkspace;
 use super::contact::ContactFrame;
 use super::relative_motion::{RelativeMotion, RelativePose, common_ancestor, relative_to_ancestor};
+use super::{ConstraintWorkspaces, ResidualOutputs};
 use crate::Scalar;
 use crate::constraint_settings::ContactTarget;
-use crate::equations::Workspace;
+use crate::equations::State;
 use crate::mechanism::Mechanism;
-use crate::spatial::Twist;
 
 /// Computes the displacement and the velocity of each loop constraint's second frame relative to
 /// its first, in the first frame's axes, and of each contact's frame relative to its target, in
@@ -18,10 +17,10 @@ use crate::spatial::Twist;
 /// normals.
 pub fn constraint_residual<S: Scalar>(
     model: &Mechanism<S>,
-    (q, qd): (&[S], &[S]),
+    State { q, qd }: State<'_, S>,
     contacts: &[ContactTarget<S>],
-    (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
-    (displacements, velocities): (&mut [Twist<S>], &mut [Twist<S>]),
+    ConstraintWorkspaces { workspace, memory }: ConstraintWorkspaces<'_, S>,
+    ResidualOutputs { displacements, velocities }: ResidualOutputs<'_, S>,
 ) {
     let columns = &mut memory.columns[0];
     let loops = model.constraints.len() - model.contacts();
@@ -34,7 +33,7 @@ pub fn constraint_residual<S: Scalar>(
             let surface = constraint.holds_rotation();
             let target = &contacts[c - loops];
             *displacement = frame.displacement(target, surface);
-            let motion = frame.motion(model, target, surface, (columns, qd), workspace);
+            let motion = frame.motion(model, target, surface, columns, qd, workspace);
             *velocity = frame.twist_to_world(constraint.constrained_part(motion.velocity));
             continue;
         }
@@ -42,7 +41,7 @@ pub fn constraint_residual<S: Scalar>(
         let seen =
             constraint.ends.map(|end| relative_to_ancestor(model, end, ancestor, q, |_, _| {}));
         let pose = RelativePose::new(&seen);
-        let motion = RelativeMotion::new(model, constraint, &pose, (q, qd), workspace);
+        let motion = RelativeMotion::new(model, constraint, &pose, State { q, qd }, workspace);
         *displacement = constraint.constrained_part(motion.displacement);
         *velocity = constraint.constrained_part(motion.velocity);
     }

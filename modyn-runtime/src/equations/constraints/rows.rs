@@ -6,7 +6,7 @@
 //! of the six directions of the relative twist, constrained or free, in the same units. The
 //! mobility therefore depends neither on the axes nor on which directions are constrained. It is
 //! the scale that decides whether a row is independent. (The mobility of a contact on a floating
-//! robot is that of the constrained rows: the origin of its frame moves in all directions.)
+//! robot is the mobility of the constrained rows: the origin of its frame moves in all directions.)
 //!
 //! With M = W Delta W^T, the rows of J W^-T are stored. They have the zeros of J: the columns of
 //! joints that do not carry the constraint. So J M^-1 J^T needs products over common ancestors
@@ -18,9 +18,9 @@ use super::lanes::packed;
 use super::relative_motion::{RelativeMotion, relative_columns};
 use crate::Scalar;
 use crate::constraint_settings::ContactTarget;
-use crate::equations::Workspace;
 use crate::equations::factorization::limb_coupling::{Factorizable, LimbAccess};
 use crate::equations::factorization::solve_upper_within;
+use crate::equations::{State, Workspace};
 use crate::mechanism::{ConstrainedFrames, ConstraintRow, Mechanism};
 use crate::spatial::Twist;
 
@@ -66,7 +66,7 @@ impl<S: Scalar> ConstrainedFrames<S> {
 /// index, the function that returns the row's component of a twist, and the relative motion.
 pub(super) fn constraint_rows<S: Scalar>(
     model: &Mechanism<S>,
-    (q, qd): (&[S], &[S]),
+    State { q, qd }: State<'_, S>,
     contacts: &[ContactTarget<S>],
     workspace: &mut Workspace<S>,
     memory: &mut ConstraintWorkspace<S>,
@@ -84,7 +84,7 @@ pub(super) fn constraint_rows<S: Scalar>(
             let frame = ContactFrame::new(model, constraint.ends[1], q, workspace, first);
             let surface = constraint.holds_rotation();
             let target = &contacts[c - loops];
-            let motion = frame.motion(model, target, surface, (&*first, qd), workspace);
+            let motion = frame.motion(model, target, surface, &*first, qd, workspace);
             memory.frames.push(frame);
             motion
         } else {
@@ -93,7 +93,7 @@ pub(super) fn constraint_rows<S: Scalar>(
             for (a, &b) in first.iter_mut().zip(&*second) {
                 *a = pose.twist(*a, b);
             }
-            RelativeMotion::new(model, constraint, &pose, (q, qd), workspace)
+            RelativeMotion::new(model, constraint, &pose, State { q, qd }, workspace)
         };
         let first = &memory.columns[0];
         let component =
@@ -118,12 +118,13 @@ pub(super) fn constraint_rows<S: Scalar>(
 /// the rows of inactive contacts are zero, and the mobility of each constraint. Expects the rows
 /// and the factors of the mass matrix.
 ///
-/// Where limbs are merged, the rows of one limb are multiplied in lanes, and so are those of two
+/// Where limbs are merged, the rows of one limb are multiplied in lanes, and so are the rows of two
 /// limbs of one merged limb, which have the trunk's entries in common.
 pub(super) fn mobilities<S: Scalar, T: Factorizable<S>>(
     tree: &T,
     limbs: &T::Layout,
-    (active, contacts): (&[S], &[ContactTarget<S>]),
+    active: &[S],
+    contacts: &[ContactTarget<S>],
     memory: &mut ConstraintWorkspace<S>,
 ) {
     let model = tree.mechanism();

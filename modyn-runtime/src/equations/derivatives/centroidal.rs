@@ -10,14 +10,14 @@ use super::composite::{accumulate_composites, accumulate_wrenches};
 use super::perturbation::{perturbations_by_coordinates, perturbations_by_rates};
 use super::projection::{Composite, displaced};
 use crate::Scalar;
-use crate::equations::Workspace;
 use crate::equations::dynamics::newton_euler::{Accelerations, link_wrenches};
 use crate::equations::kinematics::{kinematic_path, total_mass};
+use crate::equations::{Motion, Workspace};
 use crate::mechanism::{Dof, Mechanism};
 use crate::spatial::{Field, Momentum, Twist, Vector3, Wrench};
 
 /// The results of [`centroidal_momentum_derivatives`], in world axes about the centre of mass.
-/// Columns are of the entries of qd; those of coordinates are in tangent space.
+/// Columns are of the entries of qd; columns of coordinates are in tangent space.
 #[derive(Debug)]
 pub struct CentroidalOutputs<'a, S> {
     /// The momentum, kg m^2/s and kg m/s.
@@ -39,7 +39,7 @@ pub struct CentroidalOutputs<'a, S> {
 /// [`centroidal_momentum_matrix`](crate::equations::dynamics::centroidal_momentum_matrix).
 pub fn centroidal_momentum_derivatives<S: Scalar>(
     model: &Mechanism<S>,
-    (q, qd, qdd): (&[S], &[S], &[S]),
+    Motion { q, qd, qdd }: Motion<'_, S>,
     workspace: &mut Workspace<S>,
     outputs: CentroidalOutputs<'_, S>,
 ) {
@@ -106,12 +106,12 @@ pub fn centroidal_momentum_derivatives<S: Scalar>(
 fn columns<S: Scalar>(
     model: &Mechanism<S>,
     columns: &mut [Momentum<S>],
-    mut of: impl FnMut(usize, usize, usize) -> Momentum<S>,
+    mut entry: impl FnMut(usize, usize, usize) -> Momentum<S>,
 ) {
     columns.fill(Momentum::zero());
     for (d, dof) in model.dofs.iter().enumerate() {
         let Dof { body, component, v, multiplier, .. } = *dof;
-        let along = of(body, d, component);
+        let along = entry(body, d, component);
         columns[v] = columns[v] + multiplier.map_or(along, |multiplier| along.scale(multiplier));
     }
 }

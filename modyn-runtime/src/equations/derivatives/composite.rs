@@ -26,8 +26,8 @@ fn parent_angular_velocity<S: Scalar, T: BodyTree<S>>(
     body: usize,
     workspace: &Workspace<S>,
 ) -> Vector3<S> {
-    let of = |parent: usize| workspace.fields[parent].omega;
-    Vector3(tree.broadcast_from_parents(body, |parent| parent.map_or_else(Vector3::zero, of).0))
+    let omega = |parent: usize| workspace.fields[parent].omega;
+    Vector3(tree.broadcast_from_parents(body, |parent| parent.map_or_else(Vector3::zero, omega).0))
 }
 
 /// Computes composite inertias, the velocity moments of the composites relative to their bodies,
@@ -56,8 +56,8 @@ pub(super) fn accumulate_composites<S: Scalar, T: BodyTree<S>>(
         tree.rigid_to_parents(i, motion, &composite, |parent, at_parent| {
             workspace.composite[parent] = workspace.composite[parent] + at_parent;
         });
-        let velocities = &workspace.velocities[i];
-        let velocities = body.velocities_to_parent(motion, velocities, &composite, &rates);
+        let own_velocities = &workspace.velocities[i];
+        let velocities = body.velocities_to_parent(motion, own_velocities, &composite, &rates);
         tree.to_parents(
             i,
             |sum| velocities.map(sum),

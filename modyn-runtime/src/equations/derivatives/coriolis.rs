@@ -4,7 +4,7 @@ use super::composite::{accumulate_composites, angular_velocities};
 use super::perturbation::perturbations_by_rates;
 use super::projection::{Variable, project};
 use crate::Scalar;
-use crate::equations::Workspace;
+use crate::equations::{State, Workspace};
 use crate::mechanism::Mechanism;
 use crate::spatial::Vector3;
 
@@ -19,7 +19,7 @@ use crate::spatial::Vector3;
 /// cross products (Marsden and Ratiu 1999, "Introduction to Mechanics and Symmetry").
 pub fn coriolis_matrix<S: Scalar>(
     model: &Mechanism<S>,
-    (q, qd): (&[S], &[S]),
+    State { q, qd }: State<'_, S>,
     workspace: &mut Workspace<S>,
     columns: &mut [S],
 ) {
@@ -45,7 +45,7 @@ pub fn coriolis_matrix<S: Scalar>(
 
 /// Adds the mass matrix times the Lie brackets of the velocity of body `i`'s joint and the joint's
 /// unit velocities. Rotors are left out: they have Coriolis forces at floating joints alone, where
-/// their part is that of `armature_coriolis`.
+/// their part is `armature_coriolis`.
 fn add_brackets<S: Scalar>(
     model: &Mechanism<S>,
     i: usize,

@@ -1,11 +1,11 @@
 //! Derivatives under external wrenches.
 //!
 //! External wrenches f add the generalized forces J^T f to the joint forces. The derivatives of
-//! inverse and forward dynamics follow from those of J^T f by the chain rule. A displacement of one
-//! degree of freedom displaces the wrenches on its body and on the body's descendants, which
-//! changes the forces on the joints of the ancestors. Wrenches in world axes do not rotate with
-//! their links: relative to the links they rotate back, which changes the forces on all joints
-//! between.
+//! inverse and forward dynamics follow from the derivatives of J^T f by the chain rule. A
+//! displacement of one degree of freedom displaces the wrenches on its body and on the body's
+//! descendants, which changes the forces on the joints of the ancestors. Wrenches in world axes do
+//! not rotate with their links: relative to the links they rotate back, which changes the forces on
+//! all joints between.
 
 use alloc::vec::Vec;
 use core::mem;
@@ -14,9 +14,9 @@ use super::forward::{ForwardDerivatives, forward_dynamics_derivatives};
 use super::inverse::inverse_dynamics_derivatives;
 use super::projection::displaced;
 use crate::Scalar;
-use crate::equations::Workspace;
 use crate::equations::dynamics::Forces;
 use crate::equations::factorization::UduLayout;
+use crate::equations::{ForwardInput, Motion, Workspace};
 use crate::mechanism::Mechanism;
 use crate::spatial::{Matrix3, Vector3, Wrench};
 
@@ -25,13 +25,14 @@ use crate::spatial::{Matrix3, Vector3, Wrench};
 /// given.
 pub fn inverse_dynamics_external_derivatives<S: Scalar>(
     model: &Mechanism<S>,
-    (q, qd, qdd): (&[S], &[S], &[S]),
+    motion: Motion<'_, S>,
     forces: Forces<'_, S>,
     workspace: &mut Workspace<S>,
-    (dtau_dq, dtau_dqd): (&mut [S], &mut [S]),
+    dtau_dq: &mut [S],
+    dtau_dqd: &mut [S],
 ) {
-    let memory = in_memory(model, (q, forces), workspace);
-    inverse_dynamics_derivatives(model, (q, qd, qdd), workspace, dtau_dq, dtau_dqd);
+    let memory = in_memory(model, motion.q, forces, workspace);
+    inverse_dynamics_derivatives(model, motion, workspace, dtau_dq, dtau_dqd);
     for (entry, &change) in dtau_dq.iter_mut().zip(&memory[model.nv..]) {
         *entry = *entry - change;
     }
@@ -44,13 +45,13 @@ pub fn inverse_dynamics_external_derivatives<S: Scalar>(
 pub fn forward_dynamics_external_derivatives<S: Scalar>(
     model: &Mechanism<S>,
     layout: &UduLayout,
-    (q, qd, tau): (&[S], &[S], &[S]),
+    ForwardInput { q, qd, tau }: ForwardInput<'_, S>,
     forces: Forces<'_, S>,
     workspace: &mut Workspace<S>,
     outputs: ForwardDerivatives<'_, S>,
 ) {
     let n = model.nv;
-    let mut memory = in_memory(model, (q, forces), workspace);
+    let mut memory = in_memory(model, q, forces, workspace);
     let (total, change) = memory.split_at_mut(n);
     for (total, &tau) in total.iter_mut().zip(tau) {
         *total = *total + tau;
@@ -58,7 +59,13 @@ pub fn forward_dynamics_external_derivatives<S: Scalar>(
     let ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau } = outputs;
     let without =
         ForwardDerivatives { qdd, dqdd_dq: &mut *dqdd_dq, dqdd_dqd, dqdd_dtau: &mut *dqdd_dtau };
-    forward_dynamics_derivatives(model, layout, (q, qd, total), workspace, without);
+    forward_dynamics_derivatives(
+        model,
+        layout,
+        ForwardInput { q, qd, tau: total },
+        workspace,
+        without,
+    );
     for (by_q, change) in dqdd_dq.chunks_mut(n.max(1)).zip(change.chunks(n.max(1))) {
         for (by_tau, &change) in dqdd_dtau.chunks(n.max(1)).zip(change) {
             for (by_q, &by_tau) in by_q.iter_mut().zip(by_tau) {
@@ -70,16 +77,17 @@ pub fn forward_dynamics_external_derivatives<S: Scalar>(
 }
 
 /// Returns the results of [`generalized_forces`], the derivatives after the forces. The memory is
-/// that of `workspace.external`.
+/// the memory of `workspace.external`.
 fn in_memory<S: Scalar>(
     model: &Mechanism<S>,
-    motion: (&[S], Forces<'_, S>),
+    q: &[S],
+    forces: Forces<'_, S>,
     workspace: &mut Workspace<S>,
 ) -> Vec<S> {
     let mut memory = mem::take(&mut workspace.external);
     memory.resize(model.nv * (1 + model.nv), S::zero());
     let (tau, dq) = memory.split_at_mut(model.nv);
-    generalized_forces(model, motion, workspace, (tau, dq));
+    generalized_forces(model, q, forces, workspace, tau, dq);
     memory
 }
 
@@ -88,9 +96,11 @@ fn in_memory<S: Scalar>(
 /// they are given.
 pub fn generalized_forces<S: Scalar>(
     model: &Mechanism<S>,
-    (q, forces): (&[S], Forces<'_, S>),
+    q: &[S],
+    forces: Forces<'_, S>,
     workspace: &mut Workspace<S>,
-    (generalized, derivatives): (&mut [S], &mut [S]),
+    generalized: &mut [S],
+    derivatives: &mut [S],
 ) {
     generalized.fill(S::zero());
     derivatives.fill(S::zero());
@@ -110,9 +120,9 @@ pub fn generalized_forces<S: Scalar>(
         let mut change = displaced(workspace.wrenches[first], column.component);
         if column.component < 3 && matches!(forces, Forces::InWorldAxes(_)) {
             let axis = Vector3::unit(column.component);
-            let own = rotated_back(workspace, first, axis);
-            change += own;
-            add(first, own);
+            let moment_change = rotated_back(workspace, first, axis);
+            change += moment_change;
+            add(first, moment_change);
             // Bodies are depth first: the descendants follow.
             workspace.points[first] = axis;
             for (i, body) in model.bodies.iter().enumerate().skip(first + 1) {

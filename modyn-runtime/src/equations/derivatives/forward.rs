@@ -5,12 +5,12 @@ use super::inverse::{add_dissipation, add_passive};
 use super::perturbation::{perturbations_by_coordinates, perturbations_by_rates};
 use super::projection::{Variable, project};
 use crate::Scalar;
-use crate::equations::Workspace;
 use crate::equations::dynamics::newton_euler::{Accelerations, free_fall, is_base, link_wrenches};
 use crate::equations::factorization::limb_coupling::{LimbAccess, sum_row};
 use crate::equations::factorization::{
     FactorLayout, Factorizable, factorize_matrix, inverse, solve, solve_column,
 };
+use crate::equations::{ForwardInput, Workspace};
 use crate::mechanism::{BodyTree, Mechanism};
 use crate::spatial::Vector3;
 
@@ -31,8 +31,8 @@ pub struct ForwardDerivatives<'a, S> {
 /// Computes the joint accelerations under the joint forces `tau`, and their derivatives with
 /// respect to q, qd and tau.
 ///
-/// The derivatives are those of inverse dynamics at these accelerations, multiplied by -M^-1
-/// (Carpentier and Mansard 2018). Products with M^-1 use the factors of the mass matrix.
+/// The derivatives are the derivatives of inverse dynamics at these accelerations, multiplied by
+/// -M^-1 (Carpentier and Mansard 2018). Products with M^-1 use the factors of the mass matrix.
 ///
 /// d tau / d qd does not depend on the accelerations. The velocity-dependent forces are quadratic
 /// in qd, so they are half of (d tau / d qd) qd by Euler's theorem. No pass without accelerations
@@ -43,11 +43,11 @@ pub struct ForwardDerivatives<'a, S> {
 pub fn forward_dynamics_derivatives<S: Scalar, T: Factorizable<S>>(
     tree: &T,
     limbs: &T::Layout,
-    (q, qd, tau): (&[S], &[S], &[S]),
+    ForwardInput { q, qd, tau }: ForwardInput<'_, S>,
     workspace: &mut Workspace<S>,
     mut outputs: ForwardDerivatives<'_, S>,
 ) {
-    forward_dynamics_factors(tree, limbs, (q, qd, tau), workspace, &mut outputs);
+    forward_dynamics_factors(tree, limbs, ForwardInput { q, qd, tau }, workspace, &mut outputs);
     let ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau } = outputs;
     let model = tree.mechanism();
     for columns in [&mut *dqdd_dq, &mut *dqdd_dqd] {
@@ -58,7 +58,7 @@ pub fn forward_dynamics_derivatives<S: Scalar, T: Factorizable<S>>(
             }
         }
     }
-    add_free_fall(tree, qd, workspace, (qdd, dqdd_dq, dqdd_dqd));
+    add_free_fall(tree, qd, workspace, qdd, dqdd_dq, dqdd_dqd);
 }
 
 /// Computes the accelerations and the inverse of the mass matrix as
@@ -68,7 +68,7 @@ pub fn forward_dynamics_derivatives<S: Scalar, T: Factorizable<S>>(
 pub fn forward_dynamics_factors<S: Scalar, T: Factorizable<S>>(
     tree: &T,
     limbs: &T::Layout,
-    (q, qd, tau): (&[S], &[S], &[S]),
+    ForwardInput { q, qd, tau }: ForwardInput<'_, S>,
     workspace: &mut Workspace<S>,
     outputs: &mut ForwardDerivatives<'_, S>,
 ) {
@@ -86,13 +86,13 @@ pub fn forward_dynamics_factors<S: Scalar, T: Factorizable<S>>(
     project(tree, Variable::Rates, workspace, dqdd_dqd, Some(&mut matrix[..n * n]));
 
     qdd.copy_from_slice(tau);
-    subtract_forces(tree, limbs, (qd, dqdd_dqd), workspace, qdd);
+    subtract_forces(tree, limbs, qd, dqdd_dqd, workspace, qdd);
     factorize_matrix(limbs, &mut matrix, &mut workspace.pivots, &mut factors);
     solve(limbs, &factors, qdd);
 
     link_wrenches(tree, qd, Accelerations::AgainstFall(qdd), workspace);
     let passive = core::mem::take(&mut workspace.passive);
-    let given = |d: usize| generalized_force(model, d, passive[d], (qd, qdd, tau));
+    let given = |d: usize| generalized_force(model, d, passive[d], qd, qdd, tau);
     accumulate_wrenches(tree, given, workspace);
     workspace.passive = passive;
     perturbations_by_coordinates(tree, qd, true, workspace);
@@ -126,7 +126,8 @@ fn multiply<S: Scalar, T: BodyTree<S>>(tree: &T, columns: &[S], lanes: usize, x:
 fn subtract_forces<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     limbs: &impl FactorLayout<S>,
-    (qd, dtau_dqd): (&[S], &[S]),
+    qd: &[S],
+    dtau_dqd: &[S],
     workspace: &mut Workspace<S>,
     tau: &mut [S],
 ) {
@@ -140,12 +141,12 @@ fn subtract_forces<S: Scalar, T: BodyTree<S>>(
         }
     }
     for (i, body) in model.bodies.iter().enumerate() {
-        let a = Vector3(tree.broadcast_from_parents(i, |parent| match parent {
+        let in_parent = Vector3(tree.broadcast_from_parents(i, |parent| match parent {
             Some(parent) => workspace.twists[parent].linear.0,
             None if is_base(model, i) => Vector3::zero().0,
             None => (-model.gravity).0,
         }));
-        let a = body.to_child(&workspace.motions[i], a);
+        let a = body.to_child(&workspace.motions[i], in_parent);
         workspace.twists[i].linear = a;
         for d in body.dofs.clone() {
             let dof = &model.dofs[d];
@@ -166,7 +167,9 @@ fn generalized_force<S: Scalar>(
     model: &Mechanism<S>,
     d: usize,
     passive: Option<S>,
-    (qd, qdd, tau): (&[S], &[S], &[S]),
+    qd: &[S],
+    qdd: &[S],
+    tau: &[S],
 ) -> Option<S> {
     let dof = &model.dofs[d];
     if model.has_mimics() {
@@ -190,7 +193,9 @@ pub fn add_free_fall<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     qd: &[S],
     workspace: &Workspace<S>,
-    (qdd, dqdd_dq, dqdd_dqd): (&mut [S], &mut [S], &mut [S]),
+    qdd: &mut [S],
+    dqdd_dq: &mut [S],
+    dqdd_dqd: &mut [S],
 ) {
     let model = tree.mechanism();
     let n = model.nv;

@@ -4,9 +4,9 @@ use super::composite::{accumulate_composites, accumulate_wrenches};
 use super::perturbation::{perturbations_by_coordinates, perturbations_by_rates};
 use super::projection::{Variable, project};
 use crate::Scalar;
-use crate::equations::Workspace;
 use crate::equations::dynamics::gravity_compensation::add_compensation_derivatives;
 use crate::equations::dynamics::newton_euler::{Accelerations, link_wrenches};
+use crate::equations::{Motion, Workspace};
 use crate::mechanism::{BodyTree, Mechanism};
 
 /// Computes the derivatives d tau / d q and d tau / d qd of
@@ -17,30 +17,33 @@ use crate::mechanism::{BodyTree, Mechanism};
 /// Coulomb friction is taken as zero, also at its jump.
 pub fn inverse_dynamics_derivatives<S: Scalar, T: BodyTree<S>>(
     tree: &T,
-    (q, qd, qdd): (&[S], &[S], &[S]),
+    motion: Motion<'_, S>,
     workspace: &mut Workspace<S>,
     dtau_dq: &mut [S],
     dtau_dqd: &mut [S],
 ) {
-    differentiate(tree, (q, qd, qdd), workspace, (dtau_dq, dtau_dqd), None);
+    differentiate(tree, motion, workspace, dtau_dq, dtau_dqd, None);
 }
 
 /// Computes the derivatives of [`inverse_dynamics_derivatives`], and that by qdd, the mass matrix.
 pub fn inverse_dynamics_derivatives_and_mass_matrix<S: Scalar, T: BodyTree<S>>(
     tree: &T,
-    state: (&[S], &[S], &[S]),
+    motion: Motion<'_, S>,
     workspace: &mut Workspace<S>,
-    (dtau_dq, dtau_dqd, dtau_dqdd): (&mut [S], &mut [S], &mut [S]),
+    dtau_dq: &mut [S],
+    dtau_dqd: &mut [S],
+    dtau_dqdd: &mut [S],
 ) {
-    differentiate(tree, state, workspace, (dtau_dq, dtau_dqd), Some(dtau_dqdd));
+    differentiate(tree, motion, workspace, dtau_dq, dtau_dqd, Some(dtau_dqdd));
 }
 
 /// Computes the derivatives, and the mass matrix if it is wanted, which comes from the same sweep.
 fn differentiate<S: Scalar, T: BodyTree<S>>(
     tree: &T,
-    (q, qd, qdd): (&[S], &[S], &[S]),
+    Motion { q, qd, qdd }: Motion<'_, S>,
     workspace: &mut Workspace<S>,
-    (dtau_dq, dtau_dqd): (&mut [S], &mut [S]),
+    dtau_dq: &mut [S],
+    dtau_dqd: &mut [S],
     mass_matrix: Option<&mut [S]>,
 ) {
     let model = tree.mechanism();

@@ -106,18 +106,18 @@ fn project_group<S: Scalar, T: BodyTree<S>>(
         while joined > group.start.max(dofs.start) {
             joined -= 1;
             let composite = composite.as_ref().expect("made above");
-            let own = entries.add_own_entries(by, workspace, composite, joined);
+            let masses = entries.add_own_entries(by, workspace, composite, joined);
             swept = Some(match swept {
                 Some(swept) => {
                     let swept = swept.numbers();
-                    let own = own.numbers();
+                    let numbers = masses.numbers();
                     SweepState::of(core::array::from_fn(|k| {
                         let of_group = |d| tree.extract_lane(swept[k], d - group.start);
-                        let lane = |d| if d <= joined { own[k] } else { of_group(d) };
+                        let lane = |d| if d <= joined { numbers[k] } else { of_group(d) };
                         tree.pack(&group.clone().map(lane).collect::<Vec<_>>())
                     }))
                 }
-                None => own,
+                None => masses,
             });
         }
         let body = &model.bodies[at];
@@ -154,8 +154,8 @@ impl<S: Scalar> Entries<'_, S> {
             self.add(row, column, wrench.components()[self.model.dofs[row].component]);
         }
         let masses = dual.wrench.components();
-        let own = masses[component];
-        self.add_mass(column, column, armature.map_or(own, |armature| own + armature));
+        let mass = masses[component];
+        self.add_mass(column, column, armature.map_or(mass, |armature| mass + armature));
         for other in dofs.start..column {
             self.add_masses(other, column, masses[self.model.dofs[other].component]);
         }

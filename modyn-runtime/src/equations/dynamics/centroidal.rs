@@ -3,15 +3,15 @@
 //!
 //! The momentum of rotors is not included. The armature I of a joint adds I qd^2 / 2 to the kinetic
 //! energy, but the description has no axis for the rotor. The momentum that the dynamics conserve
-//! without external forces is that of the links.
+//! without external forces is the momentum of the links.
 //!
 //! Base inertias suffice for the momentum. Together with the static inertia they give the centre of
 //! mass.
 
 use crate::Scalar;
-use crate::equations::Workspace;
 use crate::equations::kinematics::acceleration::parent_motion_at_joint;
 use crate::equations::kinematics::{center_of_mass, kinematic_path, total_mass};
+use crate::equations::{Motion, State, Workspace};
 use crate::mechanism::Mechanism;
 use crate::spatial::{Field, Momentum, RigidInertia, Twist, Vector3, Wrench};
 
@@ -25,8 +25,8 @@ pub fn centroidal_momentum_matrix<S: Scalar>(
 ) {
     workspace.move_to(model, q);
     columns.fill(Momentum::zero());
-    let center = accumulate_composites(model, workspace).first_moment;
-    let center = center.scale(total_mass(model).recip());
+    let first_moment = accumulate_composites(model, workspace).first_moment;
+    let center = first_moment.scale(total_mass(model).recip());
     for (i, body) in model.bodies.iter().enumerate() {
         kinematic_path::rotate_axes(model, i, workspace);
         let axes = kinematic_path::joint_axes(model, i, workspace);
@@ -97,7 +97,7 @@ fn accumulate_composites<S: Scalar>(
 /// and kg m/s.
 pub fn centroidal_momentum<S: Scalar>(
     model: &Mechanism<S>,
-    (q, qd): (&[S], &[S]),
+    State { q, qd }: State<'_, S>,
     workspace: &mut Workspace<S>,
 ) -> Momentum<S> {
     workspace.move_to(model, q);
@@ -119,7 +119,7 @@ pub fn centroidal_momentum<S: Scalar>(
 /// bias A' qd.
 pub fn centroidal_momentum_rate<S: Scalar>(
     model: &Mechanism<S>,
-    (q, qd, qdd): (&[S], &[S], &[S]),
+    Motion { q, qd, qdd }: Motion<'_, S>,
     workspace: &mut Workspace<S>,
 ) -> Momentum<S> {
     workspace.move_to(model, q);

@@ -13,7 +13,6 @@
 use super::newton_euler::{Accelerations, free_fall, is_base, link_wrenches};
 use super::{Forces, inverse_dynamics, mass_matrix};
 use crate::Scalar;
-use crate::equations::Workspace;
 use crate::equations::factorization::blocks::{solve_lower, solve_upper};
 use crate::equations::factorization::partition::factor;
 use crate::equations::factorization::recursive::{
@@ -22,6 +21,7 @@ use crate::equations::factorization::recursive::{
 use crate::equations::factorization::{
     ModuleBlock, ModulePartition, UduLayout, factorize_matrix, solve,
 };
+use crate::equations::{ForwardInput, State, Workspace};
 use crate::mechanism::{BodyTree, Mechanism};
 use crate::model::ModuleTree;
 use crate::spatial::{Twist, Wrench};
@@ -62,7 +62,7 @@ impl Elimination {
 pub fn forward_dynamics<S: Scalar>(
     model: &Mechanism<S>,
     elimination: &Elimination,
-    (q, qd, tau): (&[S], &[S], &[S]),
+    ForwardInput { q, qd, tau }: ForwardInput<'_, S>,
     forces: Option<Forces<'_, S>>,
     workspace: &mut Workspace<S>,
     qdd: &mut [S],
@@ -75,10 +75,10 @@ pub fn forward_dynamics<S: Scalar>(
             if let Some(forces) = forces {
                 forces.subtract(model, workspace);
             }
-            recursion(model, partition, (qd, tau), workspace, qdd);
+            recursion(model, partition, qd, tau, workspace, qdd);
         }
         Elimination::Matrix(layout) => {
-            inverse_dynamics(model, (q, qd, None), forces, workspace, qdd);
+            inverse_dynamics(model, State { q, qd }, None, forces, workspace, qdd);
             for (qdd, &tau) in qdd.iter_mut().zip(tau) {
                 *qdd = tau - *qdd;
             }
@@ -97,51 +97,53 @@ pub fn forward_dynamics<S: Scalar>(
 pub fn recursive_forward_dynamics<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     partition: &ModulePartition,
-    (q, qd, tau): (&[S], &[S], &[S]),
+    ForwardInput { q, qd, tau }: ForwardInput<'_, S>,
     workspace: &mut Workspace<S>,
     qdd: &mut [S],
 ) {
     workspace.reserve(partition.pivots, 0, 0);
     workspace.move_with_forces(tree, q, Some(qd));
     link_wrenches(tree, qd, Accelerations::FreeFall, workspace);
-    recursion(tree, partition, (qd, tau), workspace, qdd);
+    recursion(tree, partition, qd, tau, workspace, qdd);
 }
 
 /// Solves for the accelerations. Expects the wrenches at zero joint accelerations.
 fn recursion<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     partition: &ModulePartition,
-    (qd, tau): (&[S], &[S]),
+    qd: &[S],
+    tau: &[S],
     workspace: &mut Workspace<S>,
     qdd: &mut [S],
 ) {
     let model = tree.mechanism();
-    against_fall(tree, partition, (qd, tau), workspace, qdd);
+    against_fall(tree, partition, qd, tau, workspace, qdd);
     for i in (0..model.bodies.len()).filter(|&i| is_base(model, i)) {
         add_free_fall(model, i, qd, workspace, qdd);
     }
 }
 
-/// Solves for the accelerations, those of floating bases relative to free fall. Expects the
-/// wrenches at zero joint accelerations.
+/// Solves for the accelerations; the accelerations of floating bases are relative to free fall.
+/// Expects the wrenches at zero joint accelerations.
 pub(in crate::equations) fn against_fall<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     partition: &ModulePartition,
-    (qd, tau): (&[S], &[S]),
+    qd: &[S],
+    tau: &[S],
     workspace: &mut Workspace<S>,
     qdd: &mut [S],
 ) {
     start(tree.mechanism(), workspace);
     for block in partition.blocks.iter().rev() {
-        eliminate_module(tree, block, (qd, tau), workspace);
+        eliminate_module(tree, block, qd, tau, workspace);
     }
     for block in &partition.blocks {
         accelerate(tree, block, workspace, qdd);
     }
 }
 
-/// Adds the acceleration of free fall to those of floating base `i`, which are relative to it until
-/// then.
+/// Adds the acceleration of free fall to the accelerations of floating base `i`, which are relative
+/// to it until then.
 pub(super) fn add_free_fall<S: Scalar>(
     model: &Mechanism<S>,
     i: usize,
@@ -160,7 +162,8 @@ pub(super) fn add_free_fall<S: Scalar>(
 pub(super) fn eliminate_module<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     block: &ModuleBlock,
-    (qd, tau): (&[S], &[S]),
+    qd: &[S],
+    tau: &[S],
     workspace: &mut Workspace<S>,
 ) {
     let model = tree.mechanism();
@@ -212,9 +215,10 @@ pub(super) fn accelerate<S: Scalar, T: BodyTree<S>>(
     let first = block.bodies.start;
     let body = &model.bodies[first];
     let from_parent = body.parent.is_some().then(|| {
-        let of = |p: Option<usize>| p.map_or_else(Twist::zero, |p| workspace.twists[p]);
-        let twist =
-            Twist::from_components(tree.broadcast_from_parents(first, |p| of(p).components()));
+        let twist_of = |p: Option<usize>| p.map_or_else(Twist::zero, |p| workspace.twists[p]);
+        let twist = Twist::from_components(
+            tree.broadcast_from_parents(first, |p| twist_of(p).components()),
+        );
         body.twist_to_child(&workspace.motions[first], twist)
     });
     let subspace = motion_subspace(model, block, workspace);

@@ -20,8 +20,9 @@ pub fn gravity_torques<S: Scalar, T: BodyTree<S>>(
     // Towards the leaves: the world's acceleration in each link's axes. Towards the root: first
     // moments.
     for (i, body) in model.bodies.iter().enumerate() {
-        let of = |p: Option<usize>| p.map_or(-model.gravity, |p| workspace.twists[p].linear);
-        let a = Vector3(tree.broadcast_from_parents(i, |p| of(p).0));
+        let acceleration_of =
+            |p: Option<usize>| p.map_or(-model.gravity, |p| workspace.twists[p].linear);
+        let a = Vector3(tree.broadcast_from_parents(i, |p| acceleration_of(p).0));
         workspace.twists[i].linear = body.to_child(&workspace.motions[i], a);
     }
     accumulate_masses(tree, workspace, |body| body.base_inertia);

@@ -15,9 +15,9 @@ use crate::spatial::{RigidInertia, Vector3, Wrench};
 fn accumulate<S: Scalar, T: BodyTree<S>>(tree: &T, workspace: &mut Workspace<S>) {
     let model = tree.mechanism();
     for (i, body) in model.bodies.iter().enumerate() {
-        let of =
+        let gravity_in =
             |parent: Option<usize>| parent.map_or(model.gravity, |p| workspace.twists[p].linear);
-        let g = Vector3(tree.broadcast_from_parents(i, |parent| of(parent).0));
+        let g = Vector3(tree.broadcast_from_parents(i, |parent| gravity_in(parent).0));
         workspace.twists[i].linear = body.to_child(&workspace.motions[i], g);
     }
     accumulate_masses(tree, workspace, |body| body.compensated_inertia());
@@ -43,8 +43,8 @@ pub(in crate::equations) fn compensation_forces<S: Scalar, T: BodyTree<S>>(
     }
 }
 
-/// Adds the derivatives of the [`compensation_forces`] to those of the joint forces with respect to
-/// the coordinates, an nv x nv matrix by columns. Expects the joint transforms at q.
+/// Adds the derivatives of the [`compensation_forces`] to the derivatives of the joint forces with
+/// respect to the coordinates, an nv x nv matrix by columns. Expects the joint transforms at q.
 pub(in crate::equations) fn add_compensation_derivatives<S: Scalar>(
     model: &Mechanism<S>,
     workspace: &mut Workspace<S>,
@@ -65,7 +65,7 @@ pub(in crate::equations) fn add_compensation_derivatives<S: Scalar>(
         let g = workspace.twists[dof.body].linear;
         // The change of the composite's weight by the displacement, in the axes before it and about
         // the origin before it; then in the axes of the body, about its origin.
-        let (mut change, own) = if let Some(k) = dof.component.checked_sub(3) {
+        let (mut change, own_change) = if let Some(k) = dof.component.checked_sub(3) {
             let moment = Vector3::unit(k).scale(composite.mass).cross(g);
             (Wrench { moment, force: Vector3::zero() }, Wrench::zero())
         } else {
@@ -74,7 +74,7 @@ pub(in crate::equations) fn add_compensation_derivatives<S: Scalar>(
             (Wrench { moment, force: Vector3::zero() }, weight(&composite, g.cross(s)))
         };
         for row in model.bodies[dof.body].dofs.clone() {
-            add(row, d, own.components()[model.dofs[row].component]);
+            add(row, d, own_change.components()[model.dofs[row].component]);
         }
         let mut at = dof.body;
         while let Some(parent) = model.bodies[at].parent {

@@ -3,7 +3,7 @@
 use super::Forces;
 use super::newton_euler::{Accelerations, link_wrenches};
 use crate::Scalar;
-use crate::equations::Workspace;
+use crate::equations::{State, Workspace};
 use crate::mechanism::{BodyTree, Mechanism};
 
 /// Computes the joint forces tau = I(q) qdd + h(q, qd) - J^T f, f being the external forces.
@@ -13,27 +13,29 @@ use crate::mechanism::{BodyTree, Mechanism};
 /// chapter 5).
 pub fn inverse_dynamics<S: Scalar>(
     model: &Mechanism<S>,
-    (q, qd, qdd): (&[S], &[S], Option<&[S]>),
+    State { q, qd }: State<'_, S>,
+    qdd: Option<&[S]>,
     forces: Option<Forces<'_, S>>,
     workspace: &mut Workspace<S>,
     tau: &mut [S],
 ) {
-    move_bodies(model, (q, qd, qdd), workspace);
+    move_bodies(model, State { q, qd }, qdd, workspace);
     if let Some(forces) = forces {
         forces.subtract(model, workspace);
     }
-    joint_torques(model, (qd, qdd), workspace, tau);
+    joint_torques(model, qd, qdd, workspace, tau);
 }
 
 /// Computes the joint forces without external forces. Limbs of `tree` may be merged.
 pub fn recursive_newton_euler<S: Scalar, T: BodyTree<S>>(
     tree: &T,
-    (q, qd, qdd): (&[S], &[S], Option<&[S]>),
+    State { q, qd }: State<'_, S>,
+    qdd: Option<&[S]>,
     workspace: &mut Workspace<S>,
     tau: &mut [S],
 ) {
-    move_bodies(tree, (q, qd, qdd), workspace);
-    joint_torques(tree, (qd, qdd), workspace, tau);
+    move_bodies(tree, State { q, qd }, qdd, workspace);
+    joint_torques(tree, qd, qdd, workspace, tau);
 }
 
 /// Computes the joint forces at zero joint accelerations with floating bases in free fall; see
@@ -41,19 +43,20 @@ pub fn recursive_newton_euler<S: Scalar, T: BodyTree<S>>(
 /// workspace.
 pub(in crate::equations) fn bias_in_free_fall<S: Scalar, T: BodyTree<S>>(
     tree: &T,
-    (q, qd): (&[S], &[S]),
+    State { q, qd }: State<'_, S>,
     workspace: &mut Workspace<S>,
     tau: &mut [S],
 ) {
     workspace.move_with_forces(tree, q, Some(qd));
     link_wrenches(tree, qd, Accelerations::FreeFall, workspace);
-    joint_torques(tree, (qd, None), workspace, tau);
+    joint_torques(tree, qd, None, workspace, tau);
 }
 
 /// Computes the wrench that each body needs for its own motion.
 fn move_bodies<S: Scalar, T: BodyTree<S>>(
     tree: &T,
-    (q, qd, qdd): (&[S], &[S], Option<&[S]>),
+    State { q, qd }: State<'_, S>,
+    qdd: Option<&[S]>,
     workspace: &mut Workspace<S>,
 ) {
     workspace.move_with_forces(tree, q, Some(qd));
@@ -65,21 +68,23 @@ fn move_bodies<S: Scalar, T: BodyTree<S>>(
 /// `tau`.
 fn joint_torques<S: Scalar, T: BodyTree<S>>(
     tree: &T,
-    (qd, qdd): (&[S], Option<&[S]>),
+    qd: &[S],
+    qdd: Option<&[S]>,
     workspace: &mut Workspace<S>,
     tau: &mut [S],
 ) {
     tau.fill(S::zero());
     for i in (0..tree.mechanism().bodies.len()).rev() {
-        joint_torque(tree, i, (qd, qdd), workspace, tau);
+        joint_torque(tree, i, qd, qdd, workspace, tau);
     }
 }
 
-/// Adds the forces of body `i`'s joint to `tau`, and the body's wrench to that of its parent.
+/// Adds the forces of body `i`'s joint to `tau`, and the body's wrench to its parent's wrench.
 pub(super) fn joint_torque<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     i: usize,
-    (qd, qdd): (&[S], Option<&[S]>),
+    qd: &[S],
+    qdd: Option<&[S]>,
     workspace: &mut Workspace<S>,
     tau: &mut [S],
 ) {

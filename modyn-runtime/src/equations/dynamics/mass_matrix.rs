@@ -31,11 +31,11 @@ pub fn mass_matrix<S: Scalar, T: BodyTree<S>>(
                 *entry_of = *entry_of + entry;
             };
             let mut wrench = workspace.composite[i].column(dof.component);
-            let mut own = wrench.components()[dof.component];
+            let mut inertia = wrench.components()[dof.component];
             if let Some(armature) = dof.armature {
-                own = own + armature;
+                inertia = inertia + armature;
             }
-            add(dof.v, dof.v, dof.scale(dof.scale(own)));
+            add(dof.v, dof.v, dof.scale(dof.scale(inertia)));
             let mut at = i;
             let mut path = RootwardAccumulator::new(tree);
             let mut others = body.dofs.start..d;

@@ -4,8 +4,8 @@
 //! (see [`Field`](crate::spatial::Field)). Gravity enters as an upward acceleration of the world.
 
 use crate::Scalar;
-use crate::equations::Workspace;
 use crate::equations::kinematics::acceleration::parent_motion;
+use crate::equations::{State, Workspace};
 use crate::joint::ElementaryJoint;
 use crate::mechanism::{BodyTree, Mechanism};
 use crate::spatial::Vector3;
@@ -50,17 +50,20 @@ pub(super) fn link_wrench<S: Scalar, T: BodyTree<S>>(
 ) {
     let model = tree.mechanism();
     let from_parent = parent_motion(tree, i, workspace);
-    let own = match accelerations {
+    let accelerations_of_joint = match accelerations {
         Accelerations::Given(qdd) | Accelerations::AgainstFall(qdd) => Some(model.rates(i, qdd)),
         _ => None,
     };
-    let mut field =
-        workspace.motions[i].accelerate(from_parent, &model.rates(i, qd), own.as_deref());
+    let mut field = workspace.motions[i].accelerate(
+        from_parent,
+        &model.rates(i, qd),
+        accelerations_of_joint.as_deref(),
+    );
     if is_base(model, i) {
-        match (accelerations, &own) {
+        match (accelerations, &accelerations_of_joint) {
             (Accelerations::FreeFall, _) => field.a = Vector3::zero(),
-            (Accelerations::AgainstFall(_), Some(own)) => {
-                field.a = Vector3([own[0], own[1], own[2]]);
+            (Accelerations::AgainstFall(_), Some(of_joint)) => {
+                field.a = Vector3([of_joint[0], of_joint[1], of_joint[2]]);
             }
             _ => {}
         }
@@ -94,7 +97,7 @@ pub fn free_bases<S: Scalar>(model: &Mechanism<S>) -> impl Iterator<Item = usize
 /// for the linear entries of each of the [`free_bases`], zero for all others.
 pub fn free_fall_accelerations<S: Scalar>(
     model: &Mechanism<S>,
-    (q, qd): (&[S], &[S]),
+    State { q, qd }: State<'_, S>,
     workspace: &mut Workspace<S>,
     qdd: &mut [S],
 ) {

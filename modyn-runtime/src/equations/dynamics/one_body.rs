@@ -10,8 +10,8 @@ use super::forward_dynamics::{accelerate, add_free_fall, eliminate_module};
 use super::inverse_dynamics::joint_torque;
 use super::newton_euler::{Accelerations, is_base, link_wrench};
 use crate::Scalar;
-use crate::equations::Workspace;
 use crate::equations::factorization::ModuleBlock;
+use crate::equations::{State, Workspace};
 use crate::mechanism::Mechanism;
 use crate::spatial::{ArticulatedInertia, Field, Matrix3, RigidInertia, Twist, Vector3, Wrench};
 
@@ -52,7 +52,7 @@ pub struct BodyResults<S> {
     pub result: Vec<S>,
 }
 
-/// The index of the parent, and that of the body.
+/// The indices of the parent and of the body.
 const PARENT: usize = 0;
 const BODY: usize = 1;
 
@@ -79,15 +79,16 @@ pub fn forward_dynamics_of_bodies<S: Scalar>() -> BodyRecursion<S> {
             let block = block(model);
             workspace.reserve(block.dofs.len() * block.dofs.len(), 0, 0);
             workspace.load_joint_forces(model, BODY, q, Some(qd));
-            let motion = move_body(model, (q, qd, Accelerations::FreeFall), received[0], workspace);
+            let motion =
+                move_body(model, State { q, qd }, Accelerations::FreeFall, received[0], workspace);
             let inertia = model.bodies[BODY].base_inertia.articulated();
-            let own = load(&workspace.wrenches[BODY], &inertia);
+            let own_load = load(&workspace.wrenches[BODY], &inertia);
 
             let (wrench, inertia) = received[1].split_at(SPATIAL);
             workspace.wrenches[BODY] = Wrench::from_components(array(wrench));
             workspace.articulated[BODY] = Some(inertia_from(inertia));
             workspace.composite[BODY] = RigidInertia::zero();
-            eliminate_module(model, &block, (qd, tau), workspace);
+            eliminate_module(model, &block, qd, tau, workspace);
             let nothing = RigidInertia::zero().articulated();
             let inertia = workspace.articulated[PARENT].unwrap_or(nothing);
             let at_parent = load(&workspace.wrenches[PARENT], &inertia);
@@ -100,7 +101,7 @@ pub fn forward_dynamics_of_bodies<S: Scalar>() -> BodyRecursion<S> {
             }
             let twist = workspace.twists[BODY].components().to_vec();
             BodyResults {
-                own: alloc::vec![Vec::new(), own, Vec::new()],
+                own: alloc::vec![Vec::new(), own_load, Vec::new()],
                 sent: alloc::vec![motion, at_parent, twist],
                 result: qdd,
             }
@@ -120,17 +121,17 @@ pub fn inverse_dynamics_of_bodies<S: Scalar>() -> BodyRecursion<S> {
         body: |model, [q, qd, qdd], received| {
             let workspace = &mut Workspace::new(model);
             let accelerations = Accelerations::Given(qdd);
-            let motion = move_body(model, (q, qd, accelerations), received[0], workspace);
+            let motion = move_body(model, State { q, qd }, accelerations, received[0], workspace);
 
-            let own = workspace.wrenches[BODY].components().to_vec();
+            let own_wrench = workspace.wrenches[BODY].components().to_vec();
 
             workspace.wrenches[BODY] = Wrench::from_components(array(received[1]));
             let mut tau = alloc::vec![S::zero(); model.nv];
             workspace.load_joint_forces(model, BODY, q, Some(qd));
-            joint_torque(model, BODY, (qd, Some(qdd)), workspace, &mut tau);
+            joint_torque(model, BODY, qd, Some(qdd), workspace, &mut tau);
             let at_parent = workspace.wrenches[PARENT].components().to_vec();
             BodyResults {
-                own: alloc::vec![Vec::new(), own],
+                own: alloc::vec![Vec::new(), own_wrench],
                 sent: alloc::vec![motion, at_parent],
                 result: tau,
             }
@@ -142,7 +143,8 @@ pub fn inverse_dynamics_of_bodies<S: Scalar>() -> BodyRecursion<S> {
 /// Computes the body's motion and wrench from the parent's motion. Returns the body's motion.
 fn move_body<S: Scalar>(
     model: &Mechanism<S>,
-    (q, qd, accelerations): (&[S], &[S], Accelerations<'_, S>),
+    State { q, qd }: State<'_, S>,
+    accelerations: Accelerations<'_, S>,
     parent: &[S],
     workspace: &mut Workspace<S>,
 ) -> Vec<S> {
@@ -177,8 +179,8 @@ fn block<S: Scalar>(model: &Mechanism<S>) -> ModuleBlock {
 
 /// Returns the numbers of a wrench, then the upper triangle of an articulated inertia by rows.
 fn load<S: Scalar>(wrench: &Wrench<S>, inertia: &ArticulatedInertia<S>) -> Vec<S> {
-    let entries = (0..6).flat_map(|row| (row..6).map(move |column| (row, column)));
-    let entries = entries.map(|(row, column)| inertia.entry(row, column));
+    let indices = (0..6).flat_map(|row| (row..6).map(move |column| (row, column)));
+    let entries = indices.map(|(row, column)| inertia.entry(row, column));
     wrench.components().into_iter().chain(entries).collect()
 }
 

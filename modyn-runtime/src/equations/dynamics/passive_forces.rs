@@ -31,8 +31,9 @@ impl<S: Scalar> Workspace<S> {
     ) {
         let springs = model.spring_forces(i, q);
         let armature = qd.and_then(|qd| model.armature_forces(i, qd));
-        let forces = springs.iter().flat_map(|forces| forces.iter());
-        let forces = forces.zip(0..).chain(armature.iter().flat_map(|forces| &forces.0).zip(0..));
+        let of_springs = springs.iter().flat_map(|forces| forces.iter());
+        let forces =
+            of_springs.zip(0..).chain(armature.iter().flat_map(|forces| &forces.0).zip(0..));
         let first = model.bodies[i].dofs.start;
         for (&force, k) in forces {
             let passive = &mut self.passive[first + k];

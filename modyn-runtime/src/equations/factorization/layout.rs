@@ -174,8 +174,9 @@ fn coupled<S: Scalar>(
     let mut next = 0;
     let mut pivots = 0;
     for (m, block) in partition.blocks.iter_mut().enumerate() {
-        let own = model.dofs[block.dofs.clone()].iter().filter(|dof| dof.multiplier.is_none());
-        block.dofs = next..next + own.count();
+        let independent =
+            model.dofs[block.dofs.clone()].iter().filter(|dof| dof.multiplier.is_none());
+        block.dofs = next..next + independent.count();
         module_of[block.dofs.clone()].fill(m);
         block.pivot = pivots;
         next = block.dofs.end;

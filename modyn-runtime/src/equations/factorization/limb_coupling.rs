@@ -200,10 +200,10 @@ pub fn cross_limb<S: LaneScalar>(
     let counts: Vec<usize> = limbs.iter().map(|limb| limb.map_or(1, |limb| limb.count)).collect();
     let most = counts.iter().copied().max().unwrap_or(1);
     let mut rows_of_limbs = Vec::new();
-    for (column, own) in columns.chunks(limbs.len().max(1)).zip(limbs) {
+    for (column, limb_of_column) in columns.chunks(limbs.len().max(1)).zip(limbs) {
         // For each limb, the column with the rows of that limb.
         let mut rows = vec![column.to_vec(); most];
-        for (limb, x) in rows.iter_mut().enumerate().filter(|_| own.is_some()) {
+        for (limb, x) in rows.iter_mut().enumerate().filter(|_| limb_of_column.is_some()) {
             for (m, block) in layout.blocks().iter().enumerate() {
                 if merged.module_limb(m).is_none_or(|it| limb >= it.count) {
                     continue;
@@ -228,12 +228,17 @@ pub fn cross_limb<S: LaneScalar>(
 
 /// Returns whether a degree of freedom moves limb `limb` of the merged limb `of`. It does not if
 /// the limb is attached to an ancestor of the degree of freedom's body, or to another tree.
-fn moves_limb<S: LaneScalar>(tree: &MergedMechanism<S>, dof: usize, of: Limb, limb: usize) -> bool {
+fn moves_limb<S: LaneScalar>(
+    tree: &MergedMechanism<S>,
+    dof: usize,
+    carrier: Limb,
+    limb: usize,
+) -> bool {
     let model = tree.mechanism();
-    let parents = tree.parents(of.first).unwrap_or_default();
-    let mut on = parents.get(limb).copied().unwrap_or(model.bodies[of.first].parent);
+    let parents = tree.parents(carrier.first).unwrap_or_default();
+    let mut on = parents.get(limb).copied().unwrap_or(model.bodies[carrier.first].parent);
     while let Some(body) = on.filter(|&body| body != model.dofs[dof].body) {
         on = model.bodies[body].parent;
     }
-    on.is_some() || model.dofs[dof].body >= of.first
+    on.is_some() || model.dofs[dof].body >= carrier.first
 }

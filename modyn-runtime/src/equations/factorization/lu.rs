@@ -1,8 +1,8 @@
 //! Elimination of square matrices that are not symmetric, from the last row to the first.
 //!
 //! The derivatives of joint forces have the zeros of the mass matrix. The elimination in this order
-//! keeps them, as that of the mass matrix does. There is no search for pivots, since the order of
-//! operations must not depend on values.
+//! keeps them, as the elimination of the mass matrix does. There is no search for pivots, since the
+//! order of operations must not depend on values.
 
 use crate::Scalar;
 

@@ -27,8 +27,8 @@ pub fn factorize_matrix<S: Scalar, L: FactorLayout<S>>(
         }
         pivots[layout.d(m)].copy_from_slice(&factors[layout.d(m)]);
         let reciprocals = layout.reciprocals();
-        let own = reciprocals.start + start..reciprocals.start + start + size;
-        factor_udu(&mut pivots[layout.d(m)], size, &mut factors[own.clone()]);
+        let range = reciprocals.start + start..reciprocals.start + start + size;
+        factor_udu(&mut pivots[layout.d(m)], size, &mut factors[range.clone()]);
         store_v(layout, m, pivots, factors);
         let v = factor(block, pivots);
         for (dof, row) in layout.rows(m) {
@@ -39,7 +39,7 @@ pub fn factorize_matrix<S: Scalar, L: FactorLayout<S>>(
             let (before, after) = factors.split_at_mut(row);
             let entries = &mut after[..size];
             solve_upper(v, entries);
-            for (entry, &reciprocal) in entries.iter_mut().zip(&before[own.clone()]) {
+            for (entry, &reciprocal) in entries.iter_mut().zip(&before[range.clone()]) {
                 *entry = *entry * reciprocal;
             }
             solve_lower(v, entries);

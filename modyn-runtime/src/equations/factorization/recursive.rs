@@ -47,14 +47,14 @@ pub(in crate::equations) fn pivot<S: Scalar, T: BodyTree<S>>(
                 None => composite.column(dof.component),
             };
             let j = d - start;
-            let mut own = wrench.components()[dof.component];
+            let mut inertia = wrench.components()[dof.component];
             if let Some(armature) = dof.armature {
-                own = own + armature;
+                inertia = inertia + armature;
             }
             if let Some(added) = workspace.added_armature[d] {
-                own = own + added;
+                inertia = inertia + added;
             }
-            workspace.pivots[block.pivot + j * size + j] = own;
+            workspace.pivots[block.pivot + j * size + j] = inertia;
             let mut at = i;
             for row in (0..j).rev() {
                 let other = &model.dofs[start + row];

@@ -42,15 +42,16 @@ pub fn solve_column<S: Scalar, L: FactorLayout<S>>(
 fn solve_for<S: Scalar, L: FactorLayout<S>>(
     limbs: &L,
     factors: &[S],
-    own: Option<Limb>,
+    own_limb: Option<Limb>,
     x: &mut [S],
 ) {
     let layout = limbs.layout();
     let u = &factors[layout.u()];
-    let others =
-        |m: usize| own.is_some() && limbs.limb_of_module(m).is_some_and(|limb| own != Some(limb));
+    let others = |m: usize| {
+        own_limb.is_some() && limbs.limb_of_module(m).is_some_and(|limb| own_limb != Some(limb))
+    };
     for m in (0..layout.blocks().len()).rev().filter(|&m| !others(m)) {
-        subtract_module(limbs, u, m, own.is_none(), x);
+        subtract_module(limbs, u, m, own_limb.is_none(), x);
     }
     for (m, block) in layout.blocks().iter().enumerate().filter(|(m, _)| !others(*m)) {
         solve_block(layout, factors, m, &mut x[block.dofs.clone()]);
@@ -234,8 +235,8 @@ pub fn inverse<S: Scalar, L: FactorLayout<S>>(layout: &L, factors: &[S], columns
     symmetrize(n, 0..n, columns);
 }
 
-/// Returns the natural logarithm of the mass matrix's determinant. It is that of D, since det
-/// U = 1.
+/// Returns the natural logarithm of the mass matrix's determinant. It is the logarithm of det D,
+/// since det U = 1.
 pub fn log_determinant<S: Scalar>(layout: &UduLayout, factors: &[S]) -> S {
     let reciprocals = &factors[layout.reciprocals()];
     -reciprocals.iter().fold(S::zero(), |sum, reciprocal| sum + reciprocal.ln())

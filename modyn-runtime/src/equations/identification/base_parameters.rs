@@ -14,8 +14,8 @@ use alloc::{format, string::String, vec, vec::Vec};
 
 use super::regressor;
 use crate::Portable;
-use crate::equations::Workspace;
 use crate::equations::kinematics::coordinates;
+use crate::equations::{Motion, Workspace};
 use crate::mechanism::Mechanism;
 use crate::model::{INERTIAL_PARAMETERS, Model, PARAMETERS_PER_LINK, longest_path};
 use crate::spatial::Vector3;
@@ -191,8 +191,8 @@ fn stacked_regressors(model: &Model, unit: Unit) -> Vec<Vec<f64>> {
     for _ in 0..states {
         let [step, qd, qdd]: [Vec<Portable>; 3] =
             core::array::from_fn(|_| units.iter().map(|u| Portable(u * random.next())).collect());
-        coordinates::integrate(&mechanism, (&neutral, &step), &mut q);
-        regressor(&mechanism, (&q, &qd, &qdd), workspace, &mut one);
+        coordinates::integrate(&mechanism, &neutral, &step, &mut q);
+        regressor(&mechanism, Motion { q: &q, qd: &qd, qdd: &qdd }, workspace, &mut one);
         for (index, (column, part)) in columns.iter_mut().zip(one.chunks(nv)).enumerate() {
             let rows = part.iter().zip(&units);
             column.extend(rows.map(|(number, row)| number.0 * row / unit.of_parameter(index)));
@@ -275,8 +275,8 @@ impl Random {
     #[allow(clippy::cast_precision_loss)]
     fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        let first_round = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (first_round ^ (first_round >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         let unit = ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64;
         6.0 * unit - 3.0
     }
@@ -339,8 +339,8 @@ mod tests {
                 for (row, expected) in expected.into_iter().enumerate() {
                     let terms =
                         columns.iter().zip(&values).map(|(c, value)| all[2 * c + row] * value);
-                    let found: f64 = terms.sum();
-                    assert!((found - expected).abs() < 1e-10, "{axes:?}: {found} {expected}");
+                    let sum: f64 = terms.sum();
+                    assert!((sum - expected).abs() < 1e-10, "{axes:?}: {sum} {expected}");
                 }
             }
         }

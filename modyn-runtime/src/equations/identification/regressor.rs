@@ -1,8 +1,8 @@
 //! The regressor: inverse dynamics is linear in the links' inertial parameters.
 
 use crate::Scalar;
-use crate::equations::Workspace;
 use crate::equations::dynamics::newton_euler::{Accelerations, link_wrenches};
+use crate::equations::{Motion, Workspace};
 use crate::mechanism::{Body, Mechanism};
 use crate::model::PARAMETERS_PER_LINK;
 use crate::spatial::{Field, Matrix3, Twist, Vector3};
@@ -13,14 +13,14 @@ use crate::spatial::{Field, Matrix3, Twist, Vector3};
 /// Gravity is included; rotors, damping and friction are not (Atkeson, An and Hollerbach 1986,
 /// "Estimation of inertial parameters of manipulator loads and links").
 ///
-/// pi has ten parameters for each moving link of the model, those of
+/// pi has ten parameters for each moving link of the model, the parameters of
 /// [`Model::inertial_parameters`](crate::model::Model::inertial_parameters). An entry of Y is the
 /// power of the wrench of a unit parameter under a unit motion of the joint. The unit motion of
 /// each joint is therefore transformed towards the links, instead of ten wrenches from each link
 /// towards the root.
 pub fn regressor<S: Scalar>(
     model: &Mechanism<S>,
-    (q, qd, qdd): (&[S], &[S], &[S]),
+    Motion { q, qd, qdd }: Motion<'_, S>,
     workspace: &mut Workspace<S>,
     columns: &mut [S],
 ) {

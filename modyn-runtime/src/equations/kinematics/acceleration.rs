@@ -27,9 +27,9 @@ pub(in crate::equations) fn parent_motion<S: Scalar, T: BodyTree<S>>(
         }
         Some(_) => {
             let at_rest = Field { a: -model.gravity, ..Field::zero() };
-            let of = |p: Option<usize>| p.map_or(at_rest, |p| workspace.fields[p]);
+            let field_of = |p: Option<usize>| p.map_or(at_rest, |p| workspace.fields[p]);
             let get = |part: fn(&Field<S>) -> Vector3<S>| {
-                Vector3(tree.broadcast_from_parents(i, |p| part(&of(p)).0))
+                Vector3(tree.broadcast_from_parents(i, |p| part(&field_of(p)).0))
             };
             let field = Field::rotating(get(|f| f.omega), get(|f| f.alpha));
             parent_motion_at_joint(&Field { a: get(|f| f.a), ..field }, body, motion)

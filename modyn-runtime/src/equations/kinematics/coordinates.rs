@@ -19,7 +19,7 @@ use crate::spatial::{
 /// entries.
 ///
 /// Quaternions keep length 1 over any number of steps.
-pub fn integrate<S: Scalar>(model: &Mechanism<S>, (q, v): (&[S], &[S]), out: &mut [S]) {
+pub fn integrate<S: Scalar>(model: &Mechanism<S>, q: &[S], v: &[S], out: &mut [S]) {
     for block in &model.coordinates {
         match block.space {
             CoordinateSpace::Line { .. } => out[block.q] = q[block.q] + v[block.v],
@@ -42,7 +42,7 @@ pub fn integrate<S: Scalar>(model: &Mechanism<S>, (q, v): (&[S], &[S]), out: &mu
 
 /// Computes the coordinates after the time `dt` from `q`: origins of floating joints move straight
 /// at their velocities at `q`, rotations follow the exponential map. Turns the linear velocities in
-/// `qd` from the axes at `q` to those of the result.
+/// `qd` from the axes at `q` to the axes at the result.
 pub fn move_straight<S: Scalar>(model: &Mechanism<S>, q: &[S], qd: &mut [S], dt: S, out: &mut [S]) {
     for block in &model.coordinates {
         match block.space {
@@ -67,7 +67,7 @@ pub fn move_straight<S: Scalar>(model: &Mechanism<S>, q: &[S], qd: &mut [S], dt:
 
 /// Computes the tangent vector v with `from` (+) v = `to`, nv entries. Rotations are the shortest
 /// ones; joint angles are not wrapped.
-pub fn difference<S: Scalar>(model: &Mechanism<S>, (from, to): (&[S], &[S]), out: &mut [S]) {
+pub fn difference<S: Scalar>(model: &Mechanism<S>, from: &[S], to: &[S], out: &mut [S]) {
     for block in &model.coordinates {
         Tangent::between(block, from, to).write(block, out);
     }
@@ -78,11 +78,7 @@ pub fn difference<S: Scalar>(model: &Mechanism<S>, (from, to): (&[S], &[S]), out
 ///
 /// Both are in tangent space, in the axes at `q` and at the moved coordinates. They do not depend
 /// on `q` (Sola, Deray and Atchuthan 2018, "A micro Lie theory for state estimation in robotics").
-pub fn integrate_derivatives<S: Scalar>(
-    model: &Mechanism<S>,
-    v: &[S],
-    (dq, dv): (&mut [S], &mut [S]),
-) {
+pub fn integrate_derivatives<S: Scalar>(model: &Mechanism<S>, v: &[S], dq: &mut [S], dv: &mut [S]) {
     fill(model, dq, |block| Transport::of_start(Tangent::read(block, v)));
     fill(model, dv, |block| Transport::of_displacement(Tangent::read(block, v)));
 }
@@ -91,8 +87,10 @@ pub fn integrate_derivatives<S: Scalar>(
 /// columns, in tangent space.
 pub fn difference_derivatives<S: Scalar>(
     model: &Mechanism<S>,
-    (from, to): (&[S], &[S]),
-    (dfrom, dto): (&mut [S], &mut [S]),
+    from: &[S],
+    to: &[S],
+    dfrom: &mut [S],
+    dto: &mut [S],
 ) {
     // `difference` of exchanged arguments has the other sign.
     let backwards = |block: &_| Tangent::between(block, from, to).negated();
@@ -102,7 +100,7 @@ pub fn difference_derivatives<S: Scalar>(
 }
 
 /// Computes dq/dt, the rates of the coordinates `q` at the velocities `qd`, nq entries.
-pub fn velocity_to_qdot<S: Scalar>(model: &Mechanism<S>, (q, qd): (&[S], &[S]), out: &mut [S]) {
+pub fn velocity_to_qdot<S: Scalar>(model: &Mechanism<S>, q: &[S], qd: &[S], out: &mut [S]) {
     for block in &model.coordinates {
         match block.space {
             CoordinateSpace::Line { .. } => out[block.q] = qd[block.v],
@@ -182,8 +180,8 @@ impl<S: Scalar> Tangent<S> {
             CoordinateSpace::Rotation => Self::Rotation(displacement(block.q)),
             CoordinateSpace::Pose => {
                 let w = displacement(block.q + 3);
-                let moved = vector(to, block.q) - vector(from, block.q);
-                let moved = rotation(from, block.q + 3).conjugate().rotate(moved);
+                let in_world = vector(to, block.q) - vector(from, block.q);
+                let moved = rotation(from, block.q + 3).conjugate().rotate(in_world);
                 Self::Pose(screw_velocity(w, moved), w)
             }
         }

@@ -15,9 +15,9 @@ pub(in crate::equations) fn first_moment<S: Scalar>(
     let mut first_moment = Vector3::zero();
     for (i, body) in model.bodies.iter().enumerate() {
         if body.parent.is_none() {
-            let own = workspace.composite[i];
+            let whole = workspace.composite[i];
             let motion = &workspace.motions[i];
-            first_moment += body.mass_to_parent(motion, own.mass, own.first_moment).1;
+            first_moment += body.mass_to_parent(motion, whole.mass, whole.first_moment).1;
         }
     }
     first_moment
@@ -34,13 +34,18 @@ pub(in crate::equations) fn accumulate_masses<S: Scalar, T: BodyTree<S>>(
         *composite = inertia(body);
     }
     for i in (0..model.bodies.len()).rev() {
-        let own = workspace.composite[i];
+        let whole = workspace.composite[i];
         let motion = &workspace.motions[i];
-        let own = (own.mass, own.first_moment);
-        tree.mass_to_parents(i, motion, own, |parent, (mass, moment)| {
-            let composite = &mut workspace.composite[parent];
-            composite.mass = composite.mass + mass;
-            composite.first_moment += moment;
-        });
+        tree.mass_to_parents(
+            i,
+            motion,
+            whole.mass,
+            whole.first_moment,
+            |parent, (mass, moment)| {
+                let composite = &mut workspace.composite[parent];
+                composite.mass = composite.mass + mass;
+                composite.first_moment += moment;
+            },
+        );
     }
 }

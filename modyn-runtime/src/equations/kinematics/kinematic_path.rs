@@ -4,7 +4,7 @@
 use alloc::vec::Vec;
 
 use crate::Scalar;
-use crate::equations::Workspace;
+use crate::equations::{State, Workspace};
 use crate::joint::JointTransform;
 use crate::mechanism::Mechanism;
 use crate::spatial::{Matrix3, Pose, Twist, Vector3};
@@ -99,7 +99,8 @@ impl<S: Scalar> OriginMotion<S> {
         self,
         model: &Mechanism<S>,
         i: usize,
-        (q, qd, qdd): (&[S], &[S], Option<&[S]>),
+        State { q, qd }: State<'_, S>,
+        qdd: Option<&[S]>,
     ) -> Self {
         let body = &model.bodies[i];
         let motion = body.motion(q);
@@ -162,12 +163,12 @@ impl<S: Scalar> BodyMotion<S> {
         Self { velocity: Twist::zero(), rate: Twist::zero() }
     }
 
-    /// Returns the motion of body `i`, from that of its parent.
+    /// Returns the motion of body `i`, from its parent's motion.
     pub(in crate::equations) fn to_child(
         self,
         model: &Mechanism<S>,
         i: usize,
-        (q, qd): (&[S], &[S]),
+        State { q, qd }: State<'_, S>,
     ) -> Self {
         let body = &model.bodies[i];
         let motion = body.motion(q);

@@ -3,7 +3,7 @@
 use super::acceleration::{parent_motion, parent_motion_at_joint};
 use super::kinematic_path::{self, BodyMotion, OriginMotion};
 use crate::Scalar;
-use crate::equations::Workspace;
+use crate::equations::{Motion, State, Workspace};
 use crate::mechanism::{Body, BodyFrame, BodyTree, Mechanism};
 use crate::spatial::{Field, Matrix3, Pose, Twist, Vector3};
 
@@ -78,8 +78,8 @@ pub fn link_pose<S: Scalar>(model: &Mechanism<S>, frame: usize, q: &[S]) -> Pose
 /// Returns the pose of link `frame` in the world, as [`link_pose`] does, by the axes of the bodies
 /// in the world.
 ///
-/// It takes more operations than [`link_pose`], but fewer beyond those of [`jacobian`] in world
-/// axes.
+/// It takes more operations than [`link_pose`], but fewer beyond the operations of [`jacobian`] in
+/// world axes.
 pub fn link_pose_from_world<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
@@ -103,11 +103,11 @@ pub fn link_pose_from_world<S: Scalar>(
 pub fn link_velocity<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
-    (q, qd): (&[S], &[S]),
+    State { q, qd }: State<'_, S>,
     axes: Axes,
     workspace: &mut Workspace<S>,
 ) -> Twist<S> {
-    velocity_and_bias(model, frame, (q, qd), axes, workspace).0
+    velocity_and_bias(model, frame, State { q, qd }, axes, workspace).0
 }
 
 /// Returns the acceleration of link `frame` relative to the world, in `axes`: the angular
@@ -117,12 +117,12 @@ pub fn link_velocity<S: Scalar>(
 pub fn link_acceleration<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
-    (q, qd, qdd): (&[S], &[S], &[S]),
+    Motion { q, qd, qdd }: Motion<'_, S>,
     axes: Axes,
     workspace: &mut Workspace<S>,
 ) -> Twist<S> {
     match axes {
-        Axes::World => in_world_axes(model, frame, (q, qd, Some(qdd))).acceleration,
+        Axes::World => in_world_axes(model, frame, State { q, qd }, Some(qdd)).acceleration,
         Axes::Link => {
             let BodyFrame { body, pose } = model.frames[frame];
             kinematic_path::from_world(model, body, &mut workspace.kinematic_path);
@@ -143,12 +143,13 @@ pub fn link_acceleration<S: Scalar>(
 /// [`link_acceleration`] does; without `qdd` the bias acceleration.
 ///
 /// The method uses the axes of the bodies in the world and the accelerations of the bodies, as
-/// Newton-Euler passes do. Alone it takes more operations, but few beyond those of [`jacobian`] and
-/// of inverse dynamics.
+/// Newton-Euler passes do. Alone it takes more operations, but few beyond the operations of
+/// [`jacobian`] and of inverse dynamics.
 pub fn link_acceleration_from_world<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
-    (q, qd, qdd): (&[S], &[S], Option<&[S]>),
+    State { q, qd }: State<'_, S>,
+    qdd: Option<&[S]>,
     workspace: &mut Workspace<S>,
 ) -> Twist<S> {
     let BodyFrame { body, pose } = model.frames[frame];
@@ -157,9 +158,10 @@ pub fn link_acceleration_from_world<S: Scalar>(
     for k in 0..workspace.kinematic_path.len() {
         let i = workspace.kinematic_path[k];
         let from_parent = parent_motion(model, i, workspace);
-        let own = qdd.map(|qdd| model.rates(i, qdd));
+        let accelerations = qdd.map(|qdd| model.rates(i, qdd));
         let rates = model.rates(i, qd);
-        workspace.fields[i] = workspace.motions[i].accelerate(from_parent, &rates, own.as_deref());
+        workspace.fields[i] =
+            workspace.motions[i].accelerate(from_parent, &rates, accelerations.as_deref());
     }
     let axes = &workspace.axes[last];
     let field = &workspace.fields[last];
@@ -218,12 +220,12 @@ pub fn jacobian<S: Scalar>(
 /// each entry of qd: dJ/dt qd is [`bias_acceleration`].
 ///
 /// A column of J is fixed to its body, except for the lever to the link's origin. The axes of the
-/// components rotate relative to the body: those of the world with minus the body's angular
-/// velocity, those of the link with the link's angular velocity relative to the body.
+/// components rotate relative to the body: the axes of the world with minus the body's angular
+/// velocity, the link's axes with the link's angular velocity relative to the body.
 pub fn jacobian_time_derivative<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
-    (q, qd): (&[S], &[S]),
+    State { q, qd }: State<'_, S>,
     axes: Axes,
     workspace: &mut Workspace<S>,
     columns: &mut [Twist<S>],
@@ -263,7 +265,7 @@ pub fn jacobian_time_derivative<S: Scalar>(
             *column = *column + dof.multiplier.map_or(along, |multiplier| along.scale(multiplier));
         }
         seen = seen.towards_world(&model.bodies[i], q);
-        link = link.towards_world(model, i, (q, qd, None));
+        link = link.towards_world(model, i, State { q, qd }, None);
     }
 }
 
@@ -276,28 +278,28 @@ pub fn jacobian_time_derivative<S: Scalar>(
 pub fn bias_acceleration<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
-    (q, qd): (&[S], &[S]),
+    State { q, qd }: State<'_, S>,
     axes: Axes,
     workspace: &mut Workspace<S>,
 ) -> Twist<S> {
-    velocity_and_bias(model, frame, (q, qd), axes, workspace).1
+    velocity_and_bias(model, frame, State { q, qd }, axes, workspace).1
 }
 
 /// Returns the velocity J qd and the bias acceleration dJ/dt qd of link `frame`.
 fn velocity_and_bias<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
-    (q, qd): (&[S], &[S]),
+    State { q, qd }: State<'_, S>,
     axes: Axes,
     workspace: &mut Workspace<S>,
 ) -> (Twist<S>, Twist<S>) {
     match axes {
         Axes::World => {
-            let motion = in_world_axes(model, frame, (q, qd, None));
+            let motion = in_world_axes(model, frame, State { q, qd }, None);
             (motion.velocity, motion.acceleration)
         }
         Axes::Link => {
-            let motion = in_link_axes(model, frame, (q, qd), workspace);
+            let motion = in_link_axes(model, frame, State { q, qd }, workspace);
             (motion.velocity, motion.rate)
         }
     }
@@ -308,12 +310,13 @@ fn velocity_and_bias<S: Scalar>(
 fn in_world_axes<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
-    motion: (&[S], &[S], Option<&[S]>),
+    state: State<'_, S>,
+    qdd: Option<&[S]>,
 ) -> OriginMotion<S> {
     let BodyFrame { body, pose } = model.frames[frame];
     let link = OriginMotion::fixed(Vector3(pose.translation));
     kinematic_path::towards_world(model, body)
-        .fold(link, |link, i| link.towards_world(model, i, motion))
+        .fold(link, |link, i| link.towards_world(model, i, state, qdd))
 }
 
 /// Computes the motion from the world towards the link, so that no axes have to be rotated for the
@@ -321,13 +324,13 @@ fn in_world_axes<S: Scalar>(
 fn in_link_axes<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
-    motion: (&[S], &[S]),
+    state: State<'_, S>,
     workspace: &mut Workspace<S>,
 ) -> BodyMotion<S> {
     let BodyFrame { body, pose } = model.frames[frame];
     kinematic_path::from_world(model, body, &mut workspace.kinematic_path);
     let bodies = workspace.kinematic_path.iter();
-    bodies.fold(BodyMotion::at_rest(), |own, &i| own.to_child(model, i, motion)).at(&pose)
+    bodies.fold(BodyMotion::at_rest(), |motion, &i| motion.to_child(model, i, state)).at(&pose)
 }
 
 /// The pose of a link, as seen from a body.

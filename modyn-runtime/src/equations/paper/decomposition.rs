@@ -194,7 +194,8 @@ impl<S: Scalar> Decomposition<S> {
         matrix
     }
 
-    /// Returns the mass matrix of the composite module `i`, from those of its children, (8).
+    /// Returns the mass matrix of the composite module `i`, from the mass matrices of its children,
+    /// (8).
     #[must_use]
     pub fn composite(&self, i: usize) -> Dense<S> {
         let children = (0..self.modules()).filter(|&j| self.parents[j] == Some(i));

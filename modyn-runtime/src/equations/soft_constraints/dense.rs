@@ -5,9 +5,9 @@ use alloc::{vec, vec::Vec};
 use super::problem::{Effect, StepInput, StepProblem};
 use super::rows::body_twists;
 use crate::Scalar;
-use crate::equations::Workspace;
 use crate::equations::dynamics::{inverse_dynamics, mass_matrix};
 use crate::equations::factorization::{UduLayout, factorize_matrix, solve};
+use crate::equations::{State, Workspace};
 use crate::mechanism::{BodyTree, Mechanism};
 
 /// The matrices of a step.
@@ -29,7 +29,7 @@ impl<S: Scalar> DenseProblem<S> {
     ) -> Self {
         let StepInput { q, qd, tau, .. } = input;
         let mut forces = vec![S::zero(); model.nv];
-        inverse_dynamics(model, (q, qd, None), None, workspace, &mut forces);
+        inverse_dynamics(model, State { q, qd }, None, None, workspace, &mut forces);
         for (force, &tau) in forces.iter_mut().zip(tau) {
             *force = tau - *force;
         }

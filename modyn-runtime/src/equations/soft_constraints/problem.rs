@@ -312,8 +312,8 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
                 }
             }
         }
-        let forces = (self.input.qd, &*tau);
-        against_fall(*tree, partition, forces, workspace, &mut self.accelerations);
+        let qd = self.input.qd;
+        against_fall(*tree, partition, qd, &tau, workspace, &mut self.accelerations);
         body_twists(*tree, &self.accelerations, workspace);
         workspace.added_inertia.fill(None);
         workspace.added_armature.fill(None);

@@ -21,15 +21,15 @@ use alloc::{vec, vec::Vec};
 
 use super::{StepOutputs, add_scaled, scale};
 use crate::Scalar;
-use crate::equations::Workspace;
 use crate::equations::derivatives::inverse_dynamics_derivatives_and_mass_matrix;
 use crate::equations::dynamics::inverse_dynamics;
 use crate::equations::factorization::{factor_ul, solve_ul};
 use crate::equations::kinematics::coordinates::{integrate, integrate_derivatives};
+use crate::equations::{ForwardInput, Motion, NextState, State, TimeStepInput, Workspace};
 use crate::mechanism::Mechanism;
 
 /// The number of iterations. The error of the velocities that they leave is of order dt^7, far
-/// below that of the rule.
+/// below the rule's error.
 const ITERATIONS: usize = 3;
 
 /// The memory of the implicit midpoint rule.
@@ -77,20 +77,19 @@ impl<S: Scalar> MidpointWorkspace<S> {
     }
 
     /// Moves to the midpoint of the accelerations.
-    fn move_to_midpoint(&mut self, model: &Mechanism<S>, (q, qd): (&[S], &[S]), half: S) {
+    fn move_to_midpoint(&mut self, model: &Mechanism<S>, State { q, qd }: State<'_, S>, half: S) {
         add_scaled(qd, half, &self.qdd, &mut self.qd);
         scale(half, &self.qd, &mut self.displacement);
-        integrate(model, (q, &self.displacement), &mut self.q);
+        integrate(model, q, &self.displacement, &mut self.q);
     }
 
     /// Computes the derivatives at the midpoint.
     fn linearize(&mut self, model: &Mechanism<S>, half: S, workspace: &mut Workspace<S>) {
         let Self { q, displacement, qd, qdd, by_q, by_qd, by_qdd, transport, .. } = self;
-        let at = (&**q, &**qd, &**qdd);
-        let outputs = (&mut **by_q, &mut **by_qd, &mut **by_qdd);
-        inverse_dynamics_derivatives_and_mass_matrix(model, at, workspace, outputs);
+        let motion = Motion { q, qd, qdd };
+        inverse_dynamics_derivatives_and_mass_matrix(model, motion, workspace, by_q, by_qd, by_qdd);
         let [by_start, by_displacement] = transport;
-        integrate_derivatives(model, displacement, (by_start, by_displacement));
+        integrate_derivatives(model, displacement, by_start, by_displacement);
         for (entry, moved) in block_products(model, by_q, by_displacement) {
             by_qd[entry] = by_qd[entry] + half * moved;
         }
@@ -104,17 +103,17 @@ impl<S: Scalar> MidpointWorkspace<S> {
     fn solve(
         &mut self,
         model: &Mechanism<S>,
-        (q, qd, tau): (&[S], &[S], &[S]),
+        ForwardInput { q, qd, tau }: ForwardInput<'_, S>,
         half: S,
         workspace: &mut Workspace<S>,
     ) {
         self.qdd.fill(S::zero());
-        self.move_to_midpoint(model, (q, qd), half);
+        self.move_to_midpoint(model, State { q, qd }, half);
         self.linearize(model, half, workspace);
         for _ in 0..ITERATIONS {
-            self.move_to_midpoint(model, (q, qd), half);
-            let at = (&*self.q, &*self.qd, Some(&*self.qdd));
-            inverse_dynamics(model, at, None, workspace, &mut self.vector);
+            self.move_to_midpoint(model, State { q, qd }, half);
+            let Self { q, qd, qdd, vector, .. } = self;
+            inverse_dynamics(model, State { q, qd }, Some(qdd), None, workspace, vector);
             for (unmet, &tau) in self.vector.iter_mut().zip(tau) {
                 *unmet = tau - *unmet;
             }
@@ -126,16 +125,17 @@ impl<S: Scalar> MidpointWorkspace<S> {
     }
 
     /// Computes the state after a step from the accelerations at its midpoint. `displacement`
-    /// becomes that of the whole step.
+    /// becomes the displacement of the whole step.
     fn finish(
         &mut self,
         model: &Mechanism<S>,
-        (q, qd, dt): (&[S], &[S], S),
-        (next_q, next_qd): (&mut [S], &mut [S]),
+        State { q, qd }: State<'_, S>,
+        dt: S,
+        NextState { q: next_q, qd: next_qd }: NextState<'_, S>,
     ) {
         add_scaled(qd, S::from_f64(0.5) * dt, &self.qdd, &mut self.qd);
         scale(dt, &self.qd, &mut self.displacement);
-        integrate(model, (q, &self.displacement), next_q);
+        integrate(model, q, &self.displacement, next_q);
         add_scaled(qd, dt, &self.qdd, next_qd);
     }
 }
@@ -163,12 +163,13 @@ fn block_products<'a, S: Scalar>(
 /// Computes the coordinates and velocities after the time `dt`.
 pub fn step_implicit_midpoint<S: Scalar>(
     model: &Mechanism<S>,
-    (q, qd, tau, dt): (&[S], &[S], &[S], S),
-    (workspace, memory): (&mut Workspace<S>, &mut MidpointWorkspace<S>),
-    next: (&mut [S], &mut [S]),
+    TimeStepInput { q, qd, tau, dt }: TimeStepInput<'_, S>,
+    workspace: &mut Workspace<S>,
+    memory: &mut MidpointWorkspace<S>,
+    next: NextState<'_, S>,
 ) {
-    memory.solve(model, (q, qd, tau), S::from_f64(0.5) * dt, workspace);
-    memory.finish(model, (q, qd, dt), next);
+    memory.solve(model, ForwardInput { q, qd, tau }, S::from_f64(0.5) * dt, workspace);
+    memory.finish(model, State { q, qd }, dt, next);
 }
 
 /// Computes the state of [`step_implicit_midpoint`], and the derivatives of the midpoint rule in
@@ -178,17 +179,18 @@ pub fn step_implicit_midpoint<S: Scalar>(
 /// was found.
 pub fn step_implicit_midpoint_derivatives<S: Scalar>(
     model: &Mechanism<S>,
-    (q, qd, tau, dt): (&[S], &[S], &[S], S),
-    (workspace, memory): (&mut Workspace<S>, &mut MidpointWorkspace<S>),
+    TimeStepInput { q, qd, tau, dt }: TimeStepInput<'_, S>,
+    workspace: &mut Workspace<S>,
+    memory: &mut MidpointWorkspace<S>,
     outputs: StepOutputs<'_, S>,
 ) {
     let StepOutputs { q: next_q, qd: next_qd, a, b } = outputs;
     let n = model.nv;
     let half = S::from_f64(0.5) * dt;
-    memory.solve(model, (q, qd, tau), half, workspace);
-    memory.move_to_midpoint(model, (q, qd), half);
+    memory.solve(model, ForwardInput { q, qd, tau }, half, workspace);
+    memory.move_to_midpoint(model, State { q, qd }, half);
     memory.linearize(model, half, workspace);
-    memory.finish(model, (q, qd, dt), (next_q, next_qd));
+    memory.finish(model, State { q, qd }, dt, NextState { q: next_q, qd: next_qd });
     if n == 0 {
         return;
     }
@@ -211,7 +213,7 @@ pub fn step_implicit_midpoint_derivatives<S: Scalar>(
         solve_ul(by_qdd, &mut column[n..]);
     }
     // The derivatives of the state.
-    integrate_derivatives(model, displacement, (by_start, by_displacement));
+    integrate_derivatives(model, displacement, by_start, by_displacement);
     for (j, column) in a.chunks_mut(2 * n).chain(b.chunks_mut(2 * n)).enumerate() {
         let (moved, rates) = column.split_at_mut(n);
         scale(half, rates, vector);

@@ -23,7 +23,7 @@ pub struct StepOutputs<'a, S> {
     /// The velocities after the step.
     pub qd: &'a mut [S],
     /// The derivatives with respect to q (in tangent space), then qd, before the step: 2 nv columns
-    /// of 2 nv entries, those of q (in tangent space) first.
+    /// of 2 nv entries, the entries of q (in tangent space) first.
     pub a: &'a mut [S],
     /// The derivatives with respect to tau: nv columns of 2 nv entries.
     pub b: &'a mut [S],
@@ -40,7 +40,8 @@ pub struct StepWorkspace<S> {
     velocities: [Vec<S>; 3],
     /// The accelerations at each evaluation.
     accelerations: [Vec<S>; 4],
-    /// Square matrices: derivatives of the accelerations, then those of the moved coordinates.
+    /// Square matrices: derivatives of the accelerations, then derivatives of the moved
+    /// coordinates.
     matrices: [Vec<S>; 3],
 }
 

@@ -11,26 +11,30 @@ use alloc::{vec, vec::Vec};
 
 use super::{StepOutputs, StepWorkspace, add_scaled, scale};
 use crate::Scalar;
-use crate::equations::Workspace;
 use crate::equations::derivatives::{ForwardDerivatives, forward_dynamics_derivatives};
 use crate::equations::dynamics::{Elimination, forward_dynamics};
 use crate::equations::factorization::UduLayout;
 use crate::equations::kinematics::coordinates::{integrate, integrate_derivatives};
+use crate::equations::{ForwardInput, NextState, State, TimeStepInput, Workspace};
 use crate::mechanism::Mechanism;
 
 /// Computes the coordinates and velocities after the time `dt`, with an error of order dt^5.
 pub fn step_rk4<S: Scalar>(
     model: &Mechanism<S>,
     elimination: &Elimination,
-    (q, qd, tau, dt): (&[S], &[S], &[S], S),
-    (workspace, memory): (&mut Workspace<S>, &mut StepWorkspace<S>),
-    next: (&mut [S], &mut [S]),
+    TimeStepInput { q, qd, tau, dt }: TimeStepInput<'_, S>,
+    workspace: &mut Workspace<S>,
+    memory: &mut StepWorkspace<S>,
+    next: NextState<'_, S>,
 ) {
     runge_kutta(
-        (q, qd, dt),
+        State { q, qd },
+        dt,
         memory,
-        |from, displacement, to| integrate(model, (from, displacement), to),
-        |q, qd, qdd| forward_dynamics(model, elimination, (q, qd, tau), None, workspace, qdd),
+        |from, displacement, to| integrate(model, from, displacement, to),
+        |q, qd, qdd| {
+            forward_dynamics(model, elimination, ForwardInput { q, qd, tau }, None, workspace, qdd)
+        },
         next,
     );
 }
@@ -39,11 +43,12 @@ pub fn step_rk4<S: Scalar>(
 /// and `accelerate` computes the accelerations of coordinates and velocities. All vectors of the
 /// memory have the lengths of `q` and `qd`.
 fn runge_kutta<S: Scalar>(
-    (q, qd, dt): (&[S], &[S], S),
+    State { q, qd }: State<'_, S>,
+    dt: S,
     memory: &mut StepWorkspace<S>,
     mut displace: impl FnMut(&[S], &[S], &mut [S]),
     mut accelerate: impl FnMut(&[S], &[S], &mut [S]),
-    (next_q, next_qd): (&mut [S], &mut [S]),
+    NextState { q: next_q, qd: next_qd }: NextState<'_, S>,
 ) {
     let StepWorkspace { q: at, displacement, velocities: [v2, v3, v4], accelerations, .. } = memory;
     let [a1, a2, a3, a4] = accelerations;
@@ -130,12 +135,13 @@ impl<S: Scalar> RungeKuttaWorkspace<S> {
 ///
 /// With the derivatives F of forward dynamics at a stage, the derivatives of its accelerations are
 /// F_q Q + F_qd V + F_tau T. Q and V are the derivatives of the stage's coordinates and velocities,
-/// and T those of tau.
+/// and T the derivatives of tau.
 pub fn step_rk4_derivatives<S: Scalar>(
     model: &Mechanism<S>,
     layout: &UduLayout,
-    (q, qd, tau, dt): (&[S], &[S], &[S], S),
-    (workspace, memory): (&mut Workspace<S>, &mut RungeKuttaWorkspace<S>),
+    TimeStepInput { q, qd, tau, dt }: TimeStepInput<'_, S>,
+    workspace: &mut Workspace<S>,
+    memory: &mut RungeKuttaWorkspace<S>,
     outputs: StepOutputs<'_, S>,
 ) {
     let StepOutputs { q: next_q, qd: next_qd, a, b } = outputs;
@@ -156,9 +162,9 @@ pub fn step_rk4_derivatives<S: Scalar>(
         let (from, by_from) = from.split_at(nq);
         let (moved, by_moved) = displacement.split_at(n);
         let (to, by_to) = to.split_at_mut(nq);
-        integrate(model, (from, moved), to);
+        integrate(model, from, moved, to);
         let [by_start, by_displacement] = &mut *transport;
-        integrate_derivatives(model, moved, (by_start, by_displacement));
+        integrate_derivatives(model, moved, by_start, by_displacement);
         let columns = by_from.chunks(n).zip(by_moved.chunks(n)).zip(by_to.chunks_mut(n));
         for ((from, moved), to) in columns {
             for block in &model.coordinates {
@@ -177,8 +183,14 @@ pub fn step_rk4_derivatives<S: Scalar>(
         let (qd, by_qd) = qd.split_at(n);
         let (qdd, columns) = qdd.split_at_mut(n);
         let [dqdd_dq, dqdd_dqd, dqdd_dtau] = &mut *derivatives;
-        let found = ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau };
-        forward_dynamics_derivatives(model, layout, (q, qd, tau), workspace, found);
+        let outputs = ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau };
+        forward_dynamics_derivatives(
+            model,
+            layout,
+            ForwardInput { q, qd, tau },
+            workspace,
+            outputs,
+        );
         let (by_state, by_tau) = columns.split_at_mut(2 * n * n);
         by_state.fill(S::zero());
         by_tau.copy_from_slice(dqdd_dtau);
@@ -194,9 +206,9 @@ pub fn step_rk4_derivatives<S: Scalar>(
     };
     let [start_q, start_qd] = start;
     let [end_q, end_qd] = next;
-    let before = (&**start_q, &**start_qd, dt);
-    let after = (&mut **end_q, &mut **end_qd);
-    runge_kutta(before, stages, displace, accelerate, after);
+    let before = State { q: start_q, qd: start_qd };
+    let after = NextState { q: end_q, qd: end_qd };
+    runge_kutta(before, dt, stages, displace, accelerate, after);
 
     let (moved, by_q) = end_q.split_at(nq);
     let (rates, by_qd) = end_qd.split_at(n);

@@ -2,11 +2,11 @@
 
 use super::{StepOutputs, StepWorkspace, add_scaled, scale};
 use crate::Scalar;
-use crate::equations::Workspace;
 use crate::equations::derivatives::{ForwardDerivatives, forward_dynamics_derivatives};
 use crate::equations::dynamics::{Elimination, forward_dynamics};
 use crate::equations::factorization::UduLayout;
 use crate::equations::kinematics::coordinates;
+use crate::equations::{ForwardInput, NextState, TimeStepInput, Workspace};
 use crate::mechanism::Mechanism;
 
 /// Computes the coordinates and velocities after the time `dt`: qd' = qd + dt qdd(q, qd, tau) and
@@ -14,27 +14,30 @@ use crate::mechanism::Mechanism;
 pub fn step_semi_implicit<S: Scalar>(
     model: &Mechanism<S>,
     elimination: &Elimination,
-    (q, qd, tau, dt): (&[S], &[S], &[S], S),
-    (workspace, memory): (&mut Workspace<S>, &mut StepWorkspace<S>),
-    (next_q, next_qd): (&mut [S], &mut [S]),
+    TimeStepInput { q, qd, tau, dt }: TimeStepInput<'_, S>,
+    workspace: &mut Workspace<S>,
+    memory: &mut StepWorkspace<S>,
+    NextState { q: next_q, qd: next_qd }: NextState<'_, S>,
 ) {
     let StepWorkspace { displacement, accelerations: [qdd, ..], .. } = memory;
-    forward_dynamics(model, elimination, (q, qd, tau), None, workspace, qdd);
+    forward_dynamics(model, elimination, ForwardInput { q, qd, tau }, None, workspace, qdd);
     add_scaled(qd, dt, qdd, next_qd);
     scale(dt, next_qd, displacement);
-    coordinates::integrate(model, (q, displacement), next_q);
+    coordinates::integrate(model, q, displacement, next_q);
 }
 
 /// Computes the coordinates and velocities after the time `dt`, and their derivatives in tangent
 /// space.
 ///
-/// With the derivatives F of the accelerations, those of the velocities are 1 + dt F. Those of the
-/// coordinates follow from them by the derivatives of [`coordinates::integrate`].
+/// With the derivatives F of the accelerations, the derivatives of the velocities are 1 + dt F. The
+/// derivatives of the coordinates follow from them by the derivatives of
+/// [`coordinates::integrate`].
 pub fn step_semi_implicit_derivatives<S: Scalar>(
     model: &Mechanism<S>,
     layout: &UduLayout,
-    (q, qd, tau, dt): (&[S], &[S], &[S], S),
-    (workspace, memory): (&mut Workspace<S>, &mut StepWorkspace<S>),
+    TimeStepInput { q, qd, tau, dt }: TimeStepInput<'_, S>,
+    workspace: &mut Workspace<S>,
+    memory: &mut StepWorkspace<S>,
     outputs: StepOutputs<'_, S>,
 ) {
     let StepOutputs { q: next_q, qd: next_qd, a, b } = outputs;
@@ -42,10 +45,16 @@ pub fn step_semi_implicit_derivatives<S: Scalar>(
     let n = model.nv;
     let [dqdd_dq, dqdd_dqd, dqdd_dtau] = &mut *matrices;
     let derivatives = ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau };
-    forward_dynamics_derivatives(model, layout, (q, qd, tau), workspace, derivatives);
+    forward_dynamics_derivatives(
+        model,
+        layout,
+        ForwardInput { q, qd, tau },
+        workspace,
+        derivatives,
+    );
     add_scaled(qd, dt, qdd, next_qd);
     scale(dt, next_qd, displacement);
-    coordinates::integrate(model, (q, displacement), next_q);
+    coordinates::integrate(model, q, displacement, next_q);
     if n == 0 {
         return;
     }
@@ -59,7 +68,7 @@ pub fn step_semi_implicit_derivatives<S: Scalar>(
     }
     // The derivatives of the coordinates.
     let [by_q, by_displacement, _] = matrices;
-    coordinates::integrate_derivatives(model, displacement, (by_q, by_displacement));
+    coordinates::integrate_derivatives(model, displacement, by_q, by_displacement);
     for column in a.chunks_mut(2 * n).chain(b.chunks_mut(2 * n)) {
         let (moved, rates) = column.split_at_mut(n);
         for (i, moved) in moved.iter_mut().enumerate() {

@@ -1,5 +1,7 @@
 //! modyn's interpreter: one of the programs, and the reference for the results of all others.
 
+use modyn::equations::constraints::{ConstrainedOutputs};
+use modyn::equations::{ForwardInput};
 use modyn::{
     ConstrainedDerivatives, ConstraintSettings, ContactTarget, ForwardDerivatives, Interpreter,
     Twist, Wrench,
@@ -52,10 +54,10 @@ pub fn function(quantity: &str) -> Function {
             let count = robot.model().contacts().len();
             let (mut wrenches, mut residuals) =
                 (vec![Wrench::zero(); count], vec![Twist::zero(); count]);
-            let results = (out, &mut wrenches[..], &mut residuals[..]);
+            let results = ConstrainedOutputs { qdd: out, wrenches: &mut wrenches, residuals: &mut residuals };
             robot
                 .constrained_forward_dynamics(
-                    (q, qd, tau),
+                    ForwardInput { q, qd, tau },
                     &vec![true; count],
                     &settings(count),
                     results,
@@ -82,7 +84,7 @@ pub fn function(quantity: &str) -> Function {
             };
             robot
                 .constrained_forward_dynamics_derivatives(
-                    (q, qd, tau),
+                    ForwardInput { q, qd, tau },
                     &vec![true; count],
                     &settings(count),
                     outputs,

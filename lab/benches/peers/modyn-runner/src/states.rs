@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::Path;
 
+use modyn::equations::constraints::{ImpulseOutputs};
+use modyn::equations::{State};
 use modyn::{Interpreter, Wrench, model::Model};
 use modyn_codegen::{Base, ReadOptions, read};
 
@@ -48,8 +50,8 @@ fn at_rest(robot: &mut Interpreter<f64>, q: &[f64], qd: &[f64]) -> Vec<f64> {
     let contacts = robot.model().contacts().len();
     let (mut after, mut impulses) = (qd.to_vec(), vec![Wrench::zero(); contacts]);
     let (active, settings) = (vec![true; contacts], settings(contacts));
-    let results = (&mut after[..], &mut impulses[..]);
-    robot.contact_impulse((q, qd), &active, &settings, results).expect("sizes");
+    let results = ImpulseOutputs { qd: &mut after, impulses: &mut impulses };
+    robot.contact_impulse(State { q, qd }, &active, &settings, results).expect("sizes");
     after
 }
 

@@ -49,8 +49,8 @@ impl Printer<'_> {
         if *never_inline {
             *text += "#[inline(never)]\n";
         }
-        let table = Shape::vector(*constants);
-        let table = Parameter::constants("table", table, self.float.name());
+        let shape = Shape::vector(*constants);
+        let table = Parameter::constants("table", shape, self.float.name());
         let read = Parameter::new("read", Shape::vector(program.arguments - constants));
         let parameters: Vec<Parameter> =
             (*constants > 0).then_some(table).into_iter().chain([read]).collect();
@@ -63,8 +63,11 @@ impl Printer<'_> {
         if table.is_empty() {
             return;
         }
-        let (name, float) = (self.table_name(number), self.float.name());
-        let (constants, places, rows) = (table.constants(), table.places(), table.rows.len());
+        let name = self.table_name(number);
+        let float = self.float.name();
+        let constants = table.constants();
+        let places = table.places();
+        let rows = table.rows.len();
         let index = index_type(table);
         let _ = writeln!(
             text,
@@ -201,8 +204,8 @@ impl Printer<'_> {
             }
         }
         for (window, stores) in windows.0.iter().zip(stores) {
-            let found = self.found(window, "_mut");
-            let _ = writeln!(text, "    if let Some(to) = {found} {{\n{stores}    }}");
+            let element_found = self.found(window, "_mut");
+            let _ = writeln!(text, "    if let Some(to) = {element_found} {{\n{stores}    }}");
         }
     }
 

@@ -53,16 +53,16 @@ impl Printer<'_> {
                 columns.join(", ")
             );
             if execution == Execution::Simd {
-                for group in block.vectors(products.rows) {
-                    vectors(text, block, group, (&a, &sums));
+                for (first, width) in block.vectors(products.rows) {
+                    vectors(text, block, first, width, &a, &sums);
                 }
             } else {
-                rows(text, block, (&a, &sums));
+                rows(text, block, &a, &sums);
             }
             if products.in_place.is_none() {
                 for (sum, targets) in sums.iter().zip(&products.targets) {
                     for target in targets {
-                        self.add_product(text, (products, block), (sum, target));
+                        self.add_product(text, products, block, sum, target);
                     }
                 }
             }
@@ -75,8 +75,10 @@ impl Printer<'_> {
             let sum = self.sum(&entries[0], &self.one(&entries[1]));
             let _ = writeln!(
                 text,
-                "    let mut column = 0;\n    while column < {} {{\n        let mut row = 0;\n        while row <= column {{\n            \
-                 let sum = {sum};\n            {} = sum;\n            {} = sum;\n            row += 1;\n        }}\n        \
+                "    let mut column = 0;\n    while column < {} {{\n        let mut row = \
+                 0;\n        while row <= column {{\n            \
+                 let sum = {sum};\n            {} = sum;\n            {} = sum;\n            row \
+                 += 1;\n        }}\n        \
                  column += 1;\n    }}",
                 products.rows, entries[0], entries[1]
             );
@@ -97,15 +99,18 @@ impl Printer<'_> {
     fn add_product(
         &self,
         text: &mut String,
-        (products, block): (&Products, &ProductBlock),
-        (product, target): (&str, &Target),
+        products: &Products,
+        block: &ProductBlock,
+        product: &str,
+        target: &Target,
     ) {
         let number = format!("{product}[row]");
         let replaces = products.replaces(block, target, &self.program.results);
         let mut print = |Range { start, end }: Range<usize>, statement: String| {
             let _ = writeln!(
                 text,
-                "        let mut row = {start};\n        while row < {end} {{\n            {statement};\n            row += 1;\n        }}"
+                "        let mut row = {start};\n        while row < {end} {{\n            \
+                 {statement};\n            row += 1;\n        }}"
             );
         };
         let rows = target.rows_of(block);
@@ -117,8 +122,8 @@ impl Printer<'_> {
             return print(rows, format!("outputs.{name}({place}, {number})"));
         }
         for rows in self.result.arrays_of(target, rows) {
-            let place = self.result.place_in_loops(target, &rows, products.columns());
-            let place = format!("result{place}");
+            let indices = self.result.place_in_loops(target, &rows, products.columns());
+            let place = format!("result{indices}");
             let sum = if replaces { number.clone() } else { self.sum(&place, &self.one(&number)) };
             print(rows, format!("{place} = {sum}"));
         }
@@ -143,7 +148,7 @@ impl Printer<'_> {
 }
 
 /// Prints the sums of a block's rows, some at a time. The last ones may be among those before them.
-fn rows(text: &mut String, block: &ProductBlock, (a, products): (&str, &[String])) {
+fn rows(text: &mut String, block: &ProductBlock, a: &str, products: &[String]) {
     let Range { start, end } = block.rows;
     let count = products.len();
     let at_a_time = (end - start).min(ROW_LANES);
@@ -182,11 +187,13 @@ fn rows(text: &mut String, block: &ProductBlock, (a, products): (&str, &[String]
 fn vectors(
     text: &mut String,
     block: &ProductBlock,
-    (first, vectors): (usize, usize),
-    (a, products): (&str, &[String]),
+    first: usize,
+    vectors: usize,
+    a: &str,
+    products: &[String],
 ) {
     let list =
-        |of: &dyn Fn(usize) -> String, count| (0..count).map(of).collect::<Vec<_>>().join(", ");
+        |text: &dyn Fn(usize) -> String, count| (0..count).map(text).collect::<Vec<_>>().join(", ");
     let count = products.len();
     let factors = list(&|m| format!("V::Four::broadcast(V::one(b[{m}][term]))"), count);
     let rows = list(&|lane| format!("V::one({a}[term][row + {lane}])"), ROW_LANES);
@@ -194,7 +201,8 @@ fn vectors(
     for Range { start, end } in &block.terms {
         let _ = writeln!(
             text,
-            "        let mut term = {start};\n        while term < {end} {{\n            let factors = [{factors}];\n            \
+            "        let mut term = {start};\n        while term < {end} {{\n            let \
+             factors = [{factors}];\n            \
              let (mut row, mut r) = ({first}, 0);\n            while r < {vectors} {{\n                \
              let a = V::Four::pack([{rows}]);"
         );
@@ -289,7 +297,9 @@ impl Shape {
     fn place(&self, i: usize) -> String {
         match self {
             Self::Scalar => String::new(),
-            Self::Array(of, _) => format!("[{}]{}", i / of.len(), of.place(i % of.len())),
+            Self::Array(element, _) => {
+                format!("[{}]{}", i / element.len(), element.place(i % element.len()))
+            }
             Self::Struct { fields, .. } => {
                 let mut first = 0;
                 let starts = fields.iter().map(|(name, field)| {

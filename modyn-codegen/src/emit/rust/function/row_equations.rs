@@ -27,7 +27,7 @@ impl Printer<'_> {
         let list = |operands: &[Operand]| format!("[{}]", self.all(operands));
         let [triangle, sides, scales, tolerances] = equations.parts();
         let sides: Vec<String> = sides.chunks(equations.rows()).map(list).collect();
-        let of = format!(
+        let system = format!(
             "__modyn::solve::RowEquations {{ blocks: {:?}, matrix: {}, sides: [{}], scales: {}, tolerances: {} }}",
             equations.blocks,
             list(triangle),
@@ -36,9 +36,9 @@ impl Printer<'_> {
             list(tolerances),
         );
         let solved = match self.program.execution {
-            Execution::Scalar => format!("{of}.solve()"),
-            Execution::Simd => format!("V::outlined({of})"),
-            Execution::Batch | Execution::Threads => format!("T::outlined({of})"),
+            Execution::Scalar => format!("{system}.solve()"),
+            Execution::Simd => format!("V::outlined({system})"),
+            Execution::Batch | Execution::Threads => format!("T::outlined({system})"),
         };
         format!(
             "if {}::is_known_nonnegative({}) {{ __modyn::solve::RowSolutions::zero() }} else {{ {solved} }}",

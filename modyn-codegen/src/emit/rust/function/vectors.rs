@@ -81,9 +81,9 @@ impl Printer<'_> {
 
     /// Returns the type parameters of these types and of their instruction set `V`, with bounds.
     pub(super) fn backend_bounds(&self) -> String {
-        let of = self.vectors().map(|kind| format!("{} = {}", kind.of, kind.name));
-        let of = of.collect::<Vec<_>>().join(", ");
-        format!("{}, V: __modyn::batch::SimdBackend<{of}>", self.vector_bounds())
+        let bounds = self.vectors().map(|kind| format!("{} = {}", kind.of, kind.name));
+        let list = bounds.collect::<Vec<_>>().join(", ");
+        format!("{}, V: __modyn::batch::SimdBackend<{list}>", self.vector_bounds())
     }
 
     /// Returns the names of these types.

@@ -32,9 +32,9 @@ impl Facet {
     }
 }
 
-/// The largest number of facets that are made, most of which are removed again. A hull of a
-/// scanned mesh makes some ten for each of its corners; that of many points on a circle makes half
-/// as many for each point as there are points.
+/// The largest number of facets that are made, most of which are removed again. A hull of a scanned
+/// mesh makes some ten for each of its corners; the hull of many points on a circle makes half as
+/// many for each point as there are points.
 const MAX_FACETS: usize = 5_000_000;
 
 const IN_ONE_PLANE: &str = "has all vertices in one plane";
@@ -71,9 +71,9 @@ pub fn hull(points: &[[f64; 3]]) -> Result<Vec<[usize; 3]>, &'static str> {
             continue;
         }
         let height = |point: &usize| facets[at].distance(points[*point]);
-        let farthest =
+        let highest =
             facets[at].outside.iter().copied().max_by(|a, b| height(a).total_cmp(&height(b)));
-        let farthest = farthest.ok_or(INCONSISTENT)?;
+        let farthest = highest.ok_or(INCONSISTENT)?;
         let (visible, horizon) = visible_from(points[farthest], &mut facets, at, tolerance);
         let first = facets.len();
         for (i, &(from, to, beyond)) in horizon.iter().enumerate() {
@@ -180,8 +180,8 @@ fn simplex(points: &[[f64; 3]], tolerance: f64) -> Option<[usize; 4]> {
     let origin = *points.first()?;
     let (a, _) = farthest(&|point| length(difference(point, origin)))?;
     let (b, _) = farthest(&|point| length(difference(point, points[a])))?;
-    let along = difference(points[b], points[a]);
-    let along = along.map(|x| x / length(along));
+    let direction = difference(points[b], points[a]);
+    let along = direction.map(|x| x / length(direction));
     let (c, _) = farthest(&|point| length(cross(along, difference(point, points[a]))))?;
     let facet = Facet::new(points, [a, b, c]);
     let (d, _) = farthest(&|point| facet.distance(point).abs())?;

@@ -74,7 +74,9 @@ impl MassProperties {
             }
         }
         if !(measure > MIN_MEASURE && area > MIN_MEASURE) {
-            return Err("has no positive volume: its triangles may be inside out, or it may need `inertia=\"shell\"`".into());
+            return Err("has no positive volume: its triangles may be inside out, or it may need \
+                        `inertia=\"shell\"`"
+                .into());
         }
         let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = products;
         let inertia = [yy + zz, -xy, -xz, xx + zz, -yz, xx + yy];

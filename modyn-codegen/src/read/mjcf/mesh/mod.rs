@@ -78,11 +78,11 @@ impl<'e> Asset<'e> {
     ) -> Result<Self, String> {
         let mut assets =
             model.source.root.in_sections("asset").filter(|asset| asset.name == "mesh");
-        let asset = assets.find(|asset| match asset.text("name") {
-            Some(own) => own == name,
+        let named = assets.find(|asset| match asset.text("name") {
+            Some(name_attribute) => name_attribute == name,
             None => asset.text("file").map(stem).as_deref() == Some(name),
         });
-        let asset = asset.ok_or_else(|| format!("the mesh `{name}` is not in the file"))?;
+        let asset = named.ok_or_else(|| format!("the mesh `{name}` is not in the file"))?;
         let chain = model.classes.chain(asset, None);
         if !model.is_sound(&chain) {
             return Err(format!("the mesh `{name}` has errors"));
@@ -163,11 +163,11 @@ fn surface(
             .collect();
         return checked(Mesh { vertices, faces });
     };
-    let file = path_of(file);
+    let path = path_of(file);
     let file = if model.settings.strip_path {
-        file.file_name().map(PathBuf::from).unwrap_or_default()
+        path.file_name().map(PathBuf::from).unwrap_or_default()
     } else {
-        file
+        path
     };
     let Some(main) = &model.source.folder else {
         return Err(format!(
@@ -181,8 +181,9 @@ fn surface(
     places.extend(
         included.iter().flat_map(|folder| [folder.join(&file), folder.join(&meshes).join(&file)]),
     );
-    let place = places.iter().find(|place| model.source.store.is_file(place)).unwrap_or(&places[0]);
-    let place = super::element::normalized(place);
+    let existing =
+        places.iter().find(|place| model.source.store.is_file(place)).unwrap_or(&places[0]);
+    let place = super::element::normalized(existing);
     report.depends_on(place.clone());
     read(&model.source.store, &place, purpose)
 }
