@@ -69,7 +69,7 @@ pub mod internals {
     pub use crate::emit::rust::embedded::in_any_edition;
     pub use crate::emit::rust::function::operations::literal;
     pub use crate::emit::rust::layout::indented;
-    pub use crate::graph::limit::within;
+    pub use crate::graph::limit::{traced_operations, within};
     pub use crate::graph::table::{Table, hash};
     pub use crate::names::KEYWORDS;
     pub use crate::passes::balance::ready_times;

@@ -38,6 +38,14 @@ impl Default for Graph {
 }
 
 impl Graph {
+    /// Returns a graph without operations: all of its outputs, of this number, are zero.
+    pub(super) fn of_zeros(outputs: usize) -> Self {
+        let mut graph = Self::default();
+        let zero = graph.insert(Node::Constant(0.0_f64.to_bits()));
+        graph.outputs = vec![zero; outputs];
+        graph
+    }
+
     /// Returns all nodes, operands before users.
     #[must_use]
     pub fn nodes(&self) -> &[Node] {
@@ -109,11 +117,12 @@ impl Graph {
         self.find(node).is_some()
     }
 
-    fn insert(&mut self, node: Node) -> Id {
-        if self.nodes.len() >= self.limit
-            && let Some(operand) = self.beyond_limit(node)
-        {
-            return operand;
+    fn insert(&mut self, mut node: Node) -> Id {
+        if self.nodes.len() >= self.limit {
+            node = match self.beyond_limit(node) {
+                Ok(known) => return known,
+                Err(shared) => shared,
+            };
         }
         if let Some(id) = self.table.find_or_insert(node, &self.nodes) {
             return id;
@@ -130,19 +139,24 @@ impl Graph {
         (self.nodes.len() - 1) as Id
     }
 
-    /// Returns the widest operand of an operation, in place of an operation beyond the limit;
-    /// `None` for other nodes, of which there are few.
+    /// Returns a node of the same width in place of an operation beyond the limit: an operand, or the lanes of one pack of zeros for
+    /// each width. The error is a node that the graph may have beyond the limit: a constant, an input or such a pack.
     #[cold]
-    fn beyond_limit(&self, node: Node) -> Option<Id> {
+    fn beyond_limit(&mut self, node: Node) -> Result<Id, Node> {
         assert!(self.nodes.len() < limit::UNLIMITED, "a graph has fewer than 2^32 nodes");
-        if matches!(
-            node,
-            Node::Constant(_) | Node::Input(_) | Node::Pack(..) | Node::ExtractLane(..)
-        ) {
-            return None;
+        if matches!(node, Node::Constant(_) | Node::Input(_)) {
+            return Err(node);
         }
         limit::exceed();
-        node.operands().max_by_key(|&operand| self.width(operand))
+        let zero = Node::Constant(0.0_f64.to_bits());
+        match node {
+            Node::ExtractLane(..) => Ok(self.insert(zero)),
+            Node::Pack(_, _, width) => {
+                let zero = self.insert(zero);
+                Err(Node::Pack(zero, zero, width))
+            }
+            _ => node.operands().max_by_key(|&operand| self.width(operand)).ok_or(node),
+        }
     }
 
     /// Returns the largest number of lanes of an operand; 1 without operands.

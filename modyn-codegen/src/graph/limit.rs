@@ -10,6 +10,8 @@ thread_local! {
     static LEFT: Cell<usize> = const { Cell::new(UNLIMITED) };
     /// Whether a graph would have had more.
     static IS_EXCEEDED: Cell<bool> = const { Cell::new(false) };
+    /// The nodes of all traces, and the operations beyond their limits.
+    static TRACED: Cell<usize> = const { Cell::new(0) };
 }
 
 /// Restores the limit around the current one.
@@ -36,6 +38,11 @@ pub fn within<T>(nodes: usize, work: impl FnOnce() -> T) -> Option<T> {
     (!is_exceeded).then_some(result)
 }
 
+/// Returns whether a graph would have had more nodes than the limit: nothing that follows from it counts.
+pub fn is_exceeded() -> bool {
+    IS_EXCEEDED.get()
+}
+
 /// Returns the nodes that a new graph may have.
 pub(super) fn of_new_graph() -> usize {
     LEFT.get()
@@ -43,13 +50,21 @@ pub(super) fn of_new_graph() -> usize {
 
 /// Counts the nodes of a trace.
 pub(super) fn count(nodes: usize) {
+    TRACED.set(TRACED.get() + nodes);
     if LEFT.get() != UNLIMITED {
         LEFT.set(LEFT.get().saturating_sub(nodes));
     }
 }
 
-/// Notes that a graph would have had more nodes.
+/// Notes that a graph would have had one more node.
 #[cold]
 pub(super) fn exceed() {
     IS_EXCEEDED.set(true);
+    TRACED.set(TRACED.get() + 1);
+}
+
+/// Returns the number of nodes that this thread has traced, and of operations beyond their limits.
+#[must_use]
+pub fn traced_operations() -> usize {
+    TRACED.get()
 }

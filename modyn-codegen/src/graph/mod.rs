@@ -15,6 +15,6 @@ pub(crate) mod table;
 mod vectors;
 
 pub use arena::Graph;
-pub(crate) use limit::within;
+pub(crate) use limit::{is_exceeded, within};
 pub use node::{Id, Node};
 pub use scalar::{Expr, ForeignExpr};

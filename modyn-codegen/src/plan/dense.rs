@@ -15,7 +15,7 @@ use super::context::PlanContext;
 use super::functions::{Lowering, TraceDense};
 use super::packing;
 use super::planned::Kernels;
-use crate::graph::Graph;
+use crate::graph::{Graph, is_exceeded};
 use crate::passes::optimize;
 use crate::program::{Execution, Program, ROW_LANES};
 use crate::trace::{DenseGraph, RowForm};
@@ -94,7 +94,8 @@ fn kernels(
     scalars: usize,
     trace: TraceDense,
 ) -> Option<Kernels> {
-    if context.share || context.code == CodeForm::Fast && !context.machine_code {
+    let is_straight = context.share || context.code == CodeForm::Fast && !context.machine_code;
+    if is_straight || is_exceeded() {
         return None;
     }
     let mut dense = trace(&context.tracer, context, scalars);

@@ -19,6 +19,7 @@ mod entries;
 mod factorization;
 mod frames;
 mod functions;
+mod least;
 mod limit;
 mod looped;
 mod packing;

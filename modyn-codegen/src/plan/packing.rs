@@ -7,7 +7,7 @@ use modyn_runtime::quantities::Function;
 use super::bundle::{Bundle, Graphs};
 use super::context::PlanContext;
 use super::functions::{Lowering, Packing};
-use crate::graph::Graph;
+use crate::graph::{Graph, is_exceeded};
 use crate::passes::{balance, optimize};
 use crate::trace::{LimbPacking, Tracer};
 
@@ -67,6 +67,9 @@ pub(super) fn packed_by<'a>(
     scalar: &Graph,
     trace: &dyn Fn(&Tracer<'_>) -> Graph,
 ) -> Option<Graph> {
+    if is_exceeded() {
+        return None;
+    }
     let packing = Lowering::of(function).packing;
     let by_limbs = context.limbs.iter().flat_map(|limbs| {
         let tracer = context.tracer.packed(limbs);
@@ -86,6 +89,9 @@ pub(super) fn packed_bundle(
     context: &PlanContext<'_>,
     scalar: &Graph,
 ) -> Option<Graph> {
+    if is_exceeded() {
+        return None;
+    }
     let by_limbs = context.limbs.iter().filter_map(|limbs| {
         let tracer = context.tracer.packed(limbs);
         graphs.packed(|function| {

@@ -2,7 +2,7 @@
 
 use modyn_codegen::diagnostics::{Code, Severity};
 use modyn_codegen::graph::{Expr, Graph};
-use modyn_codegen::internals::{invalid_programs, within};
+use modyn_codegen::internals::{invalid_programs, traced_operations, within};
 use modyn_codegen::program::InvalidProgram;
 use modyn_codegen::{
     Builder, Contact, ContactKind, Function, LoopEnd, ModuleChoice, ReadOptions, read_urdf,
@@ -182,6 +182,73 @@ fn functions_of_a_long_chain_are_refused_soon() {
         }
     }
     assert!(refused > 30, "{refused}");
+}
+
+/// Returns contacts of points with the ground, on these links.
+fn points(links: impl Iterator<Item = String>) -> Vec<Contact> {
+    let point = |(i, link)| {
+        let end = LoopEnd { link, xyz: [0.1 * i as f64, 0.2, 0.3], rpy: [0.0; 3] };
+        Contact { name: format!("p{i}"), kind: ContactKind::Point, end }
+    };
+    links.enumerate().map(point).collect()
+}
+
+/// Returns the number of traced operations of a function, and whether it is made.
+fn traced(builder: &Builder, function: Function) -> (usize, bool) {
+    let before = traced_operations();
+    let is_made = match builder.clone().functions([function]).plan() {
+        Ok(_) => true,
+        Err(errors) => {
+            assert!(errors.iter().all(|error| error.code == Code::TooLarge), "{errors}");
+            false
+        }
+    };
+    (traced_operations() - before, is_made)
+}
+
+/// A function far beyond the limit is refused before it is traced: forward dynamics is traced alone, for its partition.
+#[test]
+fn far_too_long_functions_are_refused_before_they_are_traced() {
+    for function in [
+        Function::ConstrainedForwardDynamics,
+        Function::ProjectConstraints,
+        Function::ContactImpulse,
+        Function::OperationalInertia,
+        Function::ConstrainedForwardDynamicsDerivatives,
+        Function::ConstrainedForwardDynamicsHessian,
+    ] {
+        for count in [50, 100, 1000] {
+            let builder = Builder::new().urdf_text(chain(7), "chain.urdf");
+            let builder = builder.contacts(points((0..count).map(|_| "3".into())));
+            let (operations, is_made) = traced(&builder, function);
+            let most = 50_000 + 200 * count;
+            assert!(!is_made && operations < most, "{function:?} {count}: {operations}");
+        }
+    }
+    for function in [
+        Function::ForwardDynamicsDerivatives,
+        Function::StepSemiImplicitDerivatives,
+        Function::ForwardDynamicsHessian,
+        Function::StepSemiImplicitHessian,
+    ] {
+        for count in [150, 300, 600] {
+            let builder = Builder::new().urdf_text(chain(count), "chain.urdf");
+            let (operations, is_made) = traced(&builder, function);
+            assert!(!is_made && operations < 5000 * count, "{function:?} {count}: {operations}");
+        }
+    }
+}
+
+/// A function a little beyond the limit is traced to the limit, and not by columns in lanes as well.
+#[test]
+#[ignore = "slow: millions of operations"]
+fn too_long_functions_are_traced_once() {
+    for count in [60, 100] {
+        let builder = Builder::new().urdf_text(chain(count), "chain.urdf");
+        let (operations, is_made) = traced(&builder, Function::ForwardDynamicsDerivatives);
+        println!("{count}: {operations}");
+        assert!(!is_made && operations < 8_000_000, "{count}: {operations}");
+    }
 }
 
 /// Beyond the limit an operation is one of its operands, so that graphs stay valid; traces outside have no limit.
