@@ -28,6 +28,7 @@ pub mod plan;
 pub mod program;
 pub mod read;
 pub mod trace;
+mod work;
 mod write;
 
 pub use builder::{Builder, Emitted, Generated, ObjectPlanning, Planning};
@@ -81,4 +82,5 @@ pub mod internals {
     pub use crate::read::xml::limits::MAX_BYTES;
     pub use crate::read::xml::numbers::numbers;
     pub use crate::trace::limbs::groups::{groups, join};
+    pub use crate::work::counted_steps;
 }

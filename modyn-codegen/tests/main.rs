@@ -6,6 +6,7 @@ mod c_header;
 mod casadi;
 mod contacts;
 mod diagnostics;
+mod doubling;
 mod entries;
 mod fixed_links;
 mod functions;

@@ -2,12 +2,12 @@
 
 use modyn_runtime::model::{Contact, LoopConstraintEnd};
 use modyn_runtime::spatial::Pose;
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::description::{
     self, ContactRecord, Description, EndRecord, LoopEnd, MAX_NUMBER, roll_pitch_yaw,
 };
-use crate::diagnostics::{Code, Report, suggest};
+use crate::diagnostics::{Code, Report, Suggestions};
 
 /// Returns the record of a contact of the options.
 pub fn from_option(option: &description::Contact) -> ContactRecord {
@@ -26,17 +26,28 @@ pub fn contacts(
 ) -> Vec<Contact> {
     let loops = description.loops.iter().map(|closing| closing.name.as_str());
     let mut names: FxHashSet<&str> = loops.collect();
+    let mut links = Links { description, frames: FxHashMap::default(), near: Suggestions::new() };
+    for (frame, name) in description.link_names().enumerate() {
+        links.frames.entry(name).or_insert(frame);
+    }
     let all = description.contacts.iter();
     all.filter_map(|record| {
         let is_new = names.insert(&record.name);
-        contact(description, record, is_new, carriers, report)
+        contact(&mut links, record, is_new, carriers, report)
     })
     .collect()
 }
 
+/// The links of a description by their names.
+struct Links<'d> {
+    description: &'d Description,
+    frames: FxHashMap<&'d str, usize>,
+    near: Suggestions,
+}
+
 /// Returns the contact of a record; `None` with an error in the report.
 fn contact(
-    description: &Description,
+    links: &mut Links<'_>,
     record: &ContactRecord,
     is_new: bool,
     carriers: &[Option<usize>],
@@ -57,10 +68,10 @@ fn contact(
     }
     let end = &record.end;
     let link = end.link.as_deref();
-    let frame = link.and_then(|link| description.link_names().position(|name| name == link));
+    let frame = link.and_then(|link| links.frames.get(link).copied());
     match (link, frame.map(|frame| carriers[frame])) {
         (Some(link), None) => {
-            let help = suggest(link, description.link_names()).map_or_else(
+            let help = links.near.suggest(link, links.description.link_names()).map_or_else(
                 || "name a link of the description".into(),
                 |name| format!("did you mean `{name}`?"),
             );

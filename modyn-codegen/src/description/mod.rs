@@ -8,11 +8,13 @@ mod choices;
 mod file_store;
 mod geometry;
 mod shape;
+mod taken_names;
 
 pub use choices::{Base, Contact, Loop, LoopEnd, Mimic, Package, ReadOptions, Rotor, XacroArg};
 pub use file_store::FileStore;
 pub use geometry::{MAX_NUMBER, UNLIMITED, are_parallel, normalized, roll_pitch_yaw};
 pub use shape::{Geometry, Mesh, Shape, Shapes};
+pub use taken_names::TakenNames;
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{ContactKind, Inertial, JointDynamics, Limits, LoopConstraintKind};
@@ -20,6 +22,7 @@ use modyn_runtime::spatial::Pose;
 use rustc_hash::FxHashMap;
 
 use crate::diagnostics::Subject;
+use crate::work::counted;
 
 /// A robot as a collection of records.
 #[derive(Clone)]
@@ -64,12 +67,12 @@ impl Description {
 
     /// Returns the names of all joints.
     pub fn joint_names(&self) -> impl Iterator<Item = &str> {
-        self.joints.iter().map(|joint| joint.name.text.as_str())
+        counted(self.joints.iter()).map(|joint| joint.name.text.as_str())
     }
 
     /// Returns the names of all links.
     pub fn link_names(&self) -> impl Iterator<Item = &str> {
-        self.links.iter().map(|link| link.name.text.as_str())
+        counted(self.links.iter()).map(|link| link.name.text.as_str())
     }
 }
 

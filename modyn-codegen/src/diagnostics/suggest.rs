@@ -1,12 +1,14 @@
 //! Suggestions for misspelt names.
 
-/// Returns the candidate that differs from `name` by one or two letters; the first of equally close
-/// ones.
+use crate::work;
+
+/// Returns the candidate that differs from `name` by one or two letters; the first of equally close ones.
 pub fn suggest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let name: Vec<char> = name.chars().flat_map(char::to_lowercase).take(80).collect();
     let allowed = if name.len() < 4 { 1 } else { 2 };
     let mut best = None;
     for candidate in candidates {
+        work::count(1);
         let other: Vec<char> = candidate.chars().flat_map(char::to_lowercase).take(80).collect();
         if name.len().abs_diff(other.len()) > allowed {
             continue;

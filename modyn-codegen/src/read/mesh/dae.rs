@@ -10,6 +10,8 @@ use super::obj::triangulate;
 use crate::description::Mesh;
 use crate::diagnostics::Report;
 use crate::read::xml::document::within_limits;
+use crate::read::xml::element::children;
+use crate::work;
 
 /// The largest number of nodes, and of vertices and triangles together: a node may be instanced by
 /// others any number of times.
@@ -73,7 +75,8 @@ impl<'a, 't> Scene<'a, 't> {
         let mut waiting = vec![(shown, *upright)];
         let mut count = 0;
         while let Some((node, outer)) = waiting.pop() {
-            count += 1;
+            // An element counts in each instance of its node.
+            count += 1 + elements(node).count();
             if count > MAX_NODES {
                 return None;
             }
@@ -135,6 +138,7 @@ impl<'a, 't> Scene<'a, 't> {
                     (start, positions.len())
                 }
             };
+            work::count(1);
             let corners = |text: &str| -> Option<Vec<usize>> {
                 let words: Vec<usize> = numbers(text)?;
                 let indices = words.chunks_exact(stride).map(|corner| corner[offset]);
@@ -212,7 +216,7 @@ impl<'a, 't> Scene<'a, 't> {
 }
 
 fn elements<'a, 't>(node: Node<'a, 't>) -> impl Iterator<Item = Node<'a, 't>> {
-    node.children().filter(Node::is_element)
+    children(node).filter(Node::is_element)
 }
 
 fn child<'a, 't>(node: Node<'a, 't>, name: &str) -> Option<Node<'a, 't>> {

@@ -2,6 +2,7 @@
 
 use super::Purpose;
 use crate::description::Mesh;
+use crate::work;
 
 /// Returns the mesh; `None` if the file is not sound. Faces with more than three vertices become
 /// triangles. For a mass, as in `MuJoCo`, only the first object or group with faces counts.
@@ -12,6 +13,7 @@ pub fn read(bytes: &[u8], purpose: Purpose) -> Option<Mesh> {
     let mut is_first = true;
     let mut tests = 0;
     for line in text.lines() {
+        work::count(1);
         let mut words = line.split_ascii_whitespace();
         match words.next() {
             Some("v") => {
@@ -89,6 +91,7 @@ fn ears(vertices: &[[f64; 3]], polygon: Vec<usize>, tests: &mut usize) -> Option
         let area = (a[0] * b[1] - a[1] * b[0]) * 0.5;
         let mut others = (3..count).map(|k| corners[(at + k) % count].1);
         *tests += count;
+        work::count(count);
         if *tests > MAX_TESTS {
             return None;
         }

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use crate::description::Mesh;
+use crate::work;
 
 /// Returns the mesh; `None` if the file is not sound.
 pub fn read(bytes: &[u8]) -> Option<Mesh> {
@@ -56,6 +57,7 @@ struct Surface {
 
 impl Surface {
     fn triangle(&mut self, corners: [[f32; 3]; 3]) {
+        work::count(1);
         let face = corners.map(|corner| {
             *self.indices.entry(corner.map(f32::to_bits)).or_insert_with(|| {
                 self.mesh.vertices.push(corner.map(f64::from));

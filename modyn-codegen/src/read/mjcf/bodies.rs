@@ -1,6 +1,6 @@
 //! From bodies with any number of joints to links with one joint each, as in a URDF.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use modyn_runtime::conventions::{quaternion_from_rotation, rotation_from_quaternion};
@@ -16,9 +16,10 @@ use super::mesh::Meshes;
 use super::models::{Model, Source};
 use super::pose::euler;
 use crate::description::{
-    Description, InertialRecord, JointRecord, Kind, LinkRecord, Located, ReadOptions,
+    Description, InertialRecord, JointRecord, Kind, LinkRecord, Located, ReadOptions, TakenNames,
 };
 use crate::diagnostics::{Code, Report, Severity};
+use crate::work::counted;
 
 /// The largest number of bodies, joints, geoms and sites, and of the characters of their names in
 /// tens: models and replicas in each other have exponentially many.
@@ -167,7 +168,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
         let inherited = element.text("childclass").or(container.inherited);
         self.check_class(element.attribute("childclass"), container.model);
         parts.sound &= self.models[container.model].is_sound(&[element]);
-        for child in &element.children {
+        for child in counted(element.children.iter()) {
             let Naming { prefix, suffix } = &*container.naming;
             let name = prefix.len() + child.text("name").map_or(0, str::len) + suffix.len();
             if !self.count(1 + name / 10, child.at) {
@@ -482,12 +483,12 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
 
     /// Adds a link without inertia for each site.
     fn add_sites(&mut self) {
-        let mut taken: BTreeSet<String> = self.description.link_names().map(String::from).collect();
+        let mut taken = TakenNames::new(self.description.link_names());
         let mut sites: Vec<_> =
             self.sites.iter().map(|(name, site)| (name.clone(), *site)).collect();
         sites.sort_by_key(|(_, (link, _, at))| (*at, *link));
         for (name, (link, origin, at)) in sites {
-            let name = unique(&name, "site", &mut taken);
+            let name = taken.unique(&name, "site");
             let child = self.link(name.clone(), at, self.carriers[link]);
             let fixed = JointRecord { origin, ..joints::fixed(format!("{name}_fixed"), at) };
             self.push(fixed, 0.0, link, child);
@@ -592,22 +593,13 @@ fn find<'e>(
     inherited: Option<&'e str>,
 ) -> Option<(&'e Element, Option<&'e str>)> {
     let inherited = element.text("childclass").or(inherited);
-    element.children.iter().find_map(|child| {
+    counted(element.children.iter()).find_map(|child| {
         if child.name == kind && child.text("name") == Some(name) {
             return Some((child, inherited));
         }
         let is_container = ["body", "frame", "replicate"].contains(&child.name.as_str());
         if is_container { find(child, kind, name, inherited) } else { None }
     })
-}
-
-/// Returns a name that is not taken: this one, or with an ending. It is taken then.
-pub fn unique(name: &str, ending: &str, taken: &mut BTreeSet<String>) -> String {
-    let numbered = (2..).map(|n| format!("{name}_{ending}_{n}"));
-    let mut names = [name.to_owned(), format!("{name}_{ending}")].into_iter().chain(numbered);
-    let name = names.find(|name| !taken.contains(name)).unwrap_or_default();
-    taken.insert(name.clone());
-    name
 }
 
 fn translation(translation: [f64; 3]) -> Pose<f64> {

@@ -7,11 +7,12 @@ use super::element::{Attribute, Element};
 use super::table::{self, Treatment, Values};
 use crate::description::MAX_NUMBER;
 use crate::diagnostics::{Code, Report, suggest};
+use crate::work::counted;
 
 /// Reports all wrong and refused elements and attributes under `element`. The places of elements
 /// with errors, in themselves or in elements that are not read, are added to `unsound`.
 pub fn check(element: &Element, unsound: &mut BTreeSet<usize>, report: &mut Report<'_>) {
-    for child in &element.children {
+    for child in counted(element.children.iter()) {
         let errors = report.errors();
         match table::row(&element.name, &child.name).map(|row| row.treatment) {
             None => {

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::element::Element;
 use super::table::ACTUATORS;
 use crate::diagnostics::{Code, Report};
+use crate::work::counted;
 
 /// The name of the outermost class, which all elements have.
 const MAIN: &str = "main";
@@ -44,7 +45,7 @@ impl<'e> Classes<'e> {
 
     fn add(&mut self, section: &'e Element, name: &'e str, report: &mut Report<'_>) {
         if let Some(class) = self.by_name.get_mut(name) {
-            let elements = section.children.iter().filter(|child| child.name != "default");
+            let elements = counted(section.children.iter()).filter(|child| child.name != "default");
             class.elements.extend(elements);
             if let Some(beyond) = class.elements.get(MAX_ELEMENTS) {
                 let message = format!("the class `{name}` has more than {MAX_ELEMENTS} elements");

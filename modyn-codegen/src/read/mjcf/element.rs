@@ -9,6 +9,7 @@ use crate::description::FileStore;
 use crate::diagnostics::{Code, Report};
 use crate::read::file::read_named;
 use crate::read::xml;
+use crate::work::counted;
 
 /// The largest nesting depth: deeper trees could overflow the call stack of a recursive reader.
 pub const MAX_DEPTH: usize = 100;
@@ -37,7 +38,7 @@ pub struct Attribute {
 impl Element {
     /// Returns the attribute of this name.
     pub fn attribute(&self, name: &str) -> Option<&Attribute> {
-        self.attributes.iter().find(|attribute| attribute.name == name)
+        counted(self.attributes.iter()).find(|attribute| attribute.name == name)
     }
 
     /// Returns the text of an attribute.
@@ -47,12 +48,12 @@ impl Element {
 
     /// Returns the children of this name.
     pub fn named<'e>(&'e self, name: &'e str) -> impl Iterator<Item = &'e Element> {
-        self.children.iter().filter(move |child| child.name == name)
+        counted(self.children.iter()).filter(move |child| child.name == name)
     }
 
     /// Returns the grandchildren in all children of this name: a section may be repeated.
     pub fn in_sections<'e>(&'e self, name: &'e str) -> impl Iterator<Item = &'e Element> {
-        self.named(name).flat_map(|section| &section.children)
+        self.named(name).flat_map(|section| counted(section.children.iter()))
     }
 }
 
@@ -130,8 +131,8 @@ impl<'r, 'f> Elements<'r, 'f> {
             attributes: node.attributes().map(attribute).collect(),
             children: Vec::new(),
         };
-        for child in node.children().filter(Node::is_element) {
-            let child = self.element(child, text, start, file, depth + 1)?;
+        for child in xml::element::children(node).filter(Node::is_element) {
+            let child = self.element(child, (text, start), file, depth + 1)?;
             if child.name == "include" {
                 element.children.extend(self.include(&child, file, depth)?);
             } else {

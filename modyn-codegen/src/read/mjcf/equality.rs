@@ -1,18 +1,20 @@
 //! Constraints of `<equality>`: joints that follow others, and loops.
 
+use std::collections::hash_map::Entry;
 use std::collections::{BTreeSet, HashMap};
 
 use modyn_runtime::model::LoopConstraintKind;
 use modyn_runtime::spatial::Pose;
 
-use super::bodies::{Bodies, unique};
+use super::bodies::Bodies;
 use super::check::list;
 use super::item::Item;
 use super::joints::displacement;
 use super::pose::{from_quaternion, relative};
 use super::table;
-use crate::description::{EndRecord, Kind, Located, LoopRecord, MimicRecord};
+use crate::description::{EndRecord, Kind, Located, LoopRecord, MimicRecord, TakenNames};
 use crate::diagnostics::Code;
+use crate::work;
 
 /// A frame on a link, and its pose in the world as the model is drawn.
 struct End {
@@ -22,11 +24,14 @@ struct End {
 }
 
 /// The names to which constraints refer, and the names that are taken.
-struct Names<'e> {
+struct Names {
     joints: HashMap<String, usize>,
-    tendons: HashMap<String, Item<'e>>,
+    /// The joints of each tendon and their coefficients, each joint once; `None` if the tendon is not fixed, or a joint does not exist.
+    tendons: HashMap<String, Option<Vec<(usize, f64)>>>,
     /// The names of joints and loops.
-    taken: BTreeSet<String>,
+    taken: TakenNames,
+    /// The joints of the tendons of all constraints so far.
+    joints_of_tendons: usize,
 }
 
 /// Returns whether a constraint acts from the start.
@@ -34,21 +39,44 @@ fn is_active(constraint: &Item) -> bool {
     constraint.text("active") != Some("false")
 }
 
-impl Names<'_> {
-    /// Returns the joints of a fixed tendon and their coefficients; `None` if there is no such
-    /// tendon or joint.
-    fn fixed_tendon(&self, name: &str) -> Option<Vec<(usize, f64)>> {
-        let tendon = self.tendons.get(name)?;
-        if tendon.element().name != "fixed" {
-            return None;
+/// The largest number of joints of the tendons of all constraints: each constraint looks at all joints of its tendons.
+const MAX_JOINTS_OF_TENDONS: usize = 1_000_000;
+
+/// A sum of the displacements of joints with factors, each joint once.
+#[derive(Default)]
+struct Sum {
+    factors: Vec<(usize, f64)>,
+    places: HashMap<usize, usize>,
+}
+
+impl Sum {
+    /// Adds the displacement of a joint with this factor.
+    fn add(&mut self, joint: usize, factor: f64) {
+        work::count(1);
+        let next = self.factors.len();
+        match self.places.entry(joint) {
+            Entry::Occupied(place) => self.factors[*place.get()].1 += factor,
+            Entry::Vacant(place) => {
+                place.insert(next);
+                self.factors.push((joint, factor));
+            }
         }
-        let joints = tendon.element().named("joint").map(|joint| {
-            let name = tendon.naming.name(joint.text("joint")?);
-            let coefficient = joint.text("coef").and_then(list)?.first().copied()?;
-            Some((*self.joints.get(&name)?, coefficient))
-        });
-        joints.collect()
     }
+}
+
+/// Returns the joints of a fixed tendon and their coefficients; `None` for another tendon, or if a joint does not exist.
+fn fixed_tendon(tendon: &Item, joints: &HashMap<String, usize>) -> Option<Vec<(usize, f64)>> {
+    if tendon.element().name != "fixed" {
+        return None;
+    }
+    let mut sum = Sum::default();
+    for joint in tendon.element().named("joint") {
+        let name = tendon.naming.name(joint.text("joint")?);
+        let coefficient = joint.text("coef").and_then(list)?.first().copied()?;
+        sum.add(*joints.get(&name)?, coefficient);
+    }
+    sum.factors.retain(|(_, factor)| *factor != 0.0);
+    Some(sum.factors)
 }
 
 impl<'e> Bodies<'e, '_, '_> {
@@ -70,7 +98,7 @@ impl<'e> Bodies<'e, '_, '_> {
             }
             match element.name.as_str() {
                 "joint" => self.coupling(&item, &names),
-                "tendon" => self.tendon_coupling(&item, &names),
+                "tendon" => self.tendon_coupling(&item, &mut names),
                 "connect" | "weld" => self.closure(&item, &mut names.taken),
                 name if table::row("equality", name).is_some() => {
                     let message = format!("the constraint `<{name}>` of `<equality>` is not read");
@@ -82,20 +110,23 @@ impl<'e> Bodies<'e, '_, '_> {
         }
     }
 
-    fn names(&self) -> Names<'e> {
+    fn names(&self) -> Names {
         let joints = self.description.joints_by_name().into_iter();
+        let joints = joints.map(|(name, joint)| (name.to_owned(), joint)).collect();
         let tendons = self.of_section("tendon").into_iter().rev();
-        let taken = self.description.joint_names().map(String::from);
+        let tendons =
+            tendons.filter_map(|tendon| Some((tendon.name()?, fixed_tendon(&tendon, &joints))));
         Names {
-            joints: joints.map(|(name, joint)| (name.to_owned(), joint)).collect(),
             // The first of equal names counts.
-            tendons: tendons.filter_map(|tendon| Some((tendon.name()?, tendon))).collect(),
-            taken: taken.collect(),
+            tendons: tendons.collect(),
+            joints,
+            taken: TakenNames::new(self.description.joint_names()),
+            joints_of_tendons: 0,
         }
     }
 
     /// Adds a joint that follows another one, or that does not move.
-    fn coupling(&mut self, item: &Item<'e>, names: &Names<'e>) {
+    fn coupling(&mut self, item: &Item<'e>, names: &Names) {
         let at = item.element().at;
         let Some(follower) = self.joint_of(item, "joint1", names) else { return };
         let coefficients = item.text("polycoef").and_then(list).unwrap_or_else(|| vec![0.0, 1.0]);
@@ -169,59 +200,78 @@ impl<'e> Bodies<'e, '_, '_> {
         });
         let held = constraints.filter_map(|item| {
             let name = item.naming.name(item.element().text("tendon1")?);
-            names.fixed_tendon(&name).map(|_| name)
+            names.tendons.get(&name)?.as_ref().map(|_| name)
         });
         held.collect()
     }
 
     /// Adds the constraint of fixed tendons that concern one joint or two.
-    fn tendon_coupling(&mut self, item: &Item<'e>, names: &Names<'e>) {
+    fn tendon_coupling(&mut self, item: &Item<'e>, names: &mut Names) {
         let at = item.element().at;
         let coefficients = item.text("polycoef").and_then(list).unwrap_or_else(|| vec![0.0, 1.0]);
         let coefficient = |i: usize| coefficients.get(i).copied().unwrap_or(0.0);
-        // Of the displacements of joints from the drawn pose: their sum with these factors is a
-        // constant.
-        let mut factors: Vec<(usize, f64)> = Vec::new();
+        // Of the displacements of joints from the drawn pose: their sum with these factors is a constant.
+        let (mut sum, mut ends) = (Sum::default(), Vec::new());
         for (attribute, scale) in [("tendon1", 1.0), ("tendon2", -coefficient(1))] {
             let Some(name) = item.element().text(attribute) else { continue };
             if attribute == "tendon2" && (2..5).any(|i| coefficient(i) != 0.0) {
                 return self.refuse_polynomial(at, None);
             }
-            let Some(tendon) = names.fixed_tendon(&item.naming.name(name)) else {
+            let Some(Some(tendon)) = names.tendons.get(&item.naming.name(name)) else {
                 let message = "a constraint of a tendon that is not `<fixed>` is not read";
                 let help = "write `active=\"false\"`, or constrain joints or a `<fixed>` tendon";
                 self.report.error(Code::NotRead, at, None, message, help);
                 return;
             };
-            for (joint, factor) in tendon {
-                match factors.iter_mut().find(|(known, _)| *known == joint) {
-                    Some((_, sum)) => *sum += scale * factor,
-                    None => factors.push((joint, scale * factor)),
-                }
+            if scale != 0.0 {
+                ends.push((tendon, scale));
             }
         }
+        // The joints of the longer tendon that the shorter one cannot cancel.
+        let lengths = |(tendon, _): &(&Vec<(usize, f64)>, f64)| tendon.len();
+        let shorter = if ends.len() == 2 { ends.iter().map(lengths).min() } else { None };
+        let longer = ends.iter().map(lengths).max().unwrap_or(0);
+        if longer - shorter.unwrap_or(0) > 2 {
+            return self.refuse_tendon(at);
+        }
+        for (tendon, scale) in ends {
+            names.joints_of_tendons += tendon.len();
+            if names.joints_of_tendons > MAX_JOINTS_OF_TENDONS {
+                let message = format!(
+                    "the tendons of constraints have more than {MAX_JOINTS_OF_TENDONS} joints"
+                );
+                let help = "constrain tendons of two joints, or write `<joint>` constraints";
+                self.report.error(Code::Excessive, at, None, message, help);
+                return;
+            }
+            tendon.iter().for_each(|(joint, factor)| sum.add(*joint, scale * factor));
+        }
+        let Sum { mut factors, .. } = sum;
         factors.retain(|(_, factor)| *factor != 0.0);
         match factors[..] {
             [(joint, factor)] => self.follow(at, joint, None, coefficient(0) / factor),
             [(joint, factor), (leader, other)] => {
                 self.follow(at, joint, Some((leader, -other / factor)), coefficient(0) / factor);
             }
-            _ => {
-                let message = "a constraint of a tendon is read if it concerns one joint or two";
-                let help = "write it as `<joint>` constraints, or `active=\"false\"`: the joints then move freely";
-                self.report.error(Code::NotRead, at, None, message, help);
-            }
+            _ => self.refuse_tendon(at),
         }
+    }
+
+    fn refuse_tendon(&mut self, at: usize) {
+        let message = "a constraint of a tendon is read if it concerns one joint or two";
+        let help =
+            "write it as `<joint>` constraints, or `active=\"false\"`: the joints then move freely";
+        self.report.error(Code::NotRead, at, None, message, help);
     }
 
     /// Returns the index of the joint that an attribute names; `None` with an error in the report,
     /// unless a part of an attached model lacks it.
-    fn joint_of(&mut self, item: &Item<'e>, attribute: &str, names: &Names<'e>) -> Option<usize> {
-        let attribute_given = item.element().attribute(attribute);
-        let name = attribute_given.map(|given| item.naming.name(&given.value)).unwrap_or_default();
-        let joint = names.joints.get(&name).copied();
-        if joint.is_none() && item.naming.prefix.is_empty() {
-            let at = attribute_given.map_or(item.element().at, |given| given.at);
+    fn joint_of(&mut self, item: &Item<'e>, attribute: &str, names: &Names) -> Option<usize> {
+        let own = item.element().attribute(attribute);
+        let name = own.map(|own| item.naming.name(&own.value)).unwrap_or_default();
+        let found = names.joints.get(&name).copied();
+        if found.is_none() && item.naming.prefix.is_empty() {
+            let at = own.map_or(item.element().at, |own| own.at);
             let message = format!(
                 "`{attribute}` of `<equality>` is the joint `{name}`, which does not exist"
             );
@@ -231,7 +281,7 @@ impl<'e> Bodies<'e, '_, '_> {
     }
 
     /// Adds the loop of a `<connect>` or a `<weld>`.
-    fn closure(&mut self, item: &Item<'e>, taken: &mut BTreeSet<String>) {
+    fn closure(&mut self, item: &Item<'e>, taken: &mut TakenNames) {
         let element = item.element();
         let is_weld = element.name == "weld";
         let has_sites = element.text("site1").is_some();
@@ -270,7 +320,7 @@ impl<'e> Bodies<'e, '_, '_> {
         let ends = [end(one.link, one_pose), end(other.link, other_pose)];
         let kind = if is_point { LoopConstraintKind::Point } else { LoopConstraintKind::Rigid };
         self.description.loops.push(LoopRecord {
-            name: unique(&name, "loop", taken),
+            name: taken.unique(&name, "loop"),
             at: Some(element.at),
             kind: Some(kind),
             ends,

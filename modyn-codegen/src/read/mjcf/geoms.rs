@@ -103,18 +103,9 @@ fn placed(
             [radius, radius, half]
         }
     } else if kind == "hfield" {
-        // The mass of a height field is the mass of the box with its half lengths and its mean
-        // height, about the geom's origin.
-        let asset = geom.text("hfield").and_then(|name| {
-            let assets = model.source.root.in_sections("asset");
-            let mut fields = assets.filter(|asset| asset.name == "hfield");
-            let name_of = |field: &super::element::Element| {
-                let stem = || field.text("file").map(super::mesh::stem);
-                field.text("name").map(str::to_owned).or_else(stem)
-            };
-            fields.find(|field| name_of(field).as_deref() == Some(name))
-        });
-        let field = asset.and_then(|field| field.text("size")).and_then(super::check::numbers);
+        // The mass of a height field is that of the box with its half lengths and its mean height, about the geom's origin.
+        let field = geom.text("hfield").and_then(|name| model.asset("hfield", name));
+        let field = field.and_then(|field| field.text("size")).and_then(super::check::numbers);
         let [x, y, top, bottom] = field.ok_or("the height field of a geom is not in the file")?;
         [x, y, 0.25 * top + 0.5 * bottom]
     } else {
@@ -142,10 +133,7 @@ pub fn shape<'e>(
 ) -> Result<Option<Shape>, String> {
     let kind = geom.text("type").unwrap_or("sphere");
     let color = geom.numbers("rgba").or_else(|| {
-        let name = geom.text("material")?;
-        let mut materials = model.source.root.in_sections("asset");
-        let material =
-            materials.find(|one| one.name == "material" && one.text("name") == Some(name))?;
+        let material = model.asset("material", geom.text("material")?)?;
         let chain = model.classes.chain(material, None);
         chain.iter().find_map(|element| element.text("rgba")).and_then(numbers)
     });

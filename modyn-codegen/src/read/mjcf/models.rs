@@ -1,11 +1,12 @@
 //! The files of a model: its main file, and the files of models that it attaches.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
 use super::check::check;
 use super::classes::Classes;
 use super::element::{Element, Elements, File, normalized, path_of};
+use super::mesh::stem;
 use super::settings::Settings;
 use crate::description::{FileStore, ReadOptions};
 use crate::diagnostics::{Code, Report};
@@ -133,6 +134,8 @@ pub struct Model<'e> {
     pub settings: Settings<'e>,
     /// The places of elements with errors, which are in the report.
     unsound: BTreeSet<usize>,
+    /// The elements of `<asset>` by their kind and name.
+    assets: HashMap<(&'e str, String), &'e Element>,
 }
 
 impl<'e> Model<'e> {
@@ -142,12 +145,25 @@ impl<'e> Model<'e> {
         check(&source.root, &mut unsound, report);
         let classes = Classes::new(&source.root, report);
         let settings = Settings::new(&source.root, report);
-        Self { source, classes, settings, unsound }
+        let mut assets = HashMap::new();
+        for asset in source.root.in_sections("asset") {
+            let stem = || asset.text("file").map(stem);
+            if let Some(name) = asset.text("name").map(str::to_owned).or_else(stem) {
+                // The first of equal names counts.
+                assets.entry((asset.name.as_str(), name)).or_insert(asset);
+            }
+        }
+        Self { source, classes, settings, unsound, assets }
     }
 
     /// Returns whether the elements have no errors.
     pub fn is_sound(&self, elements: &[&Element]) -> bool {
         elements.iter().all(|element| !self.unsound.contains(&element.at))
+    }
+
+    /// Returns the element of `<asset>` of a kind, such as `mesh`, by its name or else by the name of its file.
+    pub fn asset(&self, kind: &'e str, name: &str) -> Option<&'e Element> {
+        self.assets.get(&(kind, name.to_owned())).copied()
     }
 
     /// Returns the index of the model that is attached by this name.

@@ -1,5 +1,7 @@
 //! Stiffness and damping of joints whose `springdamper` gives a time constant and a damping ratio.
 
+use std::collections::HashMap;
+
 use modyn_runtime::Interpreter;
 use modyn_runtime::model::{Friction, Inertial, Model};
 
@@ -11,6 +13,9 @@ use crate::diagnostics::{Code, Report, Severity};
 /// The largest number of joints with `springdamper`: each takes one evaluation of the forward
 /// dynamics.
 const MAX_SPRING_DAMPERS: usize = 1_000;
+
+/// The largest number of accelerations that are computed, those of all joints for each joint with `springdamper`.
+const MAX_ACCELERATIONS: usize = 10_000_000;
 
 /// The least positive number by which MuJoCo divides.
 const LEAST: f64 = 1e-15;
@@ -24,21 +29,20 @@ impl Bodies<'_, '_, '_> {
         }
         let first = self.description.joints[self.spring_dampers[0].0].name.at;
         if self.spring_dampers.len() > MAX_SPRING_DAMPERS {
-            let message = format!("more than {MAX_SPRING_DAMPERS} joints have a `springdamper`");
-            let help = "write `stiffness` and `damping`, as `mj_saveLastXML` does";
-            return self.report.error(Code::NotRead, first, None, message, help);
+            return self.refuse_many(first);
         }
         let Some(model) = self.free_model() else { return self.refuse_spring_damper(first) };
         let has_inertia = model.links().iter().any(|link| link.inertial != Inertial::default());
         let q = model.keyframes().first().map(|drawn| drawn.q.clone()).unwrap_or_default();
-        let links: Vec<Option<usize>> = self
-            .spring_dampers
-            .iter()
-            .map(|(joint, _)| {
-                let name = &self.description.joints[*joint].name.text;
-                model.links().iter().position(|link| link.joint.name == *name)
-            })
-            .collect();
+        if self.spring_dampers.len() * model.links().len() > MAX_ACCELERATIONS {
+            return self.refuse_many(first);
+        }
+        let links = model.links().iter().enumerate();
+        let links: HashMap<_, _> =
+            links.map(|(link, record)| (record.joint.name.as_str(), link)).collect();
+        let link_of = |joint: usize| links.get(&*self.description.joints[joint].name.text).copied();
+        let links: Vec<Option<usize>> =
+            self.spring_dampers.iter().map(|(joint, _)| link_of(*joint)).collect();
         let ranges: Vec<_> =
             links.iter().map(|link| link.map(|link| model.v_range(link))).collect();
         let n = model.nv();
@@ -74,6 +78,15 @@ impl Bodies<'_, '_, '_> {
                 spring.stiffness = inertia / (time * time * ratio * ratio).max(LEAST);
             }
         }
+    }
+
+    fn refuse_many(&mut self, at: usize) {
+        let message = format!(
+            "more than {MAX_SPRING_DAMPERS} joints have a `springdamper`, or fewer in a robot of more than \
+             {MAX_ACCELERATIONS} joints for all of them"
+        );
+        let help = "write `stiffness` and `damping`, as `mj_saveLastXML` does";
+        self.report.error(Code::NotRead, at, None, message, help);
     }
 
     fn refuse_spring_damper(&mut self, at: usize) {

@@ -7,6 +7,7 @@ use super::reader::Reader;
 use super::solids;
 use crate::description::InertialRecord;
 use crate::diagnostics::{Code, Subject};
+use crate::read::xml::element::children;
 
 /// The density of a solid that gives none: the density of water, kg/m^3.
 const DENSITY: f64 = 1000.0;
@@ -109,10 +110,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
             "<geometry><box><size>0.1 0.2 0.3</size></box></geometry>",
             subject,
         )?;
-        let shape = geometry
-            .children()
-            .find(Node::is_element)
-            .filter(|n| n.tag_name().name() != "empty")?;
+        let shape =
+            children(geometry).find(Node::is_element).filter(|n| n.tag_name().name() != "empty")?;
         let at = self.xml.at(shape);
         let mut size = |name| {
             let node = self.xml.single(shape, name, subject);

@@ -9,6 +9,7 @@ use super::reader::{Reader, trimmed};
 use super::world::{Axis, FrameKind, Joint, JointKind, Mimic};
 use crate::description::{Located, SpringRecord};
 use crate::diagnostics::{Code, Severity, Subject};
+use crate::read::xml::element::children;
 
 impl<'a> Reader<'a, '_, '_, '_> {
     /// Reads a `<joint>` of a model or of the world.
@@ -54,9 +55,9 @@ impl<'a> Reader<'a, '_, '_, '_> {
             axis.mimic = axis.mimic.take().or_else(|| self.drakes_mimic(node, subject));
         }
         let pitch = if kind == Some(JointKind::Screw) { self.pitch(node, subject) } else { 0.0 };
-        let simbody = self.xml.named(node, "physics").flat_map(|physics| physics.children());
-        let element = simbody
-            .flat_map(|engine| engine.children())
+        let simbody = self.xml.named(node, "physics").flat_map(|physics| children(physics));
+        let cut = simbody
+            .flat_map(|engine| children(engine))
             .find(|n| n.has_tag_name("must_be_loop_joint"));
         let cut = element
             .and_then(|cut| self.truth(self.xml.content(cut), "must_be_loop_joint", subject));

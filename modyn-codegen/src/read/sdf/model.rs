@@ -9,7 +9,7 @@ use super::world::{
 };
 use crate::description::Located;
 use crate::diagnostics::{Code, Subject};
-use crate::read::xml::element::shown;
+use crate::read::xml::element::{children, shown};
 
 /// Drake's extension for a constraint of two points.
 const BALL_CONSTRAINT: &str = "drake.ball_constraint";
@@ -130,7 +130,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
 
     /// Reads the models, links, joints and frames of a scope.
     fn elements(&mut self, node: Node<'a, '_>, scope: usize, depth: usize) {
-        for child in node.children().filter(Node::is_element) {
+        for child in children(node).filter(Node::is_element) {
             match child.tag_name().name() {
                 "model" => self.model(child, scope, depth + 1, Overrides::default()),
                 "link" if scope != WORLD => self.link(child, scope),

@@ -8,7 +8,7 @@ use super::files::Files;
 use super::world::World;
 use crate::description::{Located, MAX_NUMBER, ReadOptions, roll_pitch_yaw};
 use crate::diagnostics::{Code, Subject};
-use crate::read::xml::element::{Attribute, Elements, shown, written};
+use crate::read::xml::element::{Attribute, Elements, children, shown, written};
 use crate::read::xml::unread::Unread;
 
 /// Reads elements into a [`World`]: models and links in `model`, joints in `joint`, other
@@ -178,7 +178,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         known: &[&str],
         subject: Option<&Subject>,
     ) {
-        for child in node.children().filter(Node::is_element) {
+        for child in children(node).filter(Node::is_element) {
             let name = child.tag_name().name();
             let place = (Some(self.xml.at(child)), subject.cloned());
             if !known.contains(&name) && !self.unread.add_extension(child, place.clone()) {

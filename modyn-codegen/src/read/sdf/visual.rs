@@ -6,7 +6,7 @@ use roxmltree::Node;
 use super::reader::Reader;
 use crate::description::{Geometry, Shape, roll_pitch_yaw};
 use crate::read::visual::{numbers, solid};
-use crate::read::xml::element::is;
+use crate::read::xml::element::{children, is};
 
 impl<'a> Reader<'a, '_, '_, '_> {
     /// Returns the shapes of the link of this name.
@@ -14,7 +14,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let mut shapes = Vec::new();
         for visual in self.xml.named(link, "visual").collect::<Vec<_>>() {
             let shape = child(visual, "geometry")
-                .and_then(|node| node.children().find(Node::is_element))
+                .and_then(|node| children(node).find(Node::is_element))
                 .filter(|node| node.tag_name().name() != "empty");
             // An empty geometry is not seen.
             let Some(shape) = shape else { continue };
@@ -57,7 +57,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
 }
 
 fn child<'a, 't>(node: Node<'a, 't>, name: &str) -> Option<Node<'a, 't>> {
-    node.children().find(|child| is(*child, name))
+    children(node).find(|child| is(*child, name))
 }
 
 /// Returns the text of a child element.

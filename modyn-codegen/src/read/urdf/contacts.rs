@@ -10,6 +10,7 @@ use roxmltree::Node;
 use super::reader::Reader;
 use crate::description::{ContactRecord, EndRecord};
 use crate::diagnostics::{Code, Severity, Subject};
+use crate::read::xml::element::children;
 
 impl<'a> Reader<'a, '_, '_, '_> {
     pub fn contact_frame(&mut self, node: Node<'a, '_>) -> ContactRecord {
@@ -18,7 +19,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let subject = own_subject.as_ref();
         let read = ["name", "type", "link", "xyz", "rpy", "quat_xyzw"];
         self.xml.warn_of_unknown_attributes(node, &read, subject);
-        for child in node.children().filter(Node::is_element) {
+        for child in children(node).filter(Node::is_element) {
             let message = format!(
                 "the element `<{}>` of `<contact_frame>` is not read",
                 child.tag_name().name()

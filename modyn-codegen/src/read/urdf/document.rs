@@ -3,7 +3,7 @@
 use roxmltree::{Document, Node};
 
 use crate::diagnostics::{Code, Report, Severity};
-use crate::read::xml::element::is;
+use crate::read::xml::element::{children, is};
 
 /// The advice for a xacro that is read as a URDF.
 const XACRO_HELP: &str = "give the file a name that ends in `.xacro`: then modyn expands it, \
@@ -52,7 +52,7 @@ pub fn robot<'a, 't>(document: &'a Document<'t>, report: &mut Report<'_>) -> Opt
 /// links and joints, or `${...}` or `$(...)` in a value that is read. Comments, ignored elements,
 /// and an unused declaration of the namespace are accepted.
 fn xacro(root: Node) -> Option<usize> {
-    for part in root.children().filter(Node::is_element) {
+    for part in children(root).filter(Node::is_element) {
         if is_xacro(part) {
             return Some(part.range().start);
         }
@@ -72,7 +72,7 @@ fn xacro(root: Node) -> Option<usize> {
                 return Some(offset);
             }
             let deeper = node == part || is(node, "inertial");
-            open.extend(node.children().rev().filter(|child| deeper && child.is_element()));
+            open.extend(children(node).rev().filter(|child| deeper && child.is_element()));
         }
     }
     xacro_attribute(root)

@@ -8,9 +8,11 @@ use roxmltree::Node;
 use rustc_hash::FxHashMap;
 
 use super::reader::Reader;
-use crate::description::{Description, EndRecord, JointRecord, Kind, LoopRecord, SpringRecord};
+use crate::description::{
+    Description, EndRecord, JointRecord, Kind, LoopRecord, SpringRecord, TakenNames,
+};
 use crate::diagnostics::{Code, Place, Subject, Suggestions, suggest};
-use crate::read::xml::element::{Attribute, attribute, is, is_extension, shown, written};
+use crate::read::xml::element::{Attribute, attribute, children, is, is_extension, shown, written};
 
 /// Elements of a robot, in URDF or SRDF, that have no effect on the equations of motion.
 const HARMLESS_IN_ROBOT: &[&str] = &[
@@ -122,6 +124,8 @@ struct Extended<'d> {
     /// The links by their names.
     links: FxHashMap<String, usize>,
     near: Suggestions,
+    /// The names of joints and of loops.
+    taken: TakenNames,
 }
 
 impl<'d> Extended<'d> {
@@ -135,14 +139,8 @@ impl<'d> Extended<'d> {
         };
         let joints = index(description.joint_names().collect());
         let links = index(description.link_names().collect());
-        Self { description, joints, links, near: Suggestions::new() }
-    }
-
-    /// Returns a name that no joint has.
-    fn unused_name(&self, kind: &str) -> String {
-        let first = self.description.loops.len() + 1;
-        let mut names = (first..).map(|number| format!("{kind}_{number}"));
-        names.find(|name| !self.joints.contains_key(name)).unwrap_or_default()
+        let taken = TakenNames::new(description.joint_names());
+        Self { description, joints, links, near: Suggestions::new(), taken }
     }
 }
 
@@ -150,7 +148,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
     /// Reads the extensions in a `<robot>`, whose links and joints are in the description.
     pub fn extensions(&mut self, robot: Node<'a, '_>, description: &mut Description) {
         let extended = &mut Extended::new(description);
-        for node in robot.children().filter(Node::is_element) {
+        for node in children(robot).filter(Node::is_element) {
             match node.tag_name().name() {
                 "link" | "joint" | "drake.joint" | "loop_joint" | "contact_frame" => {}
                 "transmission" => self.transmission(node, extended),
@@ -175,7 +173,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         subject: Option<&Subject>,
     ) {
         self.xml.warn_of_misspelt_elements(node, known, optional, subject);
-        for child in node.children().filter(Node::is_element) {
+        for child in children(node).filter(Node::is_element) {
             if suggest(child.tag_name().name(), optional.iter().copied()).is_none() {
                 self.unread_element(child, known, subject);
             }
@@ -287,7 +285,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
     /// Reads the spring of a joint and the gravity switch of a link in a `<gazebo>`.
     fn gazebo(&mut self, node: Node<'a, '_>, extended: &mut Extended) {
         let reference = attribute(node, "reference");
-        for child in node.children().filter(Node::is_element) {
+        for child in children(node).filter(Node::is_element) {
             let name = child.tag_name().name();
             let place: Place = (Some(self.xml.at(child)), None);
             match name {
@@ -405,7 +403,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             ("density", "0"),
             ("viscosity", "0"),
         ];
-        for part in node.children().filter(|part| is(*part, "compiler") || is(*part, "option")) {
+        for part in children(node).filter(|part| is(*part, "compiler") || is(*part, "option")) {
             for attribute in part.attributes() {
                 let default = changes.iter().find(|(name, _)| *name == attribute.name());
                 if default.is_some_and(|(_, default)| attribute.value().trim() != *default) {
@@ -437,7 +435,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
                 pose: Pose { translation, ..Pose::identity() },
             }
         });
-        let name = extended.unused_name("ball_constraint");
+        let name = extended.taken.numbered("ball_constraint", extended.description.loops.len() + 1);
         LoopRecord { name, at: Some(at), kind: Some(LoopConstraintKind::Point), ends }
     }
 }

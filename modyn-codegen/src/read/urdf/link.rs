@@ -7,6 +7,7 @@ use super::extensions::KNOWN_IN_LINK;
 use super::reader::Reader;
 use crate::description::{InertialRecord, LinkRecord};
 use crate::diagnostics::{Code, Severity, Subject};
+use crate::read::xml::element::children;
 
 impl<'a> Reader<'a, '_, '_, '_> {
     pub fn link(&mut self, node: Node<'a, '_>) -> Option<LinkRecord> {
@@ -87,7 +88,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
 
 /// Returns whether an `<inertial>` has no `<mass>`, and an `<inertia>` whose numbers are zero.
 fn is_weightless(inertial: Node) -> bool {
-    let has = |name| inertial.children().filter(move |part| part.has_tag_name(name));
+    let has = |name| children(inertial).filter(move |part| part.has_tag_name(name));
     let is_zero = |text: &str| text.trim().parse() == Ok(0.0);
     has("mass").next().is_none()
         && has("inertia").next().is_some()
@@ -103,7 +104,7 @@ fn has_white_space(inertial: Node) -> bool {
     let text = inertial.document().input_text();
     let is_white = |c: char| c.is_ascii_whitespace();
     let parts = ["origin", "mass", "inertia"];
-    inertial.children().filter(|part| parts.contains(&part.tag_name().name())).any(|part| {
+    children(inertial).filter(|part| parts.contains(&part.tag_name().name())).any(|part| {
         let is_list = part.tag_name().name() == "origin";
         part.attributes().map(|attribute| &text[attribute.range_value()]).any(|value| match is_list
         {

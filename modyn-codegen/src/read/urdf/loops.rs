@@ -15,6 +15,7 @@ use roxmltree::Node;
 use super::reader::Reader;
 use crate::description::{EndRecord, LoopRecord};
 use crate::diagnostics::{Code, Severity, Subject};
+use crate::read::xml::element::children;
 
 const TYPES: &str = "supported are: spherical, fixed, revolute, continuous, prismatic";
 
@@ -25,7 +26,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let subject = own_subject.as_ref();
         self.xml.warn_of_unknown_attributes(node, &["name", "type"], subject);
         let kind = self.loop_kind(node, subject);
-        for child in node.children().filter(Node::is_element) {
+        for child in children(node).filter(Node::is_element) {
             let name = child.tag_name().name();
             let axis = kind.is_none_or(|kind| kind.axis().is_some());
             if !(["link1", "link2"].contains(&name) || name == "axis" && axis) {
@@ -65,7 +66,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             return EndRecord { link: None, at: None, pose: Pose::identity() };
         };
         self.xml.warn_of_unknown_attributes(end, &["link", "xyz", "rpy", "quat_xyzw"], subject);
-        for child in end.children().filter(Node::is_element) {
+        for child in children(end).filter(Node::is_element) {
             let message = format!("`<{}>` in `<{name}>` is not read", child.tag_name().name());
             let help = format!("write `<{name} link=\"...\" xyz=\"0 0 0\" rpy=\"0 0 0\"/>`");
             self.xml.report.error(Code::NotRead, child.range().start, subject, message, help);

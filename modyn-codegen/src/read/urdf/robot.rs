@@ -8,7 +8,7 @@ use crate::description::{Description, Kind, LinkRecord, ReadOptions};
 use crate::diagnostics::{Code, Place, Report, Severity};
 use crate::read::packages::Packages;
 use crate::read::visual::Surfaces;
-use crate::read::xml::element::{Elements, is};
+use crate::read::xml::element::{Elements, children, is};
 use crate::read::xml::unread::Unread;
 
 /// Reads the elements of a `<robot>`.
@@ -27,6 +27,7 @@ pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Desc
         unread: Unread::default(),
         packages: Packages::default(),
         surfaces: Surfaces::default(),
+        materials: None,
         shape_notes: Vec::new(),
     };
     let name = robot.attribute("name").unwrap_or("");
@@ -55,7 +56,7 @@ pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Desc
         keyframes: Vec::new(),
         shape_notes: Vec::new(),
     };
-    for node in robot.children() {
+    for node in children(robot) {
         if is(node, "link") {
             description.links.extend(reader.link(node));
         } else if is(node, "joint") || is(node, "drake.joint") {
@@ -126,9 +127,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let robot = self.xml.root;
         let read = ["link", "joint", "loop_joint", "contact_frame"];
         let part = |node: &Node| read.iter().any(|name| is(*node, name));
-        let inside = robot.children().filter(part).flat_map(|part| part.children());
-        let included: Vec<Place> = robot
-            .children()
+        let inside = children(robot).filter(part).flat_map(|part| children(part));
+        let included: Vec<Place> = children(robot)
             .chain(inside)
             .filter(|node| node.is_element() && node.tag_name().name().ends_with("include"))
             .map(|node| (Some(node.range().start), None))

@@ -4,20 +4,21 @@ use std::path::PathBuf;
 
 use modyn_runtime::spatial::Pose;
 use roxmltree::Node;
+use rustc_hash::FxHashMap;
 
 use super::reader::Reader;
 use crate::description::{Geometry, Shape, roll_pitch_yaw};
 use crate::read::visual::{numbers, solid};
-use crate::read::xml::element::is;
+use crate::read::xml::element::{children, is};
 
 impl<'a> Reader<'a, '_, '_, '_> {
     /// Returns the shapes of the link of this name.
     pub fn shapes(&mut self, link: Node<'a, '_>, name: &str) -> Vec<Shape> {
         let mut shapes = Vec::new();
         for visual in self.xml.named(link, "visual").collect::<Vec<_>>() {
-            let part = |name: &str| visual.children().find(|node| is(*node, name));
-            let element = part("geometry").and_then(|node| node.children().find(Node::is_element));
-            let geometry = element.ok_or_else(|| "has no `<geometry>`".into());
+            let part = |name: &str| children(visual).find(|node| is(*node, name));
+            let geometry = part("geometry").and_then(|node| children(node).find(Node::is_element));
+            let geometry = geometry.ok_or_else(|| "has no `<geometry>`".into());
             match geometry.and_then(|geometry| self.geometry(geometry)) {
                 Ok(geometry) => shapes.push(Shape {
                     pose: part("origin").map_or_else(Pose::identity, pose),
@@ -45,16 +46,19 @@ impl<'a> Reader<'a, '_, '_, '_> {
     }
 
     /// Returns the colour of a material, which may be one of the robot's.
-    fn color(&self, material: Node<'a, '_>) -> Option<[f64; 4]> {
-        let root = self.xml.root;
-        let color_of = |node: Node<'a, '_>| {
-            let color = node.children().find(|child| is(*child, "color"))?;
-            numbers::<4>(color.attribute("rgba")?)
-        };
-        color_of(material).or_else(|| {
-            let name = material.attribute("name")?;
-            let mut shared = root.children().filter(|node| is(*node, "material"));
-            shared.find(|node| node.attribute("name") == Some(name)).and_then(color_of)
+    fn color(&mut self, material: Node<'a, '_>) -> Option<[f64; 4]> {
+        color_in(material).or_else(|| {
+            let root = self.xml.root;
+            let colors = self.materials.get_or_insert_with(|| {
+                let mut colors = FxHashMap::default();
+                for shared in children(root).filter(|node| is(*node, "material")) {
+                    if let Some(name) = shared.attribute("name") {
+                        colors.entry(name).or_insert_with(|| color_in(shared));
+                    }
+                }
+                colors
+            });
+            colors.get(material.attribute("name")?).copied().flatten()
         })
     }
 
@@ -83,4 +87,10 @@ impl<'a> Reader<'a, '_, '_, '_> {
 fn pose(origin: Node) -> Pose<f64> {
     let three = |name| origin.attribute(name).and_then(numbers::<3>).unwrap_or_default();
     Pose { rotation: roll_pitch_yaw(three("rpy")), translation: three("xyz") }
+}
+
+/// Returns the colour that is written in a material.
+fn color_in(material: Node) -> Option<[f64; 4]> {
+    let color = children(material).find(|child| is(*child, "color"))?;
+    numbers::<4>(color.attribute("rgba")?)
 }

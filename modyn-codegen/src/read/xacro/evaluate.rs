@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use super::functions;
 use super::parse::{Comprehension, Expression, Form, Loop};
-use super::value::{SequenceKind, Value};
+use super::value::{DictEntries, SequenceKind, Value};
 
 /// The names of an expression, and the work that it may still do.
 pub trait Names {
@@ -128,13 +128,13 @@ impl Evaluator<'_> {
             Expression::List(items) => Value::list(self.values(items)?),
             Expression::Tuple(items) => Value::Tuple(Rc::new(self.values(items)?)),
             Expression::Dict(entries) => {
-                let mut entries_of_dict: Vec<(Value, Value)> = Vec::new();
+                let mut found = DictEntries::default();
                 for (key, value) in entries {
-                    let key = self.value(key)?;
-                    let value = self.value(value)?;
-                    self.insert(&mut entries_of_dict, key, value)?;
+                    let (key, value) = (self.value(key)?, self.value(value)?);
+                    self.weigh(&key)?;
+                    found.set(key, value)?;
                 }
-                Value::Dict(Rc::new(entries_of_dict))
+                found.dict()
             }
             Expression::Set(items) => {
                 let items = self.values(items)?;
@@ -149,11 +149,10 @@ impl Evaluator<'_> {
                     Form::Iterator => Value::iterator(items.collect()),
                     Form::Set => self.set(items.collect())?,
                     Form::Dict => {
-                        let mut entries = Vec::new();
-                        for (key, value) in out {
-                            self.insert(&mut entries, key, value)?;
+                        for (key, _) in &out {
+                            self.weigh(key)?;
                         }
-                        Value::Dict(Rc::new(entries))
+                        DictEntries::of(out)?.dict()
                     }
                 }
             }
@@ -368,22 +367,6 @@ impl Evaluator<'_> {
     fn set(&mut self, values: Vec<Value>) -> Evaluated {
         values.iter().try_for_each(|value| self.weigh(value))?;
         Value::set(values)
-    }
-
-    /// Sets the value of a key.
-    fn insert(
-        &mut self,
-        entries: &mut Vec<(Value, Value)>,
-        key: Value,
-        value: Value,
-    ) -> Result<(), String> {
-        self.weigh(&key)?;
-        self.names.spend(entries.len() / 100)?;
-        match entries.iter_mut().find(|(known, _)| known.equals(&key)) {
-            Some(entry) => entry.1 = value,
-            None => entries.push((key, value)),
-        }
-        Ok(())
     }
 
     fn repeated(&mut self, value: &Value, count: &Value) -> Evaluated {

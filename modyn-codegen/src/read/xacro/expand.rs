@@ -19,6 +19,7 @@ use crate::diagnostics::{Code, ExpansionCall, Report, Severity, suggest};
 use crate::read::file::read_named;
 use crate::read::packages::Packages;
 use crate::read::xml;
+use crate::work;
 
 /// The largest depth of macro calls and includes.
 const MAX_CALLS: usize = 60;
@@ -129,8 +130,9 @@ impl<'e, 'r> Expander<'e, 'r> {
     }
 
     /// Counts work; an error if there is too much.
-    pub fn spend(&self, work: usize) -> Result<(), String> {
-        self.work.set(self.work.get().saturating_add(work));
+    pub fn spend(&self, amount: usize) -> Result<(), String> {
+        work::count(amount);
+        self.work.set(self.work.get().saturating_add(amount));
         if self.work.get() > MAX_WORK {
             return Err(TOO_LONG.into());
         }

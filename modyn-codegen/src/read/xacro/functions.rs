@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use std::f64::consts::{E, PI, TAU};
 use std::rc::Rc;
 
-use super::value::{SequenceKind, Set, Value, float};
+use super::value::{DictEntries, SequenceKind, Set, Value, float};
 
 type Called = Result<Value, String>;
 
@@ -370,7 +370,7 @@ fn wrong_arguments(name: &str, arguments: &[Value]) -> String {
 
 /// Returns the dictionary of entries, of pairs, and of named arguments.
 pub fn dict(arguments: &[Value], named: Vec<(Rc<str>, Value)>) -> Called {
-    let mut entries: Vec<(Value, Value)> = match arguments {
+    let pairs: Vec<(Value, Value)> = match arguments {
         [] => Vec::new(),
         [Value::Dict(entries)] => entries.to_vec(),
         [pairs] => {
@@ -382,12 +382,9 @@ pub fn dict(arguments: &[Value], named: Vec<(Rc<str>, Value)>) -> Called {
         }
         _ => return Err("`dict` has at most one argument without a name".into()),
     };
-    for (name, value) in named {
-        let key = Value::Text(name);
-        entries.retain(|(other, _)| !other.equals(&key));
-        entries.push((key, value));
-    }
-    Ok(Value::Dict(Rc::new(entries)))
+    let mut entries = DictEntries::of(pairs)?;
+    named.into_iter().try_for_each(|(name, value)| entries.set(Value::Text(name), value))?;
+    Ok(entries.dict())
 }
 
 /// Returns the items in order.

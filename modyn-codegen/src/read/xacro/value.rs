@@ -1,5 +1,6 @@
 //! The values of expressions, with the texts that Python gives them.
 
+mod dict;
 mod set;
 
 use std::cmp::Ordering;
@@ -7,6 +8,7 @@ use std::fmt::Write;
 use std::rc::Rc;
 
 use super::tree::Element;
+pub use dict::DictEntries;
 pub use set::Set;
 
 /// The largest depth of lists, tuples and dictionaries in each other.
@@ -190,8 +192,6 @@ impl Value {
                     open.extend(items.iter().map(|item| (item, depth + 1)));
                 }
                 Self::Dict(entries) => {
-                    // The keys of two dictionaries are compared with each other.
-                    weight = weight.saturating_add(entries.len().saturating_pow(2) / 100);
                     let parts = entries.iter().flat_map(|(key, value)| [key, value]);
                     open.extend(parts.map(|part| (part, depth + 1)));
                 }
@@ -218,12 +218,7 @@ impl Value {
             (Self::List(a), Self::List(b)) | (Self::Tuple(a), Self::Tuple(b)) => {
                 a.len() == b.len() && a.iter().zip(b.iter()).all(|(a, b)| a.equals(b))
             }
-            (Self::Dict(a), Self::Dict(b)) => {
-                a.len() == b.len()
-                    && a.iter().all(|(key, value)| {
-                        other.entry(key).is_some_and(|same_key| same_key.equals(value))
-                    })
-            }
+            (Self::Dict(a), Self::Dict(b)) => dict::equal(a, b),
             (Self::Function(a), Self::Function(b)) => a == b,
             (Self::Sequence(a), Self::Sequence(b))
                 if matches!((a.kind, b.kind), (SequenceKind::Range(_), SequenceKind::Range(_))) =>

@@ -6,9 +6,9 @@
 //! the units of length are numbers or expressions.
 
 use std::collections::BTreeMap;
-use std::rc::Rc;
 
-use super::value::Value;
+use super::value::{DictEntries, Value};
+use crate::work;
 
 /// The largest depth of a document.
 const MAX_DEPTH: usize = 60;
@@ -48,6 +48,7 @@ pub fn read(text: &str, host: &dyn Host) -> Result<Value, (usize, String)> {
         if content[indent..].starts_with('\t') {
             return Err((i + 1, "a tab cannot indent".into()));
         }
+        work::count(1);
         lines.push(Line { number: i + 1, indent, text: trimmed.into() });
     }
     let mut reader = Reader { lines, at: 0, anchors: BTreeMap::new(), host };
@@ -155,7 +156,7 @@ impl Reader<'_> {
     }
 
     fn mapping(&mut self, indent: usize, depth: usize) -> Read {
-        let mut entries: Vec<(Value, Value)> = Vec::new();
+        let mut entries = DictEntries::default();
         while let Some(line) = self.lines.get(self.at) {
             let number = line.number;
             if line.indent != indent || is_item(&line.text) {
@@ -182,22 +183,17 @@ impl Reader<'_> {
             if let (Value::Text(merge), Value::Dict(others)) = (&key, &value)
                 && &**merge == "<<"
             {
-                let is_new = |(own_key, _): &&(Value, Value)| {
-                    !entries.iter().any(|(key, _)| key.equals(own_key))
-                };
-                self.spend(entries.len() * others.len() / 100, number)?;
-                let others: Vec<_> = others.iter().filter(is_new).cloned().collect();
-                entries.extend(others);
+                self.spend(others.len() / 100, number)?;
+                for (own, value) in others.iter() {
+                    let added = entries.add(own.clone(), value.clone());
+                    added.map_err(|reason| (number, reason))?;
+                }
                 continue;
             }
-            self.spend(entries.len() / 100, number)?;
             // The last of equal keys counts.
-            match entries.iter_mut().find(|(other, _)| other.equals(&key)) {
-                Some(entry) => entry.1 = value,
-                None => entries.push((key, value)),
-            }
+            entries.set(key, value).map_err(|reason| (number, reason))?;
         }
-        Ok(Value::Dict(Rc::new(entries)))
+        Ok(entries.dict())
     }
 
     /// Returns the value, which `*name` then repeats.
@@ -416,14 +412,14 @@ impl<'t> Flow<'t, '_, '_> {
             }
             Value::list(items)
         } else if self.take('{') {
-            let mut entries = Vec::new();
+            let mut entries = DictEntries::default();
             while !self.take('}') {
                 let key = self.value(":,}")?;
                 let value = if self.take(':') { self.value(",}")? } else { Value::None };
-                entries.push((key, value));
+                entries.set(key, value).map_err(|reason| (self.number, reason))?;
                 self.separator('}')?;
             }
-            Value::Dict(Rc::new(entries))
+            entries.dict()
         } else {
             let text = self.word(ends);
             self.reader.scalar(text, self.number)?

@@ -7,6 +7,7 @@ use super::document::PREFIX_END;
 use super::numbers::numbers;
 use crate::description::{Located, normalized};
 use crate::diagnostics::{Code, Report, Severity, Subject, suggest};
+use crate::work::counted;
 
 /// The value of an attribute and its place.
 #[derive(Clone, Copy)]
@@ -46,7 +47,7 @@ impl<'a> Elements<'a, '_, '_, '_> {
     /// Returns the text in an element, with the place of its first word; it is empty if there is
     /// none.
     pub fn content(&self, node: Node<'a, '_>) -> Attribute<'a> {
-        let text = node.children().find(Node::is_text);
+        let text = children(node).find(Node::is_text);
         let words = text.and_then(|text| text.text()).unwrap_or_default();
         let blank = words.len() - words.trim_start().len();
         let at = text.filter(|_| blank < words.len()).map(|text| self.at(text) + blank);
@@ -122,7 +123,7 @@ impl<'a> Elements<'a, '_, '_, '_> {
 
     /// Returns the child elements of this name.
     pub fn named<'t>(&self, node: Node<'a, 't>, name: &str) -> impl Iterator<Item = Node<'a, 't>> {
-        node.children().filter(move |child| is(*child, name))
+        children(node).filter(move |child| is(*child, name))
     }
 
     /// Returns the child element of this name; several are an error, or a warning if they are axes.
@@ -224,7 +225,7 @@ impl<'a> Elements<'a, '_, '_, '_> {
         optional: &[&str],
         subject: Option<&Subject>,
     ) {
-        for child in node.children().filter(Node::is_element) {
+        for child in children(node).filter(Node::is_element) {
             let name = child.tag_name().name();
             if !is_extension(name)
                 && !known.contains(&name)
@@ -237,6 +238,11 @@ impl<'a> Elements<'a, '_, '_, '_> {
             }
         }
     }
+}
+
+/// Returns the children of an element, with its texts.
+pub fn children<'a, 't>(node: Node<'a, 't>) -> impl DoubleEndedIterator<Item = Node<'a, 't>> {
+    counted(node.children())
 }
 
 /// Returns an attribute; `None` if it is missing.

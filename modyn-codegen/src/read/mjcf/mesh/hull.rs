@@ -1,6 +1,7 @@
 //! Convex hulls of points: the quickhull algorithm (Barber, Dobkin and Huhdanpaa 1996).
 
 use super::super::pose::cross;
+use crate::work::counted;
 
 /// A triangle of the hull.
 struct Facet {
@@ -127,7 +128,7 @@ fn drop_removed(facets: &mut Vec<Facet>, open: &mut Vec<usize>) {
 
 /// Gives a point to the first facet from `first` on that it is above.
 fn assign(points: &[[f64; 3]], facets: &mut [Facet], first: usize, point: usize, tolerance: f64) {
-    let mut later = facets[first..].iter_mut();
+    let mut later = counted(facets[first..].iter_mut());
     if let Some(facet) = later.find(|facet| facet.distance(points[point]) > tolerance) {
         facet.outside.push(point);
     }

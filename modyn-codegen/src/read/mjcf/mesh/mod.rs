@@ -76,13 +76,8 @@ impl<'e> Asset<'e> {
         purpose: Purpose,
         report: &mut Report<'_>,
     ) -> Result<Self, String> {
-        let mut assets =
-            model.source.root.in_sections("asset").filter(|asset| asset.name == "mesh");
-        let named = assets.find(|asset| match asset.text("name") {
-            Some(name_attribute) => name_attribute == name,
-            None => asset.text("file").map(stem).as_deref() == Some(name),
-        });
-        let asset = named.ok_or_else(|| format!("the mesh `{name}` is not in the file"))?;
+        let asset = model.asset("mesh", name);
+        let asset = asset.ok_or_else(|| format!("the mesh `{name}` is not in the file"))?;
         let chain = model.classes.chain(asset, None);
         if !model.is_sound(&chain) {
             return Err(format!("the mesh `{name}` has errors"));

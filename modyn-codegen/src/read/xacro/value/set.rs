@@ -97,7 +97,7 @@ impl Set {
 }
 
 /// Returns a text that is the same for equal values; an error if the value cannot be in a set.
-fn key(value: &Value) -> Result<String, String> {
+pub fn key(value: &Value) -> Result<String, String> {
     match value {
         Value::Bool(_) | Value::Int(_) => Ok(value.integer().unwrap_or_default().to_string()),
         #[allow(clippy::cast_possible_truncation)] // The range is checked.
