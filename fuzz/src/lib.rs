@@ -80,3 +80,15 @@ pub fn compile(reading: Reading) {
     syn::parse_file(&generated.text).expect("Rust");
     assert!(!generated.text.contains("NaN"), "a constant is not a number");
 }
+
+/// Returns the result of a function in a thread whose stack has this many bytes.
+///
+/// # Panics
+///
+/// If the thread cannot be started, or the function panics. If its stack is too small, the process ends.
+pub fn with_stack<T: Send>(bytes: usize, run: impl FnOnce() -> T + Send) -> T {
+    std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new().stack_size(bytes).spawn_scoped(scope, run);
+        thread.expect("a thread").join().expect("no panic")
+    })
+}
