@@ -83,6 +83,8 @@ pub fn interpreted(
 struct Typed<S: Number> {
     name: &'static str,
     arguments: Vec<(Argument, Vec<usize>)>,
+    /// The names of the robot's contacts.
+    contacts: Vec<String>,
     /// The function; `None` for a bundle.
     function: Option<Function>,
     result: Layout,
@@ -112,6 +114,7 @@ impl<S: Number> Typed<S> {
             declared.map(|(argument, shape)| (*argument, layout::of_argument(shape))).collect();
         let length = planned.result.len();
         let result = layout::of_result(&planned.result);
+        let contacts = contact_names(&planning.model);
         let mut options = Options::default();
         options.batches = true;
         let compiled = machine_code.then(|| Compiled::from_plan(&planning, options));
@@ -122,10 +125,9 @@ impl<S: Number> Typed<S> {
                 (Code::Evaluated(evaluated(planning)?), reason)
             }
         };
-        let code = RwLock::new(code);
-        let single = arrays::single(&result, length);
-        let code = Self { name, arguments, function, result, length, single, code };
-        Some((Box::new(code), reason))
+        let (code, single) = (RwLock::new(code), arrays::single(&result, length));
+        let own = Self { name, arguments, contacts, function, result, length, single, code };
+        Some((Box::new(own), reason))
     }
 
     fn interpreted(function: Function, robot: Interpreter<f64>) -> Self {
@@ -139,6 +141,7 @@ impl<S: Number> Typed<S> {
         Self {
             name: function.name(),
             arguments: row.arguments.iter().map(argument).collect(),
+            contacts: contact_names(robot.model()),
             function: Some(function),
             single: arrays::single(&result, length),
             result,
@@ -169,8 +172,13 @@ impl<S: Number> Typed<S> {
                     ArgumentKind::Settings | ArgumentKind::StepSettings => {
                         Given::read_for_scalar(self.name, name, shape, given)?
                     }
-                    ArgumentKind::Contacts => Given::read(self.name, name, shape, given)
-                        .map_err(|error| of_contacts(py, &error))?,
+                    ArgumentKind::Contacts => match Given::read(self.name, name, shape, given) {
+                        Ok(numbers) => numbers,
+                        Err(error) => match names_in(given) {
+                            Some(names) => self.contacts_of(name, &names)?,
+                            None => return Err(of_contacts(py, &error)),
+                        },
+                    },
                     _ => Given::read(self.name, name, shape, given)?,
                 };
                 if let Some(check) = Check::of(self.function, argument) {
@@ -195,6 +203,22 @@ impl<S: Number> Typed<S> {
                 Err(PyTypeError::new_err(format!("`{}` needs the argument `{name}`", self.name)))
             }
         }
+    }
+
+    /// Returns the set of active contacts with these names.
+    fn contacts_of<'py>(&self, name: &'static str, active: &[String]) -> PyResult<Given<'py, S>> {
+        if let Some(unknown) = active.iter().find(|one| !self.contacts.contains(one)) {
+            let names = self.contacts.join("`, `");
+            return Err(PyValueError::new_err(format!(
+                "`{name}` of `{}` names `{unknown}`, which is no contact of this robot; `contact_names` has `{names}`",
+                self.name
+            )));
+        }
+        let numbers = self.contacts.iter().map(|contact| match active.contains(contact) {
+            true => S::one(),
+            false => S::zero(),
+        });
+        Ok(Given::owned(name, numbers.collect()))
     }
 
     fn call_once<'py>(
@@ -417,11 +441,26 @@ impl<S: Number> RobotFunction for Typed<S> {
     }
 }
 
+/// Returns the names of a robot's contacts.
+fn contact_names(model: &Model) -> Vec<String> {
+    model.contacts().iter().map(|contact| contact.name.clone()).collect()
+}
+
+/// Returns the names that an object has: those of a list, a tuple or an array of texts, or one text; `None` for another object.
+fn names_in(object: &Bound<'_, PyAny>) -> Option<Vec<String>> {
+    if let Ok(name) = object.extract::<String>() {
+        return Some(vec![name]);
+    }
+    let listed = || object.call_method0("tolist").and_then(|list| list.extract()).ok();
+    // An empty array may be meant as booleans of another length.
+    let of_array = || listed().filter(|names: &Vec<String>| !names.is_empty());
+    object.extract().ok().or_else(of_array)
+}
+
 /// Returns the error of a set of active contacts with the form of one.
 fn of_contacts(py: Python<'_>, error: &PyErr) -> PyErr {
     let message = error.value(py).to_string();
-    let help = "active contacts are booleans in the order of `contact_names`, as in \
-                `[name in (\"left\", \"right\") for name in robot.contact_names]`";
+    let help = "active contacts are names, as in `[\"left\", \"right\"]`, or booleans in the order of `contact_names`";
     PyErr::from_type(error.get_type(py), format!("{message}; {help}"))
 }
 

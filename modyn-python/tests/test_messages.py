@@ -99,11 +99,28 @@ def test_steps_on_the_ground_say_how_joints_stop():
 def test_active_contacts_by_name():
     robot = modyn.loads(ARM, friction="none", contacts=TIP)
     z = np.zeros(1)
-    with pytest.raises(TypeError, match=r"active contacts are booleans in the order of `contact_names`, as in `\[name in"):
-        robot.constrained_forward_dynamics(z, z, z, ["tip"])
-    with pytest.raises(ValueError, match=r"active contacts are booleans in the order of `contact_names`, as in `\[name in"):
-        robot.constrained_forward_dynamics(z, z, z, [True, False])
-    robot.constrained_forward_dynamics(z, z, z, [name in ("tip",) for name in robot.contact_names])
+    for other in ([True, False], np.zeros(0), np.array([0.5, 0.5]), [["tip"]], {"tip": 1}):
+        with pytest.raises((TypeError, ValueError), match=r"active contacts are names, as in `\[\"left\", \"right\"\]`, or booleans in the order of `contact_names`"):
+            robot.constrained_forward_dynamics(z, z, z, other)
+    with pytest.raises(ValueError, match="`contacts` of `constrained_forward_dynamics` names `top`, which is no contact of this robot; `contact_names` has `tip`"):
+        robot.constrained_forward_dynamics(z, z, z, ["top"])
+
+
+@pytest.mark.parametrize("machine_code", [True, False])
+def test_active_contacts_by_name_are_those_by_booleans(machine_code):
+    points = {name: ("point", "a", [0.1 * i, 0, 0]) for i, name in enumerate(("left", "middle", "right"), 1)}
+    robot = modyn.loads(ARM, friction="none", contacts=points, machine_code=machine_code)
+    q, zero = np.full(1, 0.3), np.zeros(1)
+    for names in ([], ["left"], ["right", "left"], ("middle",), "middle", np.array(["left", "right"]), list(robot.contact_names)):
+        named = [names] if isinstance(names, str) else list(names)
+        active = np.array([float(name in named) for name in robot.contact_names])
+        found, expected = (robot.constrained_forward_dynamics(q, zero, zero, contacts) for contacts in (names, active))
+        for one, other in zip(found, expected):
+            np.testing.assert_array_equal(one, other)
+    # One set holds for each of several states.
+    many = robot.constrained_forward_dynamics(np.full((3, 1), 0.3), np.zeros((3, 1)), np.zeros((3, 1)), ["left"])
+    one = robot.constrained_forward_dynamics(q, zero, zero, ["left"])
+    np.testing.assert_allclose(many[0], np.stack([one[0]] * 3))
 
 
 def test_an_inertia_as_a_matrix():

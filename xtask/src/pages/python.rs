@@ -60,7 +60,7 @@ fn argument(name: &str, shape: &Shape) -> String {
         }
         ("warm_start", _) => "(nv,), by default zeros".into(),
         ("contacts", _) => {
-            "(contacts,), 1 for each active contact, else 0; by default all are".into()
+            "the names of the active contacts, or (contacts,), 1 for each active one, else 0; by default all are".into()
         }
         (_, Shape::Scalar) => "a number".into(),
         (_, Shape::Array(inner, n, _)) if **inner != Shape::Scalar => {
