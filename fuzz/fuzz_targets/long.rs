@@ -1,16 +1,18 @@
-//! Long texts of a few patterns are read in a thread with a small stack, by a number of steps in proportion to their length. Nothing
-//! panics.
+//! Long texts of a few patterns are read in a thread with a small stack, by a number of steps in
+//! proportion to their length. Nothing panics.
 //!
-//! An input is a text whose lines after the first are patterns: the start, an opening and a closing pattern that are repeated, the text
-//! between them, and the end. The first line is the name of the file. `#` stands for the number of the repetition. The last byte selects
-//! the number of repetitions.
+//! An input is a text whose lines after the first are patterns: the start, an opening and a closing
+//! pattern that are repeated, the text between them, and the end. The first line is the name of the
+//! file. `#` stands for the number of the repetition. The last byte selects the number of
+//! repetitions.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
 use modyn_codegen::internals::counted_steps;
 use modyn_codegen::{ReadOptions, read};
 
-/// The bytes of the stack. Depths are checked before any recursion, except that of a xacro within its limits.
+/// The bytes of the stack. Depths are checked before any recursion, except that of a xacro within
+/// its limits.
 const STACK: usize = 256 << 10;
 
 /// The bytes of the stack that the deepest xacro needs.

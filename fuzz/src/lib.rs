@@ -85,7 +85,8 @@ pub fn compile(reading: Reading) {
 ///
 /// # Panics
 ///
-/// If the thread cannot be started, or the function panics. If its stack is too small, the process ends.
+/// If the thread cannot be started, or the function panics. If its stack is too small, the process
+/// ends.
 pub fn with_stack<T: Send>(bytes: usize, run: impl FnOnce() -> T + Send) -> T {
     std::thread::scope(|scope| {
         let thread = std::thread::Builder::new().stack_size(bytes).spawn_scoped(scope, run);

@@ -1,5 +1,5 @@
-//! The steps of readers: elements, attributes and names that are looked at. Tests see by their number that the work of reading grows in
-//! proportion to the text.
+//! The steps of readers: elements, attributes and names that are looked at. Tests see by their
+//! number that the work of reading grows in proportion to the text.
 
 use std::cell::Cell;
 

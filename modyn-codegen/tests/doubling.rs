@@ -1,5 +1,6 @@
-//! The work of every reader grows in proportion to the text. Each text doubles along an axis on which a reader could look at everything
-//! again for each element. Steps are counted (`src/work.rs`), so that the test does not depend on a clock.
+//! The work of every reader grows in proportion to the text. Each text doubles along an axis on
+//! which a reader could look at everything again for each element. Steps are counted
+//! (`src/work.rs`), so that the test does not depend on a clock.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -10,7 +11,8 @@ use modyn_codegen::{FileStore, ReadOptions, read};
 /// The first size of a text.
 const SIZE: usize = 400;
 
-/// The largest ratio of the steps of a text and of half of it. A hull of n points takes n log n steps.
+/// The largest ratio of the steps of a text and of half of it. A hull of n points takes n log n
+/// steps.
 const MAX_RATIO: f64 = 2.5;
 
 /// A text whose size is a parameter.

@@ -446,7 +446,8 @@ fn contact_names(model: &Model) -> Vec<String> {
     model.contacts().iter().map(|contact| contact.name.clone()).collect()
 }
 
-/// Returns the names that an object has: those of a list, a tuple or an array of texts, or one text; `None` for another object.
+/// Returns the names in a list, a tuple or an array of texts, or one text; `None` for another
+/// object.
 fn names_in(object: &Bound<'_, PyAny>) -> Option<Vec<String>> {
     if let Ok(name) = object.extract::<String>() {
         return Some(vec![name]);

@@ -21,11 +21,12 @@ impl TakenNames {
     /// Returns a name that is not taken: this one, or with an ending. It is taken then.
     pub fn unique(&mut self, name: &str, ending: &str) -> String {
         let with_ending = format!("{name}_{ending}");
-        let unnumbered = [name.to_owned(), with_ending.clone()];
-        let unnumbered = unnumbered.into_iter().find(|name| !self.taken.contains(name));
-        let name = unnumbered.unwrap_or_else(|| self.numbered(&with_ending, 2));
-        self.taken.insert(name.clone());
-        name
+        for free in [name, &with_ending] {
+            if self.taken.insert(free.to_owned()) {
+                return free.to_owned();
+            }
+        }
+        self.numbered(&with_ending, 2)
     }
 
     /// Returns a name that is not taken: this one with a number from `first` on. It is taken then.

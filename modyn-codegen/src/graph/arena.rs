@@ -139,8 +139,9 @@ impl Graph {
         (self.nodes.len() - 1) as Id
     }
 
-    /// Returns a node of the same width in place of an operation beyond the limit: an operand, or the lanes of one pack of zeros for
-    /// each width. The error is a node that the graph may have beyond the limit: a constant, an input or such a pack.
+    /// Returns a node of the same width in place of an operation beyond the limit: an operand, or
+    /// the lanes of one pack of zeros for each width. The error is a node that the graph may have
+    /// beyond the limit: a constant, an input or such a pack.
     #[cold]
     fn beyond_limit(&mut self, node: Node) -> Result<Id, Node> {
         assert!(self.nodes.len() < limit::UNLIMITED, "a graph has fewer than 2^32 nodes");

@@ -38,7 +38,8 @@ pub fn within<T>(nodes: usize, work: impl FnOnce() -> T) -> Option<T> {
     (!is_exceeded).then_some(result)
 }
 
-/// Returns whether a graph would have had more nodes than the limit: nothing that follows from it counts.
+/// Returns whether a graph would have had more nodes than the limit: nothing that follows from it
+/// counts.
 pub fn is_exceeded() -> bool {
     IS_EXCEEDED.get()
 }

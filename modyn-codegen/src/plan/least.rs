@@ -1,6 +1,8 @@
-//! The least operations of a function, which are known before it is traced: a function that is far too long is refused at once.
+//! The least operations of a function, which are known before it is traced: a function that is far
+//! too long is refused at once.
 //!
-//! An operation on constants is none. So entries of matrices count only if they vary: if they differ at two configurations.
+//! An operation on constants is none. So entries of matrices count only if they vary: if they
+//! differ at two configurations.
 
 use modyn_runtime::Interpreter;
 use modyn_runtime::equations::kinematics::coordinates;
@@ -12,19 +14,22 @@ use modyn_runtime::spatial::Twist;
 use super::context::PlanContext;
 use super::limit::{MAX_NODES, MAX_OPERATIONS, RESULTS};
 
-/// The number of constraints whose rows are counted. Rows of as many points in contact with the ground, if they depend on one another,
-/// take ten times as many operations as all functions may have.
+/// The number of constraints whose rows are counted. Rows of as many points in contact with the
+/// ground, if they depend on one another, take ten times as many operations as all functions may
+/// have.
 const COUNTED_CONSTRAINTS: usize = 120;
 
 /// The relative difference of two values that vary. A smaller one may be rounding.
 const VARIES: f64 = 1e-6;
 
 impl PlanContext<'_> {
-    /// Returns a number of operations that a function takes at least, without tracing it: those of its results, of the
-    /// factors of the mass matrix if the function has a dense solution or result, one for each ancestor of a link, and those of the
-    /// elimination of constraint rows. `usize::MAX` if its graph on scalars alone has too many nodes.
+    /// Returns a number of operations that a function takes at least, without tracing it: some for
+    /// its results, for the factors of the mass matrix if the function has a dense solution or
+    /// result, one for each ancestor of a link, and some for the elimination of constraint rows.
+    /// `usize::MAX` if its graph on scalars alone has too many nodes.
     pub(super) fn least_operations(&self, function: Function) -> usize {
-        let (row, sizes) = (function.row(), &self.sizes);
+        let row = function.row();
+        let sizes = &self.sizes;
         let numbers = (row.result)(sizes).len();
         let programs = if row.by_link { self.frames.program_count() } else { 1 };
         let one = function.batched().unwrap_or(function);
@@ -53,9 +58,10 @@ impl PlanContext<'_> {
         self.frames.links_with_own_program().map(depth).sum()
     }
 
-    /// Returns the least operations of the derivatives of accelerations by q and qd: two solutions with the factors of the mass matrix for
-    /// each joint, whose right-hand sides have an entry for each ancestor. Each takes two operations for each entry of the factors
-    /// from the root to the joint, once towards the root and once back.
+    /// Returns the least operations of the derivatives of accelerations by q and qd: two solutions
+    /// with the factors of the mass matrix for each joint, whose right-hand sides have an entry for
+    /// each ancestor. Each takes two operations for each entry of the factors from the root to the
+    /// joint, once towards the root and once back.
     fn least_of_columns(&self) -> usize {
         let n = self.sizes.nv;
         if n * n * n <= MAX_NODES / 8 {
@@ -78,8 +84,8 @@ impl PlanContext<'_> {
         8 * (0..n).map(|joint| ancestors_of(joint).pow(2)).sum::<usize>()
     }
 
-    /// Returns the least operations of the elimination of m constraint rows that depend on one joint, m^3 / 3: the matrix of such rows has
-    /// no zeros.
+    /// Returns the least operations of the elimination of m constraint rows that depend on one
+    /// joint, m^3 / 3: the matrix of such rows has no zeros.
     fn least_of_rows(&self) -> usize {
         let n = self.sizes.nv;
         if self.sizes.constraint_rows.pow(3) / 3 <= MAX_OPERATIONS {
@@ -97,9 +103,9 @@ impl PlanContext<'_> {
             [angular.0, linear.0].concat()
         };
         let rows_of = |joint: usize| {
-            let columns = (joint..constraints * n).step_by(n);
-            let columns = columns.map(|at| [&first[at], &second[at]].map(components));
-            let entries: Vec<[f64; 2]> = columns
+            let places = (joint..constraints * n).step_by(n);
+            let entries: Vec<[f64; 2]> = places
+                .map(|at| [&first[at], &second[at]].map(components))
                 .flat_map(|[one, other]| one.into_iter().zip(other))
                 .map(|(one, other)| [one, other])
                 .collect();
@@ -109,7 +115,8 @@ impl PlanContext<'_> {
         (0..n).map(rows_of).max().unwrap_or(0).pow(3) / 3
     }
 
-    /// Returns the robot with some of the constraints on the limb that has the most; `None` if it has none there.
+    /// Returns the robot with some of the constraints on the limb that has the most; `None` if it
+    /// has none there.
     fn with_fewer_constraints(&self) -> Option<Model> {
         let model = self.model;
         let mut limbs: Vec<usize> = Vec::new();
@@ -117,22 +124,25 @@ impl PlanContext<'_> {
             limbs.push(record.parent.map_or(link, |parent| limbs[parent]));
         }
         let limb_of = |frame: usize| model.frames()[frame].link.map(|link| limbs[link]);
-        let (contacts, loops) = (model.contacts(), model.loop_constraints());
+        let contacts = model.contacts();
+        let loops = model.loop_constraints();
         let limbs_of_contacts = contacts.iter().map(|contact| limb_of(contact.end.frame));
         let limbs_of_loops = loops.iter().map(|closed| limb_of(closed.ends[1].frame));
         let mut counts = vec![0_usize; model.links().len()];
         limbs_of_contacts.chain(limbs_of_loops).flatten().for_each(|limb| counts[limb] += 1);
         let (most, _) = counts.iter().enumerate().max_by_key(|(_, count)| **count)?;
         let on_limb = |frame: usize| limb_of(frame) == Some(most);
-        let contacts = contacts.iter().filter(|contact| on_limb(contact.end.frame));
-        let contacts: Vec<_> = contacts.take(COUNTED_CONSTRAINTS).cloned().collect();
-        let loops = loops.iter().filter(|closed| on_limb(closed.ends[1].frame));
-        let loops = loops.take(COUNTED_CONSTRAINTS - contacts.len()).cloned().collect();
-        let fewer = model.clone().with_loop_constraints(loops).ok()?;
-        fewer.with_contacts(contacts).ok()
+        let contacts_on_limb = contacts.iter().filter(|contact| on_limb(contact.end.frame));
+        let some_contacts: Vec<_> = contacts_on_limb.take(COUNTED_CONSTRAINTS).cloned().collect();
+        let left = COUNTED_CONSTRAINTS - some_contacts.len();
+        let loops_on_limb = loops.iter().filter(|closed| on_limb(closed.ends[1].frame));
+        let some_loops = loops_on_limb.take(left).cloned().collect();
+        let fewer = model.clone().with_loop_constraints(some_loops).ok()?;
+        fewer.with_contacts(some_contacts).ok()
     }
 
-    /// Returns the values of a function of the coordinates at two configurations; `None` if there is none.
+    /// Returns the values of a function of the coordinates at two configurations; `None` if there
+    /// is none.
     fn at_two_configurations<T>(
         &self,
         model: &Model,
@@ -155,7 +165,8 @@ impl PlanContext<'_> {
     }
 }
 
-/// Returns whether a function solves for the derivatives of all accelerations by q and qd, in straight-line code.
+/// Returns whether a function solves for the derivatives of all accelerations by q and qd, in
+/// straight-line code.
 const fn solves_for_columns(function: Function) -> bool {
     matches!(
         function,

@@ -206,7 +206,8 @@ fn traced(builder: &Builder, function: Function) -> (usize, bool) {
     (traced_operations() - before, is_made)
 }
 
-/// A function far beyond the limit is refused before it is traced: forward dynamics is traced alone, for its partition.
+/// A function far beyond the limit is refused before it is traced: forward dynamics is traced
+/// alone, for its partition.
 #[test]
 fn far_too_long_functions_are_refused_before_they_are_traced() {
     for function in [
@@ -239,7 +240,8 @@ fn far_too_long_functions_are_refused_before_they_are_traced() {
     }
 }
 
-/// A function a little beyond the limit is traced to the limit, and not by columns in lanes as well.
+/// A function a little beyond the limit is traced to the limit, and not by columns in lanes as
+/// well.
 #[test]
 #[ignore = "slow: millions of operations"]
 fn too_long_functions_are_traced_once() {

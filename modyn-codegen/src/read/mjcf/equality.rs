@@ -26,7 +26,8 @@ struct End {
 /// The names to which constraints refer, and the names that are taken.
 struct Names {
     joints: HashMap<String, usize>,
-    /// The joints of each tendon and their coefficients, each joint once; `None` if the tendon is not fixed, or a joint does not exist.
+    /// The joints of each tendon and their coefficients, each joint once; `None` if the tendon is
+    /// not fixed, or a joint does not exist.
     tendons: HashMap<String, Option<Vec<(usize, f64)>>>,
     /// The names of joints and loops.
     taken: TakenNames,
@@ -39,7 +40,8 @@ fn is_active(constraint: &Item) -> bool {
     constraint.text("active") != Some("false")
 }
 
-/// The largest number of joints of the tendons of all constraints: each constraint looks at all joints of its tendons.
+/// The largest number of joints of the tendons of all constraints: each constraint looks at all
+/// joints of its tendons.
 const MAX_JOINTS_OF_TENDONS: usize = 1_000_000;
 
 /// A sum of the displacements of joints with factors, each joint once.
@@ -64,7 +66,8 @@ impl Sum {
     }
 }
 
-/// Returns the joints of a fixed tendon and their coefficients; `None` for another tendon, or if a joint does not exist.
+/// Returns the joints of a fixed tendon and their coefficients; `None` for another tendon, or if a
+/// joint does not exist.
 fn fixed_tendon(tendon: &Item, joints: &HashMap<String, usize>) -> Option<Vec<(usize, f64)>> {
     if tendon.element().name != "fixed" {
         return None;
@@ -111,13 +114,13 @@ impl<'e> Bodies<'e, '_, '_> {
     }
 
     fn names(&self) -> Names {
-        let joints = self.description.joints_by_name().into_iter();
-        let joints = joints.map(|(name, joint)| (name.to_owned(), joint)).collect();
-        let tendons = self.of_section("tendon").into_iter().rev();
+        let known_joints = self.description.joints_by_name().into_iter();
+        let joints = known_joints.map(|(name, joint)| (name.to_owned(), joint)).collect();
+        // The first of equal names counts.
+        let elements = self.of_section("tendon").into_iter().rev();
         let tendons =
-            tendons.filter_map(|tendon| Some((tendon.name()?, fixed_tendon(&tendon, &joints))));
+            elements.filter_map(|tendon| Some((tendon.name()?, fixed_tendon(&tendon, &joints))));
         Names {
-            // The first of equal names counts.
             tendons: tendons.collect(),
             joints,
             taken: TakenNames::new(self.description.joint_names()),
@@ -211,7 +214,8 @@ impl<'e> Bodies<'e, '_, '_> {
         let coefficients = item.text("polycoef").and_then(list).unwrap_or_else(|| vec![0.0, 1.0]);
         let coefficient = |i: usize| coefficients.get(i).copied().unwrap_or(0.0);
         // Of the displacements of joints from the drawn pose: their sum with these factors is a constant.
-        let (mut sum, mut ends) = (Sum::default(), Vec::new());
+        let mut sum = Sum::default();
+        let mut ends = Vec::new();
         for (attribute, scale) in [("tendon1", 1.0), ("tendon2", -coefficient(1))] {
             let Some(name) = item.element().text(attribute) else { continue };
             if attribute == "tendon2" && (2..5).any(|i| coefficient(i) != 0.0) {

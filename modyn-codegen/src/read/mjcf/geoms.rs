@@ -105,8 +105,8 @@ fn placed(
     } else if kind == "hfield" {
         // The mass of a height field is that of the box with its half lengths and its mean height, about the geom's origin.
         let field = geom.text("hfield").and_then(|name| model.asset("hfield", name));
-        let field = field.and_then(|field| field.text("size")).and_then(super::check::numbers);
-        let [x, y, top, bottom] = field.ok_or("the height field of a geom is not in the file")?;
+        let size = field.and_then(|field| field.text("size")).and_then(super::check::numbers);
+        let [x, y, top, bottom] = size.ok_or("the height field of a geom is not in the file")?;
         [x, y, 0.25 * top + 0.5 * bottom]
     } else {
         sizes(geom)

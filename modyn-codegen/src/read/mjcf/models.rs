@@ -161,7 +161,8 @@ impl<'e> Model<'e> {
         elements.iter().all(|element| !self.unsound.contains(&element.at))
     }
 
-    /// Returns the element of `<asset>` of a kind, such as `mesh`, by its name or else by the name of its file.
+    /// Returns the element of `<asset>` of a kind, such as `mesh`, by its name or else by the name
+    /// of its file.
     pub fn asset(&self, kind: &'e str, name: &str) -> Option<&'e Element> {
         self.assets.get(&(kind, name.to_owned())).copied()
     }

@@ -14,7 +14,8 @@ use crate::diagnostics::{Code, Report, Severity};
 /// dynamics.
 const MAX_SPRING_DAMPERS: usize = 1_000;
 
-/// The largest number of accelerations that are computed, those of all joints for each joint with `springdamper`.
+/// The largest number of accelerations that are computed: all joints have one for each joint with
+/// `springdamper`.
 const MAX_ACCELERATIONS: usize = 10_000_000;
 
 /// The least positive number by which MuJoCo divides.
@@ -37,10 +38,11 @@ impl Bodies<'_, '_, '_> {
         if self.spring_dampers.len() * model.links().len() > MAX_ACCELERATIONS {
             return self.refuse_many(first);
         }
-        let links = model.links().iter().enumerate();
-        let links: HashMap<_, _> =
-            links.map(|(link, record)| (record.joint.name.as_str(), link)).collect();
-        let link_of = |joint: usize| links.get(&*self.description.joints[joint].name.text).copied();
+        let records = model.links().iter().enumerate();
+        let places: HashMap<_, _> =
+            records.map(|(link, record)| (record.joint.name.as_str(), link)).collect();
+        let link_of =
+            |joint: usize| places.get(&*self.description.joints[joint].name.text).copied();
         let links: Vec<Option<usize>> =
             self.spring_dampers.iter().map(|(joint, _)| link_of(*joint)).collect();
         let ranges: Vec<_> =

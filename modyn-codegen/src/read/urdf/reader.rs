@@ -30,7 +30,8 @@ pub struct Reader<'a, 't, 'r, 'f> {
     pub packages: Packages,
     /// The meshes of visuals.
     pub surfaces: Surfaces,
-    /// The colours of the robot's materials by their names, once a visual needs them; `None` for a material without a colour.
+    /// The colours of the robot's materials by their names, once a visual needs them; `None` for a
+    /// material without a colour.
     pub materials: Option<FxHashMap<&'a str, Option<[f64; 4]>>>,
     /// A sentence for each shape that could not be read.
     pub shape_notes: Vec<String>,

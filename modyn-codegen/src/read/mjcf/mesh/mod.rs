@@ -76,8 +76,8 @@ impl<'e> Asset<'e> {
         purpose: Purpose,
         report: &mut Report<'_>,
     ) -> Result<Self, String> {
-        let asset = model.asset("mesh", name);
-        let asset = asset.ok_or_else(|| format!("the mesh `{name}` is not in the file"))?;
+        let missing = || format!("the mesh `{name}` is not in the file");
+        let asset = model.asset("mesh", name).ok_or_else(missing)?;
         let chain = model.classes.chain(asset, None);
         if !model.is_sound(&chain) {
             return Err(format!("the mesh `{name}` has errors"));

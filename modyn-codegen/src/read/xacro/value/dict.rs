@@ -65,11 +65,11 @@ impl DictEntries {
 
 /// Returns whether two dictionaries have the same keys with equal values.
 pub fn equal(one: &[(Value, Value)], other: &[(Value, Value)]) -> bool {
-    let values = other.iter().filter_map(|(key, value)| Some((set::key(key).ok()?, value)));
-    let values: HashMap<String, &Value> = values.collect();
+    let entries = other.iter().filter_map(|(key, value)| Some((set::key(key).ok()?, value)));
+    let values: HashMap<String, &Value> = entries.collect();
     let is_in_other = |(key, value): &(Value, Value)| {
-        let found = set::key(key).ok().and_then(|key| values.get(&key).copied());
-        found.is_some_and(|found| found.equals(value))
+        let same = set::key(key).ok().and_then(|key| values.get(&key).copied());
+        same.is_some_and(|same| same.equals(value))
     };
     one.len() == other.len() && one.iter().all(is_in_other)
 }
