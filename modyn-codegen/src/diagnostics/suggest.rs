@@ -2,7 +2,8 @@
 
 use crate::work;
 
-/// Returns the candidate that differs from `name` by one or two letters; the first of equally close ones.
+/// Returns the candidate that differs from `name` by one or two letters; the first of equally close
+/// ones.
 pub fn suggest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let name: Vec<char> = name.chars().flat_map(char::to_lowercase).take(80).collect();
     let allowed = if name.len() < 4 { 1 } else { 2 };

@@ -10,7 +10,8 @@ pub const MAX_OPERATIONS: usize = 800_000;
 /// The largest number of nodes that are traced for one function, of all candidates together.
 pub(super) const MAX_NODES: usize = 4 * MAX_OPERATIONS;
 
-/// The number of numbers of a result whose text is as long as that of an operation. Most of a long result are zeros.
+/// The number of numbers of a result whose text is as long as that of an operation. Most of a long
+/// result are zeros.
 pub(super) const RESULTS: usize = 8;
 
 /// The number of operations whose text is as long as the row of a body in the tables of loops.

@@ -213,7 +213,8 @@ impl<'e> Bodies<'e, '_, '_> {
         let at = item.element().at;
         let coefficients = item.text("polycoef").and_then(list).unwrap_or_else(|| vec![0.0, 1.0]);
         let coefficient = |i: usize| coefficients.get(i).copied().unwrap_or(0.0);
-        // Of the displacements of joints from the drawn pose: their sum with these factors is a constant.
+        // Of the displacements of joints from the drawn pose: their sum with these factors is a
+        // constant.
         let mut sum = Sum::default();
         let mut ends = Vec::new();
         for (attribute, scale) in [("tendon1", 1.0), ("tendon2", -coefficient(1))] {
