@@ -9,7 +9,7 @@ use modyn_runtime::model::Model;
 use modyn_runtime::{Inertial, Interpreter};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::PyFloat;
+use pyo3::types::{PyFloat, PyList, PyTuple};
 
 use crate::arrays::{self, Given, Output};
 use crate::change::Change;
@@ -453,9 +453,10 @@ fn names_in(object: &Bound<'_, PyAny>) -> Option<Vec<String>> {
         return Some(vec![name]);
     }
     let listed = || object.call_method0("tolist").and_then(|list| list.extract()).ok();
+    let names: Vec<String> = object.extract().ok().or_else(listed)?;
     // An empty array may be meant as booleans of another length.
-    let of_array = || listed().filter(|names: &Vec<String>| !names.is_empty());
-    object.extract().ok().or_else(of_array)
+    let is_list = object.is_instance_of::<PyList>() || object.is_instance_of::<PyTuple>();
+    (is_list || !names.is_empty()).then_some(names)
 }
 
 /// Returns the error of a set of active contacts with the form of one.
