@@ -125,7 +125,8 @@ impl<S: Number> Typed<S> {
                 (Code::Evaluated(evaluated(planning)?), reason)
             }
         };
-        let (code, single) = (RwLock::new(code), arrays::single(&result, length));
+        let code = RwLock::new(code);
+        let single = arrays::single(&result, length);
         let own = Self { name, arguments, contacts, function, result, length, single, code };
         Some((Box::new(own), reason))
     }

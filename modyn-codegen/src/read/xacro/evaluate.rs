@@ -130,9 +130,9 @@ impl Evaluator<'_> {
             Expression::Dict(entries) => {
                 let mut found = DictEntries::default();
                 for (key, value) in entries {
-                    let (key, value) = (self.value(key)?, self.value(value)?);
+                    let key = self.value(key)?;
                     self.weigh(&key)?;
-                    found.set(key, value)?;
+                    found.set(key, self.value(value)?)?;
                 }
                 found.dict()
             }
