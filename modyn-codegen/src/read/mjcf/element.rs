@@ -132,7 +132,7 @@ impl<'r, 'f> Elements<'r, 'f> {
             children: Vec::new(),
         };
         for child in xml::element::children(node).filter(Node::is_element) {
-            let child = self.element(child, (text, start), file, depth + 1)?;
+            let child = self.element(child, text, start, file, depth + 1)?;
             if child.name == "include" {
                 element.children.extend(self.include(&child, file, depth)?);
             } else {

@@ -272,11 +272,11 @@ impl<'e> Bodies<'e, '_, '_> {
     /// Returns the index of the joint that an attribute names; `None` with an error in the report,
     /// unless a part of an attached model lacks it.
     fn joint_of(&mut self, item: &Item<'e>, attribute: &str, names: &Names) -> Option<usize> {
-        let own = item.element().attribute(attribute);
-        let name = own.map(|own| item.naming.name(&own.value)).unwrap_or_default();
-        let found = names.joints.get(&name).copied();
-        if found.is_none() && item.naming.prefix.is_empty() {
-            let at = own.map_or(item.element().at, |own| own.at);
+        let attribute_given = item.element().attribute(attribute);
+        let name = attribute_given.map(|given| item.naming.name(&given.value)).unwrap_or_default();
+        let joint = names.joints.get(&name).copied();
+        if joint.is_none() && item.naming.prefix.is_empty() {
+            let at = attribute_given.map_or(item.element().at, |given| given.at);
             let message = format!(
                 "`{attribute}` of `<equality>` is the joint `{name}`, which does not exist"
             );

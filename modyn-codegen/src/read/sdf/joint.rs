@@ -56,7 +56,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         }
         let pitch = if kind == Some(JointKind::Screw) { self.pitch(node, subject) } else { 0.0 };
         let simbody = self.xml.named(node, "physics").flat_map(|physics| children(physics));
-        let cut = simbody
+        let element = simbody
             .flat_map(|engine| children(engine))
             .find(|n| n.has_tag_name("must_be_loop_joint"));
         let cut = element
