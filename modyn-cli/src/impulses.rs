@@ -38,7 +38,8 @@ impl Options {
 pub fn contradictory_limits(model: &Model) -> Vec<String> {
     let contradicts = |&link: &usize| {
         let joint = &model.links()[link].joint;
-        let (Some(limits), Some(mimic)) = (&joint.limits, model.mimic(link)) else { return false };
+        let Some(limits) = &joint.limits else { return false };
+        let Some(mimic) = model.mimic(link) else { return false };
         model.coordinate_range(link).iter().any(|q| {
             let q = mimic.multiplier * q + mimic.offset;
             limits.lower.is_some_and(|lower| q < lower - 1e-9)

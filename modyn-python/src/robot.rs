@@ -539,7 +539,7 @@ impl Robot {
         let nq = |link: &Link| link.joint.joint_type.nq();
         let nv = |link: &Link| link.joint.joint_type.nv();
         let limits = |link: &Link| link.joint.limits;
-        let limits = [
+        let vectors = [
             self.entries(nq, |i, _| self.model.coordinate_range(i)[0]),
             self.entries(nq, |i, _| self.model.coordinate_range(i)[1]),
             self.entries(nv, |i, _| self.model.velocity_limit(i)),
@@ -547,7 +547,7 @@ impl Robot {
                 limits(link).and_then(|l| l.effort).unwrap_or(f64::INFINITY)
             }),
         ];
-        let all = limits.map(|numbers| PyArray1::from_vec(py, numbers));
+        let all = vectors.map(|numbers| PyArray1::from_vec(py, numbers));
         py.import("modyn._types")?.getattr("JointLimits")?.call1(PyTuple::new(py, all)?)
     }
 

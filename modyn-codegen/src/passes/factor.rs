@@ -57,7 +57,8 @@ fn round(graph: &Graph) -> (Graph, bool) {
 /// Returns a, b and c of a sum or difference of products a b and a c that are not used elsewhere.
 fn common_factor(graph: &Graph, uses: &[u32], node: Node) -> Option<(Id, Id, Id)> {
     let (Node::Add(x, y) | Node::Sub(x, y)) = node else { return None };
-    let (Node::Mul(a, b), Node::Mul(c, d)) = (graph.node(x), graph.node(y)) else { return None };
+    let Node::Mul(a, b) = graph.node(x) else { return None };
+    let Node::Mul(c, d) = graph.node(y) else { return None };
     if uses[x as usize] != 1 || uses[y as usize] != 1 {
         return None;
     }

@@ -58,7 +58,9 @@ fn qd(t: f64) -> [f64; 6] {
 #[test]
 fn velocities_and_accelerations_are_rates() {
     for t in [-1.0, 0.2, 1.7] {
-        let (q, qd, qdd) = (motion(t), qd(t), rate(t, qd));
+        let qdd = rate(t, qd);
+        let q = motion(t);
+        let qd = qd(t);
         let [linear, turning] = velocities(t);
         close(drake::to_v(q, qd), concatenate(turning, linear), 1e-10);
         close(drake::to_vdot(q, qd, qdd), rate(t, |t| drake::to_v(motion(t), self::qd(t))), 1e-6);

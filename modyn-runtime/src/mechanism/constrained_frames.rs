@@ -84,7 +84,8 @@ pub(super) fn constrained(
         _ => None,
     };
     let (constrained, free) = constraint.kind.directions();
-    let (rows, free) = (rows(constrained), rows(free));
+    let free = rows(free);
+    let rows = rows(constrained);
     ConstrainedFrames { ends, contact: false, hinge, rows, free, length }
 }
 
@@ -103,6 +104,7 @@ pub(super) fn touching(
         ContactKind::Surface => LoopConstraintKind::Rigid,
     };
     let (constrained, free) = kind.directions();
-    let (rows, free) = (rows(constrained), if floats { Vec::new() } else { rows(free) });
+    let free = if floats { Vec::new() } else { rows(free) };
+    let rows = rows(constrained);
     ConstrainedFrames { ends, contact: true, hinge: None, rows, free, length }
 }

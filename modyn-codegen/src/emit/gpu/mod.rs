@@ -282,7 +282,8 @@ fn head(dialect: &dyn Dialect, model: &Model, prefix: &str) -> String {
 
 /// Returns a comment with a title and names.
 fn list(title: &str, names: &[impl AsRef<str>]) -> String {
-    let (mut text, mut column) = (format!("// {title}:"), title.len() + 4);
+    let mut text = format!("// {title}:");
+    let mut column = text.len();
     let mut names = names.iter().map(|name| sanitize_for_display(name.as_ref())).peekable();
     while let Some(name) = names.next() {
         let end = if names.peek().is_some() { "," } else { "." };

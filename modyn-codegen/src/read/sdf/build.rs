@@ -556,7 +556,8 @@ impl Build<'_, '_, '_> {
             let link = Some(self.world.frames[link].name.text.clone());
             EndRecord { link, at: Some(name.at), pose }
         });
-        let (name, at) = (name.text.clone(), Some(name.at));
+        let at = Some(name.at);
+        let name = name.text.clone();
         self.description.loops.push(LoopRecord { name, at, kind, ends });
     }
 

@@ -29,7 +29,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let Some(uri) =
             self.xml.single(node, "uri", None).map(|uri| trimmed(self.xml.content(uri)))
         else {
-            let (message, help) = ("`<include>` has no `<uri>`", "write `<uri>model://arm</uri>`");
+            let message = "`<include>` has no `<uri>`";
+            let help = "write `<uri>model://arm</uri>`";
             self.xml.report.error(Code::MissingElement, at, None, message, help);
             return;
         };

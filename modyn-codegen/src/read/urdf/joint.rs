@@ -126,9 +126,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         }
         let second = self.axis(node, "axis2", Y, subject);
         // An axis that could not be read is not compared.
-        let (Some(first), Some(second)) = (first, second) else {
-            return [X, Y];
-        };
+        let Some(first) = first else { return [X, Y] };
+        let Some(second) = second else { return [X, Y] };
         if are_parallel(first, second) {
             let place = ["axis2", "axis"].iter().find_map(|name| self.xml.named(node, name).next());
             let at = place.unwrap_or(node).range().start;

@@ -441,7 +441,8 @@ fn arithmetic(operator: &str, left: &Value, right: &Value) -> Result<Option<Valu
 }
 
 fn float_arithmetic(operator: &str, left: &Value, right: &Value) -> Result<Option<Value>, String> {
-    let (Some(a), Some(b)) = (left.number(), right.number()) else { return Ok(None) };
+    let Some(a) = left.number() else { return Ok(None) };
+    let Some(b) = right.number() else { return Ok(None) };
     if matches!(operator, "/" | "//" | "%") && b == 0.0 {
         return Err(BY_ZERO.into());
     }

@@ -43,7 +43,8 @@ pub fn join(
     let fits = |one: &[Range<usize>], other: &[Range<usize>]| {
         let a = chain_joints(model, longest(one));
         let b = chain_joints(model, longest(other));
-        let (Some(a), Some(b)) = (a, b) else { return false };
+        let Some(a) = a else { return false };
+        let Some(b) = b else { return false };
         one.len() + other.len() <= limits.joined
             && a.len().abs_diff(b.len()) <= limits.missing
             && a.iter().zip(&b).all(|(a, b)| a == b)

@@ -122,7 +122,8 @@ fn project_group<S: Scalar, T: BodyTree<S>>(
         }
         let body = &model.bodies[at];
         let motion = &workspace.motions[at];
-        let (Some(parent), Some(whole)) = (body.parent, &swept) else { break };
+        let Some(parent) = body.parent else { break };
+        let Some(whole) = &swept else { break };
         let at_parent = whole.at_parent(body, motion, workspace.relative_velocities[at]);
         swept = Some(SweepState::of(path.accumulate(at, parent, at_parent.numbers())));
         at = parent;

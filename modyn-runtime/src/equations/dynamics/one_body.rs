@@ -187,8 +187,9 @@ fn load<S: Scalar>(wrench: &Wrench<S>, inertia: &ArticulatedInertia<S>) -> Vec<S
 fn inertia_from<S: Scalar>(numbers: &[S]) -> ArticulatedInertia<S> {
     // Rows of the upper triangle have 6, 5, ... entries.
     ArticulatedInertia::from_fn(|row, column| {
-        let (row, column) = (row.min(column), row.max(column));
-        numbers[row * (13 - row) / 2 + column - row]
+        let first = row.min(column);
+        let second = row.max(column);
+        numbers[first * (13 - first) / 2 + second - first]
     })
 }
 

@@ -185,9 +185,10 @@ fn coupled<S: Scalar>(
     partition.pivots = pivots;
     let mut in_front = vec![BTreeSet::new(); partition.blocks.len()];
     let couple = |a: usize, b: usize, in_front: &mut [BTreeSet<usize>]| {
-        let (a, b) = (a.min(b), a.max(b));
-        if module_of[a] != module_of[b] {
-            in_front[module_of[b]].insert(a);
+        let first = a.min(b);
+        let second = a.max(b);
+        if module_of[first] != module_of[second] {
+            in_front[module_of[second]].insert(first);
         }
     };
     for (i, body) in model.bodies.iter().enumerate() {

@@ -156,7 +156,8 @@ impl<S: Scalar> Decomposition<S> {
     /// `i`.
     #[must_use]
     pub fn propagation(&self, j: usize, i: usize) -> Dense<S> {
-        let (rows, columns) = (self.rows(j), self.rows(i));
+        let columns = self.rows(i);
+        let rows = self.rows(j);
         if i == j {
             return Dense::identity(rows.len());
         }
