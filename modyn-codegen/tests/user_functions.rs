@@ -356,7 +356,7 @@ impl UserFunction<4> for Step {
 /// matrices take.
 #[test]
 fn functions_of_the_table_have_adjoints_by_functions_of_users() {
-    let builder = robot("arm7").function("step", Step);
+    let builder = robot("arm7").function("advance", Step);
     let builder = builder.functions([Function::StepRk4, Function::StepRk4Derivatives]);
     let generated = builder.generate().expect("good");
     let count = |name: &str| {
@@ -364,9 +364,9 @@ fn functions_of_the_table_have_adjoints_by_functions_of_users() {
         count.total()
     };
     let [step, matrices, vjp, jvp] =
-        ["step", "step_rk4_derivatives", "step_vjp", "step_jvp"].map(count);
+        ["advance", "step_rk4_derivatives", "advance_vjp", "advance_jvp"].map(count);
     assert!(vjp < 5 * step && jvp < 5 * step && vjp < matrices, "{step} {matrices} {vjp} {jvp}");
-    for form in ["pub fn step_vjp(", "pub fn step_jvp(", "time_step: &[f64; 1]"] {
+    for form in ["pub fn advance_vjp(", "pub fn advance_jvp(", "time_step: &[f64; 1]"] {
         assert!(generated.text.contains(form), "{form}");
     }
 }

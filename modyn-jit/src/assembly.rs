@@ -139,7 +139,7 @@ impl<S: Real> Assembly<S> {
         let batch = self.batches.then(|| {
             LoopedCode::new(scalar, arrays, |program, arrays| self.append(program, arrays, true).0)
         });
-        CompiledKernels::Looped { single, batch }
+        CompiledKernels::Looped { single: Box::new(single), batch: batch.map(Box::new) }
     }
 
     /// Compiles a program. The code for one state has vectors if the program has some and they are

@@ -25,7 +25,7 @@ pub(crate) enum CompiledKernels {
     /// One program.
     One(Kernel),
     /// A program with loops: its code for one state, and that for a state in each lane.
-    Looped { single: LoopedCode, batch: Option<LoopedCode> },
+    Looped { single: Box<LoopedCode>, batch: Option<Box<LoopedCode>> },
     /// The program of each link, and the code of the programs.
     ByLink(Vec<LinkProgram>, Vec<Kernel>),
     /// The poses of some links and bodies, and the pose of a link from that of its body. Each link

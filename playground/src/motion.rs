@@ -53,7 +53,7 @@ impl Motion {
             lift_out_of_ground(model, &mut q).map_err(|error| wrong(&error))?;
         }
         let qd = vec![0.0; model.nv()];
-        let (q, qd) = close_loops(model, (q, qd)).map_err(|why| open(model, &why))?;
+        let (q, qd) = close_loops(model, q, qd).map_err(|why| open(model, &why))?;
         // Loops have their own equations, which know neither the ground nor stops.
         let has_loops = !model.loop_constraints().is_empty();
         let unilateral = if has_loops {
@@ -97,8 +97,8 @@ impl Motion {
         let tau = vec![0.0; self.qd.len()];
         let model = self.interpreter.model();
         if model.loop_constraints().is_empty() {
-            let state = (&*self.q, &*self.qd, &*tau);
-            let step = self.impulses.step(&mut self.interpreter, state, &self.settings, dt)?;
+            let Self { q, qd, settings, interpreter, .. } = self;
+            let step = self.impulses.step(interpreter, q, qd, &tau, settings, dt)?;
             self.forces = step.forces;
             return Ok(step.qd);
         }

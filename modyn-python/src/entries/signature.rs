@@ -9,7 +9,7 @@ use pyo3::types::{PyList, PyTuple};
 
 use super::kernel::ArrayShapes;
 use crate::checks::Check;
-use crate::function::default_settings;
+use crate::function::{default_settings, default_step_settings};
 use crate::layout::{self, Class, Layout, Leaf};
 use crate::number::Number;
 use crate::robot::Robot;
@@ -31,6 +31,12 @@ pub fn of<'py>(robot: &Robot, py: Python<'py>, function: Function) -> PyResult<B
         let default = match (argument.kind, robot.scalar()) {
             (ArgumentKind::Contacts, FloatType::F64) => array(py, vec![1.0_f64; length]),
             (ArgumentKind::Contacts, FloatType::F32) => array(py, vec![1.0_f32; length]),
+            (ArgumentKind::StepSettings, FloatType::F64) => {
+                array(py, default_step_settings::<f64>(length))
+            }
+            (ArgumentKind::StepSettings, FloatType::F32) => {
+                array(py, default_step_settings::<f32>(length))
+            }
             (ArgumentKind::Settings, FloatType::F64) => array(py, default_settings::<f64>(length)),
             (ArgumentKind::Settings, FloatType::F32) => array(py, default_settings::<f32>(length)),
             _ => py.None().into_bound(py),

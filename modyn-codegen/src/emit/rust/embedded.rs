@@ -78,7 +78,8 @@ pub(super) fn module(items: &str) -> String {
     );
     let parameters = items.contains("__modyn::parameters::");
     let settings = items.contains("__modyn::ConstraintSettings");
-    let spatial = parameters || settings || items.contains("__modyn::spatial::");
+    let step_settings = items.contains("__modyn::StepSettings");
+    let spatial = parameters || settings || step_settings || items.contains("__modyn::spatial::");
     let jacobi = parameters || items.contains("__modyn::jacobi::");
     let mut exports = vec![
         "pub use self::constants::*;",
@@ -100,6 +101,10 @@ pub(super) fn module(items: &str) -> String {
         exports.push(
             "pub use self::constraint_settings::{ConstraintSettings, ContactSet, ContactTarget};",
         );
+    }
+    if step_settings {
+        write_module(&mut text, &["step_settings"]);
+        exports.push("pub use self::step_settings::{ContactSurface, StepSettings};");
     }
     if jacobi {
         write_module(&mut text, &["jacobi"]);

@@ -2,13 +2,13 @@
 
 use alloc::{vec, vec::Vec};
 
-use super::problem::{Effect, StepInput, StepProblem};
-use super::rows::body_twists;
+use super::responses::Effect;
+use super::rows::StepInput;
 use crate::Scalar;
 use crate::equations::dynamics::{inverse_dynamics, mass_matrix};
 use crate::equations::factorization::{UduLayout, factorize_matrix, solve};
 use crate::equations::{State, Workspace};
-use crate::mechanism::{BodyTree, Mechanism};
+use crate::mechanism::Mechanism;
 
 /// The matrices of a step.
 pub(super) struct DenseProblem<S> {
@@ -38,38 +38,27 @@ impl<S: Scalar> DenseProblem<S> {
         Self { mass, forces, jacobian: Vec::new() }
     }
 
-    /// Returns the matrices with the rows of a problem, relative to free fall.
-    pub fn with_rows<T: BodyTree<S>>(mut self, problem: &mut StepProblem<'_, S, T>) -> Self {
-        let nv = problem.tree.mechanism().nv;
-        let mut fall = vec![S::zero(); nv];
-        problem.add_fall(S::one(), &mut fall);
-        for (column, &fall) in self.mass.chunks(nv).zip(&fall) {
+    /// Returns the matrices with the rows of a problem, relative to the accelerations `fall` of free fall.
+    pub fn with_rows(mut self, fall: &[S], jacobian: Vec<Vec<S>>) -> Self {
+        for (column, &fall) in self.mass.chunks(fall.len()).zip(fall) {
             for (force, &mass) in self.forces.iter_mut().zip(column) {
                 *force = *force - mass * fall;
             }
         }
-        self.jacobian = vec![vec![S::zero(); nv]; problem.rows()];
-        for dof in 0..nv {
-            let mut unit = vec![S::zero(); nv];
-            unit[dof] = S::one();
-            body_twists(problem.tree, &unit, problem.workspace);
-            problem.accelerations = unit;
-            for (row, entry) in self.jacobian.iter_mut().zip(problem.row_accelerations()) {
-                row[dof] = entry;
-            }
-        }
+        self.jacobian = jacobian;
         self
     }
 
-    /// Returns the joint accelerations, relative to free fall, under these forces of the rows.
-    pub fn accelerations<T: BodyTree<S>>(
+    /// Returns the joint accelerations, relative to free fall, under these forces of the rows. `dampings` are the
+    /// entries of qd that are damped, each with the damping times the time of the step.
+    pub fn accelerations(
         &self,
         layout: &UduLayout,
-        problem: &StepProblem<'_, S, T>,
+        dampings: &[(usize, S)],
         forces: &[S],
         effect: Effect<'_, S>,
     ) -> Vec<S> {
-        let nv = problem.tree.mechanism().nv;
+        let nv = self.forces.len();
         let mut sum = self.forces.clone();
         for (row, &force) in self.jacobian.iter().zip(forces) {
             for (sum, &entry) in sum.iter_mut().zip(row) {
@@ -99,12 +88,10 @@ impl<S: Scalar> DenseProblem<S> {
                 }
             }
             Effect::Forces => {
-                for dof in &problem.tree.mechanism().dofs {
-                    let Some(damping) = dof.damping else { continue };
-                    let factor = dof.multiplier.unwrap_or_else(S::one);
+                for &(entry, damping) in dampings {
                     let mut unit = vec![S::zero(); nv];
-                    unit[dof.v] = factor;
-                    add(&unit, &unit, damping * problem.input.dt);
+                    unit[entry] = S::one();
+                    add(&unit, &unit, damping);
                 }
             }
         }

@@ -18,9 +18,10 @@ mod dense;
 mod law;
 mod newton;
 mod problem;
+mod responses;
 mod rows;
 
 pub use law::{Cone, ContactLaw, Impedance, Response, RowState, SoftRow, Softness};
 pub use newton::{Advance, MAX_ITERATIONS, MAX_SEARCH, Progress, Search, SoftStep, soft_step};
-pub use problem::{Iterate, SoftMotion, StepInput, StepProblem, moved};
-pub use rows::{JointParameters, SoftModel};
+pub use problem::{Iterate, SoftMotion, StepProblem, moved};
+pub use rows::{JointParameters, SoftModel, StepInput};

@@ -1,7 +1,8 @@
 //! Newton's method for the rows of a step. An iteration and an evaluation of its line search decide
 //! by selections, so that they run on numbers, in lanes, and on expressions.
 
-use super::problem::{Iterate, Laws, SoftMotion, StepProblem};
+use super::problem::{Iterate, SoftMotion, StepProblem};
+use super::responses::Laws;
 use crate::Scalar;
 use crate::mechanism::{BodyTree, Mechanism};
 use crate::scalar::{at_most, larger};

@@ -4,8 +4,9 @@ use alloc::{vec, vec::Vec};
 
 use super::dense::DenseProblem;
 use super::law::Response;
+use super::responses::{Effect, Laws};
 use super::rows::{
-    BodyState, ContactRows, JointRow, Law, SoftModel, body_twists, joint_rows, softness,
+    BodyState, ContactRows, JointRow, Law, SoftModel, StepInput, body_twists, joint_rows, softness,
 };
 use crate::equations::Workspace;
 use crate::equations::dynamics::newton_euler::{Accelerations, link_wrenches};
@@ -16,21 +17,6 @@ use crate::mechanism::{BodyTree, Mechanism};
 use crate::scalar::at_most;
 use crate::spatial::{Matrix3, Pose, Vector3, Wrench};
 use crate::{ContactSurface, Scalar, StepSettings};
-
-/// The state of a robot, its joint forces, and the time of a step.
-#[derive(Clone, Copy, Debug)]
-pub struct StepInput<'a, S> {
-    /// The coordinates.
-    pub q: &'a [S],
-    /// The velocities.
-    pub qd: &'a [S],
-    /// The joint forces, N m or N.
-    pub tau: &'a [S],
-    /// The accelerations from which the solver starts, such as those of the last step.
-    pub warm_start: &'a [S],
-    /// The time, s.
-    pub dt: S,
-}
 
 /// The accelerations in a step, and the forces.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,46 +56,20 @@ pub struct Iterate<S> {
     pub balances: Vec<S>,
 }
 
-/// The forces of the laws at accelerations, and minus their derivatives.
-pub(super) struct Laws<S> {
-    /// The response of each contact.
-    pub contacts: Vec<Response<S>>,
-    /// The force and the stiffness of each row of a joint.
-    pub joints: Vec<[S; 2]>,
-}
-
-impl<S: Scalar> Laws<S> {
-    /// Returns the forces of all rows.
-    pub fn forces(&self) -> impl Iterator<Item = S> + '_ {
-        let contacts = self.contacts.iter().flat_map(|response| response.force);
-        contacts.chain(self.joints.iter().map(|response| response[0]))
-    }
-
-    /// Returns the products of the stiffness with the accelerations of the rows.
-    fn stiffness_times(&self, accelerations: &[S]) -> Vec<S> {
-        let (points, of_joints) = accelerations.split_at(3 * self.contacts.len());
-        let contacts = self.contacts.iter().zip(points.chunks(3)).flat_map(|(response, point)| {
-            response.stiffness.map(|row| row[0] * point[0] + row[1] * point[1] + row[2] * point[2])
-        });
-        let joints = self.joints.iter().zip(of_joints).map(|(response, &a)| response[1] * a);
-        contacts.chain(joints).collect()
-    }
-}
-
 /// A step at a state.
 pub struct StepProblem<'a, S, T> {
-    pub(super) tree: &'a T,
+    tree: &'a T,
     elimination: &'a Elimination,
     /// For robots that the factors of a matrix solve.
     dense: Option<DenseProblem<S>>,
-    pub(super) input: StepInput<'a, S>,
-    pub(super) workspace: &'a mut Workspace<S>,
+    input: StepInput<'a, S>,
+    workspace: &'a mut Workspace<S>,
     /// The wrenches of the bodies at zero joint accelerations.
     bias: Vec<Wrench<S>>,
     contacts: Vec<ContactRows<S>>,
     joints: Vec<JointRow<S>>,
     /// The number of lanes of each row.
-    pub(super) lanes: Vec<usize>,
+    lanes: Vec<usize>,
     /// The factor of all weights that makes the stiffest row soft.
     pub(super) softening: S,
     /// The largest residual at which the solver ends.
@@ -117,16 +77,7 @@ pub struct StepProblem<'a, S, T> {
     /// The unit of residuals, N.
     pub(super) weight: S,
     /// The joint accelerations, those of floating bases relative to free fall.
-    pub(super) accelerations: Vec<S>,
-}
-
-/// The effect of the rows on the accelerations.
-#[derive(Clone, Copy)]
-pub(super) enum Effect<'a, S> {
-    /// Forces, and the stiffness of these laws as added inertia.
-    Stiff(&'a Laws<S>),
-    /// Forces. The damping of joints acts with the velocities after the step.
-    Forces,
+    accelerations: Vec<S>,
 }
 
 impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
@@ -199,8 +150,28 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
             workspace,
         };
         problem.softening = problem.softening(soft, surfaces);
-        problem.dense = dense.map(|dense| dense.with_rows(&mut problem));
+        problem.dense = dense.map(|dense| {
+            let mut fall = vec![S::zero(); model.nv];
+            problem.add_fall(S::one(), &mut fall);
+            dense.with_rows(&fall, problem.jacobian())
+        });
         problem
+    }
+
+    /// Returns, for each row, its acceleration by each unit acceleration of a joint.
+    fn jacobian(&mut self) -> Vec<Vec<S>> {
+        let nv = self.tree.mechanism().nv;
+        let mut jacobian = vec![vec![S::zero(); nv]; self.rows()];
+        for dof in 0..nv {
+            let mut unit = vec![S::zero(); nv];
+            unit[dof] = S::one();
+            body_twists(self.tree, &unit, self.workspace);
+            self.accelerations = unit;
+            for (row, entry) in jacobian.iter_mut().zip(self.row_accelerations()) {
+                row[dof] = entry;
+            }
+        }
+        jacobian
     }
 
     /// Returns the number of rows.
@@ -261,7 +232,7 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
     }
 
     /// Returns the accelerations of the rows, given those of the bodies and joints.
-    pub(super) fn row_accelerations(&self) -> Vec<S> {
+    fn row_accelerations(&self) -> Vec<S> {
         let contacts = self
             .contacts
             .iter()
@@ -275,7 +246,13 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
         let partition = match (self.elimination, &self.dense) {
             (Elimination::Recursive(partition), _) => partition,
             (Elimination::Matrix(layout), Some(dense)) => {
-                let accelerations = dense.accelerations(layout, self, forces, effect);
+                let dampings = self.tree.mechanism().dofs.iter().filter_map(|dof| {
+                    let multiplier = dof.multiplier.unwrap_or_else(S::one);
+                    let damping = dof.damping? * self.input.dt;
+                    Some((dof.v, multiplier * damping * multiplier))
+                });
+                let dampings: Vec<(usize, S)> = dampings.collect();
+                let accelerations = dense.accelerations(layout, &dampings, forces, effect);
                 body_twists(self.tree, &accelerations, self.workspace);
                 self.accelerations = accelerations;
                 return;
@@ -371,7 +348,7 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
     }
 
     /// Adds the acceleration of free fall times `factor` to the accelerations of floating bases.
-    pub(super) fn add_fall(&self, factor: S, accelerations: &mut [S]) {
+    fn add_fall(&self, factor: S, accelerations: &mut [S]) {
         let model = self.tree.mechanism();
         for i in (0..model.bodies.len()).filter(|&i| is_base(model, i)) {
             let body = &model.bodies[i];

@@ -4,12 +4,26 @@
 use alloc::vec::Vec;
 
 use super::law::{self, Cone, ContactLaw, Impedance, Response, RowState, Softness};
-use super::problem::StepInput;
 use crate::equations::Workspace;
 use crate::mechanism::{BodyFrame, BodyTree};
 use crate::scalar::{at_least, at_most};
 use crate::spatial::{ArticulatedInertia, Matrix3, Pose, Symmetric3, Twist, Vector3, Wrench};
 use crate::{ContactSurface, Scalar};
+
+/// The state of a robot, its joint forces, and the time of a step.
+#[derive(Clone, Copy, Debug)]
+pub struct StepInput<'a, S> {
+    /// The coordinates.
+    pub q: &'a [S],
+    /// The velocities.
+    pub qd: &'a [S],
+    /// The joint forces, N m or N.
+    pub tau: &'a [S],
+    /// The accelerations from which the solver starts, such as those of the last step.
+    pub warm_start: &'a [S],
+    /// The time, s.
+    pub dt: S,
+}
 
 /// What a robot's soft constraints have beside the settings of a step.
 #[derive(Clone, Debug, PartialEq)]
