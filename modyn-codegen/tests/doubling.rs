@@ -22,7 +22,13 @@ struct Case {
     file: &'static str,
     text: fn(usize) -> String,
     /// Another file that the text names.
-    other: Option<(&'static str, fn(usize) -> Vec<u8>)>,
+    other: Option<OtherFile>,
+}
+
+/// A file whose size is a parameter.
+struct OtherFile {
+    name: &'static str,
+    content: fn(usize) -> Vec<u8>,
 }
 
 impl Case {
@@ -30,14 +36,15 @@ impl Case {
         Self { name, file, text, other: None }
     }
 
-    const fn with(self, file: &'static str, content: fn(usize) -> Vec<u8>) -> Self {
-        Self { other: Some((file, content)), ..self }
+    const fn with(self, name: &'static str, content: fn(usize) -> Vec<u8>) -> Self {
+        Self { other: Some(OtherFile { name, content }), ..self }
     }
 
     /// Returns the steps of reading, and the errors.
     fn steps(&self, size: usize) -> (usize, String) {
         let text = (self.text)(size);
-        let other = self.other.map(|(file, content)| (PathBuf::from(file), content(size)));
+        let other =
+            self.other.as_ref().map(|file| (PathBuf::from(file.name), (file.content)(size)));
         let options = ReadOptions {
             folder: Some(PathBuf::new()),
             files: FileStore::in_memory(other),

@@ -13,9 +13,9 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 #[pymethods]
 impl Robot {
     // <!-- data: python-methods -->
-    /// Returns the joint accelerations (rad/s^2 or m/s^2) at the coordinates `q` and velocities `qd` under
-    /// the joint forces `tau` (N m or N), gravity included. The method is block reverse Gaussian
-    /// elimination of the mass matrix by inter- and intra-modular recursion.
+    /// Returns the joint accelerations (rad/s^2 or m/s^2) at the coordinates `q` and velocities
+    /// `qd` under the joint forces `tau` (N m or N), gravity included. The method is block reverse
+    /// Gaussian elimination of the mass matrix by inter- and intra-modular recursion.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,).
     /// Result: (nv,). Several states have one more axis, the first.
@@ -31,8 +31,8 @@ impl Robot {
         self.call(py, 0, &[Some(q), Some(qd), Some(tau)], None, out)
     }
 
-    /// Returns the joint forces (N m or N) of the accelerations `qdd` at the coordinates `q` and velocities
-    /// `qd`, gravity included, by the recursive Newton-Euler algorithm.
+    /// Returns the joint forces (N m or N) of the accelerations `qdd` at the coordinates `q` and
+    /// velocities `qd`, gravity included, by the recursive Newton-Euler algorithm.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
     /// Result: (nv,). Several states have one more axis, the first.
@@ -48,8 +48,9 @@ impl Robot {
         self.call(py, 1, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
-    /// Returns the bias forces (N m or N): inverse dynamics at zero acceleration. They are the Coriolis,
-    /// centrifugal and gravity forces and those of springs, with damping and friction if these are enabled.
+    /// Returns the bias forces (N m or N): inverse dynamics at zero acceleration. They are the
+    /// Coriolis, centrifugal and gravity forces and those of springs, with damping and friction if
+    /// these are enabled.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,).
     /// Result: (nv,). Several states have one more axis, the first.
@@ -64,7 +65,8 @@ impl Robot {
         self.call(py, 2, &[Some(q), Some(qd)], None, out)
     }
 
-    /// Returns the joint forces (N m or N) that balance gravity and springs at `q` and zero velocity.
+    /// Returns the joint forces (N m or N) that balance gravity and springs at `q` and zero
+    /// velocity.
     ///
     /// Arguments: `q`: (nq,).
     /// Result: (nv,). Several states have one more axis, the first.
@@ -92,8 +94,8 @@ impl Robot {
         self.call(py, 4, &[Some(q)], None, out)
     }
 
-    /// Returns the Coriolis matrix C, nv x nv. C `qd` are the Coriolis and centrifugal forces, without
-    /// gravity, damping and friction, and dM/dt - 2 C is skew with the mass matrix M.
+    /// Returns the Coriolis matrix C, nv x nv. C `qd` are the Coriolis and centrifugal forces,
+    /// without gravity, damping and friction, and dM/dt - 2 C is skew with the mass matrix M.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,).
     /// Result: (nv, nv). Several states have one more axis, the first.
@@ -123,8 +125,8 @@ impl Robot {
         self.call(py, 7, &[Some(q), Some(qd)], None, out)
     }
 
-    /// Returns the potential energy of the moving links under gravity and of the springs, J; zero for mass
-    /// at the world's origin and springs at rest.
+    /// Returns the potential energy of the moving links under gravity and of the springs, J; zero
+    /// for mass at the world's origin and springs at rest.
     ///
     /// Arguments: `q`: (nq,).
     /// Result: a number. Several states have one more axis, the first.
@@ -141,7 +143,8 @@ impl Robot {
     /// Returns the joint accelerations under `tau` and a wrench on each link (in the order of
     /// `link_names`), at the link's origin in the link's own axes.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `forces`: (links, 6), moments before forces.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `forces`: (links, 6), moments before
+    /// forces.
     /// Result: (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, forces, *, out=None))]
     fn forward_dynamics_external<'py>(
@@ -159,7 +162,8 @@ impl Robot {
     /// Returns the joint accelerations under `tau` and a wrench on each link (in the order of
     /// `link_names`), at the link's origin in world axes.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `forces`: (links, 6), moments before forces.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `forces`: (links, 6), moments before
+    /// forces.
     /// Result: (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, forces, *, out=None))]
     fn forward_dynamics_external_world<'py>(
@@ -174,10 +178,11 @@ impl Robot {
         self.call(py, 10, &[Some(q), Some(qd), Some(tau), Some(forces)], None, out)
     }
 
-    /// Returns the joint forces of `qdd` under a wrench on each link (in the order of `link_names`), at the
-    /// link's origin in the link's own axes.
+    /// Returns the joint forces of `qdd` under a wrench on each link (in the order of
+    /// `link_names`), at the link's origin in the link's own axes.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `forces`: (links, 6), moments before forces.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `forces`: (links, 6), moments before
+    /// forces.
     /// Result: (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, forces, *, out=None))]
     fn inverse_dynamics_external<'py>(
@@ -192,10 +197,11 @@ impl Robot {
         self.call(py, 11, &[Some(q), Some(qd), Some(qdd), Some(forces)], None, out)
     }
 
-    /// Returns the joint forces of `qdd` under a wrench on each link (in the order of `link_names`), at the
-    /// link's origin in world axes.
+    /// Returns the joint forces of `qdd` under a wrench on each link (in the order of
+    /// `link_names`), at the link's origin in world axes.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `forces`: (links, 6), moments before forces.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `forces`: (links, 6), moments before
+    /// forces.
     /// Result: (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, forces, *, out=None))]
     fn inverse_dynamics_external_world<'py>(
@@ -210,13 +216,13 @@ impl Robot {
         self.call(py, 12, &[Some(q), Some(qd), Some(qdd), Some(forces)], None, out)
     }
 
-    /// Returns the generalized forces J^T f of a wrench on each link (in the order of `link_names`), at the
-    /// link's origin in the link's own axes, and their derivative with respect to `q` (in tangent space).
-    /// The wrenches rotate with their links.
+    /// Returns the generalized forces J^T f of a wrench on each link (in the order of
+    /// `link_names`), at the link's origin in the link's own axes, and their derivative with
+    /// respect to `q` (in tangent space). The wrenches rotate with their links.
     ///
     /// Arguments: `q`: (nq,); `forces`: (links, 6), moments before forces.
-    /// Result: `GeneralizedForces`: `tau` (nv,), `dq` (nv, nv). Several states have one more axis, the
-    /// first.
+    /// Result: `GeneralizedForces`: `tau` (nv,), `dq` (nv, nv). Several states have one more axis,
+    /// the first.
     #[pyo3(signature = (q, forces, *, out=None))]
     fn generalized_forces<'py>(
         &self,
@@ -228,13 +234,13 @@ impl Robot {
         self.call(py, 13, &[Some(q), Some(forces)], None, out)
     }
 
-    /// Returns the generalized forces J^T f of a wrench on each link (in the order of `link_names`), at the
-    /// link's origin in world axes, and their derivative with respect to `q` (in tangent space). The
-    /// wrenches keep their directions.
+    /// Returns the generalized forces J^T f of a wrench on each link (in the order of
+    /// `link_names`), at the link's origin in world axes, and their derivative with respect to `q`
+    /// (in tangent space). The wrenches keep their directions.
     ///
     /// Arguments: `q`: (nq,); `forces`: (links, 6), moments before forces.
-    /// Result: `GeneralizedForces`: `tau` (nv,), `dq` (nv, nv). Several states have one more axis, the
-    /// first.
+    /// Result: `GeneralizedForces`: `tau` (nv,), `dq` (nv, nv). Several states have one more axis,
+    /// the first.
     #[pyo3(signature = (q, forces, *, out=None))]
     fn generalized_forces_world<'py>(
         &self,
@@ -246,12 +252,12 @@ impl Robot {
         self.call(py, 14, &[Some(q), Some(forces)], None, out)
     }
 
-    /// Returns the derivatives of inverse dynamics with respect to `q` (in tangent space) and `qd`. The
-    /// derivative with respect to `qdd` is the mass matrix.
+    /// Returns the derivatives of inverse dynamics with respect to `q` (in tangent space) and `qd`.
+    /// The derivative with respect to `qdd` is the mass matrix.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
-    /// Result: `InverseDynamicsDerivatives`: `dq` (nv, nv), `dqd` (nv, nv). Several states have one more
-    /// axis, the first.
+    /// Result: `InverseDynamicsDerivatives`: `dq` (nv, nv), `dqd` (nv, nv). Several states have one
+    /// more axis, the first.
     #[pyo3(signature = (q, qd, qdd, *, out=None))]
     fn inverse_dynamics_derivatives<'py>(
         &self,
@@ -264,12 +270,12 @@ impl Robot {
         self.call(py, 15, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
-    /// Returns the joint accelerations, and the derivatives of forward dynamics with respect to `q` (in
-    /// tangent space), `qd` and `tau`.
+    /// Returns the joint accelerations, and the derivatives of forward dynamics with respect to `q`
+    /// (in tangent space), `qd` and `tau`.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,).
-    /// Result: `ForwardDynamicsDerivatives`: `qdd` (nv,), `dq` (nv, nv), `dqd` (nv, nv), `dtau` (nv, nv).
-    /// Several states have one more axis, the first.
+    /// Result: `ForwardDynamicsDerivatives`: `qdd` (nv,), `dq` (nv, nv), `dqd` (nv, nv), `dtau`
+    /// (nv, nv). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, *, out=None))]
     fn forward_dynamics_derivatives<'py>(
         &self,
@@ -282,12 +288,13 @@ impl Robot {
         self.call(py, 16, &[Some(q), Some(qd), Some(tau)], None, out)
     }
 
-    /// Returns the joint forces tau of `qdd`, and the products of `cotangent` with their derivatives: the
-    /// gradients of `cotangent`^T tau with respect to `q` (in tangent space), `qd` and `qdd`.
+    /// Returns the joint forces tau of `qdd`, and the products of `cotangent` with their
+    /// derivatives: the gradients of `cotangent`^T tau with respect to `q` (in tangent space), `qd`
+    /// and `qdd`.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `cotangent`: (nv,).
-    /// Result: `InverseDynamicsVjp`: `tau` (nv,), `dq` (nv,), `dqd` (nv,), `dqdd` (nv,). Several states
-    /// have one more axis, the first.
+    /// Result: `InverseDynamicsVjp`: `tau` (nv,), `dq` (nv,), `dqd` (nv,), `dqdd` (nv,). Several
+    /// states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, cotangent, *, out=None))]
     fn inverse_dynamics_vjp<'py>(
         &self,
@@ -301,12 +308,12 @@ impl Robot {
         self.call(py, 17, &[Some(q), Some(qd), Some(qdd), Some(cotangent)], None, out)
     }
 
-    /// Returns the joint forces tau of `qdd`, and their change under the changes `dq` (in tangent space),
-    /// `dqd` and `dqdd`.
+    /// Returns the joint forces tau of `qdd`, and their change under the changes `dq` (in tangent
+    /// space), `dqd` and `dqdd`.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `dq`: (nv,); `dqd`: (nv,); `dqdd`: (nv,).
-    /// Result: `InverseDynamicsJvp`: `tau` (nv,), `dtau` (nv,). Several states have one more axis, the
-    /// first.
+    /// Result: `InverseDynamicsJvp`: `tau` (nv,), `dtau` (nv,). Several states have one more axis,
+    /// the first.
     #[pyo3(signature = (q, qd, qdd, dq, dqd, dqdd, *, out=None))]
     fn inverse_dynamics_jvp<'py>(
         &self,
@@ -322,12 +329,12 @@ impl Robot {
         self.call(py, 18, &[Some(q), Some(qd), Some(qdd), Some(dq), Some(dqd), Some(dqdd)], None, out)
     }
 
-    /// Returns the accelerations qdd, and the products of `cotangent` with their derivatives: the gradients
-    /// of `cotangent`^T qdd with respect to `q` (in tangent space), `qd` and `tau`.
+    /// Returns the accelerations qdd, and the products of `cotangent` with their derivatives: the
+    /// gradients of `cotangent`^T qdd with respect to `q` (in tangent space), `qd` and `tau`.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `cotangent`: (nv,).
-    /// Result: `ForwardDynamicsVjp`: `qdd` (nv,), `dq` (nv,), `dqd` (nv,), `dtau` (nv,). Several states
-    /// have one more axis, the first.
+    /// Result: `ForwardDynamicsVjp`: `qdd` (nv,), `dq` (nv,), `dqd` (nv,), `dtau` (nv,). Several
+    /// states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, cotangent, *, out=None))]
     fn forward_dynamics_vjp<'py>(
         &self,
@@ -341,12 +348,12 @@ impl Robot {
         self.call(py, 19, &[Some(q), Some(qd), Some(tau), Some(cotangent)], None, out)
     }
 
-    /// Returns the accelerations qdd, and their change under the changes `dq` (in tangent space), `dqd` and
-    /// `dtau`.
+    /// Returns the accelerations qdd, and their change under the changes `dq` (in tangent space),
+    /// `dqd` and `dtau`.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dq`: (nv,); `dqd`: (nv,); `dtau`: (nv,).
-    /// Result: `ForwardDynamicsJvp`: `qdd` (nv,), `dqdd` (nv,). Several states have one more axis, the
-    /// first.
+    /// Result: `ForwardDynamicsJvp`: `qdd` (nv,), `dqdd` (nv,). Several states have one more axis,
+    /// the first.
     #[pyo3(signature = (q, qd, tau, dq, dqd, dtau, *, out=None))]
     fn forward_dynamics_jvp<'py>(
         &self,
@@ -362,14 +369,14 @@ impl Robot {
         self.call(py, 20, &[Some(q), Some(qd), Some(tau), Some(dq), Some(dqd), Some(dtau)], None, out)
     }
 
-    /// Returns the joint forces tau of `qdd`, and the gradients and the Hessian of `cotangent`^T tau with
-    /// respect to `q` (in tangent space), `qd` and `qdd`. The blocks of `qd` and `qdd` and of `qdd` and
-    /// `qdd` are zero.
+    /// Returns the joint forces tau of `qdd`, and the gradients and the Hessian of `cotangent`^T
+    /// tau with respect to `q` (in tangent space), `qd` and `qdd`. The blocks of `qd` and `qdd` and
+    /// of `qdd` and `qdd` are zero.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `cotangent`: (nv,).
-    /// Result: `InverseDynamicsHessian`: `tau` (nv,), `dq` (nv,), `dqd` (nv,), `dqdd` (nv,), `dq_dq` (nv,
-    /// nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv), `dq_dqdd` (nv, nv). Several states have one more axis,
-    /// the first.
+    /// Result: `InverseDynamicsHessian`: `tau` (nv,), `dq` (nv,), `dqd` (nv,), `dqdd` (nv,),
+    /// `dq_dq` (nv, nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv), `dq_dqdd` (nv, nv). Several states
+    /// have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, cotangent, *, out=None))]
     fn inverse_dynamics_hessian<'py>(
         &self,
@@ -383,14 +390,14 @@ impl Robot {
         self.call(py, 21, &[Some(q), Some(qd), Some(qdd), Some(cotangent)], None, out)
     }
 
-    /// Returns the accelerations qdd, and the gradients and the Hessian of `cotangent`^T qdd with respect
-    /// to `q` (in tangent space), `qd` and `tau`. The blocks of `qd` and `tau` and of `tau` and `tau` are
-    /// zero.
+    /// Returns the accelerations qdd, and the gradients and the Hessian of `cotangent`^T qdd with
+    /// respect to `q` (in tangent space), `qd` and `tau`. The blocks of `qd` and `tau` and of `tau`
+    /// and `tau` are zero.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `cotangent`: (nv,).
-    /// Result: `ForwardDynamicsHessian`: `qdd` (nv,), `dq` (nv,), `dqd` (nv,), `dtau` (nv,), `dq_dq` (nv,
-    /// nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv), `dq_dtau` (nv, nv). Several states have one more axis,
-    /// the first.
+    /// Result: `ForwardDynamicsHessian`: `qdd` (nv,), `dq` (nv,), `dqd` (nv,), `dtau` (nv,),
+    /// `dq_dq` (nv, nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv), `dq_dtau` (nv, nv). Several states
+    /// have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, cotangent, *, out=None))]
     fn forward_dynamics_hessian<'py>(
         &self,
@@ -404,8 +411,8 @@ impl Robot {
         self.call(py, 22, &[Some(q), Some(qd), Some(tau), Some(cotangent)], None, out)
     }
 
-    /// Returns the state after the time `dt` (s) under the joint forces `tau`, by the semi-implicit Euler
-    /// method: the new velocities are `qd` + `dt` qdd, and move the coordinates.
+    /// Returns the state after the time `dt` (s) under the joint forces `tau`, by the semi-implicit
+    /// Euler method: the new velocities are `qd` + `dt` qdd, and move the coordinates.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
     /// Result: `Step`: `q` (nq,), `qd` (nv,). Several states have one more axis, the first.
@@ -422,13 +429,13 @@ impl Robot {
         self.call(py, 23, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
     }
 
-    /// Returns the state after the time `dt` (s) by the semi-implicit Euler method, and its derivatives:
-    /// `a` with respect to the state before and `b` with respect to `tau`. A state has the entries of q (in
-    /// tangent space), then those of qd.
+    /// Returns the state after the time `dt` (s) by the semi-implicit Euler method, and its
+    /// derivatives: `a` with respect to the state before and `b` with respect to `tau`. A state has
+    /// the entries of q (in tangent space), then those of qd.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
-    /// Result: `StepDerivatives`: `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several states
-    /// have one more axis, the first.
+    /// Result: `StepDerivatives`: `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several
+    /// states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, dt, *, out=None))]
     fn step_semi_implicit_derivatives<'py>(
         &self,
@@ -442,14 +449,16 @@ impl Robot {
         self.call(py, 24, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
     }
 
-    /// Returns the state after the time `dt` (s) by the semi-implicit Euler method, and the gradients and
-    /// the Hessian of `costate`^T state: `dx` and `dtau` with respect to the state before and `tau`, and
-    /// `dx_dx`, `dx_dtau` and `dtau_dtau`. A state has the entries of q (in tangent space), then those of
-    /// qd. Displacements of the state after the step are in tangent space, too.
+    /// Returns the state after the time `dt` (s) by the semi-implicit Euler method, and the
+    /// gradients and the Hessian of `costate`^T state: `dx` and `dtau` with respect to the state
+    /// before and `tau`, and `dx_dx`, `dx_dtau` and `dtau_dtau`. A state has the entries of q (in
+    /// tangent space), then those of qd. Displacements of the state after the step are in tangent
+    /// space, too.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `costate`: (2 nv,).
-    /// Result: `StepHessian`: `q` (nq,), `qd` (nv,), `dx` (2 nv,), `dtau` (nv,), `dx_dx` (2 nv, 2 nv),
-    /// `dx_dtau` (2 nv, nv), `dtau_dtau` (nv, nv). Several states have one more axis, the first.
+    /// Result: `StepHessian`: `q` (nq,), `qd` (nv,), `dx` (2 nv,), `dtau` (nv,), `dx_dx` (2 nv, 2
+    /// nv), `dx_dtau` (2 nv, nv), `dtau_dtau` (nv, nv). Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, qd, tau, dt, costate, *, out=None))]
     fn step_semi_implicit_hessian<'py>(
         &self,
@@ -464,8 +473,9 @@ impl Robot {
         self.call(py, 25, &[Some(q), Some(qd), Some(tau), Some(dt), Some(costate)], None, out)
     }
 
-    /// Returns the state after the time `dt` (s) under the constant joint forces `tau`, by a Runge-Kutta
-    /// method of fourth order. Rotations follow exponential maps, so quaternions keep length 1.
+    /// Returns the state after the time `dt` (s) under the constant joint forces `tau`, by a
+    /// Runge-Kutta method of fourth order. Rotations follow exponential maps, so quaternions keep
+    /// length 1.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
     /// Result: `Step`: `q` (nq,), `qd` (nv,). Several states have one more axis, the first.
@@ -482,12 +492,13 @@ impl Robot {
         self.call(py, 26, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
     }
 
-    /// Returns the state of `step_rk4`, and its derivatives: `a` with respect to the state before and `b`
-    /// with respect to `tau`. A state has the entries of q (in tangent space), then those of qd.
+    /// Returns the state of `step_rk4`, and its derivatives: `a` with respect to the state before
+    /// and `b` with respect to `tau`. A state has the entries of q (in tangent space), then those
+    /// of qd.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
-    /// Result: `StepDerivatives`: `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several states
-    /// have one more axis, the first.
+    /// Result: `StepDerivatives`: `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several
+    /// states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, dt, *, out=None))]
     fn step_rk4_derivatives<'py>(
         &self,
@@ -501,10 +512,10 @@ impl Robot {
         self.call(py, 27, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
     }
 
-    /// Returns the state after the time `dt` (s) under the constant joint forces `tau`, by the implicit
-    /// midpoint rule: of second order, symmetric, and stable under stiff damping. Three iterations of
-    /// simplified Newton solve its equations. Rotations follow exponential maps, so quaternions keep length
-    /// 1.
+    /// Returns the state after the time `dt` (s) under the constant joint forces `tau`, by the
+    /// implicit midpoint rule: of second order, symmetric, and stable under stiff damping. Three
+    /// iterations of simplified Newton solve its equations. Rotations follow exponential maps, so
+    /// quaternions keep length 1.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
     /// Result: `Step`: `q` (nq,), `qd` (nv,). Several states have one more axis, the first.
@@ -521,13 +532,13 @@ impl Robot {
         self.call(py, 28, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
     }
 
-    /// Returns the state of `step_implicit_midpoint`, and the derivatives of the implicit midpoint rule:
-    /// `a` with respect to the state before and `b` with respect to `tau`. A state has the entries of q (in
-    /// tangent space), then those of qd.
+    /// Returns the state of `step_implicit_midpoint`, and the derivatives of the implicit midpoint
+    /// rule: `a` with respect to the state before and `b` with respect to `tau`. A state has the
+    /// entries of q (in tangent space), then those of qd.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
-    /// Result: `StepDerivatives`: `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several states
-    /// have one more axis, the first.
+    /// Result: `StepDerivatives`: `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several
+    /// states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, dt, *, out=None))]
     fn step_implicit_midpoint_derivatives<'py>(
         &self,
@@ -541,19 +552,19 @@ impl Robot {
         self.call(py, 29, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
     }
 
-    /// Returns the joint accelerations under the joint forces `tau` with the loops closed and the active
-    /// contacts held. Also returns the wrench on each constraint's link and the unmet part of the
-    /// constraint's acceleration, and the number of independent constraint rows. Loop constraints come
-    /// first, in the order of `loop_constraint_names`, at the second frame's origin in the first frame's
-    /// axes. Contacts follow, in the order of `contact_names`, at the frame's origin in world axes.
-    /// Redundant rows get the multipliers of smallest norm.
+    /// Returns the joint accelerations under the joint forces `tau` with the loops closed and the
+    /// active contacts held. Also returns the wrench on each constraint's link and the unmet part
+    /// of the constraint's acceleration, and the number of independent constraint rows. Loop
+    /// constraints come first, in the order of `loop_constraint_names`, at the second frame's
+    /// origin in the first frame's axes. Contacts follow, in the order of `contact_names`, at the
+    /// frame's origin in world axes. Redundant rows get the multipliers of smallest norm.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `contacts`: the names of the active contacts, or
-    /// (contacts,), 1 for each active one, else 0; by default all are; `settings`: `ConstraintSettings`, by
-    /// default with the ground at z = 0 under all contacts.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `contacts`: the names of the active
+    /// contacts, or (contacts,), 1 for each active one, else 0; by default all are; `settings`:
+    /// `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
     /// Result: `ConstrainedForwardDynamics`: `qdd` (nv,), `wrenches` (constraints, 6), `residuals`
-    /// (constraints, 6), `rank` a number, angular before linear components. Several states have one more
-    /// axis, the first.
+    /// (constraints, 6), `rank` a number, angular before linear components. Several states have one
+    /// more axis, the first.
     #[pyo3(signature = (q, qd, tau, contacts=None, settings=None, *, out=None))]
     fn constrained_forward_dynamics<'py>(
         &self,
@@ -568,15 +579,15 @@ impl Robot {
         self.call(py, 30, &[Some(q), Some(qd), Some(tau), contacts, settings], None, out)
     }
 
-    /// Returns the displacement and the velocity of each loop constraint's second frame relative to its
-    /// first, in the first frame's axes; then of each contact's frame, active or not, relative to its
-    /// target, in world axes. Components along free directions are zero. A rotation is its axis times the
-    /// sine of its angle.
+    /// Returns the displacement and the velocity of each loop constraint's second frame relative to
+    /// its first, in the first frame's axes; then of each contact's frame, active or not, relative
+    /// to its target, in world axes. Components along free directions are zero. A rotation is its
+    /// axis times the sine of its angle.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `settings`: `ConstraintSettings`, by default with the ground at
-    /// z = 0 under all contacts.
-    /// Result: `ConstraintResidual`: `displacements` (constraints, 6), `velocities` (constraints, 6),
-    /// angular before linear components. Several states have one more axis, the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `settings`: `ConstraintSettings`, by default with the
+    /// ground at z = 0 under all contacts.
+    /// Result: `ConstraintResidual`: `displacements` (constraints, 6), `velocities` (constraints,
+    /// 6), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, settings=None, *, out=None))]
     fn constraint_residual<'py>(
         &self,
@@ -589,16 +600,16 @@ impl Robot {
         self.call(py, 31, &[Some(q), Some(qd), settings], None, out)
     }
 
-    /// Returns the smallest step (in the metric of the mass matrix) that closes the loops at `q` and moves
-    /// the active contacts to their targets to first order, the smallest change of `qd` that keeps them
-    /// there, and the number of independent constraint rows. The settings `alpha` and `beta` have no
-    /// effect.
+    /// Returns the smallest step (in the metric of the mass matrix) that closes the loops at `q`
+    /// and moves the active contacts to their targets to first order, the smallest change of `qd`
+    /// that keeps them there, and the number of independent constraint rows. The settings `alpha`
+    /// and `beta` have no effect.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `contacts`: the names of the active contacts, or (contacts,), 1
-    /// for each active one, else 0; by default all are; `settings`: `ConstraintSettings`, by default with
-    /// the ground at z = 0 under all contacts.
-    /// Result: `ConstraintProjection`: `dq` (nv,), `dqd` (nv,), `rank` a number. Several states have one
-    /// more axis, the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `contacts`: the names of the active contacts, or
+    /// (contacts,), 1 for each active one, else 0; by default all are; `settings`:
+    /// `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
+    /// Result: `ConstraintProjection`: `dq` (nv,), `dqd` (nv,), `rank` a number. Several states
+    /// have one more axis, the first.
     #[pyo3(signature = (q, qd, contacts=None, settings=None, *, out=None))]
     fn project_constraints<'py>(
         &self,
@@ -612,18 +623,18 @@ impl Robot {
         self.call(py, 32, &[Some(q), Some(qd), contacts, settings], None, out)
     }
 
-    /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and their derivatives
-    /// with respect to `q` (in tangent space), `qd` and `tau`. The derivatives of wrenches are arrays for
-    /// each constraint, in the axes of the wrenches. The rank is assumed constant; redundant rows get the
-    /// derivatives of smallest norm.
+    /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and their
+    /// derivatives with respect to `q` (in tangent space), `qd` and `tau`. The derivatives of
+    /// wrenches are arrays for each constraint, in the axes of the wrenches. The rank is assumed
+    /// constant; redundant rows get the derivatives of smallest norm.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `contacts`: the names of the active contacts, or
-    /// (contacts,), 1 for each active one, else 0; by default all are; `settings`: `ConstraintSettings`, by
-    /// default with the ground at z = 0 under all contacts.
-    /// Result: `ConstrainedForwardDynamicsDerivatives`: `qdd` (nv,), `wrenches` (constraints, 6), `dq` (nv,
-    /// nv), `dqd` (nv, nv), `dtau` (nv, nv), `wrenches_dq` (constraints, 6, nv), `wrenches_dqd`
-    /// (constraints, 6, nv), `wrenches_dtau` (constraints, 6, nv), `rank` a number, moments before forces.
-    /// Several states have one more axis, the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `contacts`: the names of the active
+    /// contacts, or (contacts,), 1 for each active one, else 0; by default all are; `settings`:
+    /// `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
+    /// Result: `ConstrainedForwardDynamicsDerivatives`: `qdd` (nv,), `wrenches` (constraints, 6),
+    /// `dq` (nv, nv), `dqd` (nv, nv), `dtau` (nv, nv), `wrenches_dq` (constraints, 6, nv),
+    /// `wrenches_dqd` (constraints, 6, nv), `wrenches_dtau` (constraints, 6, nv), `rank` a number,
+    /// moments before forces. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, contacts=None, settings=None, *, out=None))]
     fn constrained_forward_dynamics_derivatives<'py>(
         &self,
@@ -638,19 +649,20 @@ impl Robot {
         self.call(py, 33, &[Some(q), Some(qd), Some(tau), contacts, settings], None, out)
     }
 
-    /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and the gradients and
-    /// the Hessian of their sum with the weights `cotangent` and `wrench_cotangent` (of the components of
-    /// the wrenches) with respect to `q` (in tangent space), `qd` and `tau`. The blocks of `qd` and `tau`
-    /// and of `tau` and `tau` are zero. The rank is assumed constant. Weights of wrenches need independent
-    /// rows, or compliance.
+    /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and the
+    /// gradients and the Hessian of their sum with the weights `cotangent` and `wrench_cotangent`
+    /// (of the components of the wrenches) with respect to `q` (in tangent space), `qd` and `tau`.
+    /// The blocks of `qd` and `tau` and of `tau` and `tau` are zero. The rank is assumed constant.
+    /// Weights of wrenches need independent rows, or compliance.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `cotangent`: (nv,); `wrench_cotangent`:
     /// (constraints, 6), moments before forces; `contacts`: the names of the active contacts, or
-    /// (contacts,), 1 for each active one, else 0; by default all are; `settings`: `ConstraintSettings`, by
-    /// default with the ground at z = 0 under all contacts.
-    /// Result: `ConstrainedForwardDynamicsHessian`: `qdd` (nv,), `wrenches` (constraints, 6), `dq` (nv,),
-    /// `dqd` (nv,), `dtau` (nv,), `dq_dq` (nv, nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv), `dq_dtau` (nv,
-    /// nv), `rank` a number, moments before forces. Several states have one more axis, the first.
+    /// (contacts,), 1 for each active one, else 0; by default all are; `settings`:
+    /// `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
+    /// Result: `ConstrainedForwardDynamicsHessian`: `qdd` (nv,), `wrenches` (constraints, 6), `dq`
+    /// (nv,), `dqd` (nv,), `dtau` (nv,), `dq_dq` (nv, nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv),
+    /// `dq_dtau` (nv, nv), `rank` a number, moments before forces. Several states have one more
+    /// axis, the first.
     #[pyo3(signature = (q, qd, tau, cotangent, wrench_cotangent, contacts=None, settings=None, *, out=None))]
     fn constrained_forward_dynamics_hessian<'py>(
         &self,
@@ -667,16 +679,16 @@ impl Robot {
         self.call(py, 34, &[Some(q), Some(qd), Some(tau), Some(cotangent), Some(wrench_cotangent), contacts, settings], None, out)
     }
 
-    /// Returns the velocities after an impact that closes the loops and stops the active contacts relative
-    /// to their targets at the same instant, the impulse of each constraint, and the number of independent
-    /// constraint rows. Along its normal, a contact leaves with `restitution` times the speed before the
-    /// impact. The settings `alpha` and `beta` have no effect.
+    /// Returns the velocities after an impact that closes the loops and stops the active contacts
+    /// relative to their targets at the same instant, the impulse of each constraint, and the
+    /// number of independent constraint rows. Along its normal, a contact leaves with `restitution`
+    /// times the speed before the impact. The settings `alpha` and `beta` have no effect.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `contacts`: the names of the active contacts, or (contacts,), 1
-    /// for each active one, else 0; by default all are; `settings`: `ConstraintSettings`, by default with
-    /// the ground at z = 0 under all contacts.
-    /// Result: `ContactImpulse`: `qd` (nv,), `impulses` (constraints, 6), `rank` a number, moments before
-    /// forces. Several states have one more axis, the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `contacts`: the names of the active contacts, or
+    /// (contacts,), 1 for each active one, else 0; by default all are; `settings`:
+    /// `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
+    /// Result: `ContactImpulse`: `qd` (nv,), `impulses` (constraints, 6), `rank` a number, moments
+    /// before forces. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, contacts=None, settings=None, *, out=None))]
     fn contact_impulse<'py>(
         &self,
@@ -690,16 +702,16 @@ impl Robot {
         self.call(py, 35, &[Some(q), Some(qd), contacts, settings], None, out)
     }
 
-    /// Returns the problem of a step of the time `dt` (s) on the ground under the joint forces `tau`, in
-    /// the space of the contacts' points: the motion without contacts, and the effects of unit impulses on
-    /// the points and on the velocities. Of the targets, `pose` and the linear `velocity` count. Closed
-    /// loops are not closed. `solve::ground` has the solver.
+    /// Returns the problem of a step of the time `dt` (s) on the ground under the joint forces
+    /// `tau`, in the space of the contacts' points: the motion without contacts, and the effects of
+    /// unit impulses on the points and on the velocities. Of the targets, `pose` and the linear
+    /// `velocity` count. Closed loops are not closed. `solve::ground` has the solver.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `settings`: `ConstraintSettings`,
-    /// by default with the ground at z = 0 under all contacts.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `settings`:
+    /// `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
     /// Result: `ContactProblem`: `qd` (nv,), `heights` (contacts,), `before` (contacts, 3), `free`
-    /// (contacts, 3), `mobility` (3 contacts, 3 contacts), `responses` (nv, 3 contacts). Several states
-    /// have one more axis, the first.
+    /// (contacts, 3), `mobility` (3 contacts, 3 contacts), `responses` (nv, 3 contacts). Several
+    /// states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, dt, settings=None, *, out=None))]
     fn contact_problem<'py>(
         &self,
@@ -714,18 +726,18 @@ impl Robot {
         self.call(py, 36, &[Some(q), Some(qd), Some(tau), Some(dt), settings], None, out)
     }
 
-    /// Returns the state after a step of the time `dt` (s) on the ground under the joint forces `tau`:
-    /// contacts with Coulomb friction, which push and do not pull, at the planes of their targets.
-    /// `impulses` are those of the last step, or zero: the solver starts from them. It sweeps six times
-    /// over the contacts; `residual` says how well that sufficed. Of the targets, `pose`, the linear
-    /// `velocity`, `alpha`, `beta`, `restitution`, `compliance` and `friction` count. Joints have no stops,
-    /// and closed loops are not closed. In Rust and Python, `step_on_ground` also stops joints, and solves
-    /// to a tolerance.
+    /// Returns the state after a step of the time `dt` (s) on the ground under the joint forces
+    /// `tau`: contacts with Coulomb friction, which push and do not pull, at the planes of their
+    /// targets. `impulses` are those of the last step, or zero: the solver starts from them. It
+    /// sweeps six times over the contacts; `residual` says how well that sufficed. Of the targets,
+    /// `pose`, the linear `velocity`, `alpha`, `beta`, `restitution`, `compliance` and `friction`
+    /// count. Joints have no stops, and closed loops are not closed. In Rust and Python,
+    /// `step_on_ground` also stops joints, and solves to a tolerance.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `impulses`: (contacts, 3);
     /// `settings`: `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
-    /// Result: `ContactStep`: `q` (nq,), `qd` (nv,), `impulses` (contacts, 3), `residual` a number. Several
-    /// states have one more axis, the first.
+    /// Result: `ContactStep`: `q` (nq,), `qd` (nv,), `impulses` (contacts, 3), `residual` a number.
+    /// Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, dt, impulses, settings=None, *, out=None))]
     fn contact_step<'py>(
         &self,
@@ -774,11 +786,11 @@ impl Robot {
     /// characteristic length l of each contact. The joint forces of a base are the wrench on it
     /// that no contact can carry. The wrenches of loop constraints are zero.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `contacts`: the names of the active contacts, or
-    /// (contacts,), 1 for each active one, else 0; by default all are; `settings`: `ConstraintSettings`, by
-    /// default with the ground at z = 0 under all contacts.
-    /// Result: `ConstrainedInverseDynamics`: `tau` (nv,), `wrenches` (constraints, 6), `rank` a number,
-    /// moments before forces. Several states have one more axis, the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `contacts`: the names of the active
+    /// contacts, or (contacts,), 1 for each active one, else 0; by default all are; `settings`:
+    /// `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
+    /// Result: `ConstrainedInverseDynamics`: `tau` (nv,), `wrenches` (constraints, 6), `rank` a
+    /// number, moments before forces. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, contacts=None, settings=None, *, out=None))]
     fn constrained_inverse_dynamics<'py>(
         &self,
@@ -793,13 +805,14 @@ impl Robot {
         self.call(py, 39, &[Some(q), Some(qd), Some(qdd), contacts, settings], None, out)
     }
 
-    /// Returns the Jacobian of each constraint. The product with `qd` is, for a loop constraint, the
-    /// constrained part of the twist of its second frame relative to its first, in the first frame's axes;
-    /// for a contact, active or not, the constrained part of its frame's twist in world axes.
+    /// Returns the Jacobian of each constraint. The product with `qd` is, for a loop constraint,
+    /// the constrained part of the twist of its second frame relative to its first, in the first
+    /// frame's axes; for a contact, active or not, the constrained part of its frame's twist in
+    /// world axes.
     ///
     /// Arguments: `q`: (nq,).
-    /// Result: (constraints, 6, nv), angular before linear components. Several states have one more axis,
-    /// the first.
+    /// Result: (constraints, 6, nv), angular before linear components. Several states have one more
+    /// axis, the first.
     #[pyo3(signature = (q, *, out=None))]
     fn constraint_jacobian<'py>(
         &self,
@@ -810,12 +823,12 @@ impl Robot {
         self.call(py, 40, &[Some(q)], None, out)
     }
 
-    /// Returns the bias acceleration of each constraint: the time derivative of `constraint_jacobian` times
-    /// `qd`, in the same axes.
+    /// Returns the bias acceleration of each constraint: the time derivative of
+    /// `constraint_jacobian` times `qd`, in the same axes.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,).
-    /// Result: (constraints, 6), angular before linear components. Several states have one more axis, the
-    /// first.
+    /// Result: (constraints, 6), angular before linear components. Several states have one more
+    /// axis, the first.
     #[pyo3(signature = (q, qd, *, out=None))]
     fn constraint_bias_acceleration<'py>(
         &self,
@@ -827,16 +840,17 @@ impl Robot {
         self.call(py, 41, &[Some(q), Some(qd)], None, out)
     }
 
-    /// Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T with the mass
-    /// matrix M, and the number of independent constraint rows. Each constraint has its constrained
-    /// rotations, then its constrained displacements, of a contact in world axes. The entries of inactive
-    /// contacts are zero. The inverse contains the compliance.
+    /// Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T with the
+    /// mass matrix M, and the number of independent constraint rows. Each constraint has its
+    /// constrained rotations, then its constrained displacements, of a contact in world axes. The
+    /// entries of inactive contacts are zero. The inverse contains the compliance.
     ///
-    /// Arguments: `q`: (nq,); `contacts`: the names of the active contacts, or (contacts,), 1 for each
-    /// active one, else 0; by default all are; `settings`: `ConstraintSettings`, by default with the ground
-    /// at z = 0 under all contacts.
-    /// Result: `OperationalInertia`: `inverse` (constraint rows, constraint rows), `inertia` (constraint
-    /// rows, constraint rows), `rank` a number. Several states have one more axis, the first.
+    /// Arguments: `q`: (nq,); `contacts`: the names of the active contacts, or (contacts,), 1 for
+    /// each active one, else 0; by default all are; `settings`: `ConstraintSettings`, by default
+    /// with the ground at z = 0 under all contacts.
+    /// Result: `OperationalInertia`: `inverse` (constraint rows, constraint rows), `inertia`
+    /// (constraint rows, constraint rows), `rank` a number. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, contacts=None, settings=None, *, out=None))]
     fn operational_inertia<'py>(
         &self,
@@ -849,9 +863,9 @@ impl Robot {
         self.call(py, 42, &[Some(q), contacts, settings], None, out)
     }
 
-    /// Returns the regressor Y of inverse dynamics: tau = Y pi, without rotors and friction. pi has ten
-    /// entries for each moving link: mass, mass times centre of mass x, y, z, and Ixx, Ixy, Ixz, Iyy, Iyz,
-    /// Izz about the link's origin in the link's own axes (`parameters`).
+    /// Returns the regressor Y of inverse dynamics: tau = Y pi, without rotors and friction. pi has
+    /// ten entries for each moving link: mass, mass times centre of mass x, y, z, and Ixx, Ixy,
+    /// Ixz, Iyy, Iyz, Izz about the link's origin in the link's own axes (`parameters`).
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
     /// Result: (nv, 10 moving links). Several states have one more axis, the first.
@@ -881,8 +895,8 @@ impl Robot {
         self.call(py, 44, &[Some(q)], None, out)
     }
 
-    /// Returns the Jacobian of the centre of mass. Its product with `qd` is the velocity of the centre of
-    /// mass in world axes.
+    /// Returns the Jacobian of the centre of mass. Its product with `qd` is the velocity of the
+    /// centre of mass in world axes.
     ///
     /// Arguments: `q`: (nq,).
     /// Result: (3, nv). Several states have one more axis, the first.
@@ -896,11 +910,13 @@ impl Robot {
         self.call(py, 45, &[Some(q)], None, out)
     }
 
-    /// Returns the centroidal momentum matrix. Its product with `qd` is the momentum about the centre of
-    /// mass, in world axes. Rotors have energy, but no momentum: their axes are not described.
+    /// Returns the centroidal momentum matrix. Its product with `qd` is the momentum about the
+    /// centre of mass, in world axes. Rotors have energy, but no momentum: their axes are not
+    /// described.
     ///
     /// Arguments: `q`: (nq,).
-    /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
+    /// Result: (6, nv), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, *, out=None))]
     fn centroidal_momentum_matrix<'py>(
         &self,
@@ -911,11 +927,13 @@ impl Robot {
         self.call(py, 46, &[Some(q)], None, out)
     }
 
-    /// Returns the centroidal composite inertia. Its product with a twist is the momentum about the centre
-    /// of mass, in world axes, of all moving links as one rigid body with this twist at the centre of mass.
+    /// Returns the centroidal composite inertia. Its product with a twist is the momentum about the
+    /// centre of mass, in world axes, of all moving links as one rigid body with this twist at the
+    /// centre of mass.
     ///
     /// Arguments: `q`: (nq,).
-    /// Result: (6, 6), angular before linear components. Several states have one more axis, the first.
+    /// Result: (6, 6), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, *, out=None))]
     fn centroidal_composite_inertia<'py>(
         &self,
@@ -926,11 +944,12 @@ impl Robot {
         self.call(py, 47, &[Some(q)], None, out)
     }
 
-    /// Returns the momentum of the moving links about their centre of mass, in world axes. Rotors have
-    /// energy, but no momentum: their axes are not described.
+    /// Returns the momentum of the moving links about their centre of mass, in world axes. Rotors
+    /// have energy, but no momentum: their axes are not described.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,).
-    /// Result: (6,), angular before linear components. Several states have one more axis, the first.
+    /// Result: (6,), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, qd, *, out=None))]
     fn centroidal_momentum<'py>(
         &self,
@@ -942,12 +961,13 @@ impl Robot {
         self.call(py, 48, &[Some(q), Some(qd)], None, out)
     }
 
-    /// Returns the time derivative of the centroidal momentum in world axes: the moment (N m) and the force
-    /// (N) about the centre of mass of gravity and of all forces from outside. At `qdd` = 0 it is the bias
-    /// A' qd, with the centroidal momentum matrix A.
+    /// Returns the time derivative of the centroidal momentum in world axes: the moment (N m) and
+    /// the force (N) about the centre of mass of gravity and of all forces from outside. At `qdd` =
+    /// 0 it is the bias A' qd, with the centroidal momentum matrix A.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
-    /// Result: (6,), angular before linear components. Several states have one more axis, the first.
+    /// Result: (6,), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, qd, qdd, *, out=None))]
     fn centroidal_momentum_rate<'py>(
         &self,
@@ -960,15 +980,15 @@ impl Robot {
         self.call(py, 49, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
-    /// Returns the momentum of the moving links about their centre of mass, its time derivative at `qdd`
-    /// (the rate), and the derivatives of both with respect to `q` (in tangent space) and `qd`, in world
-    /// axes. The derivatives of the momentum with respect to `qd`, and of the rate with respect to `qdd`,
-    /// are the centroidal momentum matrix.
+    /// Returns the momentum of the moving links about their centre of mass, its time derivative at
+    /// `qdd` (the rate), and the derivatives of both with respect to `q` (in tangent space) and
+    /// `qd`, in world axes. The derivatives of the momentum with respect to `qd`, and of the rate
+    /// with respect to `qdd`, are the centroidal momentum matrix.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
-    /// Result: `CentroidalMomentumDerivatives`: `momentum` (6,), `rate` (6,), `momentum_dq` (6, nv),
-    /// `rate_dq` (6, nv), `rate_dqd` (6, nv), angular before linear components. Several states have one
-    /// more axis, the first.
+    /// Result: `CentroidalMomentumDerivatives`: `momentum` (6,), `rate` (6,), `momentum_dq` (6,
+    /// nv), `rate_dq` (6, nv), `rate_dqd` (6, nv), angular before linear components. Several states
+    /// have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, *, out=None))]
     fn centroidal_momentum_derivatives<'py>(
         &self,
@@ -981,12 +1001,12 @@ impl Robot {
         self.call(py, 50, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
-    /// Returns the poses in the world of all links of the description, fixed links included, in the order
-    /// of `link_names`.
+    /// Returns the poses in the world of all links of the description, fixed links included, in the
+    /// order of `link_names`.
     ///
     /// Arguments: `q`: (nq,).
-    /// Result: `Pose`: `rotation` (links, 3, 3), `translation` (links, 3). Several states have one more
-    /// axis, the first.
+    /// Result: `Pose`: `rotation` (links, 3, 3), `translation` (links, 3). Several states have one
+    /// more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
     fn link_poses<'py>(
         &self,
@@ -1000,7 +1020,8 @@ impl Robot {
     /// Returns the pose of a link in the world. Computes the link's kinematic path only.
     ///
     /// Arguments: `q`: (nq,); `link`: the name of a link, or its index in `link_names`.
-    /// Result: `Pose`: `rotation` (3, 3), `translation` (3,). Several states have one more axis, the first.
+    /// Result: `Pose`: `rotation` (3, 3), `translation` (3,). Several states have one more axis,
+    /// the first.
     #[pyo3(signature = (q, link, *, out=None))]
     fn link_pose<'py>(
         &self,
@@ -1012,11 +1033,13 @@ impl Robot {
         self.call(py, 52, &[Some(q)], Some(link), out)
     }
 
-    /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in world axes.
-    /// Computes the link's kinematic path only.
+    /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in world
+    /// axes. Computes the link's kinematic path only.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in `link_names`.
-    /// Result: (6,), angular before linear components. Several states have one more axis, the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
+    /// `link_names`.
+    /// Result: (6,), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn link_velocity<'py>(
         &self,
@@ -1029,11 +1052,13 @@ impl Robot {
         self.call(py, 53, &[Some(q), Some(qd)], Some(link), out)
     }
 
-    /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in the link's own
-    /// axes. Computes the link's kinematic path only.
+    /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in the
+    /// link's own axes. Computes the link's kinematic path only.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in `link_names`.
-    /// Result: (6,), angular before linear components. Several states have one more axis, the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
+    /// `link_names`.
+    /// Result: (6,), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn local_link_velocity<'py>(
         &self,
@@ -1049,9 +1074,10 @@ impl Robot {
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
     /// (rad/s^2), in world axes. Gravity is not included. Computes the link's kinematic path only.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `link`: the name of a link, or its index in
-    /// `link_names`.
-    /// Result: (6,), angular before linear components. Several states have one more axis, the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `link`: the name of a link, or its index
+    /// in `link_names`.
+    /// Result: (6,), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, qd, qdd, link, *, out=None))]
     fn link_acceleration<'py>(
         &self,
@@ -1066,11 +1092,13 @@ impl Robot {
     }
 
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
-    /// (rad/s^2), in the link's own axes. Gravity is not included. Computes the link's kinematic path only.
+    /// (rad/s^2), in the link's own axes. Gravity is not included. Computes the link's kinematic
+    /// path only.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `link`: the name of a link, or its index in
-    /// `link_names`.
-    /// Result: (6,), angular before linear components. Several states have one more axis, the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `link`: the name of a link, or its index
+    /// in `link_names`.
+    /// Result: (6,), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, qd, qdd, link, *, out=None))]
     fn local_link_acceleration<'py>(
         &self,
@@ -1084,11 +1112,12 @@ impl Robot {
         self.call(py, 56, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
     }
 
-    /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its origin, in
-    /// world axes. Computes the link's kinematic path only.
+    /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its
+    /// origin, in world axes. Computes the link's kinematic path only.
     ///
     /// Arguments: `q`: (nq,); `link`: the name of a link, or its index in `link_names`.
-    /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
+    /// Result: (6, nv), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, link, *, out=None))]
     fn jacobian<'py>(
         &self,
@@ -1100,11 +1129,12 @@ impl Robot {
         self.call(py, 57, &[Some(q)], Some(link), out)
     }
 
-    /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its origin, in
-    /// the link's own axes. Computes the link's kinematic path only.
+    /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its
+    /// origin, in the link's own axes. Computes the link's kinematic path only.
     ///
     /// Arguments: `q`: (nq,); `link`: the name of a link, or its index in `link_names`.
-    /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
+    /// Result: (6, nv), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, link, *, out=None))]
     fn local_jacobian<'py>(
         &self,
@@ -1116,11 +1146,13 @@ impl Robot {
         self.call(py, 58, &[Some(q)], Some(link), out)
     }
 
-    /// Returns the time derivative of `jacobian`. Its product with `qd` is `bias_acceleration`. Computes
-    /// the link's kinematic path only.
+    /// Returns the time derivative of `jacobian`. Its product with `qd` is `bias_acceleration`.
+    /// Computes the link's kinematic path only.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in `link_names`.
-    /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
+    /// `link_names`.
+    /// Result: (6, nv), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn jacobian_time_derivative<'py>(
         &self,
@@ -1133,11 +1165,13 @@ impl Robot {
         self.call(py, 59, &[Some(q), Some(qd)], Some(link), out)
     }
 
-    /// Returns the time derivative of `local_jacobian`. Its product with `qd` is `local_bias_acceleration`.
-    /// Computes the link's kinematic path only.
+    /// Returns the time derivative of `local_jacobian`. Its product with `qd` is
+    /// `local_bias_acceleration`. Computes the link's kinematic path only.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in `link_names`.
-    /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
+    /// `link_names`.
+    /// Result: (6, nv), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn local_jacobian_time_derivative<'py>(
         &self,
@@ -1150,12 +1184,14 @@ impl Robot {
         self.call(py, 60, &[Some(q), Some(qd)], Some(link), out)
     }
 
-    /// Returns the bias acceleration of a link in world axes: the time derivative of `jacobian` times `qd`,
-    /// which is the link's acceleration at zero joint accelerations. Computes the link's kinematic path
-    /// only.
+    /// Returns the bias acceleration of a link in world axes: the time derivative of `jacobian`
+    /// times `qd`, which is the link's acceleration at zero joint accelerations. Computes the
+    /// link's kinematic path only.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in `link_names`.
-    /// Result: (6,), angular before linear components. Several states have one more axis, the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
+    /// `link_names`.
+    /// Result: (6,), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn bias_acceleration<'py>(
         &self,
@@ -1168,11 +1204,13 @@ impl Robot {
         self.call(py, 61, &[Some(q), Some(qd)], Some(link), out)
     }
 
-    /// Returns the bias acceleration of a link in its own axes: the time derivative of `local_jacobian`
-    /// times `qd`. Computes the link's kinematic path only.
+    /// Returns the bias acceleration of a link in its own axes: the time derivative of
+    /// `local_jacobian` times `qd`. Computes the link's kinematic path only.
     ///
-    /// Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in `link_names`.
-    /// Result: (6,), angular before linear components. Several states have one more axis, the first.
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in
+    /// `link_names`.
+    /// Result: (6,), angular before linear components. Several states have one more axis, the
+    /// first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn local_bias_acceleration<'py>(
         &self,
@@ -1200,8 +1238,8 @@ impl Robot {
         self.call(py, 63, &[Some(q), Some(v)], None, out)
     }
 
-    /// Returns the displacement `v` with which `integrate` leads from `from_` to `to`. Rotations are the
-    /// shortest ones; joint angles are not wrapped.
+    /// Returns the displacement `v` with which `integrate` leads from `from_` to `to`. Rotations
+    /// are the shortest ones; joint angles are not wrapped.
     ///
     /// Arguments: `from_`: (nq,); `to`: (nq,).
     /// Result: (nv,). Several states have one more axis, the first.
@@ -1216,12 +1254,12 @@ impl Robot {
         self.call(py, 64, &[Some(from_), Some(to)], None, out)
     }
 
-    /// Returns the derivatives of `integrate` with respect to `q` and `v` in tangent space: displacements
-    /// of `q` and of the result are in the axes at each of them.
+    /// Returns the derivatives of `integrate` with respect to `q` and `v` in tangent space:
+    /// displacements of `q` and of the result are in the axes at each of them.
     ///
     /// Arguments: `q`: (nq,); `v`: (nv,).
-    /// Result: `IntegrateDerivatives`: `dq` (nv, nv), `dv` (nv, nv). Several states have one more axis, the
-    /// first.
+    /// Result: `IntegrateDerivatives`: `dq` (nv, nv), `dv` (nv, nv). Several states have one more
+    /// axis, the first.
     #[pyo3(signature = (q, v, *, out=None))]
     fn integrate_derivatives<'py>(
         &self,
@@ -1237,8 +1275,8 @@ impl Robot {
     /// displacements are in the axes at `from_` and at `to`.
     ///
     /// Arguments: `from_`: (nq,); `to`: (nq,).
-    /// Result: `DifferenceDerivatives`: `dfrom` (nv, nv), `dto` (nv, nv). Several states have one more
-    /// axis, the first.
+    /// Result: `DifferenceDerivatives`: `dfrom` (nv, nv), `dto` (nv, nv). Several states have one
+    /// more axis, the first.
     #[pyo3(signature = (from_, to, *, out=None))]
     fn difference_derivatives<'py>(
         &self,
@@ -1279,9 +1317,9 @@ impl Robot {
         self.call(py, 68, &[Some(q)], None, out)
     }
 
-    /// Returns coordinates within the joint limits, from random numbers uniformly distributed in [0, 1).
-    /// Angles without limits are in [-pi, pi), displacements without limits in [-1, 1) m, rotations uniform
-    /// over SO(3).
+    /// Returns coordinates within the joint limits, from random numbers uniformly distributed in
+    /// [0, 1). Angles without limits are in [-pi, pi), displacements without limits in [-1, 1) m,
+    /// rotations uniform over SO(3).
     ///
     /// Arguments: `uniforms`: (nv,).
     /// Result: (nq,). Several states have one more axis, the first.

@@ -785,9 +785,9 @@ class Robot:
         origin in the first frame's axes. Contacts follow, in the order of `contact_names`, at the
         frame's origin in world axes. Redundant rows get the multipliers of smallest norm.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `contacts`: the names of the active contacts, or
-        (contacts,), 1 for each active one, else 0; by default all are; `settings`: `ConstraintSettings`, by
-        default with the ground at z = 0 under all contacts.
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `contacts`: the names of the active
+        contacts, or (contacts,), 1 for each active one, else 0; by default all are; `settings`:
+        `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
         Result: `ConstrainedForwardDynamics`: `qdd` (nv,), `wrenches` (constraints, 6), `residuals`
         (constraints, 6), `rank` a number, angular before linear components. Several states have one
         more axis, the first.
@@ -813,11 +813,11 @@ class Robot:
         that keeps them there, and the number of independent constraint rows. The settings `alpha`
         and `beta` have no effect.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `contacts`: the names of the active contacts, or (contacts,), 1
-        for each active one, else 0; by default all are; `settings`: `ConstraintSettings`, by default with
-        the ground at z = 0 under all contacts.
-        Result: `ConstraintProjection`: `dq` (nv,), `dqd` (nv,), `rank` a number. Several states have one
-        more axis, the first.
+        Arguments: `q`: (nq,); `qd`: (nv,); `contacts`: the names of the active contacts, or
+        (contacts,), 1 for each active one, else 0; by default all are; `settings`:
+        `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
+        Result: `ConstraintProjection`: `dq` (nv,), `dqd` (nv,), `rank` a number. Several states
+        have one more axis, the first.
         """
     def constrained_forward_dynamics_derivatives(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedForwardDynamicsDerivatives | None = None
@@ -827,13 +827,13 @@ class Robot:
         wrenches are arrays for each constraint, in the axes of the wrenches. The rank is assumed
         constant; redundant rows get the derivatives of smallest norm.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `contacts`: the names of the active contacts, or
-        (contacts,), 1 for each active one, else 0; by default all are; `settings`: `ConstraintSettings`, by
-        default with the ground at z = 0 under all contacts.
-        Result: `ConstrainedForwardDynamicsDerivatives`: `qdd` (nv,), `wrenches` (constraints, 6), `dq` (nv,
-        nv), `dqd` (nv, nv), `dtau` (nv, nv), `wrenches_dq` (constraints, 6, nv), `wrenches_dqd`
-        (constraints, 6, nv), `wrenches_dtau` (constraints, 6, nv), `rank` a number, moments before forces.
-        Several states have one more axis, the first.
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `contacts`: the names of the active
+        contacts, or (contacts,), 1 for each active one, else 0; by default all are; `settings`:
+        `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
+        Result: `ConstrainedForwardDynamicsDerivatives`: `qdd` (nv,), `wrenches` (constraints, 6),
+        `dq` (nv, nv), `dqd` (nv, nv), `dtau` (nv, nv), `wrenches_dq` (constraints, 6, nv),
+        `wrenches_dqd` (constraints, 6, nv), `wrenches_dtau` (constraints, 6, nv), `rank` a number,
+        moments before forces. Several states have one more axis, the first.
         """
     def constrained_forward_dynamics_hessian(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, cotangent: ArrayLike, wrench_cotangent: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedForwardDynamicsHessian | None = None
@@ -846,11 +846,12 @@ class Robot:
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `cotangent`: (nv,); `wrench_cotangent`:
         (constraints, 6), moments before forces; `contacts`: the names of the active contacts, or
-        (contacts,), 1 for each active one, else 0; by default all are; `settings`: `ConstraintSettings`, by
-        default with the ground at z = 0 under all contacts.
-        Result: `ConstrainedForwardDynamicsHessian`: `qdd` (nv,), `wrenches` (constraints, 6), `dq` (nv,),
-        `dqd` (nv,), `dtau` (nv,), `dq_dq` (nv, nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv), `dq_dtau` (nv,
-        nv), `rank` a number, moments before forces. Several states have one more axis, the first.
+        (contacts,), 1 for each active one, else 0; by default all are; `settings`:
+        `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
+        Result: `ConstrainedForwardDynamicsHessian`: `qdd` (nv,), `wrenches` (constraints, 6), `dq`
+        (nv,), `dqd` (nv,), `dtau` (nv,), `dq_dq` (nv, nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv),
+        `dq_dtau` (nv, nv), `rank` a number, moments before forces. Several states have one more
+        axis, the first.
         """
     def contact_impulse(
         self, q: ArrayLike, qd: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ContactImpulse | None = None
@@ -860,11 +861,11 @@ class Robot:
         number of independent constraint rows. Along its normal, a contact leaves with `restitution`
         times the speed before the impact. The settings `alpha` and `beta` have no effect.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `contacts`: the names of the active contacts, or (contacts,), 1
-        for each active one, else 0; by default all are; `settings`: `ConstraintSettings`, by default with
-        the ground at z = 0 under all contacts.
-        Result: `ContactImpulse`: `qd` (nv,), `impulses` (constraints, 6), `rank` a number, moments before
-        forces. Several states have one more axis, the first.
+        Arguments: `q`: (nq,); `qd`: (nv,); `contacts`: the names of the active contacts, or
+        (contacts,), 1 for each active one, else 0; by default all are; `settings`:
+        `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
+        Result: `ContactImpulse`: `qd` (nv,), `impulses` (constraints, 6), `rank` a number, moments
+        before forces. Several states have one more axis, the first.
         """
     def contact_problem(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, settings: ConstraintSettings | ArrayLike | None = None, *, out: ContactProblem | None = None
@@ -921,11 +922,11 @@ class Robot:
         characteristic length l of each contact. The joint forces of a base are the wrench on it
         that no contact can carry. The wrenches of loop constraints are zero.
 
-        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `contacts`: the names of the active contacts, or
-        (contacts,), 1 for each active one, else 0; by default all are; `settings`: `ConstraintSettings`, by
-        default with the ground at z = 0 under all contacts.
-        Result: `ConstrainedInverseDynamics`: `tau` (nv,), `wrenches` (constraints, 6), `rank` a number,
-        moments before forces. Several states have one more axis, the first.
+        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `contacts`: the names of the active
+        contacts, or (contacts,), 1 for each active one, else 0; by default all are; `settings`:
+        `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
+        Result: `ConstrainedInverseDynamics`: `tau` (nv,), `wrenches` (constraints, 6), `rank` a
+        number, moments before forces. Several states have one more axis, the first.
         """
     def constraint_jacobian(
         self, q: ArrayLike, *, out: Array | None = None
@@ -957,11 +958,12 @@ class Robot:
         constrained rotations, then its constrained displacements, of a contact in world axes. The
         entries of inactive contacts are zero. The inverse contains the compliance.
 
-        Arguments: `q`: (nq,); `contacts`: the names of the active contacts, or (contacts,), 1 for each
-        active one, else 0; by default all are; `settings`: `ConstraintSettings`, by default with the ground
-        at z = 0 under all contacts.
-        Result: `OperationalInertia`: `inverse` (constraint rows, constraint rows), `inertia` (constraint
-        rows, constraint rows), `rank` a number. Several states have one more axis, the first.
+        Arguments: `q`: (nq,); `contacts`: the names of the active contacts, or (contacts,), 1 for
+        each active one, else 0; by default all are; `settings`: `ConstraintSettings`, by default
+        with the ground at z = 0 under all contacts.
+        Result: `OperationalInertia`: `inverse` (constraint rows, constraint rows), `inertia`
+        (constraint rows, constraint rows), `rank` a number. Several states have one more axis, the
+        first.
         """
     def regressor(
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, *, out: Array | None = None
