@@ -238,9 +238,9 @@ mod objects {
             on_vectors(self.instruction_set, float)
         }
 
-        /// The factors of the mass matrix are a type of Rust.
+        /// The factors of the mass matrix are a type of Rust, and the loops of a solver have no form in object files.
         fn has(&self, planned: &Planned) -> bool {
-            planned.function != Some(Function::Brge)
+            ![Some(Function::Brge), Some(Function::Step)].contains(&planned.function)
         }
 
         fn takes_parameters(&self) -> bool {

@@ -91,15 +91,14 @@ impl<T: Copy> ContactSurface<T> {
     #[must_use]
     pub fn numbers(&self) -> [T; 21] {
         let Self { plane, radius, friction, margin, solref, solimp } = self;
-        let plane = plane.rotation.iter().flatten().chain(&plane.translation);
-        let shape = [radius, friction, margin].into_iter();
-        let mut numbers = [*radius; 21];
-        for (number, value) in
-            numbers.iter_mut().zip(plane.chain(shape).chain(solref).chain(solimp))
-        {
-            *number = *value;
-        }
-        numbers
+        let [[a, b, c], [d, e, f], [g, h, i]] = plane.rotation;
+        let [x, y, z] = plane.translation;
+        let [first, second] = *solref;
+        let [least, most, width, middle] = *solimp;
+        [
+            a, b, c, d, e, f, g, h, i, x, y, z, *radius, *friction, *margin, first, second, least,
+            most, width, middle,
+        ]
     }
 }
 

@@ -186,7 +186,9 @@ fn nothing_panics_allocates_or_is_unsafe() {
     for (path, text, Findings { identifiers, indexing, loops, .. }) in
         plain().iter().chain(&complete)
     {
-        assert_eq!((*indexing, *loops), (0, 0), "{}", path.display());
+        // The solver of a step has a bounded number of iterations.
+        let of_solvers = text.matches("for _ in 0..").count();
+        assert_eq!((*indexing, *loops), (0, of_solvers), "{}", path.display());
         for word in [
             "unsafe",
             "std",

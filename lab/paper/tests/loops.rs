@@ -2,7 +2,7 @@
 //! functions, the trait and nalgebra's types.
 
 use modyn::equations::constraints::{ProjectionOutputs, ResidualOutputs};
-use modyn::simulate::State;
+use modyn::equations::{ForwardInput, State};
 use modyn::spatial::{Twist, Wrench};
 use modyn::{ConstraintSettings, ContactTarget, Interpreter, Nalgebra, Robot, functions};
 
@@ -45,7 +45,7 @@ where
     let (mut qdd, mut wrenches, mut residuals) = ([0.0; N], [Wrench::zero()], [Twist::zero()]);
     let into = (&mut qdd[..], &mut wrenches[..], &mut residuals[..]);
     let solve = Interpreter::constrained_forward_dynamics;
-    let rank = solve(&mut interpreter, (&q, &qd, &tau), &[], &settings, into).expect("fits");
+    let rank = solve(&mut interpreter, ForwardInput { q: &q, qd: &qd, tau: &tau }, &[], &settings, into).expect("fits");
     let found = R::constrained_forward_dynamics(&q, &qd, &tau, (), &settings);
     assert_near(&found.qdd, &qdd);
     assert_near(&numbers(&found.wrenches), &numbers(&wrenches));
@@ -195,7 +195,7 @@ fn a_compiled_four_bar_linkage_keeps_its_energy() {
     let energy =
         |q: &[f64; 3], qd: &[f64; 3]| FourBar::kinetic_energy(q, qd) + FourBar::potential_energy(q);
     let before = energy(&q, &qd);
-    let mut state = State::<FourBar>::at_rest(q);
+    let mut state = modyn::simulate::State::<FourBar>::at_rest(q);
     for _ in 0..1000 {
         state = state.runge_kutta_4(1e-3, |State { q, qd }| {
             FourBar::constrained_forward_dynamics(q, qd, &[0.0; 3], (), &settings).qdd

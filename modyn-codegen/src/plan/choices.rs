@@ -4,7 +4,7 @@ use modyn_runtime::model::Model;
 
 use super::Function;
 use super::bundle::Bundle;
-use super::code_form::CodeForm;
+use super::code_form::{CodeChoices, CodeForm};
 use super::user::TracedFunction;
 use crate::program::Execution;
 use crate::trace::Parameters;
@@ -52,6 +52,11 @@ impl Choices {
         self.code = CodeForm::Fast;
         self.machine_code = true;
         self
+    }
+
+    /// Returns the choices about the code of all functions.
+    pub(super) fn code(&self) -> CodeChoices {
+        CodeChoices { share: self.share, form: self.code, machine_code: self.machine_code }
     }
 
     /// Returns whether programs that run in this way can have loops.

@@ -13,3 +13,14 @@ pub enum CodeForm {
     /// Loops over the bodies with tables of constants: the shortest code.
     Small,
 }
+
+/// The choices of a user about the code of all functions.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CodeChoices {
+    /// Whether equal limbs share one routine.
+    pub share: bool,
+    /// The form of the code of recursions.
+    pub form: CodeForm,
+    /// Whether the programs are for machine code.
+    pub machine_code: bool,
+}

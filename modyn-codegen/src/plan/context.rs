@@ -7,8 +7,7 @@ use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 use modyn_runtime::quantities::Sizes;
 
-use super::choices::Choices;
-use super::code_form::CodeForm;
+use super::code_form::{CodeChoices, CodeForm};
 use super::frames::Frames;
 use super::partition::{self, ChosenPartition};
 use crate::program::Execution;
@@ -95,9 +94,9 @@ impl<'a> PlanContext<'a> {
         model: &'a Model,
         modules: &ModuleTree,
         execution: Execution,
-        choices: &Choices,
+        choices: CodeChoices,
     ) -> Self {
-        let Choices { share, code, machine_code, .. } = *choices;
+        let CodeChoices { share, form: code, machine_code } = choices;
         // Threads run straight-line code, one limb after another.
         let has_threads = execution == Execution::Threads;
         let share = share && !has_threads;

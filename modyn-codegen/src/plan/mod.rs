@@ -177,7 +177,7 @@ impl Plan {
         }
         let robot = SymbolicRobot::new(model, choices.parameters(model));
         let mut budget = Budget::new();
-        let context = PlanContext::new(&robot, model, modules, execution, choices);
+        let context = PlanContext::new(&robot, model, modules, execution, choices.code());
         let sizes = context.sizes;
         let is_selected = |function: &Function| {
             let row = function.row();

@@ -194,12 +194,18 @@ fn in_both_precisions(mut check: impl FnMut(&Subject, &State, &Values<f32>, &Val
     }
 }
 
+/// Returns whether a result says how a solver ended, which is another way in single precision.
+fn is_of_solver(quantity: &str) -> bool {
+    ["step.residual", "step.iterations"].contains(&quantity)
+}
+
 /// Where no equations are solved, single precision equals double precision up to rounding.
 #[test]
 fn single_precision_is_near_double_precision() {
     in_both_precisions(|subject, _, single, exact| {
         for (quantity, found, expected) in pairs(single, exact, &subject.sizes()) {
-            if SOLVED.contains(&quantity.split('.').next().unwrap_or_default()) {
+            let function = quantity.split('.').next().unwrap_or_default();
+            if SOLVED.contains(&function) || is_of_solver(&quantity) {
                 continue;
             }
             let what = format!("{}: {quantity}", subject.robot.name());
@@ -209,7 +215,8 @@ fn single_precision_is_near_double_precision() {
 }
 
 /// The quantities that depend on an inverse, and so on the condition number of the mass matrix.
-const SOLVED: [&str; 13] = [
+const SOLVED: [&str; 14] = [
+    "step",
     "forward_dynamics",
     "forward_dynamics_external",
     "forward_dynamics_external_world",
@@ -258,7 +265,8 @@ fn single_precision_solves() {
             return;
         }
         well_conditioned += 1;
-        for (quantity, found, expected) in pairs(single, exact, &subject.sizes()) {
+        let quantities = pairs(single, exact, &subject.sizes());
+        for (quantity, found, expected) in quantities.into_iter().filter(|x| !is_of_solver(&x.0)) {
             let what = format!("{name}: {quantity}");
             assert_close(&what, &double(&found), &expected, 1e-6 * condition.max(20.0));
         }

@@ -149,6 +149,10 @@ impl<F: Number, const SINES: bool> Scalar for Fused<F, SINES> {
         Self(F::from_f64(value))
     }
 
+    fn is_known_nonnegative(self) -> bool {
+        self.0.is_known_nonnegative()
+    }
+
     fn mul_add(self, factor: Self, term: Self) -> Self {
         Self(self.0.fused(factor.0, term.0))
     }

@@ -213,3 +213,8 @@ pub fn normalized(path: &Path) -> PathBuf {
     }
     normal
 }
+
+/// Returns the name of a file without its folder and its extension.
+pub fn stem(file: &str) -> String {
+    path_of(file).file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default()
+}

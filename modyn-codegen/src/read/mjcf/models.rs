@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::check::check;
 use super::classes::Classes;
-use super::element::{Element, Elements, File, normalized, path_of};
-use super::mesh::stem;
+use super::element::{Element, Elements, File, normalized, path_of, stem};
 use super::settings::Settings;
 use crate::description::{FileStore, ReadOptions};
 use crate::diagnostics::{Code, Report};

@@ -182,8 +182,3 @@ fn surface(
     report.depends_on(place.clone());
     read(&model.source.store, &place, purpose)
 }
-
-/// Returns the name of a file without its folder and its extension.
-pub fn stem(file: &str) -> String {
-    path_of(file).file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default()
-}
