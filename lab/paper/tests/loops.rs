@@ -45,7 +45,9 @@ where
     let (mut qdd, mut wrenches, mut residuals) = ([0.0; N], [Wrench::zero()], [Twist::zero()]);
     let into = (&mut qdd[..], &mut wrenches[..], &mut residuals[..]);
     let solve = Interpreter::constrained_forward_dynamics;
-    let rank = solve(&mut interpreter, ForwardInput { q: &q, qd: &qd, tau: &tau }, &[], &settings, into).expect("fits");
+    let rank =
+        solve(&mut interpreter, ForwardInput { q: &q, qd: &qd, tau: &tau }, &[], &settings, into)
+            .expect("fits");
     let found = R::constrained_forward_dynamics(&q, &qd, &tau, (), &settings);
     assert_near(&found.qdd, &qdd);
     assert_near(&numbers(&found.wrenches), &numbers(&wrenches));

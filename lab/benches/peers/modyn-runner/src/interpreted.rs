@@ -1,7 +1,7 @@
 //! modyn's interpreter: one of the programs, and the reference for the results of all others.
 
-use modyn::equations::constraints::{ConstrainedOutputs};
-use modyn::equations::{ForwardInput};
+use modyn::equations::ForwardInput;
+use modyn::equations::constraints::ConstrainedOutputs;
 use modyn::{
     ConstrainedDerivatives, ConstraintSettings, ContactTarget, ForwardDerivatives, Interpreter,
     Twist, Wrench,
@@ -54,7 +54,8 @@ pub fn function(quantity: &str) -> Function {
             let count = robot.model().contacts().len();
             let (mut wrenches, mut residuals) =
                 (vec![Wrench::zero(); count], vec![Twist::zero(); count]);
-            let results = ConstrainedOutputs { qdd: out, wrenches: &mut wrenches, residuals: &mut residuals };
+            let results =
+                ConstrainedOutputs { qdd: out, wrenches: &mut wrenches, residuals: &mut residuals };
             robot
                 .constrained_forward_dynamics(
                     ForwardInput { q, qd, tau },

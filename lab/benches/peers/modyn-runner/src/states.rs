@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use modyn::equations::constraints::{ImpulseOutputs};
-use modyn::equations::{State};
+use modyn::equations::State;
+use modyn::equations::constraints::ImpulseOutputs;
 use modyn::{Interpreter, Wrench, model::Model};
 use modyn_codegen::{Base, ReadOptions, read};
 
