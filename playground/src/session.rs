@@ -227,7 +227,6 @@ impl Session {
         scene.robot(model.clone(), shapes);
         let scene = scene.data();
         let name = name.to_owned();
-        let text = text;
         self.robot = Some(Robot { name, text, files, builder, model, scene });
         Ok(answer)
     }
