@@ -1,8 +1,9 @@
 //! Closed loops (Conclusions of the paper: cut joints): compiled results equal interpreted ones, through the type's own
 //! functions, the trait and nalgebra's types.
 
-use modyn::equations::constraints::{ProjectionOutputs, ResidualOutputs};
-use modyn::equations::{ForwardInput, State};
+use modyn::equations::constraints::{ConstrainedOutputs, ProjectionOutputs, ResidualOutputs};
+use modyn::equations::{self, ForwardInput};
+use modyn::simulate::State;
 use modyn::spatial::{Twist, Wrench};
 use modyn::{ConstraintSettings, ContactTarget, Interpreter, Nalgebra, Robot, functions};
 
@@ -43,7 +44,8 @@ where
     let settings = ConstraintSettings::<f64>::DEFAULT;
     let mut interpreter = Interpreter::new(model);
     let (mut qdd, mut wrenches, mut residuals) = ([0.0; N], [Wrench::zero()], [Twist::zero()]);
-    let into = (&mut qdd[..], &mut wrenches[..], &mut residuals[..]);
+    let into =
+        ConstrainedOutputs { qdd: &mut qdd, wrenches: &mut wrenches, residuals: &mut residuals };
     let solve = Interpreter::constrained_forward_dynamics;
     let rank =
         solve(&mut interpreter, ForwardInput { q: &q, qd: &qd, tau: &tau }, &[], &settings, into)
@@ -62,7 +64,7 @@ where
     let (mut displacements, mut velocities) = ([Twist::zero()], [Twist::zero()]);
     interpreter
         .constraint_residual(
-            State { q: &q, qd: &qd },
+            equations::State { q: &q, qd: &qd },
             &settings,
             ResidualOutputs { displacements: &mut displacements, velocities: &mut velocities },
         )
@@ -75,7 +77,7 @@ where
     let (mut dq, mut dqd) = ([0.0; N], [0.0; N]);
     let into = ProjectionOutputs { dq: &mut dq, dqd: &mut dqd };
     let rank = interpreter
-        .project_constraints(State { q: &q, qd: &qd }, &[], &settings, into)
+        .project_constraints(equations::State { q: &q, qd: &qd }, &[], &settings, into)
         .expect("fits");
     let found = R::project_constraints(&q, &qd, (), &settings);
     assert_near(&found.dq, &dq);
@@ -197,7 +199,7 @@ fn a_compiled_four_bar_linkage_keeps_its_energy() {
     let energy =
         |q: &[f64; 3], qd: &[f64; 3]| FourBar::kinetic_energy(q, qd) + FourBar::potential_energy(q);
     let before = energy(&q, &qd);
-    let mut state = modyn::simulate::State::<FourBar>::at_rest(q);
+    let mut state = State::<FourBar>::at_rest(q);
     for _ in 0..1000 {
         state = state.runge_kutta_4(1e-3, |State { q, qd }| {
             FourBar::constrained_forward_dynamics(q, qd, &[0.0; 3], (), &settings).qdd
