@@ -49,7 +49,8 @@ def arguments(own, name, n=3):
     return link, [argument(one, tuple(shape), q, n, rng) for one, shape, default in listed if default is None]
 
 
-FUNCTIONS = [name for name in modyn.functions() if name != "brge"]
+# The solver of `step` is a loop, which has no form for JAX.
+FUNCTIONS = [name for name in modyn.functions() if name not in ("brge", "step")]
 # Their derivatives are of third order, and long.
 HESSIANS = [name for name in FUNCTIONS if name.endswith("_hessian")]
 
