@@ -32,8 +32,8 @@ impl Options {
     }
 }
 
-/// Returns the names of the mimic joints whose limits contradict those of their leaders. Such
-/// limits are not enforced.
+/// Returns the names of the mimic joints whose limits contradict the limits of their leaders.
+/// Limits that contradict are not enforced.
 #[must_use]
 pub fn contradictory_limits(model: &Model) -> Vec<String> {
     let contradicts = |&link: &usize| {

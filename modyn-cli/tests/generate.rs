@@ -346,6 +346,23 @@ fn rollouts_for_graphics_processors() {
     assert!(refused.err.contains("step_semi_implicit"), "{}", refused.err);
 }
 
+/// Languages whose back ends print no loops say which function they leave out.
+#[test]
+fn languages_without_loops_lack_the_solver_of_a_step() {
+    for target in ["cuda", "wgsl", "matlab", "casadi"] {
+        let functions = ["--functions", "[mass_matrix, step]", "--target", target];
+        let warned =
+            modyn(&[&["generate", "robots/double_pendulum.urdf"], &functions[..]].concat());
+        assert_eq!(warned.code, 0, "{}", warned.err);
+        assert!(warned.err.contains("`step` has no form for"), "{target}: {}", warned.err);
+        assert!(warned.out.contains("mass_matrix") && !warned.out.contains("_step("), "{target}");
+    }
+    let both = ["--functions", "[mass_matrix, step]", "--target", "c"];
+    let shown = modyn(&[&["generate", "robots/double_pendulum.urdf"], &both[..]].concat());
+    assert!(shown.out.contains("double_pendulum_step("), "{}", shown.err);
+    assert!(!shown.err.contains("`step`"), "{}", shown.err);
+}
+
 #[test]
 fn functions_for_casadi() {
     let generate = ["generate", "robots/double_pendulum.urdf", "--target", "casadi"];

@@ -136,7 +136,7 @@ pub struct Generated {
     /// The operations of one call of each function that has a program on vectors, on vectors.
     pub operations_in_lanes: Vec<(&'static str, OperationCount)>,
     /// The operations in the text of each function of one state; [`operations`](Self::operations)
-    /// has those of a call.
+    /// has the operations of one call.
     ///
     /// For a function of one link they include all links. Equal limbs count once if they share
     /// their code. If they are packed into vectors, the packed code and the scalar code count,
@@ -373,6 +373,7 @@ impl Builder {
         let backend = target.backend();
         let builder = self.clone().scalar(backend.scalar(self.options.code.scalar));
         let mut inputs = builder.inputs_without(backend.refused())?;
+        inputs.choices.functions.retain(|function| backend.lacks(*function).is_none());
         let Inputs { model, modules, choices, options, .. } = &inputs;
         let planned = backend.plan(model, modules, choices, options);
         let plan = planned.map_err(|reason| inputs.too_long(&reason))?;
@@ -554,7 +555,6 @@ impl Builder {
             share: code.share,
             code: code.code,
             machine_code: false,
-            without_loops: false,
             runtime_gravity: code.runtime_gravity,
             runtime_inertia: runtime_inertia.unwrap_or_default(),
             payload: payload.unwrap_or_default(),

@@ -47,8 +47,8 @@ pub fn inactive_friction(bodies: &[Body], chosen: Option<Friction>, report: &mut
 
 /// Reports joints that move no inertia, and mimic joints whose ratio is too large to compute with;
 /// warns of moving links without inertia. Joints that move no inertia only because their links have
-/// none are a warning: the robot has kinematic functions. The bodies are those of the model's
-/// links. Joints that depend on an unreadable body are not checked.
+/// none are a warning: the robot has kinematic functions. `bodies` has one body for each
+/// of the model's links. Joints that depend on an unreadable body are not checked.
 pub fn check(bodies: &[Body], model: &Model, report: &mut Report<'_>) {
     for joint in too_large(model).filter_map(|i| bodies[i].joint.as_ref()) {
         let message = "its coordinate is too large a multiple of its leader's to compute with";
@@ -136,8 +136,8 @@ pub fn listed<'n>(what: &str, names: impl Iterator<Item = &'n str>) -> String {
     }
 }
 
-/// Returns the joints whose motion depends on readable numbers only: those of the bodies that they
-/// carry, and of all joints that follow them.
+/// Returns, for each joint, whether its motion depends on readable numbers only: on the numbers of
+/// the bodies that it carries, and of all joints that follow it.
 fn is_determined(bodies: &[Body], model: &Model) -> Vec<bool> {
     let mut judged: Vec<bool> = bodies.iter().map(|body| body.known).collect();
     if judged.iter().all(|&known| known) {

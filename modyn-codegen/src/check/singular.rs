@@ -120,8 +120,8 @@ fn largest_pivot(motions: &[Twist<f64>], pivot: impl Fn(&Twist<f64>) -> f64) -> 
 }
 
 /// Returns the unit motions that a joint allows its link, in the link's axes, and the link's pose
-/// in the joint's frame at these coordinates. Only the span of the motions counts, so those of a
-/// universal or planar joint may be in any intermediate frame of the joint.
+/// in the joint's frame at these coordinates. Only the span of the motions counts, so the
+/// motions of a universal or planar joint may be in any intermediate frame of the joint.
 pub fn motions(joint: &Joint, q: &[f64; 6]) -> (Vec<Twist<f64>>, Pose<f64>) {
     let axis = joint.axis;
     let rotated = |rotation| Pose { rotation, translation: [0.0; 3] };

@@ -216,6 +216,13 @@ pub trait Backend: Sync {
     }
 }
 
+/// Returns a replacement for a function whose solver is a loop, in a language whose back end prints no loops.
+fn lacks_solver(function: Function) -> Option<&'static str> {
+    let help =
+        "use the target `c` or `rust`, or `contact_step`, whose sweeps are straight-line code";
+    (function == Function::Step).then_some(help)
+}
+
 /// A language of generated code.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]

@@ -6,7 +6,6 @@ use super::Function;
 use super::bundle::Bundle;
 use super::code_form::{CodeChoices, CodeForm};
 use super::user::TracedFunction;
-use crate::program::Execution;
 use crate::trace::Parameters;
 
 /// The choices of a user that a plan depends on.
@@ -24,8 +23,6 @@ pub struct Choices {
     pub code: CodeForm,
     /// Whether the programs are for machine code.
     pub machine_code: bool,
-    /// Whether the programs are for a language whose back end has no loops.
-    pub without_loops: bool,
     /// Whether gravity is an argument.
     pub runtime_gravity: bool,
     /// The links whose own inertia is an argument, as indices into the model's frames.
@@ -57,11 +54,6 @@ impl Choices {
     /// Returns the choices about the code of all functions.
     pub(super) fn code(&self) -> CodeChoices {
         CodeChoices { share: self.share, form: self.code, machine_code: self.machine_code }
-    }
-
-    /// Returns whether programs that run in this way can have loops.
-    pub(super) fn has_loops(&self, execution: Execution) -> bool {
-        execution != Execution::Threads && !self.without_loops
     }
 
     /// Returns the run-time parameters of a model.

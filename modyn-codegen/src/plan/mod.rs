@@ -184,7 +184,6 @@ impl Plan {
             choices.functions.contains(function)
                 && (batches || row.batch_of.is_none())
                 && function.fits(sizes.constraints)
-                && (*function != Function::Step || choices.has_loops(execution))
         };
         let selected: Vec<Function> = Function::ALL.iter().copied().filter(is_selected).collect();
         let mut graphs = ScalarGraphs::new(&selected);

@@ -14,6 +14,9 @@ use crate::{ContactSurface, Scalar, StepSettings};
 /// The acceleration by gravity in the unit of residuals, m/s^2.
 const EARTH: f64 = 9.81;
 
+/// The weight of a robot whose joints have rotors and whose links have no mass, N: residuals are finite.
+const LEAST_WEIGHT: f64 = 1e-30;
+
 const LENGTHS: &str = "the lengths are the model's";
 
 /// The results of [`Interpreter::step`].
@@ -133,6 +136,6 @@ impl Interpreter<f64> {
             });
         }
         let mass: f64 = self.model.links().iter().map(|link| link.inertial.mass).sum();
-        SoftModel { cone, weight: mass * EARTH, mobilities, joints }
+        SoftModel { cone, weight: (mass * EARTH).max(LEAST_WEIGHT), mobilities, joints }
     }
 }

@@ -526,7 +526,7 @@ macro_rules! quantities {
              function. The solver is Newton's\n\
              method, to the tolerance of `step_settings`; `residual` says how far it came, \
              relative to the largest force. It\n\
-             starts from the accelerations `warm_start`: those of the last step, or zeros. The \
+             starts from the accelerations `warm_start`: `qdd` of the last step, or zeros. The \
              integrator is semi-implicit Euler,\n\
              implicit in joint damping. Closed loops are not closed.",
              "`{Self}` has no function `step`"

@@ -2,8 +2,8 @@
 //!
 //! They contain every function of one state, over arrays of fixed sizes. Structured arguments and
 //! results are flat arrays of their scalars. The code has no heap, no mutable `static` and no
-//! recursion. Without contraction (`-ffp-contract=off`) the results equal those of the scalar Rust
-//! functions, bit for bit.
+//! recursion. Without contraction (`-ffp-contract=off`) the results equal the results of the
+//! scalar Rust functions, bit for bit.
 
 mod function;
 mod loops;

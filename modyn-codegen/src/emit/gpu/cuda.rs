@@ -1,5 +1,5 @@
-//! CUDA C++, for NVRTC or nvcc. Sine, cosine, arctangent and logarithm are those of generated C,
-//! for all arguments.
+//! CUDA C++, for NVRTC or nvcc. Sine, cosine, arctangent and logarithm return what generated C
+//! returns, for all arguments.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;

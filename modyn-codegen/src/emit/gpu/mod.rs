@@ -24,10 +24,10 @@ use std::collections::BTreeSet;
 use modyn_runtime::model::Model;
 
 use super::support::Support;
-use super::{Backend, EmitOptions, File, FloatType, PlannedRobot};
+use super::{Backend, EmitOptions, File, FloatType, PlannedRobot, lacks_solver};
 use crate::diagnostics::sanitize_for_display;
 use crate::names;
-use crate::plan::{Argument, Frames, Kernels, LinkProgram, Plan, Planned, Shape};
+use crate::plan::{Argument, Frames, Function, Kernels, LinkProgram, Plan, Planned, Shape};
 use crate::program::{Execution, Program};
 
 /// A language for graphics processors.
@@ -54,6 +54,10 @@ impl Backend for Gpu {
             GpuLanguage::Wgsl => "wgsl",
         };
         vec![File::new(format!("{}.{ending}", robot.stem), print(robot, self.0))]
+    }
+
+    fn lacks(&self, function: Function) -> Option<&'static str> {
+        lacks_solver(function)
     }
 
     fn with_origin(&self, text: &str, origin: &str) -> String {

@@ -11,7 +11,7 @@ use modyn_runtime::model::{Model, ModuleTree};
 
 use super::statements::{Body, Syntax, sum_of_products};
 use super::support::Support;
-use super::{Backend, EmitOptions, File, PlannedRobot, Refused};
+use super::{Backend, EmitOptions, File, PlannedRobot, Refused, lacks_solver};
 use crate::names;
 use crate::plan::{
     Choices, CodeForm, Elements, FactorFunction, Frames, Function, Kernels, LinkProgram, Plan,
@@ -59,9 +59,12 @@ impl Backend for Matlab {
         choices: &Choices,
         options: &EmitOptions,
     ) -> Result<Plan, TooLong> {
-        let choices =
-            Choices { share: false, code: CodeForm::Fast, without_loops: true, ..choices.clone() };
+        let choices = Choices { share: false, code: CodeForm::Fast, ..choices.clone() };
         Plan::new(model, modules, &choices, self.execution(options))
+    }
+
+    fn lacks(&self, function: Function) -> Option<&'static str> {
+        lacks_solver(function)
     }
 
     fn refused(&self) -> &'static [Refused] {
