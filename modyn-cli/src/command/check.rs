@@ -46,7 +46,7 @@ pub struct Arguments {
 struct Outcome {
     name: String,
     description: Option<Description>,
-    found: Diagnostics,
+    diagnostics: Diagnostics,
     usable: bool,
 }
 
@@ -55,7 +55,7 @@ impl Outcome {
         json!({
             "file": self.name,
             "usable": self.usable,
-            "diagnostics": diagnostics::to_json(self.found.as_slice()),
+            "diagnostics": diagnostics::to_json(self.diagnostics.as_slice()),
         })
     }
 }
@@ -75,12 +75,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
                 let refused = diagnostics.iter().any(|one| one.position.is_some());
                 unread |= !refused;
                 let name = path.display().to_string();
-                outcomes.push(Outcome {
-                    name,
-                    description: None,
-                    found: diagnostics,
-                    usable: false,
-                });
+                outcomes.push(Outcome { name, description: None, diagnostics, usable: false });
             }
         }
     }
@@ -99,17 +94,12 @@ fn check_one(description: Description, options: &ReadOptions, arguments: &Argume
         }
         Err(diagnostics) => (diagnostics, false),
     };
-    Outcome {
-        name: description.name.clone(),
-        description: Some(description),
-        found: diagnostics,
-        usable,
-    }
+    Outcome { name: description.name.clone(), description: Some(description), diagnostics, usable }
 }
 
 fn as_text(outcomes: &[Outcome]) -> String {
     let mut out = String::new();
-    for Outcome { name, description, found: diagnostics, usable } in outcomes {
+    for Outcome { name, description, diagnostics, usable } in outcomes {
         out += &diagnostics::render(diagnostics.as_slice(), description.as_ref());
         out += &report::verdict(name, *usable, diagnostics.as_slice());
     }

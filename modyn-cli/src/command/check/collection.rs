@@ -54,7 +54,7 @@ struct Entry {
 impl Entry {
     /// Returns the first error.
     fn error(&self) -> Option<&Diagnostic> {
-        self.outcome.found.iter().find(|one| one.severity == Severity::Error)
+        self.outcome.diagnostics.iter().find(|one| one.severity == Severity::Error)
     }
 }
 
@@ -91,7 +91,7 @@ pub fn run(arguments: &Arguments, options: &ReadOptions) -> Result<(), Failure> 
         let verdict = match () {
             () if outcome.usable => Verdict::Accepted,
             () if is_made_part => Verdict::Part,
-            () if is_static(&outcome.found) => Verdict::Static,
+            () if is_static(&outcome.diagnostics) => Verdict::Static,
             () => Verdict::Refused,
         };
         entries.push(Entry { format, outcome, verdict });

@@ -128,13 +128,13 @@ impl Evaluator<'_> {
             Expression::List(items) => Value::list(self.values(items)?),
             Expression::Tuple(items) => Value::Tuple(Rc::new(self.values(items)?)),
             Expression::Dict(entries) => {
-                let mut found = DictEntries::default();
+                let mut dictionary = DictEntries::default();
                 for (key, value) in entries {
                     let key = self.value(key)?;
                     self.weigh(&key)?;
-                    found.set(key, self.value(value)?)?;
+                    dictionary.set(key, self.value(value)?)?;
                 }
-                found.dict()
+                dictionary.dict()
             }
             Expression::Set(items) => {
                 let items = self.values(items)?;
