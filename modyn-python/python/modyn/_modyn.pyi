@@ -904,7 +904,7 @@ class Robot:
         contacts, joint limits and dry joint friction by MuJoCo's law: soft constraints whose forces
         minimize a convex function. The solver is Newton's method, to the tolerance of `settings`;
         `residual` says how far it came, relative to the largest force. It starts from the
-        accelerations `warm_start`: those of the last step, or zeros. The integrator is
+        accelerations `warm_start`: `qdd` of the last step, or zeros. The integrator is
         semi-implicit Euler, implicit in joint damping. Closed loops are not closed.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `warm_start`: (nv,), by
