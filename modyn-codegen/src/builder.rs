@@ -438,10 +438,11 @@ impl Builder {
     /// Returns all errors of the description and the options, and an error if the function has too
     /// many operations.
     pub fn plan_entries(&self, function: &EntryFunction) -> Result<Planning, Diagnostics> {
-        if function.function == Function::Step {
-            let message = "`step` has no form that libraries of arrays differentiate";
+        if function.function.row().has_solver {
+            let name = function.function.name();
+            let message = format!("`{name}` has no form that libraries of arrays differentiate");
             let error = Diagnostic::new(Severity::Error, Code::Option, message);
-            let help = "call `step` of the robot, which has no gradients";
+            let help = format!("call `{name}` of the robot, which has no gradients");
             return Err(Diagnostics::new(vec![error.with_help(help)]));
         }
         let Inputs { model, modules, choices, options, files } =

@@ -220,7 +220,7 @@ pub trait Backend: Sync {
 fn lacks_solver(function: Function) -> Option<&'static str> {
     let help =
         "use the target `c` or `rust`, or `contact_step`, whose sweeps are straight-line code";
-    (function == Function::Step).then_some(help)
+    function.row().has_solver.then_some(help)
 }
 
 /// A language of generated code.

@@ -248,9 +248,9 @@ impl Member {
             let help = "leave it out, or give the robot `contacts` or `loops`";
             return Err((format!("only {robots} have the function `{name}`"), help.into()));
         }
-        if function == Function::Step {
-            let message = "`step` is no member of a bundle, since its solver is a loop";
-            return Err((message.into(), "leave it out, and call it by itself".into()));
+        if function.row().has_solver {
+            let message = format!("`{name}` is no member of a bundle, since its solver is a loop");
+            return Err((message, "leave it out, and call it by itself".into()));
         }
         let frames = || model.frames().iter().map(|frame| frame.name.as_str());
         let frame = link.map(|link| {

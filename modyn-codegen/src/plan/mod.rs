@@ -294,7 +294,7 @@ impl Plan {
             if let Some(loops) = dense::loops(scalar) {
                 return Some((planned.name, loops));
             }
-            if planned.function == Some(Function::Step) {
+            if planned.function.is_some_and(|function| function.row().has_solver) {
                 return Some((planned.name, "loops for the iterations of its solver".into()));
             }
             // Equal limbs that share code read no arguments in their loops.

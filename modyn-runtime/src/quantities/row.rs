@@ -24,6 +24,8 @@ pub struct Row {
     /// Whether the function depends on run-time parameters of the robot (gravity, inertias,
     /// payloads).
     pub depends_on_parameters: bool,
+    /// Whether the function has a solver, which is a loop in its program.
+    pub has_solver: bool,
     /// Whether the function needs inertia: robots whose links have none do not have it.
     pub needs_inertia: bool,
     /// Whether the function is called so often that it is compiled for several instruction sets.
@@ -126,6 +128,7 @@ macro_rules! declare_rows {
                         default: has(FLAGS, "default"),
                         of_constraints: has(FLAGS, "constraints"),
                         depends_on_parameters: [$(!same(stringify!($with), ""),)? false][0],
+                        has_solver: has(FLAGS, "solver"),
                         needs_inertia: has(FLAGS, "inertia"),
                         hot: has(FLAGS, "hot"),
                         casadi: has(FLAGS, "casadi"),
