@@ -2,9 +2,7 @@
 
 use modyn_runtime::model::Model;
 use modyn_runtime::quantities::{Argument, ArgumentKind, Function, Sizes};
-use modyn_runtime::{
-    ConstraintSettings, ContactSurface, ContactTarget, Interpreter, Scalar, StepSettings,
-};
+use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter, Scalar};
 
 use crate::random::{Random, State};
 
@@ -55,19 +53,7 @@ pub fn arguments(function: Function, model: &Model, state: &State) -> Vec<Vec<f6
                 let settings = ConstraintSettings::<f64>::DEFAULT.numbers();
                 settings.into_iter().chain(targets).collect()
             }
-            (_, ArgumentKind::StepSettings) => {
-                let surfaces = (0..sizes.contacts).flat_map(|_| {
-                    let mut surface = ContactSurface::<f64>::GROUND;
-                    surface.plane.rotation = random.any_rotation();
-                    surface.plane.translation = [0.0; 3].map(|_| random.between(-0.1, 0.1));
-                    surface.radius = random.between(0.0, 0.3);
-                    surface.friction = random.between(0.1, 1.0);
-                    surface.margin = random.between(0.0, 0.3);
-                    surface.numbers()
-                });
-                let settings = StepSettings::<f64>::DEFAULT.numbers();
-                settings.into_iter().chain(surfaces).collect()
-            }
+            (_, ArgumentKind::StepSettings) => random.step_settings(sizes.contacts),
             (_, ArgumentKind::Wrenches | ArgumentKind::ConstraintWrenches) => several(-4.0, 4.0),
             _ => several(-1.0, 1.0),
         }

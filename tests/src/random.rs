@@ -11,6 +11,7 @@ use modyn_runtime::model::{
     ModuleTree, Spring,
 };
 use modyn_runtime::spatial::Pose;
+use modyn_runtime::{ContactSurface, StepSettings};
 
 /// A sequence of numbers: SplitMix64 (Steele, Lea and Flood 2014).
 #[derive(Clone, Debug)]
@@ -90,6 +91,22 @@ impl Random {
             }
             _ => self.any_rotation(),
         }
+    }
+
+    /// Returns the numbers of settings of steps: the default solver, and planes in general position near the origin.
+    #[must_use]
+    pub fn step_settings(&mut self, contacts: usize) -> Vec<f64> {
+        let surfaces = (0..contacts).flat_map(|_| {
+            let mut surface = ContactSurface::<f64>::GROUND;
+            surface.plane.rotation = self.any_rotation();
+            surface.plane.translation = [0.0; 3].map(|_| self.between(-0.1, 0.1));
+            surface.radius = self.between(0.0, 0.3);
+            surface.friction = self.between(0.1, 1.0);
+            surface.margin = self.between(0.0, 0.3);
+            surface.numbers()
+        });
+        let settings = StepSettings::<f64>::DEFAULT.numbers();
+        settings.into_iter().chain(surfaces).collect()
     }
 
     /// Returns a rotation in general position.

@@ -10,7 +10,7 @@ use modyn_runtime::model::{
     Contact, ContactKind, Friction, JointDynamics, LoopConstraintEnd, Model, ModuleTree,
 };
 use modyn_runtime::quantities::Function;
-use modyn_runtime::spatial::{Matrix3, Pose, Vector3};
+use modyn_runtime::spatial::{Matrix3, Pose, Twist, Vector3};
 use modyn_runtime::{ContactSurface, Interpreter, StepSettings, StepSolutionOutputs};
 use modyn_tests::arguments::{arguments, interpreted};
 use modyn_tests::random::{general_zoo, state};
@@ -199,6 +199,100 @@ fn touching(seed: u64) -> Model {
     };
     let contacts = moving.take(4).map(contact).collect();
     model.with_contacts(contacts).expect("links that move")
+}
+
+/// The accelerations and the forces are in equilibrium, by the mass matrix and by Jacobians, which the step does not use; forces
+/// are within the cone, and contacts that do not touch have none. Robots with mimic joints are among these.
+#[test]
+fn forces_and_accelerations_are_in_equilibrium() {
+    let (mut open, mut pushing, mut mimic) = (0, 0, 0);
+    for seed in 0..60 {
+        let model = touching(seed).with_friction(Friction::None).expect("no friction");
+        mimic += usize::from(model.has_mimics());
+        let (nq, nv) = (model.nq(), model.nv());
+        let mut robot = Interpreter::<f64>::new(model.clone());
+        // Without limits, whose forces are no results.
+        let soft = robot.soft_model(Cone::Pyramidal);
+        robot.set_soft_model(SoftModel { joints: vec![None; nv], ..soft });
+        for k in 0..5 {
+            let mut given = arguments(Function::Step, &model, &state(100 * seed + k, &model));
+            set(&mut given, TOLERANCE_OF_FORCES, 1e-12);
+            let found = interpreted(&mut robot, Function::Step, &given);
+            let [q, qd, tau] = [&given[0], &given[1], &given[2]];
+            let qdd = &found[nq + nv..nq + 2 * nv];
+            let mut inertial = vec![0.0; nv];
+            robot.inverse_dynamics(q, qd, qdd, &mut inertial).expect("lengths");
+            let mut applied = tau.clone();
+            let surfaces = given[5][2..].as_chunks().0.iter();
+            let forces = found[nq + 2 * nv..].as_chunks::<3>().0;
+            for ((contact, surface), force) in model.contacts().iter().zip(surfaces).zip(forces) {
+                let surface = ContactSurface::from_numbers(*surface);
+                let axes = Matrix3(surface.plane.rotation);
+                let normal = axes.column(2);
+                let pose = robot.link_pose(q, contact.end.frame).expect("a link");
+                let height = Vector3(pose.translation) - Vector3(surface.plane.translation);
+                let gap = normal.dot(height) - surface.radius;
+                let [x, y, push] = *force;
+                if gap >= surface.margin {
+                    assert_eq!(*force, [0.0; 3], "{seed} {k}");
+                    open += 1;
+                    continue;
+                }
+                pushing += usize::from(push > 0.0);
+                let slack = 1e-9 * (1.0 + push.abs());
+                assert!(x.abs() + y.abs() <= surface.friction * push + slack, "{seed} {k}");
+                let lever = normal.scale(-(surface.radius + 0.5 * gap));
+                let force = axes.mul_vector(Vector3(*force));
+                let mut columns = vec![Twist::zero(); nv];
+                robot.jacobian(q, contact.end.frame, &mut columns).expect("lengths");
+                for (applied, column) in applied.iter_mut().zip(&columns) {
+                    *applied += column.linear.dot(force) + column.angular.dot(lever.cross(force));
+                }
+            }
+            let largest = applied
+                .iter()
+                .chain(forces.as_flattened())
+                .fold(1.0, |most: f64, x| most.max(x.abs()));
+            for (a, b) in inertial.iter().zip(&applied) {
+                assert!((a - b).abs() <= 1e-8 * largest, "{seed} {k}: {a} {b}");
+            }
+        }
+    }
+    assert!(open > 100 && pushing > 100 && mimic > 1, "{open} {pushing} {mimic}");
+}
+
+/// A body that flies free of the link that carries its floating joint keeps its velocity in the world.
+#[test]
+fn floating_joints_beyond_the_base_keep_their_velocity() {
+    let urdf = r#"<robot name="flight"><link name="world"/>
+        <link name="arm"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+        <link name="body"><inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+        <joint name="turn" type="continuous"><parent link="world"/><child link="arm"/><axis xyz="0 0 1"/></joint>
+        <joint name="fly" type="floating"><parent link="arm"/><child link="body"/></joint></robot>"#;
+    let options = ReadOptions { base: Base::Fixed, ..ReadOptions::default() };
+    let model = read(urdf, "flight.urdf", &options).expect("good").model;
+    let model = model.with_gravity([0.0; 3]).expect("none");
+    let mut robot = Interpreter::<f64>::new(model.clone());
+    let body = model.frame_index("body").expect("a link");
+    let mut state =
+        [vec![0.3, 1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0], vec![0.0, 1.0, -2.0, 0.5, 0.7, -0.4, 1.1]];
+    let velocity = |robot: &mut Interpreter<f64>, state: &[Vec<f64>; 2]| {
+        robot.link_velocity(&state[0], &state[1], body).expect("a link").linear.0
+    };
+    let before = velocity(&mut robot, &state);
+    let zeros = vec![0.0; model.nv()];
+    let settings = StepSettings::<f64>::DEFAULT.numbers().to_vec();
+    for _ in 0..200 {
+        let [q, qd] = state;
+        let given = [q, qd, zeros.clone(), vec![0.01], zeros.clone(), settings.clone()];
+        let found = interpreted(&mut robot, Function::Step, &given);
+        let [nq, nv] = [model.nq(), model.nv()];
+        state = [found[..nq].to_vec(), found[nq..nq + nv].to_vec()];
+    }
+    let after = velocity(&mut robot, &state);
+    for (a, b) in before.iter().zip(after) {
+        assert!((a - b).abs() < 1e-9, "{before:?} {after:?}");
+    }
 }
 
 #[test]

@@ -114,7 +114,7 @@ impl Interpreter<f64> {
             mobilities.push((axis(0) + axis(1) + axis(2)) / 3.0);
         }
         let mut joints = vec![None; self.model.nv()];
-        for (i, link) in self.model.links().iter().enumerate() {
+        for i in 0..self.model.links().len() {
             let (coordinates, velocities) = (self.model.q_range(i), self.model.v_range(i));
             if coordinates.len() != 1 || self.model.mimic(i).is_some() {
                 continue;
@@ -122,20 +122,36 @@ impl Interpreter<f64> {
             let dof = velocities.start;
             let mut unit = vec![0.0; self.model.nv()];
             unit[dof] = 1.0;
-            let friction = link.joint.dynamics.friction;
-            let has_friction =
-                matches!(self.model.friction(), Friction::Coulomb | Friction::Smooth(_));
+            // Mimic joints stop and brake their leader.
+            let [lower, upper] = self.model.coordinate_range(i);
+            let friction = self.dry_friction(i);
             joints[dof] = Some(JointParameters {
                 coordinate: coordinates.start,
-                range: link.joint.limits.map_or([None; 2], |limits| [limits.lower, limits.upper]),
+                range: [lower, upper].map(|limit| Some(limit).filter(|limit| limit.is_finite())),
                 margin: 0.0,
                 mobility: mobility(&unit),
                 limit: Softness::standard(),
-                dry_friction: (has_friction && friction > 0.0).then_some(friction),
+                dry_friction: Some(friction).filter(|friction| *friction > 0.0),
                 friction: Softness::standard(),
             });
         }
         let mass: f64 = self.model.links().iter().map(|link| link.inertial.mass).sum();
         SoftModel { cone, weight: (mass * EARTH).max(LEAST_WEIGHT), mobilities, joints }
+    }
+
+    /// Returns the dry friction of a joint and of the mimic joints that follow it, N m or N; zero if friction is not enabled.
+    fn dry_friction(&self, joint: usize) -> f64 {
+        if !matches!(self.model.friction(), Friction::Coulomb | Friction::Smooth(_)) {
+            return 0.0;
+        }
+        let joints = self.model.links().iter().enumerate().filter_map(|(i, link)| {
+            let multiplier = match self.model.mimic(i) {
+                Some(mimic) if mimic.leader == joint => mimic.multiplier.abs(),
+                None if i == joint => 1.0,
+                _ => return None,
+            };
+            Some(multiplier * link.joint.dynamics.friction)
+        });
+        joints.sum()
     }
 }

@@ -19,7 +19,7 @@ use modyn_codegen::{
 };
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{Link, Model, Spring};
-use modyn_runtime::{ConstraintSettings, ContactSurface, ContactTarget, Scalar, StepSettings};
+use modyn_runtime::{ConstraintSettings, ContactTarget, Scalar};
 
 use crate::random::{Random, normalize};
 use numbers::{Reference, evaluate, is_same};
@@ -580,7 +580,7 @@ fn arguments(
                 numbers.iter_mut().for_each(|x| *x = if *x > 0.0 { 1.0 } else { 0.0 });
             }
             "settings" => set_settings(random, &mut numbers),
-            "step_settings" => set_step_settings(random, &mut numbers),
+            "step_settings" => numbers = random.step_settings(model.contacts().len()),
             "dt" => numbers[0] = 0.01 * numbers[0].abs() / scale,
             "uniforms" => numbers.iter_mut().for_each(|x| *x = (x.abs() / scale).min(0.99)),
             _ => {}
@@ -611,21 +611,6 @@ fn set_settings(random: &mut Random, numbers: &mut [f64]) {
         target.weight = random.between(0.1, 1.0);
         target.friction = random.between(0.0, 1.0);
         numbers.copy_from_slice(&target.numbers());
-    }
-}
-
-/// Puts settings of steps within their ranges.
-fn set_step_settings(random: &mut Random, numbers: &mut [f64]) {
-    let (common, surfaces) = numbers.split_at_mut(StepSettings::<f64>::COUNT);
-    common.copy_from_slice(&StepSettings::<f64>::DEFAULT.numbers());
-    for numbers in surfaces.chunks_exact_mut(ContactSurface::<f64>::COUNT) {
-        let mut surface = ContactSurface::<f64>::GROUND;
-        surface.plane.rotation = random.any_rotation();
-        surface.plane.translation = [0.0; 3].map(|_| random.between(-0.1, 0.1));
-        surface.radius = random.between(0.0, 0.3);
-        surface.friction = random.between(0.1, 1.0);
-        surface.margin = random.between(0.0, 0.3);
-        numbers.copy_from_slice(&surface.numbers());
     }
 }
 

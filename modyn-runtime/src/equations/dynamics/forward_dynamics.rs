@@ -144,7 +144,7 @@ pub(in crate::equations) fn against_fall<S: Scalar, T: BodyTree<S>>(
 
 /// Adds the acceleration of free fall to the accelerations of floating base `i`, which are relative
 /// to it until then.
-pub(super) fn add_free_fall<S: Scalar>(
+pub(in crate::equations) fn add_free_fall<S: Scalar>(
     model: &Mechanism<S>,
     i: usize,
     qd: &[S],

@@ -10,9 +10,10 @@ use super::rows::{
 };
 use crate::equations::Workspace;
 use crate::equations::dynamics::newton_euler::{Accelerations, link_wrenches};
-use crate::equations::dynamics::{Elimination, against_fall, is_base};
+use crate::equations::dynamics::{Elimination, add_free_fall, against_fall, is_base};
 use crate::equations::kinematics::coordinates;
 use crate::equations::kinematics::links::compute_body_poses;
+use crate::mechanism::coordinates::CoordinateSpace;
 use crate::mechanism::{BodyTree, Mechanism};
 use crate::scalar::at_most;
 use crate::spatial::{Matrix3, Pose, Vector3, Wrench};
@@ -21,7 +22,7 @@ use crate::{ContactSurface, Scalar, StepSettings};
 /// The accelerations in a step, and the forces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SoftMotion<S> {
-    /// The accelerations; those of a floating base are classical ones in the base's axes.
+    /// The accelerations.
     pub qdd: Vec<S>,
     /// The force of each contact along the x and y axes of its plane, then along the normal, N.
     pub forces: Vec<[S; 3]>,
@@ -32,6 +33,19 @@ pub struct SoftMotion<S> {
 pub fn moved<S: Scalar>(model: &Mechanism<S>, input: StepInput<'_, S>, qdd: &[S]) -> [Vec<S>; 2] {
     let StepInput { q, qd, dt, .. } = input;
     let mut next_qd: Vec<S> = qd.iter().zip(qdd).map(|(&v, &a)| v + dt * a).collect();
+    // The velocities of a floating joint are in axes that rotate, and straight motion keeps them in the world.
+    let poses =
+        model.coordinates.iter().filter(|block| matches!(block.space, CoordinateSpace::Pose));
+    for block in poses {
+        let [linear, angular] = [0, 3].map(|first| {
+            let start = block.v + first;
+            Vector3([qd[start], qd[start + 1], qd[start + 2]])
+        });
+        let turning = angular.cross(linear).scale(dt);
+        for (entry, turning) in next_qd[block.v..].iter_mut().zip(turning.0) {
+            *entry = *entry + turning;
+        }
+    }
     let mut next_q = vec![S::zero(); model.nq];
     coordinates::move_straight(model, q, &mut next_qd, dt, &mut next_q);
     [next_q, next_qd]
@@ -76,6 +90,8 @@ pub struct StepProblem<'a, S, T> {
     pub(super) tolerance: S,
     /// The unit of residuals, N.
     pub(super) weight: S,
+    /// The accelerations of floating bases in free fall, zero for other joints.
+    fall: Vec<S>,
     /// The joint accelerations, those of floating bases relative to free fall.
     accelerations: Vec<S>,
 }
@@ -100,6 +116,10 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
         workspace.move_with_forces(tree, q, Some(qd));
         link_wrenches(tree, qd, Accelerations::FreeFall, workspace);
         let bias = workspace.wrenches.clone();
+        let mut fall = vec![S::zero(); model.nv];
+        for base in (0..model.bodies.len()).filter(|&body| is_base(model, body)) {
+            add_free_fall(model, base, qd, workspace, &mut fall);
+        }
         let mut poses = vec![Pose::identity(); model.bodies.len()];
         compute_body_poses(tree, workspace, &mut poses);
         body_twists(tree, qd, workspace);
@@ -143,6 +163,7 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
             tolerance: settings.tolerance,
             weight: soft.weight,
             accelerations: vec![S::zero(); model.nv],
+            fall,
             tree,
             elimination,
             dense: None,
@@ -151,9 +172,8 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
         };
         problem.softening = problem.softening(soft, surfaces);
         problem.dense = dense.map(|dense| {
-            let mut fall = vec![S::zero(); model.nv];
-            problem.add_fall(S::one(), &mut fall);
-            dense.with_rows(&fall, problem.jacobian())
+            let jacobian = problem.jacobian();
+            dense.with_rows(&problem.fall, jacobian)
         });
         problem
     }
@@ -187,8 +207,8 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
 
     /// Returns the first iterate: the accelerations of the rows at `input.warm_start`, with forces that only the first full step overwrites.
     pub fn first(&mut self) -> Iterate<S> {
-        let mut accelerations = self.input.warm_start.to_vec();
-        self.add_fall(-S::one(), &mut accelerations);
+        let warm_start = self.input.warm_start.iter().zip(&self.fall);
+        let accelerations: Vec<S> = warm_start.map(|(&rate, &fall)| rate - fall).collect();
         body_twists(self.tree, &accelerations, self.workspace);
         self.accelerations = accelerations;
         Iterate { accelerations: self.row_accelerations(), balances: vec![S::zero(); self.rows()] }
@@ -296,16 +316,13 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
         workspace.added_armature.fill(None);
     }
 
-    /// Returns the accelerations under the forces of the laws, with the damping of the joints at the velocities after the step. Linear
-    /// accelerations of floating bases are classical ones, in the base's axes.
+    /// Returns the accelerations under the forces of the laws, with the damping of the joints at the velocities after the step.
     fn with_implicit_damping(&mut self, laws: &Laws<S>) -> Vec<S> {
         if self.tree.mechanism().dofs.iter().any(|dof| dof.damping.is_some()) {
             let forces: Vec<S> = laws.forces().collect();
             self.accelerate(&forces, Effect::Forces);
         }
-        let mut accelerations = self.accelerations.clone();
-        self.add_fall(S::one(), &mut accelerations);
-        accelerations
+        self.accelerations.iter().zip(&self.fall).map(|(&rate, &fall)| rate + fall).collect()
     }
 
     /// Returns the factor of all weights that makes the stiffest row soft.
@@ -345,17 +362,5 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
         let each =
             in_lanes.flat_map(|(n, sum)| (0..n).map(move |lane| self.tree.extract_lane(sum, lane)));
         each.reduce(combine).unwrap_or_else(S::zero)
-    }
-
-    /// Adds the acceleration of free fall times `factor` to the accelerations of floating bases.
-    fn add_fall(&self, factor: S, accelerations: &mut [S]) {
-        let model = self.tree.mechanism();
-        for i in (0..model.bodies.len()).filter(|&i| is_base(model, i)) {
-            let body = &model.bodies[i];
-            let gravity = body.to_child(&self.workspace.motions[i], model.gravity);
-            for (dof, fall) in model.dofs_of(i).iter().zip(gravity.0) {
-                dof.add(factor * fall, accelerations);
-            }
-        }
     }
 }
