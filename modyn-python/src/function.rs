@@ -6,7 +6,7 @@ use modyn_codegen::plan::{Argument, ArgumentKind, Planned};
 use modyn_codegen::{FloatType, Function, Planning};
 use modyn_jit::{Call, Compiled, Options, ParameterError};
 use modyn_runtime::model::Model;
-use modyn_runtime::{Inertial, Interpreter};
+use modyn_runtime::{ContactSurface, Inertial, Interpreter, StepSettings};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyList, PyTuple};
@@ -85,6 +85,8 @@ struct Typed<S: Number> {
     arguments: Vec<(Argument, Vec<usize>)>,
     /// The names of the robot's contacts.
     contacts: Vec<String>,
+    /// The settings of steps by the description.
+    step_settings: Vec<S>,
     /// The function; `None` for a bundle.
     function: Option<Function>,
     result: Layout,
@@ -115,6 +117,7 @@ impl<S: Number> Typed<S> {
         let length = planned.result.len();
         let result = layout::of_result(&planned.result);
         let contacts = contact_names(&planning.model);
+        let step_settings = default_step_settings(&planning.model);
         let mut options = Options::default();
         options.batches = true;
         let compiled = machine_code.then(|| Compiled::from_plan(&planning, options));
@@ -127,8 +130,18 @@ impl<S: Number> Typed<S> {
         };
         let code = RwLock::new(code);
         let single = arrays::single(&result, length);
-        let own = Self { name, arguments, contacts, function, result, length, single, code };
-        Some((Box::new(own), reason))
+        let compiled = Self {
+            name,
+            arguments,
+            contacts,
+            step_settings,
+            function,
+            result,
+            length,
+            single,
+            code,
+        };
+        Some((Box::new(compiled), reason))
     }
 
     fn interpreted(function: Function, robot: Interpreter<f64>) -> Self {
@@ -143,6 +156,7 @@ impl<S: Number> Typed<S> {
             name: function.name(),
             arguments: row.arguments.iter().map(argument).collect(),
             contacts: contact_names(robot.model()),
+            step_settings: default_step_settings(robot.model()),
             function: Some(function),
             single: arrays::single(&result, length),
             result,
@@ -195,7 +209,7 @@ impl<S: Number> Typed<S> {
                 Ok(Given::owned(name, default_settings(shape.iter().product())))
             }
             (ArgumentKind::StepSettings, None) => {
-                Ok(Given::owned(name, default_step_settings(shape.iter().product())))
+                Ok(Given::owned(name, self.step_settings.clone()))
             }
             (_, None) if *name == "warm_start" => {
                 Ok(Given::owned(name, vec![S::zero(); shape.iter().product()]))
@@ -479,10 +493,13 @@ pub fn default_settings<S: Number>(length: usize) -> Vec<S> {
     S::SETTINGS.numbers().into_iter().chain(contacts).take(length).collect()
 }
 
-/// Returns the default settings of steps as this many numbers, in the order of `StepSettings`.
-pub fn default_step_settings<S: Number>(length: usize) -> Vec<S> {
-    let surfaces = S::SURFACE.numbers().into_iter().cycle();
-    S::STEP_SETTINGS.numbers().into_iter().chain(surfaces).take(length).collect()
+/// Returns the settings of steps by the description, in the order of `StepSettings`.
+pub fn default_step_settings<S: Number>(model: &Model) -> Vec<S> {
+    let settings = model.step_settings();
+    let StepSettings { tolerance, impratio, .. } = S::STEP_SETTINGS;
+    let impratio = model.soft_constraints().impratio.map_or(impratio, S::from_f64);
+    let surfaces = settings.contacts.iter().flat_map(ContactSurface::numbers).map(S::from_f64);
+    [tolerance, impratio].into_iter().chain(surfaces).collect()
 }
 
 fn evaluated<S: Number>(planning: Planning) -> Option<Evaluated<S>> {

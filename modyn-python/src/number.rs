@@ -2,7 +2,7 @@
 
 use modyn_jit::Real;
 use modyn_runtime::batch::Float;
-use modyn_runtime::{ConstraintSettings, ContactSurface, ContactTarget, StepSettings};
+use modyn_runtime::{ConstraintSettings, ContactTarget, StepSettings};
 use numpy::Element;
 
 /// A scalar with machine code and with arrays of NumPy.
@@ -18,9 +18,6 @@ pub trait Number: Real + Float + Element + Into<f64> {
 
     /// The default settings of steps.
     const STEP_SETTINGS: StepSettings<Self>;
-
-    /// The default surface of a contact.
-    const SURFACE: ContactSurface<Self>;
 }
 
 impl Number for f64 {
@@ -28,7 +25,6 @@ impl Number for f64 {
     const SETTINGS: ConstraintSettings<Self> = ConstraintSettings::<Self>::DEFAULT;
     const GROUND: ContactTarget<Self> = ContactTarget::<Self>::GROUND;
     const STEP_SETTINGS: StepSettings<Self> = StepSettings::<Self>::DEFAULT;
-    const SURFACE: ContactSurface<Self> = ContactSurface::<Self>::GROUND;
 }
 
 impl Number for f32 {
@@ -36,5 +32,4 @@ impl Number for f32 {
     const SETTINGS: ConstraintSettings<Self> = ConstraintSettings::<Self>::DEFAULT;
     const GROUND: ContactTarget<Self> = ContactTarget::<Self>::GROUND;
     const STEP_SETTINGS: StepSettings<Self> = StepSettings::<Self>::DEFAULT;
-    const SURFACE: ContactSurface<Self> = ContactSurface::<Self>::GROUND;
 }

@@ -12,7 +12,7 @@ use modyn_codegen::{
 };
 use modyn_runtime::equations::identification::{BaseParameter, BaseParameters};
 use modyn_runtime::model::{Link, Model, ModuleTree};
-use modyn_runtime::{Inertial, Interpreter};
+use modyn_runtime::{ContactSurface, Inertial, Interpreter};
 use numpy::prelude::*;
 use numpy::{PyArray1, PyArrayDescr};
 use pyo3::exceptions::{PyAttributeError, PyKeyError, PyTypeError, PyValueError};
@@ -518,6 +518,39 @@ impl Robot {
     #[getter]
     fn contact_names(&self) -> Vec<&str> {
         self.model.contacts().iter().map(|contact| contact.name.as_str()).collect()
+    }
+
+    /// The names of the shapes that touch the ground in a `step`: the contacts if there are any,
+    /// else the shapes of the description.
+    #[getter]
+    fn touching_shape_names(&self) -> Vec<String> {
+        self.model.touching_shapes().into_iter().map(|shape| shape.name).collect()
+    }
+
+    /// Returns the settings of `step` by the description, to be changed: `StepSettings`, with the
+    /// surface of each of `touching_shape_names`.
+    fn step_settings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let types = py.import("modyn._types")?;
+        let settings = self.model.step_settings();
+        let surface = |surface: &ContactSurface<f64>| {
+            let keywords = PyDict::new(py);
+            keywords.set_item("rotation", surface.plane.rotation)?;
+            keywords.set_item("translation", surface.plane.translation)?;
+            keywords.set_item("radius", surface.radius)?;
+            keywords.set_item("friction", surface.friction)?;
+            keywords.set_item("torsional_friction", surface.torsional_friction)?;
+            keywords.set_item("rolling_friction", surface.rolling_friction)?;
+            keywords.set_item("margin", surface.margin)?;
+            keywords.set_item("solref", surface.solref)?;
+            keywords.set_item("solimp", surface.solimp)?;
+            types.getattr("ContactSurface")?.call((), Some(&keywords))
+        };
+        let surfaces: Vec<Bound<'py, PyAny>> =
+            settings.contacts.iter().map(surface).collect::<PyResult<_>>()?;
+        let keywords = PyDict::new(py);
+        keywords.set_item("contacts", surfaces)?;
+        keywords.set_item("impratio", settings.impratio)?;
+        types.getattr("StepSettings")?.call((), Some(&keywords))
     }
 
     /// The acceleration of free fall at present, in world axes, (3,), m/s^2: that of the

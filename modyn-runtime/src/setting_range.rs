@@ -108,11 +108,13 @@ const TARGET: [(&str, SettingRange, usize); 10] = [
 const STEP_SETTINGS: [&str; 2] = ["tolerance", "impratio"];
 
 /// The names, the ranges and the counts of the numbers of [`ContactSurface::numbers`].
-const SURFACE: [(&str, SettingRange, usize); 7] = [
+const SURFACE: [(&str, SettingRange, usize); 9] = [
     ("rotation", SettingRange::Finite, 9),
     ("translation", SettingRange::Finite, 3),
     ("radius", SettingRange::NotNegative, 1),
     ("friction", SettingRange::NotNegative, 1),
+    ("torsional_friction", SettingRange::NotNegative, 1),
+    ("rolling_friction", SettingRange::NotNegative, 1),
     ("margin", SettingRange::Finite, 1),
     ("solref", SettingRange::Finite, 2),
     ("solimp", SettingRange::Finite, 4),
@@ -240,6 +242,17 @@ impl<T: Copy + Into<f64>, C: AsRef<[ContactTarget<T>]>> ConstraintSettings<T, C>
         check_settings(&self.numbers())?;
         let mut targets = self.contacts.as_ref().iter().enumerate();
         targets.try_for_each(|(contact, target)| check_target(contact, &target.numbers()))
+    }
+}
+
+impl<T: Copy + Into<f64>> ContactSurface<T> {
+    /// Checks that all settings are finite and within their ranges.
+    ///
+    /// # Errors
+    ///
+    /// The first setting that is not.
+    pub fn check(&self) -> Result<(), SettingError> {
+        check_numbers(0, &SURFACE, &self.numbers())
     }
 }
 

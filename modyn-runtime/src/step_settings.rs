@@ -23,15 +23,21 @@ pub struct StepSettings<T, C = [ContactSurface<T>; 0]> {
     pub contacts: C,
 }
 
-/// A contact: a sphere about the origin of the contact's frame, or a point, and a plane.
+/// The surfaces of a contact: a plane, and the rounding of the shape that touches it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ContactSurface<T> {
     /// The pose of the plane in the world. Its z axis is the normal.
     pub plane: Pose<T>,
-    /// The radius of the sphere, m; zero for a point.
+    /// The radius of a sphere or a capsule, or of a shape's round edges, m; zero for a point.
     pub radius: T,
-    /// The coefficient of friction.
+    /// The coefficient of sliding friction.
     pub friction: T,
+    /// The moment about the normal divided by the normal force, m: for contacts of at least four
+    /// components.
+    pub torsional_friction: T,
+    /// The moment about a tangent divided by the normal force, m: for contacts of six components.
+    pub rolling_friction: T,
     /// The distance from which on the contact acts, m.
     pub margin: T,
     /// How a violation decays: the time constant (s) and the damping ratio; if the first number is
@@ -62,42 +68,45 @@ impl<T: Copy, C> StepSettings<T, C> {
 
 impl<T: Copy> ContactSurface<T> {
     /// The number of numbers of a surface.
-    pub const COUNT: usize = 21;
+    pub const COUNT: usize = 23;
 
     /// Returns the surface from its numbers: the rotation of the plane by rows, its translation,
-    /// the radius, the friction, the margin, `solref` and `solimp`.
+    /// the radius, the three coefficients of friction, the margin, `solref` and `solimp`.
     ///
     /// ```
     /// use modyn_runtime::ContactSurface;
     ///
     /// let surface = ContactSurface::from_numbers(core::array::from_fn(|k| k as f64));
     /// assert_eq!(surface.plane.translation, [9.0, 10.0, 11.0]);
-    /// assert_eq!((surface.friction, surface.solimp), (13.0, [17.0, 18.0, 19.0, 20.0]));
+    /// assert_eq!((surface.friction, surface.solimp), (13.0, [19.0, 20.0, 21.0, 22.0]));
     /// ```
     #[must_use]
-    pub fn from_numbers(numbers: [T; 21]) -> Self {
+    pub fn from_numbers(numbers: [T; 23]) -> Self {
         let three = |first: usize| [numbers[first], numbers[first + 1], numbers[first + 2]];
         Self {
             plane: Pose { rotation: [three(0), three(3), three(6)], translation: three(9) },
             radius: numbers[12],
             friction: numbers[13],
-            margin: numbers[14],
-            solref: [numbers[15], numbers[16]],
-            solimp: [numbers[17], numbers[18], numbers[19], numbers[20]],
+            torsional_friction: numbers[14],
+            rolling_friction: numbers[15],
+            margin: numbers[16],
+            solref: [numbers[17], numbers[18]],
+            solimp: [numbers[19], numbers[20], numbers[21], numbers[22]],
         }
     }
 
     /// Returns the numbers of the surface, in the order of [`from_numbers`](Self::from_numbers).
     #[must_use]
-    pub fn numbers(&self) -> [T; 21] {
-        let Self { plane, radius, friction, margin, solref, solimp } = self;
+    pub fn numbers(&self) -> [T; 23] {
+        let Self { plane, radius, friction, margin, solref, solimp, .. } = self;
+        let [torsional, rolling] = [self.torsional_friction, self.rolling_friction];
         let [[a, b, c], [d, e, f], [g, h, i]] = plane.rotation;
         let [x, y, z] = plane.translation;
         let [first, second] = *solref;
         let [least, most, width, middle] = *solimp;
         [
-            a, b, c, d, e, f, g, h, i, x, y, z, *radius, *friction, *margin, first, second, least,
-            most, width, middle,
+            a, b, c, d, e, f, g, h, i, x, y, z, *radius, *friction, torsional, rolling, *margin,
+            first, second, least, most, width, middle,
         ]
     }
 }
@@ -105,7 +114,7 @@ impl<T: Copy> ContactSurface<T> {
 macro_rules! defaults {
     ($float:ty, $tolerance:literal) => {
         impl ContactSurface<$float> {
-            /// A point and the plane z = 0 of the world, with friction 1 and MuJoCo's default
+            /// No rounding, and the plane z = 0 of the world, with MuJoCo's default friction and's default
             /// softness.
             pub const GROUND: Self = Self {
                 plane: Pose {
@@ -114,6 +123,8 @@ macro_rules! defaults {
                 },
                 radius: 0.0,
                 friction: 1.0,
+                torsional_friction: 0.005,
+                rolling_friction: 0.0001,
                 margin: 0.0,
                 solref: [0.02, 1.0],
                 solimp: [0.9, 0.95, 0.001, 0.5],

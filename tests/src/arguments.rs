@@ -53,7 +53,7 @@ pub fn arguments(function: Function, model: &Model, state: &State) -> Vec<Vec<f6
                 let settings = ConstraintSettings::<f64>::DEFAULT.numbers();
                 settings.into_iter().chain(targets).collect()
             }
-            (_, ArgumentKind::StepSettings) => random.step_settings(sizes.contacts),
+            (_, ArgumentKind::StepSettings) => random.step_settings(sizes.touching_shapes),
             (_, ArgumentKind::Wrenches | ArgumentKind::ConstraintWrenches) => several(-4.0, 4.0),
             _ => several(-1.0, 1.0),
         }

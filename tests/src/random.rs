@@ -102,6 +102,8 @@ impl Random {
             surface.plane.translation = [0.0; 3].map(|_| self.between(-0.1, 0.1));
             surface.radius = self.between(0.0, 0.3);
             surface.friction = self.between(0.1, 1.0);
+            surface.torsional_friction = self.between(0.01, 0.1);
+            surface.rolling_friction = self.between(0.01, 0.1);
             surface.margin = self.between(0.0, 0.3);
             surface.numbers()
         });

@@ -3,17 +3,16 @@
 use modyn_codegen::plan::{Choices, Kernels, Plan};
 use modyn_codegen::program::Execution;
 use modyn_codegen::{Base, ReadOptions, read};
-use modyn_runtime::equations::soft_constraints::{
-    Cone, Impedance, JointParameters, SoftModel, Softness, StepInput,
-};
+use modyn_runtime::equations::soft_constraints::{JointParameters, SoftModel, StepInput};
 use modyn_runtime::model::{
-    Contact, ContactKind, Friction, JointDynamics, LoopConstraintEnd, Model, ModuleTree,
+    Cone, Contact, ContactComponents, ContactKind, ContactShape, Friction, Impedance,
+    JointDynamics, LoopConstraintEnd, Model, ModuleTree, SoftConstraints, Softness, TouchingShape,
 };
 use modyn_runtime::quantities::Function;
 use modyn_runtime::spatial::{Matrix3, Pose, Twist, Vector3};
 use modyn_runtime::{ContactSurface, Interpreter, StepSettings, StepSolutionOutputs};
 use modyn_tests::arguments::{arguments, interpreted};
-use modyn_tests::random::{general_zoo, state};
+use modyn_tests::random::{Random, general_zoo, state};
 use serde_json::Value;
 
 /// Of the largest velocity; the rest is MuJoCo's own tolerance.
@@ -86,7 +85,12 @@ fn surfaces(file: &Value) -> Vec<ContactSurface<f64>> {
     list(&file["contacts"]).iter().map(surface).collect()
 }
 
-fn soft_model(file: &Value, cone: Cone) -> SoftModel<f64> {
+/// Returns the laws of a file, with the mobilities of MuJoCo.
+fn soft_model(file: &Value, cone: Cone, robot: &mut Interpreter<f64>) -> SoftModel<f64> {
+    let SoftModel { mut contacts, .. } = robot.soft_model();
+    for (contact, expected) in contacts.iter_mut().zip(list(&file["contacts"])) {
+        contact.mobility = number(&expected["mobility"]);
+    }
     let [dry_friction, mobility] = ["dry_friction", "mobility"].map(|name| numbers(&file[name]));
     let joint = |(k, range): (usize, &Value)| JointParameters {
         coordinate: 7 + k,
@@ -98,13 +102,7 @@ fn soft_model(file: &Value, cone: Cone) -> SoftModel<f64> {
         friction: Softness::standard(),
     };
     let joints = list(&file["range"]).iter().enumerate().map(joint).map(Some);
-    let contacts = list(&file["contacts"]).iter();
-    SoftModel {
-        cone,
-        weight: 1.0,
-        mobilities: contacts.map(|contact| number(&contact["mobility"])).collect(),
-        joints: [None; 6].into_iter().chain(joints).collect(),
-    }
+    SoftModel { cone, weight: 1.0, contacts, joints: [None; 6].into_iter().chain(joints).collect() }
 }
 
 fn data() -> Value {
@@ -125,7 +123,8 @@ fn steps_are_those_of_mujoco() {
                 "pyramidal" => Cone::Pyramidal,
                 _ => Cone::Elliptic,
             };
-            interpreter.set_soft_model(soft_model(file, cone));
+            let soft = soft_model(file, cone, &mut interpreter);
+            interpreter.set_soft_model(soft);
             let settings = StepSettings {
                 tolerance: 1e-12,
                 impratio: number(&file["ratio"]),
@@ -170,15 +169,16 @@ fn steps_are_those_of_mujoco() {
 #[test]
 fn mobilities_are_those_of_mujoco() {
     for file in list(&data()) {
-        let expected = soft_model(file, Cone::Elliptic);
-        let found = Interpreter::<f64>::new(robot(file)).soft_model(Cone::Elliptic);
+        let mut interpreter = Interpreter::<f64>::new(robot(file));
+        let expected = soft_model(file, Cone::Elliptic, &mut interpreter);
+        let found = interpreter.soft_model();
+        let contacts = |model: &SoftModel<f64>| -> Vec<f64> {
+            model.contacts.iter().map(|contact| contact.mobility).collect()
+        };
         let joints = |model: &SoftModel<f64>| -> Vec<f64> {
             model.joints.iter().flatten().map(|joint| joint.mobility).collect()
         };
-        let pairs = [
-            (expected.mobilities.clone(), found.mobilities.clone()),
-            (joints(&expected), joints(&found)),
-        ];
+        let pairs = [(contacts(&expected), contacts(&found)), (joints(&expected), joints(&found))];
         for (expected, found) in pairs {
             assert_eq!(expected.len(), found.len());
             for (a, b) in expected.iter().zip(&found) {
@@ -201,6 +201,41 @@ fn touching(seed: u64) -> Model {
     model.with_contacts(contacts).expect("links that move")
 }
 
+/// Returns a random mechanism with shapes of all kinds, cones of both kinds, and contacts of all components.
+fn shaped(seed: u64) -> Model {
+    let model = general_zoo(seed, 1 + seed as usize % 4);
+    let moving = (0..model.frames().len()).filter(|&frame| model.frames()[frame].link.is_some());
+    let mut random = Random::new(seed);
+    let shapes = moving.take(4).enumerate().map(|(k, frame)| {
+        let mut size = || random.between(0.05, 0.3);
+        let shape = match (seed as usize + k) % 6 {
+            0 => ContactShape::Point,
+            1 => ContactShape::Segment(size()),
+            2 => ContactShape::Cuboid([size(), size(), size()]),
+            3 => ContactShape::Cylinder([size(), size()]),
+            4 => ContactShape::Ellipsoid([size(), size(), size()]),
+            _ => ContactShape::Points((0..5).map(|_| [size(), -size(), size()]).collect()),
+        };
+        let translation = [0.0; 3].map(|_| random.between(-0.1, 0.1));
+        TouchingShape {
+            name: format!("shape{frame}"),
+            end: LoopConstraintEnd {
+                frame,
+                pose: Pose { rotation: random.any_rotation(), translation },
+            },
+            shape,
+            components: [1, 3, 4, 6]
+                .map(|n| ContactComponents::from_count(n).expect("a number of MuJoCo's"))
+                [(seed as usize + k / 2) % 4],
+            surface: ContactSurface::<f64>::GROUND,
+            power: 1 + k as u32 % 3,
+        }
+    });
+    let cone = if seed.is_multiple_of(2) { Cone::Pyramidal } else { Cone::Elliptic };
+    let soft = SoftConstraints { cone, shapes: shapes.collect(), ..SoftConstraints::default() };
+    model.with_soft_constraints(soft).expect("links that move")
+}
+
 /// The accelerations and the forces are in equilibrium, by the mass matrix and by Jacobians, which the step does not use; forces
 /// are within the cone, and contacts that do not touch have none. Robots with mimic joints are among these.
 #[test]
@@ -212,7 +247,7 @@ fn forces_and_accelerations_are_in_equilibrium() {
         let (nq, nv) = (model.nq(), model.nv());
         let mut robot = Interpreter::<f64>::new(model.clone());
         // Without limits, whose forces are no results.
-        let soft = robot.soft_model(Cone::Pyramidal);
+        let soft = robot.soft_model();
         robot.set_soft_model(SoftModel { joints: vec![None; nv], ..soft });
         for k in 0..5 {
             let mut given = arguments(Function::Step, &model, &state(100 * seed + k, &model));
@@ -298,8 +333,8 @@ fn floating_joints_beyond_the_base_keep_their_velocity() {
 #[test]
 fn programs_compute_the_steps_of_the_interpreter() {
     let mut iterations = 0.0;
-    for seed in 0..40 {
-        let model = touching(seed);
+    let robots = (0..40).map(|seed| (seed, touching(seed)));
+    for (seed, model) in robots.chain((40..100).map(|seed| (seed, shaped(seed)))) {
         let choices = Choices { functions: vec![Function::Step], ..Choices::default() };
         let modules = ModuleTree::chains(&model);
         let plan = Plan::new(&model, &modules, &choices, Execution::Scalar);
@@ -355,8 +390,8 @@ fn programs_on_vectors_compute_the_steps_of_programs_on_scalars() {
 const TOLERANCE_OF_FORCES: usize = 0;
 const IMPRATIO: usize = 1;
 const FRICTION: usize = 13;
-const LEAST_IMPEDANCE: usize = 17;
-const LARGEST_IMPEDANCE: usize = 18;
+const LEAST_IMPEDANCE: usize = 19;
+const LARGEST_IMPEDANCE: usize = 20;
 
 fn set(given: &mut [Vec<f64>], setting: usize, number: f64) {
     given.last_mut().expect("the settings are last")[setting] = number;
@@ -394,7 +429,7 @@ fn stiff_laws_are_solved() {
 /// Values of MuJoCo's `getimpedance`, by its documentation's formula.
 #[test]
 fn impedances_have_borders() {
-    let standard = Impedance::<f64>::standard();
+    let standard = Softness::<f64>::standard().impedance;
     assert_eq!(standard.at(0.0), 0.9);
     assert_eq!(standard.at(-0.001), 0.95);
     assert_eq!(standard.at(0.0005), 0.925);

@@ -5,7 +5,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use modyn_runtime::Interpreter;
 use modyn_runtime::equations::ModulePartition;
 use modyn_runtime::equations::dynamics::Elimination;
-use modyn_runtime::equations::soft_constraints::Cone;
 use modyn_runtime::model::ModuleTree;
 use modyn_runtime::quantities::{Argument, Function, Shape, Sizes};
 
@@ -221,7 +220,7 @@ impl PlanContext<'_> {
 
     /// Returns the programs of a step with soft constraints.
     fn step(&self, scalars: usize) -> Kernels {
-        let soft = Interpreter::<f64>::new(self.model.clone()).soft_model(Cone::default());
+        let soft = Interpreter::<f64>::new(self.model.clone()).soft_model();
         let traced = |tracer: &Tracer<'_>, elimination: &Elimination| {
             let step = tracer.step(elimination, &soft);
             StepGraph { graph: optimize(step.graph), ..step }
@@ -229,10 +228,8 @@ impl PlanContext<'_> {
         let scalar = traced(&self.tracer, &self.elimination);
         let links = ModulePartition::new(self.tracer.model(), &ModuleTree::links(self.model));
         let by_links = Elimination::Recursive(links);
-        let limbs = self
-            .limbs
-            .iter()
-            .filter(|limbs| self.has_vectors() && limbs.merges_contacts(self.tracer.model()));
+        let limbs =
+            self.limbs.iter().filter(|limbs| self.has_vectors() && limbs.merges_joints(&soft));
         let packed = limbs.map(|limbs| traced(&self.tracer.packed(limbs), &by_links));
         let packed = packed.min_by_key(|step| step.graph.count().total());
         let packed = packed.filter(|packed| packing::is_profitable(&packed.graph, &scalar.graph));

@@ -14,11 +14,13 @@
 mod contacts;
 pub(crate) mod groups;
 mod merged;
+mod touching;
 mod unpack;
 
 pub(in crate::trace) use contacts::ContactPacking;
 use std::iter;
 use std::ops::Range;
+pub(in crate::trace) use touching::TouchingPacking;
 
 use modyn_runtime::mechanism::{Body, Mechanism};
 

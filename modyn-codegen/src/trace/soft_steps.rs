@@ -11,9 +11,10 @@ use modyn_runtime::equations::soft_constraints::{
     StepProblem, moved,
 };
 use modyn_runtime::mechanism::{BodyTree, Mechanism};
+use modyn_runtime::model::{Impedance, Softness};
 use modyn_runtime::{ContactSurface, StepSettings};
 
-use super::limbs::ContactPacking;
+use super::limbs::TouchingPacking;
 use super::{LimbPacking, Tracer};
 use crate::graph::{Expr, Graph};
 
@@ -55,7 +56,7 @@ impl Tracer<'_> {
     pub fn step(&self, elimination: &Elimination, soft: &SoftModel<f64>) -> StepGraph {
         let nq = self.model.nq;
         let nv = self.model.nv;
-        let surfaces = ContactSurface::<Expr>::COUNT * self.model.contacts();
+        let surfaces = ContactSurface::<Expr>::COUNT * soft.contacts.len();
         let settings = StepSettings::<Expr>::COUNT + surfaces;
         let first_input = nq + 3 * nv + 1 + settings + self.parameters.len();
         let mut step = None;
@@ -129,10 +130,9 @@ impl PackedRobot<'_> {
             unreachable!("robots with mimic joints have no merged limbs")
         };
         let nv = model.nv;
-        let packing = limbs.contacts(model);
+        let packing = limbs.touching(soft);
         let without_friction = model.without_friction();
         let merged = limbs.merged(&without_friction, whole.gravity);
-        let merged = packing.add_to(merged, limbs, model);
         let elimination = Elimination::Recursive(limbs.partition(partition));
         let given = StepInput { q: &q, qd: &qd, tau: &tau, warm_start: &warm_start, dt: dt[0] };
         let [packed_qd, packed_tau, packed_warm] =
@@ -145,18 +145,17 @@ impl PackedRobot<'_> {
             dt: dt[0],
         };
         let (common, surfaces) = settings.split_at(StepSettings::<Expr>::COUNT);
-        let surfaces = packing.numbers(surfaces, ContactSurface::<Expr>::COUNT);
+        let surfaces = packing.surfaces(surfaces);
         let settings = settings_of(&[common, &surfaces].concat());
         let merged_soft = self.soft_model(soft, &packing);
         let mut workspace = Workspace::new(&merged);
         let soft = (&merged_soft, &settings);
         let problem = StepProblem::new(&merged, &elimination, input, soft, &mut workspace);
-        let contacts = packing.lanes().flat_map(|lanes| vec![lanes; 3]);
         let joints = problem.joints_of_rows().map(|dof| {
             let (lanes, _) = limbs.velocities().nth(dof).expect("a joint of the merged robot");
             lanes.iter().map(Option::is_some).collect()
         });
-        let rows: Vec<Vec<bool>> = contacts.chain(joints).collect();
+        let rows: Vec<Vec<bool>> = packing.rows().chain(joints).collect();
         parts(problem, &rows, first_input, |motion| {
             let qdd = limbs.unpack_vector(&motion.qdd, nv);
             let [next_q, next_qd] = moved(whole, given, &qdd);
@@ -167,16 +166,11 @@ impl PackedRobot<'_> {
 
     /// Returns what the soft constraints have beside the settings, in lanes. A limb without a joint's limit has a
     /// limit that is out of reach.
-    fn soft_model(&self, soft: &SoftModel<f64>, packing: &ContactPacking) -> SoftModel<Expr> {
+    fn soft_model(&self, soft: &SoftModel<f64>, packing: &TouchingPacking<'_>) -> SoftModel<Expr> {
         const OUT_OF_REACH: f64 = 1e10;
         let pack = |numbers: Vec<f64>| {
             Expr::pack(&numbers.into_iter().map(Expr::from_f64).collect::<Vec<_>>())
         };
-        let mobilities = packing.contacts().map(|lanes| {
-            let present = lanes.iter().flatten().next().expect("a contact in some lane");
-            let mobility = |c: &Option<usize>| soft.mobilities[c.unwrap_or(*present)];
-            pack(lanes.iter().map(mobility).collect())
-        });
         let joints = self.limbs.velocities().map(|(lanes, _)| {
             let each: Vec<Option<&JointParameters<f64>>> =
                 lanes.iter().map(|dof| soft.joints[(*dof)?].as_ref()).collect();
@@ -189,6 +183,21 @@ impl PackedRobot<'_> {
                 let is_there = each.iter().flatten().any(|joint| get(joint).is_some());
                 is_there.then(|| numbers(&|joint| get(joint).unwrap_or(missing), missing))
             };
+            let softness = |get: &dyn Fn(&JointParameters<f64>) -> Softness<f64>| {
+                let number = |part: &dyn Fn(&Softness<f64>) -> f64| {
+                    numbers(&|joint| part(&get(joint)), part(&get(first)))
+                };
+                Softness {
+                    reference: [0, 1].map(|k| number(&|softness| softness.reference[k])),
+                    impedance: Impedance {
+                        least: number(&|softness| softness.impedance.least),
+                        most: number(&|softness| softness.impedance.most),
+                        width: number(&|softness| softness.impedance.width),
+                        midpoint: number(&|softness| softness.impedance.midpoint),
+                        power: get(first).impedance.power,
+                    },
+                }
+            };
             Some(JointParameters {
                 coordinate,
                 range: [
@@ -197,15 +206,15 @@ impl PackedRobot<'_> {
                 ],
                 margin: numbers(&|joint| joint.margin, 0.0),
                 mobility: numbers(&|joint| joint.mobility, first.mobility),
-                limit: first.limit.map(Expr::from_f64),
+                limit: softness(&|joint| joint.limit),
                 dry_friction: some(&|joint| joint.dry_friction, 0.0),
-                friction: first.friction.map(Expr::from_f64),
+                friction: softness(&|joint| joint.friction),
             })
         });
         SoftModel {
             cone: soft.cone,
             weight: Expr::from_f64(soft.weight),
-            mobilities: mobilities.collect(),
+            contacts: packing.parameters(),
             joints: joints.collect(),
         }
     }

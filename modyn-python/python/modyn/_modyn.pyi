@@ -273,6 +273,13 @@ class Robot:
     def contact_names(self) -> list[str]:
         """The names of the contacts, in the order of the option."""
     @property
+    def touching_shape_names(self) -> list[str]:
+        """The names of the shapes that touch the ground in a `step`: the contacts if there are any, else the shapes of the
+        description."""
+    def step_settings(self) -> StepSettings:
+        """Returns the settings of `step` by the description, to be changed: `StepSettings`, with the surface of each of
+        `touching_shape_names`."""
+    @property
     def bundle_names(self) -> list[str]:
         """The names of the bundles, each of which is a method."""
     @property
@@ -908,9 +915,8 @@ class Robot:
         semi-implicit Euler, implicit in joint damping. Closed loops are not closed.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `warm_start`: (nv,), by
-        default zeros; `settings`: `StepSettings`, by default with the ground at z = 0 under all
-        contacts.
-        Result: `StepSolution`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (contacts, 3),
+        default zeros; `settings`: `StepSettings`, by default those of `step_settings()`.
+        Result: `StepSolution`: `q` (nq,), `qd` (nv,), `qdd` (nv,), `forces` (touching points, 3),
         `residual` a number, `iterations` a number. Several states have one more axis, the first.
         """
     def constrained_inverse_dynamics(

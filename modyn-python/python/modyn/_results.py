@@ -393,7 +393,7 @@ class StepSolution(NamedTuple):
     qdd: NDArray[Any]
     """(nv,)"""
     forces: NDArray[Any]
-    """(contacts, 3)"""
+    """(touching points, 3)"""
     residual: NDArray[Any]
     """a number"""
     iterations: NDArray[Any]

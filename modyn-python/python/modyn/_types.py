@@ -109,16 +109,20 @@ class ConstraintSettings:
 
 @dataclass
 class ContactSurface:
-    """A contact of `step`: a sphere about the origin of the contact's frame, or a point, and a plane. Defaults are MuJoCo's."""
+    """The surfaces of a contact of `step`: a plane, and the rounding of the shape that touches it. Defaults are MuJoCo's."""
 
     rotation: ArrayLike = field(default_factory=lambda: np.eye(3))
     """(3, 3): the columns are the plane's axes in the world; z is the normal"""
     translation: ArrayLike = (0.0, 0.0, 0.0)
     """(3,): a point of the plane, m"""
     radius: float = 0.0
-    """the radius of the sphere, m; 0 for a point"""
+    """the radius of a sphere or a capsule, or of a shape's round edges, m; 0 for a point"""
     friction: float = 1.0
-    """the coefficient of friction"""
+    """the coefficient of sliding friction"""
+    torsional_friction: float = 0.005
+    """the moment about the normal divided by the normal force, m: for contacts of at least four components"""
+    rolling_friction: float = 0.0001
+    """the moment about a tangent divided by the normal force, m: for contacts of six components"""
     margin: float = 0.0
     """the distance from which on the contact acts, m"""
     solref: ArrayLike = (0.02, 1.0)
@@ -131,7 +135,7 @@ class ContactSurface:
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
         plane = [np.asarray(x, float).ravel() for x in (self.rotation, self.translation)]
         softness = [np.asarray(x, float).ravel() for x in (self.solref, self.solimp)]
-        numbers = [self.radius, self.friction, self.margin]
+        numbers = [self.radius, self.friction, self.torsional_friction, self.rolling_friction, self.margin]
         return np.concatenate([*plane, numbers, *softness]).astype(np.dtype(dtype))
 
 
@@ -140,7 +144,7 @@ class StepSettings:
     """The settings of `step`: its solver, and the surfaces of the contacts. Names and defaults are MuJoCo's."""
 
     contacts: list[ContactSurface] = field(default_factory=list)
-    """the surface of each contact, in the order of `contact_names`"""
+    """the surface of each shape that touches the ground, in the order of `touching_shape_names`"""
     tolerance: float | None = None
     """the largest mismatch between the forces and their laws at which the solver ends, divided by the sum of the robot's weight and
     the largest force; by default 1e-8, and 1e-4 in single precision"""

@@ -32,10 +32,10 @@ pub fn of<'py>(robot: &Robot, py: Python<'py>, function: Function) -> PyResult<B
             (ArgumentKind::Contacts, FloatType::F64) => array(py, vec![1.0_f64; length]),
             (ArgumentKind::Contacts, FloatType::F32) => array(py, vec![1.0_f32; length]),
             (ArgumentKind::StepSettings, FloatType::F64) => {
-                array(py, default_step_settings::<f64>(length))
+                array(py, default_step_settings::<f64>(robot.model()))
             }
             (ArgumentKind::StepSettings, FloatType::F32) => {
-                array(py, default_step_settings::<f32>(length))
+                array(py, default_step_settings::<f32>(robot.model()))
             }
             (ArgumentKind::Settings, FloatType::F64) => array(py, default_settings::<f64>(length)),
             (ArgumentKind::Settings, FloatType::F32) => array(py, default_settings::<f32>(length)),

@@ -5,9 +5,11 @@ use alloc::{vec, vec::Vec};
 use super::Interpreter;
 use super::errors::{ShapeError, check};
 use crate::equations::soft_constraints::{
-    Cone, JointParameters, SoftModel, SoftStep, Softness, StepInput, StepProblem, moved, soft_step,
+    ContactParameters, JointParameters, SoftModel, SoftStep, StepInput, StepProblem, moved,
+    soft_step,
 };
-use crate::model::Friction;
+use crate::model::{Friction, Softness};
+use crate::quantities::Sizes;
 use crate::spatial::{Twist, Vector3};
 use crate::{ContactSurface, Scalar, StepSettings};
 
@@ -27,7 +29,8 @@ pub struct StepSolutionOutputs<'a, S> {
     pub qd: &'a mut [S],
     /// The accelerations.
     pub qdd: &'a mut [S],
-    /// The force of each contact along the x and y axes of its plane, then along the normal, N.
+    /// The force of each point of the shapes that touch the ground, along the x and y axes of the
+    /// plane, then along the normal, N.
     pub forces: &'a mut [S],
     /// The largest mismatch between the forces and their laws, divided by the sum of the robot's weight and the
     /// largest force.
@@ -49,18 +52,18 @@ impl<S: Scalar> Interpreter<S> {
         settings: &StepSettings<S, impl AsRef<[ContactSurface<S>]>>,
         outputs: StepSolutionOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
-        let contacts = self.model.contacts().len();
+        let sizes = Sizes::new(&self.model, 0);
         check("q", input.q, self.model.nq())?;
         check("qd", input.qd, self.model.nv())?;
         check("tau", input.tau, self.model.nv())?;
         check("warm_start", input.warm_start, self.model.nv())?;
-        check("step_settings.contacts", settings.contacts.as_ref(), contacts)?;
+        check("step_settings.contacts", settings.contacts.as_ref(), sizes.touching_shapes)?;
         check("outputs.q", outputs.q, self.model.nq())?;
         check("outputs.qd", outputs.qd, self.model.nv())?;
         check("outputs.qdd", outputs.qdd, self.model.nv())?;
-        check("outputs.forces", outputs.forces, 3 * contacts)?;
+        check("outputs.forces", outputs.forces, 3 * sizes.touching_points)?;
         let soft = self.soft.take().unwrap_or_else(|| {
-            Interpreter::<f64>::new(self.model.clone()).soft_model(Cone::default()).map(S::from_f64)
+            Interpreter::<f64>::new(self.model.clone()).soft_model().map(S::from_f64)
         });
         let Self { mechanism, elimination, workspace, .. } = self;
         let settings = (&soft, settings);
@@ -90,7 +93,7 @@ impl Interpreter<f64> {
     /// description, its dry joint friction if friction is enabled, and mobilities at the neutral
     /// configuration, where MuJoCo has those of its reference configuration.
     #[must_use]
-    pub fn soft_model(&mut self, cone: Cone) -> SoftModel<f64> {
+    pub fn soft_model(&mut self) -> SoftModel<f64> {
         let mut q = vec![0.0; self.model.nq()];
         self.neutral(&mut q).expect(LENGTHS);
         let factors = self.brge(&q).expect(LENGTHS);
@@ -99,9 +102,9 @@ impl Interpreter<f64> {
             row.iter().zip(response).map(|(a, b)| a * b).sum()
         };
         let mut twists = vec![Twist::zero(); self.model.nv()];
-        let mut mobilities = Vec::new();
-        for contact in self.model.contacts().to_vec() {
-            let link = contact.end.frame;
+        let shapes = self.model.touching_shapes().into_iter();
+        let contacts = shapes.map(|shape| {
+            let link = shape.end.frame;
             let center = Vector3(self.model.frames()[link].inertial.center_of_mass);
             self.local_jacobian(&q, link, &mut twists).expect(LENGTHS);
             let axis = |k: usize| -> f64 {
@@ -111,8 +114,17 @@ impl Interpreter<f64> {
                 });
                 mobility(&rows.collect::<Vec<f64>>())
             };
-            mobilities.push((axis(0) + axis(1) + axis(2)) / 3.0);
-        }
+            let frame = &self.mechanism.frames[link];
+            ContactParameters {
+                body: frame.body.expect("shapes are on moving links"),
+                pose: frame.pose.compose(&shape.end.pose),
+                shape: shape.shape,
+                components: shape.components,
+                mobility: (axis(0) + axis(1) + axis(2)) / 3.0,
+                power: shape.power,
+            }
+        });
+        let contacts = contacts.collect();
         let mut joints = vec![None; self.model.nv()];
         for i in 0..self.model.links().len() {
             let (coordinates, velocities) = (self.model.q_range(i), self.model.v_range(i));
@@ -125,18 +137,21 @@ impl Interpreter<f64> {
             // Mimic joints stop and brake their leader.
             let [lower, upper] = self.model.coordinate_range(i);
             let friction = self.dry_friction(i);
+            let mut softnesses = self.model.soft_constraints().joints.iter();
+            let softness = softnesses.find(|softness| softness.joint == i);
             joints[dof] = Some(JointParameters {
                 coordinate: coordinates.start,
                 range: [lower, upper].map(|limit| Some(limit).filter(|limit| limit.is_finite())),
-                margin: 0.0,
+                margin: softness.map_or(0.0, |softness| softness.margin),
                 mobility: mobility(&unit),
-                limit: Softness::standard(),
+                limit: softness.map_or_else(Softness::standard, |softness| softness.limit),
                 dry_friction: Some(friction).filter(|friction| *friction > 0.0),
-                friction: Softness::standard(),
+                friction: softness.map_or_else(Softness::standard, |softness| softness.friction),
             });
         }
         let mass: f64 = self.model.links().iter().map(|link| link.inertial.mass).sum();
-        SoftModel { cone, weight: (mass * EARTH).max(LEAST_WEIGHT), mobilities, joints }
+        let cone = self.model.soft_constraints().cone;
+        SoftModel { cone, weight: (mass * EARTH).max(LEAST_WEIGHT), contacts, joints }
     }
 
     /// Returns the dry friction of a joint and of the mimic joints that follow it, N m or N; zero if friction is not enabled.

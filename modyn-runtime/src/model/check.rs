@@ -2,7 +2,10 @@
 
 use alloc::{collections::BTreeMap, vec::Vec};
 
-use super::{Friction, Inertial, Limits, Model, ModelError, ModelErrorKind};
+use super::{
+    ContactShape, Friction, Impedance, Inertial, Limits, Model, ModelError, ModelErrorKind,
+    SoftConstraints,
+};
 use crate::joint::JointType;
 use crate::spatial::Pose;
 
@@ -215,6 +218,52 @@ pub(super) fn check_contacts(model: &Model) -> Vec<ModelError> {
             report(ModelErrorKind::NotFinite);
         } else if !is_rotation(rotation) {
             report(ModelErrorKind::Rotation);
+        }
+    }
+    errors
+}
+
+/// Returns all defects of the soft constraints of a `model` that is sound without them.
+pub(super) fn check_soft_constraints(model: &Model) -> Vec<ModelError> {
+    let mut errors = Vec::new();
+    let SoftConstraints { impratio, shapes, joints, .. } = &model.soft_constraints;
+    for shape in shapes {
+        let mut report = |kind| errors.push(ModelError { name: shape.name.clone(), kind });
+        match model.frames.get(shape.end.frame) {
+            None => report(ModelErrorKind::ContactLink),
+            Some(frame) if frame.link.is_none() => report(ModelErrorKind::ContactFixed),
+            Some(_) => {}
+        }
+        let Pose { rotation, translation } = &shape.end.pose;
+        let sizes = shape.shape.numbers();
+        let has_sizes = match &shape.shape {
+            ContactShape::Points(points) => !points.is_empty(),
+            _ => sizes.iter().all(|size| *size > 0.0),
+        };
+        if !(rotation.iter().all(|row| finite(row)) && finite(translation) && finite(&sizes)) {
+            report(ModelErrorKind::NotFinite);
+        } else if !is_rotation(rotation) {
+            report(ModelErrorKind::Rotation);
+        } else if !has_sizes || shape.surface.check().is_err() {
+            report(ModelErrorKind::TouchingShape);
+        }
+    }
+    if !impratio.is_none_or(|impratio| impratio.is_finite() && impratio > 0.0) {
+        errors.push(ModelError { name: model.name.clone(), kind: ModelErrorKind::TouchingShape });
+    }
+    for softness in joints {
+        let link = model.links.get(softness.joint);
+        let name = link.map_or(&model.name, |link| &link.joint.name).clone();
+        let mut report = |kind| errors.push(ModelError { name: name.clone(), kind });
+        let numbers = [softness.limit, softness.friction].map(|softness| {
+            let Impedance { least, most, width, midpoint, .. } = softness.impedance;
+            let [first, second] = softness.reference;
+            [least, most, width, midpoint, first, second]
+        });
+        if !(finite(numbers.as_flattened()) && softness.margin.is_finite()) {
+            report(ModelErrorKind::NotFinite);
+        } else if link.is_none() {
+            report(ModelErrorKind::JointSoftness);
         }
     }
     errors

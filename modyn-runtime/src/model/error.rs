@@ -54,6 +54,11 @@ pub enum ModelErrorKind {
     ContactLink,
     /// A contact is on a link that cannot move.
     ContactFixed,
+    /// A shape that touches the ground has a size that is not above zero, or a setting out of its
+    /// range.
+    TouchingShape,
+    /// The softness of a joint that does not exist, or that is out of its range.
+    JointSoftness,
     /// A keyframe has another number of coordinates than the robot.
     KeyframeLength,
     /// A keyframe has a quaternion that is not of unit length.
@@ -94,6 +99,12 @@ impl fmt::Display for ModelError {
             }
             ModelErrorKind::ContactLink => "is a contact on a link that does not exist",
             ModelErrorKind::ContactFixed => "is a contact on a link that cannot move",
+            ModelErrorKind::TouchingShape => {
+                "is a shape with a size that is not above zero, or with a setting out of its range"
+            }
+            ModelErrorKind::JointSoftness => {
+                "has a softness out of its range, or is no joint of the robot"
+            }
             ModelErrorKind::KeyframeLength => {
                 "is a keyframe with another number of coordinates than the robot"
             }

@@ -15,6 +15,7 @@ mod link;
 mod loop_constraint;
 mod modules;
 mod spring;
+mod touching;
 
 pub use crate::inertial::{INERTIAL_PARAMETERS, Inertial, InertialDefect, PARAMETERS_PER_LINK};
 pub use contact::{Contact, ContactKind};
@@ -26,6 +27,10 @@ pub(crate) use loop_constraint::radius_of_gyration;
 pub use loop_constraint::{LoopConstraint, LoopConstraintEnd, LoopConstraintKind};
 pub use modules::{Module, ModuleError, ModuleTree};
 pub use spring::Spring;
+pub use touching::{
+    Cone, ContactComponents, ContactShape, Impedance, JointSoftness, SoftConstraints, Softness,
+    TouchingShape,
+};
 
 use alloc::{string::String, vec::Vec};
 use core::ops::Range;
@@ -64,6 +69,7 @@ pub struct Model {
     gravity_compensation: Vec<f64>,
     loop_constraints: Vec<LoopConstraint>,
     contacts: Vec<Contact>,
+    soft_constraints: SoftConstraints,
     keyframes: Vec<Keyframe>,
     /// For each link, the place of its joint's coordinates and velocities.
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -117,6 +123,7 @@ impl Model {
             gravity_compensation: Vec::new(),
             loop_constraints,
             contacts,
+            soft_constraints: SoftConstraints::default(),
             keyframes,
             joint_indices,
         };
@@ -254,6 +261,20 @@ impl Model {
     pub fn with_contacts(mut self, contacts: Vec<Contact>) -> Result<Self, Vec<ModelError>> {
         self.contacts = contacts;
         let errors = check::check_contacts(&self);
+        if errors.is_empty() { Ok(self) } else { Err(errors) }
+    }
+
+    /// Returns the robot with these shapes, cones and softness of steps with soft constraints, which
+    /// replace the present ones.
+    ///
+    /// # Errors
+    ///
+    /// All defects: a link or a joint that does not exist, a shape on a link that does not move, a
+    /// size that is not above zero, a matrix that is not a rotation, a number that is not finite or
+    /// out of its range.
+    pub fn with_soft_constraints(mut self, soft: SoftConstraints) -> Result<Self, Vec<ModelError>> {
+        self.soft_constraints = soft;
+        let errors = check::check_soft_constraints(&self);
         if errors.is_empty() { Ok(self) } else { Err(errors) }
     }
 
@@ -531,6 +552,8 @@ impl<'de> serde::Deserialize<'de> for Model {
             #[serde(default)]
             contacts: Vec<Contact>,
             #[serde(default)]
+            soft_constraints: SoftConstraints,
+            #[serde(default)]
             keyframes: Vec<Keyframe>,
         }
         let Parts {
@@ -543,6 +566,7 @@ impl<'de> serde::Deserialize<'de> for Model {
             gravity_compensation,
             loop_constraints,
             contacts,
+            soft_constraints,
             keyframes,
         } = Parts::deserialize(deserializer)?;
         let model = Self::new(name, gravity, links, frames)
@@ -551,6 +575,7 @@ impl<'de> serde::Deserialize<'de> for Model {
             .and_then(|model| model.with_gravity_compensation(gravity_compensation))
             .and_then(|model| model.with_loop_constraints(loop_constraints))
             .and_then(|model| model.with_contacts(contacts))
+            .and_then(|model| model.with_soft_constraints(soft_constraints))
             .and_then(|model| model.with_keyframes(keyframes));
         model.map_err(|errors| {
             let all: Vec<String> = errors.iter().map(alloc::string::ToString::to_string).collect();

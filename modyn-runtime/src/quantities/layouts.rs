@@ -146,11 +146,11 @@ macro_rules! layouts {
                 Shape::Record(Record::Each("ContactStep"), [state, contacts].concat())
             };
             step_solution (StepSolution<
-                Self::Q<T>, Self::V<T>, Self::V<T>, Self::PerContact<Vector3<T>>, T, T
+                Self::Q<T>, Self::V<T>, Self::V<T>, Self::PerTouchingPoint<Vector3<T>>, T, T
             >) |s| {
                 let motion = [("q", coordinates(s)), ("qd", velocities(s)), ("qdd", velocities(s))];
                 let solver = [("residual", Shape::Scalar), ("iterations", Shape::Scalar)];
-                let forces = [("forces", contact_vectors(s))];
+                let forces = [("forces", point_forces(s))];
                 Shape::Record(Record::Each("StepSolution"), [&motion[..], &forces, &solver].concat())
             };
             constrained_torques (ConstrainedInverseDynamics<Self::V<T>, Self::PerConstraint<Wrench<T>>, T>) |s| {

@@ -197,6 +197,10 @@ pub struct Sizes {
     pub contacts: usize,
     /// The number of constraint rows, all contacts active.
     pub constraint_rows: usize,
+    /// The number of shapes that touch the ground in a step.
+    pub touching_shapes: usize,
+    /// The number of points of these shapes that can touch it at the same time.
+    pub touching_points: usize,
     /// The number of entries of the mass matrix's factors.
     pub factors: usize,
 }
@@ -205,6 +209,7 @@ impl Sizes {
     /// Returns the sizes of a model whose mass matrix has this number of factors.
     #[must_use]
     pub fn new(model: &Model, factors: usize) -> Self {
+        let shapes = model.touching_shapes();
         Self {
             nq: model.nq(),
             nv: model.nv(),
@@ -213,6 +218,8 @@ impl Sizes {
             constraints: model.constraints(),
             contacts: model.contacts().len(),
             constraint_rows: model.constraint_rows(),
+            touching_shapes: shapes.len(),
+            touching_points: shapes.iter().map(|shape| shape.shape.points()).sum(),
             factors,
         }
     }
@@ -258,6 +265,10 @@ pub mod shapes {
         Shape::vector3().array(s.contacts)
     }
 
+    pub fn point_forces(s: &Sizes) -> Shape {
+        Shape::vector3().array(s.touching_points)
+    }
+
     pub fn contacts(s: &Sizes) -> Shape {
         Shape::Record(Record::Contacts, vec![("", Shape::vector(s.contacts))])
     }
@@ -289,6 +300,8 @@ pub mod shapes {
             ("plane", Shape::pose()),
             ("radius", Shape::Scalar),
             ("friction", Shape::Scalar),
+            ("torsional_friction", Shape::Scalar),
+            ("rolling_friction", Shape::Scalar),
             ("margin", Shape::Scalar),
             ("solref", Shape::vector(2)),
             ("solimp", Shape::vector(4)),
@@ -297,7 +310,7 @@ pub mod shapes {
         let fields = vec![
             ("tolerance", Shape::Scalar),
             ("impratio", Shape::Scalar),
-            ("contacts", surface.array(s.contacts)),
+            ("contacts", surface.array(s.touching_shapes)),
         ];
         named_fields("StepSettings", fields)
     }
@@ -337,7 +350,7 @@ mod tests {
     /// The runtime reads settings from numbers in the order of the layout.
     #[test]
     fn settings_have_the_order_of_the_runtime() {
-        let sizes = Sizes { contacts: 2, ..Sizes::default() };
+        let sizes = Sizes { contacts: 2, touching_shapes: 2, ..Sizes::default() };
         let Shape::Record(_, mut settings) = shapes::settings(&sizes) else { panic!() };
         let Some(("contacts", Shape::Array(target, 2, _))) = settings.pop() else { panic!() };
         let Shape::Record(_, target) = *target else { panic!() };

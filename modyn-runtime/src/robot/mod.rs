@@ -84,6 +84,9 @@ pub trait Robot {
     const LOOP_CONSTRAINT_NAMES: &'static [&'static str] = &[];
     /// The names of the contacts, in the order of the option.
     const CONTACT_NAMES: &'static [&'static str] = &[];
+    /// The names of the shapes that touch the ground in a step: the contacts, or the shapes of the
+    /// description.
+    const TOUCHING_SHAPE_NAMES: &'static [&'static str] = &[];
     /// The quaternions in the coordinate vector: each joint's name, and the index of the
     /// quaternion's x.
     const QUATERNIONS: &'static [(&'static str, usize)] = &[];
@@ -117,6 +120,12 @@ pub trait Robot {
     /// The type of arrays with an entry for each contact, in the order of
     /// [`CONTACT_NAMES`](Self::CONTACT_NAMES).
     type PerContact<X: Copy>: Array<X>;
+    /// The type of arrays with an entry for each shape that touches the ground in a step, in the
+    /// order of [`TOUCHING_SHAPE_NAMES`](Self::TOUCHING_SHAPE_NAMES).
+    type PerTouchingShape<X: Copy>: Array<X>;
+    /// The type of arrays with an entry for each point of these shapes that can touch the ground:
+    /// two for a capsule, four for a box or a cylinder.
+    type PerTouchingPoint<X: Copy>: Array<X>;
     /// The type of arrays with an entry for each constraint: for each joint that closes a loop, in
     /// the order of [`LOOP_CONSTRAINT_NAMES`](Self::LOOP_CONSTRAINT_NAMES), then for each contact.
     type PerConstraint<X: Copy>: Array<X>;

@@ -14,7 +14,7 @@ macro_rules! kind_type {
     (ContactVectors) => { &Self::PerContact<Vector3<T>> };
     (Contacts) => { Self::Contacts };
     (Settings) => { &Settings<Self, T> };
-    (StepSettings) => { &StepSettings<T, Self::PerContact<ContactSurface<T>>> };
+    (StepSettings) => { &StepSettings<T, Self::PerTouchingShape<ContactSurface<T>>> };
     (RandomNumbers) => { impl FnMut() -> T };
 }
 

@@ -580,7 +580,7 @@ fn arguments(
                 numbers.iter_mut().for_each(|x| *x = if *x > 0.0 { 1.0 } else { 0.0 });
             }
             "settings" => set_settings(random, &mut numbers),
-            "step_settings" => numbers = random.step_settings(model.contacts().len()),
+            "step_settings" => numbers = random.step_settings(model.touching_shapes().len()),
             "dt" => numbers[0] = 0.01 * numbers[0].abs() / scale,
             "uniforms" => numbers.iter_mut().for_each(|x| *x = (x.abs() / scale).min(0.99)),
             _ => {}

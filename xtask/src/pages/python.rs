@@ -18,6 +18,8 @@ const SIZES: Sizes = Sizes {
     contacts: 1033,
     constraint_rows: 1039,
     factors: 1049,
+    touching_shapes: 1051,
+    touching_points: 1061,
 };
 
 /// Returns the name of the length of an axis.
@@ -31,6 +33,8 @@ fn length(n: usize) -> String {
         (SIZES.constraints, "constraints"),
         (SIZES.contacts, "contacts"),
         (3 * SIZES.contacts, "3 contacts"),
+        (SIZES.touching_shapes, "touching shapes"),
+        (SIZES.touching_points, "touching points"),
         (SIZES.constraint_rows, "constraint rows"),
     ];
     let named = sizes.iter().find(|(size, _)| *size == n);
@@ -56,7 +60,7 @@ fn argument(name: &str, shape: &Shape) -> String {
             "`ConstraintSettings`, by default with the ground at z = 0 under all contacts".into()
         }
         ("step_settings", _) => {
-            "`StepSettings`, by default with the ground at z = 0 under all contacts".into()
+            "`StepSettings`, by default those of `step_settings()`".into()
         }
         ("warm_start", _) => "(nv,), by default zeros".into(),
         ("contacts", _) => {

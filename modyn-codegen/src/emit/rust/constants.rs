@@ -85,6 +85,16 @@ impl Robot<'_> {
                 contacts.len()
             );
         }
+        let shapes = model.touching_shapes();
+        if !shapes.is_empty() {
+            let names: Vec<&str> = shapes.iter().map(|shape| shape.name.as_str()).collect();
+            let _ = writeln!(
+                text,
+                "/// The names of the shapes that touch the ground in a step.\n\
+                 pub const TOUCHING_SHAPE_NAMES: [&'static str; {}] = {names:?};",
+                names.len()
+            );
+        }
         self.keyframes(text);
         self.limits(text);
         if let Some(base) = base_parameters {

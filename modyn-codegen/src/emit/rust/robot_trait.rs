@@ -17,12 +17,14 @@ impl Robot<'_> {
         let constraints = self.model.constraints();
         let contacts = self.model.contacts().len();
         let contacts_type = self.contacts_type();
+        let sizes = &self.plan.sizes;
         let names = |count: usize, name: &str| match count {
             0 => String::new(),
             _ => format!("const {name}: &'static [&'static str] = &Self::{name};\n"),
         };
         let constraint_names = names(self.model.loop_constraints().len(), "LOOP_CONSTRAINT_NAMES")
-            + &names(contacts, "CONTACT_NAMES");
+            + &names(contacts, "CONTACT_NAMES")
+            + &names(sizes.touching_shapes, "TOUCHING_SHAPE_NAMES");
         let params =
             if self.plan.parameters.is_empty() { "()".into() } else { format!("{name}Params<T>") };
         let brge = if self.factorizes() {
@@ -54,6 +56,8 @@ impl Robot<'_> {
              type PerLink<X: ::core::marker::Copy> = [X; {links}];\n\
              type Contacts = {contacts_type};\n\
              type PerContact<X: ::core::marker::Copy> = [X; {contacts}];\n\
+             type PerTouchingShape<X: ::core::marker::Copy> = [X; {shapes}];\n\
+             type PerTouchingPoint<X: ::core::marker::Copy> = [X; {points}];\n\
              type PerConstraint<X: ::core::marker::Copy> = [X; {constraints}];\n\
              type PerConstraintRow<X: ::core::marker::Copy> = [X; {rows}];\n\
              type PerContactRow<X: ::core::marker::Copy> = [X; {contact_rows}];\n\
@@ -63,6 +67,8 @@ impl Robot<'_> {
              fn neutral<T: __modyn::Scalar>() -> [T; {nq}] {{\n    Self::NEUTRAL.map(|x| \
              T::from_f64(::core::convert::Into::into(x)))\n}}",
             state = 2 * nv,
+            shapes = sizes.touching_shapes,
+            points = sizes.touching_points,
             rows = self.model.constraint_rows(),
             contact_rows = 3 * self.model.contacts().len(),
             ground_rows = 3 * self.model.contacts().len() + nv,

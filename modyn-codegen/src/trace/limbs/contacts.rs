@@ -62,16 +62,6 @@ impl ContactPacking {
         self.0.len()
     }
 
-    /// Returns the robot's contact in each lane of each merged contact.
-    pub(in crate::trace) fn contacts(&self) -> impl Iterator<Item = &[Option<usize>]> {
-        self.0.iter().map(Vec::as_slice)
-    }
-
-    /// Returns which lanes each merged contact has.
-    pub(in crate::trace) fn lanes(&self) -> impl Iterator<Item = Vec<bool>> {
-        self.0.iter().map(|of| of.iter().map(Option::is_some).collect())
-    }
-
     /// Returns `merged`, the robot with merged limbs, with its contacts; `limbs` are the merged
     /// limbs of `model`.
     pub(in crate::trace) fn add_to(

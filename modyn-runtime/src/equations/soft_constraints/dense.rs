@@ -75,15 +75,17 @@ impl<S: Scalar> DenseProblem<S> {
         };
         match effect {
             Effect::Stiff(laws) => {
-                let (points, of_joints) = self.jacobian.split_at(3 * laws.contacts.len());
-                for (response, rows) in laws.contacts.iter().zip(points.chunks(3)) {
+                let mut rest = &self.jacobian[..];
+                for response in &laws.contacts {
+                    let (rows, others) = rest.split_at(response.force.len());
+                    rest = others;
                     for (i, stiffness) in response.stiffness.iter().enumerate() {
                         for (j, &stiffness) in stiffness.iter().enumerate() {
                             add(&rows[j], &rows[i], stiffness);
                         }
                     }
                 }
-                for (&[_, stiffness], row) in laws.joints.iter().zip(of_joints) {
+                for (&[_, stiffness], row) in laws.joints.iter().zip(rest) {
                     add(row, row, stiffness);
                 }
             }

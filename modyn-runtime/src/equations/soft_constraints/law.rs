@@ -6,7 +6,10 @@
 //! regularization R = (1 - d) A / d, where d is the impedance and A an approximation of J M^-1 J^T.
 //! Its force follows from J qdd - a*. All forces together minimize a convex function.
 
+use alloc::{vec, vec::Vec};
+
 use crate::Scalar;
+use crate::model::{Cone, Impedance, Softness};
 use crate::scalar::{at_least, at_most};
 
 /// The smallest and the largest impedance, as in MuJoCo.
@@ -21,32 +24,6 @@ const LEAST: f64 = 1e-15;
 
 /// The smallest coefficient of friction, as in MuJoCo.
 const LEAST_FRICTION: f64 = 1e-5;
-
-/// The impedance of a constraint as a function of its violation: MuJoCo's `solimp`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Impedance<S> {
-    /// The impedance without violation.
-    pub least: S,
-    /// The impedance from the violation `width` on.
-    pub most: S,
-    /// The violation at which the impedance stops growing, m or rad. At most 1e-15: the impedance is
-    /// the mean of the two for all violations.
-    pub width: S,
-    /// The share of `width` at which the curve changes its direction.
-    pub midpoint: S,
-    /// The power of the curve; 0 acts as 1. MuJoCo also has powers between integers.
-    pub power: u32,
-}
-
-/// The softness of a constraint: how its violation decays, and how much force its violation takes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Softness<S> {
-    /// MuJoCo's `solref`: the time constant (s) and the damping ratio; if the first number is
-    /// negative, the negative stiffness and the negative damping.
-    pub reference: [S; 2],
-    /// MuJoCo's `solimp`.
-    pub impedance: Impedance<S>,
-}
 
 /// A row of a soft constraint at a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,13 +46,6 @@ pub struct RowState<S> {
 }
 
 impl<S: Scalar> Impedance<S> {
-    /// MuJoCo's default.
-    #[must_use]
-    pub fn standard() -> Self {
-        let [least, most, width, midpoint] = [0.9, 0.95, 0.001, 0.5].map(S::from_f64);
-        Self { least, most, width, midpoint, power: 2 }
-    }
-
     /// Returns the impedance at a violation.
     #[must_use]
     pub fn at(&self, violation: S) -> S {
@@ -105,31 +75,7 @@ impl<S: Scalar> Impedance<S> {
     }
 }
 
-impl<S: Copy> Softness<S> {
-    /// Returns the softness with `f` applied to its numbers.
-    pub fn map<T>(&self, f: impl Fn(S) -> T + Copy) -> Softness<T> {
-        let Impedance { least, most, width, midpoint, power } = self.impedance;
-        Softness {
-            reference: self.reference.map(f),
-            impedance: Impedance {
-                least: f(least),
-                most: f(most),
-                width: f(width),
-                midpoint: f(midpoint),
-                power,
-            },
-        }
-    }
-}
-
 impl<S: Scalar> Softness<S> {
-    /// MuJoCo's default: the time constant 0.02 s with critical damping.
-    #[must_use]
-    pub fn standard() -> Self {
-        let reference = [0.02, 1.0].map(S::from_f64);
-        Self { reference, impedance: Impedance::standard() }
-    }
-
     /// Returns the stiffness (1/s^2) and the damping (1/s) of the reference acceleration for steps
     /// of the time `dt`: time constants below 2 `dt` are not stable, and raised to it.
     fn stiffness_and_damping(&self, dt: S) -> [S; 2] {
@@ -168,80 +114,76 @@ impl<S: Scalar> Softness<S> {
     }
 }
 
-/// The cone of a contact's forces.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Cone {
-    /// Four edges: MuJoCo's default.
-    #[default]
-    Pyramidal,
-    /// A circular cone.
-    Elliptic,
-}
-
-/// The law of a contact with friction at a state. Components are along the normal and along two
-/// tangents.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The law of a contact at a state. Components are along the normal, along two tangents, and the
+/// rotations about the normal and about the tangents: the first one, three, four or six of these.
+#[derive(Clone, Debug, PartialEq)]
 pub struct ContactLaw<S> {
     /// The cone.
     pub cone: Cone,
-    /// The coefficient of friction.
-    pub friction: S,
+    /// The coefficient of friction of each component but the first.
+    pub friction: Vec<S>,
     /// The ratio of the weights of the tangents to that of the normal: MuJoCo's `impratio`.
     pub ratio: S,
     /// The weight of the normal; zero for a contact that does not touch.
     pub weight: S,
-    /// The reference accelerations.
-    pub reference: [S; 3],
+    /// The reference acceleration of each component.
+    pub reference: Vec<S>,
 }
 
-/// A force, and minus its derivative by the acceleration: a symmetric positive semi-definite
-/// matrix, by rows.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The force of each component, and minus its derivative by the accelerations: a symmetric positive
+/// semi-definite matrix, by rows.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Response<S> {
-    /// The force, N.
-    pub force: [S; 3],
-    /// Minus the derivative, kg.
-    pub stiffness: [[S; 3]; 3],
+    /// The forces, N and N m.
+    pub force: Vec<S>,
+    /// Minus the derivative, kg, kg m and kg m^2.
+    pub stiffness: Vec<Vec<S>>,
 }
 
 impl<S: Scalar> ContactLaw<S> {
     /// Returns the law with the weight times `scale`.
     #[must_use]
     pub fn scaled(&self, scale: S) -> Self {
-        Self { weight: self.weight * scale, ..*self }
+        Self { weight: self.weight * scale, ..self.clone() }
     }
 
-    /// Returns the force at this acceleration of the contact.
+    /// Returns the response to these accelerations of the contact.
     #[must_use]
-    pub fn response(&self, acceleration: [S; 3]) -> Response<S> {
-        let gap = core::array::from_fn(|k| acceleration[k] - self.reference[k]);
+    pub fn response(&self, acceleration: &[S]) -> Response<S> {
+        let components = acceleration.iter().zip(&self.reference);
+        let gap: Vec<S> = components.map(|(&a, &reference)| a - reference).collect();
+        if self.friction.is_empty() {
+            let active = gap[0].select_nonnegative(S::zero(), self.weight);
+            return Response { force: vec![-(active * gap[0])], stiffness: vec![vec![active]] };
+        }
         match self.cone {
-            Cone::Pyramidal => self.pyramid(gap),
-            Cone::Elliptic => self.ellipse(gap),
+            Cone::Pyramidal => self.pyramid(&gap),
+            Cone::Elliptic => self.ellipse(&gap),
         }
     }
 
-    /// The force of four edges n + mu t, n - mu t for each tangent t, each of which can push alone.
-    fn pyramid(&self, gap: [S; 3]) -> Response<S> {
+    /// The force of the edges n + mu t, n - mu t for each component t with friction, each of which
+    /// can push alone.
+    fn pyramid(&self, gap: &[S]) -> Response<S> {
         let (zero, one) = (S::zero(), S::one());
         // All edges have the weight of the first: its mobility is (1 + mu^2) times that of the
         // normal, and the regularization is scaled by 2 mu^2 / ratio.
-        let square = self.friction * self.friction;
+        let square = self.friction[0] * self.friction[0];
         let scale = S::from_f64(2.0) * square * (one + square) / self.ratio;
         let weight = self.weight / scale;
-        let mut response = Response { force: [zero; 3], stiffness: [[zero; 3]; 3] };
-        for tangent in [1, 2] {
-            for share in [self.friction, -self.friction] {
-                let edge = gap[0] + share * gap[tangent];
+        let n = gap.len();
+        let mut response = Response { force: vec![zero; n], stiffness: vec![vec![zero; n]; n] };
+        for (k, &friction) in self.friction.iter().enumerate() {
+            for share in [friction, -friction] {
+                let component = k + 1;
+                let edge = gap[0] + share * gap[component];
                 let active = edge.select_nonnegative(zero, weight);
                 let force = -(active * edge);
-                let mut direction = [zero; 3];
-                (direction[0], direction[tangent]) = (one, share);
-                for i in [0, tangent] {
-                    response.force[i] = response.force[i] + direction[i] * force;
-                    for j in [0, tangent] {
-                        response.stiffness[i][j] =
-                            response.stiffness[i][j] + active * direction[i] * direction[j];
+                for (i, along) in [(0, one), (component, share)] {
+                    response.force[i] = response.force[i] + along * force;
+                    for (j, across) in [(0, one), (component, share)] {
+                        let entry = &mut response.stiffness[i][j];
+                        *entry = *entry + active * along * across;
                     }
                 }
             }
@@ -249,13 +191,17 @@ impl<S: Scalar> ContactLaw<S> {
         response
     }
 
-    /// The force of a circular cone. In coordinates in which the regularization is the same in all
+    /// The force of an elliptic cone. In coordinates in which the regularization is the same in all
     /// directions, the force is the projection of the unconstrained one onto the cone.
-    fn ellipse(&self, gap: [S; 3]) -> Response<S> {
+    fn ellipse(&self, gap: &[S]) -> Response<S> {
         let (zero, one) = (S::zero(), S::one());
-        let mu = self.friction;
-        let slip = (gap[1] * gap[1] + gap[2] * gap[2] + S::from_f64(1e-36)).sqrt();
-        let direction = [gap[1] / slip, gap[2] / slip];
+        let mu = self.friction[0];
+        // Each component in the unit of the first tangent.
+        let shares: Vec<S> = self.friction.iter().map(|&friction| friction / mu).collect();
+        let scaled: Vec<S> = shares.iter().zip(&gap[1..]).map(|(&x, &gap)| x * gap).collect();
+        let square = scaled.iter().fold(S::from_f64(1e-36), |sum, &x| sum + x * x);
+        let slip = square.sqrt();
+        let direction: Vec<S> = scaled.iter().map(|&x| x / slip).collect();
         let regular = mu * mu / self.ratio;
         // The distance to the polar cone, and to the cone itself, each times a positive number.
         let outside = gap[0] - mu * slip;
@@ -270,20 +216,28 @@ impl<S: Scalar> ContactLaw<S> {
         let choose = |sticks: S, slides: S| {
             (-inside).select_nonnegative(sticks, outside.select_nonnegative(zero, slides))
         };
-        let force = [
-            choose(-(self.weight * gap[0]), normal),
-            choose(-(tangential * gap[1]), -(normal * mu * direction[0])),
-            choose(-(tangential * gap[2]), -(normal * mu * direction[1])),
-        ];
-        let diagonal =
-            |k: usize| choose(tangential, drag + along * direction[k - 1] * direction[k - 1]);
-        let with_normal = |k: usize| choose(zero, cross * direction[k - 1]);
-        let mixed = choose(zero, along * direction[0] * direction[1]);
-        let stiffness = [
-            [choose(self.weight, sliding), with_normal(1), with_normal(2)],
-            [with_normal(1), diagonal(1), mixed],
-            [with_normal(2), mixed, diagonal(2)],
-        ];
+        let tangents = || 0..scaled.len();
+        let mut force = vec![choose(-(self.weight * gap[0]), normal)];
+        force.extend(tangents().map(|k| {
+            let slides = -(normal * mu * direction[k]);
+            shares[k] * choose(-(tangential * scaled[k]), slides)
+        }));
+        let with_normal: Vec<S> =
+            tangents().map(|k| shares[k] * choose(zero, cross * direction[k])).collect();
+        let mut first = vec![choose(self.weight, sliding)];
+        first.extend(&with_normal);
+        let mut stiffness = vec![first];
+        stiffness.extend(tangents().map(|i| {
+            let entry = |j: usize| {
+                let mixed = along * direction[i] * direction[j];
+                let entry = match i == j {
+                    true => choose(tangential, drag + mixed),
+                    false => choose(zero, mixed),
+                };
+                shares[i] * shares[j] * entry
+            };
+            [with_normal[i]].into_iter().chain(tangents().map(entry)).collect()
+        }));
         Response { force, stiffness }
     }
 }

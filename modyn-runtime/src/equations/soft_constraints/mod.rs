@@ -20,8 +20,9 @@ mod newton;
 mod problem;
 mod responses;
 mod rows;
+mod shapes;
 
-pub use law::{Cone, ContactLaw, Impedance, Response, RowState, SoftRow, Softness};
+pub use law::{ContactLaw, Response, RowState, SoftRow};
 pub use newton::{Advance, MAX_ITERATIONS, MAX_SEARCH, Progress, Search, SoftStep, soft_step};
 pub use problem::{Iterate, SoftMotion, StepProblem, moved};
-pub use rows::{JointParameters, SoftModel, StepInput};
+pub use rows::{ContactParameters, JointParameters, SoftModel, StepInput};

@@ -3,10 +3,10 @@
 use alloc::{vec, vec::Vec};
 
 use super::dense::DenseProblem;
-use super::law::Response;
 use super::responses::{Effect, Laws};
 use super::rows::{
-    BodyState, ContactRows, JointRow, Law, SoftModel, StepInput, body_twists, joint_rows, softness,
+    BodyState, ContactOptions, ContactRows, JointRow, SoftModel, StepInput, body_twists,
+    joint_rows, softness,
 };
 use crate::equations::Workspace;
 use crate::equations::dynamics::newton_euler::{Accelerations, link_wrenches};
@@ -127,15 +127,10 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
         for (i, body) in model.bodies.iter().enumerate() {
             falls[i] = body.parent.map_or_else(|| is_base(model, i), |parent| falls[parent]);
         }
-        let frames = model.constraints.iter().filter(|constraint| constraint.contact);
-        let surfaces_of_links = surfaces.iter().zip(&soft.mobilities);
-        let contacts = frames.zip(surfaces_of_links).map(|(constraint, contact)| {
-            let (surface, &mobility) = contact;
-            let law = Law { cone: soft.cone, ratio: settings.impratio, mobility };
-            let frame = &constraint.ends[1];
-            let body = frame.body.expect("contacts are on moving links");
+        let options = ContactOptions { cone: soft.cone, ratio: settings.impratio, dt };
+        let contacts = soft.contacts.iter().zip(surfaces).flat_map(|(parameters, surface)| {
+            let body = parameters.body;
             let state = BodyState {
-                body,
                 pose: poses[body],
                 velocity: workspace.twists[body],
                 fall: match falls[body] {
@@ -143,17 +138,19 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
                     false => Vector3::zero(),
                 },
             };
-            ContactRows::new(frame, &state, law, surface, dt)
+            ContactRows::of_shape(parameters, &state, surface, options)
         });
         let contacts: Vec<ContactRows<S>> = contacts.collect();
         let joints = joint_rows(&soft.joints, input);
         let lanes_of_bodies = lanes(tree);
-        let lanes_of_contacts = contacts.iter().map(|contact| lanes_of_bodies[contact.body]);
+        let lanes_of_contacts = contacts
+            .iter()
+            .flat_map(|contact| vec![lanes_of_bodies[contact.body]; contact.count()]);
         let lanes_of_joints = joints.iter().map(|row| {
             let moved = model.dofs.iter().find(|dof| dof.v == row.dof);
             moved.map_or(1, |dof| lanes_of_bodies[dof.body])
         });
-        let lanes = lanes_of_contacts.flat_map(|lanes| [lanes; 3]).chain(lanes_of_joints).collect();
+        let lanes = lanes_of_contacts.chain(lanes_of_joints).collect();
         let mut problem = Self {
             bias,
             contacts,
@@ -197,7 +194,7 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
     /// Returns the number of rows.
     #[must_use]
     pub fn rows(&self) -> usize {
-        3 * self.contacts.len() + self.joints.len()
+        self.lanes.len()
     }
 
     /// Returns the entry of qd of each row that is no contact's.
@@ -216,13 +213,10 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
 
     /// Returns the laws at an iterate. All weights are scaled.
     pub(super) fn laws(&self, iterate: &Iterate<S>, scale: S) -> Laws<S> {
-        let (points, of_joints) = iterate.accelerations.split_at(3 * self.contacts.len());
-        let contacts = self.contacts.iter().zip(points.chunks(3));
+        let (contacts, of_joints) = by_contacts(&self.contacts, &iterate.accelerations);
         let joints = self.joints.iter().zip(of_joints);
         Laws {
-            contacts: contacts
-                .map(|(contact, a)| contact.law.scaled(scale).response([a[0], a[1], a[2]]))
-                .collect(),
+            contacts: contacts.map(|(contact, a)| contact.law.scaled(scale).response(a)).collect(),
             joints: joints.map(|(row, &a)| row.scaled(scale).response(a)).collect(),
         }
     }
@@ -245,8 +239,8 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
         let laws = self.laws(end, S::one());
         SoftMotion {
             qdd: self.with_implicit_damping(&laws),
-            forces: (laws.contacts.iter())
-                .map(|Response { force: [normal, x, y], .. }| [*x, *y, *normal])
+            forces: (self.contacts.iter().zip(&laws.contacts))
+                .map(|(contact, response)| contact.in_plane(&response.force))
                 .collect(),
         }
     }
@@ -282,10 +276,10 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
         let Self { tree, workspace, contacts, joints, .. } = self;
         workspace.wrenches.copy_from_slice(&self.bias);
         let mut tau = self.input.tau.to_vec();
-        let (points, of_joints) = forces.split_at(3 * contacts.len());
-        for (contact, force) in contacts.iter().zip(points.chunks(3)) {
+        let (of_contacts, of_joints) = by_contacts(contacts, forces);
+        for (contact, force) in of_contacts {
             let wrench = &mut workspace.wrenches[contact.body];
-            *wrench = *wrench - contact.wrench([force[0], force[1], force[2]]);
+            *wrench = *wrench - contact.wrench(force);
         }
         for (row, &force) in joints.iter().zip(of_joints) {
             tau[row.dof] = tau[row.dof] + row.sign * force;
@@ -328,16 +322,20 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
     /// Returns the factor of all weights that makes the stiffest row soft.
     fn softening(&self, soft: &SoftModel<S>, surfaces: &[ContactSurface<S>]) -> S {
         let lanes_of_bodies = lanes(self.tree);
-        let contacts = surfaces.iter().zip(&self.contacts).map(|(surface, contact)| {
+        let contacts = surfaces.iter().zip(&soft.contacts).map(|(surface, contact)| {
             let lanes = lanes_of_bodies[contact.body];
-            (softness(surface).impedance.softening(), lanes)
+            (softness(surface, contact.power).impedance.softening(), lanes)
         });
-        let joints = soft.joints.iter().flatten().flat_map(|joint| {
-            let limits = joint.range.iter().flatten().map(|_| joint.limit);
-            limits.chain(joint.dry_friction.map(|_| joint.friction))
+        let lanes_of_joint = |joint: usize| {
+            let dofs = &self.tree.mechanism().dofs;
+            dofs.iter().find(|dof| dof.v == joint).map_or(1, |dof| lanes_of_bodies[dof.body])
+        };
+        let joints = soft.joints.iter().enumerate().flat_map(|(dof, joint)| {
+            let limits = joint.iter().filter(|joint| joint.range.iter().any(Option::is_some));
+            let rubs = joint.iter().filter(|joint| joint.dry_friction.is_some());
+            let softness = limits.map(|joint| joint.limit).chain(rubs.map(|joint| joint.friction));
+            softness.map(move |softness| (softness.impedance.softening(), lanes_of_joint(dof)))
         });
-        // The laws of joints are those of the description, and equal in all lanes.
-        let joints = joints.map(|softness| (softness.impedance.softening(), 1));
         contacts.chain(joints).fold(S::one(), |least, (softening, lanes)| {
             (0..lanes)
                 .fold(least, |least, lane| at_most(least, self.tree.extract_lane(softening, lane)))
@@ -363,4 +361,19 @@ impl<'a, S: Scalar, T: BodyTree<S>> StepProblem<'a, S, T> {
             in_lanes.flat_map(|(n, sum)| (0..n).map(move |lane| self.tree.extract_lane(sum, lane)));
         each.reduce(combine).unwrap_or_else(S::zero)
     }
+}
+
+/// Returns the contacts with the numbers of their rows, and the numbers of the rows of joints.
+fn by_contacts<'a, S: Scalar>(
+    contacts: &'a [ContactRows<S>],
+    mut numbers: &'a [S],
+) -> (impl Iterator<Item = (&'a ContactRows<S>, &'a [S])>, &'a [S]) {
+    let count = contacts.iter().map(ContactRows::count).sum();
+    let joints = &numbers[count..];
+    let contacts = contacts.iter().map(move |contact| {
+        let (first, rest) = numbers.split_at(contact.count());
+        numbers = rest;
+        (contact, first)
+    });
+    (contacts, joints)
 }

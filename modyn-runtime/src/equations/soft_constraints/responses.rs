@@ -16,18 +16,24 @@ pub(super) struct Laws<S> {
 impl<S: Scalar> Laws<S> {
     /// Returns the forces of all rows.
     pub fn forces(&self) -> impl Iterator<Item = S> + '_ {
-        let contacts = self.contacts.iter().flat_map(|response| response.force);
+        let contacts = self.contacts.iter().flat_map(|response| response.force.iter().copied());
         contacts.chain(self.joints.iter().map(|response| response[0]))
     }
 
     /// Returns the products of the stiffness with the accelerations of the rows.
     pub fn stiffness_times(&self, accelerations: &[S]) -> Vec<S> {
-        let (points, of_joints) = accelerations.split_at(3 * self.contacts.len());
-        let contacts = self.contacts.iter().zip(points.chunks(3)).flat_map(|(response, point)| {
-            response.stiffness.map(|row| row[0] * point[0] + row[1] * point[1] + row[2] * point[2])
-        });
-        let joints = self.joints.iter().zip(of_joints).map(|(response, &a)| response[1] * a);
-        contacts.chain(joints).collect()
+        let mut shares = Vec::with_capacity(accelerations.len());
+        let mut rest = accelerations;
+        for response in &self.contacts {
+            let (point, others) = rest.split_at(response.force.len());
+            rest = others;
+            shares.extend(response.stiffness.iter().map(|row| {
+                let products = row.iter().zip(point).map(|(&entry, &a)| entry * a);
+                products.reduce(|a, b| a + b).unwrap_or_else(S::zero)
+            }));
+        }
+        shares.extend(self.joints.iter().zip(rest).map(|(response, &a)| response[1] * a));
+        shares
     }
 }
 

@@ -3,9 +3,11 @@
 
 use alloc::vec::Vec;
 
-use super::law::{self, Cone, ContactLaw, Impedance, Response, RowState, Softness};
+use super::law::{self, ContactLaw, Response, RowState};
+use super::shapes;
 use crate::equations::Workspace;
-use crate::mechanism::{BodyFrame, BodyTree};
+use crate::mechanism::BodyTree;
+use crate::model::{Cone, ContactComponents, ContactShape, Impedance, Softness};
 use crate::scalar::{at_least, at_most};
 use crate::spatial::{ArticulatedInertia, Matrix3, Pose, Symmetric3, Twist, Vector3, Wrench};
 use crate::{ContactSurface, Scalar};
@@ -32,11 +34,28 @@ pub struct SoftModel<S> {
     pub cone: Cone,
     /// The robot's weight on Earth, N: the unit of residuals.
     pub weight: S,
-    /// The mobility of the link of each contact, 1/kg: MuJoCo's `body_invweight0`.
-    pub mobilities: Vec<S>,
+    /// The shapes that touch the ground.
+    pub contacts: Vec<ContactParameters<S>>,
     /// The limits and dry friction of each entry of qd; entries of joints with several degrees of freedom
     /// have none.
     pub joints: Vec<Option<JointParameters<S>>>,
+}
+
+/// The parameters of a shape that touches the ground.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactParameters<S> {
+    /// The body that carries the shape.
+    pub body: usize,
+    /// The pose of the shape's frame in the body's.
+    pub pose: Pose<S>,
+    /// The shape.
+    pub shape: ContactShape<S>,
+    /// The components of the contact's force.
+    pub components: ContactComponents,
+    /// The mobility of the link, 1/kg: MuJoCo's `body_invweight0`.
+    pub mobility: S,
+    /// The power of the curve of the impedance.
+    pub power: u32,
 }
 
 /// The parameters of a joint's limits and of its dry friction.
@@ -58,8 +77,8 @@ pub struct JointParameters<S> {
     pub friction: Softness<S>,
 }
 
-/// A contact at a state.
-#[derive(Clone, Copy, Debug)]
+/// A point of a shape at a state, which can touch the ground.
+#[derive(Clone, Debug)]
 pub(super) struct ContactRows<S> {
     /// The body that carries the contact.
     pub body: usize,
@@ -67,24 +86,24 @@ pub(super) struct ContactRows<S> {
     place: Vector3<S>,
     /// The normal and two tangents in the body's axes, as columns.
     axes: Matrix3<S>,
+    /// The x and y axes of the plane along the first tangent; `None` if the tangents are these axes.
+    along_tangent: Option<[S; 2]>,
     /// The law of the accelerations, those of floating bases relative to free fall.
     pub law: ContactLaw<S>,
 }
 
-/// The part of a contact's law that no surface decides.
+/// The settings of all contacts of a step.
 #[derive(Clone, Copy)]
-pub(super) struct Law<S> {
+pub(super) struct ContactOptions<S> {
     pub cone: Cone,
     /// How many times stiffer friction is than the normal direction.
     pub ratio: S,
-    /// The mobility of the link.
-    pub mobility: S,
+    /// The time of the step, s.
+    pub dt: S,
 }
 
 /// The state of a body.
 pub(super) struct BodyState<S> {
-    /// The index of the body.
-    pub body: usize,
     /// The pose in the world.
     pub pose: Pose<S>,
     /// The velocity in the body's axes.
@@ -108,67 +127,163 @@ pub(super) struct JointRow<S> {
 }
 
 impl<S: Scalar> ContactRows<S> {
-    /// Returns the rows of a contact on a body, whose sphere is about the origin of `frame`.
-    pub(super) fn new(
-        frame: &BodyFrame<S>,
+    /// Returns the rows of each point of a shape.
+    pub(super) fn of_shape(
+        parameters: &ContactParameters<S>,
         state: &BodyState<S>,
-        law: Law<S>,
-        contact: &ContactSurface<S>,
-        dt: S,
-    ) -> Self {
-        let softness = softness(contact);
-        let BodyState { body, pose, velocity, fall } = state;
-        let to_body = Matrix3(pose.rotation).transposed();
-        let plane = Matrix3(contact.plane.rotation);
-        let normal = plane.column(2);
-        let center = Vector3(frame.pose.translation);
-        let in_world = Vector3(pose.translation) + Matrix3(pose.rotation).mul_vector(center);
-        let gap = normal.dot(in_world - Vector3(contact.plane.translation)) - contact.radius;
-        // The contact is in the middle of the overlap.
-        let depth = gap * S::from_f64(0.5) + contact.radius;
+        surface: &ContactSurface<S>,
+        options: ContactOptions<S>,
+    ) -> Vec<Self> {
+        let to_body = Matrix3(state.pose.rotation).transposed();
+        let plane = Matrix3(surface.plane.rotation);
         let axes = to_body.times(&Matrix3::from_columns(|k| plane.column((k + 2) % 3)));
-        let place = center - axes.column(0).scale(depth);
-        let at_place = |twist: &Twist<S>| twist.linear + twist.angular.cross(place);
+        let on_body = Matrix3(parameters.pose.rotation);
+        let normal = on_body.transposed().mul_vector(axes.column(0));
+        let tangent = shapes::tangent(&parameters.shape);
+        let tangent = tangent.map(|tangent| on_body.mul_vector(tangent));
+        let points = shapes::points(&parameters.shape, normal).into_iter();
+        let center = Vector3(parameters.pose.translation);
+        points
+            .map(|point| {
+                let point = center + on_body.mul_vector(point);
+                Self::new(parameters, state, surface, options, Point { point, axes, tangent })
+            })
+            .collect()
+    }
+
+    fn new(
+        parameters: &ContactParameters<S>,
+        state: &BodyState<S>,
+        surface: &ContactSurface<S>,
+        options: ContactOptions<S>,
+        Point { point, axes, tangent }: Point<S>,
+    ) -> Self {
+        let softness = softness(surface, parameters.power);
+        let BodyState { pose, velocity, fall } = state;
+        let normal = Matrix3(surface.plane.rotation).column(2);
+        let in_world = Vector3(pose.translation) + Matrix3(pose.rotation).mul_vector(point);
+        let gap = normal.dot(in_world - Vector3(surface.plane.translation)) - surface.radius;
+        // The contact is in the middle of the overlap.
+        let depth = gap * S::from_f64(0.5) + surface.radius;
+        let place = point - axes.column(0).scale(depth);
+        let along_tangent = tangent.map(|tangent| along(&axes, tangent));
+        let axes = along_tangent.map_or(axes, |[x, y]| {
+            let [first, second] = [axes.column(1), axes.column(2)];
+            let turned = [
+                axes.column(0),
+                first.scale(x) + second.scale(y),
+                second.scale(x) - first.scale(y),
+            ];
+            Matrix3::from_columns(|k| turned[k])
+        });
         let components = |v: Vector3<S>| [0, 1, 2].map(|k| axes.column(k).dot(v));
-        let rates = components(at_place(velocity));
-        let violation = gap - contact.margin;
-        let state = RowState { position: violation, velocity: rates[0], mobility: law.mobility };
-        let row = softness.row(&state, dt);
-        let falling = components(*fall);
-        let reference =
-            [row.reference, softness.damped(rates[1], dt), softness.damped(rates[2], dt)];
+        let at_place = velocity.linear + velocity.angular.cross(place);
+        let rates = [components(at_place), components(velocity.angular)].concat();
+        let violation = gap - surface.margin;
+        let mobility = parameters.mobility;
+        let row = softness
+            .row(&RowState { position: violation, velocity: rates[0], mobility }, options.dt);
+        let falling = components(*fall).into_iter().chain([S::zero(); 3]);
+        let damped = rates.iter().skip(1).map(|&rate| softness.damped(rate, options.dt));
+        let reference = [row.reference].into_iter().chain(damped).zip(falling);
+        let [sliding, torsional, rolling] =
+            [surface.friction, surface.torsional_friction, surface.rolling_friction]
+                .map(law::friction);
+        let count = parameters.components.count();
+        let friction = [sliding, sliding, torsional, rolling, rolling];
         let law = ContactLaw {
-            cone: law.cone,
-            friction: law::friction(contact.friction),
-            ratio: law.ratio,
+            cone: options.cone,
+            friction: friction[..count - 1].to_vec(),
+            ratio: options.ratio,
             weight: violation.select_nonnegative(S::zero(), row.weight),
-            reference: core::array::from_fn(|k| reference[k] - falling[k]),
+            reference: reference.map(|(reference, fall)| reference - fall).take(count).collect(),
         };
-        Self { body: *body, place, axes, law }
+        Self { body: parameters.body, place, axes, along_tangent, law }
     }
 
-    /// Returns the acceleration of the contact, given that of its body.
-    pub(super) fn acceleration(&self, of_body: &Twist<S>) -> [S; 3] {
+    /// Returns the number of rows.
+    pub(super) fn count(&self) -> usize {
+        self.law.reference.len()
+    }
+
+    /// Returns the accelerations of the rows, given that of the body.
+    pub(super) fn acceleration(&self, of_body: &Twist<S>) -> impl Iterator<Item = S> {
         let at_place = of_body.linear + of_body.angular.cross(self.place);
-        [0, 1, 2].map(|k| self.axes.column(k).dot(at_place))
+        let components = |v: Vector3<S>| [0, 1, 2].map(|k| self.axes.column(k).dot(v));
+        let turning = match self.count() {
+            0..=3 => [S::zero(); 3],
+            _ => components(of_body.angular),
+        };
+        components(at_place).into_iter().chain(turning).take(self.count())
     }
 
-    /// Returns the wrench of a force at the body's origin.
-    pub(super) fn wrench(&self, force: [S; 3]) -> Wrench<S> {
-        let force = self.axes.mul_vector(Vector3(force));
-        Wrench { moment: self.place.cross(force), force }
+    /// Returns the wrench of the forces of the rows at the body's origin.
+    pub(super) fn wrench(&self, forces: &[S]) -> Wrench<S> {
+        let force = self.axes.mul_vector(three(forces));
+        let moment = self.place.cross(force);
+        match forces.get(3..) {
+            Some(moments) if !moments.is_empty() => {
+                Wrench { moment: moment + self.axes.mul_vector(three(moments)), force }
+            }
+            _ => Wrench { moment, force },
+        }
+    }
+
+    /// Returns the force along the x and y axes of the plane, then along the normal.
+    pub(super) fn in_plane(&self, forces: &[S]) -> [S; 3] {
+        let Vector3([normal, first, second]) = three(forces);
+        match self.along_tangent {
+            None => [first, second, normal],
+            Some([x, y]) => [x * first - y * second, y * first + x * second, normal],
+        }
     }
 
     /// Returns the inertia that a stiffness adds to the body.
     pub(super) fn inertia(&self, response: &Response<S>) -> ArticulatedInertia<S> {
-        let stiffness = self.axes.congruence(&Matrix3(response.stiffness)).0;
+        let entry = |i: usize, j: usize| {
+            let row = response.stiffness.get(i);
+            row.and_then(|row| row.get(j)).copied().unwrap_or_else(S::zero)
+        };
+        let block = |first: usize, second: usize| {
+            let block = [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(first + i, second + j)));
+            self.axes.congruence(&Matrix3(block))
+        };
+        let symmetric = |m: Matrix3<S>| Symmetric3::from_fn(|i, j| m.0[i][j]);
+        let turns = self.count() > 3;
         let at_place = ArticulatedInertia {
-            rotational: Symmetric3::zero(),
-            coupling: Matrix3::zero(),
-            translational: Symmetric3::from_fn(|i, j| stiffness[i][j]),
+            rotational: if turns { symmetric(block(3, 3)) } else { Symmetric3::zero() },
+            coupling: if turns { block(3, 0) } else { Matrix3::zero() },
+            translational: symmetric(block(0, 0)),
         };
         at_place.shifted(self.place)
     }
+}
+
+/// A point of a shape on its body.
+struct Point<S> {
+    point: Vector3<S>,
+    /// The normal of the plane and its x and y axes, in the body's axes.
+    axes: Matrix3<S>,
+    /// The direction of the first tangent; `None`: that of the plane's x axis.
+    tangent: Option<Vector3<S>>,
+}
+
+/// Returns the direction of `tangent` within the plane, along the plane's axes: the x axis if the
+/// tangent is along the normal.
+fn along<S: Scalar>(axes: &Matrix3<S>, tangent: Vector3<S>) -> [S; 2] {
+    let [x, y] = [1, 2].map(|k| axes.column(k).dot(tangent));
+    let square = x * x + y * y;
+    let is_along_normal = S::from_f64(1e-30) - square;
+    let length = is_along_normal.select_nonnegative(S::one(), square).sqrt();
+    [
+        is_along_normal.select_nonnegative(S::one(), x / length),
+        is_along_normal.select_nonnegative(S::zero(), y / length),
+    ]
+}
+
+/// Returns up to three numbers as a vector.
+fn three<S: Scalar>(numbers: &[S]) -> Vector3<S> {
+    Vector3([0, 1, 2].map(|k| numbers.get(k).copied().unwrap_or_else(S::zero)))
 }
 
 impl<S: Copy> JointParameters<S> {
@@ -186,24 +301,42 @@ impl<S: Copy> JointParameters<S> {
     }
 }
 
+impl<S: Copy> ContactParameters<S> {
+    /// Returns the parameters with `f` applied to their numbers.
+    pub fn map<T>(&self, f: impl Fn(S) -> T + Copy) -> ContactParameters<T> {
+        let Pose { rotation, translation } = self.pose;
+        ContactParameters {
+            body: self.body,
+            pose: Pose {
+                rotation: rotation.map(|row| row.map(f)),
+                translation: translation.map(f),
+            },
+            shape: self.shape.map(f),
+            components: self.components,
+            mobility: f(self.mobility),
+            power: self.power,
+        }
+    }
+}
+
 impl<S: Copy> SoftModel<S> {
     /// Returns the model with `f` applied to its numbers.
     pub fn map<T>(&self, f: impl Fn(S) -> T + Copy) -> SoftModel<T> {
         SoftModel {
             cone: self.cone,
             weight: f(self.weight),
-            mobilities: self.mobilities.iter().map(|&mobility| f(mobility)).collect(),
+            contacts: self.contacts.iter().map(|contact| contact.map(f)).collect(),
             joints: self.joints.iter().map(|joint| joint.map(|joint| joint.map(f))).collect(),
         }
     }
 }
 
-/// Returns the softness of a surface.
-pub(super) fn softness<S: Scalar>(surface: &ContactSurface<S>) -> Softness<S> {
+/// Returns the softness of a surface, with the power of its curve.
+pub(super) fn softness<S: Scalar>(surface: &ContactSurface<S>, power: u32) -> Softness<S> {
     let [least, most, width, midpoint] = surface.solimp;
     Softness {
         reference: surface.solref,
-        impedance: Impedance { least, most, width, midpoint, power: 2 },
+        impedance: Impedance { least, most, width, midpoint, power },
     }
 }
 
