@@ -8,8 +8,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use modyn_codegen::internals::counted_steps;
-use modyn_codegen::{ReadOptions, read};
+use modyn_read::internals::counted_steps;
+use modyn_read::{ReadOptions, read};
 
 /// The bytes of the stack. Depths are checked before any recursion, except that of a xacro within
 /// its limits.

@@ -3,7 +3,7 @@
 #![no_main]
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target};
-use modyn_codegen::read_mjcf;
+use modyn_read::read_mjcf;
 
 fuzz_target!(|data: &[u8]| {
     let (text, choice) = modyn_fuzz::text(data);

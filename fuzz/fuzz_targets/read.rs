@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target};
-use modyn_codegen::read;
+use modyn_read::read;
 
 fuzz_target!(|data: &[u8]| {
     let (text, choice) = modyn_fuzz::text(data);

@@ -3,7 +3,7 @@
 #![no_main]
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target};
-use modyn_codegen::Format;
+use modyn_read::Format;
 
 fuzz_target!(|data: &[u8]| {
     let (text, choice) = modyn_fuzz::text(data);

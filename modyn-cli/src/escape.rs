@@ -2,7 +2,7 @@
 //!
 //! [`json`] escapes in JSON what serde_json leaves, csv escapes quotes in CSV, and [`markup`]
 //! escapes text in pictures. For terminals there is
-//! `modyn_codegen::diagnostics::sanitize_for_display`.
+//! `modyn_read::diagnostics::sanitize_for_display`.
 
 /// Returns text, or an attribute's value, escaped for SVG and HTML.
 pub fn markup(text: &str) -> String {
@@ -27,7 +27,7 @@ pub fn markup(text: &str) -> String {
 pub fn json(value: &serde_json::Value) -> String {
     let mut escaped = String::new();
     for c in format!("{value:#}\n").chars() {
-        if c == '\n' || !modyn_codegen::diagnostics::is_unprintable(c) {
+        if c == '\n' || !modyn_read::diagnostics::is_unprintable(c) {
             escaped.push(c);
             continue;
         }
@@ -41,7 +41,7 @@ pub fn json(value: &serde_json::Value) -> String {
 /// Returns a cell of a table; a spreadsheet would take text that starts like a formula for one.
 #[cfg(feature = "command")]
 pub fn cell(text: &str) -> String {
-    let text = modyn_codegen::diagnostics::sanitize_for_display(text);
+    let text = modyn_read::diagnostics::sanitize_for_display(text);
     if text.starts_with(['=', '+', '-', '@']) { format!("'{text}") } else { text }
 }
 

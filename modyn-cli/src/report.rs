@@ -1,8 +1,8 @@
 //! Shows diagnostics to people, with the line of the fault: the text of `modyn check`.
 
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
-use modyn_codegen::diagnostics::sanitize_for_display;
-use modyn_codegen::diagnostics::{Diagnostic, Diagnostics, Position, Severity};
+use modyn_read::diagnostics::sanitize_for_display;
+use modyn_read::diagnostics::{Diagnostic, Diagnostics, Position, Severity};
 
 /// The longest line that is shown; a file may be one line of a million characters.
 const MAX_LINE_LENGTH: usize = 10_000;

@@ -56,14 +56,13 @@ fn every_good_file_is_usable() {
 
 #[test]
 fn all_that_is_wrong_is_shown() {
-    let found = modyn(&["check", "modyn-codegen/tests/bad/everything_at_once.urdf"]);
+    let found = modyn(&["check", "modyn-read/tests/bad/everything_at_once.urdf"]);
     assert_snapshot("everything_at_once.txt", &found.out);
 }
 
 #[test]
 fn several_files_have_an_answer_each() {
-    let found =
-        modyn(&["check", "--json", "robots/arm6.urdf", "modyn-codegen/tests/bad/cycle.urdf"]);
+    let found = modyn(&["check", "--json", "robots/arm6.urdf", "modyn-read/tests/bad/cycle.urdf"]);
     assert_eq!(found.code, 1);
     let json = found.json();
     assert_eq!(json[0]["usable"], true);

@@ -93,5 +93,5 @@ fn without_rustc_the_error_names_the_missing_program() {
         assert_eq!(found.code, 2);
         assert!(found.err.contains("forward_dynamics, "), "{}", found.err);
     }
-    assert_eq!(modyn(&["compare", "modyn-codegen/tests/bad/cycle.urdf"]).code, 1);
+    assert_eq!(modyn(&["compare", "modyn-read/tests/bad/cycle.urdf"]).code, 1);
 }

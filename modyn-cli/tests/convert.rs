@@ -38,7 +38,7 @@ fn the_format_is_that_of_the_ending_or_of_the_option() {
     assert!(out.code == 0 && out.out.contains("<mujoco model=\"arm7\">"), "{}{}", out.out, out.err);
     let out = modyn(&["convert", "robots/arm7.urdf", "-"]);
     assert!(out.code == 2 && out.err.contains("add `--to urdf` or `--to mjcf`"), "{}", out.err);
-    let out = modyn(&["convert", "modyn-codegen/tests/bad/cycle.urdf", "-", "--to", "urdf"]);
+    let out = modyn(&["convert", "modyn-read/tests/bad/cycle.urdf", "-", "--to", "urdf"]);
     assert!(out.code == 1 && out.err.contains("error[cycle]"), "{}", out.err);
     let gravity = ["--gravity", "[0, 0, -1.62]"];
     let out =

@@ -128,7 +128,7 @@ fn the_page_on_extending_names_existing_places() {
     // The files of the example changes exist, except those that an example added.
     let (_, examples) = page.split_once("## How many places").expect("the section");
     let mut files = Vec::new();
-    for folder in ["modyn-cli", "modyn-codegen", "modyn-runtime", "tests"] {
+    for folder in ["modyn-cli", "modyn-codegen", "modyn-read", "modyn-runtime", "tests"] {
         collect_files(&root().join(folder), &mut files);
     }
     let mut named = 0;

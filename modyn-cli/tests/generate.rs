@@ -295,10 +295,10 @@ fn options_that_are_wrong_are_usage_and_refused_models_are_not() {
     assert_eq!(code(&["--c-header", "a.h"]), 2, "without a file");
     assert_eq!(code(&["-o", "no/such/folder/arm.rs"]), 2);
     assert_eq!(modyn(&["generate", "no_such.urdf"]).code, 2);
-    assert_eq!(modyn(&["generate", "modyn-codegen/tests/bad/cycle.urdf"]).code, 1);
+    assert_eq!(modyn(&["generate", "modyn-read/tests/bad/cycle.urdf"]).code, 1);
     // Diagnostics name the file as the user did.
-    let found = modyn(&["generate", "modyn-codegen/tests/bad/cycle.urdf"]);
-    assert!(found.err.contains("--> modyn-codegen/tests/bad/cycle.urdf:"), "{}", found.err);
+    let found = modyn(&["generate", "modyn-read/tests/bad/cycle.urdf"]);
+    assert!(found.err.contains("--> modyn-read/tests/bad/cycle.urdf:"), "{}", found.err);
 }
 
 #[test]

@@ -93,10 +93,10 @@ fn friction_that_does_not_act_is_said_to() {
 
 #[test]
 fn a_refused_description_is_json_too() {
-    let found = modyn(&["inspect", "--json", "modyn-codegen/tests/bad/negative_mass.urdf"]);
+    let found = modyn(&["inspect", "--json", "modyn-read/tests/bad/negative_mass.urdf"]);
     assert_eq!(found.code, 1);
     assert_eq!(found.json()["diagnostics"][0]["code"], "negative-mass");
-    let plain = modyn(&["inspect", "modyn-codegen/tests/bad/negative_mass.urdf"]);
+    let plain = modyn(&["inspect", "modyn-read/tests/bad/negative_mass.urdf"]);
     assert_eq!((plain.code, &*plain.out), (1, ""));
     assert!(plain.err.contains("error[negative-mass]"), "{}", plain.err);
 }

@@ -5,7 +5,7 @@ use crate::common;
 
 use common::modyn;
 
-const ROBOT: &str = "modyn-codegen/tests/good/kinematics_only.urdf";
+const ROBOT: &str = "modyn-read/tests/good/kinematics_only.urdf";
 
 #[test]
 fn a_robot_without_inertia_has_kinematics() {

@@ -10,14 +10,14 @@ pub(crate) mod syntax;
 
 use std::path::PathBuf;
 
+use modyn_read::diagnostics::{Code, Diagnostic, Diagnostics, Severity};
+use modyn_read::{
+    Base, Contact, FileStore, Format, Loop, Mimic, Package, ReadOptions, Reading, Rotor, XacroArg,
+    conditioning_warning, joints_without_inertia,
+};
 use modyn_runtime::model::{Friction, Model, ModuleTree};
 use modyn_runtime::{OperationCount, UserFunction};
 
-use crate::check::{conditioning_warning, joints_without_inertia};
-use crate::description::{
-    Base, Contact, FileStore, Loop, Mimic, Package, ReadOptions, Rotor, XacroArg,
-};
-use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity};
 use crate::emit::{
     EmitOptions, File, FloatType, GpuKernel, GpuLanguage, PlannedRobot, Refused, RolloutOptions,
     RolloutSource, Target, emit_rollouts,
@@ -27,7 +27,6 @@ use crate::plan::{
     Choices, CodeForm, EntryFunction, Function, NamedFunction, Plan, TooLong, TracedFunction,
 };
 use crate::program::Execution;
-use crate::read::{Format, Reading};
 use checks::{
     invalid_programs, left_out, moving_frames, needs_inertia, too_long, too_long_entries,
     without_hessian, without_inertia,

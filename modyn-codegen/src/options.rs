@@ -14,8 +14,9 @@ pub(crate) use own_names::shared_names;
 pub use types::{Field, ModuleChoice, OptionValue};
 pub use value::{OptionError, Value, ValueKind};
 
+use modyn_read::ReadOptions;
+
 use crate::FloatType;
-use crate::description::ReadOptions;
 use crate::plan::{CodeForm, Function, NamedFunction};
 
 /// The part of modyn that an option is about.

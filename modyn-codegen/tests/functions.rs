@@ -66,6 +66,7 @@ fn test_module(name: &str) -> String {
     let folders = [
         "tests/tests",
         "modyn-codegen/tests",
+        "modyn-read/tests",
         "tests/fleet/tests",
         "lab/paper/tests",
         "modyn-python/tests",

@@ -6,11 +6,14 @@ use modyn_codegen::{Builder, Function};
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use proptest::prelude::*;
 
+/// Returns a name as references to characters.
+fn encoded(name: &str) -> String {
+    name.chars().map(|c| format!("&#{};", u32::from(c))).collect()
+}
+
 /// Returns a robot with two joints; the warning about an axis is part of the documentation.
-fn urdf([robot, base, link, joint, tip, wrist]: [&str; 6]) -> String {
-    let escape =
-        |name: &str| name.chars().map(|c| format!("&#{};", u32::from(c))).collect::<String>();
-    let [robot, base, link, joint, tip, wrist] = [robot, base, link, joint, tip, wrist].map(escape);
+fn urdf(names: [&str; 6]) -> String {
+    let [robot, base, link, joint, tip, wrist] = names.map(encoded);
     let inertial = "<inertial><origin xyz='0.5 0 0'/><mass value='1'/>\
                     <inertia ixx='0.1' iyy='0.1' izz='0.1' ixy='0' ixz='0' iyz='0'/></inertial>";
     format!(
@@ -275,4 +278,18 @@ proptest! {
     ) {
         check([&robot, &base, &link, &joint, &tip, &wrist], self_contained);
     }
+}
+
+/// The generated text repeats a long name a few times.
+#[test]
+fn long_names_are_not_multiplied() {
+    let name = "\u{202e}\"x".repeat(20_000);
+    let [_, others @ ..] = PLAIN;
+    let names: Vec<&str> = std::iter::once(&*name).chain(others).collect();
+    let text = urdf(names.try_into().expect("six names"));
+    let builder = Builder::new().urdf_text(text, "robot.urdf").functions([]);
+    let generated = builder.generate().expect("a robot with a long name");
+    assert_eq!(generated.model.name(), name);
+    assert!(generated.text.len() < 20 * name.len(), "{}", generated.text.len());
+    assert!(!generated.text.contains('\u{202e}'));
 }

@@ -827,7 +827,7 @@ fn generated_code_says_which_loops_it_closes() {
 
 #[test]
 fn loops_are_read_as_they_are_written() {
-    let model = model(include_str!("good/loops.urdf"));
+    let model = model(include_str!("../../modyn-read/tests/good/loops.urdf"));
     let [point, rigid, hinge, slide] = model.loop_constraints() else { panic!("four loops") };
     assert_eq!((point.name.as_str(), point.kind), ("point", LoopConstraintKind::Point));
     let links = |constraint: &modyn_runtime::model::LoopConstraint| {

@@ -90,3 +90,25 @@ fn parents_of_links_are_the_moving_links_that_carry_them() {
     // world, palm, phalanx, tip, nail
     assert_eq!(parents, "None, None, Some(1), Some(2), Some(3)");
 }
+
+/// The type of a robot has a constant for each keyframe, and the embedded model has them.
+#[test]
+fn keyframes_are_constants() {
+    let text = r#"<mujoco model="m"><worldbody><body><joint/><geom size="1"/></body></worldbody><keyframe>
+        <key name="home" qpos="0.5"/><key name="Home" qpos="1"/><key name="neutral"/><key name="to the left" qpos="2"/>
+        <key name="limits" qpos="3"/></keyframe></mujoco>"#;
+    let builder =
+        Builder::new().mjcf_text(text, "m.xml").functions([Function::MassMatrix]).embed_model();
+    let code = builder.generate().expect("a robot").text;
+    for line in [
+        "pub const HOME: [f64; 1] = [0.5];",
+        "pub const HOME_KEYFRAME: [f64; 1] = [1.0];",
+        "pub const NEUTRAL_KEYFRAME: [f64; 1] = [0.0];",
+        "pub const TO_THE_LEFT: [f64; 1] = [2.0];",
+        "pub const LIMITS_KEYFRAME: [f64; 1] = [3.0];",
+        r#"pub const KEYFRAMES: [(&'static str, [f64; 1]); 5] = [("home", Self::HOME), ("Home", Self::HOME_KEYFRAME), "#,
+        r#"Keyframe { name: "to the left".into(), q: [2.0].into() }"#,
+    ] {
+        assert!(code.contains(line), "{line}: {code}");
+    }
+}

@@ -191,7 +191,7 @@ fn functions_that_cannot_be_traced_are_refused() {
 /// A function of forces or energies of a robot without inertia is refused by its name; one of poses is not.
 #[test]
 fn functions_that_need_inertia_are_refused_without() {
-    let text = include_str!("good/kinematics_only.urdf");
+    let text = include_str!("../../modyn-read/tests/good/kinematics_only.urdf");
     let builder = Builder::new().urdf_text(text, "r.urdf").functions([]);
     let link = Reach { link: "hand", ..REACH };
     let builder = builder.function("pose", Of { forces: false }).function("reach", link);

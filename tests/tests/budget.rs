@@ -25,9 +25,9 @@ fn tested() -> Vec<PathBuf> {
     tested.map(|target| target["src_path"].as_str().expect("a path").into()).collect()
 }
 
-/// Returns how often a command of Cargo builds the compiler, in different configurations: with other features, profiles or
+/// Returns how often a command of Cargo builds a library, in different configurations: with other features, profiles or
 /// processors.
-fn builds_of_the_compiler(command: &str) -> usize {
+fn builds(library: &str, command: &str) -> usize {
     let output = Command::new(env!("CARGO"))
         .args(command.split(' '))
         .args(["--offline", "--unit-graph", "-Zunstable-options"])
@@ -40,15 +40,15 @@ fn builds_of_the_compiler(command: &str) -> usize {
         .unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
     let units = graph["units"].as_array().expect("a list").iter();
     let is_build = |unit: &&Value| {
-        unit["target"]["name"] == "modyn_codegen"
-            && (unit["mode"] == "build" || unit["mode"] == "test")
+        unit["target"]["name"] == library && (unit["mode"] == "build" || unit["mode"] == "test")
     };
     units.filter(is_build).count()
 }
 
-/// The compiler of the macro, of build scripts and of tests is one, and has no unit tests, which would be another build of it.
+/// The reader and the compiler of the macro, of build scripts and of tests are built once, and have no unit tests, which
+/// would be another build.
 #[test]
-fn the_compiler_is_built_once() {
+fn the_reader_and_the_compiler_are_built_once() {
     for command in [
         "test --workspace",
         "test --workspace --features modyn-fleet/whole",
@@ -58,10 +58,13 @@ fn the_compiler_is_built_once() {
         "test -p modyn-codegen",
         "build --release --example gripper",
     ] {
-        assert_eq!(builds_of_the_compiler(command), 1, "cargo {command}");
+        assert_eq!(builds("modyn_codegen", command), 1, "cargo {command}");
+        assert_eq!(builds("modyn_read", command), 1, "cargo {command}");
     }
+    assert_eq!(builds("modyn_read", "test -p modyn-read"), 1);
     // Without such a build, a unit test would never run.
-    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("../modyn-codegen/src")];
+    let sources = |package: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join(package).join("src");
+    let mut folders = vec![sources("../modyn-codegen"), sources("../modyn-read")];
     let mut files = 0;
     while let Some(folder) = folders.pop() {
         for entry in fs::read_dir(&folder).expect("a folder") {

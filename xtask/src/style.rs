@@ -19,6 +19,7 @@ const FOLDERS: &[&str] = &[
     "modyn-jit/src",
     "modyn-macro/src",
     "modyn-python/src",
+    "modyn-read/src",
     "modyn-runtime/src",
     "playground/src",
 ];

@@ -1,6 +1,6 @@
 //! Robots with their shapes and motions.
 
-use modyn_codegen::{Geometry, Mesh, Shape, Shapes};
+use modyn_read::{Geometry, Mesh, Shape, Shapes};
 use modyn_runtime::Interpreter;
 use modyn_runtime::joint::{JointType, planar};
 use modyn_runtime::model::{Inertial, Model};
@@ -14,7 +14,7 @@ use super::page_of;
 /// ```
 /// use modyn_cli::viewer::{Motion, Scene};
 ///
-/// # fn main() -> Result<(), modyn_codegen::diagnostics::Diagnostics> {
+/// # fn main() -> Result<(), modyn_read::diagnostics::Diagnostics> {
 /// let urdf = r#"<robot name="pendulum"><link name="base"/>
 ///     <joint name="pivot" type="continuous">
 ///       <parent link="base"/><child link="rod"/><axis xyz="0 1 0"/>
@@ -24,8 +24,8 @@ use super::page_of;
 ///         <inertia ixx="0.1" iyy="0.1" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
 ///       <visual><origin xyz="0 0 -0.5"/><geometry><cylinder radius="0.05" length="1"/></geometry></visual>
 ///     </link></robot>"#;
-/// let options = modyn_codegen::ReadOptions { shapes: true, ..Default::default() };
-/// let reading = modyn_codegen::read(urdf, "pendulum.urdf", &options)?;
+/// let options = modyn_read::ReadOptions { shapes: true, ..Default::default() };
+/// let reading = modyn_read::read(urdf, "pendulum.urdf", &options)?;
 ///
 /// let mut scene = Scene::new("A pendulum");
 /// let robot = scene.robot(reading.model, reading.shapes);

@@ -46,9 +46,9 @@ pub fn modyn(arguments: &[&str]) -> Output {
     run(command(arguments))
 }
 
-/// Returns the descriptions in a folder of the compiler's tests, with the options that they declare.
+/// Returns the descriptions in a folder of the reader's tests, with the options that they declare.
 pub fn descriptions(folder: &str) -> Vec<(String, Vec<String>)> {
-    let place = format!("modyn-codegen/tests/{folder}");
+    let place = format!("modyn-read/tests/{folder}");
     let mut all: Vec<_> = std::fs::read_dir(root().join(&place))
         .expect("a folder")
         .map(|entry| {

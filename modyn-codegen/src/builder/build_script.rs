@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
+use modyn_read::PACKAGE_PATHS;
+use modyn_read::diagnostics::{Code, Diagnostic, Diagnostics};
+
 use super::source::{Source, resolve_path};
 use super::{Builder, Generated};
-use crate::diagnostics::{Code, Diagnostic, Diagnostics};
 use crate::names;
-use crate::read::PACKAGE_PATHS;
 
 impl Builder {
     /// Compiles to `OUT_DIR` from a build script, for `modyn::include_model!`. Cargo runs the

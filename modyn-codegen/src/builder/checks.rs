@@ -1,14 +1,12 @@
 //! Checks of the options, by themselves and with the robot.
 
+use modyn_read::diagnostics::{Code, Diagnostic, Diagnostics, Severity, Subject, listed, suggest};
+use modyn_read::{Base, Mimic, gravity_error};
 use modyn_runtime::model::{Model, ModuleError, ModuleTree};
 
 use super::Builder;
 use super::source::Source;
 use super::syntax::{is_c_prefix, is_path, is_visibility};
-use crate::check::gravity_error;
-use crate::check::motion::listed;
-use crate::description::{Base, Mimic};
-use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity, Subject, suggest};
 use crate::emit::Target;
 use crate::names;
 use crate::options::{Bundle, ModuleChoice, shared_names, user};

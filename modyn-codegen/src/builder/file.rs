@@ -5,12 +5,13 @@ use std::fmt::Write as _;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use modyn_read::Format;
+use modyn_read::diagnostics::{Code, Diagnostic, Diagnostics};
+
 use super::source::{Source, resolve_path};
 use super::{Builder, Generated};
-use crate::diagnostics::{Code, Diagnostic, Diagnostics};
 use crate::emit::{File, Target};
 use crate::output::{ORIGIN, Replaces, has_content, write_file};
-use crate::read::Format;
 
 /// Files with their texts.
 type PathsAndTexts = Vec<(PathBuf, String)>;

@@ -1,9 +1,9 @@
 //! The inputs of object files: the programs, and the texts beside the machine code.
 
+use modyn_read::diagnostics::{Code, Diagnostic, Diagnostics, Severity};
 use modyn_runtime::model::ModuleTree;
 
 use super::{Builder, Inputs, Planning};
-use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity};
 use crate::emit::{
     EmitOptions, FloatType, MachineCode, PlannedRobot, Refused, emit_object_header, emit_wrapper,
 };

@@ -2,15 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use modyn_read::diagnostics::{Code, Diagnostic, Diagnostics};
+use modyn_read::read::file::read_first;
+use modyn_read::{Format, ReadOptions, Reading, gravity_error};
 use modyn_runtime::EmbeddedModel;
 use modyn_runtime::model::Model;
 
 use super::Builder;
-use crate::check::{check_model, gravity_error};
-use crate::description::{ReadOptions, Shapes};
-use crate::diagnostics::{Code, Diagnostic, Diagnostics};
-use crate::read::file::read_first;
-use crate::read::{Format, Reading};
 
 /// The source of the robot.
 #[derive(Clone, Debug, Default)]
@@ -131,8 +129,7 @@ impl Builder {
                         Diagnostics::new(errors.iter().map(|error| diagnostic(error)).collect())
                     })?;
                 }
-                let warnings = check_model(&model, options.unphysical_inertia)?;
-                Ok(Reading { model, warnings, files: Vec::new(), shapes: Shapes::default() })
+                Reading::of_model(model, options.unphysical_inertia)
             }
             Source::Unread(why) => Err(why.clone()),
         }

@@ -14,9 +14,9 @@ pub use gpu::{
     RolloutSource,
 };
 
+use modyn_read::diagnostics::Diagnostic;
 use modyn_runtime::model::{Model, ModuleTree};
 
-use crate::diagnostics::Diagnostic;
 use crate::names;
 use crate::plan::{Choices, Function, Plan, TooLong};
 use crate::program::Execution;

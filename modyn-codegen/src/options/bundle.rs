@@ -1,11 +1,11 @@
 //! Bundles as options: their names and members, and the checks that need no robot.
 
+use modyn_read::diagnostics::{Code, Diagnostic, suggest};
 use modyn_runtime::model::Model;
 
 use super::own_names::{OwnNames, name_defect};
 use super::types::{OptionValue, pair};
 use super::value::{OptionError, Value, ValueKind};
-use crate::diagnostics::{Code, Diagnostic, suggest};
 use crate::intern::intern;
 use crate::names;
 use crate::plan::{self, Argument, BatchForm, Function, MemberFunction, Sizes, TracedFunction};

@@ -1,7 +1,8 @@
 //! Names that users give to functions of generated code: those of bundles, and of functions of
 //! their own.
 
-use crate::diagnostics::{Code, Diagnostic};
+use modyn_read::diagnostics::{Code, Diagnostic};
+
 use crate::names;
 use crate::plan::Function;
 

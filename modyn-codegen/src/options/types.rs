@@ -1,11 +1,11 @@
 //! The types of options: how each is read from a value and written as a Rust argument.
 
+use modyn_read::diagnostics::Severity;
+use modyn_read::{Base, Contact, Loop, LoopEnd, Mimic, Package, Rotor, XacroArg};
 use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
 
 use super::value::{OptionError, Value, ValueKind};
 use crate::FloatType;
-use crate::description::{Base, Contact, Loop, LoopEnd, Mimic, Package, Rotor, XacroArg};
-use crate::diagnostics::Severity;
 use crate::plan::{CodeForm, Function, unknown_function};
 
 /// The kinematic modules to compile with.

@@ -1,12 +1,12 @@
 //! Checks of users' functions: those that need no robot, and the words for errors of tracing.
 
 use super::own_names::{OwnNames, name_defect};
-use crate::diagnostics::{Code, Diagnostic};
 use crate::names;
 use crate::plan::{
     ARGUMENTS, Argument, ArgumentKind, MAX_USER_OPERATIONS, NamedFunction, UserForm, UserPlanError,
 };
 use crate::trace::UserTraceError;
+use modyn_read::diagnostics::{Code, Diagnostic};
 use modyn_runtime::{UserArgument, UserArgumentKind};
 
 /// Names that arguments cannot have: local names of generated code, types and functions of C and

@@ -1,12 +1,12 @@
 //! The way the compiler makes each function of the table of quantities.
 
+use modyn_read::diagnostics::suggest;
 use modyn_runtime::equations::dynamics::{
     BodyRecursion, forward_dynamics_of_bodies, inverse_dynamics_of_bodies,
 };
 use modyn_runtime::quantities::{Argument, ArgumentKind, Function, Shape, Sizes};
 
 use super::PlanContext;
-use crate::diagnostics::suggest;
 use crate::graph::{Expr, Graph};
 use crate::trace::{DenseGraph, Solvers, Tracer};
 

@@ -287,3 +287,27 @@ fn an_invalid_program_is_a_warning() {
     assert_eq!((found.severity, found.code), (Severity::Warning, Code::InvalidProgram));
     assert!(found.message.contains(name) && found.message.contains(rule), "{found}");
 }
+
+/// A model that is given as text compiles as the same model in a file.
+#[test]
+fn texts_compile_as_files_do() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../modyn-read/tests/mjcf/arm.xml");
+    let text = include_str!("../../../modyn-read/tests/mjcf/arm.xml");
+    let generated = |builder: Builder| {
+        let generated = builder.type_name("Arm").generate().expect("an arm");
+        generated.operations
+    };
+    let from_text = generated(Builder::new().mjcf_text(text, "arm.xml"));
+    assert!(!from_text.is_empty());
+    assert_eq!(from_text, generated(Builder::new().mjcf(path)));
+}
+
+/// A chain and a star of joints are a good model for the interpreter.
+#[test]
+fn robots_of_too_many_links_are_refused_before_code_is_generated() {
+    for model in [comb(1, 10_000), comb(10_000, 1)] {
+        let errors = Builder::new().model(model).generate().expect_err("too large");
+        let codes: Vec<Code> = errors.iter().map(|error| error.code).collect();
+        assert_eq!(codes, [Code::TooLarge]);
+    }
+}

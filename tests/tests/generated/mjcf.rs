@@ -5,10 +5,10 @@ use modyn_codegen::{ReadOptions, read};
 use modyn_runtime::Interpreter;
 use modyn_runtime::equations::derivatives::ForwardDerivatives;
 
-modyn::modyn!(Arm = "../../../modyn-codegen/tests/mjcf/arm.xml", friction = viscous);
+modyn::modyn!(Arm = "../../../modyn-read/tests/mjcf/arm.xml", friction = viscous);
 
 modyn::modyn! {
-    Floating = "../../../modyn-codegen/tests/mjcf/floating.xml",
+    Floating = "../../../modyn-read/tests/mjcf/floating.xml",
     friction = none,
     functions = [forward_dynamics, inverse_dynamics, gravity_torques, potential_energy, forward_dynamics_derivatives],
     embed_model = true,
@@ -16,7 +16,7 @@ modyn::modyn! {
 
 #[test]
 fn the_macro_recognises_an_mjcf() {
-    let text = include_str!("../../../modyn-codegen/tests/mjcf/arm.xml");
+    let text = include_str!("../../../modyn-read/tests/mjcf/arm.xml");
     let options =
         ReadOptions { friction: Some(modyn_codegen::Friction::Viscous), ..ReadOptions::default() };
     let reading = read(text, "arm.xml", &options).expect("an MJCF");
@@ -33,7 +33,7 @@ fn the_macro_recognises_an_mjcf() {
 /// Springs and gravity compensation are in the generated functions as in the interpreter, and in the embedded model.
 #[test]
 fn springs_and_gravity_compensation_are_generated() {
-    let text = include_str!("../../../modyn-codegen/tests/mjcf/floating.xml");
+    let text = include_str!("../../../modyn-read/tests/mjcf/floating.xml");
     let reading = read(text, "floating.xml", &ReadOptions::default()).expect("an MJCF");
     let model = Floating::model();
     assert_eq!(model, reading.model);

@@ -21,11 +21,11 @@ pub use rollout::{GpuRollout, RolloutBuffer, RolloutForces, RolloutOptions, Roll
 
 use std::collections::BTreeSet;
 
+use modyn_read::diagnostics::sanitize_for_display;
 use modyn_runtime::model::Model;
 
 use super::support::Support;
 use super::{Backend, EmitOptions, File, FloatType, PlannedRobot, lacks_solver};
-use crate::diagnostics::sanitize_for_display;
 use crate::names;
 use crate::plan::{Argument, Frames, Function, Kernels, LinkProgram, Plan, Planned, Shape};
 use crate::program::{Execution, Program};

@@ -4,12 +4,11 @@
 use std::fmt::Write as _;
 use std::ops::Range;
 
+use modyn_read::diagnostics::{Diagnostic, Diagnostics, sanitize_for_display};
 use modyn_runtime::OperationCount;
 use modyn_runtime::model::Model;
 
 use super::{MachineCode, Robot};
-use crate::diagnostics::sanitize_for_display;
-use crate::diagnostics::{Diagnostic, Diagnostics};
 use crate::names;
 use crate::plan::{ARGUMENTS, Argument, ArgumentKind, CodeForm, Function};
 
@@ -285,7 +284,8 @@ fn warnings(lines: &mut String, warnings: &[Diagnostic]) {
     lines.push_str("\n# Warnings about the description\n\n```text\n");
     for warning in warnings.iter().take(Diagnostics::SHOWN) {
         // The text must not depend on the folder of the file.
-        let warning = Diagnostic { file: None, ..warning.clone() };
+        let mut warning = warning.clone();
+        warning.file = None;
         let _ = writeln!(lines, "{warning}");
     }
     if let Some(more) = Diagnostics::count_hidden(warnings.len()) {

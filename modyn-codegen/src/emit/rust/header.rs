@@ -2,11 +2,12 @@
 
 use std::fmt::Write as _;
 
+use modyn_read::diagnostics::sanitize_for_display;
+
 use super::Robot;
 use super::c_functions::in_c;
 use super::quantity::Quantity;
 use super::shape::Shape;
-use crate::diagnostics::sanitize_for_display;
 use crate::emit::coordinates_in_c;
 use crate::names;
 use crate::plan::Kernels;

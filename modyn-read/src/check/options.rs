@@ -1,0 +1,30 @@
+//! Checks the numbers in options.
+
+use modyn_runtime::model::Friction;
+
+use crate::description::MAX_NUMBER;
+use crate::diagnostics::{Code, Diagnostic};
+
+/// Returns the error of an acceleration of free fall that is not finite, or too large to compute
+/// with.
+#[must_use]
+pub fn gravity_error(gravity: [f64; 3]) -> Option<Diagnostic> {
+    let what = if gravity.iter().all(|x| x.is_finite()) {
+        "too large to compute with"
+    } else {
+        "not finite"
+    };
+    let message = format!("the gravity {gravity:?} is {what}");
+    let help = "give three finite numbers in m/s^2, such as [0.0, 0.0, -9.81]";
+    let good = gravity.iter().all(|x| x.abs() < MAX_NUMBER);
+    (!good).then(|| Diagnostic::error(Code::Gravity, message).with_help(help))
+}
+
+/// Returns the error of an invalid friction.
+pub fn friction_error(friction: Friction) -> Option<Diagnostic> {
+    let Friction::Smooth(width) = friction else { return None };
+    let message = format!("{width} is not a valid transition velocity of smooth friction");
+    let help = "give a finite velocity above 0 in rad/s or m/s, such as 0.01";
+    let good = width > 0.0 && width < MAX_NUMBER;
+    (!good).then(|| Diagnostic::error(Code::Option, message).with_help(help))
+}

@@ -1,0 +1,12 @@
+//! The tests of the reader, one module a topic.
+
+mod diagnostics;
+mod doubling;
+mod hostile;
+mod mjcf;
+mod reading;
+mod sdf;
+mod shapes;
+mod units;
+mod write;
+mod xacro;

@@ -1,0 +1,276 @@
+//! Writing: a robot that was written and read again is the same robot, in both formats.
+
+#[path = "../../tests/src/random.rs"]
+#[allow(dead_code)] // Each test uses some of the robots.
+mod random;
+
+use std::path::{Path, PathBuf};
+
+use modyn_read::diagnostics::{Code, Severity};
+use modyn_read::{
+    Base, Contact, Format, LoopEnd, ReadOptions, joints_without_inertia, read, write,
+};
+use modyn_runtime::model::{
+    Contact as ModelContact, ContactKind, Keyframe, LoopConstraint, LoopConstraintEnd,
+    LoopConstraintKind, Model,
+};
+use modyn_runtime::quantities::Function;
+use modyn_runtime::{Interpreter, Pose};
+use random::Random;
+
+/// The functions that are compared, if the robot has them. Together they depend on all numbers of a description.
+const COMPARED: [Function; 9] = [
+    Function::InverseDynamics,
+    Function::MassMatrix,
+    Function::KineticEnergy,
+    Function::PotentialEnergy,
+    Function::CenterOfMass,
+    Function::CentroidalMomentumRate,
+    Function::ConstraintResidual,
+    Function::ConstraintJacobian,
+    Function::ConstraintBiasAcceleration,
+];
+
+/// Returns the options with which a robot that was written is read: those that its format has no words for.
+fn options(model: &Model, format: Format) -> ReadOptions {
+    let end = |link: &str| LoopEnd { link: link.into(), xyz: [0.0; 3], rpy: [0.0; 3] };
+    let contacts = model.contacts().iter().filter(|_| format == Format::Mjcf);
+    let contacts = contacts.map(|contact| Contact {
+        name: contact.name.clone(),
+        kind: contact.kind,
+        end: end(&contact.name),
+    });
+    ReadOptions {
+        gravity: Some(model.gravity()).filter(|_| format == Format::Urdf),
+        friction: Some(model.friction()),
+        unphysical_inertia: Severity::Warning,
+        contacts: contacts.collect(),
+        ..ReadOptions::default()
+    }
+}
+
+/// Writes and reads a robot, and checks that nothing has changed; `false` if the format has no words for the robot.
+fn round(name: &str, model: &Model, format: Format, random: &mut Random) -> bool {
+    let mut home = vec![0.0; model.nq()];
+    let interpreter = Interpreter::<f64>::new(model.clone());
+    interpreter.random(|| random.between(0.0, 1.0), &mut home).expect("coordinates");
+    let keyframe = Keyframe { name: "home".into(), q: home.clone() };
+    let model = &model.clone().with_keyframes(vec![keyframe]).expect("coordinates");
+    let written = match write(model, format) {
+        Ok(written) => written,
+        Err(found) => {
+            assert!(found.iter().all(|one| one.code == Code::Inexpressible), "{name}: {found}");
+            return false;
+        }
+    };
+    let file = format!("{name}.{}", format.name());
+    let again = read(&written.text, &file, &options(model, format));
+    let again = again.unwrap_or_else(|found| panic!("{file}: {found}\n{}", written.text)).model;
+    assert_eq!((again.nq(), again.nv()), (model.nq(), model.nv()), "{file}");
+    let kept = again.keyframe("home");
+    assert_eq!(kept.is_some(), format == Format::Mjcf, "{file}");
+    assert_close(&format!("{file}: home"), &home, kept.unwrap_or(&home));
+    let mut robots = [model, &again].map(|model| Interpreter::<f64>::new(model.clone()));
+    for own in 0..model.links().len() {
+        let q = model.q_range(own);
+        let mut others = (0..again.links().len()).filter(|&i| again.q_range(i) == q);
+        let joint = &model.links()[own].joint;
+        if joint.mimic.is_some()
+            || q.len() > 1
+            || (format == Format::Mjcf && joint.limits.is_none())
+        {
+            continue;
+        }
+        let other = others.find(|&i| again.mimic(i).is_none()).expect("a joint");
+        assert_eq!(joint.name, again.links()[other].joint.name, "{file}");
+        let efforts = [joint, &again.links()[other].joint]
+            .map(|joint| joint.limits.map_or([None; 2], |limits| [limits.effort, limits.velocity]));
+        let is_left_out = format == Format::Mjcf && efforts[0][0] == Some(0.0);
+        assert!(is_left_out || efforts[0][0] == efforts[1][0], "{file}: {}", joint.name);
+        assert!(format == Format::Mjcf || efforts[0][1] == efforts[1][1], "{file}: {}", joint.name);
+        let ranges = [model.coordinate_range(own), again.coordinate_range(other)];
+        let [lower, upper] = ranges[0];
+        assert!(
+            ranges[0] == ranges[1] || format == Format::Mjcf && lower >= upper,
+            "{file}: {}",
+            joint.name
+        );
+    }
+    let dynamic = joints_without_inertia(model).is_empty();
+    assert_eq!(dynamic, joints_without_inertia(&again).is_empty(), "{file}");
+    for _ in 0..3 {
+        let mut q = vec![0.0; model.nq()];
+        robots[0].random(|| random.between(0.0, 1.0), &mut q).expect("coordinates");
+        let [qd, qdd] = [(); 2]
+            .map(|()| -> Vec<f64> { (0..model.nv()).map(|_| random.between(-1.0, 1.0)).collect() });
+        let settings = modyn_runtime::ConstraintSettings::<f64>::DEFAULT.numbers();
+        let targets = modyn_runtime::ContactTarget::<f64>::default().numbers();
+        let settings: Vec<f64> =
+            settings.into_iter().chain((0..model.contacts().len()).flat_map(|_| targets)).collect();
+        let has = |function: &Function| {
+            function.fits(model.constraints()) && (dynamic || !function.row().needs_inertia)
+        };
+        for function in COMPARED.into_iter().filter(has) {
+            let arguments = function.row().arguments.iter().map(|argument| match argument.name {
+                "q" => &q[..],
+                "qd" => &qd,
+                "qdd" => &qdd,
+                _ => &settings,
+            });
+            let arguments: Vec<&[f64]> = arguments.collect();
+            let [expected, found] = robots.each_mut().map(|robot| {
+                let mut result = vec![0.0; (function.row().result)(&robot.sizes()).len()];
+                robot.evaluate(function, &arguments, 0, &mut result).expect("a result");
+                result
+            });
+            assert_close(&format!("{file}: {}", function.name()), &expected, &found);
+        }
+        let mut count = 0;
+        for (i, frame) in model.frames().iter().enumerate() {
+            // MuJoCo reserves the name of the world.
+            let is_renamed =
+                format == Format::Mjcf && frame.name == "world" && frame.link.is_some();
+            let name = if is_renamed { "world_frame" } else { &frame.name };
+            let Some(j) = again.frame_index(name) else { continue };
+            let of = |robot: &Interpreter<f64>, link| {
+                let Pose { rotation, translation } = robot.link_pose(&q, link).expect("a pose");
+                [rotation.as_flattened(), &translation].concat()
+            };
+            assert_close(
+                &format!("{file}: {}", frame.name),
+                &of(&robots[0], i),
+                &of(&robots[1], j),
+            );
+            count += 1;
+        }
+        let is_whole = format == Format::Urdf || !written.text.contains("Without inertia");
+        assert!(count == model.frames().len() || !is_whole, "{file}: {count} frames");
+    }
+    true
+}
+
+fn assert_close(what: &str, expected: &[f64], found: &[f64]) {
+    assert_eq!(expected.len(), found.len(), "{what}");
+    let size = expected.iter().fold(1e-3_f64, |size, x| size.max(x.abs()));
+    for (a, b) in expected.iter().zip(found) {
+        // The centre of mass of no mass is nowhere.
+        let are_equal = (a - b).abs() <= 1e-11 * size || a.is_nan() && b.is_nan();
+        assert!(are_equal, "{what}: {expected:?} is {found:?}");
+    }
+}
+
+/// Returns the descriptions of a folder.
+fn descriptions(folder: &str) -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+    let files = std::fs::read_dir(folder).expect("a folder");
+    let mut files: Vec<PathBuf> = files.map(|file| file.expect("a file").path()).collect();
+    files.retain(|file| {
+        file.extension().is_some_and(|own| own == "urdf" || own == "sdf" || own == "xml")
+    });
+    files.sort();
+    files
+}
+
+#[test]
+fn descriptions_are_written_and_read_again() {
+    let mut random = Random::new(1);
+    let (mut urdf, mut mjcf, mut all) = (0, 0, 0);
+    for file in
+        ["../robots", "tests/good", "tests/sdf", "tests/mjcf"].into_iter().flat_map(descriptions)
+    {
+        let text = std::fs::read_to_string(&file).expect("UTF-8");
+        let name = file.file_name().expect("a name").to_string_lossy().into_owned();
+        for base in [Base::Described, Base::Floating] {
+            let options = ReadOptions {
+                base,
+                folder: file.parent().map(Into::into),
+                unphysical_inertia: Severity::Warning,
+                ..ReadOptions::default()
+            };
+            // Some descriptions need options or have a floating base, and parts of others are read on their own.
+            let Ok(reading) = read(&text, &name, &options) else { continue };
+            all += 1;
+            urdf += usize::from(round(&name, &reading.model, Format::Urdf, &mut random));
+            mjcf += usize::from(round(&name, &reading.model, Format::Mjcf, &mut random));
+        }
+    }
+    assert!(all > 80 && urdf > all - 8 && mjcf > 60, "{urdf} and {mjcf} of {all} written");
+}
+
+#[test]
+fn random_robots_are_written_and_read_again() {
+    let (mut urdf, mut mjcf) = (0, 0);
+    for seed in random::seeds(60) {
+        let mut random = Random::new(seed);
+        let model = random::mixed_zoo(seed, 1 + seed as usize % 9);
+        let model = constrained(model, &mut random);
+        let is_written = round("random", &model, Format::Urdf, &mut random);
+        let has_no_forces = model.springs().is_empty() && model.gravity_compensation().is_empty();
+        assert!(is_written || !has_no_forces, "seed {seed}");
+        urdf += usize::from(is_written);
+        mjcf += usize::from(round("random", &model, Format::Mjcf, &mut random));
+    }
+    assert!(urdf > 20 && mjcf > 10, "{urdf} robots written as URDF, {mjcf} as MJCF");
+}
+
+/// Returns a pose in general position.
+fn general_pose(random: &mut Random) -> Pose<f64> {
+    let quaternion: [f64; 4] = std::array::from_fn(|_| random.between(0.2, 1.0));
+    let length = quaternion.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let quaternion = quaternion.map(|x| x / length);
+    let rotation = modyn_runtime::conventions::rotation_from_quaternion(quaternion);
+    Pose { rotation, translation: std::array::from_fn(|_| random.between(-0.5, 0.5)) }
+}
+
+/// Returns the robot with a contact, and a loop between two links, if it has two.
+fn constrained(model: Model, random: &mut Random) -> Model {
+    let last = model.links().len() - 1;
+    let frame = |link: usize| model.frame_index(&model.links()[link].name).expect("a frame");
+    let mut end =
+        |link: usize| LoopConstraintEnd { frame: frame(link), pose: general_pose(&mut *random) };
+    let ends = [end(0), end(last)];
+    let contact = ModelContact { name: "sole".into(), kind: ContactKind::Surface, end: end(last) };
+    let axis = [0.6, 0.0, 0.8];
+    let kinds = [
+        LoopConstraintKind::Point,
+        LoopConstraintKind::Rigid,
+        LoopConstraintKind::Revolute(axis),
+        LoopConstraintKind::Prismatic(axis),
+    ];
+    let kind = kinds[random.below(4)];
+    let loops = vec![LoopConstraint { name: "pin".into(), kind, ends }];
+    let model = model.with_contacts(vec![contact]).expect("a contact");
+    if last == 0 { model } else { model.with_loop_constraints(loops).expect("a loop") }
+}
+
+/// Names keep all their characters, and properties that a format cannot express are said or refused.
+#[test]
+fn names_limits_and_notes() {
+    let text = r#"<robot name="a &lt;b> &amp; &quot;c&quot;"><link name="base -- 1"/>
+        <joint name="j&#10;k" type="revolute"><parent link="base -- 1"/><child link="d&#9;e"/><origin xyz="0 0 1e-20"/>
+          <limit lower="-1" upper="1e31" effort="1e31" velocity="3"/></joint>
+        <link name="d&#9;e"><inertial><mass value="1"/>
+          <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"#;
+    let gravity = Some([0.0, 0.0, -1.62]);
+    let model = read(text, "r.urdf", &ReadOptions { gravity, ..ReadOptions::default() });
+    let model = model.expect("a robot").model;
+    let limits = model.links()[0].joint.limits.expect("limits");
+    assert_eq!((limits.lower, limits.upper, limits.effort), (Some(-1.0), None, None));
+    let written = write(&model, Format::Urdf).expect("a URDF");
+    assert_eq!(written.notes.len(), 1, "{:?}", written.notes);
+    assert!(written.text.contains("`gravity = [0, 0, -1.62]`"), "{}", written.text);
+    let again = read(&written.text, "r.urdf", &ReadOptions { gravity, ..ReadOptions::default() });
+    assert_eq!(again.expect("a robot").model, model);
+    let written = write(&model, Format::Mjcf).expect("an MJCF");
+    assert!(
+        written.notes.iter().any(|note| note.contains("velocity limit")),
+        "{:?}",
+        written.notes
+    );
+    assert_eq!(
+        read(&written.text, "r.xml", &ReadOptions::default()).expect("a robot").model.gravity(),
+        model.gravity()
+    );
+    let found = write(&model, Format::Sdf).expect_err("SDF is not written");
+    assert!(found.to_string().contains("write a URDF or an MJCF"), "{found}");
+}
