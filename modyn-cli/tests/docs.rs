@@ -174,7 +174,7 @@ fn the_map_of_the_code_names_existing_places() {
     }
     assert!(places > 80, "{places}");
     let mut files = Vec::new();
-    let crates = ["cli", "codegen", "gpu", "jit", "macro", "python", "runtime"];
+    let crates = ["cli", "codegen", "gpu", "jit", "macro", "python", "read", "runtime"];
     let crates = crates.map(|name| root().join(format!("modyn-{name}")));
     let others = ["src", "lab", "playground", "tests"].map(|name| root().join(name));
     for folder in crates.iter().chain(&others) {
