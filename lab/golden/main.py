@@ -15,6 +15,7 @@ import pinocchio
 
 import contacts
 import displacements
+import floors
 import ground
 import hessians
 import loops
@@ -180,6 +181,7 @@ def files():
     for name in contacts.ROBOTS:
         yield f"{name}.json", lambda name=name: text(standing(name))
     yield "ground.json", lambda: text(ground.cases(ROOT))
+    yield "floors.json", lambda: json.dumps(floors.make(ROOT)) + "\n"
     yield "soft_steps.json", lambda: json.dumps(soft_steps.make(ROOT)) + "\n"
 
 

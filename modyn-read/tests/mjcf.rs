@@ -771,7 +771,7 @@ fn aligned_free_bodies_are_refused() {
 fn attributes_that_are_not_read_are_not_judged() {
     read(
         r#"<mujoco model="m"><compiler strippath="maybe"/><option timestep="short"/><asset><material rgba="red"/></asset>
-        <worldbody><body sleep="never"><joint margin="wide"/><geom size="0.1" contype="-1" rgba="red"/></body></worldbody>
+        <worldbody><body sleep="never"><joint user="wide"/><geom size="0.1" contype="-1" rgba="red"/></body></worldbody>
         <actuator><position kp="high"/></actuator></mujoco>"#,
     )
     .expect("an MJCF");

@@ -1,5 +1,6 @@
 //! Steps with soft constraints against MuJoCo: see the reference data's README.
 
+use modyn_codegen::diagnostics::Code;
 use modyn_codegen::plan::{Choices, Kernels, Plan};
 use modyn_codegen::program::Execution;
 use modyn_codegen::{Base, ReadOptions, read};
@@ -87,7 +88,7 @@ fn surfaces(file: &Value) -> Vec<ContactSurface<f64>> {
 
 /// Returns the laws of a file, with the mobilities of MuJoCo.
 fn soft_model(file: &Value, cone: Cone, robot: &mut Interpreter<f64>) -> SoftModel<f64> {
-    let SoftModel { mut contacts, .. } = robot.soft_model();
+    let SoftModel { mut contacts, damping, .. } = robot.soft_model();
     for (contact, expected) in contacts.iter_mut().zip(list(&file["contacts"])) {
         contact.mobility = number(&expected["mobility"]);
     }
@@ -102,7 +103,8 @@ fn soft_model(file: &Value, cone: Cone, robot: &mut Interpreter<f64>) -> SoftMod
         friction: Softness::standard(),
     };
     let joints = list(&file["range"]).iter().enumerate().map(joint).map(Some);
-    SoftModel { cone, weight: 1.0, contacts, joints: [None; 6].into_iter().chain(joints).collect() }
+    let joints = [None; 6].into_iter().chain(joints).collect();
+    SoftModel { cone, weight: 1.0, contacts, damping, joints }
 }
 
 fn data() -> Value {
@@ -199,6 +201,42 @@ fn touching(seed: u64) -> Model {
     };
     let contacts = moving.take(4).map(contact).collect();
     model.with_contacts(contacts).expect("links that move")
+}
+
+/// Random robots of MJCF over a plane in general position: shapes, components, cones, limits, friction
+/// and the settings of contacts and joints are those of the description.
+#[test]
+fn steps_on_a_floor_are_those_of_mujoco() {
+    let data =
+        std::fs::read_to_string(format!("{}/golden/floors.json", env!("CARGO_MANIFEST_DIR")));
+    let data: Value = serde_json::from_str(&data.expect("the reference data")).expect("good");
+
+    for (k, file) in list(&data).iter().enumerate() {
+        let reading =
+            read(text(&file["mjcf"]), "floor.xml", &ReadOptions::default()).expect("good");
+        let model = reading.model;
+        // The other functions have no friction.
+        let others =
+            reading.warnings.iter().filter(|warning| warning.code != Code::InactiveFriction);
+        assert_eq!(others.count(), 0, "{k}: {:?}", reading.warnings);
+        let mut robot = Interpreter::<f64>::new(model.clone());
+        for state in list(&file["states"]) {
+            let [q, qd, tau] = ["q", "qd", "tau"].map(|name| numbers(&state[name]));
+            let settings = StepSettings { tolerance: 1e-13, ..model.step_settings() };
+            let surfaces = settings.contacts.iter().flat_map(ContactSurface::numbers);
+            let settings = settings.numbers().into_iter().chain(surfaces).collect();
+            let dt = vec![number(&file["step"])];
+            let given = [q, qd, tau, dt, vec![0.0; model.nv()], settings];
+            let found = interpreted(&mut robot, Function::Step, &given);
+            let expected = ["next_q", "next_qd"].map(|name| numbers(&state[name])).concat();
+            let largest = expected[model.nq()..].iter().fold(1.0, |most: f64, x| most.max(x.abs()));
+            for (found, expected) in found.iter().zip(&expected) {
+                let error = (found - expected).abs() / largest;
+
+                assert!(error <= TOLERANCE, "{k}: {found} {expected}, {error:e}: {state}");
+            }
+        }
+    }
 }
 
 /// Returns a random mechanism with shapes of all kinds, cones of both kinds, and contacts of all components.

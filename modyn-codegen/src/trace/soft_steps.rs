@@ -98,7 +98,7 @@ fn on_scalars(
     let input = StepInput { q: &q, qd: &qd, tau: &tau, warm_start: &warm_start, dt: dt[0] };
     let settings = settings_of(&settings);
     let soft = soft.map(Expr::from_f64);
-    let model = &model.without_friction();
+    let model = &soft.mechanism(model);
     let mut workspace = Workspace::new(model);
     let problem = StepProblem::new(model, elimination, input, (&soft, &settings), &mut workspace);
     let rows = vec![vec![true]; problem.rows()];
@@ -131,8 +131,7 @@ impl PackedRobot<'_> {
         };
         let nv = model.nv;
         let packing = limbs.touching(soft);
-        let without_friction = model.without_friction();
-        let merged = limbs.merged(&without_friction, whole.gravity);
+        let merged = limbs.merged(&soft.mechanism(model), whole.gravity);
         let elimination = Elimination::Recursive(limbs.partition(partition));
         let given = StepInput { q: &q, qd: &qd, tau: &tau, warm_start: &warm_start, dt: dt[0] };
         let [packed_qd, packed_tau, packed_warm] =
@@ -215,6 +214,8 @@ impl PackedRobot<'_> {
             cone: soft.cone,
             weight: Expr::from_f64(soft.weight),
             contacts: packing.parameters(),
+            // The merged robot has the damping of its limbs.
+            damping: Vec::new(),
             joints: joints.collect(),
         }
     }

@@ -16,6 +16,7 @@ mod keyframes;
 mod loops;
 mod mimics;
 mod rotors;
+mod soft;
 mod tree;
 
 use modyn_runtime::model::{DEFAULT_GRAVITY, Frame, Inertial, Model, Spring};
@@ -78,7 +79,8 @@ fn model(
         }
     }
     check::inertia::densities(&bodies, &links, report);
-    check::motion::inactive_friction(&bodies, options.friction, report);
+    let acts_in_steps = description.soft.is_some();
+    check::motion::inactive_friction(&bodies, options.friction, acts_in_steps, report);
     let carriers: Vec<_> = place.iter().map(|(carrier, _)| *carrier).collect();
     let loop_constraints = loops::loop_constraints(description, &carriers, report);
     let contacts = contacts::contacts(description, &carriers, report);
@@ -110,6 +112,10 @@ fn model(
             if errors > 0 { Ok(model) } else { model.with_loop_constraints(loop_constraints) }
         })
         .and_then(|model| if errors > 0 { Ok(model) } else { model.with_contacts(contacts) })
+        .and_then(|model| {
+            let soft = soft::constraints(description, options, &carriers, &model);
+            if errors > 0 { Ok(model) } else { model.with_soft_constraints(soft) }
+        })
         .and_then(|model| {
             let keyframes = keyframes::keyframes(description, &model);
             model.with_keyframes(keyframes)

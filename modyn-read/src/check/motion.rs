@@ -24,8 +24,14 @@ pub fn check_dynamics(
     }
 }
 
-/// Warns of damping and friction if no option says whether they act.
-pub fn inactive_friction(bodies: &[Body], chosen: Option<Friction>, report: &mut Report<'_>) {
+/// Warns of damping and friction if no option says whether they act. `acts_in_steps` says whether steps with
+/// contacts have them in any case.
+pub fn inactive_friction(
+    bodies: &[Body],
+    chosen: Option<Friction>,
+    acts_in_steps: bool,
+    report: &mut Report<'_>,
+) {
     if chosen.is_some() {
         return;
     }
@@ -36,13 +42,14 @@ pub fn inactive_friction(bodies: &[Body], chosen: Option<Friction>, report: &mut
         .collect();
     let damps = joints().any(|joint| joint.dynamics.damping > 0.0);
     let rubs = joints().any(|joint| joint.dynamics.friction > 0.0);
-    let message = match (damps, rubs) {
+    let what = match (damps, rubs) {
         (true, false) => "its damping does not act",
         (false, _) => "its friction does not act",
         (true, true) => "its damping and friction do not act",
     };
+    let message = if acts_in_steps { format!("{what} but in `step`") } else { what.to_owned() };
     let help = "set the option `friction` to `viscous`, `coulomb` or `smooth` if they are to act, else to `none`";
-    report.warn_once(Code::InactiveFriction, &places, message, help);
+    report.warn_once(Code::InactiveFriction, &places, &message, help);
 }
 
 /// Reports joints that move no inertia, and mimic joints whose ratio is too large to compute with;

@@ -17,7 +17,9 @@ pub use shape::{Geometry, Mesh, Shape, Shapes};
 pub use taken_names::TakenNames;
 
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{ContactKind, Inertial, JointDynamics, Limits, LoopConstraintKind};
+use modyn_runtime::model::{
+    ContactKind, Inertial, JointDynamics, Limits, LoopConstraintKind, SoftConstraints, Softness,
+};
 use modyn_runtime::spatial::Pose;
 use rustc_hash::FxHashMap;
 
@@ -47,6 +49,11 @@ pub struct Description {
     pub keyframes: Vec<KeyframeRecord>,
     /// A sentence for each shape that could not be read.
     pub shape_notes: Vec<String>,
+    /// The shapes that touch the ground and the options of their contacts, without the softness of
+    /// joints; `None` if the format has none.
+    pub soft: Option<SoftConstraints>,
+    /// The softness of joints, by their index.
+    pub softnesses: Vec<(usize, SoftnessRecord)>,
 }
 
 impl Description {
@@ -211,6 +218,15 @@ impl ContactRecord {
     pub fn subject(&self) -> Subject {
         Subject::Contact(self.name.clone())
     }
+}
+
+/// The softness of a joint's limits and dry friction.
+#[derive(Clone)]
+pub struct SoftnessRecord {
+    pub limit: Softness<f64>,
+    pub friction: Softness<f64>,
+    /// The distance from which on a limit acts, rad or m.
+    pub margin: f64,
 }
 
 /// Named coordinates of the robot.

@@ -8,6 +8,7 @@ use crate::equations::soft_constraints::{
     ContactParameters, JointParameters, SoftModel, SoftStep, StepInput, StepProblem, moved,
     soft_step,
 };
+use crate::mechanism::Mechanism;
 use crate::model::{Friction, Softness};
 use crate::quantities::Sizes;
 use crate::spatial::{Twist, Vector3};
@@ -66,9 +67,8 @@ impl<S: Scalar> Interpreter<S> {
             Interpreter::<f64>::new(self.model.clone()).soft_model().map(S::from_f64)
         });
         let Self { mechanism, elimination, workspace, .. } = self;
-        let settings = (&soft, settings);
-        let mechanism = &mechanism.without_friction();
-        let problem = StepProblem::new(mechanism, elimination, input, settings, workspace);
+        let mechanism = &soft.mechanism(mechanism);
+        let problem = StepProblem::new(mechanism, elimination, input, (&soft, settings), workspace);
         let SoftStep { motion, residual, iterations } = soft_step(problem);
         let [q, qd] = moved(mechanism, input, &motion.qdd);
         self.soft = Some(soft);
@@ -125,6 +125,7 @@ impl Interpreter<f64> {
             }
         });
         let contacts = contacts.collect();
+        let stops = self.model.soft_constraints().joint_limits;
         let mut joints = vec![None; self.model.nv()];
         for i in 0..self.model.links().len() {
             let (coordinates, velocities) = (self.model.q_range(i), self.model.v_range(i));
@@ -141,7 +142,7 @@ impl Interpreter<f64> {
             let softness = softnesses.find(|softness| softness.joint == i);
             joints[dof] = Some(JointParameters {
                 coordinate: coordinates.start,
-                range: [lower, upper].map(|limit| Some(limit).filter(|limit| limit.is_finite())),
+                range: [lower, upper].map(|limit| Some(limit).filter(|x| stops && x.is_finite())),
                 margin: softness.map_or(0.0, |softness| softness.margin),
                 mobility: mobility(&unit),
                 limit: softness.map_or_else(Softness::standard, |softness| softness.limit),
@@ -151,12 +152,34 @@ impl Interpreter<f64> {
         }
         let mass: f64 = self.model.links().iter().map(|link| link.inertial.mass).sum();
         let cone = self.model.soft_constraints().cone;
-        SoftModel { cone, weight: (mass * EARTH).max(LEAST_WEIGHT), contacts, joints }
+        SoftModel {
+            cone,
+            weight: (mass * EARTH).max(LEAST_WEIGHT),
+            contacts,
+            damping: self.damping_in_steps(),
+            joints,
+        }
+    }
+
+    /// Returns the damping of each degree of freedom of the mechanism in steps.
+    fn damping_in_steps(&self) -> Vec<Option<f64>> {
+        let damping = |mechanism: &Mechanism<f64>| {
+            mechanism.dofs.iter().map(|dof| dof.damping).collect::<Vec<_>>()
+        };
+        let model = &self.model;
+        match model.friction() {
+            Friction::None if model.soft_constraints().joint_friction => {
+                let damped = model.clone().with_friction(Friction::Viscous);
+                damping(&Mechanism::new(&damped.expect("a kind of friction without parameters")))
+            }
+            _ => damping(&self.mechanism),
+        }
     }
 
     /// Returns the dry friction of a joint and of the mimic joints that follow it, N m or N; zero if friction is not enabled.
     fn dry_friction(&self, joint: usize) -> f64 {
-        if !matches!(self.model.friction(), Friction::Coulomb | Friction::Smooth(_)) {
+        let acts = matches!(self.model.friction(), Friction::Coulomb | Friction::Smooth(_));
+        if !(acts || self.model.soft_constraints().joint_friction) {
             return 0.0;
         }
         let joints = self.model.links().iter().enumerate().filter_map(|(i, link)| {

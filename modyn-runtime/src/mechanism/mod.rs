@@ -101,14 +101,6 @@ pub struct Mechanism<S> {
 }
 
 impl<S: Scalar> Mechanism<S> {
-    /// Returns the mechanism without Coulomb friction, for steps in which it is a constraint.
-    #[must_use]
-    pub fn without_friction(&self) -> Self {
-        let mut mechanism = self.clone();
-        mechanism.dofs.iter_mut().for_each(|dof| dof.friction = None);
-        mechanism
-    }
-
     /// Returns the mechanism with `f` applied to its numbers.
     #[must_use]
     pub fn map<T>(&self, f: impl Fn(S) -> T + Copy) -> Mechanism<T> {

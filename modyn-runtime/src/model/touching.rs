@@ -45,7 +45,7 @@ pub enum Cone {
 }
 
 /// What a robot's steps with soft constraints have beside its joints, limits and friction.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SoftConstraints {
     /// The cone of all contacts.
@@ -56,6 +56,24 @@ pub struct SoftConstraints {
     pub shapes: Vec<TouchingShape>,
     /// The softness of joints whose softness is not `MuJoCo`'s default.
     pub joints: Vec<JointSoftness>,
+    /// Whether joint limits stop joints.
+    pub joint_limits: bool,
+    /// Whether damping and dry friction of joints act in steps where the other functions of the
+    /// robot have none ([`Friction::None`](super::Friction::None)).
+    pub joint_friction: bool,
+}
+
+impl Default for SoftConstraints {
+    fn default() -> Self {
+        Self {
+            cone: Cone::default(),
+            impratio: None,
+            shapes: Vec::new(),
+            joints: Vec::new(),
+            joint_limits: true,
+            joint_friction: false,
+        }
+    }
 }
 
 /// A shape of a link, and the ground that it touches.

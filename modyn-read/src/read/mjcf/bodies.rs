@@ -15,6 +15,7 @@ use super::joints::{self, is_free};
 use super::mesh::Meshes;
 use super::models::{Model, Source};
 use super::pose::euler;
+use super::touching::{self, Place};
 use crate::description::{
     Description, InertialRecord, JointRecord, Kind, LinkRecord, Located, ReadOptions, TakenNames,
 };
@@ -28,7 +29,7 @@ const MAX_ITEMS: usize = 1_000_000;
 /// The description so far.
 pub struct Bodies<'e, 'r, 'f> {
     pub models: Vec<Model<'e>>,
-    meshes: Meshes<'e>,
+    pub meshes: Meshes<'e>,
     /// Whether shapes are read.
     has_shapes: bool,
     pub description: Description,
@@ -49,6 +50,10 @@ pub struct Bodies<'e, 'r, 'f> {
     /// The models and their names in the whole model: the main model first, then each that was
     /// attached.
     pub attached: Vec<(usize, Rc<Naming>)>,
+    /// The geoms that can touch others.
+    pub geoms: Vec<touching::Geom<'e>>,
+    /// Whether pairs of geoms are named, which touch each other in any case.
+    pub has_pairs: bool,
     /// The models in which the present element is.
     open: Vec<usize>,
     /// The number of elements so far.
@@ -104,6 +109,8 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
             contacts: Vec::new(),
             keyframes: Vec::new(),
             shape_notes: Vec::new(),
+            soft: None,
+            softnesses: Vec::new(),
         };
         let naming = Rc::new(Naming::default());
         let mut bodies = Self {
@@ -118,6 +125,10 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
             free_poses: BTreeMap::new(),
             spring_dampers: Vec::new(),
             attached: vec![(0, naming.clone())],
+            geoms: Vec::new(),
+            has_pairs: sources
+                .iter()
+                .any(|source| source.root.in_sections("contact").any(|child| child.name == "pair")),
             open: vec![0],
             items: 0,
             report,
@@ -143,6 +154,8 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
         let world = Parent { link: 0, drawn: Pose::identity(), depth: 0 };
         bodies.sites(&parts.sites, 0);
         bodies.shapes(&parts.geoms, 0, "world");
+        let drawn = Pose::identity();
+        bodies.touching(&parts.geoms, &Place { body: "world", link: 0, moves: false, drawn });
         for body in parts.bodies {
             bodies.body(body, world);
         }
@@ -381,6 +394,9 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
             let link = if last { name.clone() } else { format!("{name}_behind_{joint_name}") };
             let child = self.link(link, place, self.carriers.len());
             self.description.links[child].auxiliary = !last;
+            if let Some(softness) = touching::joint_softness(joint, self.report) {
+                self.description.softnesses.push((self.description.joints.len(), softness));
+            }
             if let Some(numbers) = joints::spring_damper(joint) {
                 self.spring_dampers.push((self.description.joints.len(), numbers));
             }
@@ -415,6 +431,7 @@ impl<'e, 'r, 'f> Bodies<'e, 'r, 'f> {
         }
         self.sites(&parts.sites, above);
         self.shapes(&parts.geoms, above, &name);
+        self.touching(&parts.geoms, &Place { body: &name, link: above, moves, drawn });
         let parent = Parent { link: above, drawn, depth: parent.depth + 1 };
         for body in parts.bodies {
             self.body(body, parent);

@@ -3,7 +3,7 @@
 
 use core::f64::consts::PI;
 
-use modyn_runtime::model::Inertial;
+use modyn_runtime::model::{ContactShape, Inertial};
 use modyn_runtime::spatial::Pose;
 
 use super::check::numbers;
@@ -165,6 +165,52 @@ pub fn shape<'e>(
         return Err("its `size` must be above 0".into());
     }
     Ok(Some(Shape { pose, geometry, color }))
+}
+
+/// A shape for contacts, and the radius of its rounding.
+pub struct Touching {
+    pub shape: ContactShape<f64>,
+    pub radius: f64,
+}
+
+/// Returns the pose of a geom in its body, and its shape for contacts.
+///
+/// # Errors
+///
+/// Returns the reason why its contacts are not computed.
+pub fn touching<'e>(
+    geom: &Item<'e>,
+    model: &Model<'e>,
+    meshes: &mut Meshes<'e>,
+    report: &mut Report<'_>,
+) -> Result<(Pose<f64>, Touching), String> {
+    let kind = geom.text("type").unwrap_or("sphere");
+    if kind == "sdf" {
+        return Err("contacts of signed distance fields are not computed".into());
+    }
+    if kind == "mesh" {
+        let name = geom.text("mesh").ok_or("a geom of type `mesh` has no `mesh`")?;
+        let points = meshes.corners(name, geom.model, model, report)?;
+        let shape = ContactShape::Points(points.to_vec());
+        return Ok((geom.pose(&model.settings, report), Touching { shape, radius: 0.0 }));
+    }
+    let mesh = match geom.text("mesh") {
+        Some(name) => Some(meshes.get(name, geom.model, model, report)?),
+        None => None,
+    };
+    let (pose, [x, y, z]) = placed(geom, model, mesh.as_deref(), report)?;
+    let (shape, radius) = match kind {
+        "sphere" => (ContactShape::Point, x),
+        "capsule" => (ContactShape::Segment(y), x),
+        "cylinder" => (ContactShape::Cylinder([x, y]), 0.0),
+        "ellipsoid" => (ContactShape::Ellipsoid([x, y, z]), 0.0),
+        _ => (ContactShape::Cuboid([x, y, z]), 0.0),
+    };
+    let is_sound = shape.numbers().iter().all(|size| *size > 0.0) && radius >= 0.0;
+    if !is_sound {
+        return Err("its `size` must be above 0".into());
+    }
+    Ok((pose, Touching { shape, radius }))
 }
 
 /// Returns the numbers of `size`, with zeros for missing ones.

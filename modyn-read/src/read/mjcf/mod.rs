@@ -25,6 +25,7 @@ mod pose;
 mod settings;
 mod spring_dampers;
 pub(crate) mod table;
+mod touching;
 
 use crate::check::gravity_error;
 use crate::description::{Base, Description, ReadOptions};
@@ -56,6 +57,7 @@ pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> O
     bodies.fluids(options.unread_forces);
     bodies.tendons(options.unread_forces);
     bodies.actuators();
+    bodies.soft_constraints();
     let mut description = bodies.description;
     let error = description.gravity.and_then(gravity_error).filter(|_| options.gravity.is_none());
     if let Some(error) = error {

@@ -1,7 +1,10 @@
 //! The settings of `<compiler>` and `<option>`.
 
-use super::check::numbers;
+use modyn_runtime::model::Cone;
+
+use super::check::{list, numbers};
 use super::element::Element;
+use super::touching;
 use crate::diagnostics::{Code, Report};
 
 /// The settings of a model; the last of repeated attributes counts.
@@ -32,6 +35,25 @@ pub struct Settings<'e> {
     pub strip_path: bool,
     pub gravity: [f64; 3],
     pub flags: Flags,
+    /// The cone of contacts' forces.
+    pub cone: Cone,
+    /// How many times stiffer friction is than the normal direction.
+    pub impratio: Option<f64>,
+    /// Whether geoms touch each other.
+    pub contacts: bool,
+    /// Whether limits stop joints.
+    pub limits: bool,
+    /// What replaces the parameters of all contacts.
+    pub overriding: Option<ContactOverride>,
+}
+
+/// The parameters that replace those of all contacts, in the order of their attributes.
+#[derive(Clone, Copy)]
+pub struct ContactOverride {
+    pub friction: [f64; 5],
+    pub margin: f64,
+    pub reference: [f64; 2],
+    pub impedance: [f64; 5],
 }
 
 /// The switches of `<flag>`.
@@ -69,10 +91,16 @@ impl<'e> Settings<'e> {
         let text = |name| last("compiler", name).map(|attribute| attribute.value.as_str());
         let number = |name| text(name).and_then(numbers::<1>).map(|[number]| number);
         let flag = |name| text(name).map(|value| value == "true");
-        let disabled = |name| {
+        let switch = |name| {
             let flags = root.in_sections("option").filter(|child| child.name == "flag");
-            flags.filter_map(|flag| flag.text(name)).last() == Some("disable")
+            flags.filter_map(|flag| flag.text(name)).last()
         };
+        let disabled = |name| switch(name) == Some("disable");
+        let option = |name: &str| {
+            let options = root.named("option").filter_map(|section| section.text(name));
+            options.last()
+        };
+        let option_numbers = |name: &str| option(name).and_then(list);
         let euler = last("compiler", "eulerseq").map_or(Some(*b"xyz"), |attribute| {
             let letters = <[u8; 3]>::try_from(attribute.value.as_bytes()).ok();
             let axes =
@@ -120,6 +148,15 @@ impl<'e> Settings<'e> {
                 actuation: !disabled("actuation"),
                 clamps_controls: !disabled("clampctrl"),
             },
+            cone: match option("cone") {
+                Some("elliptic") => Cone::Elliptic,
+                _ => Cone::Pyramidal,
+            },
+            impratio: option("impratio").and_then(numbers).map(|[ratio]| ratio),
+            contacts: !disabled("contact") && !disabled("constraint"),
+            limits: !disabled("limit") && !disabled("constraint"),
+            overriding: (switch("override") == Some("enable"))
+                .then(|| touching::overriding(&option_numbers)),
         }
     }
 }

@@ -111,10 +111,20 @@ const TABLE: &[Row] = &[
         parents: MODEL,
         names: &["option"],
         treatment: Treatment::Read(
-            &[("gravity", Exactly(3)), ("density", Exactly(1)), ("viscosity", Exactly(1))],
-            "timestep apirate impratio tolerance ls_tolerance noslip_tolerance mpr_tolerance \
+            &[
+                ("gravity", Exactly(3)),
+                ("density", Exactly(1)),
+                ("viscosity", Exactly(1)),
+                ("cone", Word(&["pyramidal", "elliptic"])),
+                ("impratio", Exactly(1)),
+                ("o_margin", Exactly(1)),
+                ("o_solref", UpTo(2)),
+                ("o_solimp", UpTo(5)),
+                ("o_friction", UpTo(5)),
+            ],
+            "timestep apirate tolerance ls_tolerance noslip_tolerance mpr_tolerance \
              ccd_tolerance sleep_tolerance wind \
-             magnetic o_margin o_solref o_solimp o_friction integrator collision cone jacobian solver iterations \
+             magnetic integrator collision jacobian solver iterations \
              ls_iterations noslip_iterations mpr_iterations ccd_iterations sdf_iterations \
              sdf_initpoints actuatorgroupdisable",
         ),
@@ -133,10 +143,12 @@ const TABLE: &[Row] = &[
                 ("equality", SWITCH),
                 ("actuation", SWITCH),
                 ("clampctrl", SWITCH),
+                ("limit", SWITCH),
+                ("contact", SWITCH),
+                ("override", SWITCH),
             ],
-            // The caller's steps decide limits and contacts.
-            "limit contact warmstart filterparent refsafe sensor midphase eulerdamp autoreset \
-             nativeccd island multiccd override \
+            "warmstart filterparent refsafe sensor midphase eulerdamp autoreset \
+             nativeccd island multiccd \
              energy fwdinv invdiscrete sensornoise sleep diagexact ipc speculative",
         ),
     },
@@ -278,8 +290,13 @@ const TABLE: &[Row] = &[
                 ("armature", Exactly(1)),
                 ("damping", POLYNOMIAL),
                 ("frictionloss", Exactly(1)),
+                ("solreflimit", UpTo(2)),
+                ("solimplimit", UpTo(5)),
+                ("solreffriction", UpTo(2)),
+                ("solimpfriction", UpTo(5)),
+                ("margin", Exactly(1)),
             ],
-            "group solreflimit solimplimit solreffriction solimpfriction actuatorgravcomp margin user",
+            "group actuatorgravcomp user",
         ),
     },
     Row {
@@ -316,9 +333,17 @@ const TABLE: &[Row] = &[
                 ("hfield", Text),
                 ("mesh", Text),
                 ("fitscale", Exactly(1)),
+                ("contype", Exactly(1)),
+                ("conaffinity", Exactly(1)),
+                ("condim", Exactly(1)),
+                ("priority", Exactly(1)),
+                ("friction", UpTo(3)),
+                ("solmix", Exactly(1)),
+                ("solref", UpTo(2)),
+                ("solimp", UpTo(5)),
+                ("margin", Exactly(1)),
             ],
-            "name contype conaffinity condim priority material friction solmix solref solimp \
-             margin gap surfacevel adhesion \
+            "name material gap surfacevel adhesion \
              rgba fluidshape fluidcoef castshadow user",
         ),
     },

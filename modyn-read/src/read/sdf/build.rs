@@ -49,6 +49,8 @@ pub fn describe(
         contacts: Vec::new(),
         keyframes: Vec::new(),
         shape_notes: world.shape_notes.clone(),
+        soft: None,
+        softnesses: Vec::new(),
     };
     let named = world.frames.iter().filter(|frame| !matches!(frame.kind, FrameKind::Joint(_)));
     let names = Names::new(named.map(|frame| frame.name.text.clone()));

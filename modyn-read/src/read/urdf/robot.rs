@@ -55,6 +55,8 @@ pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Desc
         contacts: Vec::new(),
         keyframes: Vec::new(),
         shape_notes: Vec::new(),
+        soft: None,
+        softnesses: Vec::new(),
     };
     for node in children(robot) {
         if is(node, "link") {

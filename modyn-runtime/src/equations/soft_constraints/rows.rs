@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use super::law::{self, ContactLaw, Response, RowState};
 use super::shapes;
 use crate::equations::Workspace;
-use crate::mechanism::BodyTree;
+use crate::mechanism::{BodyTree, Mechanism};
 use crate::model::{Cone, ContactComponents, ContactShape, Impedance, Softness};
 use crate::scalar::{at_least, at_most};
 use crate::spatial::{ArticulatedInertia, Matrix3, Pose, Symmetric3, Twist, Vector3, Wrench};
@@ -36,6 +36,8 @@ pub struct SoftModel<S> {
     pub weight: S,
     /// The shapes that touch the ground.
     pub contacts: Vec<ContactParameters<S>>,
+    /// The damping of each degree of freedom; `None` without damping.
+    pub damping: Vec<Option<S>>,
     /// The limits and dry friction of each entry of qd; entries of joints with several degrees of freedom
     /// have none.
     pub joints: Vec<Option<JointParameters<S>>>,
@@ -326,8 +328,23 @@ impl<S: Copy> SoftModel<S> {
             cone: self.cone,
             weight: f(self.weight),
             contacts: self.contacts.iter().map(|contact| contact.map(f)).collect(),
+            damping: self.damping.iter().map(|damping| damping.map(f)).collect(),
             joints: self.joints.iter().map(|joint| joint.map(|joint| joint.map(f))).collect(),
         }
+    }
+}
+
+impl<S: Scalar> SoftModel<S> {
+    /// Returns the mechanism of steps: with the damping of this model, and without Coulomb friction,
+    /// which is a constraint.
+    #[must_use]
+    pub fn mechanism(&self, robot: &Mechanism<S>) -> Mechanism<S> {
+        let mut mechanism = robot.clone();
+        for (dof, &damping) in mechanism.dofs.iter_mut().zip(&self.damping) {
+            dof.friction = None;
+            dof.damping = damping;
+        }
+        mechanism
     }
 }
 

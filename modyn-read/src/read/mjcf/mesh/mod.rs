@@ -25,7 +25,15 @@ pub struct Meshes<'e> {
     known: HashMap<(usize, &'e str), Result<Rc<MassProperties>, String>>,
     /// The surfaces for pictures.
     pictures: HashMap<(usize, &'e str), Result<Arc<Mesh>, String>>,
+    /// The corners of the hulls.
+    corners: HashMap<(usize, &'e str), Corners>,
 }
+
+/// The corners of a hull, or why they are not known.
+type Corners = Result<Rc<[[f64; 3]]>, String>;
+
+/// The largest number of corners of a hull that touch the ground.
+pub const MAX_CORNERS: usize = 16;
 
 impl<'e> Meshes<'e> {
     /// Returns the volume (or area) and inertia of the mesh of this name.
@@ -42,6 +50,23 @@ impl<'e> Meshes<'e> {
     ) -> Result<Rc<MassProperties>, String> {
         let known = self.known.entry((index, name));
         known.or_insert_with(|| mass_properties(name, model, report).map(Rc::new)).clone()
+    }
+
+    /// Returns the corners of the convex hull of the mesh of this name, at most
+    /// [`MAX_CORNERS`].
+    ///
+    /// # Errors
+    ///
+    /// Returns the reason why they are not known.
+    pub fn corners(
+        &mut self,
+        name: &'e str,
+        index: usize,
+        model: &Model<'e>,
+        report: &mut Report<'_>,
+    ) -> Corners {
+        let known = self.corners.entry((index, name));
+        known.or_insert_with(|| corners(name, model, report).map(Rc::from)).clone()
     }
 
     /// Returns the surface of the mesh of this name, for a picture.
@@ -103,6 +128,34 @@ impl<'e> Asset<'e> {
     fn text(&self, name: &str) -> Option<&'e str> {
         self.chain.iter().find_map(|element| element.text(name))
     }
+}
+
+/// Returns the corners of the convex hull of a mesh; of more than [`MAX_CORNERS`] those that are
+/// farthest from each other.
+fn corners(name: &str, model: &Model, report: &mut Report<'_>) -> Result<Vec<[f64; 3]>, String> {
+    let vertices = Asset::read(name, model, Purpose::Picture, report)?.mesh.vertices;
+    let faces = hull::hull(&vertices).map_err(|why| format!("the mesh `{name}` {why}"))?;
+    let mut indices: Vec<usize> = faces.into_iter().flatten().collect();
+    indices.sort_unstable();
+    indices.dedup();
+    let hull: Vec<[f64; 3]> = indices.into_iter().map(|index| vertices[index]).collect();
+    if hull.len() <= MAX_CORNERS {
+        return Ok(hull);
+    }
+    let square = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum();
+    let mut chosen = vec![hull[0]];
+    let mut distances: Vec<f64> = vec![f64::INFINITY; hull.len()];
+    while chosen.len() <= MAX_CORNERS {
+        let last = chosen[chosen.len() - 1];
+        for (distance, point) in distances.iter_mut().zip(&hull) {
+            *distance = distance.min(square(*point, last));
+        }
+        let farthest = (0..hull.len()).max_by(|&a, &b| distances[a].total_cmp(&distances[b]));
+        chosen.push(hull[farthest.unwrap_or_default()]);
+    }
+    // The first corner was any.
+    chosen.remove(0);
+    Ok(chosen)
 }
 
 /// Returns the surface of a mesh: the convex hull if its element has vertices alone.

@@ -1,0 +1,108 @@
+"""Steps of MuJoCo on planes: random robots of an MJCF with geoms of all kinds, contacts of one to six components, both cones, joint
+limits, dry friction, damping, and the settings of contacts and joints in general position.
+"""
+
+import ground
+import mujoco
+import numpy
+
+STEP = 0.002
+ROBOTS = 24
+STATES = 4
+KINDS = ("sphere", "capsule", "box", "cylinder", "ellipsoid")
+#: The power of all curves of impedance: contacts mix those of two geoms, and modyn has integers.
+POWER = 3
+SIZES = {"sphere": 1, "capsule": 2, "box": 3, "cylinder": 2, "ellipsoid": 3}
+
+
+def numbers(values):
+    return " ".join(f"{x:.6g}" for x in numpy.atleast_1d(values))
+
+
+def softness(rng, reference="solref", impedance="solimp"):
+    least, most = sorted(rng.uniform(0.7, 0.97, 2))
+    curve = [least, most, rng.uniform(0.001, 0.02), rng.uniform(0.3, 0.7), POWER]
+    direct = rng.random() < 0.2
+    pair = [-rng.uniform(300, 3000), -rng.uniform(10, 80)] if direct else [rng.uniform(0.01, 0.05), rng.uniform(0.7, 1.3)]
+    return f'{reference}="{numbers(pair)}" {impedance}="{numbers(curve)}"'
+
+
+def contact(rng):
+    friction = [rng.uniform(0.2, 1.2), rng.uniform(0.005, 0.1), rng.uniform(0.005, 0.1)]
+    return (f'condim="{rng.choice([1, 3, 4, 6])}" friction="{numbers(friction)}" priority="{rng.integers(0, 2)}" '
+            f'solmix="{numbers(rng.uniform(0.5, 2.0))}" margin="{numbers(rng.uniform(0.0, 0.02))}" {softness(rng)}')
+
+
+def turned(rng):
+    quaternion = rng.normal(size=4)
+    return f'quat="{numbers(quaternion / numpy.linalg.norm(quaternion))}"'
+
+
+def geom(rng, kind):
+    size = rng.uniform(0.04, 0.15, SIZES[kind])
+    return (f'<geom type="{kind}" size="{numbers(size)}" pos="{numbers(rng.uniform(-0.1, 0.1, 3))}" {turned(rng)} '
+            f'contype="2" conaffinity="1" {contact(rng)}/>')
+
+
+def joint(rng):
+    kind = rng.choice(["hinge", "slide"])
+    lower, upper = sorted(rng.uniform(-0.8, 0.8, 2)) if kind == "hinge" else sorted(rng.uniform(-0.1, 0.1, 2))
+    friction = rng.uniform(0.0, 0.5) * (rng.random() < 0.5)
+    return (f'<joint type="{kind}" axis="{numbers(rng.normal(size=3))}" pos="{numbers(rng.uniform(-0.05, 0.05, 3))}" '
+            f'range="{numbers([lower, upper])}" armature="{numbers(rng.uniform(0, 0.05))}" '
+            f'damping="{numbers(rng.uniform(0, 0.5))}" frictionloss="{numbers(friction)}" margin="{numbers(rng.uniform(0, 0.02))}" '
+            f'{softness(rng, "solreflimit", "solimplimit")} {softness(rng, "solreffriction", "solimpfriction")}/>')
+
+
+def scene(rng, k):
+    """The text of a robot over a plane: a free body, and limbs of one or two links."""
+    kinds = [KINDS[(k + i) % len(KINDS)] for i in range(6)]
+    limbs = ""
+    for i in range(1 + k % 3):
+        inner = f"<body pos='{numbers(rng.uniform(-0.2, 0.2, 3))}'>{joint(rng)}{geom(rng, kinds[2 * i])}</body>" * (i != 1)
+        limbs += f"<body pos='{numbers(rng.uniform(-0.3, 0.3, 3))}' {turned(rng)}>{joint(rng)}{geom(rng, kinds[2 * i + 1])}{inner}</body>"
+    rotation = numpy.array(ground.rotation(rng.normal(size=3), rng.uniform(0, 0.6)))
+    floor = (f'<geom name="floor" type="plane" size="0 0 1" pos="{numbers(rng.uniform(-0.3, 0.3, 3))}" '
+             f'quat="{numbers(rotation)}" contype="1" conaffinity="2" {contact(rng)}/>')
+    cone = "elliptic" if k % 2 else "pyramidal"
+    return (f'<mujoco model="floor {k}"><compiler angle="radian"/><option cone="{cone}" impratio="{numbers(rng.uniform(0.5, 4))}"/>'
+            f"<worldbody>{floor}<body name='base'><freejoint/>{geom(rng, kinds[0])}{limbs}</body></worldbody></mujoco>")
+
+
+def to_modyn(qpos, qvel):
+    """Coordinates and velocities in modyn's order: quaternions x y z w, linear velocities in the axes of the base."""
+    x, y, z, w, qx, qy, qz = qpos[:7]
+    linear = ground.matrix(qpos[3:7]).T @ qvel[:3]
+    return [float(a) for a in [x, y, z, qx, qy, qz, w, *qpos[7:]]], [float(a) for a in [*linear, *qvel[3:]]]
+
+
+def robot(rng, k):
+    text = scene(rng, k)
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    model.opt.timestep, model.opt.tolerance, model.opt.ls_tolerance = STEP, 0.0, 1e-12
+    model.opt.iterations, model.opt.ls_iterations = 300, 100
+    normal = ground.matrix(model.geom("floor").quat)[:, 2]
+    found = {"mjcf": text, "step": STEP, "states": []}
+    while len(found["states"]) < STATES:
+        mujoco.mj_resetData(model, data)
+        base = rng.normal(size=4)
+        data.qpos[3:7] = base / numpy.linalg.norm(base)
+        data.qpos[7:] = rng.normal(size=model.nq - 7) * 0.3
+        data.qvel[:] = rng.normal(size=model.nv)
+        data.qpos[:3] = model.geom("floor").pos + normal * rng.uniform(0.0, 0.3)
+        tau = [0.0] * 6 + [float(x) for x in rng.normal(size=model.nv - 6)]
+        q, qd = to_modyn(data.qpos, data.qvel)
+        data.qfrc_applied[:] = tau
+        mujoco.mj_step(model, data)
+        if data.ncon == 0:
+            continue
+        next_q, next_qd = to_modyn(data.qpos, data.qvel)
+        found["states"].append({"q": q, "qd": qd, "tau": tau, "next_q": next_q, "next_qd": next_qd, "contacts": int(data.ncon),
+                                "rows": int(data.nefc)})
+    return found
+
+
+def make(_root):
+    rng = numpy.random.default_rng(11)
+    return [robot(rng, k) for k in range(ROBOTS)]

@@ -1,0 +1,33 @@
+//! What touches the ground, and the softness of joints.
+
+use modyn_runtime::model::{JointSoftness, Model, SoftConstraints};
+use rustc_hash::FxHashMap;
+
+use crate::description::{Description, ReadOptions};
+
+/// Returns the soft constraints of the model. `carriers` has, for each link of the description, the
+/// moving link that carries it.
+pub fn constraints(
+    description: &Description,
+    options: &ReadOptions,
+    carriers: &[Option<usize>],
+    model: &Model,
+) -> SoftConstraints {
+    let Some(mut soft) = description.soft.clone() else { return SoftConstraints::default() };
+    soft.joint_friction &= options.friction.is_none();
+    soft.shapes.retain(|shape| carriers[shape.end.frame].is_some());
+    let joints = model.links().iter().enumerate();
+    let joints: FxHashMap<&str, usize> =
+        joints.map(|(joint, link)| (link.joint.name.as_str(), joint)).collect();
+    let softnesses = description.softnesses.iter().filter_map(|(joint, record)| {
+        let name = description.joints[*joint].name.text.as_str();
+        Some(JointSoftness {
+            joint: *joints.get(name)?,
+            margin: record.margin,
+            limit: record.limit,
+            friction: record.friction,
+        })
+    });
+    soft.joints = softnesses.collect();
+    soft
+}
