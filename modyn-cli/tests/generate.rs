@@ -346,21 +346,35 @@ fn rollouts_for_graphics_processors() {
     assert!(refused.err.contains("step_semi_implicit"), "{}", refused.err);
 }
 
-/// Languages whose back ends print no loops say which function they leave out.
+/// CasADi, which differentiates all functions, says why it leaves out the solver of a step; other
+/// languages have it.
 #[test]
-fn languages_without_loops_lack_the_solver_of_a_step() {
-    for target in ["cuda", "wgsl", "matlab", "casadi"] {
-        let functions = ["--functions", "[mass_matrix, step]", "--target", target];
-        let warned =
-            modyn(&[&["generate", "robots/double_pendulum.urdf"], &functions[..]].concat());
-        assert_eq!(warned.code, 0, "{}", warned.err);
-        assert!(warned.err.contains("`step` has no form for"), "{target}: {}", warned.err);
-        assert!(warned.out.contains("mass_matrix") && !warned.out.contains("_step("), "{target}");
+fn languages_have_the_solver_of_a_step() {
+    let functions = ["--functions", "[mass_matrix, step, regressor]"];
+    let generate = |target: &str| {
+        let robot = ["generate", "robots/double_pendulum.urdf", "--target", target];
+        modyn(&[&robot[..], &functions].concat())
+    };
+    for (target, text) in [
+        ("rust", "pub fn step("),
+        ("cuda", " double_pendulum_step("),
+        ("wgsl", "fn double_pendulum_step("),
+    ] {
+        let shown = generate(target);
+        assert!(shown.out.contains(text), "{target}: {}", shown.err);
+        assert!(!shown.err.contains("`step`"), "{target}: {}", shown.err);
     }
-    let both = ["--functions", "[mass_matrix, step]", "--target", "rust"];
-    let shown = modyn(&[&["generate", "robots/double_pendulum.urdf"], &both[..]].concat());
-    assert!(shown.out.contains("pub fn step("), "{}", shown.err);
-    assert!(!shown.err.contains("`step`"), "{}", shown.err);
+    let warned = generate("casadi");
+    assert_eq!(warned.code, 0, "{}", warned.err);
+    for text in [
+        "`step` has no form for CasADi, and is left out",
+        "a loop whose end depends on values",
+        "`regressor` has no form for CasADi, and is left out",
+        "by `jacobian` or `gradient`",
+    ] {
+        assert!(warned.err.contains(text), "{text}: {}", warned.err);
+    }
+    assert!(warned.out.contains("mass_matrix") && !warned.out.contains("_step("));
 }
 
 #[test]

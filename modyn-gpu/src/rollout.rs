@@ -1,8 +1,8 @@
 //! Motions over many time steps, computed by one kernel.
 
-use modyn_codegen::emit::{RolloutBuffer, RolloutSource};
+use modyn_codegen::emit::{GpuRollout, RolloutBuffer, RolloutSource};
 use modyn_codegen::{Builder, Function, GpuLanguage, RolloutOptions};
-use modyn_runtime::{ConstraintSettings, ContactTarget};
+use modyn_runtime::{ConstraintSettings, ContactSurface, ContactTarget, StepSettings};
 
 use crate::kernel::Pipelines;
 use crate::{Gpu, GpuArray, GpuError};
@@ -43,8 +43,8 @@ pub struct Rollout {
     pipelines: Pipelines,
     /// A number in place of arguments that were left out, and one in place of results.
     absent: [GpuArray; 2],
-    /// The default settings, if there are settings.
-    settings: Option<GpuArray>,
+    /// The default settings of each kernel that has settings.
+    settings: Vec<Option<GpuArray>>,
 }
 
 /// The arguments of rollouts. `n` rollouts of `steps` steps run at a time.
@@ -64,8 +64,9 @@ pub struct RolloutArguments<'a> {
     pub controls: &'a GpuArray,
     /// The duration of a step, s.
     pub dt: f32,
-    /// The settings of closed loops and contacts, in the order of `ConstraintSettings` (its
-    /// `numbers`, then those of each contact's target): one state. `None` for the default.
+    /// The settings of the function `step`, one state: the `numbers` of `ConstraintSettings`, then
+    /// those of each contact's target; for [`Function::Step`] those of `StepSettings`, then of each
+    /// contact's surface. `None` for the default.
     pub settings: Option<&'a GpuArray>,
     /// Numbers for the user's functions: one state.
     pub data: Option<&'a GpuArray>,
@@ -119,10 +120,12 @@ impl Rollout {
         let (source, _) = builder.emit_rollouts(GpuLanguage::Wgsl, options)?;
         let module = gpu.module(&source.prefix, &source.text)?;
         let absent = [gpu.empty(1, 1)?, gpu.empty(1, 1)?];
-        let settings = (source.settings > 0).then(|| gpu.upload(&settings(source.settings), 1));
+        let defaults = |rollout: &GpuRollout| {
+            (rollout.settings > 0).then(|| gpu.upload(&settings(rollout), 1)).transpose()
+        };
         Ok(Self {
             gpu: gpu.clone(),
-            settings: settings.transpose()?,
+            settings: source.rollouts.iter().map(defaults).collect::<Result<_, GpuError>>()?,
             source,
             module,
             pipelines: Pipelines::default(),
@@ -157,7 +160,9 @@ impl Rollout {
             RolloutBuffer::StartQ => Some(arguments.q),
             RolloutBuffer::StartQd => Some(arguments.qd),
             RolloutBuffer::Controls => Some(arguments.controls),
-            RolloutBuffer::Settings => arguments.settings.or(self.settings.as_ref()),
+            RolloutBuffer::Settings => {
+                arguments.settings.or(self.settings[index].as_ref()).or(Some(unread))
+            }
             RolloutBuffer::Data => arguments.data.or(Some(unread)),
             RolloutBuffer::Parameters => arguments.parameters,
             RolloutBuffer::Out => Some(&state),
@@ -221,9 +226,10 @@ impl Rollout {
             });
         }
         let has = |buffer| source.buffers.contains(&buffer);
-        let settings = arguments.settings.or(self.settings.as_ref());
+        let settings = arguments.settings.or(self.settings[index].as_ref());
+        let settings_count = source.rollouts[index].settings;
         for (name, is_needed, scalars, array) in [
-            ("settings", has(RolloutBuffer::Settings), Some(source.settings), settings),
+            ("settings", settings_count > 0, Some(settings_count), settings),
             ("data", has(RolloutBuffer::Data), None, arguments.data),
             (
                 "parameters",
@@ -259,9 +265,17 @@ impl Rollout {
     }
 }
 
-/// Returns the default settings of closed loops and contacts as this many numbers.
-fn settings(count: usize) -> Vec<f32> {
-    let contacts = ContactTarget::<f32>::GROUND.numbers().into_iter().cycle();
-    let all = ConstraintSettings::<f32, [ContactTarget<f32>; 0]>::DEFAULT.numbers();
-    all.into_iter().chain(contacts).take(count).collect()
+/// Returns the default settings of a kernel.
+fn settings(rollout: &GpuRollout) -> Vec<f32> {
+    let [common, contact]: [Vec<f32>; 2] = match rollout.step == Function::Step.name() {
+        true => [
+            StepSettings::<f32, [ContactSurface<f32>; 0]>::DEFAULT.numbers().into(),
+            ContactSurface::<f32>::GROUND.numbers().into(),
+        ],
+        false => [
+            ConstraintSettings::<f32, [ContactTarget<f32>; 0]>::DEFAULT.numbers().into(),
+            ContactTarget::<f32>::GROUND.numbers().into(),
+        ],
+    };
+    common.into_iter().chain(contact.into_iter().cycle()).take(rollout.settings).collect()
 }

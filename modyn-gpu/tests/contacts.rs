@@ -120,7 +120,7 @@ fn a_quadruped_lands_and_stands() {
         ..RolloutOptions::default()
     };
     let rollout = Rollout::new(&gpu, &quadruped(), &options).expect("kernels");
-    assert_eq!(rollout.source().settings, 4 + 4 * 25);
+    assert_eq!(rollout.source().rollouts[0].settings, 4 + 4 * 25);
     let goals = [0.05, 0.7, -1.45].repeat(4);
     // Three heights, and a tilt: some feet land before others.
     let start = |height: f64| {

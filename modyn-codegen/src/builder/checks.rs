@@ -1,5 +1,7 @@
 //! Checks of the options, by themselves and with the robot.
 
+use std::collections::BTreeMap;
+
 use modyn_read::diagnostics::{Code, Diagnostic, Diagnostics, Severity, Subject, listed, suggest};
 use modyn_read::{Base, Mimic, gravity_error};
 use modyn_runtime::model::{Model, ModuleError, ModuleTree};
@@ -151,25 +153,30 @@ impl Builder {
     }
 }
 
-/// Returns a warning for selected functions that a language does not have.
-pub(super) fn left_out(target: Target, selected: &[Function]) -> Option<Diagnostic> {
+/// Returns a warning for each replacement of selected functions that a language does not have.
+pub(super) fn left_out(target: Target, selected: &[Function]) -> Vec<Diagnostic> {
     // `default` and `all` are requests for the functions that there are.
     let is_of_a_group = |function: &Function| {
         selected.len() == Function::ALL.len() || Function::DEFAULT.contains(function)
     };
-    let mut help = None;
-    let without_form =
-        selected.iter().filter(|function| !is_of_a_group(function)).filter(|function| {
-            let lacks = target.backend().lacks(**function);
-            help = help.or(lacks);
-            lacks.is_some()
-        });
-    let missing: Vec<String> = without_form.map(|one| format!("`{}`", one.name())).collect();
-    help.map(|help| {
-        let message =
-            format!("{} has no form for {}, and is left out", missing.join(", "), target.title());
+    let mut missing: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+    for function in selected.iter().filter(|function| !is_of_a_group(function)) {
+        if let Some(help) = target.backend().lacks(*function) {
+            missing.entry(help).or_default().push(format!("`{}`", function.name()));
+        }
+    }
+    let warning = |(help, names): (&str, Vec<String>)| {
+        let verbs = if names.len() == 1 { ["has", "is"] } else { ["have", "are"] };
+        let message = format!(
+            "{} {} no form for {}, and {} left out",
+            names.join(", "),
+            verbs[0],
+            target.title(),
+            verbs[1]
+        );
         Diagnostic::new(Severity::Warning, Code::Option, message).with_help(help)
-    })
+    };
+    missing.into_iter().map(warning).collect()
 }
 
 /// Returns the selected functions that a robot has whose joints `singular` move no inertia, and an

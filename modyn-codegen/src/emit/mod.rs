@@ -4,6 +4,7 @@
 mod c;
 mod casadi;
 mod gpu;
+mod loops;
 mod matlab;
 pub(crate) mod rust;
 mod statements;
@@ -214,13 +215,6 @@ pub trait Backend: Sync {
     fn kernels(&self, _: &PlannedRobot<'_>) -> Vec<GpuKernel> {
         Vec::new()
     }
-}
-
-/// Returns a replacement for a function whose solver is a loop, in a language whose back end prints no loops.
-fn lacks_solver(function: Function) -> Option<&'static str> {
-    let help =
-        "use the target `c` or `rust`, or `contact_step`, whose sweeps are straight-line code";
-    function.row().has_solver.then_some(help)
 }
 
 /// A language of generated code.

@@ -2,10 +2,11 @@
 
 use std::fmt::Write as _;
 
+use super::loops::{self, Around, Iterations, LoopStatements, RoutineCall};
 use super::support::Support;
 use crate::program::{
-    Addend, Entry, Loops, MultiplyAdd, Operand, Operation, Program, RowEquations, Source, Value,
-    argument_of,
+    Addend, Array, Entry, MultiplyAdd, Operand, Operation, Place, Program, RowEquations, Source,
+    Value, argument_of,
 };
 
 /// The syntax of a language.
@@ -30,8 +31,8 @@ pub(super) trait Syntax {
     }
 
     /// Returns an entry of an array.
-    fn entry(&self, array: &str, i: usize) -> String {
-        format!("{array}[{i}]")
+    fn entry(&self, array: &str, place: Place) -> String {
+        format!("{array}[{}]", loops::index(place))
     }
 
     /// Returns a product plus or minus an addend; `text` returns the text of an operand.
@@ -67,16 +68,24 @@ pub(super) trait Syntax {
         }
     }
 
-    /// Returns the lines that define the arrays of loops, whose names begin with `arrays`, and run
-    /// the steps.
-    fn loops(
-        &self,
-        _arrays: &str,
-        _: &Loops,
-        _: &Program,
-        _operand: &dyn Fn(&Operand) -> String,
-    ) -> String {
-        unreachable!("the back end has straight-line code in place of loops")
+    /// Returns the entry of the function's argument with this index, as a routine of loops receives
+    /// it.
+    fn given(&self, argument: usize, place: Place) -> String {
+        self.argument(argument, place.index)
+    }
+
+    /// Returns the statement that defines an array of zeros.
+    fn zeros(&self, name: &str, shape: Array) -> String;
+
+    /// Returns the lines around the steps of a loop.
+    fn iterations(&self, iterations: &Iterations<'_>) -> Around;
+
+    /// Returns the lines around the stores of a routine's results.
+    fn call(&self, call: &RoutineCall) -> Around;
+
+    /// Returns result `i` of the routine that was called last.
+    fn result(&self, i: usize) -> String {
+        format!("results[{i}]")
     }
 
     /// Returns the lines that define the results of row equations, with this name.
@@ -88,11 +97,6 @@ pub(super) trait Syntax {
 /// Returns the name of the results of row equations, statement `s`.
 fn rows(s: usize) -> String {
     format!("rows{s}")
-}
-
-/// Returns the first part of the names of the arrays of loops, statement `s`.
-fn arrays(s: usize) -> String {
-    format!("array{s}")
 }
 
 /// The statements of one chunk.
@@ -135,7 +139,7 @@ impl<S: Syntax> Body<'_, S> {
             Operation::Maximum(a, b) => call(Support::Maximum, &[a, b]),
             Operation::Select(a, b, c) => self.syntax.select(&t(a), &t(b), &t(c)),
             Operation::Loops(loops) => {
-                *text += &self.syntax.loops(&arrays(s), loops, self.program, &t);
+                LoopStatements { body: self, statement: s, loops }.print(text);
                 return;
             }
             Operation::RowEquations(equations) => {
@@ -177,25 +181,25 @@ impl<S: Syntax> Body<'_, S> {
 
     /// Returns the name of an array of loops, statement `s`.
     pub fn array(&self, s: usize, array: usize) -> String {
-        format!("{}_{array}", arrays(s))
+        format!("array{s}_{array}")
+    }
+
+    /// Returns the text of an argument of the program, as a routine of loops receives it.
+    pub fn given(&self, place: Place) -> String {
+        let argument = argument_of(place.index, self.lengths.iter().copied());
+        let (argument, index) = argument.expect("an argument of the function");
+        self.syntax.given(argument, Place { index, ..place })
     }
 
     fn local(&self, s: usize, place: usize) -> String {
         match &self.program.statements[s].operation {
             Operation::SinCos(_) if place.is_multiple_of(2) => format!("s{s}_{}", place / 2),
             Operation::SinCos(_) => format!("c{s}_{}", place / 2),
-            Operation::RowEquations(_) => self.syntax.entry(&rows(s), place),
+            Operation::RowEquations(_) => self.syntax.entry(&rows(s), Place::fixed(place)),
             Operation::Loops(loops) => {
                 let Entry { array, index } = loops.results[place];
-                let name = self.array(s, array);
-                let columns = loops.arrays[array].columns;
-                match columns {
-                    1 => self.syntax.entry(&name, index),
-                    _ => {
-                        let row = self.syntax.entry(&name, index / columns);
-                        self.syntax.entry(&row, index % columns)
-                    }
-                }
+                let shape = loops.arrays[array];
+                loops::entry(self.syntax, &self.array(s, array), shape, Place::fixed(index))
             }
             _ => format!("x{s}"),
         }

@@ -7,6 +7,10 @@ use super::functions::CForm;
 use super::{Argument, Function, Record, Shape};
 use crate::program::{InvalidProgram, Program};
 
+/// The arguments of time steps that begin with zeros, and then are results of the step before. In
+/// results they follow q and qd.
+pub const CARRIED: [&str; 2] = ["impulses", "warm_start"];
+
 /// A function or a bundle of functions, planned for a robot.
 pub struct Planned {
     /// The function; `None` for a bundle and a user's function.
@@ -133,7 +137,7 @@ impl Planned {
     pub fn rollout(&self) -> Option<String> {
         match self.result {
             _ if self.function.is_none() => None,
-            Shape::Record(Record::Each("Step"), _) => {
+            Shape::Record(Record::Each("Step" | "StepSolution"), _) => {
                 Some(self.name.replacen("step", "rollout", 1))
             }
             Shape::Record(Record::Each("ContactStep"), _) => Some("rollout_on_ground".into()),

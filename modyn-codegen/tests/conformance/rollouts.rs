@@ -9,7 +9,8 @@ use modyn_codegen::{
 };
 
 use crate::conformance::c::{STRICT, write};
-use crate::conformance::{command, folder, robot};
+use crate::conformance::{command, contact, folder, robot};
+use crate::random::Random;
 
 /// Compiles the C text of `builder`, a text of CUDA and a program that includes both, and runs the program.
 fn build(name: &str, builder: &Builder, (kernels, main): (&str, &str)) {
@@ -232,7 +233,7 @@ fn rollouts_that_hold_contacts() {
     let options = RolloutOptions { contacts: Some(proposed.into()), ..RolloutOptions::default() };
     let (source, _) = theirs.emit_rollouts(GpuLanguage::Cuda, &options).expect("good");
     let [rollout] = &*source.rollouts else { panic!("one kernel") };
-    assert_eq!((&*rollout.name, source.settings), ("theirs_rollout_constrained", 54));
+    assert_eq!((&*rollout.name, rollout.settings), ("theirs_rollout_constrained", 54));
     let quaternion = quaternion_of(&builder);
     let step = "static vector<double> settings;\nstatic unsigned current, held, released;\n\
         static void ours_step_constrained(const double *q, const double *qd, const double *tau, const double *dt, double *next)\n{\n\
@@ -272,7 +273,7 @@ fn rollouts_on_the_ground() {
     let options = RolloutOptions::default();
     let (source, _) = theirs.emit_rollouts(GpuLanguage::Cuda, &options).expect("good");
     let [rollout] = &*source.rollouts else { panic!("one kernel") };
-    assert_eq!((&*rollout.name, source.settings), ("theirs_rollout_on_ground", 54));
+    assert_eq!((&*rollout.name, rollout.settings), ("theirs_rollout_on_ground", 54));
     let quaternion = quaternion_of(&builder);
     let step = "static vector<double> settings;\nstatic unsigned current, pushed;\n\
         static void ours_step_on_ground(const double *q, const double *qd, const double *tau, const double *dt, double *next)\n{\n\
@@ -296,6 +297,57 @@ fn rollouts_on_the_ground() {
     build("rollout_on_ground", &builder, (&source.text, &main.replace(done, both)));
 }
 
+/// A pendulum that swings against a tilted floor and its stop.
+#[test]
+fn rollouts_by_a_solver() {
+    let toe = contact("toe", ContactKind::Point, "lower", [0.1, 0.2, -0.3]);
+    solver_conforms("pendulum", &robot("double_pendulum").contacts([toe]), -1);
+}
+
+#[test]
+#[ignore = "slow: g++ compiles a robot"]
+fn rollouts_by_a_solver_of_a_floating_robot() {
+    let foot = |link: &str| contact(link, ContactKind::Point, link, [0.0; 3]);
+    let feet = ["front_left_foot", "front_right_foot", "hind_left_foot", "hind_right_foot"];
+    let builder = robot("quadruped").base(Base::Floating).contacts(feet.map(foot));
+    solver_conforms("quadruped", &builder, quaternion_of(&builder));
+}
+
+/// Each step starts from the accelerations of the last.
+fn solver_conforms(name: &str, builder: &Builder, quaternion: i32) {
+    let builder = &builder.clone().functions([Function::Step]);
+    let theirs = builder.clone().type_name("Theirs");
+    let options = RolloutOptions::default();
+    let (source, _) = theirs.emit_rollouts(GpuLanguage::Cuda, &options).expect("good");
+    let [rollout] = &*source.rollouts else { panic!("one kernel") };
+    let contacts = builder.plan().expect("good").model.contacts().len();
+    let settings = Random::new(3).step_settings(contacts);
+    assert_eq!((&*rollout.name, rollout.settings), ("theirs_rollout", settings.len()));
+    let numbers = settings.iter().map(f64::to_string).collect::<Vec<String>>().join(", ");
+    let step = format!(
+        "static vector<double> settings = {{ {numbers} }};\nstatic unsigned current, pushed;\n\
+        static void ours_step(const double *q, const double *qd, const double *tau, const double *dt, double *next)\n{{\n\
+        const int n = OURS_NQ + OURS_NV, forces = 3 * {contacts};\n\
+        static double start[OURS_NV];\ndouble r[n + OURS_NV + forces + 2];\n\
+        for (int j = 0; j < OURS_NV && current == 0; ++j) start[j] = 0;\n\
+        ours_step(q, qd, tau, dt, start, settings.data(), r);\n\
+        for (int j = 0; j < n; ++j) next[j] = r[j];\n\
+        for (int j = 0; j < OURS_NV; ++j) start[j] = r[n + j];\n\
+        for (int j = 0; j < forces; ++j) pushed += r[n + OURS_NV + j] != 0;\n}}\n"
+    );
+    let forces = "for (int j = 0; j < nv; ++j) tau[j] = u[j];\ncurrent = k;";
+    let arguments = ["settings.data(), ", ""];
+    let starts = if quaternion < 0 { 21 } else { 4 };
+    let main = rollout_harness(("LEGS", "step", starts), quaternion, arguments, (forces, ""));
+    let main = main.replace("LEGS_CONTROLS", "nv");
+    let main = main.replace("int main() {\n", &format!("{step}int main() {{\n"));
+    let done = "printf(\"done\\n\");";
+    assert!(main.contains(done) && main.contains(&step));
+    let both = "printf(pushed > 200 ? \"done\\n\" : \"%u\\n\", pushed);";
+    let main = main.replace(done, both);
+    build(&format!("rollout_solver_{name}"), builder, (&source.text, &main));
+}
+
 /// Closed loops alone: no function of the user.
 #[test]
 #[ignore = "slow: g++ compiles a robot"]
@@ -305,7 +357,10 @@ fn rollouts_that_close_loops() {
     let theirs = builder.clone().type_name("Theirs");
     let options = RolloutOptions::default();
     let (source, _) = theirs.emit_rollouts(GpuLanguage::Cuda, &options).expect("good");
-    assert_eq!((&*source.rollouts[0].name, source.settings), ("theirs_rollout_constrained", 4));
+    assert_eq!(
+        (&*source.rollouts[0].name, source.rollouts[0].settings),
+        ("theirs_rollout_constrained", 4)
+    );
     let step = "static const double settings[4] = { 20, 15, 1e-10, 1e-10 };\n\
         static void ours_step_constrained(const double *q, const double *qd, const double *tau, const double *dt, double *next)\n{\n\
         const int nq = OURS_NQ, nv = OURS_NV;\ndouble r[nv + 13], moved[nv];\n\
@@ -343,7 +398,7 @@ fn rollouts_need_a_step_and_controls() {
     assert!(error.to_string().contains("at least 1"), "{error}");
 }
 
-/// A rollout in C is a loop of steps, from which the state, the impulses and the trajectory come.
+/// A rollout in C is a loop of steps, from which the state, the numbers of the next step's start and the trajectory come.
 #[test]
 fn rollouts_in_c_are_loops_of_steps() {
     let tip = Contact {
@@ -352,36 +407,43 @@ fn rollouts_in_c_are_loops_of_steps() {
         end: LoopEnd { link: "lower".into(), xyz: [0.1, 0.0, -0.4], rpy: [0.0; 3] },
     };
     let builder = robot("double_pendulum").contacts([tip]);
-    let builder = builder.functions([Function::StepRk4, Function::ContactStep]).runtime_gravity();
+    let builder = builder
+        .functions([Function::StepRk4, Function::ContactStep, Function::Step])
+        .runtime_gravity();
     let folder = folder("rollouts_in_c");
     write(&builder.type_name("Ours").emit(Target::C).expect("good"), &folder);
+    let soft = Random::new(3).step_settings(1);
+    let soft = soft.iter().map(f64::to_string).collect::<Vec<String>>().join(", ");
     let main = "#include <stdio.h>\n#include <string.h>\n#include \"ours.h\"\n\
         enum { N = OURS_NQ + OURS_NV, STEPS = 60 };\n\
         static const double gravity[3] = { 0.3, 0.2, -9.0 }, dt[1] = { 0.01 };\n\
         static const double settings[29] = { 10, 8, 1e-10, 1e-10, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, -0.6,\n\
         0, 0, 0, 0.1, 0, 0, 0, 20, 20, 0, 0.2, 1, 0.7 };\n\
-        static double controls[STEPS * OURS_NV], moved[2][N], one[STEPS * N], all[STEPS * N], next[N + 4];\n\
+        static const double soft[] = { SOFT };\n\
+        static double controls[STEPS * OURS_NV], moved[2][N], one[STEPS * N], all[STEPS * N], next[N + 7];\n\
         int main(void) {\n\
         int ground, k, pushed = 0, j;\n\
         for (k = 0; k < STEPS * OURS_NV; ++k) controls[k] = k % 7 * 0.01;\n\
-        for (ground = 0; ground < 2; ++ground) {\n\
-        double state[N] = { 0 }, impulses[2][3] = { { 0 } };\n\
+        for (ground = 0; ground < 3; ++ground) {\n\
+        double state[N] = { 0 }, start[2][3] = { { 0 } };\n\
         state[0] = 1.2; state[1] = 0.4; state[OURS_NQ] = -0.5;\n\
         memcpy(moved[0], state, sizeof state); memcpy(moved[1], state, sizeof state);\n\
         for (k = 0; k < STEPS; ++k) {\n\
         const double *tau = &controls[k * OURS_NV]; double *s = moved[0];\n\
-        if (ground) ours_contact_step_with(s, s + OURS_NQ, tau, dt, impulses[0], settings, gravity, next);\n\
+        if (ground == 1) ours_contact_step_with(s, s + OURS_NQ, tau, dt, start[0], settings, gravity, next);\n\
+        else if (ground) ours_step_with(s, s + OURS_NQ, tau, dt, start[0], soft, gravity, next);\n\
         else ours_step_rk4_with(s, s + OURS_NQ, tau, dt, gravity, next);\n\
         memcpy(s, next, sizeof moved[0]); memcpy(&one[k * N], next, sizeof moved[0]);\n\
-        if (ground) memcpy(impulses[0], next + N, sizeof impulses[0]);\n\
-        if (ground) for (j = 0; j < 3; ++j) pushed += impulses[0][j] != 0;\n}\n\
+        if (ground) memcpy(start[0], next + N, (ground == 1 ? 3 : OURS_NV) * sizeof(double));\n\
+        for (j = 0; ground && j < 3; ++j) pushed += next[ground == 1 ? N + j : N + OURS_NV + j] != 0;\n}\n\
         for (k = 0; k < 2; ++k) { double *s = moved[1], *trajectory = k ? all + N * (STEPS / 2) : all;\n\
         const double *tau = &controls[k * OURS_NV * (STEPS / 2)];\n\
-        if (ground) ours_rollout_on_ground(STEPS / 2, tau, dt, settings, gravity, s, s + OURS_NQ, impulses[1], trajectory);\n\
+        if (ground == 1) ours_rollout_on_ground(STEPS / 2, tau, dt, settings, gravity, s, s + OURS_NQ, start[1], trajectory);\n\
+        else if (ground) ours_rollout(STEPS / 2, tau, dt, soft, gravity, s, s + OURS_NQ, start[1], trajectory);\n\
         else ours_rollout_rk4(STEPS / 2, tau, dt, gravity, s, s + OURS_NQ, trajectory);\n}\n\
-        if (memcmp(one, all, sizeof one) || memcmp(moved[0], moved[1], sizeof moved[0]) || memcmp(impulses[0], impulses[1], sizeof impulses[0])) puts(\"differs\");\n}\n\
-        puts(pushed > 20 ? \"done\" : \"no contact\");\nreturn 0;\n}\n";
-    std::fs::write(folder.join("main.c"), main).expect("writes");
+        if (memcmp(one, all, sizeof one) || memcmp(moved[0], moved[1], sizeof moved[0]) || memcmp(start[0], start[1], sizeof start[0])) puts(\"differs\");\n}\n\
+        puts(pushed > 60 ? \"done\" : \"no contact\");\nreturn 0;\n}\n";
+    std::fs::write(folder.join("main.c"), main.replace("SOFT", &soft)).expect("writes");
     let mut gcc = Command::new("gcc");
     gcc.args(STRICT).args(["-O1", "main.c", "ours.c", "-o", "main", "-lm"]);
     command(gcc.current_dir(&folder));

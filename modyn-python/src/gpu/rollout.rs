@@ -121,9 +121,12 @@ impl GpuRollout {
         let qd = qd?;
         let controls = self.controls(py, controls)?;
         let uploaded = |settings| {
-            let check = Some(Check::Settings);
-            let shape = &[source.settings];
-            Argument::read("run", "settings", check, shape, settings)?.uploaded(py, &self.gpu, 1)
+            let check =
+                if step == Function::Step { Check::StepSettings } else { Check::Settings };
+            let rollout = source.rollouts.iter().find(|rollout| rollout.step == step.name());
+            let shape = &[rollout.map_or(0, |rollout| rollout.settings)];
+            let read = Argument::read("run", "settings", Some(check), shape, settings)?;
+            read.uploaded(py, &self.gpu, 1)
         };
         let settings = settings.map(uploaded).transpose()?;
         let data = data.map(|data| any_numbers(py, &self.gpu, data)).transpose()?;

@@ -18,7 +18,7 @@ use modyn_codegen::{
     Interpreter, LoopEnd, Planning, UserArgument, UserError, UserFunction,
 };
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Link, Model, Spring};
+use modyn_runtime::model::{Friction, Link, Model, Spring};
 use modyn_runtime::{ConstraintSettings, ContactTarget, Scalar};
 
 use crate::random::{Random, normalize};
@@ -98,6 +98,7 @@ pub fn large() -> Case {
         Function::ConstraintResidual,
         Function::ContactImpulse,
         Function::ConstraintJacobian,
+        Function::Step,
     ]);
     let feet = [
         contact("left", ContactKind::Point, "front_left_foot", [0.0, 0.01, -0.02]),
@@ -109,7 +110,7 @@ pub fn large() -> Case {
 
 /// Returns robots of every other kind: all joint types, closed loops, mimic joints, run-time parameters, equal limbs in
 /// routines, loops over bodies, products of matrices in loops, dependent rows of contacts, many
-/// links on one body, bundles and functions of the user.
+/// links on one body, bundles, functions of the user, and a solver.
 ///
 /// # Panics
 ///
@@ -134,6 +135,7 @@ pub fn kinds() -> Vec<Case> {
         case("points", points()),
         case("comb", comb().functions(USED)),
         case("own_functions", own_functions()),
+        case("solver", solver()),
     ]
 }
 
@@ -189,6 +191,16 @@ fn points() -> Builder {
         contact("heel", ContactKind::Point, "wrist_3_link", [-0.2, 0.1, -0.1]),
     ];
     robot("ur5").base(Base::Floating).contacts(points).functions(functions)
+}
+
+/// Returns a robot with a contact, a joint stop and dry friction, whose step is a loop that ends early.
+fn solver() -> Builder {
+    let text = include_str!("../../../robots/double_pendulum.urdf");
+    let axis = r#"<axis xyz="0 1 0"/>"#;
+    let text = text.replace(axis, &format!(r#"{axis}<dynamics damping="0.1" friction="0.3"/>"#));
+    let toe = contact("toe", ContactKind::Point, "lower", [0.1, 0.2, -0.3]);
+    let pendulum = Builder::new().urdf_text(text, "double_pendulum.urdf").contacts([toe]);
+    pendulum.friction(Friction::Coulomb).runtime_gravity().functions([Function::Step])
 }
 
 /// Returns a robot with all joint types, and a spring at each joint.

@@ -4,13 +4,13 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::loops::LoopStatements;
 use super::{Array, Printer, literal, products};
+use crate::emit::loops::{Around, Iterations, RoutineCall};
 use crate::emit::statements::{Body, Syntax, sum_of_products};
 use crate::emit::support::Support;
 use crate::program::{
-    Chunk, Loops, MultiplyAdd, Operand, Operation, Program, RowEquations, Source, argument_of,
-    is_zero,
+    Array as LoopArray, Chunk, MultiplyAdd, Operand, Operation, Place, Program, RowEquations,
+    Source, argument_of, is_zero,
 };
 
 impl Printer {
@@ -139,9 +139,9 @@ impl Printer {
 }
 
 /// The syntax of C in one function.
-struct C<'a> {
-    printer: &'a Printer,
-    name: &'a str,
+pub(super) struct C<'a> {
+    pub(super) printer: &'a Printer,
+    pub(super) name: &'a str,
     given: &'a [Array],
 }
 
@@ -185,16 +185,20 @@ impl Syntax for C<'_> {
         format!("chunk{chunk}[{i}]")
     }
 
-    fn loops(
-        &self,
-        arrays: &str,
-        loops: &Loops,
-        program: &Program,
-        operand: &dyn Fn(&Operand) -> String,
-    ) -> String {
-        let C { printer, name, given } = *self;
-        let shapes = &loops.arrays;
-        LoopStatements { printer, name, given, program, arrays, shapes, operand }.print(loops)
+    fn given(&self, argument: usize, place: Place) -> String {
+        self.entry(&self.given[argument].name, place)
+    }
+
+    fn zeros(&self, name: &str, shape: LoopArray) -> String {
+        self.array_of_zeros(name, shape)
+    }
+
+    fn iterations(&self, iterations: &Iterations<'_>) -> Around {
+        self.around_steps(iterations)
+    }
+
+    fn call(&self, call: &RoutineCall) -> Around {
+        self.around_stores(call)
     }
 
     fn row_equations(

@@ -1,12 +1,11 @@
-//! Prints loops over tables.
+//! The routines and tables of loops, and their syntax.
 
 use std::fmt::Write as _;
 
+use super::function::C;
 use super::{Array as Parameter, Printer, literal};
-use crate::program::{
-    Array, Call, Column, Entry, Loop, Loops, Operand, Place, Program, Read, Step, Table,
-    argument_of,
-};
+use crate::emit::loops::{Around, Iterations, RoutineCall};
+use crate::program::{Array, Program, Table};
 
 impl Printer {
     /// Prints the functions of a program's routines, and its tables.
@@ -55,161 +54,59 @@ impl Printer {
     }
 }
 
-/// The statements of loops.
-pub(super) struct LoopStatements<'a> {
-    pub printer: &'a Printer,
-    /// The name of the function.
-    pub name: &'a str,
-    /// The arguments of the function.
-    pub given: &'a [Parameter],
-    pub program: &'a Program,
-    /// The name of the loops' arrays without their index.
-    pub arrays: &'a str,
-    /// The arrays.
-    pub shapes: &'a [Array],
-    /// Returns the text of an operand.
-    pub operand: &'a dyn Fn(&Operand) -> String,
-}
-
-impl LoopStatements<'_> {
-    /// Returns the statements that define the arrays and run the steps.
-    pub(super) fn print(&self, loops: &Loops) -> String {
-        let mut text = String::new();
-        let printer = self.printer;
-        let arrays = loops.arrays.iter().enumerate().filter(|(_, array)| !array.is_empty());
-        for (array, shape) in arrays {
-            let real = printer.real();
-            let zero = literal(0.0, printer.float);
-            let name = self.array(array);
-            let (lengths, zero) = match shape.columns {
-                1 => (format!("[{}]", shape.rows), format!("{{ {zero} }}")),
-                columns => (format!("[{}][{columns}]", shape.rows), format!("{{ {{ {zero} }} }}")),
-            };
-            let _ = writeln!(text, "    {real} {name}{lengths} = {zero};");
-        }
-        for stored in &loops.stored {
-            let value = (self.operand)(&stored.value);
-            let _ = writeln!(text, "    {} = {value};", self.entry(&stored.entry));
-        }
-        self.steps(&mut text, &loops.steps, 0);
-        text
+impl C<'_> {
+    /// Returns the statement that defines an array of zeros.
+    pub(super) fn array_of_zeros(&self, name: &str, shape: Array) -> String {
+        let real = self.printer.real();
+        let zero = literal(0.0, self.printer.float);
+        let (lengths, zero) = match shape.columns {
+            1 => (format!("[{}]", shape.rows), format!("{{ {zero} }}")),
+            columns => (format!("[{}][{columns}]", shape.rows), format!("{{ {{ {zero} }} }}")),
+        };
+        format!("{real} {name}{lengths} = {zero};")
     }
 
-    fn steps(&self, text: &mut String, steps: &[Step], depth: usize) {
-        for step in steps {
-            match step {
-                Step::Call(call) => self.call(text, call, depth),
-                Step::Loop(inner) => self.iterations(text, inner, depth),
-            }
-        }
-    }
-
-    fn iterations(&self, text: &mut String, inner: &Loop, depth: usize) {
-        let table = &self.program.tables[inner.table];
+    /// Returns the lines around the steps of a loop.
+    pub(super) fn around_steps(&self, iterations: &Iterations<'_>) -> Around {
+        let Iterations { depth, number, table, reversed, has_constants, ref end } = *iterations;
         let rows = table.rows.len();
-        let indent = "    ".repeat(depth + 1);
         let i = format!("i{depth}");
-        let name = format!("{}_table{}", self.name, inner.table);
-        let order = match inner.reversed {
+        let name = format!("{}_table{number}", self.name);
+        let order = match reversed {
             false => format!("{i} = 0; {i} < {rows}; ++{i}"),
             true => format!("{i} = {rows} - 1; {i} >= 0; --{i}"),
         };
-        let _ = writeln!(text, "{indent}for (int {order}) {{");
-        let has_constants = inner.steps.iter().any(|step| match step {
-            Step::Call(call) => self.program.routines[call.routine].constants > 0,
-            Step::Loop(_) => false,
-        });
+        let mut before = vec![format!("for (int {order}) {{")];
         if has_constants {
             let real = self.printer.real();
-            let _ = writeln!(text, "{indent}    const {real} *constants{depth} = {name}[{i}];");
+            before.push(format!("    const {real} *constants{depth} = {name}[{i}];"));
         }
         if table.places() > 0 {
             let index = index_type(table);
-            let _ =
-                writeln!(text, "{indent}    const {index} *places{depth} = {name}_places[{i}];");
+            before.push(format!("    const {index} *places{depth} = {name}_places[{i}];"));
         }
-        if let Some(end) = &inner.end {
-            let zero = literal(0.0, self.printer.float);
-            let _ = writeln!(text, "{indent}    if ({} >= {zero}) {{ break; }}", self.entry(end));
-        }
-        self.steps(text, &inner.steps, depth + 1);
-        let _ = writeln!(text, "{indent}}}");
+        let zero = literal(0.0, self.printer.float);
+        before.extend(end.iter().map(|end| format!("    if ({end} >= {zero}) {{ break; }}")));
+        Around { before, after: vec!["}".into()] }
     }
 
-    /// Prints the statements of a call: its numbers are read, the routine is called, and the
-    /// results are stored.
-    fn call(&self, text: &mut String, call: &Call, depth: usize) {
+    /// Returns the lines around the stores of a routine's results.
+    pub(super) fn around_stores(&self, call: &RoutineCall) -> Around {
+        let RoutineCall { routine, constants, reads, results } = call;
         let real = self.printer.real();
-        let indent = "    ".repeat(depth + 1);
-        let reads: Vec<String> = call.reads.iter().map(|read| self.read(read)).collect();
-        let results = call.writes.len();
-        let _ = writeln!(text, "{indent}{{\n{indent}    {real} results[{results}];");
+        let mut before = vec!["{".into(), format!("    {real} results[{results}];")];
         if !reads.is_empty() {
             let count = reads.len();
             let reads = reads.join(", ");
-            let _ = writeln!(text, "{indent}    const {real} read[{count}] = {{ {reads} }};");
+            before.push(format!("    const {real} read[{count}] = {{ {reads} }};"));
         }
-        let has_constants = self.program.routines[call.routine].constants > 0;
-        let constants = has_constants.then(|| format!("constants{}", depth - 1));
-        let arguments: Vec<String> = constants
-            .into_iter()
-            .chain((!reads.is_empty()).then(|| "read".into()))
-            .chain(["results".into()])
-            .collect();
-        let name = self.name;
-        let arguments = arguments.join(", ");
-        let _ = writeln!(text, "{indent}    {name}_routine{}({arguments});", call.routine);
-        for (i, write) in call.writes.iter().enumerate() {
-            let sign = if write.adds { "+" } else { "" };
-            let entry = self.place(write.array, write.place);
-            let _ = writeln!(text, "{indent}    {entry} {sign}= results[{i}];");
-        }
-        let _ = writeln!(text, "{indent}}}");
+        let constants = constants.map(|depth| format!("constants{depth}"));
+        let read = (!reads.is_empty()).then(|| "read".into());
+        let arguments: Vec<String> =
+            constants.into_iter().chain(read).chain(["results".into()]).collect();
+        before.push(format!("    {}_routine{routine}({});", self.name, arguments.join(", ")));
+        Around { before, after: vec!["}".into()] }
     }
-
-    fn read(&self, read: &Read) -> String {
-        match *read {
-            Read::Argument(place) => {
-                let argument = argument_of(place.index, self.given.iter().map(|array| array.len));
-                let (argument, i) = argument.expect("an argument of the function");
-                format!("{}[{}]", self.given[argument].name, index(i, place.row))
-            }
-            Read::Entry(array, place) => self.place(array, place),
-        }
-    }
-
-    fn entry(&self, entry: &Entry) -> String {
-        self.place(entry.array, Place::fixed(entry.index))
-    }
-
-    /// Returns the text of an entry of an array. Rows have an index of their own, so that compilers
-    /// tell them from each other.
-    fn place(&self, array: usize, place: Place) -> String {
-        let name = self.array(array);
-        let Array { columns, .. } = self.shapes[array];
-        match place.row {
-            _ if columns == 1 => format!("{name}[{}]", index(place.index, place.row)),
-            None => format!("{name}[{}][{}]", place.index / columns, place.index % columns),
-            Some(row) => format!("{name}[{}][{}]", row_index(row), place.index),
-        }
-    }
-
-    fn array(&self, array: usize) -> String {
-        format!("{}_{array}", self.arrays)
-    }
-}
-
-/// Returns the text of an index after a place of a table.
-fn index(index: usize, row: Option<Column>) -> String {
-    match row {
-        None => index.to_string(),
-        Some(row) => format!("{} + {index}", row_index(row)),
-    }
-}
-
-/// Returns the text of a place of a table.
-fn row_index(row: Column) -> String {
-    format!("places{}[{}]", row.depth, row.column)
 }
 
 /// Returns the type of the places of a table.

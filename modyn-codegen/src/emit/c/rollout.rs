@@ -3,9 +3,12 @@
 use std::fmt::Write as _;
 
 use super::{Array, Item, Printer};
+use crate::plan::CARRIED;
 
-/// The arguments of a step that are results of it, too, in the order of both.
-const MOVED: [&str; 3] = ["q", "qd", "impulses"];
+/// Returns whether an argument of a step is a result of it, too.
+fn is_moved(name: &str) -> bool {
+    ["q", "qd"].contains(&name) || CARRIED.contains(&name)
+}
 
 impl Printer {
     /// Prints the function `name`, which moves a state by several time steps of the function
@@ -15,25 +18,25 @@ impl Printer {
         let state = nq + nv;
         let others = step.arguments.iter().filter(|array| array.name != "tau");
         let (moved, shared): (Vec<Array>, Vec<Array>) =
-            others.cloned().partition(|array| MOVED.contains(&&*array.name));
+            others.cloned().partition(|array| is_moved(&array.name));
         let in_place: String =
             moved.iter().map(|array| self.array(&array.name, array.len) + ", ").collect();
         let shared = self.parameters(&shared);
         let head = format!(
             "void {name}(unsigned int steps, const {real} *controls, {shared}{in_place}{real} *trajectory)"
         );
-        let impulses = match moved.iter().any(|array| array.name == "impulses") {
-            true => {
-                "\n   `impulses` are those of the last step before the call, or zeros, and after it."
-            }
-            false => "",
-        };
+        let carried = moved.iter().find(|array| CARRIED.contains(&&*array.name));
+        let carried = carried.map_or(String::new(), |Array { name, .. }| {
+            format!(
+                "\n   `{name}` are those of the last step before the call, or zeros, and after it."
+            )
+        });
         let _ = writeln!(
             self.header,
             "/* Moves the state `q`, `qd` by `steps` steps of `{}`. `controls` has {nv} joint \
              forces for each step.\n   \
              `trajectory` receives {state} numbers for each step, q and qd after it; it may be \
-             null.{impulses} */\n{head};\n",
+             null.{carried} */\n{head};\n",
             step.name
         );
         let forces = format!("&controls[step * {nv}]");

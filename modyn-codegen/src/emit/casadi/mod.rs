@@ -61,8 +61,15 @@ impl Backend for Casadi {
     }
 
     fn lacks(&self, function: Function) -> Option<&'static str> {
-        let help = "differentiate the functions in CasADi, by `jacobian` or `gradient`";
-        (!function.row().casadi).then_some(help)
+        let row = function.row();
+        let help = match row.has_solver {
+            true => {
+                "CasADi cannot differentiate a loop whose end depends on values: simulate by the target \
+                 `c`, and let contact forces be variables of `forward_dynamics_external_world`"
+            }
+            false => "differentiate the functions in CasADi, by `jacobian` or `gradient`",
+        };
+        (!row.casadi).then_some(help)
     }
 }
 

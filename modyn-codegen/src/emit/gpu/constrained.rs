@@ -27,11 +27,6 @@ const SETTINGS: [usize; 2] = [ConstraintSettings::<f64>::COUNT, ContactTarget::<
 /// by rows.
 const NORMAL: [usize; 3] = [2, 5, 8];
 
-/// Returns the number of settings of a robot with this number of contacts.
-pub(super) fn settings_count(contacts: usize) -> usize {
-    SETTINGS[0] + SETTINGS[1] * contacts
-}
-
 /// The numbers of a wrench, and the place of its force.
 const WRENCH: usize = 6;
 const FORCE: usize = 3;

@@ -218,12 +218,22 @@ impl Dialect for Cuda {
         format!("{} {name}[{}] = {{ {} }};", self.real(), values.len(), values.join(", "))
     }
 
+    fn zeros(&self, name: &str, len: usize) -> String {
+        format!("{} {name}[{len}] = {{ {} }};", self.real(), self.literal(0.0))
+    }
+
+    fn of_routines(&self) -> Box<dyn Dialect> {
+        Box::new(Self { float: self.float, storage: Storage::Own })
+    }
+
     fn zero(&self, name: &str) -> String {
         format!("{} {name} = 0;", self.real())
     }
 
     fn call_into(&self, name: &str, len: usize, function: &str, arguments: &[String]) -> String {
-        format!("{} {name}[{len}]; {function}({}, {name});", self.real(), arguments.join(", "))
+        let arguments =
+            arguments.iter().map(|argument| format!("{argument}, ")).collect::<String>();
+        format!("{} {name}[{len}]; {function}({arguments}{name});", self.real())
     }
 
     fn counting(&self, counter: &str, end: &str) -> String {

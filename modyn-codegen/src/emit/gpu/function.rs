@@ -4,10 +4,11 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::{Dialect, Kernel};
+use super::{Dialect, GpuArgument, GpuKernel, Kernel};
+use crate::emit::loops::{Around, Iterations, RoutineCall};
 use crate::emit::statements::{Body, Syntax};
 use crate::emit::support::Support;
-use crate::program::{Addend, MultiplyAdd, Operand};
+use crate::program::{Addend, Array, MultiplyAdd, Operand, Program, Routine};
 
 /// Returns the text of a kernel and its chunks, and adds the functions that it calls to `used`.
 pub(super) fn print(
@@ -21,7 +22,7 @@ pub(super) fn print(
     let lengths: Vec<usize> =
         kernel.description.arguments.iter().map(|argument| argument.len).collect();
     let last = program.chunks.len() - 1;
-    let mut text = String::new();
+    let mut text = routines(dialect, kernel, used);
     let mut calls = String::new();
     for (k, chunk) in program.chunks.iter().enumerate() {
         let inner = k < last;
@@ -48,6 +49,26 @@ pub(super) fn print(
         }
     }
     text
+}
+
+/// Returns the functions of the routines that a kernel's loops call.
+fn routines(dialect: &dyn Dialect, kernel: &Kernel<'_>, used: &mut BTreeSet<Support>) -> String {
+    let routine = |(number, routine): (usize, &Routine)| {
+        let Program { arguments, results, statements, .. } = &routine.program;
+        let read = GpuArgument { name: "read".into(), len: *arguments, common: false };
+        let description = GpuKernel {
+            name: format!("{}_routine{number}", kernel.description.name),
+            function: kernel.description.function,
+            link: None,
+            arguments: [read].into_iter().filter(|argument| argument.len > 0).collect(),
+            result: results.len(),
+            statements: statements.len(),
+        };
+        let (docs, placement_numbers) = (String::new(), Vec::new());
+        let function = Kernel { description, docs, program: &routine.program, placement_numbers };
+        print(&*dialect.of_routines(), &function, used)
+    };
+    kernel.program.routines.iter().enumerate().map(routine).collect()
 }
 
 /// The syntax of a chunk's statements.
@@ -97,6 +118,29 @@ impl Syntax for Statements<'_> {
     fn argument(&self, argument: usize, i: usize) -> String {
         let kernel = &self.kernel.description;
         self.dialect.argument(kernel, &kernel.arguments[argument], i)
+    }
+
+    fn zeros(&self, name: &str, shape: Array) -> String {
+        self.dialect.zeros(name, shape.len())
+    }
+
+    fn iterations(&self, iterations: &Iterations<'_>) -> Around {
+        let Iterations { depth, table, end, .. } = iterations;
+        let count = format!("{}u", table.rows.len());
+        let zero = self.dialect.literal(0.0);
+        let end = end.iter().map(|end| format!("    if ({end} >= {zero}) {{ break; }}"));
+        let head = self.dialect.counting(&format!("i{depth}"), &count);
+        Around { before: [head].into_iter().chain(end).collect(), after: vec!["}".into()] }
+    }
+
+    fn call(&self, call: &RoutineCall) -> Around {
+        let RoutineCall { routine, reads, results, .. } = call;
+        let name = format!("{}_routine{routine}", self.kernel.description.name);
+        let read = (!reads.is_empty()).then(|| self.dialect.array("read", reads));
+        let arguments: Vec<String> = read.iter().map(|_| "read".into()).collect();
+        let call = self.dialect.call_into("results", *results, &name, &arguments);
+        let lines = read.into_iter().chain([call]).map(|line| format!("    {line}"));
+        Around { before: ["{".into()].into_iter().chain(lines).collect(), after: vec!["}".into()] }
     }
 
     fn constant_argument(&self, i: usize) -> String {

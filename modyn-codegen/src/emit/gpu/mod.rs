@@ -25,9 +25,9 @@ use modyn_read::diagnostics::sanitize_for_display;
 use modyn_runtime::model::Model;
 
 use super::support::Support;
-use super::{Backend, EmitOptions, File, FloatType, PlannedRobot, lacks_solver};
+use super::{Backend, EmitOptions, File, FloatType, PlannedRobot};
 use crate::names;
-use crate::plan::{Argument, Frames, Function, Kernels, LinkProgram, Plan, Planned, Shape};
+use crate::plan::{Argument, Frames, Kernels, LinkProgram, Plan, Planned, Shape};
 use crate::program::{Execution, Program};
 
 /// A language for graphics processors.
@@ -54,10 +54,6 @@ impl Backend for Gpu {
             GpuLanguage::Wgsl => "wgsl",
         };
         vec![File::new(format!("{}.{ending}", robot.stem), print(robot, self.0))]
-    }
-
-    fn lacks(&self, function: Function) -> Option<&'static str> {
-        lacks_solver(function)
     }
 
     fn with_origin(&self, text: &str, origin: &str) -> String {
@@ -193,6 +189,13 @@ trait Dialect {
 
     /// Returns the definition of a variable array with these values.
     fn array(&self, name: &str, values: &[String]) -> String;
+
+    /// Returns the definition of a variable array of zeros.
+    fn zeros(&self, name: &str, len: usize) -> String;
+
+    /// Returns the syntax of the routines that loops call, whose arguments and results are a
+    /// thread's own arrays.
+    fn of_routines(&self) -> Box<dyn Dialect>;
 
     /// Returns the definition of a variable that is zero.
     fn zero(&self, name: &str) -> String;

@@ -7,10 +7,12 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::constrained::{ConstrainedStep, settings_count};
-use super::{Dialect, GpuKernel, GpuLanguage, Kernel, Storage, dialect, function, head, kernels};
+use super::constrained::ConstrainedStep;
+use super::{
+    Dialect, GpuArgument, GpuKernel, GpuLanguage, Kernel, Storage, dialect, function, head, kernels,
+};
 use crate::emit::PlannedRobot;
-use crate::plan::{Function, Plan};
+use crate::plan::{CARRIED, Function, Plan};
 
 /// The functions of the user in rollouts, as texts in the language of the kernels.
 ///
@@ -50,7 +52,7 @@ pub enum RolloutBuffer {
     /// The controls: control `j` of step `k` of rollout `i` of `n` is number
     /// `(k controls + j) n + i`.
     Controls,
-    /// The settings of closed loops and contacts, common to all rollouts.
+    /// The settings of the time step's function, common to all rollouts.
     Settings,
     /// Numbers for the user's functions, common to all rollouts.
     Data,
@@ -109,9 +111,6 @@ pub struct RolloutSource {
     pub controls: usize,
     /// The number of run-time parameters.
     pub parameters: usize,
-    /// The number of settings of closed loops and contacts, in the order of `ConstraintSettings`;
-    /// zero without steps that hold them.
-    pub settings: usize,
     /// The buffers of each kernel. In WGSL their bindings in group 0 are counted in this order, and
     /// after them comes a uniform: the numbers of rollouts, steps and initial states, whether the
     /// trajectory is stored (`u32` each), and the time step (`f32`). Rollout `i` starts from
@@ -126,9 +125,12 @@ pub struct GpuRollout {
     /// The name of the entry point.
     pub name: String,
     /// The name of the function of a time step; `constrained_forward_dynamics` for a semi-implicit
-    /// Euler step that closes the loops and holds contacts. `contact_step` starts from zero
-    /// impulses, then from those of the step before.
+    /// Euler step that closes the loops and holds contacts. `contact_step` starts from the impulses
+    /// of the step before, `step` from its accelerations; the first step starts from zeros.
     pub step: &'static str,
+    /// The number of settings of that function, in the order of `ConstraintSettings`, or of
+    /// `StepSettings` for `step`; zero for functions without settings.
+    pub settings: usize,
     /// The number of statements of a time step, without those of the user's functions.
     pub statements: usize,
 }
@@ -170,21 +172,14 @@ pub(in crate::emit) fn print(
         let kernel = kernels.iter().find(|kernel| kernel.description.function == planned.name)?;
         Some((&kernel.description, planned.rollout()?))
     });
-    let contacts = sizes.contacts;
-    let rollouts_of_table =
-        of_table.map(|(step, rollout)| match step.function == Function::ContactStep.name() {
-            true => Step::Ground { step, contacts, rollout },
-            false => Step::Free { step, rollout },
-        });
-    let steps: Vec<Step<'_>> =
-        rollouts_of_table.chain(constrained.map(Step::Constrained)).collect();
-    let has_settings = steps.iter().any(|step| step.contacts().is_some());
-    let settings = if has_settings { settings_count(contacts) } else { 0 };
+    let of_table = of_table.map(|(step, rollout)| Step::OfTable { step, rollout });
+    let steps: Vec<Step<'_>> = of_table.chain(constrained.map(Step::Constrained)).collect();
+    let has_settings = steps.iter().any(|step| step.settings() > 0);
     let optional = [
         (RolloutBuffer::StartQ, true),
         (RolloutBuffer::StartQd, true),
         (RolloutBuffer::Controls, true),
-        (RolloutBuffer::Settings, settings > 0),
+        (RolloutBuffer::Settings, has_settings),
         (RolloutBuffer::Data, has_functions),
         (RolloutBuffer::Parameters, parameters > 0),
         (RolloutBuffer::Out, true),
@@ -202,7 +197,9 @@ pub(in crate::emit) fn print(
         let body = body(&*dialect, step, (sizes.nq, sizes.nv, controls), options, &shared);
         let rollout = Rollout { prefix, name: &name, docs: &docs(options), buffers: &buffers };
         loops += &dialect.rollout_kernel(&rollout, &body);
-        rollouts.push(GpuRollout { name, step: step.function(), statements: step.statements() });
+        let settings = step.settings();
+        let statements = step.statements();
+        rollouts.push(GpuRollout { name, step: step.function().function, settings, statements });
     }
     let shared_text = Rollout { prefix, name: "", docs: "", buffers: &buffers };
     let head = head(&*dialect, model, prefix);
@@ -216,62 +213,50 @@ pub(in crate::emit) fn print(
     let prefix = prefix.into();
     let nq = sizes.nq;
     let nv = sizes.nv;
-    RolloutSource {
-        language,
-        prefix,
-        text,
-        rollouts,
-        nq,
-        nv,
-        controls,
-        parameters,
-        settings,
-        buffers,
-    }
+    RolloutSource { language, prefix, text, rollouts, nq, nv, controls, parameters, buffers }
 }
 
 /// The way a kernel computes the state after a time step.
 enum Step<'a> {
     /// By a function of the table.
-    Free { step: &'a GpuKernel, rollout: String },
+    OfTable { step: &'a GpuKernel, rollout: String },
     /// By a semi-implicit Euler step with constrained accelerations.
     Constrained(ConstrainedStep<'a>),
-    /// By a step with contacts that slide and leave the ground, whose impulses the next step starts
-    /// from.
-    Ground { step: &'a GpuKernel, contacts: usize, rollout: String },
 }
 
-impl Step<'_> {
+impl<'a> Step<'a> {
     /// Returns the name of the kernel without the robot's.
     fn rollout(&self) -> &str {
         match self {
-            Self::Free { rollout, .. } | Self::Ground { rollout, .. } => rollout,
+            Self::OfTable { rollout, .. } => rollout,
             Self::Constrained(_) => "rollout_constrained",
         }
     }
 
-    /// Returns the number of contacts of a step with settings.
-    fn contacts(&self) -> Option<usize> {
+    /// Returns the function whose settings are those of the kernel.
+    fn function(&self) -> &'a GpuKernel {
         match self {
-            Self::Free { .. } => None,
-            Self::Constrained(step) => Some(step.contacts),
-            Self::Ground { contacts, .. } => Some(*contacts),
+            Self::OfTable { step, .. } => step,
+            Self::Constrained(step) => step.dynamics,
         }
     }
 
-    fn function(&self) -> &'static str {
-        match self {
-            Self::Free { step, .. } | Self::Ground { step, .. } => step.function,
-            Self::Constrained(step) => step.dynamics.function,
-        }
+    /// Returns the number of settings.
+    fn settings(&self) -> usize {
+        let mut arguments = self.function().arguments.iter();
+        arguments.find(|argument| is_settings(argument)).map_or(0, |argument| argument.len)
     }
 
     fn statements(&self) -> usize {
         match self {
-            Self::Free { step, .. } | Self::Ground { step, .. } => step.statements,
+            Self::OfTable { step, .. } => step.statements,
             Self::Constrained(step) => step.dynamics.statements + step.integrate.statements,
         }
     }
+}
+
+fn is_settings(argument: &GpuArgument) -> bool {
+    argument.name.ends_with("settings")
 }
 
 /// Returns the step that closes the loops and holds contacts, if the robot has its functions, and
@@ -337,13 +322,20 @@ fn body(
     if options.cost.is_some() {
         let _ = writeln!(text, "    {}", dialect.zero("sum"));
     }
-    if let Some(contacts) = step.contacts() {
-        let settings = dialect.shared_array(RolloutBuffer::Settings, settings_count(contacts));
+    let settings = step.settings();
+    if settings > 0 {
+        let settings = dialect.shared_array(RolloutBuffer::Settings, settings);
         text.extend(settings.map(|line| format!("    {line}\n")));
     }
-    if let Step::Ground { contacts, .. } = step {
-        let zeros = vec![dialect.literal(0.0); 3 * contacts];
-        let _ = writeln!(text, "    {}", dialect.array("impulses", &zeros));
+    let carried = match step {
+        Step::OfTable { step, .. } => {
+            step.arguments.iter().find(|argument| CARRIED.contains(&&*argument.name))
+        }
+        Step::Constrained(_) => None,
+    };
+    if let Some(GpuArgument { name, len, .. }) = carried {
+        let zeros = vec![dialect.literal(0.0); *len];
+        let _ = writeln!(text, "    {}", dialect.array(name, &zeros));
     }
     let _ = writeln!(text, "    {}", dialect.counting("step", "steps"));
     let mut line = |line: String| {
@@ -362,19 +354,19 @@ fn body(
     };
     let state = |j: usize| if j < nq { format!("q[{j}]") } else { format!("qd[{}]", j - nq) };
     match step {
-        Step::Free { step, .. } => {
-            let names = ["q", "qd", forces, "dt"].map(String::from).into_iter();
+        Step::OfTable { step, .. } => {
+            let own = step.arguments.iter().filter(|argument| !argument.common);
+            let names = own.map(|argument| match &*argument.name {
+                "tau" => forces.into(),
+                _ if is_settings(argument) => RolloutBuffer::Settings.name().into(),
+                name => name.into(),
+            });
             let of_step: Vec<String> = names.chain(passed(step)).collect();
-            line(dialect.call_into("next", nq + nv, &step.name, &of_step));
-            (0..nq + nv).for_each(|j| line(format!("{} = next[{j}];", state(j))));
-        }
-        Step::Ground { step, contacts, .. } => {
-            let names = ["q", "qd", forces, "dt", "impulses", "settings"].map(String::from);
-            let of_step: Vec<String> = names.into_iter().chain(passed(step)).collect();
             line(dialect.call_into("next", step.result, &step.name, &of_step));
             (0..nq + nv).for_each(|j| line(format!("{} = next[{j}];", state(j))));
-            let first = nq + nv;
-            (0..3 * contacts).for_each(|j| line(format!("impulses[{j}] = next[{}];", first + j)));
+            if let Some(GpuArgument { name, len, .. }) = carried {
+                (0..*len).for_each(|j| line(format!("{name}[{j}] = next[{}];", nq + nv + j)));
+            }
         }
         Step::Constrained(step) => {
             let user = arguments(&["q", "qd", "u", "step"]);

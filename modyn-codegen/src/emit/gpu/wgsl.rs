@@ -297,6 +297,15 @@ impl Dialect for Wgsl {
         format!("var {name} = array<f32, {}>({});", values.len(), values.join(", "))
     }
 
+    /// A variable begins with zeros.
+    fn zeros(&self, name: &str, len: usize) -> String {
+        format!("var {name}: array<f32, {len}>;")
+    }
+
+    fn of_routines(&self) -> Box<dyn Dialect> {
+        Box::new(Self { storage: Storage::Own, prefix: self.prefix.clone() })
+    }
+
     fn zero(&self, name: &str) -> String {
         format!("var {name} = 0.0f;")
     }

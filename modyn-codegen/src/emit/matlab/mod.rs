@@ -9,15 +9,16 @@ use std::fmt::Write as _;
 
 use modyn_runtime::model::{Model, ModuleTree};
 
+use super::loops::{Around, Iterations, RoutineCall};
 use super::statements::{Body, Syntax, sum_of_products};
 use super::support::Support;
-use super::{Backend, EmitOptions, File, PlannedRobot, Refused, lacks_solver};
+use super::{Backend, EmitOptions, File, PlannedRobot, Refused};
 use crate::names;
 use crate::plan::{
     Choices, CodeForm, Elements, FactorFunction, Frames, Function, Kernels, LinkProgram, Plan,
     Planned, Shape, TooLong,
 };
-use crate::program::{Execution, MultiplyAdd, Operand, Operation, Program};
+use crate::program::{Array, Execution, MultiplyAdd, Operand, Operation, Place, Program};
 
 /// The back end.
 pub(super) struct Matlab;
@@ -61,10 +62,6 @@ impl Backend for Matlab {
     ) -> Result<Plan, TooLong> {
         let choices = Choices { share: false, code: CodeForm::Fast, ..choices.clone() };
         Plan::new(model, modules, &choices, self.execution(options))
-    }
-
-    fn lacks(&self, function: Function) -> Option<&'static str> {
-        lacks_solver(function)
     }
 
     fn refused(&self) -> &'static [Refused] {
@@ -323,10 +320,14 @@ impl Locals {
         let lengths: Vec<usize> = given.iter().map(|(_, len)| *len).collect();
         let names: Vec<&str> = given.iter().map(|(name, _)| name.as_str()).collect();
         let last = program.chunks.len() - 1;
-        let syntax = Statements { given };
         // Run-time parameters may be one column for all states.
         let states = names.first().map_or("1".into(), |name| format!("size({name}, 2)"));
         let class = names.first().map_or("'double'".into(), |name| format!("class({name})"));
+        let syntax = Statements { name, given, states: &states, class: &class };
+        for (number, routine) in program.routines.iter().enumerate() {
+            let read = [("read".into(), routine.program.arguments)];
+            self.program(&format!("{name}_routine{number}"), &read, &routine.program);
+        }
         for (k, chunk) in program.chunks.iter().enumerate() {
             let syntax = &syntax;
             let first = chunk.statements.start;
@@ -347,6 +348,10 @@ impl Locals {
                 let live = chunk.live_out.iter().map(|&value| body.value(value));
                 (format!("{name}_chunk{k}({arguments})"), String::new(), live.collect::<Vec<_>>())
             };
+            let mut operations = chunk.statements.clone().map(|s| &program.statements[s].operation);
+            if operations.any(|operation| matches!(operation, Operation::Loops(_))) {
+                text += &syntax.states();
+            }
             for s in chunk.statements.clone() {
                 body.statement(&mut text, s);
             }
@@ -385,9 +390,31 @@ impl Locals {
     }
 }
 
-/// The syntax of statements, over arguments of these names and lengths.
+/// The syntax of statements.
+///
+/// Loops run for all states together. `active` are the columns of the states whose loops have not
+/// ended: arrays are read and written in these columns only.
 struct Statements<'a> {
+    /// The name of the function.
+    name: &'a str,
+    /// The names and lengths of the arguments.
     given: &'a [(String, usize)],
+    /// The number of states.
+    states: &'a str,
+    /// The class of the results.
+    class: &'a str,
+}
+
+impl Statements<'_> {
+    /// Returns the lines before statements with loops: all states are active, and each has a column
+    /// of run-time parameters.
+    fn states(&self) -> String {
+        let states = self.states;
+        let parameters = self.given.iter().find(|(name, _)| name == "params").map(|(name, _)| {
+            format!("    if size({name}, 2) == 1, {name} = repmat({name}, 1, {states}); end\n")
+        });
+        format!("    active = 1:{states};\n{}", parameters.unwrap_or_default())
+    }
 }
 
 impl Syntax for Statements<'_> {
@@ -433,6 +460,44 @@ impl Syntax for Statements<'_> {
 
     fn live_value(&self, chunk: usize, i: usize) -> String {
         format!("chunk{chunk}({}, :)", i + 1)
+    }
+
+    fn entry(&self, array: &str, place: Place) -> String {
+        format!("{array}({}, active)", place.index + 1)
+    }
+
+    fn given(&self, argument: usize, place: Place) -> String {
+        self.entry(&self.given[argument].0, place)
+    }
+
+    fn zeros(&self, name: &str, shape: Array) -> String {
+        format!("{name} = zeros({}, {}, {});", shape.len(), self.states, self.class)
+    }
+
+    fn iterations(&self, iterations: &Iterations<'_>) -> Around {
+        let Iterations { depth, table, end, .. } = iterations;
+        let mut before = vec![
+            format!("outer{depth} = active;"),
+            format!("for i{depth} = 1:{}", table.rows.len()),
+        ];
+        if let Some(end) = end {
+            before.push(format!("    active = active(~({end} >= 0));"));
+            before.push("    if isempty(active), break; end".into());
+        }
+        Around { before, after: vec!["end".into(), format!("active = outer{depth};")] }
+    }
+
+    fn call(&self, call: &RoutineCall) -> Around {
+        let RoutineCall { routine, reads, .. } = call;
+        let before = vec![
+            format!("read = [{}];", reads.join("; ")),
+            format!("results = {}_routine{routine}(read);", self.name),
+        ];
+        Around { before, after: Vec::new() }
+    }
+
+    fn result(&self, i: usize) -> String {
+        format!("results({}, :)", i + 1)
     }
 
     fn function(&self, support: Support) -> &'static str {

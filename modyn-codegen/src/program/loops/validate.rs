@@ -1,7 +1,7 @@
 //! The rules that loops satisfy.
 
 use super::{Array, Call, Entry, Loop, Loops, Place, Read, Routine, Step, Table};
-use crate::program::Program;
+use crate::program::{Execution, Program};
 
 impl Loops {
     /// Returns the rule that the loops break. The rules of operands are checked for all operations
@@ -11,8 +11,17 @@ impl Loops {
         if !entries.into_iter().all(|entry| self.has(entry)) {
             return Some("an entry of an array is within the array");
         }
+        if program.execution == Execution::Threads && !self.has_fixed_places(program) {
+            return Some("loops of threads have fixed places and no constants");
+        }
         let mut check = Check { loops: self, program, tables: Vec::new() };
         check.steps(&self.steps)
+    }
+
+    /// Returns whether all iterations are the same but for the numbers in arrays.
+    fn has_fixed_places(&self, program: &Program) -> bool {
+        program.tables.iter().all(Table::is_empty)
+            && self.arrays.iter().all(|array| array.columns == 1)
     }
 
     fn has(&self, entry: &Entry) -> bool {
