@@ -493,7 +493,7 @@ impl Builder {
             let message = "a rollout needs a function of a time step, and there is none";
             return Err(error(
                 message,
-                "add `step_semi_implicit` (or `contact_step`, for steps on the ground) to the option `functions`",
+                "add `step_semi_implicit` (or `step`, for steps on the ground) to the option `functions`",
             ));
         }
         Ok((source, options.warnings))

@@ -8,7 +8,11 @@ use modyn_codegen::{
     Base, Builder, Bundle, Contact, ContactKind, Function, LoopEnd, RolloutForces, RolloutOptions,
 };
 use modyn_gpu::{Gpu, Rollout, RolloutArguments};
-use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter, Twist, Wrench};
+use modyn_runtime::equations::soft_constraints::StepInput;
+use modyn_runtime::{
+    ConstraintSettings, ContactSurface, ContactTarget, Interpreter, StepSettings,
+    StepSolutionOutputs, Twist, Wrench,
+};
 
 use crate::conformance::robot;
 
@@ -156,4 +160,75 @@ fn a_quadruped_lands_and_stands() {
     let error = rollout.run(&short).expect_err("too few").to_string();
     assert!(error.contains("takes 104 numbers a state as `settings`, not 19"), "{error}");
     assert!(rollout.run(&RolloutArguments { settings: None, ..arguments }).is_ok());
+}
+
+/// Returns the state after the steps of the solver in double precision, and the forces of the last step.
+fn expected_by_solver(q: &[f64], goals: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let builder = quadruped().functions([Function::Step]);
+    let mut interpreter = Interpreter::<f64>::new(builder.plan().expect("good").model);
+    let settings = StepSettings::<f64, [ContactSurface<f64>; 4]>::DEFAULT;
+    let (mut q, mut qd) = (q.to_vec(), vec![0.0; 18]);
+    let mut qdd = vec![0.0; 18];
+    let mut forces = vec![0.0; 12];
+    for _ in 0..STEPS {
+        let mut tau = vec![0.0; 18];
+        for j in 0..12 {
+            tau[6 + j] = STIFF * (goals[j] - q[7 + j]) - DAMPED * qd[6 + j];
+        }
+        let warm_start = qdd.clone();
+        let dt = f64::from(DT);
+        let input = StepInput { q: &q, qd: &qd, tau: &tau, warm_start: &warm_start, dt };
+        let (mut next_q, mut next_qd) = (q.clone(), qd.clone());
+        let [mut residual, mut iterations] = [0.0; 2];
+        let outputs = StepSolutionOutputs {
+            q: &mut next_q,
+            qd: &mut next_qd,
+            qdd: &mut qdd,
+            forces: &mut forces,
+            residual: &mut residual,
+            iterations: &mut iterations,
+        };
+        interpreter.step(input, &settings, outputs).expect("lengths");
+        assert!(residual <= settings.tolerance && iterations < 12.0, "{residual} {iterations}");
+        (q, qd) = (next_q, next_qd);
+    }
+    (q, forces)
+}
+
+/// The same quadruped under soft constraints: each step starts from the accelerations of the last.
+#[test]
+fn a_quadruped_lands_by_soft_constraints() {
+    let gpu = Gpu::new().expect("a processor");
+    let forces = RolloutForces { text: FORCES.into(), controls: 12 };
+    let options = RolloutOptions { forces: Some(forces), ..RolloutOptions::default() };
+    let builder = quadruped().functions([Function::Step]);
+    let rollout = Rollout::new(&gpu, &builder, &options).expect("kernels");
+    let goals = [0.05, 0.7, -1.45].repeat(4);
+    let starts: Vec<Vec<f64>> = [0.25, 0.26, 0.27]
+        .map(|height| {
+            [&[0.1, -0.2, height, 0.02_f64.sin(), 0.0, 0.0, 0.02_f64.cos()][..], &goals].concat()
+        })
+        .into();
+    let q = gpu.upload(&common::columns(&starts), 3).expect("room");
+    let qd = gpu.upload(&[0.0; 54], 3).expect("room");
+    let controls: Vec<f32> =
+        goals.repeat(STEPS).iter().flat_map(|goal| [*goal as f32; 3]).collect();
+    let controls = gpu.upload(&controls, 3).expect("room");
+    let step = Function::Step;
+    let arguments = RolloutArguments { step, ..RolloutArguments::new(&q, &qd, &controls, DT) };
+    let found = rollout.run(&arguments).expect("it runs").state.read().expect("numbers");
+    for (i, start) in starts.iter().enumerate() {
+        let (state, forces) = expected_by_solver(start, &goals);
+        assert!(forces.iter().filter(|force| **force != 0.0).count() > 6, "{forces:?}");
+        for (j, x) in state.iter().enumerate() {
+            let error = (f64::from(found[3 * j + i]) - x).abs();
+            assert!(error < 3e-4, "rollout {i}, number {j}: {} and {x}", found[3 * j + i]);
+        }
+    }
+    // The default settings are those of the interpreter; others have as many numbers.
+    let count = rollout.source().rollouts[0].settings;
+    assert_eq!(count, StepSettings::<f64>::COUNT + 4 * ContactSurface::<f64>::COUNT);
+    let short = RolloutArguments { settings: Some(&q), ..arguments };
+    let error = rollout.run(&short).expect_err("too few").to_string();
+    assert!(error.contains(&format!("takes {count} numbers a state as `settings`")), "{error}");
 }

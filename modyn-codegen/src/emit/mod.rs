@@ -4,7 +4,6 @@
 mod c;
 mod casadi;
 mod gpu;
-mod loops;
 mod matlab;
 pub(crate) mod rust;
 mod statements;

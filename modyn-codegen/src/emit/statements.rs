@@ -1,8 +1,12 @@
 //! The statements of a program as lines of text: what C, CUDA, WGSL and MATLAB have in common.
 
+mod loops;
+
 use std::fmt::Write as _;
 
-use super::loops::{self, Around, Iterations, LoopStatements, RoutineCall};
+use loops::LoopStatements;
+pub(super) use loops::{Around, Iterations, RoutineCall};
+
 use super::support::Support;
 use crate::program::{
     Addend, Array, Entry, MultiplyAdd, Operand, Operation, Place, Program, RowEquations, Source,

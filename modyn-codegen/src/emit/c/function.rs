@@ -5,8 +5,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use super::{Array, Printer, literal, products};
-use crate::emit::loops::{Around, Iterations, RoutineCall};
-use crate::emit::statements::{Body, Syntax, sum_of_products};
+use crate::emit::statements::{Around, Body, Iterations, RoutineCall, Syntax, sum_of_products};
 use crate::emit::support::Support;
 use crate::program::{
     Array as LoopArray, Chunk, MultiplyAdd, Operand, Operation, Place, Program, RowEquations,

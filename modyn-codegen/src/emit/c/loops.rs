@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::function::C;
 use super::{Array as Parameter, Printer, literal};
-use crate::emit::loops::{Around, Iterations, RoutineCall};
+use crate::emit::statements::{Around, Iterations, RoutineCall};
 use crate::program::{Array, Program, Table};
 
 impl Printer {

@@ -25,8 +25,8 @@ impl Printer {
         let head = format!(
             "void {name}(unsigned int steps, const {real} *controls, {shared}{in_place}{real} *trajectory)"
         );
-        let carried = moved.iter().find(|array| CARRIED.contains(&&*array.name));
-        let carried = carried.map_or(String::new(), |Array { name, .. }| {
+        let start = moved.iter().find(|array| CARRIED.contains(&&*array.name));
+        let carried = start.map_or(String::new(), |Array { name, .. }| {
             format!(
                 "\n   `{name}` are those of the last step before the call, or zeros, and after it."
             )

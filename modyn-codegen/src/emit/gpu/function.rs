@@ -5,8 +5,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use super::{Dialect, GpuArgument, GpuKernel, Kernel};
-use crate::emit::loops::{Around, Iterations, RoutineCall};
-use crate::emit::statements::{Body, Syntax};
+use crate::emit::statements::{Around, Body, Iterations, RoutineCall, Syntax};
 use crate::emit::support::Support;
 use crate::program::{Addend, Array, MultiplyAdd, Operand, Program, Routine};
 
@@ -64,8 +63,12 @@ fn routines(dialect: &dyn Dialect, kernel: &Kernel<'_>, used: &mut BTreeSet<Supp
             result: results.len(),
             statements: statements.len(),
         };
-        let (docs, placement_numbers) = (String::new(), Vec::new());
-        let function = Kernel { description, docs, program: &routine.program, placement_numbers };
+        let function = Kernel {
+            description,
+            docs: String::new(),
+            program: &routine.program,
+            placement_numbers: Vec::new(),
+        };
         print(&*dialect.of_routines(), &function, used)
     };
     kernel.program.routines.iter().enumerate().map(routine).collect()

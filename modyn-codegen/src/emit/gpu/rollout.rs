@@ -170,9 +170,8 @@ pub(in crate::emit) fn print(
     let constrained = constrained_step(&kernels, plan, options);
     let of_table = plan.functions.iter().filter_map(|planned| {
         let kernel = kernels.iter().find(|kernel| kernel.description.function == planned.name)?;
-        Some((&kernel.description, planned.rollout()?))
+        Some(Step::OfTable { step: &kernel.description, rollout: planned.rollout()? })
     });
-    let of_table = of_table.map(|(step, rollout)| Step::OfTable { step, rollout });
     let steps: Vec<Step<'_>> = of_table.chain(constrained.map(Step::Constrained)).collect();
     let has_settings = steps.iter().any(|step| step.settings() > 0);
     let optional = [
@@ -355,8 +354,8 @@ fn body(
     let state = |j: usize| if j < nq { format!("q[{j}]") } else { format!("qd[{}]", j - nq) };
     match step {
         Step::OfTable { step, .. } => {
-            let own = step.arguments.iter().filter(|argument| !argument.common);
-            let names = own.map(|argument| match &*argument.name {
+            let of_state = step.arguments.iter().filter(|argument| !argument.common);
+            let names = of_state.map(|argument| match &*argument.name {
                 "tau" => forces.into(),
                 _ if is_settings(argument) => RolloutBuffer::Settings.name().into(),
                 name => name.into(),

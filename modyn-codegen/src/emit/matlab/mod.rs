@@ -9,8 +9,7 @@ use std::fmt::Write as _;
 
 use modyn_runtime::model::{Model, ModuleTree};
 
-use super::loops::{Around, Iterations, RoutineCall};
-use super::statements::{Body, Syntax, sum_of_products};
+use super::statements::{Around, Body, Iterations, RoutineCall, Syntax, sum_of_products};
 use super::support::Support;
 use super::{Backend, EmitOptions, File, PlannedRobot, Refused};
 use crate::names;

@@ -2,17 +2,17 @@
 
 use std::fmt::Write as _;
 
-use super::statements::{Body, Syntax};
+use super::{Body, Syntax};
 use crate::program::{Array, Call, Column, Entry, Loop, Loops, Place, Read, Step, Table};
 
 /// The lines before and after the steps of a loop, or before and after the stores of a call.
-pub(super) struct Around {
+pub(in crate::emit) struct Around {
     pub before: Vec<String>,
     pub after: Vec<String>,
 }
 
 /// A loop, as languages print it.
-pub(super) struct Iterations<'a> {
+pub(in crate::emit) struct Iterations<'a> {
     /// The number of loops around this loop.
     pub depth: usize,
     /// The index of the table.
@@ -28,7 +28,7 @@ pub(super) struct Iterations<'a> {
 }
 
 /// A call of a routine, as languages print it. Its results are named `results`.
-pub(super) struct RoutineCall {
+pub(in crate::emit) struct RoutineCall {
     /// The index of the routine.
     pub routine: usize,
     /// The number of loops around the loop whose constants the routine receives.
